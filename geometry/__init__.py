@@ -1,0 +1,1 @@
+"""Where loads act: parametric parts, their meshes, named interfaces and mass properties."""
