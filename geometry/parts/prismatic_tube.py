@@ -1,15 +1,46 @@
 """A plain square tube between two pins, loaded on its end faces."""
 
 from dataclasses import dataclass
+from typing import Any, ClassVar
 
-from geometry.parameters import GIVEN_BY_LINKAGE, length
+import numpy as np
+
+from geometry.mesh import Interface
+from geometry.meshing import Body, faces_where
+from geometry.parameters import GIVEN_BY_LINKAGE, a_length, check_square_tube
+from geometry.parts._solids import square_tube
 
 
 @dataclass(frozen=True)
 class PrismaticTube:
     """Square tube along x from x = 0 (interface "start") to x = `length` (interface "end")."""
 
-    length: float = length("distance between the pin axes", given_by=GIVEN_BY_LINKAGE)
-    width: float = length("outer width of the square tube")
-    wall: float = length("wall thickness")
-    inner_radius: float = length("radius of the tube's inner corners", default=0.0)
+    interfaces: ClassVar[tuple[str, ...]] = ("start", "end")
+
+    length: float = a_length("distance between the pin axes", given_by=GIVEN_BY_LINKAGE)
+    width: float = a_length("outer width of the square tube")
+    wall: float = a_length("wall thickness")
+    inner_radius: float = a_length("radius of the tube's inner corners", default=0.0)
+
+    def __post_init__(self) -> None:
+        check_square_tube(self.length, self.width, self.wall, self.inner_radius)
+
+    def build(self, gmsh: Any) -> Body:
+        """Build the tube in gmsh's current model."""
+        square_tube(gmsh, 0.0, self.length, self.width, self.wall, self.inner_radius)
+        gmsh.model.occ.synchronize()
+        places = {"start": 0.0, "end": self.length}
+        ends = {
+            name: faces_where(
+                gmsh, lambda box, _, x=x: np.allclose(box[[0, 3]], x, atol=1e-4 * self.width)
+            )
+            for name, x in places.items()
+        }
+        return Body(
+            surfaces=ends,
+            interfaces=[
+                Interface(name, "face", np.array([x, 0.0, 0.0])) for name, x in places.items()
+            ],
+            size=1.5 * self.wall,
+            regions=[],
+        )

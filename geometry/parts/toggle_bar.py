@@ -1,8 +1,21 @@
 """A toggle bar: square tube with a bolt hole through both cheeks at each end, folded open at the knee."""
 
 from dataclasses import dataclass
+from typing import Any, ClassVar
 
-from geometry.parameters import GIVEN_BY_LINKAGE, length
+import numpy as np
+
+from geometry.mesh import Interface
+from geometry.meshing import Body, Region, faces_where
+from geometry.parameters import (
+    GIVEN_BY_LINKAGE,
+    ParameterError,
+    a_length,
+    check_above,
+    check_at_least,
+    check_square_tube,
+)
+from geometry.parts._solids import square_tube
 
 
 @dataclass(frozen=True)
@@ -13,11 +26,134 @@ class ToggleBar:
     `cutout_length` from the knee's end, with corners of radius `cutout_corner`.
     """
 
-    length: float = length("distance between the pin axes", given_by=GIVEN_BY_LINKAGE)
-    width: float = length("outer width of the square tube")
-    wall: float = length("wall thickness")
-    hole: float = length("diameter of the holes through the cheeks")
-    overhang: float = length("from each pin axis to the bar's end")
-    inner_radius: float = length("radius of the tube's inner corners")
-    cutout_length: float = length("length over which the side walls are removed at the knee")
-    cutout_corner: float = length("corner radius of the cut-out")
+    interfaces: ClassVar[tuple[str, ...]] = ("knee", "end")
+
+    length: float = a_length("distance between the pin axes", given_by=GIVEN_BY_LINKAGE)
+    width: float = a_length("outer width of the square tube")
+    wall: float = a_length("wall thickness")
+    hole: float = a_length("diameter of the holes through the cheeks")
+    overhang: float = a_length("from each pin axis to the bar's end")
+    inner_radius: float = a_length("radius of the tube's inner corners")
+    cutout_length: float = a_length("length over which the side walls are removed at the knee")
+    cutout_corner: float = a_length("corner radius of the cut-out")
+
+    def __post_init__(self) -> None:
+        check_square_tube(self.length, self.width, self.wall, self.inner_radius)
+        self._check_holes()
+        self._check_cut_out()
+
+    def _check_holes(self) -> None:
+        check_above("hole", self.hole, 0)
+        flat = self.width - 2 * self.wall - 2 * self.inner_radius
+        if self.hole >= self.width:
+            raise ParameterError(
+                "hole", f"{self.hole:g} mm is larger than the bar's width of {self.width:g} mm"
+            )
+        if self.hole >= flat:
+            raise ParameterError(
+                "hole",
+                f"{self.hole:g} mm cuts into the side walls; it must be below {flat:g} mm, "
+                "the flat width of the cheek",
+            )
+        if self.hole >= self.length:
+            raise ParameterError(
+                "hole", f"{self.hole:g} mm: the holes meet, the pins are {self.length:g} mm apart"
+            )
+        if self.overhang <= self.hole / 2:
+            raise ParameterError(
+                "overhang",
+                f"{self.overhang:g} mm does not hold the hole of {self.hole:g} mm; "
+                f"it must be above {self.hole / 2:g} mm",
+            )
+
+    def _check_cut_out(self) -> None:
+        check_above("cutout_length", self.cutout_length, 0)
+        total = self.length + 2 * self.overhang
+        if self.cutout_length >= total:
+            raise ParameterError(
+                "cutout_length",
+                f"{self.cutout_length:g} mm is longer than the bar, which is {total:g} mm",
+            )
+        check_at_least("cutout_corner", self.cutout_corner, 0)
+        largest = min(self.width / 2 - self.wall, self.cutout_length)
+        if self.cutout_corner >= largest:
+            raise ParameterError(
+                "cutout_corner",
+                f"{self.cutout_corner:g} mm is too large for the cut-out; "
+                f"it must be below {largest:g} mm",
+            )
+
+    def build(self, gmsh: Any) -> Body:
+        """Build the bar in gmsh's current model."""
+        occ = gmsh.model.occ
+        tube = square_tube(
+            gmsh,
+            -self.overhang,
+            self.length + self.overhang,
+            self.width,
+            self.wall,
+            self.inner_radius,
+        )
+        tools = [self._cut_out(occ)]
+        for x in (0.0, self.length):
+            hole = occ.addCylinder(x, 0, -self.width, 0, 0, 2 * self.width, self.hole / 2)
+            tools.append((3, hole))
+        occ.cut([(3, tube)], tools)
+        occ.remove(occ.getEntities(2))
+        occ.synchronize()
+        return self._named(gmsh)
+
+    def _cut_out(self, occ: Any) -> tuple[int, int]:
+        """Prism along y that removes the side walls from the knee's end up to the cut-out's end."""
+        clear = self.width / 2 - self.wall
+        beyond = 2 * self.cutout_corner
+        profile = occ.addRectangle(
+            -self.overhang - beyond,
+            -clear,
+            0,
+            beyond + self.cutout_length,
+            2 * clear,
+            roundedRadius=self.cutout_corner,
+        )
+        occ.rotate([(2, profile)], 0, 0, 0, 1, 0, 0, np.pi / 2)
+        occ.translate([(2, profile)], 0, self.width, 0)
+        extruded = occ.extrude([(2, profile)], 0, -2 * self.width, 0)
+        return next(entity for entity in extruded if entity[0] == 3)
+
+    def _named(self, gmsh: Any) -> Body:
+        radius = self.hole / 2
+        tolerance = 1e-4 * self.width
+        cut_end = self.cutout_length - self.overhang
+
+        def bore_at(x: float) -> list[int]:
+            wanted = (x - radius, -radius, x + radius, radius)
+            return faces_where(
+                gmsh,
+                lambda box, kind: (
+                    kind == "Cylinder" and np.allclose(box[[0, 1, 3, 4]], wanted, atol=tolerance)
+                ),
+            )
+
+        corners = faces_where(
+            gmsh,
+            lambda box, kind: (
+                kind == "Cylinder"
+                and np.allclose(
+                    box[[0, 3]], (cut_end - self.cutout_corner, cut_end), atol=tolerance
+                )
+            ),
+        )
+        places = {"knee": 0.0, "end": self.length}
+        bores = {name: bore_at(x) for name, x in places.items()}
+        return Body(
+            surfaces={**bores, "cutout_corner": corners},
+            interfaces=[
+                Interface(name, "bore", np.array([x, 0.0, 0.0]), radius, 2 * self.wall)
+                for name, x in places.items()
+            ],
+            size=1.1 * self.wall,
+            regions=[
+                Region([(2, tag) for tags in bores.values() for tag in tags], radius / 9, radius),
+                Region([(2, tag) for tag in corners], self.cutout_corner / 3, self.cutout_corner),
+            ],
+        )

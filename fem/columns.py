@@ -1,0 +1,68 @@
+"""What a column's section carries by handbook: yield, Johnson's parabola, Euler.
+
+Johnson below the slenderness at which Euler's stress is half the yield stress, Euler above
+(Shigley, Mechanical Engineering Design, 10th ed., section 4-12 and 4-13).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class ColumnSection:
+    """A cross-section along a part in compression.
+
+    name                   as it is called in the report
+    area                   mm2
+    inertia_in_plane       mm4, for bending in the plane of the mechanism
+    inertia_out_of_plane   mm4
+    length_in_plane        mm, effective length; None for the part's own
+    length_out_of_plane    mm
+    """
+
+    name: str
+    area: float
+    inertia_in_plane: float
+    inertia_out_of_plane: float
+    length_in_plane: float | None = None
+    length_out_of_plane: float | None = None
+
+
+@dataclass(frozen=True)
+class ColumnStrength:
+    """Strength of a column in one plane.
+
+    slenderness     effective length over radius of gyration
+    critical        MPa, the stress that governs
+    governs         "yield", "Johnson" or "Euler"
+    johnson, euler  MPa; johnson is None where Euler governs
+    """
+
+    slenderness: float
+    critical: float
+    governs: str
+    johnson: float | None
+    euler: float
+
+
+def column_strength(
+    area: float, inertia: float, length: float, yield_stress: float, youngs_modulus: float
+) -> ColumnStrength:
+    """Critical stress of a column with hinged ends and effective length `length`, MPa.
+
+    >>> strength = column_strength(181.76, 24510.94, 250.0, 355.0, 210e3)
+    >>> round(strength.slenderness, 2), round(strength.critical, 1), strength.governs
+    (21.53, 348.0, 'Johnson')
+    """
+    for name, value in (("area", area), ("inertia", inertia), ("yield stress", yield_stress)):
+        if not value > 0:
+            raise ValueError(f"the column's {name} must be above 0, got {value}")
+    slenderness = length / np.sqrt(inertia / area)
+    euler = np.pi**2 * youngs_modulus / slenderness**2 if slenderness else float("inf")
+    transition = np.pi * np.sqrt(2 * youngs_modulus / yield_stress)
+    if slenderness >= transition:
+        return ColumnStrength(float(slenderness), float(euler), "Euler", None, float(euler))
+    johnson = yield_stress * (1 - yield_stress * slenderness**2 / (4 * np.pi**2 * youngs_modulus))
+    governs = "yield" if johnson > 0.999 * yield_stress else "Johnson"
+    return ColumnStrength(float(slenderness), float(johnson), governs, float(johnson), float(euler))

@@ -1,0 +1,180 @@
+"""The mesh of one part: nodes, second-order tetrahedra, named surfaces; and its mass properties."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+# Corner pairs of the mid-side nodes 4..9 of a ten-node tetrahedron, in VTK's order.
+TET_EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
+
+
+class MeshError(ValueError):
+    """A mesh that cannot carry a trustworthy solution."""
+
+
+@dataclass(frozen=True, eq=False)
+class Interface:
+    """Where another part presses on this one.
+
+    kind      "bore" (a pin inside a hole), "journal" (a lug around a pin) or "face" (a cut end)
+    centre    (3,) mm, the point at which the interface's wrench is stated
+    radius    mm, of a bore or journal; 0 for a face
+    length    mm, total loaded length along the axis (sum of both cheeks); 0 for a face
+    """
+
+    name: str
+    kind: str
+    centre: FloatArray
+    radius: float = 0.0
+    length: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class MassProperties:
+    """Mass properties about axes through the centre of mass, parallel to the part's axes.
+
+    mass     t
+    centre   (3,) mm, in the part's axes
+    inertia  t mm2, about z through the centre of mass
+    """
+
+    mass: float
+    centre: FloatArray
+    inertia: float
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Ten-node tetrahedra of one part, in the part's own axes.
+
+    nodes       (n_nodes, 3)       mm
+    elements    (n_elements, 10)   node indices, VTK order (corners, then TET_EDGES)
+    surfaces    name -> (n_facets, 6) node indices: corners, then mid-sides 01, 12, 20
+    interfaces  name -> Interface; each has a surface of the same name
+    volume_cad  mm3, of the CAD body the mesh stands for
+    """
+
+    nodes: FloatArray
+    elements: IntArray
+    surfaces: Mapping[str, IntArray]
+    interfaces: Mapping[str, Interface]
+    volume_cad: float
+
+    def __post_init__(self) -> None:
+        if self.nodes.ndim != 2 or self.nodes.shape[1] != 3:
+            raise MeshError(f"nodes must have shape (n, 3), got {self.nodes.shape}")
+        if self.elements.ndim != 2 or self.elements.shape[1] != 10 or not len(self.elements):
+            raise MeshError(f"elements must have shape (n, 10), n > 0, got {self.elements.shape}")
+        missing = set(self.interfaces) - set(self.surfaces)
+        if missing:
+            raise MeshError(f"interfaces without a surface: {', '.join(sorted(missing))}")
+        used = np.zeros(len(self.nodes), dtype=bool)
+        used[self.elements] = True
+        if not used.all():
+            raise MeshError(f"{np.count_nonzero(~used)} nodes belong to no element")
+        worst = self.jacobian_minimum
+        if not worst > 0:
+            raise MeshError(f"an element is folded: smallest scaled det J is {worst:.3g}")
+        deviation = abs(self.volume / self.volume_cad - 1)
+        if deviation > 1e-3:
+            raise MeshError(
+                f"the mesh has {self.volume:.6g} mm3 and the body {self.volume_cad:.6g} mm3, "
+                f"{deviation:.1e} apart (limit 1e-3)"
+            )
+
+    @cached_property
+    def jacobian_minimum(self) -> float:
+        """The smallest det J over all elements' nodes, scaled by the element's mean det J."""
+        determinants = _jacobian_determinants(self.nodes, self.elements, _NODE_POINTS)
+        mean = np.abs(determinants.mean(axis=1, keepdims=True))
+        return float((determinants / mean).min())
+
+    @cached_property
+    def volume(self) -> float:
+        """Volume of the curved elements, mm3."""
+        return float(self._weights.sum())
+
+    @cached_property
+    def _weights(self) -> FloatArray:
+        determinants = _jacobian_determinants(self.nodes, self.elements, _QUADRATURE_POINTS)
+        weights: FloatArray = determinants * _QUADRATURE_WEIGHTS
+        return weights
+
+    @cached_property
+    def surface_nodes(self) -> IntArray:
+        """Indices of the nodes on the boundary, ascending."""
+        return np.unique(boundary_facets(self.elements))
+
+    def mass_properties(self, density: float) -> MassProperties:
+        """Mass, centre and moment of inertia about z, by quadrature on the curved elements."""
+        points = np.einsum("qa,eax->eqx", _shape(_QUADRATURE_POINTS), self.nodes[self.elements])
+        mass = density * self._weights.sum()
+        centre = density * np.einsum("eq,eqx->x", self._weights, points) / mass
+        arm = points[..., :2] - centre[:2]
+        inertia = density * np.einsum("eq,eqx,eqx->", self._weights, arm, arm)
+        return MassProperties(float(mass), centre, float(inertia))
+
+
+def boundary_facets(elements: IntArray) -> IntArray:
+    """Facets that belong to one element only, (n, 6): corners, then mid-sides 01, 12, 20."""
+    local = np.array([[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6]])
+    facets = elements[:, local].reshape(-1, 6)
+    corners = np.sort(facets[:, :3], axis=1)
+    _, first, counts = np.unique(corners, axis=0, return_index=True, return_counts=True)
+    return facets[first[counts == 1]]
+
+
+def _shape(points: FloatArray) -> FloatArray:
+    """Shape functions of the ten-node tetrahedron, (n_points, 10)."""
+    barycentric = np.column_stack([1 - points.sum(axis=1), points])
+    corner = barycentric * (2 * barycentric - 1)
+    middle = [4 * barycentric[:, i] * barycentric[:, j] for i, j in TET_EDGES]
+    return np.column_stack([corner, *middle])
+
+
+def _shape_gradients(points: FloatArray) -> FloatArray:
+    """Their derivatives by the three local coordinates, (n_points, 10, 3)."""
+    barycentric = np.column_stack([1 - points.sum(axis=1), points])
+    slopes = np.vstack([-np.ones(3), np.eye(3)])
+    corner = (4 * barycentric - 1)[:, :, None] * slopes
+    middle = [
+        4 * (barycentric[:, i, None] * slopes[j] + barycentric[:, j, None] * slopes[i])
+        for i, j in TET_EDGES
+    ]
+    return np.concatenate([corner, np.stack(middle, axis=1)], axis=1)
+
+
+def _jacobian_determinants(nodes: FloatArray, elements: IntArray, points: FloatArray) -> FloatArray:
+    """Det J at the given local points of every element, (n_elements, n_points)."""
+    jacobians = np.einsum("eax,qar->eqxr", nodes[elements], _shape_gradients(points), optimize=True)
+    determinants: FloatArray = np.linalg.det(jacobians)
+    return determinants
+
+
+def _keast_degree_4() -> tuple[FloatArray, FloatArray]:
+    """Eleven points, degree 4 (Keast 1986, table 1 no. 4); weights sum to 1/6."""
+    a, b = (1 + np.sqrt(5 / 14)) / 4, (1 - np.sqrt(5 / 14)) / 4
+    corners = np.full((4, 4), 1 / 14) + np.eye(4) * (11 / 14 - 1 / 14)
+    edges = np.array([[a if k in pair else b for k in range(4)] for pair in TET_EDGES])
+    barycentric = np.vstack([np.full(4, 0.25), corners, edges])
+    weights = np.r_[-74 / 5625, np.full(4, 343 / 45000), np.full(6, 28 / 1125)]
+    return barycentric[:, 1:], weights
+
+
+_QUADRATURE_POINTS, _QUADRATURE_WEIGHTS = _keast_degree_4()
+_NODE_POINTS: Any = np.vstack(
+    [
+        np.vstack([np.zeros(3), np.eye(3)]),
+        [
+            (np.vstack([np.zeros(3), np.eye(3)])[i] + np.vstack([np.zeros(3), np.eye(3)])[j]) / 2
+            for i, j in TET_EDGES
+        ],
+    ]
+)

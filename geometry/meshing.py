@@ -1,0 +1,178 @@
+"""From a CAD body in gmsh to a Mesh: pinned options, named surfaces, no file in between.
+
+Nodes, elements and groups are read from gmsh's API straight into arrays: a detour through a mesh
+file loses the names of surfaces on second-order meshes.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from geometry.mesh import Interface, Mesh, MeshError
+
+# Every option that changes a mesh is set here, so that the same part gives the same mesh.
+_OPTIONS = {
+    "General.Terminal": 0,
+    "General.NumThreads": 1,  # two threads gave three different meshes in three runs
+    "Mesh.RandomSeed": 1,
+    "Mesh.Algorithm": 6,  # frontal-Delaunay on surfaces
+    "Mesh.Algorithm3D": 10,  # HXT
+    "Mesh.Optimize": 1,
+    "Mesh.ElementOrder": 2,
+    "Mesh.SecondOrderLinear": 0,
+    "Mesh.HighOrderOptimize": 1,  # a curved element on a small fillet folds without it
+    "Mesh.MeshSizeExtendFromBoundary": 0,
+    "Mesh.MeshSizeFromPoints": 0,
+    "Mesh.MeshSizeFromCurvature": 0,
+    "Geometry.OCCParallel": 0,
+    "Geometry.Tolerance": 1e-8,
+}
+
+_FROM_GMSH_TO_VTK = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
+
+
+@dataclass(frozen=True)
+class Region:
+    """A target size near some surfaces or curves.
+
+    entities  (dimension, tag) pairs of gmsh
+    size      mm, on the entities
+    reach     mm, distance at which the size has grown to the part's general size
+    """
+
+    entities: Sequence[tuple[int, int]]
+    size: float
+    reach: float
+
+
+@dataclass(frozen=True)
+class Body:
+    """A solid built in the running gmsh session, and what the mesher must know of it.
+
+    surfaces    name -> tags of its CAD faces
+    interfaces  the places where other parts press
+    size        mm, general element size
+    regions     where elements are smaller
+    """
+
+    surfaces: Mapping[str, Sequence[int]]
+    interfaces: Sequence[Interface]
+    size: float
+    regions: Sequence[Region]
+
+
+class Buildable(Protocol):
+    """A shape that can build itself with gmsh's OpenCASCADE kernel."""
+
+    def build(self, gmsh: Any) -> Body:
+        """Build the solid in gmsh's current model and say what stands where."""
+        ...
+
+
+@contextmanager
+def gmsh_session() -> Iterator[Any]:
+    """A gmsh session with pinned options, closed whatever happens.
+
+    Raises MeshError that names the system library if gmsh cannot be loaded.
+    """
+    try:
+        import gmsh
+    except OSError as error:
+        raise MeshError(
+            f"gmsh cannot be loaded ({error}); on Debian and Ubuntu: apt-get install "
+            "libgl1 libegl1 libglu1-mesa libxft2 libxcursor1 libxinerama1 libgomp1"
+        ) from error
+    gmsh.initialize(readConfigFiles=False, interruptible=False)
+    try:
+        for name, value in _OPTIONS.items():
+            gmsh.option.setNumber(name, value)
+        gmsh.model.add("part")
+        yield gmsh
+    finally:
+        gmsh.finalize()
+
+
+def mesh_shape(shape: Buildable, *, fineness: float = 1.0) -> Mesh:
+    """Mesh a shape; `fineness` divides every element size.
+
+    Raises MeshError if the body is not one solid, gmsh gives up, or the mesh is not usable.
+    """
+    if not fineness > 0:
+        raise ValueError(f"fineness must be above 0, got {fineness}")
+    with gmsh_session() as gmsh:
+        try:
+            body = shape.build(gmsh)
+            _set_sizes(gmsh, body, fineness)
+            gmsh.model.mesh.generate(3)
+        except MeshError:
+            raise
+        except Exception as error:  # gmsh raises bare Exception only
+            raise MeshError(f"gmsh could not mesh the part: {error}") from error
+        return _read_mesh(gmsh, body)
+
+
+def faces_where(gmsh: Any, test: Callable[[Any, str], bool]) -> list[int]:
+    """Tags of the CAD faces whose bounding box (6,) and type pass the test."""
+    found = []
+    for _, tag in gmsh.model.getEntities(2):
+        box = np.array(gmsh.model.getBoundingBox(2, tag))
+        if test(box, gmsh.model.getType(2, tag)):
+            found.append(tag)
+    return found
+
+
+def _set_sizes(gmsh: Any, body: Body, fineness: float) -> None:
+    field = gmsh.model.mesh.field
+    thresholds = []
+    for region in body.regions:
+        distance = field.add("Distance")
+        for dimension, key in ((1, "CurvesList"), (2, "SurfacesList")):
+            tags = [tag for d, tag in region.entities if d == dimension]
+            if tags:
+                field.setNumbers(distance, key, tags)
+        field.setNumber(distance, "Sampling", 40)
+        threshold = field.add("Threshold")
+        field.setNumber(threshold, "InField", distance)
+        field.setNumber(threshold, "SizeMin", region.size / fineness)
+        field.setNumber(threshold, "SizeMax", body.size / fineness)
+        field.setNumber(threshold, "DistMin", 0.1 * region.reach)
+        field.setNumber(threshold, "DistMax", region.reach)
+        thresholds.append(threshold)
+    smallest = field.add("Min")
+    field.setNumbers(smallest, "FieldsList", thresholds)
+    field.setAsBackgroundMesh(smallest)
+    gmsh.option.setNumber("Mesh.MeshSizeMax", body.size / fineness)
+
+
+def _read_mesh(gmsh: Any, body: Body) -> Mesh:
+    volumes = gmsh.model.getEntities(3)
+    if len(volumes) != 1:
+        raise MeshError(f"the part must be one solid, the CAD kernel built {len(volumes)}")
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    index = np.full(int(tags.max()) + 1, -1, dtype=np.int64)
+    index[tags] = np.arange(len(tags))
+    nodes = np.asarray(coordinates, dtype=float).reshape(-1, 3)
+
+    _, connectivity = gmsh.model.mesh.getElementsByType(11)
+    elements = index[np.asarray(connectivity, dtype=np.int64).reshape(-1, 10)][:, _FROM_GMSH_TO_VTK]
+
+    surfaces = {}
+    for name, faces in body.surfaces.items():
+        if not faces:
+            raise MeshError(f"no face of the body was found for surface {name!r}")
+        parts = [gmsh.model.mesh.getElementsByType(9, tag)[1] for tag in faces]
+        surfaces[name] = index[np.concatenate(parts).astype(np.int64).reshape(-1, 6)]
+
+    used = np.unique(elements)
+    renumber = np.full(len(nodes), -1, dtype=np.int64)
+    renumber[used] = np.arange(len(used))
+    return Mesh(
+        nodes=nodes[used],
+        elements=renumber[elements],
+        surfaces={name: renumber[facets] for name, facets in surfaces.items()},
+        interfaces={interface.name: interface for interface in body.interfaces},
+        volume_cad=float(gmsh.model.occ.getMass(3, volumes[0][1])),
+    )
