@@ -71,11 +71,15 @@ def buckling_modes(
             Minv=LinearOperator((n, n), matvec=project, dtype=float),
             which="LM",
             v0=start,
-            tol=1e-8,
+            tol=1e-6,
         )
     except ArpackNoConvergence as error:
         raise SolverError(f"the buckling factors did not converge: {error}") from error
     modes = []
+    for value, vector in zip(values, vectors.T, strict=True):
+        left = project(-geometric @ vector) / value - vector
+        if np.linalg.norm(left) > 1e-4 * np.linalg.norm(vector):
+            raise SolverError("a buckling mode does not satisfy its own equation")
     for value, vector in sorted(zip(values, vectors.T, strict=True), key=lambda pair: -pair[0]):
         if value <= 1e-12 * np.abs(values).max():
             continue
@@ -125,9 +129,11 @@ class _ConstrainedInverse:
         bordered[:n_rows, n_rows:] = -self._rows @ self._modes
         bordered[n_rows:, :n_rows] = self._modes.T @ self._rows.T
         self._bordered = bordered
+        self._free = np.setdiff1d(np.arange(len(self._modes)), solutions.held)
 
     def __call__(self, force: FloatArray) -> FloatArray:
-        response = self._solutions.solve(force.reshape(-1, 1))[:, 0]
+        response = np.zeros(len(force))
+        response[self._free] = self._solutions.factor.apply(force[self._free])
         right = np.concatenate([self._rows @ response, self._modes.T @ force])
         unknown = np.linalg.solve(self._bordered, right)
         count = len(self._rows)

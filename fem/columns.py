@@ -10,26 +10,6 @@ import numpy as np
 
 
 @dataclass(frozen=True)
-class ColumnSection:
-    """A cross-section along a part in compression.
-
-    name                   as it is called in the report
-    area                   mm2
-    inertia_in_plane       mm4, for bending in the plane of the mechanism
-    inertia_out_of_plane   mm4
-    length_in_plane        mm, effective length; None for the part's own
-    length_out_of_plane    mm
-    """
-
-    name: str
-    area: float
-    inertia_in_plane: float
-    inertia_out_of_plane: float
-    length_in_plane: float | None = None
-    length_out_of_plane: float | None = None
-
-
-@dataclass(frozen=True)
 class ColumnStrength:
     """Strength of a column in one plane.
 

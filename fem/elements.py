@@ -86,8 +86,17 @@ class Elements:
         """Quadrature points in the reference tetrahedron, (n_q, 3)."""
         return np.asarray(self._basis.X.T)
 
+    @cached_property
+    def _surfaces(self) -> dict[tuple[str, int], FacetQuadrature]:
+        return {}
+
     def surface(self, name: str, *, degree: int = 8) -> FacetQuadrature:
         """Quadrature over a named surface of the mesh."""
+        if (name, degree) not in self._surfaces:
+            self._surfaces[name, degree] = self._surface(name, degree)
+        return self._surfaces[name, degree]
+
+    def _surface(self, name: str, degree: int) -> FacetQuadrature:
         mesh = self._skfem_mesh
         corners = np.unique(self.mesh.elements[:, :4])
         index = np.full(len(self.mesh.nodes), -1)

@@ -26,6 +26,10 @@ class Factor:
     _matrix: sp.csr_array
     _apply: Callable[[FloatArray], FloatArray]
 
+    def apply(self, right: FloatArray) -> FloatArray:
+        """Solution without a check, for use inside an iteration that checks its own result."""
+        return self._apply(right)
+
     def solve(self, right: FloatArray) -> tuple[FloatArray, float]:
         """Solution for right-hand sides (n,) or (n, m), and the largest relative residual.
 

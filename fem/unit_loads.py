@@ -124,9 +124,11 @@ def direct_bearing(
 
     vector = _nodal(elements, surface, pressure)
     size = np.hypot(force[0], force[1])
-    got = resultants(elements, vector[:, None], interface.centre)[:, 0]
-    along = got[:2] @ np.array([force[0], force[1]]) / max(size, 1e-300)
-    vector *= size / along
+    if size:
+        got = resultants(elements, vector[:, None], interface.centre)[:2, 0]
+        vector *= size**2 / (got @ force[:2])
+    else:
+        vector *= 0.0
     couple = _nodal(elements, surface, _couple(interface))
     correct = _nodal(elements, surface, _round_harmonic(interface, 1, np.sin))
     correct_x = _nodal(elements, surface, _round_harmonic(interface, 1, np.cos))

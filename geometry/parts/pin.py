@@ -1,6 +1,7 @@
 """A pin in its stack of lugs, stepped where a lug has a smaller bore."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, ClassVar
 
 import numpy as np
@@ -9,6 +10,7 @@ from geometry.mesh import Interface
 from geometry.meshing import Body, Region, faces_where
 from geometry.parameters import ParameterError, a_length, check_above, check_at_least
 from geometry.parts._outline import Outline
+from geometry.sections import Section
 
 
 @dataclass(frozen=True)
@@ -72,12 +74,17 @@ class Pin:
 
     def _check_that_lugs_are_apart(self) -> None:
         seated = self.seated()
-        for (lower, _, top), (upper, bottom, _) in zip(seated, seated[1:], strict=False):
+        for (lower, _, top), (upper, bottom, _) in pairwise(seated):
             if bottom < top - 1e-9 * self.diameter:
                 raise ParameterError(
                     "seats",
                     f"{lower.name!r} and {upper.name!r} overlap by {top - bottom:g} mm on the pin",
                 )
+
+    @property
+    def sections(self) -> tuple[Section, ...]:
+        """None: a pin is bent and sheared, not compressed along its axis."""
+        return ()
 
     def build(self, gmsh: Any) -> Body:
         """Build the pin in gmsh's current model."""

@@ -9,6 +9,7 @@ from geometry.mesh import Interface
 from geometry.meshing import Body, faces_where
 from geometry.parameters import GIVEN_BY_LINKAGE, a_length, check_square_tube
 from geometry.parts._solids import square_tube
+from geometry.sections import Section, square_tube_section
 
 
 @dataclass(frozen=True)
@@ -24,6 +25,11 @@ class PrismaticTube:
 
     def __post_init__(self) -> None:
         check_square_tube(self.length, self.width, self.wall, self.inner_radius)
+
+    @property
+    def sections(self) -> tuple[Section, ...]:
+        """The tube's one section."""
+        return (square_tube_section("tube", self.width, self.wall, self.inner_radius),)
 
     def build(self, gmsh: Any) -> Body:
         """Build the tube in gmsh's current model."""

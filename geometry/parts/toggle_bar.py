@@ -16,6 +16,7 @@ from geometry.parameters import (
     check_square_tube,
 )
 from geometry.parts._solids import square_tube
+from geometry.sections import Section, plate_pair_section, square_tube_section
 
 
 @dataclass(frozen=True)
@@ -82,6 +83,14 @@ class ToggleBar:
                 f"{self.cutout_corner:g} mm is too large for the cut-out; "
                 f"it must be below {largest:g} mm",
             )
+
+    @property
+    def sections(self) -> tuple[Section, ...]:
+        """The tube, and the two cheeks that alone carry the load beside the cut-out."""
+        free = self.cutout_length - self.overhang
+        cheeks = plate_pair_section("cheeks", self.width, self.wall, free)
+        tube = square_tube_section("tube", self.width, self.wall, self.inner_radius)
+        return (tube, cheeks) if free > 0 else (tube,)
 
     def build(self, gmsh: Any) -> Body:
         """Build the bar in gmsh's current model."""

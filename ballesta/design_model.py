@@ -1,0 +1,317 @@
+"""What a design file may contain: the pydantic models its tables are read with.
+
+The models only know each table for itself; what must fit together between the tables is checked
+where the design is put together. The parts' parameters are described by the dataclasses in
+`geometry.parts`, and their models are made from those.
+"""
+
+import dataclasses
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints, create_model
+
+from ballesta.materials import MaterialEntry
+from ballesta.units import (
+    BY_DIMENSION,
+    Acceleration2,
+    BearingArc,
+    Direction2,
+    Force,
+    Fraction,
+    Inertia,
+    LengthOrAngle,
+    Mass,
+    OffsetLength,
+    Point2,
+    PositiveForce,
+    PositiveLength,
+    PositiveStress,
+    Rate,
+    SweepSpeed,
+)
+from geometry.parameters import GIVEN_BY_DESIGN
+from geometry.parts import SHAPES, Pin
+
+Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_][A-Za-z0-9_-]*$")]
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
+
+
+class Table(BaseModel):
+    """A table of the file: unknown keys are refused, what was read stays as it was."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Requirements(Table):
+    """The safety each kind of check must show."""
+
+    static: Positive = Field(1.5, description="against yield")
+    buckling: Positive = Field(3.0, description="against buckling")
+    fatigue: Positive = Field(1.3, description="against fatigue")
+    bush: Positive = Field(1.0, description="against the bushes' allowable pressure")
+
+
+class Guide(Table):
+    """A straight guide of a body in the frame, through the body's first pin, without rotation."""
+
+    along: Direction2 = Field(description="direction of travel in the ground frame")
+
+
+class BodyEntry(Table):
+    """A rigid body of the linkage."""
+
+    pins: list[str] = Field(
+        min_length=1,
+        description="points of the body: the frame's origin, then where its x axis points, then "
+        "any others; with one pin the axes are the ground's",
+    )
+    mass: Mass | None = Field(None, description="instead of the mass of the part of this body")
+    inertia: Inertia | None = Field(None, description="about the centre of mass")
+    centre: Point2 | None = Field(None, description="centre of mass in the body's frame")
+    guide: Guide | None = Field(None, description="the body slides in the frame")
+
+
+class ForceEntry(Table):
+    """A force: between two points, or at a point of a body in a direction."""
+
+    between: Annotated[list[str], Field(min_length=2, max_length=2)] | None = Field(
+        None, description="two points; a positive force pulls them together"
+    )
+    on: str | None = Field(
+        None, description="which body takes the force where several share a point of `between`"
+    )
+    body: str | None = Field(None, description="the body that is pushed")
+    at: str | None = Field(None, description="the point of the body at which the force acts")
+    direction: Direction2 | None = Field(
+        None, description="of the force on the body, in the ground frame"
+    )
+    available: PositiveForce | None = Field(None, description="what the drive can give")
+
+
+class PinFriction(Table):
+    """Coulomb friction in a pin joint."""
+
+    coefficient: Annotated[Number, Field(ge=0)] = Field(description="coefficient of friction")
+    diameter: PositiveLength = Field(description="of the pin")
+
+
+class GuideFriction(Table):
+    """Coulomb friction in a guide."""
+
+    coefficient: Annotated[Number, Field(ge=0)] = Field(description="coefficient of friction")
+
+
+class FrictionEntry(Table):
+    """Friction of the joints; what is not named runs without friction."""
+
+    pins: PinFriction | None = Field(None, description="every pin joint")
+    guides: GuideFriction | None = Field(None, description="every guide")
+    joints: dict[str, PinFriction] = Field(
+        default_factory=dict, description="single pin joints, by the name of their point"
+    )
+
+
+class PaceEntry(Table):
+    """How fast the cycle runs: the speed of one coordinate, its direction follows the phase."""
+
+    coordinate: str = Field(description="such as cylinder.length", examples=["cylinder.length"])
+    speed: SweepSpeed = Field(description="magnitude of the coordinate's rate")
+
+
+class ShownEntry(Table):
+    """The position as reports show it: sign * (coordinate - zero)."""
+
+    name: str = Field(description="what the displayed position is called")
+    zero: LengthOrAngle = Field(description="the coordinate where the displayed position is 0")
+    sign: Literal[1, -1] = Field(1, description="-1 counts the other way")
+
+
+class StopEntry(Table):
+    """What ends the travel."""
+
+    basis: Literal["assumed", "mechanical"] = Field(
+        description="assumed: nothing mechanical stops the travel there"
+    )
+    tolerance: LengthOrAngle = Field(description="the travel ends within +- this")
+
+
+class PhaseEntry(Table):
+    """A stretch of the cycle with its forces."""
+
+    name: Name = Field(description="name of the phase")
+    to: LengthOrAngle = Field(description="where the swept coordinate arrives")
+    forces: dict[str, Force] = Field(default_factory=dict, description="forces that are given")
+    solve: str = Field(description="the force that follows from the others")
+
+
+class CycleEntry(Table):
+    """A cycle of the machine, swept in one coordinate, phase after phase."""
+
+    coordinate: str = Field(
+        description="what is swept: <point>.x, <point>.y, <body>.angle or <force>.length",
+        examples=["A.y"],
+    )
+    start: LengthOrAngle = Field(description="where the coordinate starts")
+    pace: PaceEntry
+    positions: Annotated[int, Field(strict=True, ge=2)] = Field(
+        361, description="at least, over all phases"
+    )
+    shown: ShownEntry | None = None
+    stop: StopEntry | None = None
+    phases: list[PhaseEntry] = Field(min_length=1)
+
+
+class DutyEntry(Table):
+    """How often each cycle runs in the machine's life."""
+
+    cycles: dict[str, Positive] = Field(
+        default_factory=dict, description="number of runs by the cycle's name"
+    )
+    rate: Rate | None = Field(None, description="runs per time the machine is to reach")
+
+
+class Column(Table):
+    """Effective lengths against buckling, where they are not the distance of the pins."""
+
+    in_plane: PositiveLength | None = Field(None, description="in the plane of the linkage")
+    out_of_plane: PositiveLength | None = Field(None, description="out of that plane")
+
+
+class MeshEntry(Table):
+    """How fine the part's mesh starts."""
+
+    fineness: Positive = Field(1.0, description="2 halves the size of the elements")
+
+
+class Bush(Table):
+    """A plain bush between pin and lug."""
+
+    length: PositiveLength = Field(description="bearing length in one lug")
+    allowable: PositiveStress = Field(description="mean pressure that the bush bears")
+
+
+class StackEntry(Table):
+    """A lug on a pin, or a pair of them at +-`at`: a body's, or the eye of a force."""
+
+    body: str | None = Field(None, description="the body that the lug belongs to, or ground")
+    force: str | None = Field(None, description="the force that acts through this eye")
+    at: OffsetLength = Field(description="distance of the lug's mid-plane from the pin's")
+    width: PositiveLength = Field(description="width of the lug on the pin")
+    diameter: PositiveLength | None = Field(None, description="of the pin in this lug, if stepped")
+    bush: Bush | None = None
+
+
+class PartEntry(Table):
+    """What every part states, whatever its shape."""
+
+    material: str = Field(description="name of a material", examples=["S355"])
+    surface: Literal["ground", "machined", "cold_drawn", "hot_rolled", "as_forged"] = Field(
+        "hot_rolled", description="surface finish, for the endurance limit"
+    )
+    bearing_arc: BearingArc = Field(
+        "120 deg",
+        validate_default=True,
+        description="narrowest arc on which a pin may press; the model band runs to 180 deg",
+    )
+    reliability: Fraction = Field(
+        "99 %",
+        validate_default=True,
+        description="share of parts that must survive",
+    )
+    column: Column = Field(default=Column.model_validate({}))
+    mesh: MeshEntry = Field(default=MeshEntry.model_validate({}))
+
+
+class BodyPartEntry(PartEntry):
+    """A part that is a body of the linkage."""
+
+    body: str = Field(description="the body that this part is")
+    interfaces: dict[str, str] = Field(
+        description="interface of the shape = point of the body that it sits at"
+    )
+
+
+class PinPartEntry(PartEntry):
+    """A part that joins bodies at a point."""
+
+    joint: str = Field(description="the point whose bodies the pin joins")
+    fixed_to: str = Field(description="the body that the pin turns with")
+    stack: list[StackEntry] = Field(min_length=1, description="the lugs on the pin")
+
+
+def shape_model(name: str, shape: type[Any]) -> type[PartEntry]:
+    """Return the model of the parts of one shape, made from the shape's parameters."""
+    own: dict[str, Any] = {"shape": (Literal[name], Field(description=shape.__doc__))}
+    for parameter in dataclasses.fields(shape):
+        if parameter.metadata.get("given_by") != GIVEN_BY_DESIGN:
+            continue
+        own[parameter.name] = (
+            BY_DIMENSION[parameter.metadata["dimension"]],
+            Field(
+                ... if parameter.default is dataclasses.MISSING else parameter.default,
+                description=parameter.metadata["meaning"],
+            ),
+        )
+    base = PinPartEntry if shape is Pin else BodyPartEntry
+    model: type[PartEntry] = create_model(shape.__name__ + "Part", __base__=base, **own)
+    model.__doc__ = shape.__doc__
+    return model
+
+
+PART_MODELS = {name: shape_model(name, shape) for name, shape in SHAPES.items()}
+
+
+def _union() -> Any:
+    models = iter(PART_MODELS.values())
+    union: Any = next(models)
+    for model in models:
+        union = union | model
+    return union
+
+
+def _flat(value: object) -> object:
+    """Turn nested tables of reasons into dotted keys: TOML nests keys that are not quoted."""
+    if not isinstance(value, dict):
+        return value
+    result: dict[str, object] = {}
+    for key, entry in value.items():
+        if isinstance(entry, dict):
+            inner = _flat(entry)
+            assert isinstance(inner, dict)
+            result.update({f"{key}.{rest}": reason for rest, reason in inner.items()})
+        else:
+            result[key] = entry
+    return result
+
+
+class DesignFile(Table):
+    """A machine to be checked: its linkage, its cycles, its duty and its parts."""
+
+    name: str = Field(description="what the machine is called")
+    accuracy: Fraction = Field(
+        "5 %",
+        validate_default=True,
+        description="numerical error at which refinement ends",
+    )
+    require: Requirements = Field(default=Requirements.model_validate({}))
+    gravity: Acceleration2 = Field(
+        "0, -9.81 m/s2",
+        validate_default=True,
+        description="in the ground frame",
+    )
+    ground: list[str] = Field(description="points fixed to the frame")
+    points: dict[Name, Point2] = Field(
+        description="one position in which the linkage is assembled, in the ground frame"
+    )
+    bodies: dict[Name, BodyEntry]
+    forces: dict[Name, ForceEntry]
+    friction: FrictionEntry = Field(default=FrictionEntry.model_validate({}))
+    cycles: dict[Name, CycleEntry]
+    duty: DutyEntry = Field(default=DutyEntry.model_validate({}))
+    materials: dict[Name, MaterialEntry] = Field(default_factory=dict)
+    parts: dict[Name, Annotated[_union(), Field(discriminator="shape")]]  # type: ignore[valid-type]
+    assumed: Annotated[dict[str, str], BeforeValidator(_flat)] = Field(
+        default_factory=dict,
+        description="dotted key of this file = why it is assumed; told in every result",
+    )

@@ -1,0 +1,196 @@
+"""Puts the parts of a design together: shape, material, and where they sit in the linkage."""
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from ballesta.design_data import Body, Part
+from ballesta.design_model import BodyPartEntry, DesignFile
+from ballesta.errors import Problems
+from ballesta.materials import Material, known_materials
+from ballesta.names import listed, no_such
+from geometry.parameters import GIVEN_BY_DESIGN, GIVEN_BY_LINKAGE, ParameterError
+from geometry.parts import SHAPES, Pin, Seat
+
+
+def materials_of(file: DesignFile, problems: Problems) -> dict[str, Material]:
+    """Return ballesta's materials and the design's own."""
+    materials = dict(known_materials())
+    for name, entry in file.materials.items():
+        if name in known_materials():
+            problems.add(f"materials.{name}", "ballesta has a material of that name; rename yours")
+            continue
+        try:
+            materials[name] = entry.named(name)
+        except ParameterError as error:
+            problems.add(f"materials.{name}.{error.field}", error.problem)
+    return materials
+
+
+def parts_of(
+    file: DesignFile,
+    bodies: Mapping[str, Body],
+    joints: Mapping[str, tuple[str, ...]],
+    materials: Mapping[str, Material],
+    problems: Problems,
+) -> dict[str, Part]:
+    """Return the parts whose entries are in order."""
+    parts: dict[str, Part] = {}
+    owners: dict[tuple[str, str], str] = {}
+    for name, entry in file.parts.items():
+        key = f"parts.{name}"
+        kind = "body" if isinstance(entry, BodyPartEntry) else "joint"
+        place = getattr(entry, kind)
+        first = owners.setdefault((kind, place), name)
+        if first != name:
+            problems.add(f"{key}.{kind}", f"{first} is already the part of {kind} {place}")
+        # a material with a problem of its own is told once, at the material
+        if entry.material not in materials and entry.material not in file.materials:
+            problems.add(f"{key}.material", no_such("material", entry.material, materials))
+        if isinstance(entry, BodyPartEntry):
+            sits = _sits_in_body(key, entry, file, problems)
+        else:
+            sits = _sits_in_joint(key, entry, file, joints, problems)
+        if not sits or entry.material not in materials or (kind == "body" and place not in bodies):
+            continue
+        try:
+            geometry = _geometry(entry, bodies)
+        except ParameterError as error:
+            field = "stack" + error.field[5:] if error.field.startswith("seats") else error.field
+            problems.add(f"{key}.{field}", error.problem)
+            continue
+        parts[name] = _part(name, entry, geometry, materials[entry.material])
+    _check_that_pins_pass(parts, problems)
+    return parts
+
+
+def _part(name: str, entry: Any, geometry: Any, material: Material) -> Part:
+    is_body = isinstance(entry, BodyPartEntry)
+    stack = () if is_body else tuple(entry.stack)
+    return Part(
+        name=name,
+        shape=entry.shape,
+        geometry=geometry,
+        material=material,
+        body=entry.body if is_body else None,
+        joint=None if is_body else entry.joint,
+        interfaces=dict(entry.interfaces)
+        if is_body
+        else {lug.body or lug.force: entry.joint for lug in stack},
+        fixed_to=None if is_body else entry.fixed_to,
+        stack=stack,
+        surface=entry.surface,
+        bearing_arc=entry.bearing_arc,
+        column=entry.column,
+        reliability=entry.reliability,
+        fineness=entry.mesh.fineness,
+    )
+
+
+def _sits_in_body(key: str, entry: Any, file: DesignFile, problems: Problems) -> bool:
+    if entry.body not in file.bodies:
+        problems.add(f"{key}.body", no_such("body", entry.body, file.bodies))
+        return False
+    right = True
+    wanted, pins = SHAPES[entry.shape].interfaces, file.bodies[entry.body].pins
+    for interface, point in entry.interfaces.items():
+        here = f"{key}.interfaces.{interface}"
+        if interface not in wanted:
+            problems.add(here, no_such(f"interface of {entry.shape}", interface, wanted))
+            right = False
+        elif point not in pins:
+            problems.add(here, no_such(f"point of body {entry.body}", point, pins))
+            right = False
+    missing = [interface for interface in wanted if interface not in entry.interfaces]
+    if missing:
+        problems.add(f"{key}.interfaces", f"must say at which point {listed(missing)} sits")
+        right = False
+    elif len(set(entry.interfaces.values())) < len(entry.interfaces):
+        problems.add(f"{key}.interfaces", "two of them sit at the same point")
+        right = False
+    return right
+
+
+def _sits_in_joint(
+    key: str,
+    entry: Any,
+    file: DesignFile,
+    joints: Mapping[str, tuple[str, ...]],
+    problems: Problems,
+) -> bool:
+    if entry.joint not in joints:
+        problems.add(f"{key}.joint", no_such("joint", entry.joint, joints))
+        return False
+    joined, right = joints[entry.joint], True
+    here = [
+        name
+        for name, force in file.forces.items()
+        if entry.joint in (force.between or ()) or force.at == entry.joint
+    ]
+    if entry.fixed_to not in joined:
+        kind = f"body at joint {entry.joint}"
+        problems.add(f"{key}.fixed_to", no_such(kind, entry.fixed_to, joined))
+        right = False
+    for index, lug in enumerate(entry.stack):
+        where = f"{key}.stack[{index}]"
+        if (lug.body is None) == (lug.force is None):
+            problems.add(where, "needs either body or force: what presses on the pin here")
+            right = False
+        elif lug.body is not None and lug.body not in joined:
+            kind = f"body at joint {entry.joint}"
+            problems.add(f"{where}.body", no_such(kind, lug.body, joined))
+            right = False
+        elif lug.force is not None and lug.force not in here:
+            kind = f"force at point {entry.joint}"
+            problems.add(f"{where}.force", no_such(kind, lug.force, here))
+            right = False
+    absent = [body for body in joined if body not in [lug.body for lug in entry.stack]]
+    if absent:
+        problems.add(
+            f"{key}.stack", f"joint {entry.joint} also has {listed(absent)}: where on the pin?"
+        )
+        right = False
+    return right
+
+
+def _geometry(entry: Any, bodies: Mapping[str, Body]) -> Any:
+    shape: Any = SHAPES[entry.shape]
+    values: dict[str, Any] = {}
+    for parameter in dataclasses.fields(shape):
+        given_by = parameter.metadata.get("given_by")
+        if given_by == GIVEN_BY_DESIGN:
+            values[parameter.name] = getattr(entry, parameter.name)
+        elif given_by == GIVEN_BY_LINKAGE:
+            first, second = (entry.interfaces[name] for name in shape.interfaces)
+            points = bodies[entry.body].points
+            values[parameter.name] = math.dist(points[first], points[second])
+    if shape is Pin:
+        values["seats"] = tuple(_seat(index, lug) for index, lug in enumerate(entry.stack))
+    return shape(**values)
+
+
+def _seat(index: int, lug: Any) -> Seat:
+    try:
+        return Seat(lug.body or lug.force, at=lug.at, width=lug.width, diameter=lug.diameter)
+    except ParameterError as error:
+        raise ParameterError(f"seats[{index}].{error.field}", error.problem) from None
+
+
+def _check_that_pins_pass(parts: Mapping[str, Part], problems: Problems) -> None:
+    """Note every pin that cannot pass the hole, or else the width, of a part that it carries."""
+    for pin in parts.values():
+        if not isinstance(pin.geometry, Pin):
+            continue
+        for part in parts.values():
+            if part.body is None or part.body not in [lug.body for lug in pin.stack]:
+                continue
+            if pin.joint not in part.interfaces.values():
+                continue
+            hole = getattr(part.geometry, "hole", getattr(part.geometry, "width", math.inf))
+            if pin.geometry.diameter > hole:
+                problems.add(
+                    f"parts.{pin.name}.diameter",
+                    f"a pin of {pin.geometry.diameter:g} mm cannot pass {part.name}, which has "
+                    f"{hole:g} mm there",
+                )

@@ -1,0 +1,114 @@
+"""Says what pydantic found wrong with a design file in the words of the file's author."""
+
+import dataclasses
+import types
+from typing import Any, Union, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+
+from ballesta.design_model import PART_MODELS, DesignFile
+from ballesta.errors import Problems
+from ballesta.names import listed, nearest, no_such
+from ballesta.overrides import dotted
+from geometry.parameters import GIVEN_BY_LINKAGE
+from geometry.parts import SHAPES
+
+Way = tuple[str | int, ...]
+
+
+def tell_problems(
+    error: ValidationError, origins: dict[Way, Way], overridden: set[str], problems: Problems
+) -> None:
+    """Add each of pydantic's errors to the problems, at the key where the value is written."""
+    for detail in error.errors(include_url=False):
+        way: Way = detail["loc"]
+        tag = ""
+        if way[0] == "parts" and len(way) > 2 and way[2] in PART_MODELS:
+            tag = str(way[2])
+            way = (*way[:2], *way[3:])
+        bad_name = way[-1] == "[key]"
+        problem = _wording(dict(detail), way, tag)
+        way = way[:-1] if bad_name else way
+        if way[:3] in origins:
+            way = (*origins[way[:3]], *way[3:])
+        if dotted(way) in overridden:
+            problem += " (from --set)"
+        problems.add(dotted(way), problem)
+
+
+def _wording(detail: dict[str, Any], way: Way, tag: str) -> str:
+    kind, found, context = detail["type"], detail["input"], detail.get("ctx", {})
+    shown = f'"{found}"' if isinstance(found, str) else str(found)
+    if kind == "value_error":
+        return str(context["error"])
+    if kind == "extra_forbidden":
+        return _unknown_key(way, tag)
+    if kind == "missing":
+        description = _description(way, tag)
+        return f"must be stated: {description}" if description else "must be stated"
+    if kind == "union_tag_not_found":
+        return f"shape must be stated, one of {listed(PART_MODELS)}"
+    if kind == "union_tag_invalid":
+        return no_such("shape", str(found.get("shape")), PART_MODELS)
+    if kind == "literal_error":
+        guess = nearest(
+            str(found), context["expected"].replace("'", "").replace(" or ", ", ").split(", ")
+        )
+        hint = f", did you mean {guess}?" if guess else ""
+        return f"must be {context['expected']}, got {shown}{hint}"
+    if kind == "string_pattern_mismatch":
+        return f"a name has letters, digits, _ and - only, got {shown}"
+    if kind in ("greater_than", "greater_than_equal"):
+        word, bound = ("above", "gt") if kind == "greater_than" else ("at least", "ge")
+        return f"must be {word} {context[bound]:g}, got {shown}"
+    wanted = {
+        "model_type": "a table", "model_attributes_type": "a table", "dict_type": "a table",
+        "list_type": "a list", "string_type": "text", "float_type": "a number",
+        "int_type": "a whole number", "bool_type": "true or false",
+        "finite_number": "a finite number",
+        "too_short": f"at least {context.get('min_length')} long",
+        "too_long": f"at most {context.get('max_length')} long",
+    }.get(kind)  # fmt: skip
+    return f"must be {wanted}, got {shown}" if wanted else f"{detail['msg']}, got {shown}"
+
+
+def _unknown_key(way: Way, tag: str) -> str:
+    key = str(way[-1])
+    for parameter in dataclasses.fields(SHAPES[tag]) if tag and len(way) == 3 else ():
+        if parameter.name == key and parameter.metadata.get("given_by") == GIVEN_BY_LINKAGE:
+            return f"must not be stated: {parameter.metadata['meaning']} follows from the points"
+    model = _model_at(way[:-1], tag)
+    known = list(model.model_fields) if model else []
+    guess = nearest(key, known)
+    hint = f"did you mean {guess}?" if guess else f"there are {listed(known)}"
+    return f"unknown key, {hint}"
+
+
+def _description(way: Way, tag: str) -> str | None:
+    model = _model_at(way[:-1], tag)
+    field = model.model_fields.get(str(way[-1])) if model else None
+    return field.description if field else None
+
+
+def _model_at(way: Way, tag: str) -> type[BaseModel] | None:
+    """Return the model of the table at a way through the file."""
+    here: Any = DesignFile
+    for depth, step in enumerate(way):
+        if tag and depth == 1:
+            here = PART_MODELS[tag]
+            continue
+        if isinstance(here, type) and issubclass(here, BaseModel):
+            field = here.model_fields.get(str(step))
+            here = field.annotation if field else None
+        else:
+            here = get_args(here)[-1] if get_args(here) else None
+        here = _plain(here)
+    return here if isinstance(here, type) and issubclass(here, BaseModel) else None
+
+
+def _plain(annotation: Any) -> Any:
+    if get_origin(annotation) in (Union, types.UnionType):
+        return _plain(next(arg for arg in get_args(annotation) if arg is not type(None)))
+    if hasattr(annotation, "__metadata__"):
+        return _plain(annotation.__origin__)
+    return annotation

@@ -1,0 +1,57 @@
+"""Errors that a person can act on: which file, which key, what is wrong there."""
+
+from pathlib import Path
+
+
+class DesignError(Exception):
+    """A design file that cannot be checked as written."""
+
+    def __init__(self, file: Path, key: str, problem: str) -> None:
+        super().__init__(file, key, problem)  # all three: a batch sends errors between processes
+        self.file, self.key, self.problem = file, key, problem
+
+    def __str__(self) -> str:
+        return f"{self.file}: {self.key}: {self.problem}"
+
+
+class DesignErrors(DesignError):
+    """Several problems in one design file, one line each; file, key and problem are the first's."""
+
+    def __init__(self, errors: tuple[DesignError, ...]) -> None:
+        super().__init__(errors[0].file, errors[0].key, errors[0].problem)
+        self.args = (errors,)  # what pickling hands to __init__
+        self.errors = errors
+
+    def __str__(self) -> str:
+        return "\n".join(str(error) for error in self.errors)
+
+
+class NumericsError(Exception):
+    """A solver gave up although the design is written correctly."""
+
+    def __init__(self, what: str, where: str, advice: str) -> None:
+        super().__init__(what, where, advice)
+        self.what, self.where, self.advice = what, where, advice
+
+    def __str__(self) -> str:
+        return f"{self.where}: {self.what}; {self.advice}"
+
+
+class Problems:
+    """Collects the problems of one file, so that all of them are told at once."""
+
+    def __init__(self, file: Path) -> None:
+        self.file = file
+        self._found: dict[tuple[str, str], DesignError] = {}
+
+    def add(self, key: str, problem: str) -> None:
+        """Note a problem; the same one found twice is told once."""
+        self._found.setdefault((key, problem), DesignError(self.file, key, problem))
+
+    def raise_if_any(self) -> None:
+        """Raise what was found: a DesignError, or DesignErrors for more than one."""
+        errors = tuple(self._found.values())
+        if len(errors) == 1:
+            raise errors[0]
+        if errors:
+            raise DesignErrors(errors)

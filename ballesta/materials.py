@@ -1,0 +1,73 @@
+"""Materials: ballesta's own data file and what a design file adds."""
+
+import tomllib
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from ballesta.units import Density, Stress
+from geometry.parameters import ParameterError, check_above
+
+
+@dataclass(frozen=True)
+class Material:
+    """An isotropic metal; stresses in MPa, density in tonne/mm3."""
+
+    name: str
+    youngs_modulus: float
+    poisson_ratio: float
+    density: float
+    yield_stress: float
+    ultimate_stress: float
+    ductile: bool
+    source: str
+
+    def __post_init__(self) -> None:
+        check_above("youngs_modulus", self.youngs_modulus, 0, "MPa")
+        if not -1 < self.poisson_ratio < 0.5:
+            raise ParameterError(
+                "poisson_ratio", f"must be above -1 and below 0.5, got {self.poisson_ratio:g}"
+            )
+        check_above("density", self.density, 0, "t/mm3")
+        check_above("yield_stress", self.yield_stress, 0, "MPa")
+        if self.ultimate_stress < self.yield_stress:
+            raise ParameterError(
+                "ultimate_stress",
+                f"must be at least the yield stress of {self.yield_stress:g} MPa, "
+                f"got {self.ultimate_stress:g} MPa",
+            )
+
+
+class MaterialEntry(BaseModel):
+    """A material as a file states it."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    youngs_modulus: Stress = Field(description="Young's modulus")
+    poisson_ratio: Annotated[float, Field(strict=True, allow_inf_nan=False)] = Field(
+        description="Poisson's ratio, above -1 and below 0.5"
+    )
+    density: Density = Field(description="mass per volume")
+    yield_stress: Stress = Field(description="yield stress, the minimum that is guaranteed")
+    ultimate_stress: Stress = Field(description="tensile strength, the minimum guaranteed")
+    ductile: Annotated[bool, Field(strict=True)] = Field(
+        True, description="true when it yields visibly before it breaks"
+    )
+    source: str = Field("stated in the design file", description="where the values come from")
+
+    def named(self, name: str) -> Material:
+        """Return the checked material; raises ParameterError."""
+        return Material(name=name, **self.model_dump())
+
+
+@cache
+def known_materials() -> dict[str, Material]:
+    """Return the materials of ballesta's own data file, by name."""
+    text = files("ballesta").joinpath("materials.toml").read_text(encoding="utf-8")
+    return {
+        name: MaterialEntry.model_validate(entry).named(name)
+        for name, entry in tomllib.loads(text).items()
+    }

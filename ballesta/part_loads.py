@@ -1,0 +1,96 @@
+"""The loads of one part over every cycle of a design, one behind the other, in its own axes."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+import loads
+from ballesta.design_data import Cycle, Design, Part
+from ballesta.machine import part_placing
+from geometry.mesh import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class PartLoads:
+    """Loads on a part at all positions of all cycles.
+
+    wrenches       interface -> (n, 6) N, N mm
+    accelerations  (n, 4)
+    cycles         name -> slice of the n positions
+    labels         (n,) where in which cycle, in words
+    """
+
+    wrenches: Mapping[str, FloatArray]
+    accelerations: FloatArray
+    cycles: Mapping[str, slice]
+    labels: tuple[str, ...]
+    cycle_names: tuple[str, ...]
+
+    @property
+    def largest_force(self) -> float:
+        """The largest force on any interface, N."""
+        return max(
+            float(np.hypot(wrench[:, 0], wrench[:, 1]).max()) for wrench in self.wrenches.values()
+        )
+
+    def resultant(self, interface: str) -> FloatArray:
+        """Size (n,) of the force on an interface, N."""
+        wrench = self.wrenches[interface]
+        return np.asarray(np.hypot(wrench[:, 0], wrench[:, 1]))
+
+
+def shown_position(cycle: Cycle, values: FloatArray) -> FloatArray:
+    """Positions as reports show them."""
+    if cycle.shown is None:
+        return np.degrees(values) if cycle.coordinate.dimension == "angle" else values
+    shown = cycle.shown.sign * (values - cycle.shown.zero)
+    return np.degrees(shown) if cycle.coordinate.dimension == "angle" else shown
+
+
+def shown_name(cycle: Cycle) -> tuple[str, str]:
+    """Name and unit of the shown position."""
+    name = cycle.shown.name if cycle.shown else str(cycle.coordinate)
+    return name, "deg" if cycle.coordinate.dimension == "angle" else "mm"
+
+
+def loads_on(design: Design, part: Part, solved: Mapping[str, loads.CycleLoads]) -> PartLoads:
+    """Gather a part's loads over the solved cycles.
+
+    Raises loads.LinkageError where a force meets the part at no interface.
+    """
+    placing = part_placing(design, part)
+    wrenches: dict[str, list[FloatArray]] = {}
+    accelerations, labels, names = [], [], []
+    slices, start = {}, 0
+    for name, cycle_loads in solved.items():
+        history = _history(part, cycle_loads)
+        part_wrenches, part_accelerations = placing.to_part(history)
+        for interface, wrench in part_wrenches.items():
+            wrenches.setdefault(interface, []).append(wrench)
+        accelerations.append(part_accelerations)
+        shown, unit = shown_name(design.cycles[name])
+        values = shown_position(design.cycles[name], history.positions)
+        labels += [
+            f"{shown} = {value:.4g} {unit}, {history.phases[phase]}"
+            for value, phase in zip(values, history.phase_of, strict=True)
+        ]
+        names += [name] * len(values)
+        slices[name] = slice(start, start + len(values))
+        start += len(values)
+    return PartLoads(
+        {name: np.concatenate(parts) for name, parts in wrenches.items()},
+        np.concatenate(accelerations),
+        slices,
+        tuple(labels),
+        tuple(names),
+    )
+
+
+def _history(part: Part, cycle_loads: loads.CycleLoads) -> loads.LoadHistory:
+    if part.body is not None:
+        return cycle_loads.part_history(part.body, part.interfaces)
+    assert part.joint is not None
+    assert part.fixed_to is not None
+    seats = {name: name for name in part.interfaces}
+    return cycle_loads.pin_history(part.joint, seats, part.fixed_to)

@@ -1,0 +1,45 @@
+"""Cross-sections of parts that may buckle."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Section:
+    """A cross-section along a part in compression.
+
+    name                  as reports call it
+    area                  mm2
+    inertia_in_plane      mm4, bending in the plane of the linkage (about z)
+    inertia_out_of_plane  mm4, bending out of it (about y)
+    length                mm, over which the section is free to bend; None for the whole part
+    """
+
+    name: str
+    area: float
+    inertia_in_plane: float
+    inertia_out_of_plane: float
+    length: float | None = None
+
+
+def square_tube_section(name: str, width: float, wall: float, inner_radius: float) -> Section:
+    """A square tube; the inner corners' fillets count in the area and, at their place, in I.
+
+    >>> square_tube_section("tube", 30.0, 1.6, 0.0).inertia_in_plane
+    24510.941...
+    """
+    inner = width - 2 * wall
+    fillet = (1 - 3.141592653589793 / 4) * inner_radius**2
+    arm = inner / 2 - 0.2234 * inner_radius  # centroid of a spandrel: 0.2234 r from its walls
+    inertia = (width**4 - inner**4) / 12 + 4 * fillet * arm**2
+    return Section(name, width**2 - inner**2 + 4 * fillet, inertia, inertia)
+
+
+def plate_pair_section(name: str, height: float, wall: float, length: float) -> Section:
+    """Two parallel plates that bend on their own, `height` in the plane of the linkage."""
+    return Section(
+        name,
+        2 * height * wall,
+        2 * wall * height**3 / 12,
+        2 * height * wall**3 / 12,
+        length,
+    )

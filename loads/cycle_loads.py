@@ -1,0 +1,249 @@
+"""The result of a cycle: motion, reactions, efforts, their checks, and the loads on each part."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from loads.assembly import worst_gaps
+from loads.bodies import FloatArray, IntArray, LinkageError, nearest
+from loads.elements import Distance, PointCoordinate, Prismatic, Revolute, Slot
+from loads.forces import JointLoad
+from loads.history import LoadHistory
+from loads.kinematics import Kinematics, dot, rotated, turned_left
+from loads.linkage import Linkage
+from loads.point_loads import PointLoad, body_loads
+
+
+@dataclass(frozen=True, eq=False)
+class CycleLoads:
+    """Motion and loads at every position of one cycle.
+
+    positions      (n,)            swept coordinate, mm or rad
+    times          (n,)            s, from the start of the cycle
+    phases, phase_of               names, and the phase of each position (n,)
+    poses          (n, bodies, 3)  mm, mm, rad, in the order of ``linkage.body_names``
+    velocities     (n, bodies, 3)  mm/s, rad/s
+    accelerations  (n, bodies, 3)  mm/s2, rad/s2
+    reactions      what each joint does to its body b
+    efforts        (n,) N or N mm, by force name, given and solved
+    conditioning   (n,) share of the motion that the solved force sees: 1 best, 0 dead centre
+    """
+
+    linkage: Linkage
+    name: str
+    positions: FloatArray
+    times: FloatArray
+    phases: tuple[str, ...]
+    phase_of: IntArray
+    poses: FloatArray
+    velocities: FloatArray
+    accelerations: FloatArray
+    reactions: Mapping[str, JointLoad]
+    efforts: Mapping[str, FloatArray]
+    conditioning: FloatArray
+
+    @cached_property
+    def _kinematics(self) -> Kinematics:
+        return Kinematics(self.linkage)
+
+    def body_index(self, body: str) -> int:
+        """Return the row of a body in poses, velocities and accelerations."""
+        self.linkage.body(body)
+        return self.linkage.body_names.index(body)
+
+    def point(self, body: str, point: str) -> FloatArray:
+        """Return where a point of a body is over the cycle (n, 2) [mm]."""
+        return self._kinematics.point(self.poses, body, point)
+
+    def body_loads(self, body: str) -> list[PointLoad]:
+        """Return every load on a body but weight and inertia, in ground axes."""
+        self.linkage.body(body)
+        return body_loads(self._kinematics, self.poses, self.reactions, self.efforts, body)
+
+    @cached_property
+    def constraint_residual(self) -> float:
+        """The widest gap of any joint at any position [mm]; angles count over the size."""
+        return float(worst_gaps(self._kinematics, self.poses).max())
+
+    @cached_property
+    def equilibrium_residual(self) -> Mapping[str, float]:
+        """What is left of force, and moment over size, on each body, over the largest force."""
+        loads = {body.name: self.body_loads(body.name) for body in self.linkage.moving}
+        largest = max(
+            [float(np.abs(load.force).max()) for part in loads.values() for load in part]
+            + [
+                float(np.abs(load.moment).max()) / self._kinematics.size
+                for part in loads.values()
+                for load in part
+            ]
+        )
+        result = {}
+        for body in self.linkage.moving:
+            history = self._history(
+                body.name, loads[body.name], {load.point: load.point for load in loads[body.name]}
+            )
+            left = history.equilibrium_residual(body.mass, body.centre, body.inertia)
+            left[:, 2] /= self._kinematics.size
+            result[body.name] = float(np.abs(left).max()) / (largest or 1.0)
+        return result
+
+    @cached_property
+    def power_balance_error(self) -> float:
+        """Power of forces, friction and gravity less kinetic energy's rate, over their sum."""
+        kinematics, n = self._kinematics, len(self.positions)
+        powers = []
+        for force in self.linkage.forces:
+            gradient = kinematics.gradient(force.coordinate, self.poses)
+            rate = dot(gradient, self.velocities.reshape(n, -1))
+            powers.append(force.sign * self.efforts[force.name] * rate)
+        for joint in self.linkage.joints:
+            load = self.reactions[joint.name]
+            b, a = self.body_index(joint.body_b), self.body_index(joint.body_a)
+            turning = self.velocities[:, b, 2] - self.velocities[:, a, 2]
+            powers.append(load.friction_couple * turning)
+            if isinstance(joint, Prismatic | Slot):
+                rate = kinematics.sliding(self.poses, self.velocities, joint)
+                powers.append(load.friction_force * rate)
+        for i, body in enumerate(self.linkage.moving, start=1):
+            arm = rotated(np.array(body.centre, dtype=float), self.poses[:, i, 2])
+            spin, turn = self.velocities[:, i, 2], self.accelerations[:, i, 2]
+            speed = self.velocities[:, i, :2] + spin[:, None] * turned_left(arm)
+            change = (
+                self.accelerations[:, i, :2]
+                + turn[:, None] * turned_left(arm)
+                - (spin**2)[:, None] * arm
+            )
+            powers.append(body.mass * dot(speed, np.array(self.linkage.gravity, dtype=float)))
+            powers.append(-body.mass * dot(speed, change) - body.inertia * spin * turn)
+        left = np.abs(np.sum(powers, axis=0))
+        turnover = np.sum(np.abs(powers), axis=0).max()
+        return float(left.max() / turnover) if turnover else 0.0
+
+    def part_history(self, body: str, interfaces: Mapping[str, str]) -> LoadHistory:
+        """Return the loads on a body at its interfaces (interface name -> point of the body).
+
+        Everything that acts at a point is summed: joint forces, guide couples, friction and forces.
+        The force of a guide or slot on the body that has the line is moved to the line's point.
+        """
+        owner = self.linkage.body(body)
+        for interface, point in interfaces.items():
+            if point not in owner.points:
+                raise LinkageError(
+                    f"body {body!r}: interface {interface!r} needs a point {point!r} that it does "
+                    f"not have; {nearest(point, owner.points)}"
+                )
+        names = {point: interface for interface, point in interfaces.items()}
+        if len(names) < len(interfaces):
+            raise LinkageError(f"body {body!r}: two interfaces are at the same point")
+        loads = self.body_loads(body)
+        for load in loads:
+            if load.point is None:
+                raise LinkageError(
+                    f"body {body!r}: the torque of {load.source} enters at no stated point; "
+                    "state the point of its angle"
+                )
+            if load.point not in names:
+                raise LinkageError(
+                    f"body {body!r}: {load.source} acts at point {load.point!r}, "
+                    f"which is no interface (these are at {', '.join(names) or 'none'})"
+                )
+        return self._history(body, loads, {point: name for point, name in names.items()})
+
+    def _history(
+        self, body: str, loads: list[PointLoad], names: Mapping[str | None, str | None]
+    ) -> LoadHistory:
+        n, owner, row = len(self.positions), self.linkage.body(body), self.body_index(body)
+        points = list(names)
+        wrenches = np.zeros((n, len(points), 6))
+        angle = self.poses[:, row, 2]
+        for load in loads:
+            k = points.index(load.point)
+            wrenches[:, k, :2] += rotated(load.force, -angle)
+            wrenches[:, k, 5] += load.moment
+        accelerations = np.zeros((n, 4))
+        pull = self.accelerations[:, row, :2] - np.array(self.linkage.gravity)
+        accelerations[:, :2] = rotated(pull, -angle)
+        accelerations[:, 2] = self.accelerations[:, row, 2]
+        accelerations[:, 3] = self.velocities[:, row, 2] ** 2
+        places = [(0.0, 0.0) if point is None else owner.points[point] for point in points]
+        return LoadHistory(
+            part=body,
+            interfaces=tuple(str(name) for name in names.values()),
+            positions=self.positions,
+            times=self.times,
+            phases=self.phases,
+            phase_of=self.phase_of,
+            locations=np.array(places, dtype=float).reshape(len(points), 2),
+            wrenches=wrenches,
+            accelerations=accelerations,
+        )
+
+    def pin_history(self, point: str, seats: Mapping[str, str], fixed_to: str) -> LoadHistory:
+        """Return the loads on the massless pin of a joint (seat name -> body or force it carries).
+
+        The pin gives every body its joint reactions at the point. A force between two points that
+        acts there pulls at the pin itself, which hands it on to the body it is stated on. Axes of
+        the body ``fixed_to``; locations are the pin's own centre; no body load.
+        """
+        n = len(self.positions)
+        bodies: dict[str, tuple[FloatArray, FloatArray]] = {}
+        for joint in self.linkage.joints:
+            if not isinstance(joint, Revolute) or joint.point != point:
+                continue
+            load = self.reactions[joint.name]
+            for body, sign in ((joint.body_b, -1.0), (joint.body_a, 1.0)):
+                force, moment = bodies.get(body, (np.zeros((n, 2)), np.zeros(n)))
+                bodies[body] = (force + sign * load.force, moment + sign * load.friction_couple)
+        if not bodies:
+            pins = {joint.point for joint in self.linkage.joints if isinstance(joint, Revolute)}
+            raise LinkageError(f"no pin is at point {point!r}; {nearest(point, pins)}")
+        if fixed_to not in bodies:
+            raise LinkageError(
+                f"pin {point!r}: it can be fixed to {', '.join(sorted(bodies))}, "
+                f"not to {fixed_to!r}"
+            )
+        on_pin = dict(bodies)
+        for acting in self.linkage.forces:
+            coordinate = acting.coordinate
+            stated = acting.name in seats.values() or isinstance(coordinate, Distance)
+            if not stated or not isinstance(coordinate, Distance | PointCoordinate):
+                continue
+            for body in bodies:
+                for part in self.body_loads(body):
+                    if part.source == f"force {acting.name!r}" and part.point == point:
+                        taken, couple = on_pin[body]
+                        on_pin[body] = (taken - part.force, couple)
+                        known = on_pin.get(acting.name, (np.zeros((n, 2)), np.zeros(n)))
+                        on_pin[acting.name] = (known[0] + part.force, known[1])
+        for seat, source in seats.items():
+            if source not in on_pin:
+                raise LinkageError(
+                    f"pin {point!r}: seat {seat!r}: {source!r} does not act on the pin; "
+                    f"{', '.join(sorted(on_pin))} do"
+                )
+        missing = sorted(set(on_pin) - set(seats.values()))
+        if missing or len(set(seats.values())) < len(seats):
+            raise LinkageError(
+                f"pin {point!r}: every one of {', '.join(sorted(on_pin))} needs one seat"
+                + (f"; {', '.join(missing)} has none" if missing else "")
+            )
+        angle = self.poses[:, self.body_index(fixed_to), 2]
+        wrenches = np.zeros((n, len(seats), 6))
+        for k, source in enumerate(seats.values()):
+            wrenches[:, k, :2] = rotated(on_pin[source][0], -angle)
+            wrenches[:, k, 5] = on_pin[source][1]
+        left = np.abs(wrenches.sum(axis=1)).max()
+        assert left <= 1e-9 * max(1.0, float(np.abs(wrenches).max())), "a pin out of equilibrium"
+        return LoadHistory(
+            part=point,
+            interfaces=tuple(seats),
+            positions=self.positions,
+            times=self.times,
+            phases=self.phases,
+            phase_of=self.phase_of,
+            locations=np.zeros((len(seats), 2)),
+            wrenches=wrenches,
+            accelerations=np.zeros((n, 4)),
+        )

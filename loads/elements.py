@@ -1,0 +1,195 @@
+"""What stands between bodies: joints, the coordinates that measure them, forces and friction."""
+
+from dataclasses import dataclass
+from math import hypot, isfinite
+from typing import ClassVar
+
+from loads.bodies import GROUND, LinkageError, Vector
+
+
+def _check_direction(owner: str, direction: Vector) -> None:
+    if len(direction) != 2 or not 0.0 < hypot(*direction) < float("inf"):
+        raise LinkageError(f"{owner}: the direction must be a vector, got {direction}")
+
+
+@dataclass(frozen=True)
+class Revolute:
+    """A pin: the point of this name on body a and on body b stay together."""
+
+    name: str
+    body_a: str
+    body_b: str
+    point: str
+    n_constraints: ClassVar[int] = 2
+
+    @property
+    def point_a(self) -> str:
+        """The pin's point on body a."""
+        return self.point
+
+    @property
+    def point_b(self) -> str:
+        """The pin's point on body b."""
+        return self.point
+
+
+@dataclass(frozen=True)
+class Fixed:
+    """A weld: the point of this name stays together and the bodies keep their assembled angle."""
+
+    name: str
+    body_a: str
+    body_b: str
+    point: str
+    n_constraints: ClassVar[int] = 3
+
+    @property
+    def point_a(self) -> str:
+        """The weld's point on body a."""
+        return self.point
+
+    @property
+    def point_b(self) -> str:
+        """The weld's point on body b."""
+        return self.point
+
+
+@dataclass(frozen=True)
+class Slot:
+    """A pin in a slot: point b of body b stays on a line of body a; friction-free force is normal.
+
+    point_a    a point of body a on the line
+    direction  of the line, in the frame of body a (any length)
+    """
+
+    name: str
+    body_a: str
+    body_b: str
+    point_a: str
+    point_b: str
+    direction: Vector
+    n_constraints: ClassVar[int] = 1
+
+    def __post_init__(self) -> None:
+        _check_direction(f"joint {self.name!r}", self.direction)
+
+
+@dataclass(frozen=True)
+class Prismatic:
+    """A guide: as a slot, and body b keeps its assembled angle to body a."""
+
+    name: str
+    body_a: str
+    body_b: str
+    point_a: str
+    point_b: str
+    direction: Vector
+    n_constraints: ClassVar[int] = 2
+
+    def __post_init__(self) -> None:
+        _check_direction(f"joint {self.name!r}", self.direction)
+
+
+Joint = Revolute | Prismatic | Slot | Fixed
+
+
+@dataclass(frozen=True)
+class PointCoordinate:
+    """How far a point has come along a direction of the ground frame, from its origin [mm]."""
+
+    body: str
+    point: str
+    direction: Vector
+    angular: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        _check_direction(self.label, self.direction)
+
+    @property
+    def label(self) -> str:
+        """The coordinate as messages call it."""
+        axes = {(1.0, 0.0): "x", (0.0, 1.0): "y"}
+        x, y = self.direction
+        return f"{self.point}.{axes.get((float(x), float(y)), f'along ({x:g}, {y:g})')}"
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """The bodies it measures."""
+        return (self.body,)
+
+
+@dataclass(frozen=True)
+class Distance:
+    """How far two points of two bodies are apart [mm]."""
+
+    body_a: str
+    point_a: str
+    body_b: str
+    point_b: str
+    angular: ClassVar[bool] = False
+
+    @property
+    def label(self) -> str:
+        """The coordinate as messages call it."""
+        return f"distance {self.point_a}-{self.point_b}"
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """The bodies it measures."""
+        return (self.body_a, self.body_b)
+
+
+@dataclass(frozen=True)
+class Angle:
+    """How far a body is turned, ccw, from the ground frame or from another body [rad].
+
+    point  where a torque along this coordinate enters the body (and the other body, if it has
+           that point); needed only to hand the body's loads to a model of the part
+    """
+
+    body: str
+    relative_to: str = GROUND
+    point: str | None = None
+    angular: ClassVar[bool] = True
+
+    @property
+    def label(self) -> str:
+        """The coordinate as messages call it."""
+        return f"{self.body}.angle"
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """The bodies it measures."""
+        return (self.body, self.relative_to)
+
+
+Coordinate = PointCoordinate | Distance | Angle
+
+
+@dataclass(frozen=True)
+class Force:
+    """A force (torque for an angle): positive times ``sign`` acts to increase its coordinate.
+
+    A pulling cylinder is a distance with sign -1.
+    """
+
+    name: str
+    coordinate: Coordinate
+    sign: int = 1
+
+    def __post_init__(self) -> None:
+        if self.sign not in (1, -1):
+            raise LinkageError(f"force {self.name!r}: sign must be 1 or -1, got {self.sign}")
+
+
+@dataclass(frozen=True)
+class Friction:
+    """Coulomb friction of a joint: coefficient, and for a pin its radius [mm]."""
+
+    coefficient: float
+    radius: float = 0.0
+
+    def __post_init__(self) -> None:
+        for quantity, value in (("coefficient", self.coefficient), ("radius", self.radius)):
+            if not (isfinite(value) and value >= 0.0):
+                raise LinkageError(f"friction: {quantity} must be 0 or above, got {value:g}")

@@ -1,0 +1,263 @@
+"""Kinetostatics: the joint reactions and the one unknown effort that go with a given motion.
+
+For every position, over the coordinates of all bodies,
+
+    J' reactions + effort + given forces + friction(reactions) = mass x (acceleration - gravity)
+
+(Nikravesh, Planar Multibody Dynamics, ch. 8), unit-free in lengths so that it does not matter
+whether a linkage is stated in mm or in m. Coulomb friction depends on the reactions. It is grown
+from nothing to its full size, with Newton's method at every step, which follows the one solution
+that belongs to the frictionless linkage; where that solution ends, the linkage locks itself.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from loads.bodies import FloatArray, LinkageError, nearest
+from loads.elements import Fixed, Force, Prismatic, Revolute, Slot
+from loads.kinematics import rotated, turned_left
+from loads.motion import SINGULAR, Motion, coordinate_share
+
+_AT_REST = 1e-10  # of the rates of the linkage: slower sliding is rounding, sign(0) = 0
+_STEPS = 8  # in which friction grows
+_LOCKED = 1e-6  # of the frictionless determinant
+
+
+@dataclass(frozen=True, eq=False)
+class JointLoad:
+    """What a joint does to its body b, at the point of body b; body a gets the opposite there.
+
+    force            (n, 2)  N, ground axes, everything: normal and, of guides, friction
+    moment           (n,)    N mm, couple of a guide or weld (zero for pins and slots)
+    friction_couple  (n,)    N mm, of a pin
+    friction_force   (n,)    N, of a guide or slot, along its direction
+    """
+
+    force: FloatArray
+    moment: FloatArray
+    friction_couple: FloatArray
+    friction_force: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class ForceSolution:
+    """Reactions by joint, efforts by force name (n,) and how well the effort is determined.
+
+    conditioning  (n,)  share of the motion that the effort's coordinate sees: 1 best, 0 dead centre
+    vector        (n, constraints + 1)  all reactions, moments over the size of the linkage [N]
+    """
+
+    joints: Mapping[str, JointLoad]
+    efforts: Mapping[str, FloatArray]
+    conditioning: FloatArray
+    vector: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class _Sliding:
+    """Friction of one joint: |reaction in rows| times a factor, along ``pull`` (n, unknowns)."""
+
+    joint: str
+    rows: slice
+    pull: FloatArray
+    factor: FloatArray  # (n,), signed: what to multiply |reaction| by to get couple or force
+
+
+def solve_forces(motion: Motion, given: Mapping[str, float], solve: str) -> ForceSolution:
+    """Return reactions and the effort ``solve`` for a motion under given forces [N, N mm].
+
+    Raises LinkageError at a dead centre of the effort and where friction locks the linkage.
+    """
+    kinematics = motion.kinematics
+    linkage = kinematics.linkage
+    _check_names(motion, given, solve)
+    effort = linkage.force(solve)
+    n = len(motion.values)
+    share = coordinate_share(kinematics, effort.coordinate, motion.poses, motion.first)
+    singular = (np.abs(share) < SINGULAR) | (share * share[0] <= 0.0)
+    if singular.any():
+        value = motion.values[int(np.argmax(singular))]
+        raise LinkageError(
+            f"force {solve!r} cannot balance the linkage at or before {value:.9g}: its coordinate "
+            f"{effort.coordinate.label} stands still there (dead centre), the force would be "
+            "infinite; end the phase before it, or solve for another force"
+        )
+    matrix = np.empty((n, kinematics.n_constraints + 1, kinematics.n_constraints + 1))
+    matrix[:, :, :-1] = np.swapaxes(
+        kinematics.jacobian(motion.poses)[:, :, 3:]
+        * kinematics.pose_scale
+        / kinematics.row_scale[:, None],
+        1,
+        2,
+    )
+    effort_scale = kinematics.coordinate_scale(effort.coordinate)
+    matrix[:, :, -1] = _generalised(motion, effort) * kinematics.size / effort_scale
+    right = _inertia(motion)
+    for name, value in given.items():
+        right -= value * _generalised(motion, linkage.force(name))
+    frictions = _frictions(motion)
+    vector = _solve_with_friction(motion, matrix, right, frictions)
+
+    unknown = vector[:, :-1] * kinematics.size / kinematics.row_scale
+    efforts = {name: np.full(n, float(value)) for name, value in given.items()}
+    efforts[solve] = vector[:, -1] * kinematics.size / effort_scale
+    sliding = {
+        friction.joint: friction.factor * np.linalg.norm(vector[:, friction.rows], axis=1)
+        for friction in frictions
+    }
+    zero = np.zeros(n)
+    joints: dict[str, JointLoad] = {}
+    for joint in linkage.joints:
+        part = unknown[:, kinematics.rows[joint.name]]
+        slid = sliding.get(joint.name, zero)
+        match joint:
+            case Revolute():
+                joints[joint.name] = JointLoad(part, zero, slid, zero)
+            case Fixed():
+                joints[joint.name] = JointLoad(part[:, :2], part[:, 2], zero, zero)
+            case Slot() | Prismatic():
+                along = kinematics.line(motion.poses, joint)
+                force = turned_left(along) * part[:, :1] + along * slid[:, None]
+                couple = part[:, 1] if isinstance(joint, Prismatic) else zero
+                joints[joint.name] = JointLoad(force, couple, zero, slid)
+    return ForceSolution(joints, efforts, np.abs(share), vector)
+
+
+def _check_names(motion: Motion, given: Mapping[str, float], solve: str) -> None:
+    linkage = motion.kinematics.linkage
+    known = {force.name for force in linkage.forces}
+    for name in (*given, solve):
+        if name not in known:
+            raise LinkageError(f"no force is named {name!r}; {nearest(name, known)}")
+    if solve in given:
+        raise LinkageError(f"force {solve!r} is both given and to be solved for")
+    for name in sorted(known - {*given, solve}):
+        raise LinkageError(
+            f"force {name!r} is neither given nor solved for; state 0 N if it is idle"
+        )
+
+
+def _generalised(motion: Motion, force: Force) -> FloatArray:
+    """Return the load of a unit force on all coordinates, moments over the linkage's size."""
+    kinematics = motion.kinematics
+    gradient = kinematics.gradient(force.coordinate, motion.poses)[:, 3:]
+    result: FloatArray = force.sign * gradient * kinematics.pose_scale / kinematics.size
+    return result
+
+
+def _inertia(motion: Motion) -> FloatArray:
+    """Return mass x (acceleration - gravity) over all coordinates, moments over the size [N]."""
+    kinematics = motion.kinematics
+    result = np.zeros((len(motion.values), kinematics.n_bodies - 1, 3))
+    for i, body in enumerate(kinematics.linkage.moving):
+        arm = rotated(np.array(body.centre, dtype=float), motion.poses[:, i + 1, 2])
+        spin, turn = motion.velocities[:, i + 1, 2:], motion.accelerations[:, i + 1, 2:]
+        pull = (
+            motion.accelerations[:, i + 1, :2]
+            + turn * turned_left(arm)
+            - spin**2 * arm
+            - np.array(kinematics.linkage.gravity)
+        )
+        result[:, i, :2] = body.mass * pull
+        result[:, i, 2] = body.inertia * turn[:, 0] + body.mass * (
+            arm[:, 0] * pull[:, 1] - arm[:, 1] * pull[:, 0]
+        )
+    flat: FloatArray = result.reshape(len(motion.values), -1)
+    return flat * kinematics.pose_scale / kinematics.size
+
+
+def _frictions(motion: Motion) -> list[_Sliding]:
+    """Return the friction of every joint that has some, against the sliding of b on a."""
+    kinematics = motion.kinematics
+    n = len(motion.values)
+    scaled = motion.velocities.reshape(n, -1)[:, 3:] / kinematics.pose_scale
+    typical = np.linalg.norm(scaled, axis=1)
+    result = []
+    for joint in kinematics.linkage.joints:
+        friction = kinematics.linkage.friction.get(joint.name)
+        if friction is None or not friction.coefficient:
+            continue
+        rows = kinematics.rows[joint.name]
+        if isinstance(joint, Prismatic | Slot):
+            rows = slice(rows.start, rows.start + 1)
+            rate = kinematics.sliding(motion.poses, motion.velocities, joint) / kinematics.size
+            gradient = kinematics.sliding_gradient(motion.poses, joint)
+            factor = friction.coefficient
+        else:
+            b, a = kinematics.index[joint.body_b], kinematics.index[joint.body_a]
+            rate = motion.velocities[:, b, 2] - motion.velocities[:, a, 2]
+            gradient = np.zeros((n, 3 * kinematics.n_bodies))
+            gradient[:, 3 * b + 2], gradient[:, 3 * a + 2] = 1.0, -1.0
+            factor = friction.coefficient * friction.radius
+        sign = np.where(np.abs(rate) > _AT_REST * typical, np.sign(rate), 0.0)
+        pull = gradient[:, 3:] * kinematics.pose_scale / kinematics.size
+        result.append(_Sliding(joint.name, rows, pull, -factor * sign))
+    return result
+
+
+def _solve_with_friction(
+    motion: Motion, matrix: FloatArray, right: FloatArray, frictions: list[_Sliding]
+) -> FloatArray:
+    """Return the unknowns of matrix z + friction(z) = right, on the branch of no friction."""
+    vector: FloatArray = np.asarray(np.linalg.solve(matrix, right[..., None])[..., 0], dtype=float)
+    if not frictions:
+        return vector
+    signs, sizes = np.linalg.slogdet(matrix)
+    for share in np.arange(1, _STEPS + 1) / _STEPS:
+        converged = np.zeros(len(right), dtype=bool)
+        for _ in range(40):
+            slope, friction = _linearised(matrix, vector, frictions, share)
+            error = right - np.einsum("nij,nj->ni", matrix, vector) - friction
+            scale = np.abs(vector).max(axis=1) + np.abs(right).max(axis=1)
+            converged = np.abs(error).max(axis=1) <= 1e-13 * scale
+            if converged.all():
+                break
+            new_signs, new_sizes = np.linalg.slogdet(slope)
+            if ((new_signs != signs) | (new_sizes < sizes + np.log(_LOCKED))).any():
+                break
+            step = np.linalg.solve(slope, error[..., None])[..., 0]
+            vector = vector + step
+            if (np.abs(step).max(axis=1) <= 1e-13 * np.abs(vector).max(axis=1)).all():
+                converged = np.ones(len(right), dtype=bool)
+                break
+        slope, _friction = _linearised(matrix, vector, frictions, share)
+        new_signs, new_sizes = np.linalg.slogdet(slope)
+        locked = ~converged | (new_signs != signs) | (new_sizes < sizes + np.log(_LOCKED))
+        if locked.any():
+            raise _locking(motion, vector, frictions, int(np.argmax(locked)))
+    return vector
+
+
+def _linearised(
+    matrix: FloatArray, vector: FloatArray, frictions: list[_Sliding], share: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return the matrix with the slope of friction added, and the friction itself."""
+    slope, load = matrix.copy(), np.zeros_like(vector)
+    for friction in frictions:
+        part = vector[:, friction.rows]
+        size = np.linalg.norm(part, axis=1)
+        pull = share * friction.factor[:, None] * friction.pull
+        load += pull * size[:, None]
+        along = part / np.where(size > 0.0, size, 1.0)[:, None]
+        slope[:, :, friction.rows] += pull[:, :, None] * along[:, None, :]
+    return slope, load
+
+
+def _locking(motion: Motion, vector: FloatArray, frictions: list[_Sliding], k: int) -> LinkageError:
+    """Return the error of self-locking, naming the joint whose friction takes the most power."""
+    rates = motion.velocities.reshape(len(vector), -1)[k, 3:] / motion.kinematics.pose_scale
+    power = {
+        friction.joint: abs(
+            float(friction.factor[k] * (friction.pull[k] @ rates))
+            * float(np.linalg.norm(vector[k, friction.rows]))
+        )
+        for friction in frictions
+    }
+    joint = max(power, key=lambda name: power[name])
+    coefficient = motion.kinematics.linkage.friction[joint].coefficient
+    return LinkageError(
+        f"friction locks the linkage at {motion.values[k]:.6g}: no force moves it; most of it is "
+        f"in joint {joint!r}, coefficient {coefficient:g}"
+    )

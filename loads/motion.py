@@ -1,0 +1,381 @@
+"""The positions a linkage can take along one coordinate, and how it moves through them.
+
+Positions come in two steps: a coarse walk from the assembled pose, one small step after the other,
+settles the branch; then Newton's method solves all wanted positions together from there.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from loads.assembly import assemble, closest_approach
+from loads.bodies import BoolArray, FloatArray, IntArray, LinkageError
+from loads.elements import Coordinate
+from loads.kinematics import Kinematics, dot
+from loads.linkage import Linkage
+
+# A coordinate whose share of the motion is below this cannot lead (or load) it: beyond, more than
+# ten of the sixteen digits of a double are lost.
+SINGULAR = 1e-6
+_STRAIGHT = 0.95  # cosine of the largest turn of the motion in one step of the walk
+_SMALLEST_STEP = 1e-10  # of the range that is walked
+
+
+@dataclass(frozen=True, eq=False)
+class Geometry:
+    """Positions of a linkage and their derivatives by the swept coordinate.
+
+    values  (n,)             swept coordinate, mm or rad
+    poses   (n, bodies, 3)   mm, mm, rad; the ground first
+    first   (n, bodies, 3)   d poses / d coordinate
+    second  (n, bodies, 3)   d2 poses / d coordinate2
+    """
+
+    kinematics: Kinematics
+    values: FloatArray
+    poses: FloatArray
+    first: FloatArray
+    second: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Positions of a linkage with their rates in time.
+
+    poses, velocities, accelerations  (n, bodies, 3)  mm, rad, s; the ground first
+    first                             (n, bodies, 3)  d poses / d swept coordinate
+    """
+
+    kinematics: Kinematics
+    values: FloatArray
+    poses: FloatArray
+    velocities: FloatArray
+    accelerations: FloatArray
+    first: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """One branch of a linkage's positions between two values of a coordinate: coarse knots on it.
+
+    values    (k,)            rising
+    poses     (k, bodies, 3)
+    tangents  (k, bodies, 3)  d poses / d coordinate
+    """
+
+    kinematics: Kinematics
+    coordinate: Coordinate
+    values: FloatArray
+    poses: FloatArray
+    tangents: FloatArray
+
+    def at(self, values: FloatArray) -> Geometry:
+        """Return the positions at the given values of the coordinate, solved together."""
+        kinematics, coordinate = self.kinematics, self.coordinate
+        values = np.asarray(values, dtype=float)
+        low, high = self.values[0], self.values[-1]
+        outside = (values < low) | (values > high)
+        if outside.any():
+            raise LinkageError(
+                f"{coordinate.label} = {values[outside][0]:g} is outside the path "
+                f"{low:g} ... {high:g}"
+            )
+        k = np.clip(np.searchsorted(self.values, values) - 1, 0, len(self.values) - 2)
+        guess = self._hermite(values, k)
+        poses, converged = _newton(kinematics, coordinate, values, guess)
+        chord = _norm(kinematics, self.poses[k + 1] - self.poses[k])
+        strayed = _norm(kinematics, poses - guess) > 0.25 * chord + 1e-6
+        wrong = ~converged | strayed
+        if wrong.any():
+            raise LinkageError(
+                f"the positions jump to another branch at {coordinate.label} = "
+                f"{values[wrong][0]:.9g}: the way the linkage is assembled is not unique there"
+            )
+        return differentiate(kinematics, coordinate, values, poses)
+
+    def _hermite(self, values: FloatArray, k: IntArray) -> FloatArray:
+        start, step = self.values[k], self.values[k + 1] - self.values[k]
+        t = ((values - start) / step)[:, None, None]
+        h = step[:, None, None]
+        guess: FloatArray = (
+            (1 + 2 * t) * (1 - t) ** 2 * self.poses[k]
+            + t * (1 - t) ** 2 * h * self.tangents[k]
+            + t**2 * (3 - 2 * t) * self.poses[k + 1]
+            + t**2 * (t - 1) * h * self.tangents[k + 1]
+        )
+        return guess
+
+
+def trace(linkage: Linkage, coordinate: Coordinate, first: float, second: float) -> Path:
+    """Return the branch of positions that holds the assembled pose, between two values.
+
+    Raises LinkageError if the assembled pose does not close, or if a value cannot be reached.
+    """
+    linkage.check_coordinate(coordinate, "swept coordinate")
+    kinematics = Kinematics(linkage)
+    low, high = min(first, second), max(first, second)
+    pose = assemble(kinematics)
+    start = float(kinematics.value(coordinate, pose)[0])
+    scale = max(abs(low), abs(high), abs(start), 1e-3 * kinematics.coordinate_scale(coordinate))
+    knots = [(start, pose, _tangent(kinematics, coordinate, start, pose))]
+    for end in (low, high):
+        if (end < start) == (end == low) and abs(end - start) > 1e-13 * scale:
+            knots += _walk(kinematics, coordinate, knots[0], end)
+    knots.sort(key=lambda knot: knot[0])
+    values = np.array([knot[0] for knot in knots])
+    if len(values) == 1:
+        raise LinkageError(f"{coordinate.label} does not change: {low:g} to {high:g}")
+    # the assembled value and the asked end may differ by rounding only
+    values[0] = min(values[0], low)
+    values[-1] = max(values[-1], high)
+    return Path(
+        kinematics,
+        coordinate,
+        values,
+        np.concatenate([knot[1] for knot in knots]),
+        np.concatenate([knot[2] for knot in knots]),
+    )
+
+
+def differentiate(
+    kinematics: Kinematics, coordinate: Coordinate, values: FloatArray, poses: FloatArray
+) -> Geometry:
+    """Return first and second derivatives of solved poses by the coordinate.
+
+    With A the constraint Jacobian over the coordinate's gradient: A q' = (0, 1) and
+    A q'' = -(quadratic terms for q').
+    """
+    matrix = _matrix(kinematics, coordinate, poses)
+    right = np.zeros(matrix.shape[:2])
+    right[:, -1] = 1.0
+    first = _solve(kinematics, coordinate, matrix, right, values, leading=True)
+    scale = kinematics.coordinate_scale(coordinate)
+    bend = np.concatenate(
+        [
+            kinematics.quadratic(poses, first) / kinematics.row_scale,
+            kinematics.curvature(coordinate, poses, first)[:, None] / scale,
+        ],
+        axis=1,
+    )
+    # times scale: _solve divides once, as for a first derivative
+    second = _solve(kinematics, coordinate, matrix, -bend * scale, values, leading=False)
+    return Geometry(kinematics, values, poses, first, second)
+
+
+def move(
+    geometry: Geometry,
+    pace: Coordinate,
+    speed: float,
+    direction: int,
+    acceleration: float = 0.0,
+) -> Motion:
+    """Return the motion in which the pace coordinate changes at the given speed.
+
+    speed         mm/s or rad/s, magnitude of the pace's rate
+    direction     1: the swept coordinate rises, -1: it falls
+    acceleration  of the pace along its way (its speed rises where positive)
+    """
+    kinematics = geometry.kinematics
+    kinematics.linkage.check_coordinate(pace, "pace")
+    if not 0.0 < speed < float("inf"):
+        raise LinkageError(f"the speed of {pace.label} must be above 0, got {speed:g}")
+    n = len(geometry.values)
+    gradient = kinematics.gradient(pace, geometry.poses)
+    slope = np.einsum("nj,nj->n", gradient, geometry.first.reshape(n, -1))
+    share = coordinate_share(kinematics, pace, geometry.poses, geometry.first)
+    turning = (share * share[0] <= 0.0) | (np.abs(share) < SINGULAR)
+    if turning.any():
+        k = int(np.argmax(turning))
+        raise LinkageError(
+            f"{pace.label} sets the pace but stands still at or before the swept "
+            f"coordinate's value {geometry.values[k]:.6g}: choose another coordinate "
+            "for the pace, or end the phase before it"
+        )
+    curvature = kinematics.curvature(pace, geometry.poses, geometry.first) + np.einsum(
+        "nj,nj->n", gradient, geometry.second.reshape(n, -1)
+    )
+    along = np.sign(slope) * direction
+    rate = along * speed / slope  # of the swept coordinate
+    change = (along * acceleration - curvature * rate**2) / slope
+    rate, change = rate[:, None, None], change[:, None, None]
+    return Motion(
+        kinematics,
+        geometry.values,
+        geometry.poses,
+        geometry.first * rate,
+        geometry.second * rate**2 + geometry.first * change,
+        geometry.first,
+    )
+
+
+def coordinate_share(
+    kinematics: Kinematics, coordinate: Coordinate, poses: FloatArray, first: FloatArray
+) -> FloatArray:
+    """Return how much of the motion a coordinate sees (n,), between -1 and 1, 0 at a dead centre.
+
+    The coordinate's derivative along the motion over the product of the lengths of its gradient and
+    of the motion, lengths measured by the linkage's size and angles in rad.
+    """
+    gradient = kinematics.gradient(coordinate, poses)[:, 3:] * kinematics.pose_scale
+    rates = first.reshape(len(poses), -1)[:, 3:] / kinematics.pose_scale
+    length = np.linalg.norm(gradient, axis=1) * np.linalg.norm(rates, axis=1)
+    result: FloatArray = dot(gradient, rates) / length
+    return result
+
+
+def _matrix(kinematics: Kinematics, coordinate: Coordinate, poses: FloatArray) -> FloatArray:
+    """Return the unit-free Jacobian of the constraints, the coordinate as its last row."""
+    scale = kinematics.coordinate_scale(coordinate)
+    return np.concatenate(
+        [
+            kinematics.jacobian(poses)[:, :, 3:]
+            * kinematics.pose_scale
+            / kinematics.row_scale[:, None],
+            (kinematics.gradient(coordinate, poses)[:, 3:] * kinematics.pose_scale / scale)[
+                :, None
+            ],
+        ],
+        axis=1,
+    )
+
+
+def _solve(
+    kinematics: Kinematics,
+    coordinate: Coordinate,
+    matrix: FloatArray,
+    right: FloatArray,
+    values: FloatArray,
+    leading: bool,
+) -> FloatArray:
+    """Return derivatives (n, bodies, 3) by the coordinate for unit-free right sides.
+
+    leading  the solution is the motion itself: the coordinate must see enough of it
+    """
+    try:
+        solution = np.linalg.solve(matrix, right[..., None])[..., 0]
+    except np.linalg.LinAlgError:
+        solution = np.full(right.shape, np.inf)
+    lead = 1.0 / (np.linalg.norm(matrix[:, -1], axis=1) * np.linalg.norm(solution, axis=1) + 1e-300)
+    if leading and (~np.isfinite(lead) | (lead < SINGULAR)).any():
+        k = int(np.argmin(np.where(np.isfinite(lead), lead, 0.0)))
+        raise LinkageError(
+            f"{coordinate.label} stands still at {values[k]:.9g} (dead centre) and cannot lead the "
+            "motion through it: end before it, or sweep another coordinate"
+        )
+    result = np.zeros((len(matrix), kinematics.n_bodies, 3))
+    scale = kinematics.coordinate_scale(coordinate)
+    result[:, 1:] = (solution * kinematics.pose_scale / scale).reshape(len(matrix), -1, 3)
+    return result
+
+
+def _tangent(
+    kinematics: Kinematics, coordinate: Coordinate, value: float, pose: FloatArray
+) -> FloatArray:
+    matrix = _matrix(kinematics, coordinate, pose)
+    right = np.zeros(matrix.shape[:2])
+    right[:, -1] = 1.0
+    return _solve(kinematics, coordinate, matrix, right, np.array([value]), leading=True)
+
+
+def _norm(kinematics: Kinematics, change: FloatArray) -> FloatArray:
+    result: FloatArray = np.linalg.norm(
+        change.reshape(len(change), -1)[:, 3:] / kinematics.pose_scale, axis=1
+    )
+    return result
+
+
+def _newton(
+    kinematics: Kinematics, coordinate: Coordinate, values: FloatArray, guess: FloatArray
+) -> tuple[FloatArray, BoolArray]:
+    """Return poses on the constraints with the given coordinate values, and which converged."""
+    poses = guess.copy()
+    scale = kinematics.coordinate_scale(coordinate)
+    done = np.zeros(len(values), dtype=bool)
+    for _ in range(12):
+        error = np.concatenate(
+            [
+                kinematics.constraints(poses) / kinematics.row_scale,
+                ((kinematics.value(coordinate, poses) - values) / scale)[:, None],
+            ],
+            axis=1,
+        )
+        if done.all():
+            break
+        try:
+            step = np.linalg.solve(_matrix(kinematics, coordinate, poses), error[..., None])[..., 0]
+        except np.linalg.LinAlgError:
+            return poses, np.zeros(len(values), dtype=bool)
+        size = np.linalg.norm(step, axis=1)
+        if not np.isfinite(size).all() or size.max() > 10.0:
+            return poses, np.zeros(len(values), dtype=bool)
+        poses[:, 1:] -= (step * kinematics.pose_scale).reshape(len(poses), -1, 3)
+        # the step after a step of 1e-8 is at rounding: quadratic convergence
+        done = size < 1e-8
+    residual = np.abs(error).max(axis=1)
+    return poses, done & (residual < 1e-12)
+
+
+_Knot = tuple[float, FloatArray, FloatArray]
+
+
+def _walk(kinematics: Kinematics, coordinate: Coordinate, knot: _Knot, end: float) -> list[_Knot]:
+    """Return knots from one value of the coordinate to another, each near the one before."""
+    knots: list[_Knot] = []
+    start, total = knot[0], end - knot[0]
+    share = 1.0 / 16.0
+    while knot[0] != end:
+        value, pose, _ = knot
+        target = value + share * total
+        if abs(target - start) >= abs(total) * (1.0 - 1e-12):
+            target = end
+        following = _step(kinematics, coordinate, knot, target)
+        if following is None:
+            share /= 2.0
+            if share < _SMALLEST_STEP:
+                raise _stopped(kinematics, coordinate, pose, end, value)
+            continue
+        knots.append(following)
+        knot = following
+        share = min(2.0 * share, 1.0 / 16.0)
+    return knots
+
+
+def _step(
+    kinematics: Kinematics, coordinate: Coordinate, knot: _Knot, target: float
+) -> _Knot | None:
+    value, pose, tangent = knot
+    guess = pose + tangent * (target - value)
+    poses, converged = _newton(kinematics, coordinate, np.array([target]), guess)
+    if not converged[0]:
+        return None
+    try:
+        following = _tangent(kinematics, coordinate, target, poses)
+    except LinkageError:
+        return None
+    chord = (poses - pose) * np.sign(target - value)
+    for direction in (tangent, following):
+        if _cosine(kinematics, chord, direction) < _STRAIGHT:
+            return None
+    return target, poses, following
+
+
+def _cosine(kinematics: Kinematics, a: FloatArray, b: FloatArray) -> float:
+    scaled = [change.reshape(-1)[3:] / kinematics.pose_scale for change in (a, b)]
+    lengths = float(np.linalg.norm(scaled[0]) * np.linalg.norm(scaled[1]))
+    return float(scaled[0] @ scaled[1]) / lengths if lengths else 1.0
+
+
+def _stopped(
+    kinematics: Kinematics, coordinate: Coordinate, pose: FloatArray, end: float, last: float
+) -> LinkageError:
+    """Return the error of a value that cannot be reached: how far the joints stay open there."""
+    joint, gap = closest_approach(kinematics, coordinate, end, pose)
+    if gap < 1e-6 * kinematics.size:
+        return LinkageError(
+            f"{coordinate.label} cannot be led to {end:.9g}: it stands still at {last:.6g} "
+            "(dead centre); end before it, or sweep another coordinate"
+        )
+    return LinkageError(
+        f"{coordinate.label} = {end:.9g} cannot be reached: joint {joint!r} stays open by "
+        f"{gap:.4g} mm there; the last value that can be reached is {last:.6g}"
+    )

@@ -1,0 +1,281 @@
+"""What a check of a design says: checks with their error bars, gates, and the verdict."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from math import inf, isfinite
+from typing import Any
+
+
+class Status(StrEnum):
+    """The outcome of a check; only PASS is a pass."""
+
+    PASS = "pass"
+    UNDECIDED = "UNDECIDED"
+    FAIL = "FAIL"
+
+
+@dataclass(frozen=True)
+class Check:
+    """One line of the verdict: demand with its bars against a limit with its required safety.
+
+    part, kind        whose check it is; "static", "buckling", "fatigue", "bush"
+    quantity          what `value` is
+    value             the demand, in `unit`
+    numerical, model  half-widths of the error bars, in `unit`; infinite when nothing is known
+    limit             what the part can take, in `unit`
+    required          safety that must be shown
+    cycle, position   where in which cycle, as shown to people ("press, x = 2 mm")
+    place             where on the part
+    method            which model gave the value
+    basis             where the limit comes from, scatter of strength included
+    note              anything that a reader must know, such as a singular edge
+    """
+
+    part: str
+    kind: str
+    quantity: str
+    value: float
+    unit: str
+    numerical: float
+    model: float
+    limit: float
+    required: float
+    cycle: str
+    position: str
+    place: str
+    method: str
+    basis: str
+    note: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.required > 0 or not self.limit > 0:
+            raise ValueError(f"{self.part} {self.kind}: limit and required safety must be above 0")
+        if not isfinite(self.value) or self.value < 0:
+            raise ValueError(f"{self.part} {self.kind}: the value is {self.value}")
+        if not (self.numerical >= 0 and self.model >= 0):
+            raise ValueError(f"{self.part} {self.kind}: error bars must not be negative")
+
+    @property
+    def safety(self) -> float:
+        """Limit over value; infinite for a part without load."""
+        return self.limit / self.value if self.value else inf
+
+    @property
+    def utilisation(self) -> float:
+        """Value times required safety over limit: at most 1 is enough."""
+        return self.value * self.required / self.limit
+
+    @property
+    def status(self) -> Status:
+        """PASS when the upper end of the bars holds the limit, FAIL when the lower end does not."""
+        bar = self.numerical + self.model
+        if (self.value + bar) * self.required <= self.limit:
+            return Status.PASS
+        if isfinite(bar) and (self.value - bar) * self.required > self.limit:
+            return Status.FAIL
+        return Status.UNDECIDED
+
+    @property
+    def settled_by_mesh(self) -> bool:
+        """Whether a smaller numerical bar could still change an UNDECIDED verdict."""
+        return self.status is Status.UNDECIDED and not (
+            (self.value + self.model) * self.required > self.limit
+            and (self.value - self.model) * self.required <= self.limit
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """The check as plain data, infinite bars as None."""
+        plain = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        plain |= {name: None for name in ("numerical", "model") if not isfinite(plain[name])}
+        safety = self.safety if isfinite(self.safety) else None
+        return plain | {
+            "safety": safety,
+            "utilisation": self.utilisation,
+            "status": str(self.status),
+        }
+
+
+@dataclass(frozen=True)
+class Gate:
+    """A validity gate: a measured number that must stay below a limit for the result to be valid."""
+
+    name: str
+    value: float
+    limit: float
+    meaning: str
+
+    @property
+    def holds(self) -> bool:
+        """Whether the result may be trusted in this respect."""
+        return bool(self.value <= self.limit)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The gate as plain data."""
+        return {
+            "name": self.name,
+            "value": self.value,
+            "limit": self.limit,
+            "holds": self.holds,
+            "meaning": self.meaning,
+        }
+
+
+@dataclass(frozen=True)
+class HandCheck:
+    """A number computed by hand beside the model's, and how far apart they may be."""
+
+    quantity: str
+    hand: float
+    model: float
+    unit: str
+    formula: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """The comparison as plain data."""
+        return {name: getattr(self, name) for name in self.__dataclass_fields__}
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Fields on the surface of a part, for pictures and files.
+
+    nodes      (n, 3) mm; triangles (m, 3) indices of them
+    fields     name -> (n,) values
+    peak       index of the node that carries the reported peak stress
+    """
+
+    nodes: Any
+    triangles: Any
+    fields: Mapping[str, Any]
+    peak: int
+
+
+@dataclass(frozen=True, eq=False)
+class PartResult:
+    """Everything that was found about one part.
+
+    meshes   one dict per mesh that was solved: unknowns, elements, peak stress, ...
+    charts   plain data of the part's charts (Haigh path)
+    """
+
+    name: str
+    shape: str
+    material: str
+    checks: Sequence[Check]
+    gates: Sequence[Gate]
+    hand_checks: Sequence[HandCheck]
+    meshes: Sequence[Mapping[str, Any]]
+    facts: Mapping[str, Any]
+    charts: Mapping[str, Any]
+    surface: Surface
+    assumed: Sequence[str] = ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """The result as plain data, without fields on the surface."""
+        return {
+            "name": self.name,
+            "shape": self.shape,
+            "material": self.material,
+            "checks": [check.to_dict() for check in self.checks],
+            "gates": [gate.to_dict() for gate in self.gates],
+            "hand_checks": [check.to_dict() for check in self.hand_checks],
+            "meshes": [dict(mesh) for mesh in self.meshes],
+            "facts": dict(self.facts),
+            "charts": dict(self.charts),
+            "assumed": list(self.assumed),
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class DesignResult:
+    """Everything that was found about one design.
+
+    cycles    name -> plain data over the cycle: shown position, forces, efforts
+    gates     of the loads
+    timings   stage -> s
+    inputs    every input as (key, value); `defaults` those that the file did not state
+    """
+
+    name: str
+    file: str
+    sha256: str
+    overrides: Sequence[str]
+    parts: Sequence[PartResult]
+    cycles: Mapping[str, Mapping[str, Any]]
+    gates: Sequence[Gate]
+    warnings: Sequence[str]
+    not_checked: Sequence[str]
+    assumed: Sequence[tuple[str, str]]
+    defaults: Sequence[tuple[str, str]]
+    inputs: Sequence[tuple[str, str]]
+    source: str
+    versions: Mapping[str, str]
+    command: str
+    timings: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def checks(self) -> list[Check]:
+        """All checks of all parts, in order."""
+        return [check for part in self.parts for check in part.checks]
+
+    @property
+    def status(self) -> Status:
+        """FAIL if any check fails, else UNDECIDED if any is or a gate does not hold, else PASS."""
+        outcomes = {check.status for check in self.checks}
+        if Status.FAIL in outcomes:
+            return Status.FAIL
+        broken = any(not gate.holds for gate in self.all_gates)
+        if Status.UNDECIDED in outcomes or broken or not self.checks:
+            return Status.UNDECIDED
+        return Status.PASS
+
+    @property
+    def all_gates(self) -> list[Gate]:
+        """Gates of the loads and of every part."""
+        return [*self.gates, *(gate for part in self.parts for gate in part.gates)]
+
+    @property
+    def deciding(self) -> Check:
+        """The check that is nearest to its limit, bars included; a worse status comes first."""
+        order = {Status.FAIL: 0, Status.UNDECIDED: 1, Status.PASS: 2}
+        return min(
+            self.checks,
+            key=lambda c: (
+                order[c.status],
+                -(c.value + (c.numerical + c.model if isfinite(c.numerical) else 0))
+                * c.required
+                / c.limit,
+            ),
+        )
+
+    @property
+    def exit_code(self) -> int:
+        """0 when every part passes, else 1."""
+        return 0 if self.status is Status.PASS else 1
+
+    def to_dict(self) -> dict[str, Any]:
+        """The result as plain data."""
+        return {
+            "format": "ballesta-result/1",
+            "name": self.name,
+            "file": self.file,
+            "sha256": self.sha256,
+            "overrides": list(self.overrides),
+            "status": str(self.status),
+            "exit_code": self.exit_code,
+            "decided_by": {"part": self.deciding.part, "kind": self.deciding.kind}
+            if self.checks
+            else None,
+            "parts": [part.to_dict() for part in self.parts],
+            "cycles": {name: dict(cycle) for name, cycle in self.cycles.items()},
+            "gates": [gate.to_dict() for gate in self.gates],
+            "warnings": list(self.warnings),
+            "not_checked": list(self.not_checked),
+            "assumed": [list(pair) for pair in self.assumed],
+            "defaults": [list(pair) for pair in self.defaults],
+            "inputs": [list(pair) for pair in self.inputs],
+            "versions": dict(self.versions),
+            "command": self.command,
+            "timings": dict(self.timings),
+        }

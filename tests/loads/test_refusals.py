@@ -1,0 +1,152 @@
+"""Linkages and cycles that cannot work are refused, and the message says where."""
+
+import pickle
+from dataclasses import replace
+from math import pi
+
+import pytest
+
+from loads import (
+    GROUND,
+    Angle,
+    Body,
+    Cycle,
+    Force,
+    Friction,
+    Linkage,
+    LinkageError,
+    Phase,
+    PointCoordinate,
+    Prismatic,
+    Revolute,
+    run_cycle,
+    trace,
+)
+
+from .machines import four_bar, press_cycle, slider_crank, toggle, toggle_height
+
+
+def test_a_height_that_the_bars_do_not_reach_is_refused_with_its_gap():
+    """Bars of 250 mm reach 500 mm: at 510 mm, 10 mm are missing."""
+    with pytest.raises(
+        LinkageError,
+        match=r"A\.y = 510 cannot be reached: joint '\w+' stays open by (10|9\.99)"
+        r".* last value that can be reached is 500",
+    ):
+        trace(toggle(), toggle_height(toggle()), 300.0, 510.0)
+
+
+def test_a_sweep_up_to_its_dead_centre_is_refused():
+    with pytest.raises(LinkageError, match=r"A\.y .*stands still at 500 .*dead centre"):
+        trace(toggle(), toggle_height(toggle()), 300.0, 500.0)
+
+
+def test_a_crank_that_cannot_turn_round_is_refused():
+    """40 + 120 > 100 + 30: no crank by Grashof's rule."""
+    with pytest.raises(LinkageError, match=r"crank\.angle = .* cannot be reached: joint"):
+        trace(four_bar(40.0, 120.0, 30.0, 100.0, at=2.5), Angle("crank"), 2.5, 2 * pi)
+
+
+def test_an_effort_that_passes_a_dead_centre_between_positions_is_refused():
+    linkage = slider_crank(50.0, 200.0, slider_mass=1e-3, at=1.0)
+    cycle = Cycle(
+        "turn",
+        Angle("crank"),
+        1.0,
+        Angle("crank"),
+        10.0,
+        (Phase("all", 7.0, {"drive": 1000.0}, "push"),),
+    )
+    with pytest.raises(LinkageError, match=r"'turn', phase 'all': force 'push' cannot balance"):
+        run_cycle(linkage, cycle)
+
+
+def test_a_pace_that_stands_still_is_refused():
+    linkage = slider_crank(50.0, 200.0, slider_mass=1e-3, at=1.0)
+    pace = linkage.force("push").coordinate
+    cycle = Cycle(
+        "turn", Angle("crank"), 1.0, pace, 10.0, (Phase("all", 7.0, {"push": 0.0}, "drive"),)
+    )
+    with pytest.raises(LinkageError, match=r"B\.x sets the pace but stands still"):
+        run_cycle(linkage, cycle)
+
+
+def wedge(coefficient):
+    """A block in a guide at 45 degrees, pushed level by ``push``, held upright by ``hold``."""
+    return Linkage(
+        bodies=(Body(GROUND, {"O": (0.0, 0.0)}), Body("block", {"P": (0.0, 0.0)})),
+        joints=(Prismatic("ramp", GROUND, "block", "O", "P", (1.0, 1.0)),),
+        forces=(
+            Force("push", PointCoordinate("block", "P", (1.0, 0.0))),
+            Force("hold", PointCoordinate("block", "P", (0.0, -1.0))),
+        ),
+        assembled={"block": (0.0, 0.0, 0.0)},
+        friction={"ramp": Friction(coefficient)},
+        gravity=(0.0, 0.0),
+    )
+
+
+def wedge_cycle(linkage):
+    x = linkage.force("push").coordinate
+    return Cycle("up", x, 0.0, x, 10.0, (Phase("up", 10.0, {"hold": 100.0}, "push"),), 20)
+
+
+@pytest.mark.parametrize("coefficient", [0.0, 0.3, 0.9])
+def test_a_block_on_a_ramp_needs_the_force_of_the_friction_angle(coefficient):
+    """Push = W tan(45 deg + phi) = W (1 + mu) / (1 - mu), closed form."""
+    loads = run_cycle(wedge(coefficient), wedge_cycle(wedge(0.0)))
+    expected = 100.0 * (1 + coefficient) / (1 - coefficient)
+    assert loads.efforts["push"] == pytest.approx(expected, rel=1e-10)
+
+
+@pytest.mark.parametrize("coefficient", [1.0, 1.2])
+def test_a_ramp_that_locks_itself_is_refused(coefficient):
+    """From mu = 1 on, no level push moves the block up 45 degrees."""
+    with pytest.raises(LinkageError, match=r"friction locks the linkage .* joint 'ramp'"):
+        run_cycle(wedge(coefficient), wedge_cycle(wedge(0.0)))
+
+
+def test_too_many_and_too_few_degrees_of_freedom_are_counted():
+    linkage = toggle()
+    with pytest.raises(LinkageError, match=r"has 3 degrees of freedom \(3 x 3 bodies - 6 .* 2 too"):
+        replace(linkage, joints=linkage.joints[:-1], friction={})
+    second = Prismatic("guide 2", GROUND, "mould", "C", "A", (0.0, 1.0))
+    with pytest.raises(LinkageError, match="has -1 degrees of freedom .* 2 too few"):
+        replace(linkage, joints=(*linkage.joints, second))
+
+
+def test_an_open_assembly_is_refused_with_its_gap_and_a_rounded_one_is_closed():
+    linkage = toggle()
+    x, y, angle = linkage.assembled["mould"]
+    loose = replace(linkage, assembled={**linkage.assembled, "mould": (x, y + 8.0, angle)})
+    with pytest.raises(LinkageError, match=r"assembled pose leaves joint 'A' open by 8 mm"):
+        trace(loose, toggle_height(linkage), 300.0, 400.0)
+    rounded = replace(linkage, assembled={**linkage.assembled, "mould": (x, y + 0.01, angle)})
+    cycle = replace(press_cycle(linkage), n_positions=60)
+    assert run_cycle(rounded, cycle).constraint_residual < 1e-9
+
+
+def test_names_are_checked_with_the_nearest_right_one():
+    linkage = toggle()
+    with pytest.raises(LinkageError, match=r"joint 'B': body 'lower' has no point 'knee'; known"):
+        replace(linkage, joints=(Revolute("B", "lower", "upper", "knee"),), friction={})
+    with pytest.raises(LinkageError, match=r"joint 'B': no body is named 'uper'; did you mean 'up"):
+        replace(linkage, joints=(Revolute("B", "lower", "uper", "B"),), friction={})
+    with pytest.raises(LinkageError, match=r"no joint is named 'gide'; did you mean 'guide'"):
+        replace(linkage, friction={"gide": Friction(0.1)})
+    cycle = replace(press_cycle(linkage), phases=(Phase("p", 400.0, {"proces": 0.0}, "cylinder"),))
+    with pytest.raises(LinkageError, match=r"no force is named 'proces'; did you mean 'process'"):
+        run_cycle(linkage, cycle)
+
+
+def test_a_negative_mass_is_refused_and_the_error_survives_pickling():
+    with pytest.raises(LinkageError, match="body 'bar': mass must be 0 or above, got -1") as info:
+        Body("bar", {}, mass=-1.0)
+    assert str(pickle.loads(pickle.dumps(info.value))) == str(info.value)
+
+
+def test_every_force_is_given_or_solved_for():
+    linkage = toggle()
+    cycle = replace(press_cycle(linkage), phases=(Phase("p", 400.0, {}, "cylinder"),))
+    with pytest.raises(LinkageError, match="'process' is neither given nor solved for"):
+        run_cycle(linkage, cycle)
