@@ -104,11 +104,12 @@ def eigenvalue_check(
     modes = buckling_modes(solutions, coefficients[:, worst], tilt_held=False)
     if not modes:
         return None
-    held = buckling_modes(solutions, coefficients[:, worst], tilt_held=True)
     lowest = modes[0]
     if lowest.factor > _FAR * design.require.buckling or len(levels) == 1:
-        bar, meshes = _ONE_MESH_BAR, "one mesh"
+        bar, meshes, forks = _ONE_MESH_BAR, "one mesh", "higher"
     else:
+        held = buckling_modes(solutions, coefficients[:, worst], tilt_held=True)
+        forks = f"{held[0].factor:.3g}" if held else "none"
         solutions, coefficients = levels[-1]
         finer = buckling_modes(solutions, coefficients[:, worst], tilt_held=False)[0]
         bar, meshes = abs(finer.factor / lowest.factor - 1), "two meshes"
@@ -130,7 +131,6 @@ def eigenvalue_check(
         place=f"{lowest.plane} mode",
         method=f"solid, {meshes}",
         basis="linear eigenvalue: knows neither yield nor crookedness",
-        note=f"lowest factors {planes}; with forks that hold the ends against tilting: "
-        + (f"{held[0].factor:.3g}" if held else "none"),
+        note=f"lowest factors {planes}; with forks that hold the ends against tilting: {forks}",
     )
     return check, lowest

@@ -42,7 +42,7 @@ def buckling_modes(
     coefficients: FloatArray,
     *,
     tilt_held: bool,
-    count: int = 4,
+    count: int = 3,
 ) -> list[BucklingMode]:
     """The lowest positive buckling factors of one load state, lowest first.
 

@@ -22,7 +22,9 @@ class Check:
     part, kind        whose check it is; "static", "buckling", "fatigue", "bush"
     quantity          what `value` is
     value             the demand, in `unit`
-    numerical, model  half-widths of the error bars, in `unit`; infinite when nothing is known
+    numerical         half-width of the numerical error bar, in `unit`; infinite if unknown
+    model             how far the model band reaches above the value, in `unit`
+    model_below       how far it reaches below; None for as far as above
     limit             what the part can take, in `unit`
     required          safety that must be shown
     cycle, position   where in which cycle, as shown to people ("press, x = 2 mm")
@@ -47,13 +49,14 @@ class Check:
     method: str
     basis: str
     note: str = ""
+    model_below: float | None = None
 
     def __post_init__(self) -> None:
         if not self.required > 0 or not self.limit > 0:
             raise ValueError(f"{self.part} {self.kind}: limit and required safety must be above 0")
         if not isfinite(self.value) or self.value < 0:
             raise ValueError(f"{self.part} {self.kind}: the value is {self.value}")
-        if not (self.numerical >= 0 and self.model >= 0):
+        if not (self.numerical >= 0 and self.model >= 0 and self.below >= 0):
             raise ValueError(f"{self.part} {self.kind}: error bars must not be negative")
 
     @property
@@ -69,19 +72,23 @@ class Check:
     @property
     def status(self) -> Status:
         """PASS when the upper end of the bars holds the limit, FAIL when the lower end does not."""
-        bar = self.numerical + self.model
-        if (self.value + bar) * self.required <= self.limit:
+        if (self.value + self.numerical + self.model) * self.required <= self.limit:
             return Status.PASS
-        if isfinite(bar) and (self.value - bar) * self.required > self.limit:
+        if (self.value - self.numerical - self.below) * self.required > self.limit:
             return Status.FAIL
         return Status.UNDECIDED
+
+    @property
+    def below(self) -> float:
+        """How far the model band reaches below the value."""
+        return self.model if self.model_below is None else self.model_below
 
     @property
     def settled_by_mesh(self) -> bool:
         """Whether a smaller numerical bar could still change an UNDECIDED verdict."""
         return self.status is Status.UNDECIDED and not (
             (self.value + self.model) * self.required > self.limit
-            and (self.value - self.model) * self.required <= self.limit
+            and (self.value - self.below) * self.required <= self.limit
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -90,6 +97,7 @@ class Check:
         plain |= {name: None for name in ("numerical", "model") if not isfinite(plain[name])}
         safety = self.safety if isfinite(self.safety) else None
         return plain | {
+            "model_below": self.below if isfinite(self.below) else None,
             "safety": safety,
             "utilisation": self.utilisation,
             "status": str(self.status),

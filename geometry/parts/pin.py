@@ -82,6 +82,11 @@ class Pin:
                 )
 
     @property
+    def stressed_section(self) -> tuple[float]:
+        """The pin's diameter, mm, for Marin's size factor."""
+        return (self.diameter,)
+
+    @property
     def sections(self) -> tuple[Section, ...]:
         """None: a pin is bent and sheared, not compressed along its axis."""
         return ()

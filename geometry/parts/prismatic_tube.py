@@ -27,6 +27,11 @@ class PrismaticTube:
         check_square_tube(self.length, self.width, self.wall, self.inner_radius)
 
     @property
+    def stressed_section(self) -> tuple[float, float]:
+        """The tube's outline, height and width in mm, for Marin's size factor."""
+        return (self.width, self.width)
+
+    @property
     def sections(self) -> tuple[Section, ...]:
         """The tube's one section."""
         return (square_tube_section("tube", self.width, self.wall, self.inner_radius),)

@@ -85,6 +85,11 @@ class ToggleBar:
             )
 
     @property
+    def stressed_section(self) -> tuple[float, float]:
+        """The plate that a bore weakens, height and thickness in mm, for Marin's size factor."""
+        return (self.width, self.wall)
+
+    @property
     def sections(self) -> tuple[Section, ...]:
         """The tube, and the two cheeks that alone carry the load beside the cut-out."""
         free = self.cutout_length - self.overhang

@@ -20,7 +20,7 @@ from loads import (
 
 def toggle(
     h=500.0,
-    l=350.0,
+    base=350.0,
     m_bar=4.14134e-3,
     m_mould=1e-2,
     i_bar=21.56947917,
@@ -41,7 +41,7 @@ def toggle(
 
     bar = h / 2
     offset = sqrt(bar**2 - ((h - x) / 2) ** 2)
-    c, b, a, d = (0.0, 0.0), (offset, (h - x) / 2), (0.0, h - x), (-l, h / 2)
+    c, b, a, d = (0.0, 0.0), (offset, (h - x) / 2), (0.0, h - x), (-base, h / 2)
     c, b, a, d = place(*c), place(*b), place(*a), place(*d)
     up = place(0.0, 1.0)
     bars = {"mass": m_bar, "inertia": i_bar, "centre": (bar / 2, 0.0)}
@@ -112,7 +112,7 @@ def slider_crank(
     mu_slider=0.0,
     at=0.0,
 ):
-    """Crank from O at the origin, rod, slider on y = offset; forces drive (torque) and push (+x)."""
+    """Crank from O at the origin, rod, slider on y = offset; torque drive, force push (+x)."""
     a = (crank * cos(at), crank * sin(at))
     reach = sqrt(rod**2 - (offset - a[1]) ** 2)
     return Linkage(

@@ -20,7 +20,7 @@ def press(request):
 
 
 def test_every_check_of_the_cycle_is_at_rounding(press):
-    """Gap of the joints, equilibrium of each body, and the power balance: nothing is approximated."""
+    """Joint gaps, equilibrium of each body and the power balance: nothing is approximated."""
     assert press.constraint_residual < 1e-9
     assert max(press.equilibrium_residual.values()) < 1e-11
     assert press.power_balance_error < 1e-9
@@ -44,7 +44,10 @@ def test_time_follows_the_cylinder_at_constant_speed(press):
 
 
 def test_velocities_and_accelerations_are_differences_of_positions_over_time():
-    """Central differences of order 6 on a fine grid in time: error h**6, measured 1e-8."""
+    """Central differences of order 6: only rounding of the positions over h and h**2 is left.
+
+    Measured 6e-12 of 137 mm/s and 4e-9 of 115 mm/s2.
+    """
     from loads import move, trace
 
     from .machines import toggle_height
@@ -56,8 +59,8 @@ def test_velocities_and_accelerations_are_differences_of_positions_over_time():
     step = 0.5 / 100.0
     first = np.tensordot([-1, 9, -45, 0, 45, -9, 1], motion.poses, 1) / (60 * step)
     second = np.tensordot([2, -27, 270, -490, 270, -27, 2], motion.poses, 1) / (180 * step**2)
-    assert_allclose(motion.velocities[3], first, rtol=1e-7, atol=1e-7)
-    assert_allclose(motion.accelerations[3], second, rtol=1e-5, atol=1e-5)
+    assert_allclose(motion.velocities[3], first, rtol=0, atol=1e-10)
+    assert_allclose(motion.accelerations[3], second, rtol=0, atol=1e-7)
     swept = move(
         trace(linkage, toggle_height(linkage), 300.0, 490.0).at(motion.poses[3:4, 3, 1]),
         pull,

@@ -1,0 +1,187 @@
+"""A part solved on one mesh: its stress history, peaks and fatigue, over all cycles of a design."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+
+import fatigue
+from ballesta.part_loads import PartLoads
+from fem.recovery import von_mises
+from fem.stress_history import StressHistory
+from fem.unit_loads import resultants
+from fem.unit_solutions import Elastic, UnitSolutions, solve_unit_loads
+from geometry.mesh import FloatArray, Mesh
+from geometry.meshing import Buildable, mesh_shape
+
+
+class Models:
+    """Meshes and unit solutions of a run, so that equal parts are meshed and solved once."""
+
+    def __init__(self) -> None:
+        self._meshes: dict[tuple[Buildable, float], Mesh] = {}
+        self._solutions: dict[tuple[Buildable, float, Elastic], UnitSolutions] = {}
+        self.seconds: dict[str, float] = {"mesh": 0.0, "solve": 0.0}
+
+    def mesh(self, shape: Buildable, fineness: float) -> Mesh:
+        """The mesh of a shape."""
+        if (shape, fineness) not in self._meshes:
+            start = perf_counter()
+            self._meshes[shape, fineness] = mesh_shape(shape, fineness=fineness)
+            self.seconds["mesh"] += perf_counter() - start
+        return self._meshes[shape, fineness]
+
+    def solutions(self, shape: Buildable, fineness: float, material: Elastic) -> UnitSolutions:
+        """The solved unit loads of a shape."""
+        key = (shape, fineness, material)
+        if key not in self._solutions:
+            mesh = self.mesh(shape, fineness)
+            start = perf_counter()
+            self._solutions[key] = solve_unit_loads(mesh, material)
+            _ = self._solutions[key].basis
+            self.seconds["solve"] += perf_counter() - start
+        return self._solutions[key]
+
+
+@dataclass(frozen=True)
+class Peak:
+    """The largest von Mises stress over all cycles: MPa, point index, position index."""
+
+    value: float
+    point: int
+    position: int
+
+
+@dataclass(frozen=True)
+class FatiguePeak:
+    """The largest Goodman utilisation over the cycles of the duty.
+
+    value  MPa, equivalent amplitude: utilisation times the endurance limit
+    pair   positions of the longest chord
+    """
+
+    value: float
+    point: int
+    cycle: str
+    pair: tuple[int, int]
+
+
+@dataclass(frozen=True, eq=False)
+class Level:
+    """A part on one mesh.
+
+    coefficients  (n_basis, n) of the unit loads over all cycles
+    added         (n, 3) rigid-body acceleration field that balances foreign mass properties
+    """
+
+    fineness: float
+    solutions: UnitSolutions
+    coefficients: FloatArray
+    added: FloatArray
+    history: StressHistory
+    peak: Peak
+    peaks_by_position: FloatArray
+    fatigue: FatiguePeak | None
+    fatigue_results: Mapping[str, fatigue.FatigueResult]
+
+    @property
+    def unknowns(self) -> int:
+        """Number of unknowns of the mesh."""
+        return 3 * len(self.solutions.mesh.nodes)
+
+    def place(self, point: int) -> str:
+        """Where a point is, in words."""
+        node = self.history.nodes[point]
+        names = [
+            name
+            for name, facets in self.solutions.mesh.surfaces.items()
+            if np.any(facets == node)
+        ]
+        x, y, z = self.history.points[point]
+        return f"{'/'.join(names) or 'surface'} ({x:.1f}, {y:.1f}, {z:.1f})"
+
+    def load_residual(self, loads: PartLoads) -> float:
+        """Force and moment that reached the mesh less those asked for, over the largest force.
+
+        Per interface and position; moments over the interface's radius or the part's size.
+        """
+        worst, column = 0.0, 0
+        size = float(np.ptp(self.solutions.mesh.nodes, axis=0).max())
+        for unit in self.solutions.interfaces:
+            columns = slice(column, column + len(unit.names))
+            column = columns.stop
+            reached = resultants(
+                self.solutions.elements, unit.vectors, unit.interface.centre
+            ) @ self.coefficients[columns]
+            missing = np.abs(reached - loads.wrenches[unit.interface.name].T)
+            missing[3:] /= unit.interface.radius or size
+            worst = max(worst, float(missing.max()))
+        return worst / loads.largest_force if loads.largest_force else worst
+
+    def balance_residual(self, loads: PartLoads) -> float:
+        """Resultant of all loads on the mesh, inertia included, over the largest force."""
+        left = np.abs(self.solutions.unit_resultants @ self.coefficients)
+        left[3:] /= float(np.ptp(self.solutions.mesh.nodes, axis=0).max())
+        return float(left.max()) / (loads.largest_force or 1.0)
+
+    def reaction_residual(self, loads: PartLoads) -> float:
+        """Largest support reaction over the largest force: the support must carry nothing."""
+        reactions = np.abs(self.solutions.reactions(self.coefficients))
+        return float(reactions.max()) / (loads.largest_force or 1.0)
+
+    def scatter(self, coefficients: FloatArray, point: int) -> float:
+        """Scatter of the elements that meet at a point under some load state, MPa."""
+        return float(self.solutions.recovery.scatter(self.solutions.displacement @ coefficients)[point])
+
+
+def solve_level(
+    solutions: UnitSolutions,
+    fineness: float,
+    loads: PartLoads,
+    endurance_limit: float,
+    ultimate_stress: float,
+    duty: Mapping[str, float],
+) -> Level:
+    """Superpose the cycle on solved unit loads; fatigue over the cycles of the duty."""
+    coefficients, added = solutions.coefficients(loads.wrenches, loads.accelerations)
+    nodes = solutions.recovery.points
+    history = StressHistory(nodes, solutions.mesh.nodes[nodes], solutions.basis, coefficients)
+    by_position, where = history.peaks_by_position()
+    position = int(by_position.argmax())
+    peak = Peak(float(by_position[position]), int(where[position]), position)
+    results = {
+        name: fatigue.goodman(
+            history.basis,
+            np.ascontiguousarray(coefficients[:, loads.cycles[name]]),
+            endurance_limit,
+            ultimate_stress,
+            cycle=name,
+        )
+        for name in duty
+        if name in loads.cycles
+    }
+    worst, most = None, -1.0
+    for name, result in results.items():
+        point = int(result.critical)
+        used = float(result.utilisation[point])
+        if used > most:
+            most, start = used, loads.cycles[name].start
+            first, second = (int(k) + start for k in result.pair[point])
+            worst = FatiguePeak(used * endurance_limit, point, name, (first, second))
+    return Level(
+        fineness,
+        solutions,
+        coefficients,
+        added,
+        history,
+        peak,
+        by_position,
+        worst,
+        results,
+    )
+
+
+def peak_of(stress: FloatArray) -> float:
+    """Largest von Mises stress of surface stresses (n_points, 6), MPa."""
+    return float(von_mises(stress).max())

@@ -1,0 +1,154 @@
+"""Warnings about the machine rather than its parts: drive, cycle time, stop, assembly."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+import loads
+from ballesta.design_data import Design
+from ballesta.machine import cycle_of, linkage_of
+from ballesta.part_loads import shown_name, shown_position
+from geometry.parts import Pin, PrismaticTube, ToggleBar
+
+_RESERVE = 0.10  # of a drive's available force; less is worth a warning
+_CONDITIONING = 0.02  # share of the motion that the solved force sees
+
+
+def design_warnings(
+    design: Design,
+    masses: Mapping[str, tuple[float, tuple[float, float], float]],
+    solved: Mapping[str, loads.CycleLoads],
+) -> list[str]:
+    """Everything about drive, cycle and assembly that a designer should act on, in words."""
+    return [
+        *_drives(design, solved),
+        *_stops(design, masses, solved),
+        *_cycle_times(design, solved),
+        *_dead_centres(design, solved),
+        *_assembly(design),
+    ]
+
+
+def _drives(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list[str]:
+    warnings = []
+    for force in design.forces.values():
+        if force.available is None:
+            continue
+        needed = max(float(cycle.efforts[force.name].max()) for cycle in solved.values())
+        reserve = 1 - needed / force.available
+        if reserve < _RESERVE:
+            warnings.append(
+                f"{force.name}: {force.available / 1e3:.4g} kN available, {needed / 1e3:.4g} kN "
+                f"needed: "
+                + (f"{100 * reserve:.1f} % reserve" if reserve >= 0 else "it cannot do its work")
+            )
+    return warnings
+
+
+def _stops(
+    design: Design,
+    masses: Mapping[str, tuple[float, tuple[float, float], float]],
+    solved: Mapping[str, loads.CycleLoads],
+) -> list[str]:
+    """What the largest load becomes if an assumed stop is passed by its tolerance."""
+    warnings = []
+    for cycle in design.cycles.values():
+        if cycle.stop is None or cycle.stop.basis != "assumed":
+            continue
+        ends = [cycle.start, *(phase.to for phase in cycle.phases)]
+        forward = int(np.argmax(np.abs(np.array(ends) - cycle.start)))
+        end = ends[forward]
+        further = end + np.sign(end - cycle.start) * cycle.stop.tolerance
+        phase = replace(cycle.phases[forward - 1], to=float(further))
+        longer = replace(cycle, start=ends[forward - 1], phases=(phase,), positions=40)
+        shown, unit = shown_name(cycle)
+        at, there = (float(shown_position(cycle, np.array([v]))[0]) for v in (end, further))
+        now = _largest_joint_force(solved[cycle.name])
+        said = f"{cycle.name}: the stop at {shown} = {at:.4g} {unit} is ASSUMED; "
+        try:
+            beyond = loads.run_cycle(linkage_of(design, masses), cycle_of(design, longer))
+            after = _largest_joint_force(beyond)
+            warnings.append(
+                f"{said}at {shown} = {there:.4g} {unit} the largest joint force is "
+                f"{after / 1e3:.3g} kN instead of {now / 1e3:.3g} kN"
+            )
+        except loads.LinkageError as error:
+            warnings.append(f"{said}{shown} = {there:.4g} {unit} cannot be computed: {error}")
+    return warnings
+
+
+def _largest_joint_force(cycle: loads.CycleLoads) -> float:
+    return max(
+        float(np.hypot(load.force[:, 0], load.force[:, 1]).max())
+        for load in cycle.reactions.values()
+    )
+
+
+def _cycle_times(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list[str]:
+    if design.duty.rate is None:
+        return []
+    allowed = 1 / design.duty.rate
+    return [
+        f"{name}: one cycle takes {solved[name].times[-1]:.3g} s, the duty of "
+        f"{60 * design.duty.rate:.4g} 1/min allows {allowed:.3g} s"
+        for name in design.duty.cycles
+        if solved[name].times[-1] > allowed
+    ]
+
+
+def _dead_centres(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list[str]:
+    warnings = []
+    for name, cycle in solved.items():
+        worst = int(cycle.conditioning.argmin())
+        value = float(cycle.conditioning[worst])
+        if value < _CONDITIONING:
+            shown, unit = shown_name(design.cycles[name])
+            at = float(shown_position(design.cycles[name], cycle.positions)[worst])
+            warnings.append(
+                f"{name}: near a dead centre at {shown} = {at:.4g} {unit} (conditioning "
+                f"{value:.3g}); the loads are those of rigid bodies and depend strongly on the "
+                "geometry there"
+            )
+    return warnings
+
+
+def _assembly(design: Design) -> list[str]:
+    """What cannot be put together, or is modelled elsewhere than it stands."""
+    warnings = []
+    for part in design.parts.values():
+        if isinstance(part.geometry, Pin):
+            warnings += _necks(part.name, part.geometry)
+            for entry in part.stack:
+                warnings += _cheek_offset(design, part.name, entry.body, entry.at)
+        elif isinstance(part.geometry, PrismaticTube):
+            warnings.append(
+                f"{part.name}: loaded on its end faces; no pin or lug is modelled, and a pin "
+                f"cannot pass through a {part.geometry.width:g} mm tube unless it is much thinner"
+            )
+    return warnings
+
+
+def _necks(name: str, pin: Pin) -> list[str]:
+    seated = pin.seated()
+    for number, (seat, _, _) in enumerate(seated):
+        neck = seat.diameter or pin.diameter
+        if neck < pin.diameter and 0 < number < len(seated) - 1:
+            return [
+                f"{name}: a one-piece pin with {pin.diameter:g} mm on both sides of the "
+                f"{neck:g} mm seat of {seat.name!r} cannot be put through that bore"
+            ]
+    return []
+
+
+def _cheek_offset(design: Design, pin: str, body: str | None, at: float) -> list[str]:
+    """A bar whose cheeks do not stand where the pin's stack has them."""
+    for part in design.parts.values():
+        if part.body == body and body and isinstance(part.geometry, ToggleBar):
+            cheek = (part.geometry.width - part.geometry.wall) / 2
+            if abs(cheek - at) > 0.1:
+                return [
+                    f"{pin}: has the cheeks of {part.name} at +-{at:g} mm, the bar's tube has them "
+                    f"at +-{cheek:g} mm; the offset of {at - cheek:+.2f} mm is not in the bar's model"
+                ]
+    return []

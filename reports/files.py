@@ -1,0 +1,84 @@
+"""Results as files: JSON for programs, VTU for ParaView. A file is there whole or not at all."""
+
+import json
+import os
+import secrets
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from reports.verdict import DesignResult, PartResult
+
+_FORMAT = "ballesta-result/1"
+
+
+@contextmanager
+def replacing(path: str | Path) -> Iterator[Path]:
+    """A path to write to, beside `path`, which it replaces in one step when all went well."""
+    target = Path(path)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    temporary = target.with_name(f".{secrets.token_hex(8)}.tmp")
+    try:
+        yield temporary
+        os.replace(temporary, target)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def plain(data: Any) -> Any:
+    """Data as JSON knows it: arrays as lists, and null for what is infinite or not a number."""
+    if isinstance(data, str) or data is None or isinstance(data, bool):
+        # A lone half of a surrogate pair cannot be written as UTF-8.
+        return data.encode(errors="replace").decode() if isinstance(data, str) else data
+    if isinstance(data, Mapping):
+        return {plain(str(key)): plain(value) for key, value in data.items()}
+    if isinstance(data, np.ndarray | np.generic):
+        return plain(data.tolist())
+    if isinstance(data, int):
+        return int(data)
+    if isinstance(data, float):
+        return float(data) if isfinite(data) else None
+    if isinstance(data, Sequence):
+        return [plain(item) for item in data]
+    if isinstance(data, Path):
+        return plain(str(data))
+    raise TypeError(f"a result holds {type(data).__name__}, which no JSON file can")
+
+
+def write_json(result: DesignResult, path: str | Path) -> None:
+    """The result as JSON: keys in the order of the result, numbers to the last digit."""
+    text = json.dumps(plain(result.to_dict()), allow_nan=False, ensure_ascii=False, indent=1)
+    with replacing(path) as temporary:
+        temporary.write_text(text + "\n", encoding="utf-8", newline="\n")
+
+
+def read_json(path: str | Path) -> dict[str, Any]:
+    """What `write_json` wrote, as plain data."""
+    data = json.loads(Path(path).read_text(encoding="utf-8"), parse_constant=_refuse)
+    found = data.get("format") if isinstance(data, dict) else type(data).__name__
+    if found != _FORMAT:
+        raise ValueError(f"{path}: expected a result of format {_FORMAT!r}, got {found!r}")
+    assert isinstance(data, dict)
+    return data
+
+
+def _refuse(constant: str) -> None:
+    raise ValueError(f"a result holds no {constant}, it would be null")
+
+
+def write_vtu(part: PartResult, path: str | Path) -> None:
+    """The surface of a part with its fields, mm and the unit that the field's name states."""
+    import meshio
+
+    surface = part.surface
+    mesh = meshio.Mesh(
+        np.asarray(surface.nodes, dtype=float),
+        [("triangle", np.asarray(surface.triangles, dtype=np.int64))],
+        point_data={name: np.asarray(values) for name, values in surface.fields.items()},
+    )
+    with replacing(path) as temporary:
+        meshio.write(temporary, mesh, file_format="vtu")

@@ -1,0 +1,117 @@
+"""Stills of the parts, drawn by a process of its own: VTK kills it where GL is missing."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from reports.verdict import PartResult, Surface
+from reports.words import clean
+
+VIEWS = ("whole", "peak")
+_CURE = (
+    "apt-get install libgl1 libegl1 libglu1-mesa libxft2 libxcursor1 libxinerama1 libgomp1"
+)
+_WORKER = (sys.executable, "-m", "reports.pictures_worker")
+
+
+@dataclass(frozen=True, eq=False)
+class Pictures:
+    """What could be drawn, and why the rest could not.
+
+    images  part name -> view ("whole", "peak") -> PNG
+    reason  what went wrong and its cure; "" when everything was drawn
+    """
+
+    images: Mapping[str, Mapping[str, bytes]] = field(default_factory=dict)
+    reason: str = ""
+
+
+def render_stills(
+    parts: Sequence[PartResult], timeout: float = 180.0, worker: Sequence[str] = _WORKER
+) -> Pictures:
+    """Two stills of each part: all of it, and the surroundings of its peak stress.
+
+    One worker process draws them all, for at most `timeout` seconds. Its failure is a reason in
+    the result, never an exception, and what it had drawn until then is kept.
+    """
+    if not parts:
+        return Pictures()
+    with TemporaryDirectory(prefix="ballesta-") as name:
+        folder = Path(name)
+        jobs = []
+        for index, part in enumerate(parts):
+            field_name = stress_field(part.surface)
+            np.savez(
+                folder / f"part_{index}.npz",
+                nodes=np.asarray(part.surface.nodes, dtype=float),
+                triangles=np.asarray(part.surface.triangles, dtype=np.int64),
+                values=np.asarray(part.surface.fields[field_name], dtype=float),
+                peak=np.int64(part.surface.peak),
+            )
+            jobs.append({"field": clean(field_name)})
+        (folder / "jobs.json").write_text(json.dumps(jobs), encoding="utf-8")
+        problem = _run([*worker, name], folder, timeout)
+        images = {part.name: _collected(folder, index) for index, part in enumerate(parts)}
+    missing = sum(len(VIEWS) - len(views) for views in images.values())
+    if missing and not problem:
+        problem = "the worker ended well but left pictures out"
+    if not problem:
+        return Pictures(images)
+    lack = f"{missing} of {len(VIEWS) * len(parts)} pictures are missing"
+    cure = f"Where GL libraries are missing: {_CURE}"
+    return Pictures(images, f"{lack}: {problem}. {cure}")
+
+
+def stress_field(surface: Surface) -> str:
+    """The field that is drawn: the von Mises stress, else the first there is."""
+    names = list(surface.fields)
+    if not names:
+        raise ValueError("a surface without fields cannot be drawn")
+    return next((name for name in names if name.startswith("von Mises")), names[0])
+
+
+def _collected(folder: Path, index: int) -> dict[str, bytes]:
+    files = {view: folder / f"part_{index}_{view}.png" for view in VIEWS}
+    return {view: file.read_bytes() for view, file in files.items() if file.is_file()}
+
+
+def _run(command: Sequence[str], folder: Path, timeout: float) -> str:
+    """What went wrong in the worker, "" if nothing."""
+    environment = dict(os.environ)
+    here = str(Path(__file__).resolve().parent.parent)
+    paths = [here, *filter(None, [environment.get("PYTHONPATH")])]
+    environment["PYTHONPATH"] = os.pathsep.join(paths)
+    if not environment.get("DISPLAY"):
+        environment["VTK_DEFAULT_OPENGL_WINDOW"] = "vtkEGLRenderWindow"
+    try:
+        done = subprocess.run(
+            command, cwd=folder, env=environment, timeout=timeout, check=False,
+            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+        )  # fmt: skip
+    except subprocess.TimeoutExpired:
+        return f"drawing took longer than {timeout:g} s and was stopped"
+    except OSError as error:
+        return f"the worker did not start ({clean(error)})"
+    if done.returncode == 0:
+        return ""
+    last = done.stderr.decode(errors="replace").strip().splitlines()[-1:]
+    said = f"; it said: {clean(last[0])[:300]}" if last else ""
+    return f"the worker ended with {_ending(done.returncode)}{said}"
+
+
+def _ending(code: int) -> str:
+    """An exit code in words; shells report a signal as 128 and its number."""
+    number = -code if code < 0 else code - 128
+    try:
+        name = signal.Signals(number).name
+    except ValueError:
+        return f"exit code {code}"
+    return f"exit code {code}, signal {name}"

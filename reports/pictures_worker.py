@@ -1,0 +1,145 @@
+"""Draws the stills of `reports.pictures`: python -m reports.pictures_worker FOLDER.
+
+The folder holds jobs.json and part_<i>.npz (nodes, triangles, values, peak), and receives
+part_<i>_whole.png and part_<i>_peak.png.
+"""
+
+import json
+import sys
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+FloatArray = npt.NDArray[np.float64]
+
+SIZE = (900, 600)
+_ISOMETRIC = np.array([1.0, -1.3, 0.9]) / np.linalg.norm([1.0, -1.3, 0.9])
+_CLOSE = 0.14  # of the part's diagonal: half the height of the view of the peak
+
+
+def main(folder: Path) -> None:
+    """Draw every part of a folder."""
+    for index, job in enumerate(json.loads((folder / "jobs.json").read_text(encoding="utf-8"))):
+        with np.load(folder / f"part_{index}.npz", allow_pickle=False) as arrays:
+            data = {name: arrays[name] for name in arrays.files}
+        for view in ("whole", "peak"):
+            temporary = folder / f"part_{index}_{view}.tmp"
+            temporary.write_bytes(still(data, job["field"], view))
+            temporary.replace(folder / f"part_{index}_{view}.png")
+
+
+def still(data: dict[str, Any], field: str, view: str) -> bytes:
+    """A PNG of one view of a surface coloured by its values."""
+    import pyvista
+    from PIL import Image
+
+    nodes, triangles, peak = data["nodes"], data["triangles"], int(data["peak"])
+    faces = np.column_stack([np.full(len(triangles), 3), triangles]).ravel()
+    surface = pyvista.PolyData(nodes, faces)
+    surface.point_data[field] = data["values"]
+    plotter = pyvista.Plotter(off_screen=True, window_size=list(SIZE), lighting="light kit")
+    plotter.set_background("white")
+    plotter.add_mesh(
+        surface, scalars=field, cmap="viridis", nan_color="lightgrey", smooth_shading=False,
+        ambient=0.35, diffuse=0.7, specular=0.0,
+        scalar_bar_args={
+            "title": field, "color": "black", "vertical": True, "fmt": "%.3g", "n_labels": 6,
+            "position_x": 0.86, "position_y": 0.12, "height": 0.76, "width": 0.06,
+            "title_font_size": 17, "label_font_size": 16,
+        },
+    )  # fmt: skip
+    edges = surface.extract_feature_edges(
+        feature_angle=35, manifold_edges=False, non_manifold_edges=False
+    )
+    if edges.n_points:
+        plotter.add_mesh(edges, color="black", line_width=1.0, opacity=0.6)
+    direction = _ISOMETRIC if view == "whole" else view_of(nodes, triangles, peak)
+    _place_camera(plotter, nodes, peak, direction, view)
+    _mark(plotter, nodes, peak, f"peak {data['values'][peak]:.3g}", direction)
+    picture = plotter.screenshot(None, return_img=True)
+    plotter.close()
+    out = BytesIO()
+    Image.fromarray(picture).convert("P", palette=Image.Palette.ADAPTIVE, colors=256).save(
+        out, format="PNG", optimize=True
+    )
+    return out.getvalue()
+
+
+def _place_camera(
+    plotter: Any, nodes: FloatArray, peak: int, direction: FloatArray, view: str
+) -> None:
+    diagonal = float(np.linalg.norm(np.ptp(nodes, axis=0)))
+    centre = (nodes.max(axis=0) + nodes.min(axis=0)) / 2 if view == "whole" else nodes[peak]
+    up = (0.0, 0.0, 1.0) if abs(direction[2]) < 0.95 else (0.0, 1.0, 0.0)
+    plotter.camera_position = [centre + 2 * diagonal * direction, centre, up]
+    plotter.enable_parallel_projection()
+    if view == "whole":
+        # As large as the corners of the bounding box allow, left of the scalar bar.
+        corners = np.array(np.meshgrid(*zip(nodes.min(axis=0), nodes.max(axis=0), strict=True)))
+        offset = corners.reshape(3, -1).T - centre
+        right = np.cross(up, direction) / np.linalg.norm(np.cross(up, direction))
+        upwards = np.cross(direction, right)
+        half_width = np.abs(offset @ right).max() / (SIZE[0] / SIZE[1]) / 0.72
+        plotter.camera.parallel_scale = 1.12 * max(np.abs(offset @ upwards).max(), half_width)
+        plotter.camera.SetWindowCenter(0.13, 0.0)
+    else:
+        plotter.camera.parallel_scale = _CLOSE * diagonal
+    plotter.renderer.ResetCameraClippingRange()
+
+
+def _mark(plotter: Any, nodes: FloatArray, peak: int, text: str, direction: FloatArray) -> None:
+    """A marker at the peak that nothing hides: it floats towards the camera."""
+    diagonal = float(np.linalg.norm(np.ptp(nodes, axis=0)))
+    point = (nodes[peak] + diagonal * direction)[None, :]
+    plotter.add_point_labels(
+        point, [text], font_size=20, text_color="black", shape_color="white", shape_opacity=0.85,
+        point_color="#d81b60", point_size=16, render_points_as_spheres=True, always_visible=True,
+        font_family="arial", margin=4,
+    )  # fmt: skip
+
+
+def view_of(nodes: FloatArray, triangles: Any, peak: int) -> FloatArray:
+    """The direction from which the peak is seen: nothing in between, and as squarely as may be.
+
+    A peak in a bore looks at the opposite wall, so its normal alone would not do.
+    """
+    touching = triangles[(triangles == peak).any(axis=1)]
+    corners = nodes[touching]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]).sum(axis=0)
+    length = np.linalg.norm(normal)
+    if not length:
+        return _ISOMETRIC
+    normal = normal / length
+    turns = np.arange(200) + 0.5  # points of a spiral, evenly spread over the sphere
+    height, angle = 1 - turns / 100, np.pi * (1 + 5**0.5) * turns
+    ring = np.sqrt(1 - height**2)
+    directions = np.column_stack([ring * np.cos(angle), ring * np.sin(angle), height])
+    score = directions @ normal + 0.5 * directions @ _ISOMETRIC
+    origin = nodes[peak] + 1e-3 * np.linalg.norm(np.ptp(nodes, axis=0)) * normal
+    for best in np.argsort(-score):
+        if directions[best] @ normal > 0.1 and not _hits(nodes, triangles, origin, directions[best]):
+            return np.asarray(directions[best], dtype=np.float64)
+    return np.asarray(normal, dtype=np.float64)
+
+
+def _hits(nodes: FloatArray, triangles: Any, origin: FloatArray, ray: FloatArray) -> bool:
+    """Whether a ray meets any triangle (Moeller and Trumbore 1997, J. Graphics Tools 2(1))."""
+    first = nodes[triangles[:, 0]]
+    one, two = nodes[triangles[:, 1]] - first, nodes[triangles[:, 2]] - first
+    across = np.cross(ray, two)
+    determinant = np.einsum("ij,ij->i", one, across)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        inverse = 1 / determinant
+        away = origin - first
+        u = np.einsum("ij,ij->i", away, across) * inverse
+        turned = np.cross(away, one)
+        v = turned @ ray * inverse
+        distance = np.einsum("ij,ij->i", two, turned) * inverse
+        return bool(((u >= 0) & (v >= 0) & (u + v <= 1) & (distance > 0)).any())
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

@@ -1,0 +1,160 @@
+"""The verdict as text for a terminal or a pipe: one table, and what a reader must know beside it."""
+
+from pathlib import Path
+from shutil import get_terminal_size
+
+from rich.cells import cell_len, chop_cells
+from rich.text import Text
+
+from reports.verdict import Check, DesignResult, Status
+from reports.words import (
+    assumptions,
+    bars_text,
+    brief,
+    broken_gates,
+    check_titles,
+    clean,
+    gate_sentence,
+    number,
+    safety_text,
+    utilisation_text,
+    verdict_sentence,
+    where,
+)
+
+_HEADINGS = (
+    "part", "check", "value ±num ±model", "limit", "safety (need)", "util.", "status",
+    "where; method",
+)  # fmt: skip
+_RIGHT = {3, 5}
+_NARROWEST_LAST = 20
+_LONGEST_NAME = 18
+
+
+def verdict_text(
+    result: DesignResult, width: int | None = None, report: str | Path | None = None
+) -> str:
+    """The whole verdict as plain lines of at most `width` columns.
+
+    Without a width that of the terminal is taken (COLUMNS counts), and 100 when piped. The check
+    that decides carries a > in front. `report` is the path that the last line names.
+    """
+    width = max(60, width or get_terminal_size((100, 24)).columns)
+    positions = ", ".join(
+        f"{brief(name, 24)} {len(cycle.get('position', ()))} positions"
+        for name, cycle in result.cycles.items()
+    )
+    lines = _labelled("", f"{brief(result.name, 60)}   {brief(result.file, 60)}   {positions}", width)
+    for override in result.overrides:
+        lines += _labelled("SET", brief(override, 200), width)
+    for warning in result.warnings:
+        lines += _labelled("WARNING", brief(warning, 400), width)
+    if result.checks:
+        lines += _table(result, width)
+    for gate in broken_gates(result):
+        text = f"{brief(gate_sentence(gate), 200)}; {brief(gate.meaning, 300)}"
+        lines += _labelled("GATE BROKEN", text, width)
+    if result.not_checked:
+        text = ", ".join(brief(item, 80) for item in result.not_checked)
+        lines += _labelled("NOT CHECKED", text, width)
+    assumed = assumptions(result)
+    if assumed or result.defaults:
+        items = "; ".join(f"{brief(key, 40)}: {brief(what, 120)}" for key, what in assumed)
+        defaults = f"({len(result.defaults)} values taken as default, listed in the report)"
+        text = f"{len(assumed)}: {items}" if assumed else "nothing beyond the defaults"
+        lines += _labelled("ASSUMED", f"{text} {defaults if result.defaults else ''}", width)
+    lines += _labelled("", verdict_sentence(result), width)
+    lines += _footer(result, report, width)
+    return "\n".join(lines) + "\n"
+
+
+def verdict_renderable(
+    result: DesignResult, width: int | None = None, report: str | Path | None = None
+) -> Text:
+    """The same lines as `verdict_text`, coloured, for a rich console."""
+    text = Text(verdict_text(result, width, report), no_wrap=True, end="")
+    text.highlight_regex(r"\b(pass|PASS)\b", "bold green")
+    text.highlight_regex(r"\bFAIL\b", "bold red")
+    text.highlight_regex(r"\bUNDECIDED\b|^WARNING|^GATE BROKEN|±∞ \(\w+\)", "bold yellow")
+    text.highlight_regex(r"^(NOT CHECKED|ASSUMED|SET)\b", "bold")
+    return text
+
+
+def _row(check: Check, title: str) -> list[str]:
+    numerical, model = bars_text(check)
+    status = "pass" if check.status is Status.PASS else str(check.status)
+    return [
+        brief(check.part, _LONGEST_NAME),
+        brief(title, 24),
+        f"{number(check.value)} {numerical} {model} {brief(check.unit, 8)}",
+        number(check.limit),
+        f"{safety_text(check.safety)} ({number(check.required)})",
+        utilisation_text(check.utilisation),
+        status,
+        f"{brief(where(check), 120)}; {brief(check.method, 60)}",
+    ]
+
+
+def _table(result: DesignResult, width: int) -> list[str]:
+    checks = result.checks
+    rows = [_row(check, title) for check, title in zip(checks, check_titles(checks), strict=True)]
+    widths = [max(cell_len(row[i]) for row in (*rows, _HEADINGS)) for i in range(len(_HEADINGS))]
+    # Whatever the last column cannot give is taken from the widest of the others, which then wrap.
+    fixed = widths[:-1]
+    gaps = 2 + len(fixed)
+    while sum(fixed) + gaps + _NARROWEST_LAST > width and max(fixed) > 8:
+        fixed[fixed.index(max(fixed))] -= 1
+    widths = [*fixed, max(8, width - sum(fixed) - gaps)]
+    lines = _table_row("  ", list(_HEADINGS), widths)
+    for check, row in zip(checks, rows, strict=True):
+        lines += _table_row("> " if check is result.deciding else "  ", row, widths)
+    return lines
+
+
+def _table_row(mark: str, cells: list[str], widths: list[int]) -> list[str]:
+    wrapped = [wrap(cell, width) for cell, width in zip(cells, widths, strict=True)]
+    lines = []
+    for level in range(max(len(cell) for cell in wrapped)):
+        parts = []
+        for column, (cell, width) in enumerate(zip(wrapped, widths, strict=True)):
+            text = cell[level] if level < len(cell) else ""
+            gap = " " * (width - cell_len(text))
+            parts.append(gap + text if column in _RIGHT else text + gap)
+        lines.append((mark if level == 0 else "  ") + " ".join(parts).rstrip())
+    return lines
+
+
+def _labelled(label: str, text: str, width: int) -> list[str]:
+    """A paragraph behind its label, continuation lines under the first."""
+    indent = max(9, len(label) + 2) if label else 0
+    first, *rest = wrap(clean(text), width - indent)
+    return [(label.ljust(indent) + first).rstrip(), *(" " * (indent or 2) + line for line in rest)]
+
+
+def wrap(text: str, width: int) -> list[str]:
+    """Lines of at most `width` columns, broken at spaces, or inside a word that is too long.
+
+    Columns are counted as a terminal does, where a wide letter takes two.
+    """
+    lines = [""]
+    for word in text.split():
+        if cell_len(f"{lines[-1]} {word}".lstrip()) <= width:
+            lines[-1] = f"{lines[-1]} {word}".lstrip()
+            continue
+        pieces = [word] if cell_len(word) <= width else chop_cells(word, width)
+        lines += pieces if lines[-1] else []
+        if not lines[-1]:
+            lines[-1:] = pieces
+    return lines
+
+
+def _footer(result: DesignResult, report: str | Path | None, width: int) -> list[str]:
+    lines: list[str] = []
+    if result.timings:
+        stages = ", ".join(f"{clean(stage)} {time:.1f}" for stage, time in result.timings.items())
+        lines += _labelled("", f"{sum(result.timings.values()):.1f} s: {stages}", width)
+    if report is not None:
+        # Never wrapped or shortened: a path is there to be copied.
+        lines.append(f"report: {clean(report)}")
+    return lines
+
