@@ -4,6 +4,7 @@ import numpy as np
 
 from ballesta.design_data import Design, Part
 from ballesta.part_loads import PartLoads
+from geometry.parts import Pin
 from reports.verdict import Check
 
 # A pair of lugs shares the load evenly only if nothing is out of square; ASSUMED band.
@@ -12,6 +13,8 @@ _SHARE_BAND = 0.05
 
 def bush_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
     """One check per bush (or pair of bushes) in a pin's stack: p = F / (d L), projected area."""
+    if not isinstance(part.geometry, Pin):
+        return []
     checks = []
     for entry in part.stack:
         if entry.bush is None:
@@ -27,7 +30,7 @@ def bush_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
             Check(
                 part=part.name,
                 kind="bush",
-                quantity=f"mean pressure in the bush of {name}",
+                quantity=f"bush of {name}",
                 value=pressure,
                 unit="MPa",
                 numerical=0.0,
@@ -36,7 +39,7 @@ def bush_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
                 required=design.require.bush,
                 cycle=loads.cycle_names[worst],
                 position=loads.labels[worst],
-                place=f"bush of {name}",
+                place=f"mean pressure on {diameter:g} x {entry.bush.length:g} mm",
                 method="formula",
                 basis="allowable pressure as stated in the design",
                 note=f"p = {force[worst]:.0f} N / ({diameter:g} x {entry.bush.length:g} mm2)"

@@ -19,7 +19,7 @@ from ballesta.levels import Models
 from ballesta.machine import cycle_of, interface_distance, linkage_of, part_placing
 from ballesta.part_loads import loads_on, shown_name, shown_position
 from ballesta.solid import LEVELS, check_solid
-from ballesta.warnings_of import design_warnings
+from ballesta.warnings_of import claim_warnings, design_warnings
 from fem.solvers import SolverError
 from geometry.mesh import MeshError
 from reports.verdict import DesignResult, Gate, PartResult
@@ -88,7 +88,7 @@ def check_design(
         parts=results,
         cycles=_cycle_data(design, solved, results),
         gates=_load_gates(solved),
-        warnings=design_warnings(design, masses, solved),
+        warnings=[*claim_warnings(design, results), *design_warnings(design, masses, solved)],
         not_checked=NOT_CHECKED,
         assumed=[
             *design.assumed,
@@ -225,9 +225,7 @@ def _inputs(design: Design) -> list[tuple[str, str]]:
 
     def walk(value: Any, key: str) -> list[tuple[str, str]]:
         if isinstance(value, dict):
-            return [
-                pair for k, v in value.items() for pair in walk(v, f"{key}.{k}" if key else k)
-            ]
+            return [pair for k, v in value.items() for pair in walk(v, f"{key}.{k}" if key else k)]
         if isinstance(value, list) and any(isinstance(v, dict) for v in value):
             return [pair for k, v in enumerate(value) for pair in walk(v, f"{key}[{k}]")]
         return [(key, str(value))]
@@ -236,7 +234,7 @@ def _inputs(design: Design) -> list[tuple[str, str]]:
 
 
 def versions() -> dict[str, str]:
-    """What a result was made with."""
+    """Return what a result was made with."""
     names = ("ballesta", "gmsh", "scikit-fem", "scikit-sparse", "numpy", "scipy", "meshio")
     return {
         **{name: version(name) for name in names},

@@ -20,7 +20,7 @@ from ballesta.design_model import DesignFile
 from ballesta.design_parts import materials_of, parts_of
 from ballesta.design_problems import tell_problems
 from ballesta.errors import DesignError, Problems
-from ballesta.names import nearest
+from ballesta.names import nearest, no_such
 from ballesta.overrides import apply_override, dotted, parse_override, resolve_like, split_key
 from ballesta.units import DIMENSIONS, Quantity, Vector
 
@@ -62,6 +62,9 @@ def _assembled(
     materials = materials_of(model, problems)
     for key in model.assumed:
         _check_key(key, data, problems)
+    for name in model.claims:
+        if name not in model.parts:
+            problems.add(f"claims.{name}", no_such("part", name, model.parts))
     design_forces = forces_of(model, problems)
     friction = friction_of(model, joints, problems)
     cycles = cycles_of(model, problems)
@@ -98,6 +101,11 @@ def _assembled(
         materials={part.material.name: part.material for part in parts.values()},
         defaults_used=tuple(defaults),
         assumed=(*model.assumed.items(), *_assumed_stops(model)),
+        claims={
+            (part, kind): (claim.safety, claim.source)
+            for part, kinds in model.claims.items()
+            for kind, claim in kinds.items()
+        },
     )
 
 

@@ -151,6 +151,7 @@ class Design:
     friction         joint (point, or "guide:<body>") -> its friction
     defaults_used    (key, value) that the file does not state and ballesta took
     assumed          (key, reason) that the file marks as an assumption
+    claims           (part, kind of check) -> the claimed safety and who claims it
     """
 
     name: str
@@ -173,3 +174,4 @@ class Design:
     materials: Mapping[str, Material]
     defaults_used: tuple[tuple[str, str], ...]
     assumed: tuple[tuple[str, str], ...]
+    claims: Mapping[tuple[str, str], tuple[float, str]]

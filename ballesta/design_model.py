@@ -43,6 +43,13 @@ class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
+class Claim(Table):
+    """A safety that somebody has claimed for a part, to be told beside the one that was found."""
+
+    safety: Positive = Field(description="the claimed safety")
+    source: str = Field(description="who claims it, and where")
+
+
 class Requirements(Table):
     """The safety each kind of check must show."""
 
@@ -292,7 +299,7 @@ class DesignFile(Table):
     accuracy: Fraction = Field(
         "5 %",
         validate_default=True,
-        description="numerical error at which refinement ends",
+        description="numerical error above which a result says that it was not reached",
     )
     require: Requirements = Field(default=Requirements.model_validate({}))
     gravity: Acceleration2 = Field(
@@ -311,6 +318,10 @@ class DesignFile(Table):
     duty: DutyEntry = Field(default=DutyEntry.model_validate({}))
     materials: dict[Name, MaterialEntry] = Field(default_factory=dict)
     parts: dict[Name, Annotated[_union(), Field(discriminator="shape")]]  # type: ignore[valid-type]
+    claims: dict[Name, dict[Literal["static", "buckling", "fatigue", "bush"], Claim]] = Field(
+        default_factory=dict,
+        description="by part and kind of check: a safety that is claimed; told beside the found one",
+    )
     assumed: Annotated[dict[str, str], BeforeValidator(_flat)] = Field(
         default_factory=dict,
         description="dotted key of this file = why it is assumed; told in every result",

@@ -47,8 +47,8 @@ def _axial(
 def _cheeks(shape: ToggleBar, force: float, level: Level, stress: FloatArray) -> HandCheck:
     """Gross section of the two cheeks, just behind the pin, where they carry the load alone.
 
-    The side walls take their share further on, so the model's mean over the cheeks' height, one wall
-    thickness behind the bore, lies somewhat below.
+    The side walls take their share further on, so the model's mean over the cheeks' height, one
+    wall thickness behind the bore, lies somewhat below.
     """
     area = 2 * shape.width * shape.wall
     pressure = 4 * force / (pi * shape.hole * 2 * shape.wall)

@@ -25,7 +25,7 @@ class Models:
         self.seconds: dict[str, float] = {"mesh": 0.0, "solve": 0.0}
 
     def mesh(self, shape: Buildable, fineness: float) -> Mesh:
-        """The mesh of a shape."""
+        """Return the mesh of a shape."""
         if (shape, fineness) not in self._meshes:
             start = perf_counter()
             self._meshes[shape, fineness] = mesh_shape(shape, fineness=fineness)
@@ -33,7 +33,7 @@ class Models:
         return self._meshes[shape, fineness]
 
     def solutions(self, shape: Buildable, fineness: float, material: Elastic) -> UnitSolutions:
-        """The solved unit loads of a shape."""
+        """Return the solved unit loads of a shape."""
         key = (shape, fineness, material)
         if key not in self._solutions:
             mesh = self.mesh(shape, fineness)
@@ -94,9 +94,7 @@ class Level:
         """Where a point is, in words."""
         node = self.history.nodes[point]
         names = [
-            name
-            for name, facets in self.solutions.mesh.surfaces.items()
-            if np.any(facets == node)
+            name for name, facets in self.solutions.mesh.surfaces.items() if np.any(facets == node)
         ]
         x, y, z = self.history.points[point]
         return f"{'/'.join(names) or 'surface'} ({x:.1f}, {y:.1f}, {z:.1f})"
@@ -111,9 +109,10 @@ class Level:
         for unit in self.solutions.interfaces:
             columns = slice(column, column + len(unit.names))
             column = columns.stop
-            reached = resultants(
-                self.solutions.elements, unit.vectors, unit.interface.centre
-            ) @ self.coefficients[columns]
+            reached = (
+                resultants(self.solutions.elements, unit.vectors, unit.interface.centre)
+                @ self.coefficients[columns]
+            )
             missing = np.abs(reached - loads.wrenches[unit.interface.name].T)
             missing[3:] /= unit.interface.radius or size
             worst = max(worst, float(missing.max()))
@@ -132,7 +131,9 @@ class Level:
 
     def scatter(self, coefficients: FloatArray, point: int) -> float:
         """Scatter of the elements that meet at a point under some load state, MPa."""
-        return float(self.solutions.recovery.scatter(self.solutions.displacement @ coefficients)[point])
+        return float(
+            self.solutions.recovery.scatter(self.solutions.displacement @ coefficients)[point]
+        )
 
 
 def solve_level(

@@ -65,7 +65,7 @@ def interface_distance(design: design_data.Design, part: design_data.Part) -> fl
 def linkage_of(
     design: design_data.Design, masses: Mapping[str, tuple[float, tuple[float, float], float]]
 ) -> loads.Linkage:
-    """The linkage of a design; `masses` (mass, centre, inertia) fill in what bodies do not state.
+    """Return the linkage of a design; `masses` (mass, centre, inertia) fill in unstated ones.
 
     Raises loads.LinkageError where the linkage does not have one degree of freedom.
     """
@@ -121,7 +121,7 @@ def linkage_of(
 
 
 def cycle_of(design: design_data.Design, cycle: design_data.Cycle) -> loads.Cycle:
-    """A cycle of a design as `loads` runs it."""
+    """Return a design's cycle as `loads` runs it."""
     return loads.Cycle(
         name=cycle.name,
         coordinate=_coordinate(design, cycle.coordinate),
@@ -140,9 +140,7 @@ def _force(force: design_data.Force) -> loads.Force:
     assert force.body is not None
     assert force.at is not None
     assert force.direction is not None
-    return loads.Force(
-        force.name, loads.PointCoordinate(force.body, force.at, force.direction), 1
-    )
+    return loads.Force(force.name, loads.PointCoordinate(force.body, force.at, force.direction), 1)
 
 
 def _coordinate(design: design_data.Design, coordinate: design_data.Coordinate) -> loads.Coordinate:

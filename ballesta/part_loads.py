@@ -72,7 +72,8 @@ def loads_on(design: Design, part: Part, solved: Mapping[str, loads.CycleLoads])
         shown, unit = shown_name(design.cycles[name])
         values = shown_position(design.cycles[name], history.positions)
         labels += [
-            f"{shown} = {value:.4g} {unit}, {history.phases[phase]}"
+            f"{shown} = {value:.4g} {unit}"
+            + (f" {history.phases[phase]}" if history.phases[phase] != name else "")
             for value, phase in zip(values, history.phase_of, strict=True)
         ]
         names += [name] * len(values)

@@ -78,7 +78,7 @@ def check_solid(
 
 
 def elastic_of(part: Part) -> Elastic:
-    """The elastic constants of a part's material."""
+    """Return the elastic constants of a part's material."""
     material = part.material
     return Elastic(material.youngs_modulus, material.poisson_ratio, material.density)
 
@@ -117,6 +117,7 @@ def _stress_checks(
     direct = {arc: _direct(loads, finest, peak.position, arc) for arc in arcs}
     peaks = {arc: peak_of(stress) for arc, stress in direct.items()}
     bar, model, note = _bars(
+        design.accuracy,
         finest,
         [level.peak.value for level in levels],
         levels,
@@ -150,9 +151,7 @@ def _stress_checks(
         return checks
     first, second = worst.pair
     pairs = {
-        arc: np.stack(
-            [_direct(loads, finest, k, arc) for k in (first, second)], axis=2
-        )
+        arc: np.stack([_direct(loads, finest, k, arc) for k in (first, second)], axis=2)
         for arc in arcs
     }
     result = finest.fatigue_results[worst.cycle]
@@ -167,6 +166,7 @@ def _stress_checks(
     }
     swing = finest.coefficients[:, first] - finest.coefficients[:, second]
     bar, model, note = _bars(
+        design.accuracy,
         finest,
         [level.fatigue.value for level in levels if level.fatigue],
         levels,
@@ -220,6 +220,7 @@ def _direct(loads: PartLoads, level: Level, position: int, arc: float) -> FloatA
 
 
 def _bars(
+    accuracy: float,
     finest: Level,
     values: Sequence[float],
     levels: Sequence[Level],
@@ -227,7 +228,7 @@ def _bars(
     scatter: float,
     by_arc: Mapping[float, float],
 ) -> tuple[ErrorBar, tuple[float, float], str]:
-    """Numerical bar, model band (above, below) and a note for a peak that was computed on several meshes."""
+    """Numerical bar, model band (above, below) and a note for a peak from several meshes."""
     sizes = [1 / level.fineness for level in levels]
     truncation = abs(by_arc[pi] - values[-1]) if by_arc else 0.0
     angle = _edge_angle(finest, point)
@@ -242,6 +243,11 @@ def _bars(
             f"singular: a sharp re-entrant edge of {degrees(angle):.0f} deg, where stress grows "
             f"like 1/distance^{exponent:.2f} and {values[-1]:.4g} MPa is only what this mesh "
             "shows; give the edge its radius"
+        )
+    elif bar.value > accuracy * abs(values[-1]):
+        notes.append(
+            f"numerical error {100 * bar.value / abs(values[-1]):.2g} %, asked for "
+            f"{100 * accuracy:g} %; a finer mesh is taken only where it can change the verdict"
         )
     if by_arc:
         arcs = ", ".join(f"{degrees(a):.0f} deg {v:.4g}" for a, v in by_arc.items())
@@ -366,9 +372,7 @@ def _charts(
             "endurance": endurance,
             "ultimate": part.material.ultimate_stress,
             "yield": part.material.yield_stress,
-            "cloud": [
-                [float(result.mean[k]), float(result.amplitude[k])] for k in most_used
-            ],
+            "cloud": [[float(result.mean[k]), float(result.amplitude[k])] for k in most_used],
         }
     }
 

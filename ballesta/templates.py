@@ -17,6 +17,12 @@ def templates() -> tuple[str, ...]:
 def new_design(template: str) -> str:
     """Return the text of a template: a commented design file that runs as it is."""
     if template not in templates():
-        raise DesignError(Path("new"), template, no_such("template", template, templates()))
+        raise DesignError(
+            Path("new"),
+            template,
+            no_such(
+                "template", template.replace("_", "-"), [n.replace("_", "-") for n in templates()]
+            ),
+        )
     entry = files("ballesta").joinpath("templates", f"{template}.toml")
     return entry.read_text(encoding="utf-8")

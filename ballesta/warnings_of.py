@@ -1,6 +1,6 @@
 """Warnings about the machine rather than its parts: drive, cycle time, stop, assembly."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +10,7 @@ from ballesta.design_data import Design
 from ballesta.machine import cycle_of, linkage_of
 from ballesta.part_loads import shown_name, shown_position
 from geometry.parts import Pin, PrismaticTube, ToggleBar
+from reports.verdict import PartResult
 
 _RESERVE = 0.10  # of a drive's available force; less is worth a warning
 _CONDITIONING = 0.02  # share of the motion that the solved force sees
@@ -28,6 +29,24 @@ def design_warnings(
         *_dead_centres(design, solved),
         *_assembly(design),
     ]
+
+
+def claim_warnings(design: Design, results: Sequence[PartResult]) -> list[str]:
+    """Claimed safeties that the check does not find."""
+    warnings = []
+    for result in results:
+        for kind in dict.fromkeys(check.kind for check in result.checks):
+            if (result.name, kind) not in design.claims:
+                continue
+            claimed, source = design.claims[result.name, kind]
+            found = min((c for c in result.checks if c.kind == kind), key=lambda c: c.safety)
+            if found.safety < claimed:
+                warnings.append(
+                    f"{result.name}: {source} claims a safety of {claimed:g} against {kind}; found "
+                    f"{found.safety:.3g} ({found.quantity}, {found.value:.4g} against "
+                    f"{found.limit:.4g} {found.unit}: {found.basis})"
+                )
+    return warnings
 
 
 def _drives(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list[str]:
@@ -51,14 +70,17 @@ def _stops(
     masses: Mapping[str, tuple[float, tuple[float, float], float]],
     solved: Mapping[str, loads.CycleLoads],
 ) -> list[str]:
-    """What the largest load becomes if an assumed stop is passed by its tolerance."""
-    warnings = []
+    """Say what the largest load becomes if an assumed stop is passed by its tolerance."""
+    warnings, told = [], set()
     for cycle in design.cycles.values():
         if cycle.stop is None or cycle.stop.basis != "assumed":
             continue
         ends = [cycle.start, *(phase.to for phase in cycle.phases)]
         forward = int(np.argmax(np.abs(np.array(ends) - cycle.start)))
         end = ends[forward]
+        if (cycle.coordinate, end) in told:
+            continue
+        told.add((cycle.coordinate, end))
         further = end + np.sign(end - cycle.start) * cycle.stop.tolerance
         phase = replace(cycle.phases[forward - 1], to=float(further))
         longer = replace(cycle, start=ends[forward - 1], phases=(phase,), positions=40)
@@ -114,7 +136,7 @@ def _dead_centres(design: Design, solved: Mapping[str, loads.CycleLoads]) -> lis
 
 
 def _assembly(design: Design) -> list[str]:
-    """What cannot be put together, or is modelled elsewhere than it stands."""
+    """Say what cannot be put together, or is modelled elsewhere than it stands."""
     warnings = []
     for part in design.parts.values():
         if isinstance(part.geometry, Pin):
@@ -123,8 +145,8 @@ def _assembly(design: Design) -> list[str]:
                 warnings += _cheek_offset(design, part.name, entry.body, entry.at)
         elif isinstance(part.geometry, PrismaticTube):
             warnings.append(
-                f"{part.name}: loaded on its end faces; no pin or lug is modelled, and a pin "
-                f"cannot pass through a {part.geometry.width:g} mm tube unless it is much thinner"
+                f"{part.name}: loaded on its end faces; neither pin nor lug is modelled, and no pin "
+                f"of the size that such loads need can pass through a {part.geometry.width:g} mm tube"
             )
     return warnings
 
@@ -142,13 +164,14 @@ def _necks(name: str, pin: Pin) -> list[str]:
 
 
 def _cheek_offset(design: Design, pin: str, body: str | None, at: float) -> list[str]:
-    """A bar whose cheeks do not stand where the pin's stack has them."""
+    """Name a bar whose cheeks do not stand where the pin's stack has them."""
     for part in design.parts.values():
         if part.body == body and body and isinstance(part.geometry, ToggleBar):
             cheek = (part.geometry.width - part.geometry.wall) / 2
             if abs(cheek - at) > 0.1:
                 return [
                     f"{pin}: has the cheeks of {part.name} at +-{at:g} mm, the bar's tube has them "
-                    f"at +-{cheek:g} mm; the offset of {at - cheek:+.2f} mm is not in the bar's model"
+                    f"at +-{cheek:g} mm; the offset of {at - cheek:+.2f} mm is not in the "
+                    "bar's model"
                 ]
     return []

@@ -8,10 +8,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import numpy.typing as npt
 import scipy.sparse as sp
 
 from fem.elements import Elements
 from geometry.mesh import FloatArray, IntArray
+
+BoolArray = npt.NDArray[np.bool_]
 
 _UPPER = np.triu_indices(10)
 _CHUNK = 8000  # elements at a time: bounds the memory of the dense element matrices
@@ -27,15 +30,15 @@ class Pattern:
     elements: Elements
 
     @cached_property
-    def _sorted(self) -> tuple[IntArray, IntArray, IntArray, FloatArray]:
+    def _sorted(self) -> tuple[IntArray, IntArray, IntArray, BoolArray]:
         nodes = self.elements.mesh.elements
         first, second = nodes[:, _UPPER[0]].ravel(), nodes[:, _UPPER[1]].ravel()
         swapped = first > second
         low, high = np.where(swapped, second, first), np.where(swapped, first, second)
         key = low * len(self.elements.mesh.nodes) + high
-        order = np.argsort(key, kind="stable")
-        starts = np.flatnonzero(np.r_[True, np.diff(key[order]) > 0])
-        pairs = key[order][starts]
+        order: IntArray = np.argsort(key, kind="stable").astype(np.int64)
+        starts: IntArray = np.flatnonzero(np.r_[True, np.diff(key[order]) > 0]).astype(np.int64)
+        pairs: IntArray = key[order][starts]
         return order, starts, pairs, swapped
 
     def upper(self, blocks: FloatArray) -> sp.csr_array:
@@ -51,7 +54,7 @@ class Pattern:
         return sp.triu(matrix.tocsr(), format="csr")
 
     def upper_scalar(self, values: FloatArray) -> sp.csr_array:
-        """The same for multiples of the 3 x 3 identity, values (n_elements, 55)."""
+        """Sum multiples of the 3 x 3 identity, values (n_elements, 55), in the same way."""
         return self.upper(values[:, :, None, None] * np.eye(3))
 
 
@@ -99,5 +102,5 @@ def geometric_stiffness(pattern: Pattern, stress: FloatArray) -> sp.csr_array:
 
 
 def full(upper: sp.csr_array) -> sp.csr_array:
-    """The symmetric matrix whose upper triangle is given."""
+    """Return the symmetric matrix whose upper triangle is given."""
     return (upper + sp.triu(upper, k=1).T).tocsr()

@@ -42,9 +42,9 @@ def buckling_modes(
     coefficients: FloatArray,
     *,
     tilt_held: bool,
-    count: int = 3,
+    count: int = 2,
 ) -> list[BucklingMode]:
-    """The lowest positive buckling factors of one load state, lowest first.
+    """Return the lowest positive buckling factors of one load state, lowest first.
 
     coefficients  (n_basis,) of the unit loads
     tilt_held     whether the forks hold the ends against tilting out of the plane
@@ -71,7 +71,7 @@ def buckling_modes(
             Minv=LinearOperator((n, n), matvec=project, dtype=float),
             which="LM",
             v0=start,
-            tol=1e-6,
+            tol=1e-5,
         )
     except ArpackNoConvergence as error:
         raise SolverError(f"the buckling factors did not converge: {error}") from error

@@ -68,4 +68,4 @@ def growth_is_singular(values: Sequence[float], sizes: Sequence[float], exponent
     if exponent <= 0 or len(values) < 2:
         return False
     predicted = (sizes[-2] / sizes[-1]) ** exponent - 1
-    return abs(values[-1]) / max(abs(values[-2]), 1e-300) - 1 > predicted / 4
+    return bool(abs(values[-1]) / max(abs(values[-2]), 1e-300) - 1 > predicted / 4)

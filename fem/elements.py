@@ -79,7 +79,8 @@ class Elements:
     @cached_property
     def points(self) -> FloatArray:
         """Quadrature points, (n_elements, n_q, 3), mm."""
-        return np.einsum("qa,eax->eqx", self.values, self.mesh.nodes[self.mesh.elements])
+        nodes = self.mesh.nodes[self.mesh.elements]
+        return np.asarray(np.einsum("qa,eax->eqx", self.values, nodes))
 
     @property
     def local_points(self) -> FloatArray:

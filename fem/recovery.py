@@ -87,7 +87,9 @@ class Recovery:
 
     def surface_stress(self, displacement: FloatArray) -> FloatArray:
         """Stress (n_points, 6, m) at the surface nodes, MPa."""
-        total = np.zeros((len(self.points), 6, displacement.reshape(displacement.shape[0], -1).shape[1]))
+        total = np.zeros(
+            (len(self.points), 6, displacement.reshape(displacement.shape[0], -1).shape[1])
+        )
         weight = np.zeros(len(self.points))
         for part in _chunks(self._touching, 2000):
             values, places, weights = self._contributions(displacement, part)

@@ -69,7 +69,7 @@ def singular_exponent(interior_angle: float) -> float:
 
 
 def _normal_at_middle(corners: FloatArray, side: int) -> FloatArray:
-    """Unit outward normals of six-node facets (n, 6, 3) at the middle of one side."""
+    """Return unit outward normals of six-node facets (n, 6, 3) at the middle of one side."""
     r, s = ((0.5, 0.0), (0.5, 0.5), (0.0, 0.5))[side]
     t = 1 - r - s
     by_r = np.array([1 - 4 * t, 4 * r - 1, 0, 4 * (t - r), 4 * s, -4 * s])

@@ -39,7 +39,7 @@ class StressHistory:
         return np.asarray(self.basis @ self.coefficients[:, position])
 
     def between(self, columns: slice) -> "StressHistory":
-        """The same points over some of the positions."""
+        """Return the same points over some of the positions."""
         return StressHistory(self.nodes, self.points, self.basis, self.coefficients[:, columns])
 
     def peaks_by_position(self) -> tuple[FloatArray, IntArray]:

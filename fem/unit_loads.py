@@ -75,7 +75,7 @@ def half_cosine_harmonic(n: int) -> float:
 
 
 def interface_loads(elements: Elements, interface: Interface) -> InterfaceLoads:
-    """Unit loads of one interface, normalised; raises MeshError if the raw ones are too far off."""
+    """Return one interface's normalised unit loads; MeshError if the raw ones are too far off."""
     surface = elements.surface(interface.name)
     if interface.kind == "face":
         patterns, targets, smooth = _face_patterns(surface, interface)
@@ -142,7 +142,8 @@ def direct_bearing(
 def acceleration_loads(elements: Elements, density: float) -> FloatArray:
     """Nodal inertia forces (3 n_nodes, 4) per unit a_x, a_y, alpha and omega^2 of the part's frame.
 
-    d'Alembert: -density times the acceleration (a_x - alpha y - omega2 x, a_y + alpha x - omega2 y).
+    d'Alembert: -density times the acceleration
+    (a_x - alpha y - omega2 x, a_y + alpha x - omega2 y).
     """
     x, y = elements.points[..., 0], elements.points[..., 1]
     zero, one = np.zeros_like(x), np.ones_like(x)
@@ -179,7 +180,7 @@ def _nodal(elements: Elements, surface: FacetQuadrature, traction: Traction) -> 
 
 
 def _radial(points: FloatArray, interface: Interface) -> tuple[FloatArray, FloatArray]:
-    """Unit vector away from the interface's z axis (exact, not the facets'), and its angle."""
+    """Unit vector away from the interface's axis (exact, not the facets'), and its angle."""
     arm = points - interface.centre
     angle = np.arctan2(arm[..., 1], arm[..., 0])
     return np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], axis=-1), angle

@@ -85,9 +85,7 @@ class UnitSolutions:
     @cached_property
     def recovery(self) -> Recovery:
         """The rule that turns displacements into stress at surface nodes."""
-        return Recovery(
-            self.elements, self.material.youngs_modulus, self.material.poisson_ratio
-        )
+        return Recovery(self.elements, self.material.youngs_modulus, self.material.poisson_ratio)
 
     @cached_property
     def basis(self) -> FloatArray:
@@ -189,9 +187,7 @@ def determinate_hold(nodes: FloatArray) -> IntArray:
     return np.sort(order[:6])
 
 
-def _solve_held(
-    factor: Factor, held: IntArray, loads: FloatArray
-) -> tuple[FloatArray, float]:
+def _solve_held(factor: Factor, held: IntArray, loads: FloatArray) -> tuple[FloatArray, float]:
     free = np.setdiff1d(np.arange(len(loads)), held)
     displacement = np.zeros_like(loads)
     displacement[free], residual = factor.solve(loads[free])

@@ -124,11 +124,13 @@ class Mesh:
 
 def boundary_facets(elements: IntArray) -> IntArray:
     """Facets that belong to one element only, (n, 6): corners, then mid-sides 01, 12, 20."""
-    local = np.array([[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6]])
+    local = np.array(
+        [[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6]]
+    )
     facets = elements[:, local].reshape(-1, 6)
     corners = np.sort(facets[:, :3], axis=1)
     _, first, counts = np.unique(corners, axis=0, return_index=True, return_counts=True)
-    return facets[first[counts == 1]]
+    return np.asarray(facets[first[counts == 1]])
 
 
 def _shape(points: FloatArray) -> FloatArray:

@@ -74,7 +74,7 @@ class Buildable(Protocol):
 
 @contextmanager
 def gmsh_session() -> Iterator[Any]:
-    """A gmsh session with pinned options, closed whatever happens.
+    """Open a gmsh session with pinned options, closed whatever happens.
 
     Raises MeshError that names the system library if gmsh cannot be loaded.
     """

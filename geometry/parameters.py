@@ -24,10 +24,10 @@ class ParameterError(ValueError):
 
 
 def a_length(meaning: str, *, default: Any = MISSING, given_by: str = GIVEN_BY_DESIGN) -> Any:
-    """A length in mm; `default` makes it optional, `given_by` says who fills it in.
+    """Declare a length in mm; `default` makes it optional, `given_by` says who fills it in.
 
-    `given_by="linkage"` is a length that follows from the mechanism (the distance between two pins):
-    the design file must not state it a second time.
+    `given_by="linkage"` is a length that follows from the mechanism (the distance between two
+    pins): the design file must not state it a second time.
     """
     return field(
         default=default,

@@ -22,7 +22,7 @@ class Section:
 
 
 def square_tube_section(name: str, width: float, wall: float, inner_radius: float) -> Section:
-    """A square tube; the inner corners' fillets count in the area and, at their place, in I.
+    """Return a square tube; the inner corners' fillets count in area and, at their place, in I.
 
     >>> square_tube_section("tube", 30.0, 1.6, 0.0).inertia_in_plane
     24510.941...

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from reports.svg import SERIES, colour, draw
 from reports.verdict import Check, DesignResult, PartResult, Status
-from reports.words import brief, check_titles, number, utilisation_text
+from reports.words import brief, check_titles, need_text, utilisation_text
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -31,6 +31,7 @@ def utilisation_chart(result: DesignResult) -> str:
     labels = [f"{brief(c.part, 24)} {brief(t, 28)}" for c, t in zip(checks, titles, strict=True)]
 
     def plot(figure: Any) -> None:
+        figure.get_layout_engine().set(rect=(0, 0, 0.94, 1))  # room for the numbers on the right
         axes = figure.add_subplot()
         for row, check in enumerate(checks):
             _utilisation_row(axes, row, check, end)
@@ -62,23 +63,22 @@ def _utilisation_row(axes: Any, row: int, check: Check, end: float) -> None:
     status = colour(_STATUS_COLOUR[check.status])
     axes.barh(row, min(use, end), height=0.62, color=status, alpha=0.55, linewidth=0)
     numerical, model = _scaled(check, check.numerical), _scaled(check, check.model)
-    # The whole bar first and thin, the numerical one over it and thick.
-    for half, width in ((numerical + model, 1.2), (numerical, 5.0)):
-        low = max(use - half, 0.0) if isfinite(half) else 0.0
-        high = min(use + half, end) if isfinite(half) else end
-        if low < end:
-            axes.plot([low, high], [row, row], color=ink, linewidth=width, solid_capstyle="butt")
-        ends = [x for x in (use - half, use + half) if 0 < x < end]
-        if width < 2:
-            axes.plot(ends, [row] * len(ends), "|", color=ink, markersize=8)
-    text = utilisation_text(use)
-    if not isfinite(numerical + model):
-        text += " ±∞"
+    if isfinite(numerical + model):
+        # The whole bar first and thin, the numerical one over it and thick.
+        for half, width in ((numerical + model, 1.2), (numerical, 5.0)):
+            low, high = max(use - half, 0.0), min(use + half, end)
+            if low < end:
+                axes.plot([low, high], [row, row], color=ink, lw=width, solid_capstyle="butt")
+        ends = [x for x in (use - numerical - model, use + numerical + model) if 0 < x < end]
+        axes.plot(ends, [row] * len(ends), "|", color=ink, markersize=8)
+    else:
+        axes.plot([0, end], [row, row], color=ink, linewidth=1.2, linestyle=":")
         axes.plot(end, row, ">", color=ink, clip_on=False)
+    text = utilisation_text(use) + ("" if isfinite(numerical + model) else " ±∞")
     axes.annotate(
         text, (1, row), xycoords=("axes fraction", "data"), xytext=(10, 0),
         textcoords="offset points", va="center", annotation_clip=False,
-        color=status if check.status is not Status.PASS else ink,
+        color=ink,
     )  # fmt: skip
 
 
@@ -119,7 +119,9 @@ def cycle_chart(name: str, cycle: Mapping[str, Any]) -> str:
         order = list(dict.fromkeys(phases))
         if len(order) > 1:
             handles = [
-                grid[0, 0].plot([], [], color=colour("ink"), linestyle=_dash(i), label=brief(p, 24))[0]
+                grid[0, 0].plot(
+                    [], [], color=colour("ink"), linestyle=_dash(i), label=brief(p, 24)
+                )[0]
                 for i, p in enumerate(order)
             ]
             figure.legend(handles=handles, loc="outside lower center", ncols=min(4, len(order)))
@@ -177,7 +179,7 @@ def _busiest_phase(
 
 
 def haigh_chart(part: PartResult, cycles: Mapping[str, Mapping[str, Any]]) -> str:
-    """The Haigh diagram of a part and the stress path of its critical point, or "" without one."""
+    """Haigh diagram of a part and the stress path of its critical point, or "" without one."""
     haigh = part.charts.get("haigh")
     if not haigh:
         return ""
@@ -199,7 +201,7 @@ def _haigh_lines(axes: Any, haigh: Mapping[str, Any], required: float | None) ->
     if required:
         axes.plot(
             [0, ultimate / required], [endurance / required, 0],
-            color=SERIES[0], linestyle="--", label=f"Goodman / {number(required)}",
+            color=SERIES[0], linestyle="--", label=f"Goodman / {need_text(required)}",
         )  # fmt: skip
     axes.plot([0, strength], [strength, 0], color=SERIES[6], label="yield (Langer)")
     axes.scatter(

@@ -18,7 +18,7 @@ _FORMAT = "ballesta-result/1"
 
 @contextmanager
 def replacing(path: str | Path) -> Iterator[Path]:
-    """A path to write to, beside `path`, which it replaces in one step when all went well."""
+    """Path to write to, beside `path`, which it replaces in one step when all went well."""
     target = Path(path)
     target.parent.mkdir(parents=True, exist_ok=True)
     temporary = target.with_name(f".{secrets.token_hex(8)}.tmp")
@@ -30,7 +30,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
 
 
 def plain(data: Any) -> Any:
-    """Data as JSON knows it: arrays as lists, and null for what is infinite or not a number."""
+    """Plain data as JSON knows it: arrays as lists, null for what is infinite or no number."""
     if isinstance(data, str) or data is None or isinstance(data, bool):
         # A lone half of a surrogate pair cannot be written as UTF-8.
         return data.encode(errors="replace").decode() if isinstance(data, str) else data
@@ -50,14 +50,14 @@ def plain(data: Any) -> Any:
 
 
 def write_json(result: DesignResult, path: str | Path) -> None:
-    """The result as JSON: keys in the order of the result, numbers to the last digit."""
+    """Write the result as JSON: keys in the order of the result, numbers to the last digit."""
     text = json.dumps(plain(result.to_dict()), allow_nan=False, ensure_ascii=False, indent=1)
     with replacing(path) as temporary:
         temporary.write_text(text + "\n", encoding="utf-8", newline="\n")
 
 
 def read_json(path: str | Path) -> dict[str, Any]:
-    """What `write_json` wrote, as plain data."""
+    """Read what `write_json` wrote, as plain data."""
     data = json.loads(Path(path).read_text(encoding="utf-8"), parse_constant=_refuse)
     found = data.get("format") if isinstance(data, dict) else type(data).__name__
     if found != _FORMAT:
@@ -71,7 +71,7 @@ def _refuse(constant: str) -> None:
 
 
 def write_vtu(part: PartResult, path: str | Path) -> None:
-    """The surface of a part with its fields, mm and the unit that the field's name states."""
+    """Write the surface of a part with its fields, mm and the unit that the field's name states."""
     import meshio
 
     surface = part.surface

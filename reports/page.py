@@ -1,4 +1,4 @@
-"""The report: one HTML page that stands alone, without scripts and without anything from outside."""
+"""The report: one HTML page that stands alone, without scripts or anything from outside."""
 
 from base64 import b64encode
 from collections.abc import Mapping
@@ -17,39 +17,38 @@ from reports.svg import colour_variables
 from reports.verdict import DesignResult, HandCheck, PartResult
 from reports.words import (
     assumptions,
-    bars_text,
     brief,
     broken_gates,
     check_titles,
     clean,
     gate_sentence,
+    need_text,
     number,
     reason,
     safety_text,
     utilisation_text,
+    value_and_bars,
     verdict_sentence,
     where,
 )
 
 
 def write_report(result: DesignResult, pictures: Pictures, path: str | Path) -> None:
-    """The page as a file, which is there whole or not at all."""
+    """Write the page as a file, which is there whole or not at all."""
     text = report_html(result, pictures)
     with replacing(path) as temporary:
         temporary.write_text(text, encoding="utf-8", newline="\n")
 
 
 def report_html(result: DesignResult, pictures: Pictures | None = None) -> str:
-    """The page as text. The same result and pictures give the same page."""
+    """Page as text. The same result and pictures give the same page."""
     pictures = pictures or Pictures(reason="no pictures were asked for")
-    gates = sorted(result.all_gates, key=lambda gate: gate.holds)
-    return _template().render(
+    text: str = _template().render(
         result=result,
         status=str(result.status),
         sentence=verdict_sentence(result),
         deciding=result.deciding if result.checks else None,
         titled=list(zip(result.checks, check_titles(result.checks), strict=True)),
-        gates=gates,
         broken=broken_gates(result),
         assumptions=assumptions(result),
         utilisation=Markup(utilisation_chart(result)),
@@ -59,10 +58,11 @@ def report_html(result: DesignResult, pictures: Pictures | None = None) -> str:
         light=Markup(colour_variables(dark=False)),
         dark=Markup(colour_variables(dark=True)),
     )
+    return text
 
 
 def _part(part: PartResult, result: DesignResult, pictures: Pictures) -> dict[str, Any]:
-    """What the template needs of one part beside the part itself."""
+    """Collect what the template needs of one part beside the part itself."""
     columns = list(dict.fromkeys(key for mesh in part.meshes for key in mesh))
     images = pictures.images.get(part.name, {})
     return {
@@ -75,12 +75,12 @@ def _part(part: PartResult, result: DesignResult, pictures: Pictures) -> dict[st
 
 
 def ratio(check: HandCheck) -> str:
-    """The model's number over that by hand."""
+    """Ratio of the model's number to that by hand."""
     return number(check.model / check.hand) if check.hand else "–"
 
 
 def value_text(value: Any) -> str:
-    """A fact or a mesh's number as text: whole numbers whole, others to four digits."""
+    """Fact or number of a mesh as text: whole numbers whole, others to four digits."""
     if isinstance(value, bool) or value is None:
         return {True: "yes", False: "no", None: "–"}[value]
     if isinstance(value, str):
@@ -109,10 +109,11 @@ def _template() -> Any:
     )
     environment.filters |= {
         "brief": brief,
+        "need": need_text,
         "number": number,
         "safety": safety_text,
         "utilisation": utilisation_text,
-        "bars": bars_text,
+        "bars": value_and_bars,
         "gate": gate_sentence,
         "reason": reason,
         "where": where,

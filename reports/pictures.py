@@ -16,9 +16,7 @@ from reports.verdict import PartResult, Surface
 from reports.words import clean
 
 VIEWS = ("whole", "peak")
-_CURE = (
-    "apt-get install libgl1 libegl1 libglu1-mesa libxft2 libxcursor1 libxinerama1 libgomp1"
-)
+_CURE = "apt-get install libgl1 libegl1 libglu1-mesa libxft2 libxcursor1 libxinerama1 libgomp1"
 _WORKER = (sys.executable, "-m", "reports.pictures_worker")
 
 
@@ -71,7 +69,7 @@ def render_stills(
 
 
 def stress_field(surface: Surface) -> str:
-    """The field that is drawn: the von Mises stress, else the first there is."""
+    """Name of the field that is drawn: the von Mises stress, else the first there is."""
     names = list(surface.fields)
     if not names:
         raise ValueError("a surface without fields cannot be drawn")
@@ -84,7 +82,7 @@ def _collected(folder: Path, index: int) -> dict[str, bytes]:
 
 
 def _run(command: Sequence[str], folder: Path, timeout: float) -> str:
-    """What went wrong in the worker, "" if nothing."""
+    """Run the worker and tell what went wrong, "" if nothing."""
     environment = dict(os.environ)
     here = str(Path(__file__).resolve().parent.parent)
     paths = [here, *filter(None, [environment.get("PYTHONPATH")])]
@@ -108,7 +106,7 @@ def _run(command: Sequence[str], folder: Path, timeout: float) -> str:
 
 
 def _ending(code: int) -> str:
-    """An exit code in words; shells report a signal as 128 and its number."""
+    """Exit code in words; shells report a signal as 128 and its number."""
     number = -code if code < 0 else code - 128
     try:
         name = signal.Signals(number).name

@@ -17,6 +17,7 @@ FloatArray = npt.NDArray[np.float64]
 
 SIZE = (900, 600)
 _ISOMETRIC = np.array([1.0, -1.3, 0.9]) / np.linalg.norm([1.0, -1.3, 0.9])
+_SCENE = 0.83  # of the width, the rest is the scalar bar's
 _CLOSE = 0.14  # of the part's diagonal: half the height of the view of the peak
 
 
@@ -32,39 +33,54 @@ def main(folder: Path) -> None:
 
 
 def still(data: dict[str, Any], field: str, view: str) -> bytes:
-    """A PNG of one view of a surface coloured by its values."""
-    import pyvista
+    """PNG of one view of a surface coloured by its values."""
+    import pyvista as untyped
     from PIL import Image
 
+    pyvista: Any = untyped
     nodes, triangles, peak = data["nodes"], data["triangles"], int(data["peak"])
     faces = np.column_stack([np.full(len(triangles), 3), triangles]).ravel()
     surface = pyvista.PolyData(nodes, faces)
     surface.point_data[field] = data["values"]
-    plotter = pyvista.Plotter(off_screen=True, window_size=list(SIZE), lighting="light kit")
-    plotter.set_background("white")
-    plotter.add_mesh(
-        surface, scalars=field, cmap="viridis", nan_color="lightgrey", smooth_shading=False,
-        ambient=0.35, diffuse=0.7, specular=0.0,
-        scalar_bar_args={
-            "title": field, "color": "black", "vertical": True, "fmt": "%.3g", "n_labels": 6,
-            "position_x": 0.86, "position_y": 0.12, "height": 0.76, "width": 0.06,
-            "title_font_size": 17, "label_font_size": 16,
-        },
+    plotter = pyvista.Plotter(
+        off_screen=True, window_size=list(SIZE), lighting="light kit", shape=(1, 2),
+        col_weights=[_SCENE, 1 - _SCENE], border=False,
     )  # fmt: skip
+    plotter.set_background("white", all_renderers=True)
+    plotter.subplot(0, 0)
+    # Much ambient light: shading tells the shape, and must not change what a colour says.
+    actor = plotter.add_mesh(
+        surface, scalars=field, cmap="viridis", nan_color="lightgrey", smooth_shading=False,
+        ambient=0.6, diffuse=0.42, specular=0.0, show_scalar_bar=False,
+    )  # fmt: skip
+    direction = _ISOMETRIC if view == "whole" else view_of(nodes, triangles, peak)
+    diagonal = float(np.linalg.norm(np.ptp(nodes, axis=0)))
     edges = surface.extract_feature_edges(
         feature_angle=35, manifold_edges=False, non_manifold_edges=False
     )
     if edges.n_points:
-        plotter.add_mesh(edges, color="black", line_width=1.0, opacity=0.6)
-    direction = _ISOMETRIC if view == "whole" else view_of(nodes, triangles, peak)
+        edges.points += 2e-3 * diagonal * direction  # clear of the faces they bound
+        plotter.add_mesh(edges, color="black", line_width=1.5, opacity=0.6, lighting=False)
+    # The marker floats towards the camera, so that nothing hides it.
+    plotter.add_points(
+        (nodes[peak] + diagonal * direction)[None, :], color="#d81b60", point_size=26,
+        render_points_as_spheres=True,
+    )  # fmt: skip
+    quantity, _, unit = (text.strip(" ]") for text in field.partition("["))
+    text = f"{quantity}, at the dot {data['values'][peak]:.3g} {unit}"
+    plotter.add_text(text, position="upper_left", font_size=11, color="black")
     _place_camera(plotter, nodes, peak, direction, view)
-    _mark(plotter, nodes, peak, f"peak {data['values'][peak]:.3g}", direction)
+    plotter.enable_anti_aliasing("ssaa")
+    plotter.subplot(0, 1)
+    plotter.add_scalar_bar(
+        unit or " ", mapper=actor.mapper, color="black", vertical=True, fmt="%.3g", n_labels=6,
+        position_x=0.2, position_y=0.08, height=0.84, width=0.45, title_font_size=17,
+        label_font_size=16,
+    )  # fmt: skip
     picture = plotter.screenshot(None, return_img=True)
     plotter.close()
     out = BytesIO()
-    Image.fromarray(picture).convert("P", palette=Image.Palette.ADAPTIVE, colors=256).save(
-        out, format="PNG", optimize=True
-    )
+    Image.fromarray(picture).save(out, format="PNG", optimize=True)
     return out.getvalue()
 
 
@@ -77,32 +93,20 @@ def _place_camera(
     plotter.camera_position = [centre + 2 * diagonal * direction, centre, up]
     plotter.enable_parallel_projection()
     if view == "whole":
-        # As large as the corners of the bounding box allow, left of the scalar bar.
+        # As large as the corners of the bounding box allow.
         corners = np.array(np.meshgrid(*zip(nodes.min(axis=0), nodes.max(axis=0), strict=True)))
         offset = corners.reshape(3, -1).T - centre
         right = np.cross(up, direction) / np.linalg.norm(np.cross(up, direction))
         upwards = np.cross(direction, right)
-        half_width = np.abs(offset @ right).max() / (SIZE[0] / SIZE[1]) / 0.72
+        half_width = np.abs(offset @ right).max() / (_SCENE * SIZE[0] / SIZE[1])
         plotter.camera.parallel_scale = 1.12 * max(np.abs(offset @ upwards).max(), half_width)
-        plotter.camera.SetWindowCenter(0.13, 0.0)
     else:
         plotter.camera.parallel_scale = _CLOSE * diagonal
     plotter.renderer.ResetCameraClippingRange()
 
 
-def _mark(plotter: Any, nodes: FloatArray, peak: int, text: str, direction: FloatArray) -> None:
-    """A marker at the peak that nothing hides: it floats towards the camera."""
-    diagonal = float(np.linalg.norm(np.ptp(nodes, axis=0)))
-    point = (nodes[peak] + diagonal * direction)[None, :]
-    plotter.add_point_labels(
-        point, [text], font_size=20, text_color="black", shape_color="white", shape_opacity=0.85,
-        point_color="#d81b60", point_size=16, render_points_as_spheres=True, always_visible=True,
-        font_family="arial", margin=4,
-    )  # fmt: skip
-
-
 def view_of(nodes: FloatArray, triangles: Any, peak: int) -> FloatArray:
-    """The direction from which the peak is seen: nothing in between, and as squarely as may be.
+    """Direction from which the peak is seen: nothing in between, and as squarely as may be.
 
     A peak in a bore looks at the opposite wall, so its normal alone would not do.
     """
@@ -111,8 +115,8 @@ def view_of(nodes: FloatArray, triangles: Any, peak: int) -> FloatArray:
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]).sum(axis=0)
     length = np.linalg.norm(normal)
     if not length:
-        return _ISOMETRIC
-    normal = normal / length
+        return np.asarray(_ISOMETRIC, dtype=np.float64)
+    normal = np.asarray(normal / length, dtype=np.float64)
     turns = np.arange(200) + 0.5  # points of a spiral, evenly spread over the sphere
     height, angle = 1 - turns / 100, np.pi * (1 + 5**0.5) * turns
     ring = np.sqrt(1 - height**2)
@@ -120,9 +124,11 @@ def view_of(nodes: FloatArray, triangles: Any, peak: int) -> FloatArray:
     score = directions @ normal + 0.5 * directions @ _ISOMETRIC
     origin = nodes[peak] + 1e-3 * np.linalg.norm(np.ptp(nodes, axis=0)) * normal
     for best in np.argsort(-score):
-        if directions[best] @ normal > 0.1 and not _hits(nodes, triangles, origin, directions[best]):
+        if directions[best] @ normal > 0.1 and not _hits(
+            nodes, triangles, origin, directions[best]
+        ):
             return np.asarray(directions[best], dtype=np.float64)
-    return np.asarray(normal, dtype=np.float64)
+    return normal
 
 
 def _hits(nodes: FloatArray, triangles: Any, origin: FloatArray, ray: FloatArray) -> bool:

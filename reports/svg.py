@@ -31,12 +31,12 @@ SERIES = [mark for name, (mark, _, _) in COLOURS.items() if name.startswith("ser
 
 
 def colour(name: str) -> str:
-    """The mark that stands for a colour of the page while a figure is drawn."""
+    """Mark that stands for a colour of the page while a figure is drawn."""
     return COLOURS[name][0]
 
 
 def colour_variables(dark: bool) -> str:
-    """The colours as declarations for a style sheet."""
+    """Colours as declarations for a style sheet."""
     return " ".join(f"--chart-{name}: {pair[1 + dark]};" for name, pair in COLOURS.items())
 
 
@@ -66,10 +66,8 @@ _STYLE = {
 }
 
 
-def draw(
-    plot: Callable[[Any], None], size: tuple[float, float], label: str, layout: str = "constrained"
-) -> str:
-    """An SVG element of what `plot` draws on the figure it is given; `size` in inches."""
+def draw(plot: Callable[[Any], None], size: tuple[float, float], label: str) -> str:
+    """SVG element of what `plot` draws on the figure it is given; `size` in inches."""
     import matplotlib.style
     from matplotlib.figure import Figure
 
@@ -77,17 +75,18 @@ def draw(
     with warnings.catch_warnings(), matplotlib.style.context(["default", _STYLE]):
         # The browser draws the letters, so what matplotlib's own font lacks is not missing.
         warnings.filterwarnings("ignore", message="Glyph .* missing from")
-        figure = Figure(figsize=size, layout=layout)
+        figure = Figure(figsize=size, layout="constrained")
         plot(figure)
         figure.savefig(out, format="svg", metadata={"Date": None})
     return _adapted(out.getvalue(), label)
 
 
 def _adapted(text: str, label: str) -> str:
-    """The bare element with the page's colours and font, and ids that no other chart has."""
+    """Bare element with the page's colours and font, and ids that no other chart has."""
     text = text[text.index("<svg") :]
     text = re.sub(r"\s*<metadata>.*?</metadata>", "", text, count=1, flags=re.DOTALL)
-    text = re.sub(r"font: ([^;\"]*?[\d.]+px) [^;\"]*", r"font: \1 var(--font, sans-serif)", text)
+    text = re.sub(r"(font: [^;\"]*?[\d.]+px) [^;\"]*", r"\1 var(--font, sans-serif)", text)
+    text = re.sub(r"font-family: [^;\"]*", "font-family: var(--font, sans-serif)", text)
     for name, (mark, light, _) in COLOURS.items():
         text = text.replace(mark, f"var(--chart-{name}, {light})")
     prefix = re.sub(r"[^a-z0-9]+", "-", clean(label).lower())[:40].strip("-")

@@ -1,4 +1,4 @@
-"""The verdict as text for a terminal or a pipe: one table, and what a reader must know beside it."""
+"""The verdict as text for a terminal or a pipe: one table, and what else a reader must know."""
 
 from pathlib import Path
 from shutil import get_terminal_size
@@ -9,15 +9,16 @@ from rich.text import Text
 from reports.verdict import Check, DesignResult, Status
 from reports.words import (
     assumptions,
-    bars_text,
     brief,
     broken_gates,
     check_titles,
     clean,
     gate_sentence,
+    need_text,
     number,
     safety_text,
     utilisation_text,
+    value_and_bars,
     verdict_sentence,
     where,
 )
@@ -34,25 +35,26 @@ _LONGEST_NAME = 18
 def verdict_text(
     result: DesignResult, width: int | None = None, report: str | Path | None = None
 ) -> str:
-    """The whole verdict as plain lines of at most `width` columns.
+    """Whole verdict as plain lines of at most `width` columns.
 
     Without a width that of the terminal is taken (COLUMNS counts), and 100 when piped. The check
     that decides carries a > in front. `report` is the path that the last line names.
     """
     width = max(60, width or get_terminal_size((100, 24)).columns)
     positions = ", ".join(
-        f"{brief(name, 24)} {len(cycle.get('position', ()))} positions"
+        f"{brief(name, 24)}: {len(cycle.get('position', ()))} positions"
         for name, cycle in result.cycles.items()
     )
-    lines = _labelled("", f"{brief(result.name, 60)}   {brief(result.file, 60)}   {positions}", width)
+    name = f"{brief(result.name, 60)} ({brief(result.file, 60)})"
+    lines = _labelled("", f"{name}, {positions}" if positions else name, width)
     for override in result.overrides:
         lines += _labelled("SET", brief(override, 200), width)
     for warning in result.warnings:
         lines += _labelled("WARNING", brief(warning, 400), width)
     if result.checks:
         lines += _table(result, width)
-    for gate in broken_gates(result):
-        text = f"{brief(gate_sentence(gate), 200)}; {brief(gate.meaning, 300)}"
+    for owner, gate in broken_gates(result):
+        text = f"{brief(owner, 40)}: {brief(gate_sentence(gate), 200)}; {brief(gate.meaning, 300)}"
         lines += _labelled("GATE BROKEN", text, width)
     if result.not_checked:
         text = ", ".join(brief(item, 80) for item in result.not_checked)
@@ -60,7 +62,8 @@ def verdict_text(
     assumed = assumptions(result)
     if assumed or result.defaults:
         items = "; ".join(f"{brief(key, 40)}: {brief(what, 120)}" for key, what in assumed)
-        defaults = f"({len(result.defaults)} values taken as default, listed in the report)"
+        count = len(result.defaults)
+        defaults = f"({count} default value{'s' if count > 1 else ''}, listed in the report)"
         text = f"{len(assumed)}: {items}" if assumed else "nothing beyond the defaults"
         lines += _labelled("ASSUMED", f"{text} {defaults if result.defaults else ''}", width)
     lines += _labelled("", verdict_sentence(result), width)
@@ -71,7 +74,7 @@ def verdict_text(
 def verdict_renderable(
     result: DesignResult, width: int | None = None, report: str | Path | None = None
 ) -> Text:
-    """The same lines as `verdict_text`, coloured, for a rich console."""
+    """Lines of `verdict_text`, coloured, for a rich console."""
     text = Text(verdict_text(result, width, report), no_wrap=True, end="")
     text.highlight_regex(r"\b(pass|PASS)\b", "bold green")
     text.highlight_regex(r"\bFAIL\b", "bold red")
@@ -81,14 +84,14 @@ def verdict_renderable(
 
 
 def _row(check: Check, title: str) -> list[str]:
-    numerical, model = bars_text(check)
+    value, numerical, model = value_and_bars(check)
     status = "pass" if check.status is Status.PASS else str(check.status)
     return [
         brief(check.part, _LONGEST_NAME),
-        brief(title, 24),
-        f"{number(check.value)} {numerical} {model} {brief(check.unit, 8)}",
+        brief(title, 40),
+        f"{value} {numerical} {model} {brief(check.unit, 8)}",
         number(check.limit),
-        f"{safety_text(check.safety)} ({number(check.required)})",
+        f"{safety_text(check.safety)} ({need_text(check.required)})",
         utilisation_text(check.utilisation),
         status,
         f"{brief(where(check), 120)}; {brief(check.method, 60)}",
@@ -99,11 +102,12 @@ def _table(result: DesignResult, width: int) -> list[str]:
     checks = result.checks
     rows = [_row(check, title) for check, title in zip(checks, check_titles(checks), strict=True)]
     widths = [max(cell_len(row[i]) for row in (*rows, _HEADINGS)) for i in range(len(_HEADINGS))]
-    # Whatever the last column cannot give is taken from the widest of the others, which then wrap.
+    # What the last column needs is taken from the others, which then wrap: names first.
     fixed = widths[:-1]
     gaps = 2 + len(fixed)
-    while sum(fixed) + gaps + _NARROWEST_LAST > width and max(fixed) > 8:
-        fixed[fixed.index(max(fixed))] -= 1
+    for column, least in ((1, 14), (0, 12), (2, 18), (1, 8), (0, 8), (4, 8)):
+        lack = sum(fixed) + gaps + _NARROWEST_LAST - width
+        fixed[column] -= max(0, min(lack, fixed[column] - least))
     widths = [*fixed, max(8, width - sum(fixed) - gaps)]
     lines = _table_row("  ", list(_HEADINGS), widths)
     for check, row in zip(checks, rows, strict=True):
@@ -125,7 +129,7 @@ def _table_row(mark: str, cells: list[str], widths: list[int]) -> list[str]:
 
 
 def _labelled(label: str, text: str, width: int) -> list[str]:
-    """A paragraph behind its label, continuation lines under the first."""
+    """Paragraph behind its label, continuation lines under the first."""
     indent = max(9, len(label) + 2) if label else 0
     first, *rest = wrap(clean(text), width - indent)
     return [(label.ljust(indent) + first).rstrip(), *(" " * (indent or 2) + line for line in rest)]
@@ -157,4 +161,3 @@ def _footer(result: DesignResult, report: str | Path | None, width: int) -> list
         # Never wrapped or shortened: a path is there to be copied.
         lines.append(f"report: {clean(report)}")
     return lines
-

@@ -41,7 +41,7 @@ def brief(text: object, length: int = 60) -> str:
 
 
 def number(value: object, digits: int = 3, rounding: str = ROUND_HALF_EVEN) -> str:
-    """A number to so many significant digits, without an exponent where it stays readable.
+    """Write a number to so many significant digits, without an exponent where it stays readable.
 
     >>> [number(value) for value in (141.34, 0.012345, 1.1e7, 0)]
     ['141', '0.0123', '1.1e+07', '0']
@@ -59,39 +59,51 @@ def number(value: object, digits: int = 3, rounding: str = ROUND_HALF_EVEN) -> s
 
 
 def safety_text(safety: float) -> str:
-    """A safety to three digits, rounded down so that it never looks better than it is."""
+    """Safety to three digits, rounded down so that it never looks better than it is."""
     return number(safety, 3, ROUND_FLOOR)
 
 
 def utilisation_text(utilisation: float) -> str:
-    """A utilisation to two decimals, rounded up so that it never looks better than it is."""
+    """Utilisation to two decimals, rounded up so that it never looks better than it is."""
     if not isfinite(utilisation):
         return number(utilisation)
     return str(Decimal(repr(utilisation)).quantize(Decimal("0.01"), ROUND_CEILING))
 
 
-def bar_text(bar: float, value: float, unknown: str = "singular") -> str:
-    """Half an error bar with its sign, to the decimals of its value, or why it is infinite."""
-    if not isfinite(bar):
-        return f"±∞ ({unknown})"
-    written = number(value)
-    if "e" in written or bar == 0:
-        return f"±{number(bar, 2)}"
-    decimals = len(written.partition(".")[2])
-    rounded = f"{bar:.{decimals}f}"
-    return f"±{rounded}" if float(rounded) else f"±{number(bar, 1)}"
+def need_text(required: float) -> str:
+    """Write a required safety as people do, without zeros at the end."""
+    return f"{required:g}"
 
 
-def bars_text(check: Check) -> tuple[str, str]:
-    """The numerical and the model bar of a check."""
+def value_and_bars(check: Check) -> tuple[str, str, str]:
+    """Value with its numerical and model bar, to the decimals that the smaller bar deserves."""
+    bars = check.numerical, check.model
+    written = number(check.value)
+    if "e" in written:
+        decimals = None
+    else:
+        decimals = len(written.partition(".")[2])
+        least = min((bar for bar in bars if bar and isfinite(bar)), default=0.0)
+        while decimals and least >= 10.0 ** (1 - decimals):
+            decimals -= 1
+        written = f"{check.value:.{decimals}f}"
     return (
-        bar_text(check.numerical, check.value, "singular"),
-        bar_text(check.model, check.value, "unknown"),
+        written,
+        _bar(check.numerical, decimals, "singular"),
+        _bar(check.model, decimals, "unknown"),
     )
 
 
+def _bar(bar: float, decimals: int | None, unknown: str) -> str:
+    """Half an error bar with its sign, or why it is infinite; never 0 unless it is."""
+    if not isfinite(bar):
+        return f"±∞ ({unknown})"
+    rounded = f"{bar:.{decimals}f}" if decimals is not None else number(bar, 2)
+    return f"±{rounded if float(rounded) or not bar else number(bar, 1)}" if bar else "±0"
+
+
 def check_titles(checks: Sequence[Check]) -> list[str]:
-    """What each check is called: its kind, with the quantity where a part has two of the kind."""
+    """Names of the checks: each its kind, with the quantity where a part has two of the kind."""
     seen = [(check.part, check.kind) for check in checks]
     return [
         f"{check.kind} ({check.quantity})" if seen.count(pair) > 1 else check.kind
@@ -104,9 +116,11 @@ def where(check: Check) -> str:
     return ", ".join(text for text in (check.place, check.cycle, check.position) if text)
 
 
-def broken_gates(result: DesignResult) -> list[Gate]:
-    """The gates that do not hold, in order."""
-    return [gate for gate in result.all_gates if not gate.holds]
+def broken_gates(result: DesignResult) -> list[tuple[str, Gate]]:
+    """Gates that do not hold, each with the part that it belongs to, or "loads"."""
+    owned = [("loads", gate) for gate in result.gates]
+    owned += [(part.name, gate) for part in result.parts for gate in part.gates]
+    return [(owner, gate) for owner, gate in owned if not gate.holds]
 
 
 def assumptions(result: DesignResult) -> list[tuple[str, str]]:
@@ -116,7 +130,7 @@ def assumptions(result: DesignResult) -> list[tuple[str, str]]:
 
 
 def gate_sentence(gate: Gate) -> str:
-    """What a gate measured, and what it had to stay below."""
+    """Tell what a gate measured, and what it had to stay below."""
     sign = "≤" if gate.holds else "is not a number, limit" if isnan(gate.value) else ">"
     return f"{gate.name}: {number(gate.value)} {sign} {number(gate.limit)}"
 
@@ -126,7 +140,7 @@ def reason(check: Check) -> str:
     bar = check.numerical + check.model
     least = safety_text(check.limit / (check.value + bar)) if check.value + bar else "∞"
     most = safety_text(check.limit / (check.value - bar)) if check.value > bar else "∞"
-    has = f"safety {safety_text(check.safety)}, needs {number(check.required)}"
+    has = f"safety {safety_text(check.safety)}, needs {need_text(check.required)}"
     if check.status is Status.PASS:
         return f"{has}; {least} at the upper end of its error bars"
     if check.status is Status.FAIL:
@@ -144,7 +158,7 @@ def reason(check: Check) -> str:
 
 
 def verdict_sentence(result: DesignResult) -> str:
-    """The verdict, what decides it, and why."""
+    """Verdict, what decides it, and why."""
     status = str(result.status).upper()
     if not result.checks:
         return f"{status}: nothing was checked"
@@ -154,8 +168,9 @@ def verdict_sentence(result: DesignResult) -> str:
     decided = f"decided by {brief(deciding.part, 40)} {brief(title, 40)}, {reason(deciding)}"
     broken = broken_gates(result)
     if result.status is Status.UNDECIDED and deciding.status is Status.PASS:
-        names = ", ".join(brief(gate.name, 40) for gate in broken)
-        return f"{status}: every check passes, but these gates do not hold: {names}; {decided}"
+        nearest = decided.replace("decided by", "nearest to its limit is", 1)
+        names = ", ".join(f"{brief(owner, 40)} {brief(gate.name, 40)}" for owner, gate in broken)
+        return f"{status}: every check passes, but these gates do not hold: {names}; {nearest}"
     count = len(assumptions(result))
     under = f" (under {count} assumption{'s' if count > 1 else ''})" if count else ""
     doubt = " (gates are broken, too)" if broken else ""

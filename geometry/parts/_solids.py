@@ -3,8 +3,10 @@
 from typing import Any
 
 
-def square_tube(gmsh: Any, start: float, stop: float, width: float, wall: float, radius: float) -> int:
-    """Tag of a square tube along x from `start` to `stop`, inner corners rounded by `radius`, mm."""
+def square_tube(
+    gmsh: Any, start: float, stop: float, width: float, wall: float, radius: float
+) -> int:
+    """Tag of a square tube along x from `start` to `stop`; `radius` rounds its inside, mm."""
     occ = gmsh.model.occ
     outer = occ.addBox(start, -width / 2, -width / 2, stop - start, width, width)
     inner = width - 2 * wall

@@ -43,7 +43,7 @@ class PrismaticTube:
         places = {"start": 0.0, "end": self.length}
         ends = {
             name: faces_where(
-                gmsh, lambda box, _, x=x: np.allclose(box[[0, 3]], x, atol=1e-4 * self.width)
+                gmsh, lambda box, _, x=x: bool(np.allclose(box[[0, 3]], x, atol=1e-4 * self.width))
             )
             for name, x in places.items()
         }
@@ -52,6 +52,6 @@ class PrismaticTube:
             interfaces=[
                 Interface(name, "face", np.array([x, 0.0, 0.0])) for name, x in places.items()
             ],
-            size=1.5 * self.wall,
+            size=max(1.5 * self.wall, min(3 * self.wall, self.width / 6)),
             regions=[],
         )

@@ -1,4 +1,4 @@
-"""A toggle bar: square tube with a bolt hole through both cheeks at each end, folded open at the knee."""
+"""A toggle bar: square tube with a hole through both cheeks at each end, cut open at the knee."""
 
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -132,7 +132,7 @@ class ToggleBar:
         occ.rotate([(2, profile)], 0, 0, 0, 1, 0, 0, np.pi / 2)
         occ.translate([(2, profile)], 0, self.width, 0)
         extruded = occ.extrude([(2, profile)], 0, -2 * self.width, 0)
-        return next(entity for entity in extruded if entity[0] == 3)
+        return 3, next(int(tag) for dimension, tag in extruded if dimension == 3)
 
     def _named(self, gmsh: Any) -> Body:
         radius = self.hole / 2

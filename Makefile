@@ -1,0 +1,45 @@
+# make demo   sets everything up and checks the toggle press
+# make test   sets everything up and runs the tests
+# make lint   types, style and the direction of imports
+# make bench  runs the benchmarks, writes bench/results.json
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/ready
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+
+.PHONY: demo test slow lint bench setup clean
+.DEFAULT_GOAL := demo
+
+setup: $(READY)
+
+$(READY): pyproject.toml requirements.txt tools/system_libraries.sh
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "ballesta: needs Python 3.11 or newer, $(PYTHON) is older" >&2; exit 2; }
+	@tools/system_libraries.sh $(PYTHON)
+	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	@$(BIN)/python -m pip install --quiet --requirement requirements.txt
+	@$(BIN)/python -m pip install --quiet --no-deps --editable .
+	@touch $(READY)
+
+# The demo judges nothing: the press' own verdict (exit code 1 for FAIL or UNDECIDED) is its result.
+demo: $(READY)
+	@$(BIN)/ballesta check designs/toggle_press.toml --out out || test $$? -eq 1
+	@echo "report: out/toggle_press/report.html"
+
+test: $(READY)
+	@$(BIN)/python -m pytest -m "not slow"
+
+slow: $(READY)
+	@$(BIN)/python -m pytest -m slow
+
+lint: $(READY)
+	@$(BIN)/ruff check .
+	@$(BIN)/ruff format --check .
+	@$(BIN)/mypy
+	@$(BIN)/lint-imports
+
+bench: $(READY)
+	@$(BIN)/python bench/run.py
+
+clean:
+	rm -rf $(VENV) out build *.egg-info .mypy_cache .ruff_cache .pytest_cache

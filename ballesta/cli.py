@@ -1,0 +1,106 @@
+"""The command line: it only translates; everything it does is a Python function too.
+
+Nothing heavy is imported before a command runs, so that help and completion answer at once.
+"""
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+app = typer.Typer(
+    name="ballesta",
+    help="Finite-element structural and fatigue checks of machine parts under the loads of their "
+    "mechanism's cycle.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+
+Designs = Annotated[list[Path], typer.Argument(metavar="DESIGN...", help="design files (TOML)")]
+OneDesign = Annotated[Path, typer.Argument(metavar="DESIGN", help="a design file (TOML)")]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="override a value, e.g. parts.bar.wall=5mm"),
+]
+
+
+@app.command()
+def check(
+    designs: Designs,
+    out: Annotated[Path, typer.Option("--out", help="folder for reports")] = Path("out"),
+    json: Annotated[bool, typer.Option("--json", help="print the results as a JSON list")] = False,
+    overrides: Overrides = None,
+    baseline: Annotated[
+        bool,
+        typer.Option("--write-baseline", help="write NAME.baseline.json beside each design"),
+    ] = False,
+) -> None:
+    """Check designs and write report.html, result.json and a .vtu file per part.
+
+    Exit code 0: every part passes; 1: a part fails or stays undecided; 2: an input is wrong;
+    3: the numerics gave up. Of several designs the highest counts.
+    """
+    from ballesta.run import check_all
+
+    raise typer.Exit(
+        check_all(designs, out=out, as_json=json, overrides=overrides or [], baseline=baseline)
+    )
+
+
+@app.command()
+def plan(design: OneDesign, overrides: Overrides = None) -> None:
+    """Say what a check would model, without solving: parts, loads, unknowns, time and memory."""
+    from ballesta.plan import plan_text
+    from ballesta.run import guarded
+
+    raise typer.Exit(guarded(lambda: print(plan_text(design, overrides or []))))
+
+
+@app.command()
+def new(
+    template: Annotated[str, typer.Argument(help="name of the machine to start from")] = "",
+    file: Annotated[
+        Path | None, typer.Option("--file", help="write to this new file instead of printing")
+    ] = None,
+) -> None:
+    """Print a commented design file to start from; without a name, list the templates."""
+    from ballesta.run import write_new
+
+    raise typer.Exit(write_new(template, file))
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON schema of design files, for editors."""
+    import json as json_module
+
+    from ballesta.design_schema import design_schema
+
+    print(json_module.dumps(design_schema(), indent=2))
+
+
+@app.command()
+def version() -> None:
+    """Print the version."""
+    from importlib.metadata import version as installed
+
+    print(installed("ballesta"))
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit code when called from Python with arguments."""
+    try:
+        app(args=None if argv is None else list(argv), standalone_mode=True)
+    except SystemExit as stop:
+        if argv is None:
+            raise
+        return int(stop.code or 0)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

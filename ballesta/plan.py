@@ -1,0 +1,117 @@
+"""What a check would model, before it is paid for."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import loads
+from ballesta.check import part_masses, solve_cycles
+from ballesta.design import read_design
+from ballesta.design_data import Design, Part
+from ballesta.errors import DesignError, NumericsError
+from ballesta.levels import Models
+from ballesta.part_loads import loads_on
+from ballesta.sketch import joints_in_words, sketch
+from ballesta.solid import LEVELS
+from geometry.mesh import MeshError
+
+# Measured on a machine with 2 cores (bench/results.json): 137 628 unknowns with 20 unit loads take
+# 8 s and 1.3 GiB; both grow somewhat faster than the unknowns do.
+_UNKNOWNS, _SECONDS, _GIBIBYTES = 137_628, 8.0, 1.3
+_TIME_EXPONENT, _MEMORY_EXPONENT = 1.3, 1.2
+
+
+@dataclass(frozen=True)
+class PlannedPart:
+    """One part as it would be modelled; forces in N by interface, time in s, memory in GiB."""
+
+    part: Part
+    unknowns: tuple[int, ...]
+    forces: dict[str, float]
+    seconds: float
+    gibibytes: float
+
+
+def plan(design: Design) -> list[PlannedPart]:
+    """Mesh the parts and solve the loads of a design, but no stresses.
+
+    Raises DesignError and NumericsError as a check does.
+    """
+    models = Models()
+    try:
+        solved = solve_cycles(design, part_masses(design, models))
+        planned = []
+        seen = set()
+        for part in design.parts.values():
+            meshes = [
+                models.mesh(part.geometry, fineness * part.fineness) for fineness in LEVELS[:2]
+            ]
+            unknowns = tuple(3 * len(mesh.nodes) for mesh in meshes)
+            part_loads = loads_on(design, part, solved)
+            shared = (part.geometry, part.material, part.fineness) in seen
+            seen.add((part.geometry, part.material, part.fineness))
+            seconds = 0.0 if shared else sum(map(solve_seconds, unknowns))
+            planned.append(
+                PlannedPart(
+                    part,
+                    unknowns,
+                    {name: float(part_loads.resultant(name).max()) for name in part_loads.wrenches},
+                    seconds,
+                    max(map(solve_gibibytes, unknowns)),
+                )
+            )
+    except loads.LinkageError as error:
+        raise DesignError(design.file, "linkage", str(error)) from error
+    except MeshError as error:
+        raise NumericsError(
+            str(error), str(design.file), "check the part's dimensions, or change mesh.fineness"
+        ) from error
+    return planned
+
+
+def solve_seconds(unknowns: int) -> float:
+    """Estimated time to solve a part's unit loads, s."""
+    return _SECONDS * (unknowns / _UNKNOWNS) ** _TIME_EXPONENT
+
+
+def solve_gibibytes(unknowns: int) -> float:
+    """Estimated memory to solve a part's unit loads, GiB."""
+    return float(_GIBIBYTES * (unknowns / _UNKNOWNS) ** _MEMORY_EXPONENT)
+
+
+def plan_text(path: str | Path, overrides: Sequence[str] = ()) -> str:
+    """Return the plan of a design file in words."""
+    design = read_design(path, overrides)
+    lines = [f"{design.name} ({path})", "", sketch(design), ""]
+    lines += ["joints", *(f"  {line}" for line in joints_in_words(design.joints))]
+    lines += [f"  guide of {body.name}" for body in design.bodies.values() if body.guide]
+    lines += ["cycles"]
+    for cycle in design.cycles.values():
+        duty = design.duty.cycles.get(cycle.name)
+        counted = f"{duty:.3g} times in its life" if duty else "not in the duty: yield, buckling"
+        phases = ", ".join(f"{p.name} (solves {p.solve})" for p in cycle.phases)
+        lines.append(
+            f"  {cycle.name}: {cycle.positions} positions of {cycle.coordinate}; {counted}"
+        )
+        lines.append(f"    phases {phases}")
+    lines += ["parts"]
+    planned = plan(design)
+    for entry in planned:
+        part = entry.part
+        unknowns = " and ".join(f"{count:,}".replace(",", " ") for count in entry.unknowns)
+        cost = f"about {entry.seconds:.0f} s" if entry.seconds else "solved with its like"
+        lines.append(
+            f"  {part.name}: {part.shape}, {part.material.name}, solid on two meshes of {unknowns} "
+            f"unknowns, {cost}, {entry.gibibytes:.1f} GiB"
+        )
+        for name, point in part.interfaces.items():
+            lines.append(
+                f"    {name} at {point}: up to {entry.forces[name] / 1e3:.4g} kN over the cycles"
+            )
+    seconds = sum(entry.seconds for entry in planned)
+    peak = max((entry.gibibytes for entry in planned), default=0.0)
+    lines += [
+        f"in all about {2 * seconds + 10:.0f} s (half of it solving) and {peak:.1f} GiB; a third, "
+        "finer mesh is taken where two leave a check undecided",
+    ]
+    return "\n".join(lines)

@@ -1,0 +1,173 @@
+"""Running checks for people: files out, progress, one bad file costing that file alone."""
+
+import json
+import sys
+import traceback
+from collections.abc import Callable, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from ballesta.errors import DesignError, NumericsError
+
+Say = Callable[[str], None]
+
+WRONG_INPUT, GAVE_UP = 2, 3
+
+
+def check_all(
+    designs: Sequence[Path],
+    *,
+    out: Path,
+    as_json: bool = False,
+    overrides: Sequence[str] = (),
+    baseline: bool = False,
+) -> int:
+    """Check designs one after the other and write their results; returns the exit code.
+
+    Verdicts go to standard output, progress and errors to standard error.
+    """
+    folders = output_folders(designs, out)
+    codes, results = [], []
+    for path, folder in zip(designs, folders, strict=True):
+
+        def one(path: Path = path, folder: Path = folder) -> int:
+            result = check_to_folder(path, folder, overrides, baseline=baseline)
+            results.append(result.to_dict() | {"report": str(folder / "report.html")})
+            if not as_json:
+                from reports.terminal import verdict_text
+
+                print(verdict_text(result, None, report=folder / "report.html"), flush=True)
+            return result.exit_code
+
+        codes.append(guarded(one))
+    if as_json:
+        print(json.dumps(results, indent=1, allow_nan=False))
+    return max(codes, default=0)
+
+
+def check_to_folder(
+    path: Path, folder: Path, overrides: Sequence[str] = (), *, baseline: bool = False
+) -> Any:
+    """Check one design and write its folder: report.html, result.json, <part>.vtu.
+
+    Raises DesignError (also for a folder that cannot be written) and NumericsError.
+    """
+    from ballesta.check import check_design
+    from ballesta.design import read_design
+    from reports.files import write_json, write_vtu
+    from reports.page import write_report
+    from reports.pictures import render_stills
+
+    start = perf_counter()
+    design = read_design(path, overrides)
+    reading = perf_counter() - start
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise DesignError(folder, "--out", f"cannot be written: {error.strerror}") from error
+    with progress(path, len(design.parts)) as say:
+        result = check_design(design, say=say, reading=reading)
+        start = perf_counter()
+        say("writing the report")
+        pictures = render_stills(result.parts)
+        try:
+            for part in result.parts:
+                write_vtu(part, folder / f"{part.name}.vtu")
+            write_report(result, pictures, folder / "report.html")
+            write_json(result, folder / "result.json")
+            if baseline:
+                from ballesta.baseline import write_baseline
+
+                say(f"baseline written to {write_baseline(result)}")
+        except OSError as error:
+            raise DesignError(folder, "--out", f"cannot be written: {error.strerror}") from error
+        say(f"report written in {perf_counter() - start:.1f} s")
+    return result
+
+
+def output_folders(designs: Sequence[Path], out: Path) -> list[Path]:
+    """One folder per design, named after its file; designs of one name get their folder's too."""
+    stems = [path.stem for path in designs]
+    folders: list[Path] = []
+    for path, stem in zip(designs, stems, strict=True):
+        name = stem if stems.count(stem) == 1 else f"{path.resolve().parent.name}_{stem}"
+        number, folder = 2, out / name
+        while folder in folders:
+            folder, number = out / f"{name}_{number}", number + 1
+        folders.append(folder)
+    return folders
+
+
+def guarded(work: Callable[[], int | None]) -> int:
+    """Run some work; turn the errors a person can act on into a line and an exit code."""
+    try:
+        return work() or 0
+    except DesignError as error:
+        print(f"ballesta: {error}", file=sys.stderr)
+        return WRONG_INPUT
+    except NumericsError as error:
+        print(f"ballesta: {error}", file=sys.stderr)
+        return GAVE_UP
+    except BrokenPipeError:
+        raise
+    except Exception:  # a bug of ours must not cost the other designs of a run
+        traceback.print_exc()
+        print("ballesta: an internal error, not your design's fault", file=sys.stderr)
+        return GAVE_UP
+
+
+@contextmanager
+def progress(path: Path, n_parts: int) -> Any:
+    """Yield a function that tells a step: a bar on a terminal, a line each otherwise."""
+    name = path.stem
+    start = perf_counter()
+    if not sys.stderr.isatty():
+
+        def line(text: str) -> None:
+            print(f"{name} {perf_counter() - start:6.1f} s  {text}", file=sys.stderr, flush=True)
+
+        yield line
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (
+        TextColumn(name),
+        BarColumn(),
+        TimeElapsedColumn(),
+        TextColumn("{task.fields[step]}"),
+    )
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        steps = 3 + 4 * n_parts  # each part is meshed, then solved on two meshes; loads; report
+        task = bar.add_task(name, total=steps, step="")
+
+        def advance(text: str) -> None:
+            bar.update(task, advance=1, step=text[:60])
+
+        yield advance
+
+
+def write_new(template: str, file: Path | None) -> int:
+    """Print a template or write it to a file that does not exist yet; returns the exit code."""
+    from ballesta.templates import new_design, templates
+
+    if not template:
+        print("\n".join(name.replace("_", "-") for name in templates()))
+        return 0
+
+    def write() -> int:
+        text = new_design(template.replace("-", "_"))
+        if file is None:
+            print(text, end="")
+            return 0
+        try:
+            with file.open("x", encoding="utf-8") as stream:
+                stream.write(text)
+        except OSError as error:
+            raise DesignError(file, "--file", f"cannot be written: {error.strerror}") from error
+        print(f"{file} written; check it with: ballesta check {file}")
+        return 0
+
+    return guarded(write)

@@ -1,0 +1,120 @@
+import sys
+from dataclasses import replace
+from io import BytesIO
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from reports import report_html
+from reports.pictures import render_stills, stress_field
+from reports.pictures_worker import SIZE, view_of
+
+from . import results
+
+
+def worker(code):
+    return (sys.executable, "-c", code)
+
+
+@pytest.fixture(scope="module")
+def drawn():
+    return render_stills(results.mixed().parts)
+
+
+def test_every_part_is_drawn_in_both_views(drawn):
+    assert drawn.reason == ""
+    assert {name: set(views) for name, views in drawn.images.items()} == {
+        "bar_upper": {"whole", "peak"},
+        "pin_B": {"whole", "peak"},
+    }
+    for views in drawn.images.values():
+        for image in views.values():
+            assert Image.open(BytesIO(image)).size == SIZE
+            assert len(image) < 400_000
+
+
+def test_a_still_shows_the_part_its_colours_and_the_marker_on_white(drawn):
+    pixels = np.asarray(Image.open(BytesIO(drawn.images["bar_upper"]["whole"])).convert("RGB"))
+    assert (pixels[-1, 0] == 255).all()
+    assert 0.1 < (pixels.min(axis=2) < 200).mean() < 0.9
+    red, green, blue = pixels.astype(int).transpose(2, 0, 1)
+    marker = (red > 150) & (green < 90) & (blue < 160) & (red > blue + 40)
+    assert 40 < marker.sum() < 2000
+    rows, columns = np.nonzero(marker)
+    # The peak of the box is its front corner: right of the middle of the scene, inside it.
+    assert 0.4 * SIZE[0] < columns.mean() < 0.83 * SIZE[0]
+    assert 0.3 * SIZE[1] < rows.mean() < 0.7 * SIZE[1]
+
+
+def test_hostile_names_are_drawn():
+    hostile = results.hostile()
+    pictures = render_stills(hostile.parts[:1])
+    assert pictures.reason == ""
+    assert len(pictures.images[results.HOSTILE]) == 2
+
+
+@pytest.mark.parametrize(
+    ("code", "words"),
+    [
+        ("import os; os._exit(139)", "exit code 139, signal SIGSEGV"),
+        ("import os, signal; os.kill(os.getpid(), signal.SIGKILL)", "exit code -9, signal SIGKILL"),
+        ("raise ImportError('libGL.so.1: cannot open')", "it said: ImportError: libGL.so.1"),
+        ("raise SystemExit(3)", "exit code 3"),
+        ("", "left pictures out"),
+    ],
+)
+def test_a_worker_that_dies_is_a_reason_with_its_cure(code, words):
+    pictures = render_stills(results.mixed().parts, worker=worker(code))
+    assert words in pictures.reason
+    assert "4 of 4 pictures are missing" in pictures.reason
+    assert "apt-get install libgl1 libegl1" in pictures.reason
+    assert "pictures are missing" in report_html(results.mixed(), pictures)
+
+
+def test_what_was_drawn_before_the_end_is_kept():
+    code = "import sys, os; open(sys.argv[1] + '/part_0_whole.png', 'wb').write(b'png'); os.abort()"
+    pictures = render_stills(results.mixed().parts, worker=worker(code))
+    assert pictures.images == {"bar_upper": {"whole": b"png"}, "pin_B": {}}
+    assert "3 of 4 pictures are missing: the worker ended with exit code -6" in pictures.reason
+
+
+def test_a_worker_that_hangs_is_stopped():
+    pictures = render_stills(
+        results.mixed().parts, timeout=0.5, worker=worker("import time; time.sleep(60)")
+    )
+    assert "drawing took longer than 0.5 s and was stopped" in pictures.reason
+
+
+def test_a_worker_that_is_not_there_is_a_reason():
+    assert "did not start" in render_stills(results.mixed().parts, worker=["/no/such"]).reason
+
+
+def test_no_parts_need_no_worker():
+    pictures = render_stills([], worker=["/no/such"])
+    assert (pictures.images, pictures.reason) == ({}, "")
+
+
+def test_the_stress_is_drawn_and_not_another_field():
+    surface = results.box()
+    fields = {"displacement x": surface.nodes[:, 0], **surface.fields}
+    assert stress_field(replace(surface, fields=fields)) == "von Mises [MPa]"
+    with pytest.raises(ValueError, match="without fields"):
+        stress_field(replace(surface, fields={}))
+
+
+def test_the_camera_avoids_the_opposite_wall_of_a_bore():
+    """A ring wall seen from inside: straight along the normal the other wall is in the way."""
+    angles, heights = np.linspace(0, 2 * np.pi, 25)[:-1], np.linspace(-5, 5, 5)
+    nodes = np.array([[10 * np.cos(a), 10 * np.sin(a), h] for h in heights for a in angles])
+    index = np.arange(len(nodes)).reshape(5, 24)
+    right = np.roll(index, -1, axis=1)
+    a, b, c, d = (x.ravel() for x in (index[:-1], right[:-1], right[1:], index[1:]))
+    inwards = np.concatenate([np.column_stack([a, c, b]), np.column_stack([a, d, c])])
+    peak = 2 * 24  # at (10, 0, 0), where inwards is -x
+    direction = view_of(nodes, inwards, peak)
+    assert direction[0] < -0.1
+    # It must leave through an open end: past the rim (height 5) before the far wall (20 away).
+    assert abs(direction[2]) / abs(direction[0]) > 5 / 20
+    outwards = view_of(nodes, inwards[:, ::-1], peak)
+    assert outwards[0] > 0.8
