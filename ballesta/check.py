@@ -3,6 +3,7 @@
 import platform
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 from time import perf_counter
@@ -77,6 +78,8 @@ def check_design(
     for part in design.parts.values():
         say(f"{part.name}: solving")
         results.append(_check_part(design, part, solved, models, say))
+        later = list(design.parts.values())[len(results) :]
+        models.keep_only({other.geometry for other in later})
     spent = sum(models.seconds.values()) - before
     timings |= models.seconds
     timings["cycle, fatigue, buckling"] = perf_counter() - start - spent
@@ -90,10 +93,7 @@ def check_design(
         gates=_load_gates(solved),
         warnings=[*claim_warnings(design, results), *design_warnings(design, masses, solved)],
         not_checked=NOT_CHECKED,
-        assumed=[
-            *design.assumed,
-            *((part.name, text) for part in results for text in part.assumed),
-        ],
+        assumed=design.assumed,
         defaults=design.defaults_used,
         inputs=_inputs(design),
         source=design.source,
@@ -156,8 +156,6 @@ def _check_part(
     bushes = bush_checks(design, part, part_loads)
     if not bushes:
         return result
-    from dataclasses import replace
-
     return replace(result, checks=[*result.checks, *bushes])
 
 

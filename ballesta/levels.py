@@ -1,6 +1,6 @@
 """A part solved on one mesh: its stress history, peaks and fatigue, over all cycles of a design."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from dataclasses import dataclass
 from time import perf_counter
 
@@ -42,6 +42,11 @@ class Models:
             _ = self._solutions[key].basis
             self.seconds["solve"] += perf_counter() - start
         return self._solutions[key]
+
+    def keep_only(self, shapes: Set[Buildable]) -> None:
+        """Let go of the meshes and factors of all other shapes: a factor takes up to a GiB."""
+        self._meshes = {key: mesh for key, mesh in self._meshes.items() if key[0] in shapes}
+        self._solutions = {key: done for key, done in self._solutions.items() if key[0] in shapes}
 
 
 @dataclass(frozen=True)

@@ -62,7 +62,14 @@ def factorize(upper: sp.csr_array) -> Factor:
     except ImportError:
         from scipy.sparse.linalg import splu
 
-        lu = splu(whole.tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+        lu = splu(
+            whole.tocsc(),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,  # pivots stay on the diagonal, so their signs are the matrix's
+            options={"SymmetricMode": True},
+        )
+        if not np.array_equal(lu.perm_r, lu.perm_c) or not lu.U.diagonal().min() > 0:
+            raise SolverError("the stiffness matrix is not positive definite") from None
         return Factor("SuperLU (scikit-sparse is not installed: slow)", whole, lu.solve)
     try:
         cholesky = cholmod.cholesky(sp.csc_matrix(upper.T), mode="supernodal")

@@ -180,7 +180,7 @@ def _nodal(elements: Elements, surface: FacetQuadrature, traction: Traction) -> 
 
 
 def _radial(points: FloatArray, interface: Interface) -> tuple[FloatArray, FloatArray]:
-    """Unit vector away from the interface's axis (exact, not the facets'), and its angle."""
+    """Return the unit vector away from the interface's exact axis, and its angle."""
     arm = points - interface.centre
     angle = np.arctan2(arm[..., 1], arm[..., 0])
     return np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], axis=-1), angle

@@ -133,7 +133,7 @@ class UnitSolutions:
         first = coefficients.shape[0] - len(ACCELERATIONS)
         added = -np.linalg.solve(balance[:, first : first + 3], balance @ coefficients)
         coefficients[first : first + 3] += added
-        return coefficients, added.T
+        return coefficients, np.asarray(added.T, dtype=np.float64)
 
     def reactions(self, coefficients: FloatArray) -> FloatArray:
         """Support reactions (6, n) at the held unknowns, N."""

@@ -31,6 +31,8 @@ _OPTIONS = {
     "Geometry.Tolerance": 1e-8,
 }
 
+# What high-order optimisation says where it could not mend an element.
+_STAYED_BAD = ("Failed to reach critical value", "Optimization failed")
 _FROM_GMSH_TO_VTK = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
 
 
@@ -106,12 +108,33 @@ def mesh_shape(shape: Buildable, *, fineness: float = 1.0) -> Mesh:
         try:
             body = shape.build(gmsh)
             _set_sizes(gmsh, body, fineness)
-            gmsh.model.mesh.generate(3)
+            _generate(gmsh)
         except MeshError:
             raise
         except Exception as error:  # gmsh raises bare Exception only
             raise MeshError(f"gmsh could not mesh the part: {error}") from error
         return _read_mesh(gmsh, body)
+
+
+def _generate(gmsh: Any) -> None:
+    """Mesh the body in gmsh's model; raises MeshError with gmsh's own words.
+
+    An error while gmsh straightens curved elements is thrown where no one can catch it and ends
+    the process. So gmsh must not throw here: its messages are read instead. Elements that stayed
+    bad are no error of theirs: Mesh refuses folded ones.
+    """
+    gmsh.logger.start()
+    gmsh.option.setNumber("General.AbortOnError", 0)
+    try:
+        gmsh.model.mesh.generate(3)
+        messages = gmsh.logger.get()
+    finally:
+        gmsh.option.setNumber("General.AbortOnError", 2)
+        gmsh.logger.stop()
+    errors = [m.removeprefix("Error: ") for m in messages if m.startswith("Error")]
+    errors = [m for m in errors if not m.startswith(_STAYED_BAD)]
+    if errors:
+        raise MeshError(f"gmsh could not mesh the part: {'; '.join(errors[:3])}")
 
 
 def faces_where(gmsh: Any, test: Callable[[Any, str], bool]) -> list[int]:

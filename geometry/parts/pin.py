@@ -1,5 +1,6 @@
 """A pin in its stack of lugs, stepped where a lug has a smaller bore."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, ClassVar
@@ -133,16 +134,10 @@ class Pin:
         return outline
 
     def _named(self, gmsh: Any) -> Body:
-        tolerance = 1e-4 * self.diameter
         radius = self.diameter / 2
         faces: dict[str, list[int]] = {seat.name: [] for seat in self.seats}
         for seat, lower, upper in self.seated():
-            faces[seat.name] += faces_where(
-                gmsh,
-                lambda box, kind, z=(lower, upper): (
-                    kind == "Cylinder" and np.allclose(box[[2, 5]], z, rtol=0, atol=tolerance)
-                ),
-            )
+            faces[seat.name] += faces_where(gmsh, self._between(lower, upper))
         necks = [
             (2, tag)
             for seat in self.seats
@@ -169,4 +164,11 @@ class Pin:
                 Region([(2, tag) for tags in faces.values() for tag in tags], radius / 4, radius),
                 *([Region(steps, fine, radius / 2)] if steps else []),
             ],
+        )
+
+    def _between(self, lower: float, upper: float) -> Callable[[Any, str], bool]:
+        """Test of a face's bounding box and type: a cylinder that reaches from lower to upper z."""
+        return lambda box, kind: (
+            kind == "Cylinder"
+            and bool(np.allclose(box[[2, 5]], (lower, upper), rtol=0, atol=1e-4 * self.diameter))
         )

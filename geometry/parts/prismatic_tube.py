@@ -1,5 +1,6 @@
 """A plain square tube between two pins, loaded on its end faces."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -41,12 +42,7 @@ class PrismaticTube:
         square_tube(gmsh, 0.0, self.length, self.width, self.wall, self.inner_radius)
         gmsh.model.occ.synchronize()
         places = {"start": 0.0, "end": self.length}
-        ends = {
-            name: faces_where(
-                gmsh, lambda box, _, x=x: bool(np.allclose(box[[0, 3]], x, atol=1e-4 * self.width))
-            )
-            for name, x in places.items()
-        }
+        ends = {name: faces_where(gmsh, self._at(x)) for name, x in places.items()}
         return Body(
             surfaces=ends,
             interfaces=[
@@ -55,3 +51,7 @@ class PrismaticTube:
             size=max(1.5 * self.wall, min(3 * self.wall, self.width / 6)),
             regions=[],
         )
+
+    def _at(self, x: float) -> Callable[[Any, str], bool]:
+        """Test of a face's bounding box: does the face lie in the plane at `x`."""
+        return lambda box, _: bool(np.allclose(box[[0, 3]], x, atol=1e-4 * self.width))

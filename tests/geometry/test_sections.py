@@ -1,0 +1,35 @@
+"""Cross-sections against hand values of square tubes."""
+
+import pytest
+from numpy.testing import assert_allclose
+
+from geometry.sections import plate_pair_section, square_tube_section
+
+
+@pytest.mark.parametrize(
+    ("width", "wall", "area", "inertia"),
+    [(30, 1.6, 181.76, 24510.94), (13, 1.6, 72.96, 1611.443), (80, 6.3, 1857.24, 1693611)],
+)
+def test_a_sharp_cornered_tube_has_the_area_and_inertia_of_two_squares(width, wall, area, inertia):
+    """b^2 - a^2 and (b^4 - a^4)/12; half a unit of the last printed digit of seven."""
+    section = square_tube_section("tube", width, wall, 0.0)
+    assert section.area == pytest.approx(area, abs=1e-9 * area)
+    assert_allclose(section.inertia_in_plane, inertia, rtol=5e-7)
+    assert section.inertia_out_of_plane == section.inertia_in_plane
+    assert section.length is None
+
+
+def test_inner_fillets_add_the_spandrels_of_four_quarter_circles():
+    """Area exact. Inertia: the spandrels' own (7.5e-3 r^4 each, 2 mm4) is left out on purpose."""
+    sharp, filleted = (square_tube_section("tube", 80, 6.3, r) for r in (0.0, 3.0))
+    assert_allclose(filleted.area - sharp.area, 9 * (4 - 3.141592653589793), rtol=1e-12)
+    added = filleted.inertia_in_plane - sharp.inertia_in_plane
+    assert_allclose(added, (filleted.area - sharp.area) * (33.7 - 0.2234 * 3) ** 2, rtol=1e-3)
+
+
+def test_two_plates_bend_each_on_its_own():
+    section = plate_pair_section("cheeks", 80, 6.3, 16)
+    assert_allclose(section.area, 1008)
+    assert_allclose(section.inertia_in_plane, 1008 * 80**2 / 12)
+    assert_allclose(section.inertia_out_of_plane, 1008 * 6.3**2 / 12)
+    assert section.length == 16
