@@ -12,27 +12,27 @@ from reports.verdict import DesignResult
 BAND = 1e-4
 
 
-def baseline_of(result: DesignResult) -> dict[str, Any]:
-    """Return the numbers of a result that a baseline keeps."""
+def baseline_of(result: Mapping[str, Any]) -> dict[str, Any]:
+    """The numbers of a result, as plain data (`DesignResult.to_dict`), that a baseline keeps."""
     parts = {}
-    for part in result.parts:
+    for part in result["parts"]:
         checks = {
-            f"{check.kind}: {check.quantity}": {
-                "value": check.value,
-                "limit": check.limit,
-                "status": str(check.status),
+            f"{check['kind']}: {check['quantity']}": {
+                "value": check["value"],
+                "limit": check["limit"],
+                "status": check["status"],
             }
-            for check in part.checks
+            for check in part["checks"]
         }
-        parts[part.name] = {"mass [kg]": part.facts["mass [kg]"], "checks": checks}
+        parts[part["name"]] = {"mass [kg]": part["facts"]["mass [kg]"], "checks": checks}
     return {
         "format": "ballesta-baseline/1",
-        "design": result.name,
-        "status": str(result.status),
+        "design": result["name"],
+        "status": result["status"],
         "band": BAND,
         "largest efforts [N]": {
             name: {force: max(values, key=abs) for force, values in cycle["efforts"].items()}
-            for name, cycle in result.cycles.items()
+            for name, cycle in result["cycles"].items()
         },
         "parts": parts,
     }
@@ -47,7 +47,7 @@ def baseline_path(design_file: str | Path) -> Path:
 def write_baseline(result: DesignResult) -> Path:
     """Write the baseline beside the design, whole or not at all; returns its path."""
     path = baseline_path(result.file)
-    text = json.dumps(baseline_of(result), indent=1, allow_nan=False)
+    text = json.dumps(baseline_of(result.to_dict()), indent=1, allow_nan=False)
     temporary = path.with_name(path.name + ".tmp")
     temporary.write_text(text + "\n", encoding="utf-8")
     os.replace(temporary, path)

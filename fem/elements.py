@@ -69,7 +69,7 @@ class Elements:
     @cached_property
     def values(self) -> FloatArray:
         """Shape functions at the quadrature points, (n_q, 10)."""
-        return np.stack([np.asarray(field[0].value)[0] for field in self._basis.basis], axis=1)
+        return np.stack([np.asarray(field[0])[0] for field in self._basis.basis], axis=1)
 
     @cached_property
     def weights(self) -> FloatArray:
@@ -112,9 +112,9 @@ class Elements:
             raise AssertionError(f"surface {name!r} has a facet that no element has")
         basis = skfem.FacetBasis(mesh, skfem.ElementTetP2(), facets=facets, intorder=degree)
         return FacetQuadrature(
-            shape=np.stack([np.asarray(field[0].value) for field in basis.basis]),
+            shape=np.stack([np.asarray(field[0]) for field in basis.basis]),
             nodes=self.mesh.elements[mesh.f2t[0, facets]],
-            points=np.moveaxis(np.asarray(basis.global_coordinates().value), 0, -1),
+            points=np.moveaxis(np.asarray(basis.global_coordinates()), 0, -1),
             weights=np.asarray(basis.dx),
-            normals=np.moveaxis(np.asarray(basis.normals.value), 0, -1),
+            normals=np.moveaxis(np.asarray(basis.normals), 0, -1),
         )

@@ -177,7 +177,8 @@ def _read_mesh(gmsh: Any, body: Body) -> Mesh:
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     index = np.full(int(tags.max()) + 1, -1, dtype=np.int64)
     index[tags] = np.arange(len(tags))
-    nodes = np.asarray(coordinates, dtype=float).reshape(-1, 3)
+    # The last bits of a node that was moved to mend its element depend on addresses in memory.
+    nodes = np.round(np.asarray(coordinates, dtype=float), 10).reshape(-1, 3)
 
     _, connectivity = gmsh.model.mesh.getElementsByType(11)
     elements = index[np.asarray(connectivity, dtype=np.int64).reshape(-1, 10)][:, _FROM_GMSH_TO_VTK]

@@ -28,7 +28,7 @@ def utilisation_chart(result: DesignResult) -> str:
     upper = [c.utilisation + _scaled(c, c.numerical) + _scaled(c, c.model) for c in checks]
     end = min(_LONGEST_AXIS, max([1.25, *(u * 1.08 for u in upper if isfinite(u))]))
     titles = check_titles(checks)
-    labels = [f"{brief(c.part, 24)} {brief(t, 28)}" for c, t in zip(checks, titles, strict=True)]
+    labels = [f"{brief(c.part, 24)} {brief(t, 36)}" for c, t in zip(checks, titles, strict=True)]
 
     def plot(figure: Any) -> None:
         figure.get_layout_engine().set(rect=(0, 0, 0.94, 1))  # room for the numbers on the right

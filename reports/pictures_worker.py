@@ -7,6 +7,7 @@ part_<i>_whole.png and part_<i>_peak.png.
 import json
 import sys
 from io import BytesIO
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -53,7 +54,8 @@ def still(data: dict[str, Any], field: str, view: str) -> bytes:
         surface, scalars=field, cmap="viridis", nan_color="lightgrey", smooth_shading=False,
         ambient=0.6, diffuse=0.42, specular=0.0, show_scalar_bar=False,
     )  # fmt: skip
-    direction = _ISOMETRIC if view == "whole" else view_of(nodes, triangles, peak)
+    seen = view_of if view == "peak" else corner_view
+    direction, hidden = seen(nodes, triangles, peak)
     diagonal = float(np.linalg.norm(np.ptp(nodes, axis=0)))
     edges = surface.extract_feature_edges(
         feature_angle=35, manifold_edges=False, non_manifold_edges=False
@@ -68,7 +70,9 @@ def still(data: dict[str, Any], field: str, view: str) -> bytes:
     )  # fmt: skip
     quantity, _, unit = (text.strip(" ]") for text in field.partition("["))
     text = f"{quantity}, at the dot {data['values'][peak]:.3g} {unit}"
-    plotter.add_text(text, position="upper_left", font_size=11, color="black")
+    text += ", hidden behind the surface" if hidden else ""
+    label = plotter.add_text(text, position=(8, SIZE[1] - 34), font_size=11, color="black")
+    label.prop.background_color, label.prop.background_opacity = "white", 0.85
     _place_camera(plotter, nodes, peak, direction, view)
     plotter.enable_anti_aliasing("ssaa")
     plotter.subplot(0, 1)
@@ -105,30 +109,49 @@ def _place_camera(
     plotter.renderer.ResetCameraClippingRange()
 
 
-def view_of(nodes: FloatArray, triangles: Any, peak: int) -> FloatArray:
-    """Direction from which the peak is seen: nothing in between, and as squarely as may be.
+def corner_view(nodes: FloatArray, triangles: Any, peak: int) -> tuple[FloatArray, bool]:
+    """Isometric direction that sees the peak if any does, and whether the peak is hidden."""
+    normal = _normal(nodes, triangles, peak)
+    for signs in product((1, -1), (1, -1), (1, -1)):
+        direction = _ISOMETRIC * signs[::-1]
+        if _sees(nodes, triangles, peak, normal, direction):
+            return direction, False
+    return _ISOMETRIC, True
+
+
+def view_of(nodes: FloatArray, triangles: Any, peak: int) -> tuple[FloatArray, bool]:
+    """Direction that sees the peak as squarely as may be, and whether the peak is hidden.
 
     A peak in a bore looks at the opposite wall, so its normal alone would not do.
     """
-    touching = triangles[(triangles == peak).any(axis=1)]
-    corners = nodes[touching]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]).sum(axis=0)
-    length = np.linalg.norm(normal)
-    if not length:
-        return np.asarray(_ISOMETRIC, dtype=np.float64)
-    normal = np.asarray(normal / length, dtype=np.float64)
+    normal = _normal(nodes, triangles, peak)
     turns = np.arange(200) + 0.5  # points of a spiral, evenly spread over the sphere
     height, angle = 1 - turns / 100, np.pi * (1 + 5**0.5) * turns
     ring = np.sqrt(1 - height**2)
     directions = np.column_stack([ring * np.cos(angle), ring * np.sin(angle), height])
-    score = directions @ normal + 0.5 * directions @ _ISOMETRIC
+    for best in np.argsort(-(directions @ normal + 0.5 * directions @ _ISOMETRIC)):
+        if _sees(nodes, triangles, peak, normal, directions[best]):
+            return np.asarray(directions[best], dtype=np.float64), False
+    return _ISOMETRIC, True
+
+
+def _normal(nodes: FloatArray, triangles: Any, peak: int) -> FloatArray:
+    """Mean outward direction of the triangles at the peak, or zero."""
+    touching = triangles[(triangles == peak).any(axis=1)]
+    corners = nodes[touching]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]).sum(axis=0)
+    length = np.linalg.norm(normal)
+    return np.asarray(normal / length if length else normal, dtype=np.float64)
+
+
+def _sees(
+    nodes: FloatArray, triangles: Any, peak: int, normal: FloatArray, direction: FloatArray
+) -> bool:
+    """Whether the peak faces a direction, with nothing in between."""
+    if normal @ direction <= 0.1:
+        return False
     origin = nodes[peak] + 1e-3 * np.linalg.norm(np.ptp(nodes, axis=0)) * normal
-    for best in np.argsort(-score):
-        if directions[best] @ normal > 0.1 and not _hits(
-            nodes, triangles, origin, directions[best]
-        ):
-            return np.asarray(directions[best], dtype=np.float64)
-    return normal
+    return not _hits(nodes, triangles, origin, direction)
 
 
 def _hits(nodes: FloatArray, triangles: Any, origin: FloatArray, ray: FloatArray) -> bool:

@@ -1,5 +1,6 @@
 """The verdict as text for a terminal or a pipe: one table, and what else a reader must know."""
 
+from dataclasses import replace
 from pathlib import Path
 from shutil import get_terminal_size
 
@@ -13,6 +14,7 @@ from reports.words import (
     broken_gates,
     check_titles,
     clean,
+    clipped,
     gate_sentence,
     need_text,
     number,
@@ -61,7 +63,7 @@ def verdict_text(
         lines += _labelled("NOT CHECKED", text, width)
     assumed = assumptions(result)
     if assumed or result.defaults:
-        items = "; ".join(f"{brief(key, 40)}: {brief(what, 120)}" for key, what in assumed)
+        items = "; ".join(f"{brief(keys, 48)} ({brief(what, 48)})" for keys, what in assumed)
         count = len(result.defaults)
         defaults = f"({count} default value{'s' if count > 1 else ''}, listed in the report)"
         text = f"{len(assumed)}: {items}" if assumed else "nothing beyond the defaults"
@@ -111,6 +113,10 @@ def _table(result: DesignResult, width: int) -> list[str]:
     widths = [*fixed, max(8, width - sum(fixed) - gaps)]
     lines = _table_row("  ", list(_HEADINGS), widths)
     for check, row in zip(checks, rows, strict=True):
+        if check.status is Status.PASS:
+            # About two lines, with the position kept; the report has it all.
+            place = replace(check, place=clipped(check.place, widths[-1] - 2))
+            row[-1] = clipped(f"{where(place)}; {check.method}", 2 * widths[-1])
         lines += _table_row("> " if check is result.deciding else "  ", row, widths)
     return lines
 

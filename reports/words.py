@@ -3,7 +3,7 @@
 import unicodedata
 from collections.abc import Sequence
 from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Decimal
-from math import isfinite, isinf, isnan
+from math import inf, isfinite, isinf, isnan
 
 from reports.verdict import Check, DesignResult, Gate, Status
 
@@ -38,6 +38,12 @@ def brief(text: object, length: int = 60) -> str:
         return plain
     tail = (length - 1) // 3
     return f"{plain[: length - 1 - tail]}…{plain[len(plain) - tail :]}"
+
+
+def clipped(text: object, length: int) -> str:
+    """Text of at most `length` characters, without the end of a longer one."""
+    plain = clean(text)
+    return plain if len(plain) <= length else f"{plain[: length - 1].rstrip()}…"
 
 
 def number(value: object, digits: int = 3, rounding: str = ROUND_HALF_EVEN) -> str:
@@ -124,9 +130,15 @@ def broken_gates(result: DesignResult) -> list[tuple[str, Gate]]:
 
 
 def assumptions(result: DesignResult) -> list[tuple[str, str]]:
-    """Everything that was assumed, of the design and of its parts, as (key, what)."""
+    """Everything that was assumed, of the design and of its parts, as (keys, what).
+
+    What several parts assume in the same words is one assumption.
+    """
     of_parts = [(part.name, what) for part in result.parts for what in part.assumed]
-    return [*((key, what) for key, what in result.assumed), *of_parts]
+    keys: dict[str, dict[str, None]] = {}
+    for key, what in (*result.assumed, *of_parts):
+        keys.setdefault(what, {})[key] = None
+    return [(", ".join(of), what) for what, of in keys.items()]
 
 
 def gate_sentence(gate: Gate) -> str:
@@ -139,12 +151,12 @@ def reason(check: Check) -> str:
     """Why a check has the status that it has, in words."""
     bar = check.numerical + check.model
     least = safety_text(check.limit / (check.value + bar)) if check.value + bar else "∞"
-    most = safety_text(check.limit / (check.value - bar)) if check.value > bar else "∞"
+    best = check.limit / (check.value - bar) if check.value > bar else inf
     has = f"safety {safety_text(check.safety)}, needs {need_text(check.required)}"
     if check.status is Status.PASS:
         return f"{has}; {least} at the upper end of its error bars"
     if check.status is Status.FAIL:
-        return f"{has}; {most} at the lower end of its error bars"
+        return f"{has}; {safety_text(best)} at the lower end of its error bars"
     if not isfinite(check.numerical):
         return f"{has}; its numerical error bar is infinite (singular): no mesh settles it"
     if not isfinite(check.model):
@@ -154,7 +166,9 @@ def reason(check: Check) -> str:
         if check.settled_by_mesh
         else "the model's own bar holds the limit, so a finer mesh cannot settle it"
     )
-    return f"{has}; between {least} and {most} within its error bars: {cure}"
+    return (
+        f"{has}; between {least} and {number(best, 3, ROUND_CEILING)} within its error bars: {cure}"
+    )
 
 
 def verdict_sentence(result: DesignResult) -> str:

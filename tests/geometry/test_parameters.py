@@ -49,7 +49,12 @@ PIN = Pin(
         (PIN, {"step_fillet": 3}, "step_fillet", "larger than the step of 2.5 mm at 'eye'"),
         (PIN, {"seats": ()}, "seats", "at least one lug"),
         (PIN, {"seats": PIN.seats + PIN.seats[:1]}, "seats", "'lug' is there twice"),
-        (PIN, {"seats": (Seat("a", at=5, width=6), Seat("b", width=8))}, "seats", "overlap by 2 mm"),
+        (
+            PIN,
+            {"seats": (Seat("a", at=5, width=6), Seat("b", width=8))},
+            "seats",
+            "overlap by 2 mm",
+        ),
     ],
 )
 def test_a_part_that_cannot_be_built_names_the_parameter(shape, change, field, says):
@@ -59,9 +64,7 @@ def test_a_part_that_cannot_be_built_names_the_parameter(shape, change, field, s
     assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)
 
 
-@pytest.mark.parametrize(
-    ("at", "width", "field"), [(-1, 6, "at"), (30, 0, "width"), (2, 6, "at")]
-)
+@pytest.mark.parametrize(("at", "width", "field"), [(-1, 6, "at"), (30, 0, "width"), (2, 6, "at")])
 def test_a_seat_that_cannot_be_is_refused(at, width, field):
     with pytest.raises(ParameterError) as caught:
         Seat("lug", at=at, width=width)

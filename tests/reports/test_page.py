@@ -96,7 +96,7 @@ def test_tables_have_captions_and_scopes():
 
 def test_the_verdict_comes_first_with_what_decides_it_and_why():
     text = Page(report_html(results.mixed())).text
-    assert "FAIL (under 3 assumptions); decided by bar_upper fatigue, safety 0.833" in text
+    assert "FAIL (under 2 assumptions); decided by bar_upper fatigue, safety 0.833" in text
     order = ["decided by", "Warning", "Validity", "Not checked", "Assumed", "All checks",
              "Checks of bar_upper", "Cycles", "Given by the design file", "Not stated",
              "The design file", "This command makes it again", "Versions"]  # fmt: skip

@@ -8,7 +8,7 @@ from PIL import Image
 
 from reports import report_html
 from reports.pictures import render_stills, stress_field
-from reports.pictures_worker import SIZE, view_of
+from reports.pictures_worker import SIZE, corner_view, view_of
 
 from . import results
 
@@ -112,9 +112,30 @@ def test_the_camera_avoids_the_opposite_wall_of_a_bore():
     a, b, c, d = (x.ravel() for x in (index[:-1], right[:-1], right[1:], index[1:]))
     inwards = np.concatenate([np.column_stack([a, c, b]), np.column_stack([a, d, c])])
     peak = 2 * 24  # at (10, 0, 0), where inwards is -x
-    direction = view_of(nodes, inwards, peak)
+    direction, hidden = view_of(nodes, inwards, peak)
+    assert not hidden
     assert direction[0] < -0.1
     # It must leave through an open end: past the rim (height 5) before the far wall (20 away).
     assert abs(direction[2]) / abs(direction[0]) > 5 / 20
-    outwards = view_of(nodes, inwards[:, ::-1], peak)
+    outwards, _ = view_of(nodes, inwards[:, ::-1], peak)
     assert outwards[0] > 0.8
+
+
+@pytest.mark.parametrize("corner", [(250.0, 0.0, 60.0), (0.0, 80.0, 0.0), (0.0, 0.0, 60.0)])
+def test_the_whole_part_is_seen_from_the_side_of_its_peak(corner):
+    surface = results.box()
+    peak = int(np.linalg.norm(surface.nodes - corner, axis=1).argmin())
+    direction, hidden = corner_view(surface.nodes, surface.triangles, peak)
+    normal = np.subtract(corner, (125, 40, 30)) / (125, 40, 30)
+    assert not hidden
+    # A corner's own triangles may face any of its three sides, and one must be looked at.
+    assert (np.sign(direction) == normal).any()
+
+
+def test_a_peak_that_nobody_can_see_is_called_hidden():
+    """A box turned inside out: the inner side of a face's middle is behind the other faces."""
+    surface = results.box()
+    middle = int(np.linalg.norm(surface.nodes - (250, 40, 30), axis=1).argmin())
+    for view in (corner_view, view_of):
+        assert not view(surface.nodes, surface.triangles, middle)[1]
+        assert view(surface.nodes, surface.triangles[:, ::-1], middle)[1]

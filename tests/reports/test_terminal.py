@@ -54,6 +54,25 @@ def test_a_pass_says_under_how_many_assumptions():
     assert "UNDECIDED" not in text
 
 
+def test_what_several_parts_assume_in_the_same_words_is_one_assumption():
+    text = verdict_text(results.mixed(), 200)
+    assert "ASSUMED  2: " in text
+    assert "bar_upper, pin_B (bearing arc 120 deg)" in text
+
+
+def test_the_ends_of_an_undecided_range_lie_on_both_sides_of_what_is_needed():
+    """Limit over value 1.2987 to 1.3013: rounding both the same way would hide why."""
+    close = results.check(value=100.0, numerical=0.1, model=0.0, limit=130.0, required=1.3)
+    text = verdict_text(results.design(results.part(checks=[close])), 200)
+    assert "between 1.29 and 1.31 within its error bars" in text
+
+
+def test_a_long_place_of_a_passing_check_still_names_the_position():
+    passing = results.check(place="knee bore (22.000, -0.000, -40.000) of the outer cheek")
+    text = verdict_text(results.design(results.part(checks=[passing])), 100)
+    assert "x = 2 mm" in " ".join(line[80:].strip() for line in text.splitlines())
+
+
 def test_an_undecided_check_says_whether_a_finer_mesh_helps():
     mesh = results.check(value=225.0, numerical=30.0, model=2.0)
     assert "a finer mesh can settle it" in verdict_text(
@@ -86,7 +105,7 @@ def test_warnings_gaps_assumptions_timings_and_the_report_are_there():
         "report: out/a b/report.html",
     ):
         assert line in text.splitlines()
-    assert "ASSUMED  2: cycles.press.stop: x = 2 mm, nothing mechanical" in text
+    assert "ASSUMED  2: cycles.press.stop (x = 2 mm, nothing mechanical" in text
 
 
 @pytest.mark.parametrize("width", [100, 120])

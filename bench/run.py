@@ -1,0 +1,93 @@
+"""Run the benchmarks and write bench/results.json: name, value, unit, target, holds, machine.
+
+Each measurement runs in a process of its own. Times are medians of the stated number of runs and
+belong to the machine named beside them; nothing here is asserted in a test.
+"""
+
+import json
+import os
+import platform
+import statistics
+import subprocess
+import sys
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+HERE = Path(__file__).parent
+PRESS = HERE.parent / "designs" / "toggle_press.toml"
+
+
+def machine() -> str:
+    """What the numbers were measured on."""
+    model = ""
+    cpuinfo = Path("/proc/cpuinfo")
+    if cpuinfo.exists():
+        names = [
+            line.split(":", 1)[1].strip()
+            for line in cpuinfo.read_text().splitlines()
+            if line.startswith("model name")
+        ]
+        model = names[0] if names else ""
+    python = platform.python_version()
+    return f"{model or platform.machine()}, {os.cpu_count()} cores, Python {python}"
+
+
+def entry(name: str, value: float, unit: str, target: float | None = None) -> dict[str, Any]:
+    """One benchmark; a target is the most that `value` should be."""
+    return {
+        "name": name,
+        "value": round(value, 3),
+        "unit": unit,
+        "target": target,
+        "holds": None if target is None else value <= target,
+        "machine": machine(),
+    }
+
+
+def help_time() -> list[dict[str, Any]]:
+    """`ballesta --help`, which must not import anything heavy."""
+    times = []
+    for _ in range(5):
+        start = perf_counter()
+        subprocess.run(
+            [sys.executable, "-m", "ballesta.cli", "--help"], check=True, capture_output=True
+        )
+        times.append(perf_counter() - start)
+    return [entry("ballesta --help", statistics.median(times), "s", 0.5)]
+
+
+def press_check() -> list[dict[str, Any]]:
+    """The check of the toggle press, stage by stage, with report and files."""
+    done = subprocess.run(
+        [sys.executable, str(HERE / "press.py"), str(PRESS)],
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    measured = json.loads(done.stdout.splitlines()[-1])
+    rows = [
+        entry("toggle press: whole check", measured["seconds"], "s", 60.0),
+        entry("toggle press: peak memory", measured["memory"], "GiB"),
+    ]
+    rows += [entry(f"toggle press: {k}", v, "s") for k, v in measured["stages"].items()]
+    rows += [
+        entry(f"toggle press: memory after {k}", v, "GiB") for k, v in measured["memories"].items()
+    ]
+    return rows
+
+
+def main() -> None:
+    """Run everything."""
+    results = []
+    for benchmark in (help_time, press_check):
+        print(f"running {benchmark.__name__}", file=sys.stderr)
+        results += benchmark()
+    (HERE / "results.json").write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
+    for row in results:
+        target = "" if row["target"] is None else f"  (at most {row['target']}: {row['holds']})"
+        print(f"{row['name']:45s} {row['value']:9.3f} {row['unit']}{target}")
+
+
+if __name__ == "__main__":
+    main()

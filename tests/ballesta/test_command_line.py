@@ -1,0 +1,150 @@
+"""The command as a user runs it: output, files, exit codes."""
+
+import json
+import re
+import subprocess
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PRESS = "designs/toggle_press.toml"
+AS_SIZED = "designs/toggle_press_as_sized.toml"
+COARSE = ["--set", "parts.bar_upper.mesh.fineness=0.4"]
+
+
+def test_the_press_is_judged_by_its_exit_code(press):
+    status = press.result["status"]
+    assert press.code == (0 if status == "pass" else 1)
+    assert status in press.stdout or status.upper() in press.stdout
+
+
+def test_the_table_names_part_check_bars_limit_and_place(press):
+    assert re.search(r"bar_upper +static +\d+ ±[\d.]+ .* MPa +355 ", press.stdout)
+    assert "NOT CHECKED" in press.stdout
+    assert "ASSUMED" in press.stdout
+    assert re.search(r"WARNING .*stop at x = 2 mm is ASSUMED", press.stdout)
+    assert re.search(r"WARNING .*2\.\d % reserve", press.stdout)
+
+
+def test_progress_is_one_line_per_step_when_piped(press):
+    lines = press.stderr.splitlines()
+    assert any("loads" in line for line in lines)
+    assert any("pin_B" in line for line in lines)
+    assert "\x1b" not in press.stderr
+    assert "\x1b" not in press.stdout
+
+
+def test_the_folder_holds_report_result_and_a_file_per_part(press):
+    folder = press.out / "toggle_press"
+    names = {path.name for path in folder.iterdir()}
+    parts = {"bar_upper.vtu", "bar_lower.vtu", "pin_B.vtu"}
+    assert names == {"report.html", "result.json"} | parts
+    mesh = meshio.read(folder / "bar_upper.vtu")
+    stress = mesh.point_data["von Mises [MPa]"]
+    peak = press.result["parts"][0]["checks"][0]["value"]
+    assert np.max(stress) == pytest.approx(peak, rel=1e-5)  # written in single precision or better
+
+
+def test_the_report_is_whole_html_that_shows_the_verdict(press):
+    class Titles(HTMLParser):
+        seen: list[str] = []
+
+        def handle_starttag(self, tag, attrs):
+            self.seen.append(tag)
+
+    text = (press.out / "toggle_press" / "report.html").read_text()
+    parser = Titles()
+    parser.feed(text)
+    assert {"table", "svg", "img", "h1"} <= set(parser.seen)
+    for word in ("bar_upper", "NOT CHECKED".lower(), "84", "Goodman"):
+        assert word.lower() in text.lower()
+
+
+def test_every_gate_of_the_press_holds(press):
+    gates = press.result["gates"] + [g for p in press.result["parts"] for g in p["gates"]]
+    assert len(gates) >= 20
+    assert all(gate["holds"] for gate in gates)
+
+
+def test_json_is_a_list_of_results_and_nothing_else(command, tmp_path):
+    run = command(
+        "check", AS_SIZED, "nope.toml", "--json", "--out", str(tmp_path), *COARSE,
+        "--set", "parts.bar_lower.mesh.fineness=0.4", out=tmp_path,
+    )
+    (result,) = json.loads(run.stdout)
+    assert result["status"] == "FAIL"
+    assert Path(result["report"]).exists()
+    assert run.code == 2, "the highest exit code of several designs counts"
+    assert "nope.toml: cannot be read" in run.stderr
+    assert "Traceback" not in run.stderr
+
+
+@pytest.mark.parametrize(
+    ("override", "words"),
+    [
+        ("parts.bar_upper.wall=0.9", "without a unit"),
+        ("parts.bar_upper.wall=5kg", "length"),
+        ("parts.bar_uper.wall=5mm", "bar_upper"),
+        ("parts.bar_upper.material=S335", "S355"),
+        ("cycles.press.phases[1].to=501mm", "B|A"),
+    ],
+)
+def test_a_wrong_override_is_a_line_and_exit_code_2(command, tmp_path, override, words):
+    run = command("check", PRESS, "--set", override, "--out", str(tmp_path), out=tmp_path)
+    assert run.code == 2
+    assert run.stdout == ""
+    assert re.search(words, run.stderr)
+    assert "toggle_press.toml" in run.stderr
+    assert "Traceback" not in run.stderr
+
+
+def test_an_output_folder_that_cannot_be_made_is_a_line_and_exit_code_2(command, tmp_path):
+    blocked = tmp_path / "file"
+    blocked.write_text("in the way")
+    run = command("check", PRESS, "--out", str(blocked), out=tmp_path)
+    assert run.code == 2
+    assert "cannot be written" in run.stderr
+
+
+def test_the_template_is_a_design_that_can_be_planned(command, tmp_path):
+    run = command("new", "toggle-press", "--file", str(tmp_path / "mine.toml"), out=tmp_path)
+    assert run.code == 0
+    again = command("new", "toggle-press", "--file", str(tmp_path / "mine.toml"), out=tmp_path)
+    assert again.code == 2, "an existing file is not overwritten"
+    plan = command("plan", str(tmp_path / "mine.toml"), out=tmp_path)
+    assert plan.code == 0
+    for words in ("bar_upper: toggle_bar", "knee at B: up to 61.5", "unknowns", "GiB", "guide of"):
+        assert words in plan.stdout
+
+
+def test_an_unknown_template_names_the_nearest(command, tmp_path):
+    run = command("new", "toggle-pres", out=tmp_path)
+    assert run.code == 2
+    assert "did you mean toggle-press" in run.stderr
+
+
+def test_the_schema_is_json(command, tmp_path):
+    run = command("schema", out=tmp_path)
+    assert run.code == 0
+    assert json.loads(run.stdout)["type"] == "object"
+
+
+def test_help_imports_nothing_heavy():
+    code = (
+        "import sys; from ballesta.cli import main; main(['--help']); "
+        "heavy = {'numpy', 'gmsh', 'scipy', 'pint', 'pydantic', 'pyvista', 'matplotlib', 'skfem'}; "
+        "sys.exit(f'imported {heavy & set(sys.modules)}' if heavy & set(sys.modules) else 0)"
+    )
+    subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True, capture_output=True)
+
+
+def test_designs_of_one_name_get_folders_of_their_own():
+    from ballesta.run import output_folders
+
+    folders = output_folders([Path("a/x.toml"), Path("b/x.toml"), Path("c/y.toml")], Path("out"))
+    assert folders == [Path("out/a_x"), Path("out/b_x"), Path("out/c_y").with_name("y")]
