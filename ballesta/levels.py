@@ -6,8 +6,8 @@ from time import perf_counter
 
 import numpy as np
 
-import fatigue
 from ballesta.part_loads import PartLoads
+from fatigue import FatigueResult, goodman
 from fem.recovery import von_mises
 from fem.stress_history import StressHistory
 from fem.unit_loads import resultants
@@ -88,7 +88,7 @@ class Level:
     peak: Peak
     peaks_by_position: FloatArray
     fatigue: FatiguePeak | None
-    fatigue_results: Mapping[str, fatigue.FatigueResult]
+    fatigue_results: Mapping[str, FatigueResult]
 
     @property
     def unknowns(self) -> int:
@@ -102,7 +102,7 @@ class Level:
             name for name, facets in self.solutions.mesh.surfaces.items() if np.any(facets == node)
         ]
         x, y, z = self.history.points[point]
-        return f"{'/'.join(names) or 'surface'} ({x:.1f}, {y:.1f}, {z:.1f})"
+        return f"{'/'.join(names) or 'surface'} ({_tenth(x)}, {_tenth(y)}, {_tenth(z)})"
 
     def load_residual(self, loads: PartLoads) -> float:
         """Force and moment that reached the mesh less those asked for, over the largest force.
@@ -157,7 +157,7 @@ def solve_level(
     position = int(by_position.argmax())
     peak = Peak(float(by_position[position]), int(where[position]), position)
     results = {
-        name: fatigue.goodman(
+        name: goodman(
             history.basis,
             np.ascontiguousarray(coefficients[:, loads.cycles[name]]),
             endurance_limit,
@@ -186,6 +186,11 @@ def solve_level(
         worst,
         results,
     )
+
+
+def _tenth(value: float) -> str:
+    """A coordinate to a tenth, without a negative zero."""
+    return f"{round(value, 1) + 0.0:.1f}"
 
 
 def peak_of(stress: FloatArray) -> float:

@@ -71,7 +71,7 @@ def plan(design: Design) -> list[PlannedPart]:
 
 def solve_seconds(unknowns: int) -> float:
     """Estimated time to solve a part's unit loads, s."""
-    return _SECONDS * (unknowns / _UNKNOWNS) ** _TIME_EXPONENT
+    return float(_SECONDS * (unknowns / _UNKNOWNS) ** _TIME_EXPONENT)
 
 
 def solve_gibibytes(unknowns: int) -> float:

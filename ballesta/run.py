@@ -7,9 +7,12 @@ from collections.abc import Callable, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ballesta.errors import DesignError, NumericsError
+
+if TYPE_CHECKING:
+    from reports.verdict import DesignResult
 
 Say = Callable[[str], None]
 
@@ -49,7 +52,7 @@ def check_all(
 
 def check_to_folder(
     path: Path, folder: Path, overrides: Sequence[str] = (), *, baseline: bool = False
-) -> Any:
+) -> "DesignResult":
     """Check one design and write its folder: report.html, result.json, <part>.vtu.
 
     Raises DesignError (also for a folder that cannot be written) and NumericsError.

@@ -125,7 +125,7 @@ def _stress_checks(
         finest.scatter(state, peak.point),
         peaks,
     )
-    method = f"solid, {finest.unknowns} unknowns"
+    method = "solid"
     checks = [
         Check(
             part=part.name,

@@ -72,7 +72,7 @@ def column_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
                 cycle=loads.cycle_names[worst],
                 position=loads.labels[worst],
                 place=section.name,
-                method="column formula",
+                method="formula",
                 basis=f"{strength.governs}; slenderness {strength.slenderness:.1f} over "
                 f"{length:.4g} mm; Euler {strength.euler:.4g} MPa; value is axial stress",
                 note=f"other sections, safety: {others}" if others else "",
@@ -125,7 +125,7 @@ def eigenvalue_check(
             cycle=loads.cycle_names[worst],
             position=loads.labels[worst],
             place=f"{mode.plane} mode",
-            method=f"solid, {meshes}",
+            method=f"solid ({meshes})",
             basis="linear eigenvalue: knows neither yield nor crookedness",
             note=f"lowest factors {planes}; with forks that hold the ends against tilting: {forks}",
         )

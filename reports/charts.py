@@ -65,11 +65,15 @@ def _utilisation_row(axes: Any, row: int, check: Check, end: float) -> None:
     numerical, model = _scaled(check, check.numerical), _scaled(check, check.model)
     if isfinite(numerical + model):
         # The whole bar first and thin, the numerical one over it and thick.
-        for half, width in ((numerical + model, 1.2), (numerical, 5.0)):
-            low, high = max(use - half, 0.0), min(use + half, end)
+        below = _scaled(check, check.below)
+        for under, over, width in (
+            (numerical + below, numerical + model, 1.2),
+            (numerical, numerical, 5.0),
+        ):
+            low, high = max(use - under, 0.0), min(use + over, end)
             if low < end:
                 axes.plot([low, high], [row, row], color=ink, lw=width, solid_capstyle="butt")
-        ends = [x for x in (use - numerical - model, use + numerical + model) if 0 < x < end]
+        ends = [x for x in (use - numerical - below, use + numerical + model) if 0 < x < end]
         axes.plot(ends, [row] * len(ends), "|", color=ink, markersize=8)
     else:
         axes.plot([0, end], [row, row], color=ink, linewidth=1.2, linestyle=":")

@@ -252,8 +252,7 @@ class DesignResult:
             key=lambda c: (
                 order[c.status],
                 -(c.value + (c.numerical + c.model if isfinite(c.numerical) else 0))
-                * c.required
-                / c.limit,
+                * (c.required / c.limit),
             ),
         )
 

@@ -83,7 +83,7 @@ def need_text(required: float) -> str:
 
 def value_and_bars(check: Check) -> tuple[str, str, str]:
     """Value with its numerical and model bar, to the decimals that the smaller bar deserves."""
-    bars = check.numerical, check.model
+    bars = check.numerical, check.model, check.below
     written = number(check.value)
     if "e" in written:
         decimals = None
@@ -96,8 +96,14 @@ def value_and_bars(check: Check) -> tuple[str, str, str]:
     return (
         written,
         _bar(check.numerical, decimals, "singular"),
-        _bar(check.model, decimals, "unknown"),
+        _band(check, decimals),
     )
+
+
+def _band(check: Check, decimals: int | None) -> str:
+    """The model band: ±, or + and − where it reaches differently far above and below."""
+    above, below = (_bar(bar, decimals, "unknown") for bar in (check.model, check.below))
+    return above if above == below else f"+{above[1:]} −{below[1:]}"
 
 
 def _bar(bar: float, decimals: int | None, unknown: str) -> str:
@@ -119,7 +125,8 @@ def check_titles(checks: Sequence[Check]) -> list[str]:
 
 def where(check: Check) -> str:
     """Where on the part and where in the cycle."""
-    return ", ".join(text for text in (check.place, check.cycle, check.position) if text)
+    when = ": ".join(text for text in (check.cycle, check.position) if text)
+    return ", ".join(text for text in (check.place, when) if text)
 
 
 def broken_gates(result: DesignResult) -> list[tuple[str, Gate]]:

@@ -73,8 +73,16 @@ def test_every_gate_of_the_press_holds(press):
 
 def test_json_is_a_list_of_results_and_nothing_else(command, tmp_path):
     run = command(
-        "check", AS_SIZED, "nope.toml", "--json", "--out", str(tmp_path), *COARSE,
-        "--set", "parts.bar_lower.mesh.fineness=0.4", out=tmp_path,
+        "check",
+        AS_SIZED,
+        "nope.toml",
+        "--json",
+        "--out",
+        str(tmp_path),
+        *COARSE,
+        "--set",
+        "parts.bar_lower.mesh.fineness=0.4",
+        out=tmp_path,
     )
     (result,) = json.loads(run.stdout)
     assert result["status"] == "FAIL"

@@ -70,7 +70,8 @@ def test_the_ends_of_an_undecided_range_lie_on_both_sides_of_what_is_needed():
 def test_a_long_place_of_a_passing_check_still_names_the_position():
     passing = results.check(place="knee bore (22.000, -0.000, -40.000) of the outer cheek")
     text = verdict_text(results.design(results.part(checks=[passing])), 100)
-    assert "x = 2 mm" in " ".join(line[80:].strip() for line in text.splitlines())
+    column = next(line.index("where; method") for line in text.splitlines() if "where;" in line)
+    assert "x = 2 mm" in " ".join(line[column:].strip() for line in text.splitlines())
 
 
 def test_an_undecided_check_says_whether_a_finer_mesh_helps():
