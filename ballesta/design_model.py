@@ -320,7 +320,7 @@ class DesignFile(Table):
     parts: dict[Name, Annotated[_union(), Field(discriminator="shape")]]  # type: ignore[valid-type]
     claims: dict[Name, dict[Literal["static", "buckling", "fatigue", "bush"], Claim]] = Field(
         default_factory=dict,
-        description="by part and kind of check: a safety that is claimed; told beside the found one",
+        description="by part and kind of check: a claimed safety; told beside what is found",
     )
     assumed: Annotated[dict[str, str], BeforeValidator(_flat)] = Field(
         default_factory=dict,

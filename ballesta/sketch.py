@@ -6,7 +6,7 @@ from ballesta.design_data import GROUND, Design
 
 
 def sketch(design: Design, width: int = 60, height: int = 22) -> str:
-    """Return the assembled linkage: points by name, bodies as dots, forces between points as dashes.
+    """Return the assembled linkage: points by name, bodies as dots, pulling forces as dashes.
 
     A point on the ground carries an underscore, a guided body's first pin a colon.
     """

@@ -145,8 +145,8 @@ def _assembly(design: Design) -> list[str]:
                 warnings += _cheek_offset(design, part.name, entry.body, entry.at)
         elif isinstance(part.geometry, PrismaticTube):
             warnings.append(
-                f"{part.name}: loaded on its end faces; neither pin nor lug is modelled, and no pin "
-                f"of the size that such loads need can pass through a {part.geometry.width:g} mm tube"
+                f"{part.name}: loaded on its end faces, neither pin nor lug is modelled; no pin "
+                f"of the size that such loads need can pass a {part.geometry.width:g} mm tube"
             )
     return warnings
 

@@ -32,7 +32,7 @@ def reentrant_edges(mesh: Mesh) -> ReentrantEdges:
     """Find edges where two boundary facets meet at an interior angle well above 180 degrees.
 
     The facets' normals are those of the curved facets at the edge's mid-side node, so a fillet
-    does not look sharp however coarsely it is meshed.
+    does not look sharp unless its elements are as large as itself.
     """
     facets = boundary_facets(mesh.elements)
     edges = facets[:, [[0, 1, 3], [1, 2, 4], [2, 0, 5]]].reshape(-1, 3)

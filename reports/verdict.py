@@ -106,7 +106,7 @@ class Check:
 
 @dataclass(frozen=True)
 class Gate:
-    """A validity gate: a measured number that must stay below a limit for the result to be valid."""
+    """A measured number that must stay below a limit for the result to be valid."""
 
     name: str
     value: float

@@ -1,7 +1,7 @@
 """Put the design file and the commands' real output into README.md.
 
-The toml block becomes the toggle press; a console block keeps its `$` line and gets what that command
-prints.
+The toml block becomes the toggle press; a console block keeps its `$` line and gets what that
+command prints.
 """
 
 import os

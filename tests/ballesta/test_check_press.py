@@ -1,0 +1,334 @@
+"""The toggle press checked end to end, beside what a designer works out by hand.
+
+Meshes are coarser than a user's (fineness 0.4 to 0.6): quick, and still within the errors stated.
+"""
+
+from dataclasses import replace
+from math import isinf
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from ballesta.check import check_file, part_masses, solve_cycles
+from ballesta.design import read_design
+from ballesta.levels import Models, solve_level
+from ballesta.part_loads import loads_on
+from ballesta.solid import check_solid, elastic_of, endurance_of
+from reports.verdict import Status
+
+DESIGNS = Path(__file__).parents[2] / "designs"
+PRESS = DESIGNS / "toggle_press.toml"
+COARSE = [
+    "parts.bar_upper.mesh.fineness=0.4",
+    "parts.pin_B.mesh.fineness=0.45",
+    "cycles.press.positions=91",
+]
+BRIEF = [
+    f"bodies.{body}.{key}"
+    for body in ("lower", "upper")
+    for key in ('mass="4.14134 kg"', 'inertia="0.0215695 kg m2"', 'centre="125, 0 mm"')
+]
+FRICTION = [
+    'friction.pins={coefficient=0.1, diameter="40 mm"}',
+    "friction.guides={coefficient=0.1}",
+]
+PLAIN_PIN = (
+    "parts.pin_B.stack=["
+    '{body="upper", at="42.95 mm", width="6.3 mm"}, {body="lower", at="32.65 mm", width="6.3 mm"},'
+    '{force="cylinder", at="0 mm", width="43 mm"}]'
+)
+
+
+@pytest.fixture(scope="module")
+def press():
+    return check_file(PRESS, COARSE)
+
+
+@pytest.fixture(scope="module")
+def brief():
+    """Design and loads with the brief's masses, frictionless."""
+    design = read_design(PRESS, COARSE + BRIEF)
+    return design, solve_cycles(design, {})
+
+
+@pytest.fixture(scope="module")
+def as_sized():
+    overrides = ["parts.bar_upper.mesh.fineness=0.35", "cycles.press.positions=61"]
+    return check_file(DESIGNS / "toggle_press_as_sized.toml", overrides)
+
+
+@pytest.fixture(scope="module")
+def thirty():
+    overrides = ["parts.bar_upper.mesh.fineness=0.35", "cycles.press.positions=61"]
+    return check_file(DESIGNS / "toggle_press_30x30.toml", overrides)
+
+
+def part_of(result, name):
+    return next(part for part in result.parts if part.name == name)
+
+
+def check_of(part, kind, words=""):
+    found = [c for c in part.checks if c.kind == kind and words in c.quantity]
+    assert len(found) == 1, [c.quantity for c in part.checks]
+    return found[0]
+
+
+def hand_of(part, words):
+    found = [h for h in part.hand_checks if words in h.quantity]
+    assert len(found) == 1
+    return found[0]
+
+
+def pin_alone(*overrides):
+    """The pin's result under the brief's masses: no bar has to be meshed."""
+    design = read_design(PRESS, [*COARSE[2:], *BRIEF, *overrides])
+    part = design.parts["pin_B"]
+    return check_solid(design, part, loads_on(design, part, solve_cycles(design, {})), Models())
+
+
+def test_the_tube_carries_force_over_area_at_mid_length(press):
+    """61.5 kN over 1865 mm2: 33 MPa. Bending by inertia and gravity leaves 1 %."""
+    for name in ("bar_upper", "bar_lower"):
+        hand = hand_of(part_of(press, name), "mid-length")
+        assert_allclose(hand.hand, 33.0, atol=0.1)
+        assert_allclose(hand.model, hand.hand, rtol=0.01)
+
+
+def test_behind_the_pin_the_cheeks_carry_the_force_alone(press):
+    """61 MPa gross. The side walls take some of it a wall's thickness on: within 10 %, below."""
+    hand = hand_of(part_of(press, "bar_upper"), "cheeks")
+    assert_allclose(hand.hand, 61.0, atol=0.2)
+    assert 0.9 * hand.hand < hand.model < hand.hand
+
+
+def test_the_pin_presses_with_the_pressure_of_a_half_cosine(press):
+    """4 F/(pi d t) = 141 MPa; series and recovery at a coarse bore: 4 %."""
+    hand = hand_of(part_of(press, "bar_upper"), "pressure")
+    assert_allclose(hand.hand, 141.3, atol=0.3)
+    assert_allclose(hand.model, hand.hand, rtol=0.04)
+
+
+def test_the_ligament_between_the_pin_and_the_bars_end_carries_no_force(press):
+    """A pushed bar's end stands free: the whole force goes the other way from the pin.
+
+    A ligament in the way of the force would carry 61 MPa; what bends round the hole leaves a
+    fraction of that beside the bore, in the cheek at x = -22 mm - 18 mm/2.
+    """
+    surface = part_of(press, "bar_upper").surface
+    nodes, stress = np.asarray(surface.nodes), surface.fields["von Mises [MPa]"]
+    beyond = (nodes[:, 0] < -25) & (np.abs(nodes[:, 1]) < 30)
+    ahead = (nodes[:, 0] > 22.5) & (nodes[:, 0] < 40) & (np.abs(nodes[:, 1]) < 30)
+    assert beyond.sum() > 20
+    assert stress[beyond].mean() < 0.3 * stress[ahead].mean()
+    assert stress[nodes[:, 0] < -39.9].max() < 61 / 2
+
+
+def test_the_knee_pin_is_bent_as_the_hand_formula_says(press):
+    """83 MPa in the 35 mm neck. The formula knows no shear and spreads the eye's force: 6 %."""
+    hand = hand_of(part_of(press, "pin_B"), "mid-plane")
+    assert_allclose(hand.hand, 83.0, atol=0.2)
+    assert_allclose(hand.model, hand.hand, rtol=0.06)
+
+
+def test_a_plain_pin_of_40_mm_is_bent_with_56_mpa():
+    """(35/40)^3 of the stepped pin's 83 MPa."""
+    result = pin_alone(PLAIN_PIN, "parts.pin_B.mesh.fineness=0.4")
+    hand = hand_of(result, "mid-plane")
+    assert_allclose(hand.hand, 55.6, atol=0.3)
+    assert_allclose(hand.model, hand.hand, rtol=0.06)
+
+
+def test_every_validity_gate_of_the_press_holds(press):
+    """Equilibrium of all loads on each mesh at every position, better than 1e-6."""
+    assert [gate.name for gate in press.all_gates if not gate.holds] == []
+    balance = [
+        g for g in press.all_gates if g.name.endswith(("balance", "on the mesh", "reactions"))
+    ]
+    assert len(balance) >= 9
+    parts = [g for g in balance if not g.name.startswith(("press", "capacity"))]
+    assert all(gate.value < 1e-6 and gate.limit <= 1e-6 for gate in parts)
+
+
+def test_the_press_result_says_what_it_assumed_and_warns_of_the_drive(press):
+    text = "\n".join(press.warnings)
+    assert "the stop at x = 2 mm is ASSUMED" in text
+    assert "2.7 % reserve" in text
+    assert any("cosine pressure" in said for _, said in press.assumed)
+
+
+def test_equal_bars_share_their_mesh(press):
+    upper, lower = part_of(press, "bar_upper"), part_of(press, "bar_lower")
+    assert [m["unknowns"] for m in upper.meshes] == [m["unknowns"] for m in lower.meshes]
+
+
+def process_force(solved, cycle, phase, at):
+    history = solved[cycle]
+    chosen = np.flatnonzero(history.phase_of == history.phases.index(phase))
+    nearest = chosen[np.argmin(np.abs(500 - history.positions[chosen] - at))]
+    assert abs(500 - history.positions[nearest] - at) < 1e-6
+    return history.efforts["process"][nearest]
+
+
+def test_the_press_gives_61_kn_at_the_stop_and_32_kn_at_contact(brief):
+    """Independent Newton-Euler solution with these masses; whole newtons."""
+    _, solved = brief
+    assert_allclose(process_force(solved, "press", "press", 2.0), 61184, atol=0.5)
+    assert_allclose(process_force(solved, "press", "press", 7.0), 32433, atol=0.5)
+    assert_allclose(process_force(solved, "capacity", "full_pull", 2.0), 61184, atol=0.5)
+
+
+def test_friction_takes_a_sixth_of_the_press_force():
+    """Coefficient 0.1 on pins of 40 mm and in the guides; independent solution, whole newtons."""
+    design = read_design(PRESS, COARSE + BRIEF + FRICTION)
+    solved = solve_cycles(design, {})
+    assert_allclose(process_force(solved, "press", "press", 2.0), 51278, atol=0.5)
+    assert_allclose(process_force(solved, "press", "press", 7.0), 28989, atol=0.5)
+
+
+def test_stated_masses_that_are_not_the_models_are_said_with_their_inertia_field(brief):
+    """The brief's bar is balanced at mid-length, the model's is not: a field makes up for it."""
+    design, solved = brief
+    part = design.parts["bar_upper"]
+    result = check_solid(design, part, loads_on(design, part, solved), Models())
+    assert any("residual inertia field" in said for said in result.assumed)
+    assert [gate.name for gate in result.gates if not gate.holds] == []
+
+
+def test_masses_of_the_model_itself_leave_no_inertia_field(press):
+    for name in ("bar_upper", "bar_lower"):
+        assert not any("residual inertia" in said for said in part_of(press, name).assumed)
+
+
+def test_the_bars_as_sized_fail_by_two_and_a_half_times(as_sized):
+    """61.4 kN on 72.96 mm2: 842 MPa where Johnson allows 312 MPa."""
+    assert as_sized.status is Status.FAIL
+    assert as_sized.exit_code == 1
+    for part in as_sized.parts:
+        hand = hand_of(part, "mid-length")
+        assert 841 < hand.hand < 843
+        assert_allclose(hand.model, hand.hand, rtol=0.01)
+        column = check_of(part, "buckling", "column in plane")
+        assert column.status is Status.FAIL
+        assert_allclose(column.safety, 0.3707, atol=0.0005)
+        assert check_of(part, "static").status is Status.FAIL
+
+
+def test_no_pin_fits_the_bars_as_sized(as_sized):
+    assert any("a pin cannot pass through a 13 mm tube" in text for text in as_sized.warnings)
+
+
+def test_the_30_mm_bars_fail_in_buckling_by_their_required_safety(thirty):
+    """Johnson 1.03 against 3.0 required."""
+    assert thirty.status is Status.FAIL
+    for part in thirty.parts:
+        column = check_of(part, "buckling", "column in plane")
+        assert column.status is Status.FAIL
+        assert_allclose(column.safety, 1.030, atol=0.002)
+
+
+def test_the_longer_column_out_of_plane_is_the_weaker_one(thirty):
+    for part in thirty.parts:
+        within = check_of(part, "buckling", "column in plane")
+        across = check_of(part, "buckling", "column out of plane")
+        assert across.safety < within.safety
+
+
+def test_a_sharp_step_is_never_a_pass():
+    """The peak sits in a 270 degree corner and grows with the mesh: no number, no verdict."""
+    result = pin_alone('parts.pin_B.step_fillet="0 mm"', "parts.pin_B.mesh.fineness=0.7")
+    for kind in ("static", "fatigue"):
+        check = check_of(result, kind)
+        assert isinf(check.numerical)
+        assert check.status is Status.UNDECIDED
+        assert "singular: a sharp re-entrant edge of 27" in check.note
+    peaks = [mesh["peak"] for mesh in result.meshes]
+    assert peaks == sorted(peaks)
+
+
+def with_limit(result, part_name, kind, limit):
+    """The same result, had the part's check another limit."""
+    parts = []
+    for part in result.parts:
+        checks = [
+            replace(c, limit=limit) if (part.name, c.kind) == (part_name, kind) else c
+            for c in part.checks
+        ]
+        parts.append(replace(part, checks=checks))
+    return replace(result, parts=parts)
+
+
+def test_an_error_bar_across_the_limit_is_undecided_and_no_pass(press):
+    """The value alone would pass by half its error bar."""
+    check = check_of(part_of(press, "pin_B"), "static")
+    assert check.numerical > 0
+    limit = (check.value + check.numerical / 2) * check.required
+    across = with_limit(press, "pin_B", "static", limit)
+    moved = check_of(part_of(across, "pin_B"), "static")
+    assert moved.utilisation < 1
+    assert moved.status is Status.UNDECIDED
+    assert across.status is not Status.PASS
+    assert across.exit_code == 1
+    clear = with_limit(press, "pin_B", "static", 2 * limit)
+    assert check_of(part_of(clear, "pin_B"), "static").status is Status.PASS
+
+
+def test_a_hard_requirement_makes_the_same_stress_undecided_or_fail(press):
+    """What is required multiplies the demand, bars included; nothing else changes."""
+    check = check_of(part_of(press, "bar_upper"), "static")
+    assert replace(check, required=0.9 * check.required).value == check.value
+    assert replace(check, required=10 * check.required).status is Status.FAIL
+
+
+@pytest.fixture(scope="module")
+def bar_level():
+    """The upper bar on one coarse mesh under its own masses' loads."""
+    design = read_design(PRESS, COARSE)
+    models = Models()
+    part = design.parts["bar_upper"]
+    solved = solve_cycles(design, part_masses(design, models))
+    loads = loads_on(design, part, solved)
+    solutions = models.solutions(part.geometry, 0.4, elastic_of(part))
+
+    def at(factor):
+        scaled = replace(
+            loads,
+            wrenches={name: factor * wrench for name, wrench in loads.wrenches.items()},
+            accelerations=factor * loads.accelerations,
+        )
+        limit = endurance_of(part).value
+        return solve_level(
+            solutions, 0.4, scaled, limit, part.material.ultimate_stress, design.duty.cycles
+        )
+
+    return part, at
+
+
+def test_loads_raised_by_the_fatigue_safety_use_the_part_up(bar_level):
+    """What a safety factor means: all loads times it, and the utilisation is 1. Round-off."""
+    part, at = bar_level
+    limit = endurance_of(part).value
+    safety = limit / at(1.0).fatigue.value
+    assert 0.5 < safety < 5
+    assert_allclose(at(safety).fatigue.value / limit, 1.0, rtol=1e-9)
+
+
+def test_loads_raised_by_the_static_safety_bring_the_peak_to_yield(bar_level):
+    part, at = bar_level
+    safety = part.material.yield_stress / at(1.0).peak.value
+    assert_allclose(at(safety).peak.value, part.material.yield_stress, rtol=1e-9)
+
+
+def test_the_peak_is_where_the_pins_press_at_the_end_of_the_stroke(press):
+    check = check_of(part_of(press, "bar_upper"), "static")
+    assert "knee" in check.place
+    assert check.position == "x = 2 mm, press"
+
+
+def test_bushes_carry_half_the_pin_force_each(press):
+    """61.57 kN / 2 on 40 x 6.3 mm2: 122 MPa, below the 140 MPa stated."""
+    for check in part_of(press, "pin_B").checks:
+        if check.kind == "bush":
+            assert_allclose(check.value, 122.1, atol=0.3)
+            assert check.status is Status.PASS
