@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Set
 from dataclasses import dataclass
+from functools import cached_property
 from time import perf_counter
 
 import numpy as np
@@ -9,10 +10,11 @@ import numpy as np
 from ballesta.part_loads import PartLoads
 from fatigue import FatigueResult, goodman
 from fem.recovery import von_mises
+from fem.singularity import reentrant_edges
 from fem.stress_history import StressHistory
 from fem.unit_loads import resultants
 from fem.unit_solutions import Elastic, UnitSolutions, solve_unit_loads
-from geometry.mesh import FloatArray, Mesh
+from geometry.mesh import FloatArray, IntArray, Mesh
 from geometry.meshing import Buildable, mesh_shape
 
 
@@ -94,6 +96,12 @@ class Level:
     def unknowns(self) -> int:
         """Number of unknowns of the mesh."""
         return 3 * len(self.solutions.mesh.nodes)
+
+    @cached_property
+    def edges(self) -> tuple[IntArray, FloatArray]:
+        """Surface points on sharp re-entrant edges (n,), and the interior angles there, rad."""
+        found = reentrant_edges(self.solutions.mesh)
+        return np.searchsorted(self.history.nodes, found.nodes), found.angles
 
     def place(self, point: int) -> str:
         """Where a point is, in words."""

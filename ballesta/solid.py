@@ -11,10 +11,10 @@ from ballesta.hand import hand_checks
 from ballesta.levels import Level, Models, peak_of, solve_level
 from ballesta.part_loads import PartLoads
 from ballesta.stability import column_checks, eigenvalue_check
-from fem.convergence import ErrorBar, discretisation_error, growth_is_singular
+from fem.convergence import ErrorBar, discretisation_error, moves_like_singular
 from fem.direct import direct_stress, has_bearings
 from fem.recovery import von_mises
-from fem.singularity import reentrant_edges, singular_exponent
+from fem.singularity import singular_exponent
 from fem.unit_solutions import Elastic
 from geometry.mesh import FloatArray, boundary_facets
 from reports.verdict import Check, Gate, PartResult, Surface
@@ -118,10 +118,9 @@ def _stress_checks(
     peaks = {arc: peak_of(stress) for arc, stress in direct.items()}
     bar, model, note = _bars(
         design.accuracy,
-        finest,
         [level.peak.value for level in levels],
         levels,
-        peak.point,
+        [von_mises(level.history.at(level.peak.position)) for level in levels],
         finest.scatter(state, peak.point),
         peaks,
     )
@@ -167,10 +166,9 @@ def _stress_checks(
     swing = finest.coefficients[:, first] - finest.coefficients[:, second]
     bar, model, note = _bars(
         design.accuracy,
-        finest,
         [level.fatigue.value for level in levels if level.fatigue],
         levels,
-        worst.point,
+        [level.fatigue_results[worst.cycle].utilisation * limit for level in levels],
         finest.scatter(swing, worst.point) / 2,
         values,
     )
@@ -221,24 +219,21 @@ def _direct(loads: PartLoads, level: Level, position: int, arc: float) -> FloatA
 
 def _bars(
     accuracy: float,
-    finest: Level,
     values: Sequence[float],
     levels: Sequence[Level],
-    point: int,
+    fields: Sequence[FloatArray],
     scatter: float,
     by_arc: Mapping[float, float],
 ) -> tuple[ErrorBar, tuple[float, float], str]:
     """Numerical bar, model band (above, below) and a note for a peak from several meshes."""
     sizes = [1 / level.fineness for level in levels]
     truncation = abs(by_arc[pi] - values[-1]) if by_arc else 0.0
-    angle = _edge_angle(finest, point)
-    exponent = singular_exponent(angle)
-    singular = exponent if growth_is_singular(values, sizes, exponent) else 0.0
-    bar = ErrorBar(discretisation_error(values, sizes), scatter, truncation, singular)
+    angle, exponent = _singular_edge(levels, fields, sizes, values[-1])
+    bar = ErrorBar(discretisation_error(values, sizes), scatter, truncation, exponent)
     above = max((value - by_arc[pi] for value in by_arc.values()), default=0.0)
     below = max((by_arc[pi] - value for value in by_arc.values()), default=0.0)
     notes = []
-    if singular:
+    if exponent:
         notes.append(
             f"singular: a sharp re-entrant edge of {degrees(angle):.0f} deg, where stress grows "
             f"like 1/distance^{exponent:.2f} and {values[-1]:.4g} MPa is only what this mesh "
@@ -255,16 +250,27 @@ def _bars(
     return bar, (above, below), "; ".join(notes)
 
 
-def _edge_angle(level: Level, point: int) -> float:
-    """Interior angle of the sharp re-entrant edge that an element at the point touches, else 0."""
-    mesh = level.solutions.mesh
-    edges = reentrant_edges(mesh)
-    if not len(edges.nodes):
-        return 0.0
-    angles = np.zeros(len(mesh.nodes))
-    angles[edges.nodes] = edges.angles
-    touching = (mesh.elements == level.history.nodes[point]).any(axis=1)
-    return float(angles[mesh.elements[touching]].max())
+def _singular_edge(
+    levels: Sequence[Level], fields: Sequence[FloatArray], sizes: Sequence[float], peak: float
+) -> tuple[float, float]:
+    """Interior angle (rad) and exponent of a sharp re-entrant edge that spoils a peak, else 0, 0.
+
+    fields  per mesh the judged quantity (n_points,) at its surface points
+
+    An edge counts if it carries at least half the peak and its largest value moves with the mesh.
+    """
+    points, angles = levels[-1].edges
+    if not len(points):
+        return 0.0, 0.0
+    values = [
+        float(field[level.edges[0]].max()) for level, field in zip(levels, fields, strict=True)
+    ]
+    worst = points[fields[-1][points].argmax()]
+    angle = float(angles[points == worst][0])
+    exponent = singular_exponent(angle)
+    if values[-1] >= peak / 2 and moves_like_singular(values, sizes, exponent):
+        return angle, exponent
+    return 0.0, 0.0
 
 
 def _gates(part: Part, loads: PartLoads, level: Level) -> list[Gate]:

@@ -97,7 +97,7 @@ def end_conditions(solutions: UnitSolutions, *, tilt_held: bool) -> FloatArray:
     for number, loads in enumerate(solutions.interfaces[:2]):
         surface = solutions.elements.surface(loads.interface.name)
         weights = np.zeros(len(solutions.mesh.nodes))
-        np.add.at(weights, surface.nodes, np.einsum("aeq,eq->ea", surface.shape, surface.weights))
+        np.add.at(weights, surface.nodes, np.einsum("aq,fq->fa", surface.shape, surface.weights))
         weights /= weights.sum()
         arm = solutions.mesh.nodes - loads.interface.centre
 

@@ -12,20 +12,18 @@ from geometry.mesh import FloatArray, IntArray, Mesh
 
 @dataclass(frozen=True, eq=False)
 class FacetQuadrature:
-    """Quadrature over one named surface.
+    """Quadrature over one named surface of six-node facets.
 
-    shape    (6 or 10, n_facets, n_q)  shape functions of `nodes`
-    nodes    (n_facets, 10)            nodes of the element behind each facet
-    points   (n_facets, n_q, 3)        mm
-    weights  (n_facets, n_q)           mm2
-    normals  (n_facets, n_q, 3)        outward
+    shape    (6, n_q)           shape functions of a facet's nodes
+    nodes    (n_facets, 6)      node indices
+    points   (n_facets, n_q, 3) mm
+    weights  (n_facets, n_q)    mm2
     """
 
     shape: FloatArray
     nodes: IntArray
     points: FloatArray
     weights: FloatArray
-    normals: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,23 +96,22 @@ class Elements:
         return self._surfaces[name, degree]
 
     def _surface(self, name: str, degree: int) -> FacetQuadrature:
-        mesh = self._skfem_mesh
-        corners = np.unique(self.mesh.elements[:, :4])
-        index = np.full(len(self.mesh.nodes), -1)
-        index[corners] = np.arange(len(corners))
-        wanted = np.sort(index[self.mesh.surfaces[name][:, :3]], axis=1)
-        key = np.array([len(corners) ** 2, len(corners), 1])
-        known = key @ np.sort(mesh.facets, axis=0)
-        order = np.argsort(known)
-        place = np.searchsorted(known[order], wanted @ key)
-        facets = order[np.minimum(place, len(order) - 1)]
-        if not np.array_equal(known[facets], wanted @ key):
-            raise AssertionError(f"surface {name!r} has a facet that no element has")
-        basis = skfem.FacetBasis(mesh, skfem.ElementTetP2(), facets=facets, intorder=degree)
+        rule, weights = skfem.quadrature.get_quadrature(skfem.refdom.RefTri, degree)
+        facets = self.mesh.surfaces[name]
+        corners = self.mesh.nodes[facets]  # (f, 6, 3)
+        r, s = rule
+        t = 1 - r - s
+        shape = np.stack(
+            [t * (2 * t - 1), r * (2 * r - 1), s * (2 * s - 1), 4 * r * t, 4 * r * s, 4 * s * t]
+        )
+        zero = np.zeros_like(r)
+        by_r = np.stack([1 - 4 * t, 4 * r - 1, zero, 4 * (t - r), 4 * s, -4 * s])
+        by_s = np.stack([1 - 4 * t, zero, 4 * s - 1, -4 * r, 4 * r, 4 * (t - s)])
+        tangents = (np.einsum("aq,fax->fqx", slope, corners) for slope in (by_r, by_s))
+        areas = np.linalg.norm(np.cross(*tangents), axis=-1)
         return FacetQuadrature(
-            shape=np.stack([np.asarray(field[0]) for field in basis.basis]),
-            nodes=self.mesh.elements[mesh.f2t[0, facets]],
-            points=np.moveaxis(np.asarray(basis.global_coordinates()), 0, -1),
-            weights=np.asarray(basis.dx),
-            normals=np.moveaxis(np.asarray(basis.normals), 0, -1),
+            shape=shape,
+            nodes=facets,
+            points=np.einsum("aq,fax->fqx", shape, corners),
+            weights=areas * weights,
         )

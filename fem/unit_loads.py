@@ -24,7 +24,7 @@ HARMONICS = (0, 1, 2, 4)
 ACCELERATIONS = ("a_x", "a_y", "alpha", "omega2")
 _RAW_LIMIT = 1e-3
 
-Traction = Callable[[FloatArray, FloatArray], FloatArray]
+Traction = Callable[[FloatArray], FloatArray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +116,7 @@ def direct_bearing(
     surface = elements.surface(interface.name, degree=19)
     direction = np.arctan2(force[1], force[0]) + (np.pi if inward else 0.0)
 
-    def pressure(points: FloatArray, _: FloatArray) -> FloatArray:
+    def pressure(points: FloatArray) -> FloatArray:
         radial, angle = _radial(points, interface)
         away = (angle - direction + np.pi) % (2 * np.pi) - np.pi
         size = np.where(np.abs(away) < arc / 2, np.cos(np.pi * away / arc), 0.0)
@@ -172,8 +172,8 @@ def resultants(elements: Elements, vectors: FloatArray, centre: FloatArray) -> F
 
 
 def _nodal(elements: Elements, surface: FacetQuadrature, traction: Traction) -> FloatArray:
-    field = traction(surface.points, surface.normals) * surface.weights[..., None]
-    nodal = np.einsum("aeq,eqx->eax", surface.shape, field)
+    field = traction(surface.points) * surface.weights[..., None]
+    nodal = np.einsum("aq,fqx->fax", surface.shape, field)
     vector = np.zeros((len(elements.mesh.nodes), 3))
     np.add.at(vector, surface.nodes, nodal)
     return vector.ravel()
@@ -192,7 +192,7 @@ def _round_harmonic(
     sign = -1.0 if interface.kind == "journal" else 1.0
     base = sign / (np.pi * interface.radius * interface.length)
 
-    def traction(points: FloatArray, _: FloatArray) -> FloatArray:
+    def traction(points: FloatArray) -> FloatArray:
         radial, angle = _radial(points, interface)
         size = base * wave(n * angle)
         if along:
@@ -205,7 +205,7 @@ def _round_harmonic(
 def _couple(interface: Interface) -> Traction:
     size = 1 / (2 * np.pi * interface.radius**2 * interface.length)
 
-    def traction(points: FloatArray, _: FloatArray) -> FloatArray:
+    def traction(points: FloatArray) -> FloatArray:
         radial, _angle = _radial(points, interface)
         tangent = np.stack([-radial[..., 1], radial[..., 0], radial[..., 2]], axis=-1)
         return np.asarray(size * tangent)
@@ -246,7 +246,7 @@ def _face_patterns(
     second = {axis: float((surface.weights * arm[..., axis] ** 2).sum()) for axis in (1, 2)}
 
     def uniform(axis: int) -> Traction:
-        def traction(points: FloatArray, _: FloatArray) -> FloatArray:
+        def traction(points: FloatArray) -> FloatArray:
             field = np.zeros(points.shape)
             field[..., axis] = 1 / area
             return field
@@ -254,7 +254,7 @@ def _face_patterns(
         return traction
 
     def bending(axis: int) -> Traction:
-        def traction(points: FloatArray, _: FloatArray) -> FloatArray:
+        def traction(points: FloatArray) -> FloatArray:
             field = np.zeros(points.shape)
             field[..., 0] = -(points - interface.centre)[..., axis] / second[axis]
             return field

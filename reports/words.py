@@ -156,9 +156,10 @@ def gate_sentence(gate: Gate) -> str:
 
 def reason(check: Check) -> str:
     """Why a check has the status that it has, in words."""
-    bar = check.numerical + check.model
-    least = safety_text(check.limit / (check.value + bar)) if check.value + bar else "∞"
-    best = check.limit / (check.value - bar) if check.value > bar else inf
+    high = check.value + check.numerical + check.model
+    low = check.value - check.numerical - check.below
+    least = safety_text(check.limit / high) if high else "∞"
+    best = check.limit / low if low > 0 else inf
     has = f"safety {safety_text(check.safety)}, needs {need_text(check.required)}"
     if check.status is Status.PASS:
         return f"{has}; {least} at the upper end of its error bars"

@@ -20,8 +20,8 @@ fi
 missing=()
 for package in "${wanted[@]}"; do
   # newer releases carry the t64 name of some libraries
-  dpkg-query -W -f '${db:Status-Status}\n' "$package" "${package}t64" 2>/dev/null | grep -qx installed ||
-    missing+=("$package")
+  known=$(dpkg-query -W -f '${db:Status-Status}\n' "$package" "${package}t64" 2>/dev/null || true)
+  grep -qx installed <<<"$known" || missing+=("$package")
 done
 [ ${#missing[@]} -eq 0 ] && exit 0
 

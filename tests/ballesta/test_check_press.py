@@ -22,7 +22,7 @@ DESIGNS = Path(__file__).parents[2] / "designs"
 PRESS = DESIGNS / "toggle_press.toml"
 COARSE = [
     "parts.bar_upper.mesh.fineness=0.4",
-    "parts.pin_B.mesh.fineness=0.45",
+    "parts.pin_B.mesh.fineness=0.5",
     "cycles.press.positions=91",
 ]
 BRIEF = [
@@ -134,7 +134,7 @@ def test_the_knee_pin_is_bent_as_the_hand_formula_says(press):
 
 def test_a_plain_pin_of_40_mm_is_bent_with_56_mpa():
     """(35/40)^3 of the stepped pin's 83 MPa."""
-    result = pin_alone(PLAIN_PIN, "parts.pin_B.mesh.fineness=0.4")
+    result = pin_alone(PLAIN_PIN, "parts.pin_B.mesh.fineness=0.8")
     hand = hand_of(result, "mid-plane")
     assert_allclose(hand.hand, 55.6, atol=0.3)
     assert_allclose(hand.model, hand.hand, rtol=0.06)
@@ -155,7 +155,8 @@ def test_the_press_result_says_what_it_assumed_and_warns_of_the_drive(press):
     text = "\n".join(press.warnings)
     assert "the stop at x = 2 mm is ASSUMED" in text
     assert "2.7 % reserve" in text
-    assert any("cosine pressure" in said for _, said in press.assumed)
+    for name in ("bar_upper", "bar_lower", "pin_B"):
+        assert any("cosine pressure" in said for said in part_of(press, name).assumed)
 
 
 def test_equal_bars_share_their_mesh(press):
@@ -202,30 +203,36 @@ def test_masses_of_the_model_itself_leave_no_inertia_field(press):
 
 
 def test_the_bars_as_sized_fail_by_two_and_a_half_times(as_sized):
-    """61.4 kN on 72.96 mm2: 842 MPa where Johnson allows 312 MPa."""
+    """11 kN across two bars that lean by sin = 0.0894 is 61.55 kN in each: 844 MPa on 72.96 mm2,
+    where Johnson allows 312 MPa. Weights and inertia move the force by 0.1 %.
+    """
+    force = 11e3 / 2 / (250**2 - 249**2) ** 0.5 * 250
     assert as_sized.status is Status.FAIL
     assert as_sized.exit_code == 1
     for part in as_sized.parts:
         hand = hand_of(part, "mid-length")
-        assert 841 < hand.hand < 843
+        assert_allclose(hand.hand, force / 72.96, rtol=1e-3)
         assert_allclose(hand.model, hand.hand, rtol=0.01)
         column = check_of(part, "buckling", "column in plane")
         assert column.status is Status.FAIL
-        assert_allclose(column.safety, 0.3707, atol=0.0005)
+        assert_allclose(column.safety, 0.370, atol=0.001)
         assert check_of(part, "static").status is Status.FAIL
 
 
 def test_no_pin_fits_the_bars_as_sized(as_sized):
-    assert any("a pin cannot pass through a 13 mm tube" in text for text in as_sized.warnings)
+    assert any(
+        "no pin of the size that such loads need can pass a 13 mm tube" in text
+        for text in as_sized.warnings
+    )
 
 
 def test_the_30_mm_bars_fail_in_buckling_by_their_required_safety(thirty):
-    """Johnson 1.03 against 3.0 required."""
+    """Johnson 1.03 (348 MPa over 339 MPa) against 3.0 required."""
     assert thirty.status is Status.FAIL
     for part in thirty.parts:
         column = check_of(part, "buckling", "column in plane")
         assert column.status is Status.FAIL
-        assert_allclose(column.safety, 1.030, atol=0.002)
+        assert_allclose(column.safety, 1.028, atol=0.002)
 
 
 def test_the_longer_column_out_of_plane_is_the_weaker_one(thirty):
@@ -323,7 +330,7 @@ def test_loads_raised_by_the_static_safety_bring_the_peak_to_yield(bar_level):
 def test_the_peak_is_where_the_pins_press_at_the_end_of_the_stroke(press):
     check = check_of(part_of(press, "bar_upper"), "static")
     assert "knee" in check.place
-    assert check.position == "x = 2 mm, press"
+    assert check.position.startswith("x = 2 mm")
 
 
 def test_bushes_carry_half_the_pin_force_each(press):
