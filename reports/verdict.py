@@ -86,9 +86,13 @@ class Check:
     @property
     def settled_by_mesh(self) -> bool:
         """Whether a smaller numerical bar could still change an UNDECIDED verdict."""
-        return self.status is Status.UNDECIDED and not (
-            (self.value + self.model) * self.required > self.limit
-            and (self.value - self.below) * self.required <= self.limit
+        return (
+            self.status is Status.UNDECIDED
+            and isfinite(self.numerical)
+            and not (
+                (self.value + self.model) * self.required > self.limit
+                and (self.value - self.below) * self.required <= self.limit
+            )
         )
 
     def to_dict(self) -> dict[str, Any]:
