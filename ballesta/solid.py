@@ -327,6 +327,7 @@ def _mesh_row(level: Level) -> dict[str, float | int | str]:
         "peak": level.peak.value,
         "equivalent amplitude": level.fatigue.value if level.fatigue else 0.0,
         "smallest scaled det J": mesh.jacobian_minimum,
+        "mesher": mesh.mesher,
         "solver": level.solutions.factor.solver,
     }
 

@@ -62,9 +62,10 @@ def discretisation_error(values: Sequence[float], sizes: Sequence[float]) -> flo
 def moves_like_singular(values: Sequence[float], sizes: Sequence[float], exponent: float) -> bool:
     """Whether the stress on a sharp re-entrant edge moves with the mesh as a singular one does.
 
-    True when it changes from any mesh to the next, up or down, by more than a twentieth of what stress ~ size^-exponent
-    predicts. Coarse meshes scatter about the growth, so the sign tells nothing; but an edge that
-    carries a uniform stress (a tube's inner corner under axial force) does not move at all.
+    True when it changes from any mesh to the next, up or down, by more than a twentieth of what
+    stress ~ size^-exponent predicts. Coarse meshes scatter about the growth, so the sign tells
+    nothing; but an edge that carries a uniform stress (a tube's inner corner under axial force)
+    does not move at all.
     """
     if exponent <= 0 or len(values) < 2:
         return False

@@ -19,6 +19,10 @@ class MeshError(ValueError):
     """A mesh that cannot carry a trustworthy solution."""
 
 
+class FoldedElementError(MeshError):
+    """A curved element that turns inside out somewhere."""
+
+
 @dataclass(frozen=True, eq=False)
 class Interface:
     """Where another part presses on this one.
@@ -59,6 +63,7 @@ class Mesh:
     surfaces    name -> (n_facets, 6) node indices: corners, then mid-sides 01, 12, 20
     interfaces  name -> Interface; each has a surface of the same name
     volume_cad  mm3, of the CAD body the mesh stands for
+    mesher      what made the volume mesh
     """
 
     nodes: FloatArray
@@ -66,6 +71,7 @@ class Mesh:
     surfaces: Mapping[str, IntArray]
     interfaces: Mapping[str, Interface]
     volume_cad: float
+    mesher: str = "HXT"
 
     def __post_init__(self) -> None:
         if self.nodes.ndim != 2 or self.nodes.shape[1] != 3:
@@ -81,7 +87,7 @@ class Mesh:
             raise MeshError(f"{np.count_nonzero(~used)} nodes belong to no element")
         worst = self.jacobian_minimum
         if not worst > 0:
-            raise MeshError(f"an element is folded: smallest scaled det J is {worst:.3g}")
+            raise FoldedElementError(f"an element is folded: smallest scaled det J is {worst:.3g}")
         deviation = abs(self.volume / self.volume_cad - 1)
         if deviation > 1e-3:
             raise MeshError(

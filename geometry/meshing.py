@@ -11,7 +11,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from geometry.mesh import Interface, Mesh, MeshError
+from geometry.mesh import FoldedElementError, Interface, Mesh, MeshError
 
 # Every option that changes a mesh is set here, so that the same part gives the same mesh.
 _OPTIONS = {
@@ -19,7 +19,6 @@ _OPTIONS = {
     "General.NumThreads": 1,  # two threads gave three different meshes in three runs
     "Mesh.RandomSeed": 1,
     "Mesh.Algorithm": 6,  # frontal-Delaunay on surfaces
-    "Mesh.Algorithm3D": 10,  # HXT
     "Mesh.Optimize": 1,
     "Mesh.ElementOrder": 2,
     "Mesh.SecondOrderLinear": 0,
@@ -31,6 +30,8 @@ _OPTIONS = {
     "Geometry.Tolerance": 1e-8,
 }
 
+# Algorithms of the volume mesh, the faster one first; where it folds an element, the other may not.
+_MESHERS = (("HXT", 10), ("Delaunay, because HXT folded an element", 1))
 # What high-order optimisation says where it could not mend an element.
 _STAYED_BAD = ("Failed to reach critical value", "Optimization failed")
 _FROM_GMSH_TO_VTK = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
@@ -100,11 +101,22 @@ def gmsh_session() -> Iterator[Any]:
 def mesh_shape(shape: Buildable, *, fineness: float = 1.0) -> Mesh:
     """Mesh a shape; `fineness` divides every element size.
 
-    Raises MeshError if the body is not one solid, gmsh gives up, or the mesh is not usable.
+    Raises MeshError if the body is not one solid, gmsh gives up, or the mesh is not usable. The
+    mesh's `mesher` says so where the second algorithm had to be taken.
     """
     if not fineness > 0:
         raise ValueError(f"fineness must be above 0, got {fineness}")
+    for mesher, algorithm in _MESHERS:
+        try:
+            return _mesh_with(shape, fineness, mesher, algorithm)
+        except FoldedElementError as error:
+            folded = error
+    raise folded
+
+
+def _mesh_with(shape: Buildable, fineness: float, mesher: str, algorithm: int) -> Mesh:
     with gmsh_session() as gmsh:
+        gmsh.option.setNumber("Mesh.Algorithm3D", algorithm)
         try:
             body = shape.build(gmsh)
             _set_sizes(gmsh, body, fineness)
@@ -113,7 +125,7 @@ def mesh_shape(shape: Buildable, *, fineness: float = 1.0) -> Mesh:
             raise
         except Exception as error:  # gmsh raises bare Exception only
             raise MeshError(f"gmsh could not mesh the part: {error}") from error
-        return _read_mesh(gmsh, body)
+        return _read_mesh(gmsh, body, mesher)
 
 
 def _generate(gmsh: Any) -> None:
@@ -170,7 +182,7 @@ def _set_sizes(gmsh: Any, body: Body, fineness: float) -> None:
     gmsh.option.setNumber("Mesh.MeshSizeMax", body.size / fineness)
 
 
-def _read_mesh(gmsh: Any, body: Body) -> Mesh:
+def _read_mesh(gmsh: Any, body: Body, mesher: str) -> Mesh:
     volumes = gmsh.model.getEntities(3)
     if len(volumes) != 1:
         raise MeshError(f"the part must be one solid, the CAD kernel built {len(volumes)}")
@@ -199,4 +211,5 @@ def _read_mesh(gmsh: Any, body: Body) -> Mesh:
         surfaces={name: renumber[facets] for name, facets in surfaces.items()},
         interfaces={interface.name: interface for interface in body.interfaces},
         volume_cad=float(gmsh.model.occ.getMass(3, volumes[0][1])),
+        mesher=mesher,
     )

@@ -249,10 +249,11 @@ def test_a_shape_that_gmsh_cannot_build_is_a_mesh_error():
         mesh_shape(Broken())
 
 
-def test_an_element_that_gmsh_cannot_mend_ends_in_an_error_and_not_in_an_abort():
-    """gmsh 4.15 gives this mesh up in a thread of its own; uncaught, that ended the process."""
-    with pytest.raises(MeshError, match="folded"):
-        mesh_shape(replace(PIN, step_fillet=1.0), fineness=0.5)
+def test_a_mesh_that_hxt_folds_is_made_by_the_other_mesher_and_says_so():
+    """gmsh 4.15 gives HXT's mesh up in a thread of its own; uncaught, that ended the process."""
+    mesh = mesh_shape(replace(PIN, step_fillet=1.0), fineness=0.5)
+    assert mesh.mesher == "Delaunay, because HXT folded an element"
+    assert mesh.jacobian_minimum > 0
 
 
 @pytest.mark.parametrize("fineness", [0.0, -1.0, float("nan")])
