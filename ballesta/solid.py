@@ -258,10 +258,11 @@ def _singular_edge(
     fields  per mesh the judged quantity (n_points,) at its surface points
 
     An edge counts if it carries at least half the peak and its largest value moves with the mesh.
+    A sharp edge of the body is sharp on every mesh; what only some show is a coarse fillet.
     """
-    points, angles = levels[-1].edges
-    if not len(points):
+    if not all(len(level.edges[0]) for level in levels):
         return 0.0, 0.0
+    points, angles = levels[-1].edges
     values = [
         float(field[level.edges[0]].max()) for level, field in zip(levels, fields, strict=True)
     ]
