@@ -42,6 +42,7 @@ def bush_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
                 place=f"mean pressure on {diameter:g} x {entry.bush.length:g} mm",
                 method="formula",
                 basis="allowable pressure as stated in the design",
+                model_below=0.0,
                 note=f"p = {force[worst]:.0f} N / ({diameter:g} x {entry.bush.length:g} mm2)"
                 + ("; 50 to 52.5 % of the load in one bush of the pair" if lugs == 2 else ""),
             )

@@ -22,7 +22,7 @@ from ballesta.part_loads import loads_on, shown_name, shown_position
 from ballesta.solid import LEVELS, check_solid
 from ballesta.warnings_of import claim_warnings, design_warnings
 from fem.solvers import SolverError
-from geometry.mesh import MeshError
+from geometry.mesh import MeshError, TooManyElementsError
 from reports.verdict import DesignResult, Gate, PartResult
 
 Say = Callable[[str], None]
@@ -60,6 +60,7 @@ def check_design(
     models = Models()
     timings = {"read": reading}
     try:
+        solve_cycles(design, {})  # what cannot move is told before anything is meshed
         masses = part_masses(design, models, say)
         start = perf_counter()
         say("loads: solving the cycles")
@@ -92,8 +93,8 @@ def check_design(
         cycles=_cycle_data(design, solved, results),
         gates=_load_gates(solved),
         warnings=[*claim_warnings(design, results), *design_warnings(design, masses, solved)],
-        not_checked=NOT_CHECKED,
-        assumed=design.assumed,
+        not_checked=(*NOT_CHECKED, *_not_checked_here(design)),
+        assumed=(*design.assumed, *_assumed_here(design)),
         defaults=design.defaults_used,
         inputs=_inputs(design),
         source=design.source,
@@ -105,6 +106,26 @@ def check_design(
     )
 
 
+def _not_checked_here(design: Design) -> list[str]:
+    if not design.duty.cycles:
+        return ["fatigue: no cycle stands in the duty"]
+    if len(design.duty.cycles) > 1:
+        return ["stress ranges between one cycle of the duty and another"]
+    return []
+
+
+def _assumed_here(design: Design) -> list[tuple[str, str]]:
+    if design.friction:
+        return []
+    return [
+        (
+            "friction",
+            "none is stated: pins and guides are taken without friction; it changes the forces and "
+            "bends the parts by its couples",
+        )
+    ]
+
+
 def part_masses(
     design: Design, models: Models, say: Say = lambda _: None
 ) -> dict[str, tuple[float, tuple[float, float], float]]:
@@ -114,7 +135,10 @@ def part_masses(
         if part.body is None:
             continue
         say(f"{part.name}: meshing")
-        mesh = models.mesh(part.geometry, LEVELS[1] * part.fineness)
+        try:
+            mesh = models.mesh(part.geometry, LEVELS[1] * part.fineness)
+        except TooManyElementsError as error:
+            raise DesignError(design.file, f"parts.{part.name}", str(error)) from error
         first, second = (mesh.interfaces[name].centre for name in part.geometry.interfaces[:2])
         built = float(np.linalg.norm(second - first))
         if abs(built - interface_distance(design, part)) > 1e-9 * built:
@@ -127,12 +151,15 @@ def part_masses(
 def solve_cycles(
     design: Design, masses: Mapping[str, tuple[float, tuple[float, float], float]]
 ) -> dict[str, loads.CycleLoads]:
-    """Solve every cycle of a design; raises loads.LinkageError."""
+    """Solve every cycle of a design; raises DesignError, LinkageError for the linkage itself."""
     linkage = linkage_of(design, masses)
-    return {
-        name: loads.run_cycle(linkage, cycle_of(design, cycle))
-        for name, cycle in design.cycles.items()
-    }
+    solved = {}
+    for name, cycle in design.cycles.items():
+        try:
+            solved[name] = loads.run_cycle(linkage, cycle_of(design, cycle))
+        except loads.LinkageError as error:
+            raise DesignError(design.file, f"cycles.{name}", str(error)) from error
+    return solved
 
 
 def _check_part(
@@ -146,6 +173,8 @@ def _check_part(
         part_loads = loads_on(design, part, solved)
         result = check_solid(design, part, part_loads, models, say)
     except loads.LinkageError as error:
+        raise DesignError(design.file, f"parts.{part.name}", str(error)) from error
+    except TooManyElementsError as error:
         raise DesignError(design.file, f"parts.{part.name}", str(error)) from error
     except (MeshError, SolverError) as error:
         raise NumericsError(

@@ -91,7 +91,7 @@ def plan_text(path: str | Path, overrides: Sequence[str] = ()) -> str:
         counted = f"{duty:.3g} times in its life" if duty else "not in the duty: yield, buckling"
         phases = ", ".join(f"{p.name} (solves {p.solve})" for p in cycle.phases)
         lines.append(
-            f"  {cycle.name}: {cycle.positions} positions of {cycle.coordinate}; {counted}"
+            f"  {cycle.name}: at least {cycle.positions} positions of {cycle.coordinate}; {counted}"
         )
         lines.append(f"    phases {phases}")
     lines += ["parts"]

@@ -10,11 +10,12 @@ from ballesta.design_data import Design, Part
 from ballesta.hand import hand_checks
 from ballesta.levels import Level, Models, peak_of, solve_level
 from ballesta.part_loads import PartLoads
-from ballesta.stability import column_checks, eigenvalue_check
+from ballesta.stability import axial_compression, column_checks, eigenvalue_check
 from fem.convergence import ErrorBar, discretisation_error, moves_like_singular
 from fem.direct import direct_stress, has_bearings
 from fem.recovery import von_mises
 from fem.singularity import singular_exponent
+from fem.solvers import BACKWARD_LIMIT
 from fem.unit_solutions import Elastic
 from geometry.mesh import FloatArray, boundary_facets
 from reports.verdict import Check, Gate, PartResult, Surface
@@ -59,21 +60,27 @@ def check_solid(
     eigen = eigenvalue_check(
         design, part, loads, [(level.solutions, level.coefficients) for level in levels]
     )
+    assumed = _assumed(design, part, levels[-1])
     if eigen:
         checks.append(eigen[0])
+    elif part.geometry.sections and axial_compression(part, loads).max() > 0:
+        assumed.append(
+            "compression does not buckle the solid: none of its 12 factors of smallest size is "
+            "positive"
+        )
     finest = levels[-1]
     return PartResult(
         name=part.name,
         shape=part.shape,
         material=part.material.name,
         checks=checks,
-        gates=_gates(part, loads, finest),
+        gates=_gates(design, part, loads, levels),
         hand_checks=hand_checks(part, loads, finest),
         meshes=[_mesh_row(level) for level in levels],
         facts=_facts(part, loads, finest, limit),
         charts=_charts(part, loads, finest, limit.value),
         surface=_surface(loads, finest),
-        assumed=_assumed(part, loads, finest),
+        assumed=assumed,
     )
 
 
@@ -86,9 +93,15 @@ def elastic_of(part: Part) -> Elastic:
 def endurance_of(part: Part) -> fatigue.EnduranceLimit:
     """Endurance limit by Marin's factors.
 
-    Load factor 1 (bending): the peaks judged with it are local, with a gradient below them. The
-    part does not turn under its load, so the size factor takes an equivalent diameter.
+    The load factor is that of bending where the shape's peaks are local, with a gradient below
+    them, and of axial force where the whole section is stressed alike; there no size factor applies
+    (Shigley, 6-20). The part does not turn under its load: the size factor takes an equivalent
+    diameter.
     """
+    if part.geometry.stressed_evenly:
+        return fatigue.endurance_limit(
+            part.material.ultimate_stress, part.surface, load="axial", reliability=part.reliability
+        )
     section = part.geometry.stressed_section
     if len(section) == 1:
         diameter = fatigue.round_equivalent_diameter(*section)
@@ -164,12 +177,14 @@ def _stress_checks(
         for arc, stress in pairs.items()
     }
     swing = finest.coefficients[:, first] - finest.coefficients[:, second]
+    middle = (finest.coefficients[:, first] + finest.coefficients[:, second]) / 2
     bar, model, note = _bars(
         design.accuracy,
         [level.fatigue.value for level in levels if level.fatigue],
         levels,
         [level.fatigue_results[worst.cycle].utilisation * limit for level in levels],
-        finest.scatter(swing, worst.point) / 2,
+        finest.scatter(swing, worst.point) / 2
+        + finest.scatter(middle, worst.point) * limit / part.material.ultimate_stress,
         values,
     )
     checks.append(
@@ -274,23 +289,30 @@ def _singular_edge(
     return 0.0, 0.0
 
 
-def _gates(part: Part, loads: PartLoads, level: Level) -> list[Gate]:
+def _gates(design: Design, part: Part, loads: PartLoads, levels: Sequence[Level]) -> list[Gate]:
+    level = levels[-1]
     solutions = level.solutions
     slender = np.abs(solutions.displacement @ level.coefficients[:, level.peak.position]).max()
     size = float(np.ptp(solutions.mesh.nodes, axis=0).max())
+    gates = []
+    if not _stated_mass(design, part):
+        driving = levels[1]  # whose mass properties the linkage was solved with
+        gates.append(
+            Gate(
+                f"{part.name}: balance",
+                driving.balance_residual(loads),
+                _LOAD_LIMIT,
+                "resultant of the loads with the part's own inertia, over the largest pin force",
+            )
+        )
     return [
+        *gates,
         Gate(
             f"{part.name}: loads on the mesh",
             level.load_residual(loads),
             _LOAD_LIMIT,
             "force and moment that reached each interface less those asked for, at every position, "
             "over the largest pin force",
-        ),
-        Gate(
-            f"{part.name}: balance",
-            level.balance_residual(loads),
-            _LOAD_LIMIT,
-            "resultant of all loads with inertia, over the largest pin force",
         ),
         Gate(
             f"{part.name}: support reactions",
@@ -307,8 +329,8 @@ def _gates(part: Part, loads: PartLoads, level: Level) -> list[Gate]:
         Gate(
             f"{part.name}: equation residual",
             solutions.residual,
-            1e-8,
-            f"relative residual of the unit loads' solutions ({solutions.factor.solver})",
+            BACKWARD_LIMIT,
+            f"backward error of the unit loads' solutions ({solutions.factor.solver})",
         ),
         Gate(
             f"{part.name}: small displacements",
@@ -402,19 +424,35 @@ def _surface(loads: PartLoads, level: Level) -> Surface:
     return Surface(level.history.points, triangles, fields, level.peak.point)
 
 
-def _assumed(part: Part, loads: PartLoads, level: Level) -> list[str]:
+def _assumed(design: Design, part: Part, level: Level) -> list[str]:
     said = []
     if has_bearings(level.solutions):
         said.append(
             "pins press with a cosine pressure, even along their length, on "
             f"{degrees(part.bearing_arc):.0f} to 180 deg; both cheeks carry the same share"
         )
-    added = np.abs(level.added).max(axis=0)
-    first = loads.accelerations
-    scale = max(float(np.abs(first[:, :2]).max(initial=0.0)), 1.0)
-    if part.body is not None and added[:2].max() > 1e-3 * scale:
+    stated = _stated_mass(design, part)
+    if stated:
+        added = np.abs(level.added).max(axis=0)
         said.append(
-            "the body's stated mass properties are not the model's; a residual inertia field up to "
-            f"({added[0]:.3g}, {added[1]:.3g}) mm/s2 and {added[2]:.3g} rad/s2 balances the loads"
+            f"the body's {stated} of the design file stand for the model's; a residual inertia "
+            f"field up to ({added[0]:.3g}, {added[1]:.3g}) mm/s2 and {added[2]:.3g} rad/s2 "
+            "balances the loads on the mesh"
+        )
+    points, angles = level.edges
+    if len(points):
+        stress = von_mises(level.history.at(level.peak.position))[points]
+        said.append(
+            f"sharp re-entrant edges of up to {degrees(float(angles.max())):.0f} deg: no finite "
+            f"stress there; {float(stress.max()):.3g} MPa on this mesh"
         )
     return said
+
+
+def _stated_mass(design: Design, part: Part) -> str:
+    """Which mass properties the part's body states itself."""
+    if part.body is None:
+        return ""
+    body = design.bodies[part.body]
+    stated = {"mass": body.mass, "centre": body.centre, "inertia": body.inertia}
+    return ", ".join(name for name, value in stated.items() if value is not None)

@@ -20,9 +20,12 @@ _FAR = 3.0  # times the required safety: beyond it the stiffer fork's bound is n
 
 
 def axial_compression(part: Part, loads: PartLoads) -> FloatArray:
-    """Compressive force (n,) between a part's first two interfaces, N; negative is tension."""
+    """Compressive force (n,) at that of a part's two ends where it is larger, N; < 0 is tension.
+
+    The ends differ by the part's weight and inertia.
+    """
     first, second = part.geometry.interfaces[:2]
-    return np.asarray((loads.wrenches[first][:, 0] - loads.wrenches[second][:, 0]) / 2)
+    return np.asarray(np.maximum(loads.wrenches[first][:, 0], -loads.wrenches[second][:, 0]))
 
 
 def column_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
@@ -35,14 +38,19 @@ def column_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
         return []
     own = interface_distance(design, part)
     planes = (
-        ("in plane", "inertia_in_plane", part.column.in_plane or own),
-        ("out of plane", "inertia_out_of_plane", part.column.out_of_plane or own),
+        ("in plane", "inertia_in_plane", "length", part.column.in_plane or own),
+        (
+            "out of plane",
+            "inertia_out_of_plane",
+            "length_out_of_plane",
+            part.column.out_of_plane or own,
+        ),
     )
     checks = []
-    for plane, inertia, whole in planes:
+    for plane, inertia, effective, whole in planes:
         found = []
         for section in part.geometry.sections:
-            length = section.length or whole
+            length = getattr(section, effective) or whole
             strength = column_strength(
                 section.area,
                 getattr(section, inertia),
@@ -53,6 +61,13 @@ def column_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
             stress = force[worst] / section.area
             found.append((strength.critical / stress, section, stress, strength, length))
         _, section, stress, strength, length = min(found, key=lambda entry: entry[0])
+        shorter = column_strength(
+            section.area,
+            getattr(section, inertia),
+            min(length, own),
+            part.material.yield_stress,
+            part.material.youngs_modulus,
+        ).critical
         others = "; ".join(
             f"{s.name}: {value:.2f} ({st.governs}, slenderness {st.slenderness:.1f})"
             for value, s, _, st, _ in found
@@ -67,6 +82,7 @@ def column_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
                 unit="MPa",
                 numerical=0.0,
                 model=0.0,
+                model_below=float(stress * (1 - strength.critical / shorter)),
                 limit=strength.critical,
                 required=design.require.buckling,
                 cycle=loads.cycle_names[worst],
@@ -102,6 +118,8 @@ def eigenvalue_check(
         return None
     solutions, coefficients = levels[0]
     modes = buckling_modes(solutions, coefficients[:, worst], tilt_held=False)
+    if not modes:  # large negative ones may stand before it
+        modes = buckling_modes(solutions, coefficients[:, worst], tilt_held=False, count=12)
     if not modes:
         return None
     forks = "higher"
@@ -126,7 +144,7 @@ def eigenvalue_check(
             position=loads.labels[worst],
             place=f"{mode.plane} mode",
             method=f"solid ({meshes})",
-            basis="linear eigenvalue: knows neither yield nor crookedness",
+            basis="linear eigenvalue, both ends held sideways: knows neither yield nor crookedness",
             note=f"lowest factors {planes}; with forks that hold the ends against tilting: {forks}",
         )
 

@@ -69,7 +69,7 @@ def buckling_modes(
             k=count,
             M=stiffness,
             Minv=LinearOperator((n, n), matvec=project, dtype=float),
-            which="LM",
+            which="LM",  # the smallest factors of either sign
             v0=start,
             tol=1e-5,
         )

@@ -51,8 +51,10 @@ def discretisation_error(values: Sequence[float], sizes: Sequence[float]) -> flo
     if len(values) == 2:
         return float(3 * difference / (ratio**_ORDER - 1))
     before = abs(values[-2] - values[-3])
-    if difference == 0:
+    if before == difference == 0:
         return 0.0
+    if (values[-1] - values[-2]) * (values[-2] - values[-3]) <= 0:
+        return float(3 * difference + 1.25 * before / (ratio**_ORDER - 1) / ratio**_ORDER)
     order = min(np.log(before / difference) / np.log(ratio), _ORDER) if before else 0.0
     if order <= 0.5:
         return float(3 * np.ptp(values[-3:]))

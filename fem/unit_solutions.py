@@ -63,7 +63,7 @@ class UnitSolutions:
     held          (6,) unknowns held still
     factor        of the stiffness matrix without the held unknowns
     stiffness     upper triangle of the whole stiffness matrix
-    residual      largest relative residual of the solves
+    residual      largest backward error of the solves
     """
 
     elements: Elements

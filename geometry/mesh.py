@@ -19,6 +19,10 @@ class MeshError(ValueError):
     """A mesh that cannot carry a trustworthy solution."""
 
 
+class TooManyElementsError(MeshError):
+    """A part whose element sizes would need a mesh that no solver here can hold."""
+
+
 class FoldedElementError(MeshError):
     """A curved element that turns inside out somewhere."""
 

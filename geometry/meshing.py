@@ -11,7 +11,13 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from geometry.mesh import FoldedElementError, Interface, Mesh, MeshError
+from geometry.mesh import (
+    FoldedElementError,
+    Interface,
+    Mesh,
+    MeshError,
+    TooManyElementsError,
+)
 
 # Every option that changes a mesh is set here, so that the same part gives the same mesh.
 _OPTIONS = {
@@ -34,6 +40,7 @@ _OPTIONS = {
 _MESHERS = (("HXT", 10), ("Delaunay, because HXT folded an element", 1))
 # What high-order optimisation says where it could not mend an element.
 _STAYED_BAD = ("Failed to reach critical value", "Optimization failed")
+_MOST_ELEMENTS = 1_000_000
 _FROM_GMSH_TO_VTK = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
 
 
@@ -119,6 +126,7 @@ def _mesh_with(shape: Buildable, fineness: float, mesher: str, algorithm: int) -
         gmsh.option.setNumber("Mesh.Algorithm3D", algorithm)
         try:
             body = shape.build(gmsh)
+            _check_count(gmsh, body, fineness)
             _set_sizes(gmsh, body, fineness)
             _generate(gmsh)
         except MeshError:
@@ -126,6 +134,20 @@ def _mesh_with(shape: Buildable, fineness: float, mesher: str, algorithm: int) -
         except Exception as error:  # gmsh raises bare Exception only
             raise MeshError(f"gmsh could not mesh the part: {error}") from error
         return _read_mesh(gmsh, body, mesher)
+
+
+def _check_count(gmsh: Any, body: Body, fineness: float) -> None:
+    """Refuse a body that would take more elements than can be solved, before it is meshed.
+
+    A regular tetrahedron of edge h has the volume h^3 / (6 sqrt 2) = 0.118 h^3.
+    """
+    volume = sum(gmsh.model.occ.getMass(3, tag) for _, tag in gmsh.model.getEntities(3))
+    count = volume / (0.118 * (body.size / fineness) ** 3)
+    if count > _MOST_ELEMENTS:
+        raise TooManyElementsError(
+            f"would need about {count:.1e} elements of {body.size / fineness:.3g} mm, more than "
+            f"{_MOST_ELEMENTS:.0e}; its walls are too thin for a solid, or mesh.fineness too high"
+        )
 
 
 def _generate(gmsh: Any) -> None:

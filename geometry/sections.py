@@ -11,7 +11,8 @@ class Section:
     area                  mm2
     inertia_in_plane      mm4, bending in the plane of the linkage (about z)
     inertia_out_of_plane  mm4, bending out of it (about y)
-    length                mm, over which the section is free to bend; None for the whole part
+    length                mm, effective length in plane; None for the whole part's
+    length_out_of_plane   mm, effective length out of plane; None for the whole part's
     """
 
     name: str
@@ -19,6 +20,7 @@ class Section:
     inertia_in_plane: float
     inertia_out_of_plane: float
     length: float | None = None
+    length_out_of_plane: float | None = None
 
 
 def square_tube_section(name: str, width: float, wall: float, inner_radius: float) -> Section:
@@ -35,11 +37,16 @@ def square_tube_section(name: str, width: float, wall: float, inner_radius: floa
 
 
 def plate_pair_section(name: str, height: float, wall: float, length: float) -> Section:
-    """Two parallel plates that bend on their own, `height` in the plane of the linkage."""
+    """Two parallel plates, `height` in the plane of the linkage, free over `length`.
+
+    In the plane they bend together between pin and tube. Out of it nothing keeps their ends from
+    splaying apart or folding: each is a cantilever, of twice its free length.
+    """
     return Section(
         name,
         2 * height * wall,
         2 * wall * height**3 / 12,
         2 * height * wall**3 / 12,
         length,
+        2 * length,
     )

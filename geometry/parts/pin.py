@@ -40,6 +40,7 @@ class Seat:
 class Pin:
     """Round pin along z, mid-plane at z = 0, one interface per seat."""
 
+    stressed_evenly: ClassVar[bool] = False
     interfaces: ClassVar[tuple[str, ...]] = ()  # the names of the seats
 
     seats: tuple[Seat, ...]

@@ -17,6 +17,7 @@ from geometry.sections import Section, square_tube_section
 class PrismaticTube:
     """Square tube along x from x = 0 (interface "start") to x = `length` (interface "end")."""
 
+    stressed_evenly: ClassVar[bool] = True
     interfaces: ClassVar[tuple[str, ...]] = ("start", "end")
 
     length: float = a_length("distance between the pin axes", given_by=GIVEN_BY_LINKAGE)

@@ -12,7 +12,6 @@ from geometry.parameters import (
     ParameterError,
     a_length,
     check_above,
-    check_at_least,
     check_square_tube,
 )
 from geometry.parts._solids import square_tube
@@ -27,6 +26,7 @@ class ToggleBar:
     `cutout_length` from the knee's end, with corners of radius `cutout_corner`.
     """
 
+    stressed_evenly: ClassVar[bool] = False
     interfaces: ClassVar[tuple[str, ...]] = ("knee", "end")
 
     length: float = a_length("distance between the pin axes", given_by=GIVEN_BY_LINKAGE)
@@ -75,7 +75,7 @@ class ToggleBar:
                 "cutout_length",
                 f"{self.cutout_length:g} mm is longer than the bar, which is {total:g} mm",
             )
-        check_at_least("cutout_corner", self.cutout_corner, 0)
+        check_above("cutout_corner", self.cutout_corner, 0)
         largest = min(self.width / 2 - self.wall, self.cutout_length)
         if self.cutout_corner >= largest:
             raise ParameterError(

@@ -137,7 +137,7 @@ def test_a_template_is_a_design_that_reads_and_the_press_is_the_one_in_designs(t
         (tmp_path / f"{name}.toml").write_text(new_design(name))
         read_design(tmp_path / f"{name}.toml")
     assert new_design("toggle_press") == PRESS.read_text()
-    with pytest.raises(DesignError, match=r"'togle_press', did you mean toggle_press\?"):
+    with pytest.raises(DesignError, match=r"'togle-press', did you mean toggle-press\?"):
         new_design("togle_press")
 
 

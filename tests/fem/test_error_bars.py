@@ -91,7 +91,13 @@ def test_three_meshes_that_do_not_converge_give_three_times_their_spread(values)
 
 
 def test_meshes_that_agree_leave_no_discretisation_error():
-    assert discretisation_error([100, 101, 101], [1, 0.5, 0.25]) == 0.0
+    assert discretisation_error([101, 101, 101], [1, 0.5, 0.25]) == 0.0
+
+
+def test_two_meshes_that_agree_by_chance_keep_a_bar_from_the_step_before():
+    """Step 20, then 0: a second-order rest of 20/4/3 with 1.25; a change of sign likewise."""
+    assert_allclose(discretisation_error([100, 120, 120], [1, 0.5, 0.25]), 1.25 * 20 / 4 / 3)
+    assert discretisation_error([100, 120, 119.9], [1, 0.5, 0.25]) > 2
 
 
 def test_one_mesh_has_no_error_bar():
