@@ -114,9 +114,9 @@ def _table(result: DesignResult, width: int) -> list[str]:
     lines = _table_row("  ", list(_HEADINGS), widths)
     for check, row in zip(checks, rows, strict=True):
         if check.status is Status.PASS:
-            # About two lines, with the position kept; the report has it all.
+            # About three lines, with the position kept; the report has it all.
             place = replace(check, place=clipped(check.place, widths[-1] - 2))
-            row[-1] = clipped(f"{where(place)}; {check.method}", 2 * widths[-1])
+            row[-1] = clipped(f"{where(place)}; {check.method}", 3 * widths[-1])
         lines += _table_row("> " if check is result.deciding else "  ", row, widths)
     return lines
 

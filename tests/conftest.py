@@ -30,13 +30,13 @@ class Run:
 
 
 def run_ballesta(*arguments: str, out: Path, cwd: Path = ROOT) -> Run:
-    """Run the command line as a user does, 100 columns wide."""
+    """Run the command line as a user does, 120 columns wide."""
     done = subprocess.run(
         [sys.executable, "-m", "ballesta.cli", *arguments],
         cwd=cwd,
         capture_output=True,
         text=True,
-        env=os.environ | {"COLUMNS": "100", "PYTHONPATH": str(ROOT)},
+        env=os.environ | {"COLUMNS": "120", "PYTHONPATH": str(ROOT)},
         check=False,
     )
     return Run(done.returncode, done.stdout, done.stderr, out)

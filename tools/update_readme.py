@@ -31,7 +31,7 @@ def main() -> None:
             cwd=ROOT,
             capture_output=True,
             text=True,
-            env=os.environ | {"COLUMNS": "100"},
+            env=os.environ | {"COLUMNS": "120"},
             check=False,
         )
         head, _, before, tail = found

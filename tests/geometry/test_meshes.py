@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from geometry import meshing
 from geometry.mesh import Interface, Mesh, MeshError, boundary_facets
 from geometry.meshing import Body, mesh_shape
 from geometry.parts import Pin, PrismaticTube, Seat, ToggleBar
@@ -249,11 +250,28 @@ def test_a_shape_that_gmsh_cannot_build_is_a_mesh_error():
         mesh_shape(Broken())
 
 
-def test_a_mesh_that_hxt_folds_is_made_by_the_other_mesher_and_says_so():
-    """gmsh 4.15 gives HXT's mesh up in a thread of its own; uncaught, that ended the process."""
+def test_a_mesh_that_hxt_folds_is_made_by_the_other_mesher_and_says_so(monkeypatch):
+    """Without the repair of curved elements HXT folds this pin at its fillets."""
+    made = []
+
+    def without_repair_by_hxt(shape, fineness, mesher, algorithm):
+        made.append(mesher)
+        repair = 0 if mesher == "HXT" else 1
+        monkeypatch.setitem(meshing._OPTIONS, "Mesh.HighOrderOptimize", repair)
+        return mesh_with(shape, fineness, mesher, algorithm)
+
+    mesh_with = meshing._mesh_with
+    monkeypatch.setattr(meshing, "_mesh_with", without_repair_by_hxt)
     mesh = mesh_shape(replace(PIN, step_fillet=1.0), fineness=0.5)
-    assert mesh.mesher == "Delaunay, because HXT folded an element"
+    assert made == ["HXT", "Delaunay, because HXT folded an element"]
+    assert mesh.mesher == made[1]
     assert mesh.jacobian_minimum > 0
+
+
+def test_gmsh_giving_an_element_up_does_not_end_the_process(monkeypatch):
+    """gmsh 4.15 gives this mesh up in a thread of its own; uncaught, that ended the process."""
+    monkeypatch.setitem(meshing._OPTIONS, "Mesh.HighOrderNumLayers", 6)
+    assert mesh_shape(replace(PIN, step_fillet=1.0), fineness=0.5).jacobian_minimum > 0
 
 
 @pytest.mark.parametrize("fineness", [0.0, -1.0, float("nan")])
