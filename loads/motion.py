@@ -369,13 +369,14 @@ def _stopped(
     kinematics: Kinematics, coordinate: Coordinate, pose: FloatArray, end: float, last: float
 ) -> LinkageError:
     """Return the error of a value that cannot be reached: how far the joints stay open there."""
+    unit = "rad" if coordinate.angular else "mm"
     joint, gap = closest_approach(kinematics, coordinate, end, pose)
     if gap < 1e-6 * kinematics.size:
         return LinkageError(
-            f"{coordinate.label} cannot be led to {end:.9g}: it stands still at {last:.6g} "
+            f"{coordinate.label} cannot be led to {end:.9g} {unit}: it stands still at {last:.6g} "
             "(dead centre); end before it, or sweep another coordinate"
         )
     return LinkageError(
-        f"{coordinate.label} = {end:.9g} cannot be reached: joint {joint!r} stays open by "
-        f"{gap:.4g} mm there; the last value that can be reached is {last:.6g}"
+        f"{coordinate.label} = {end:.9g} {unit} cannot be reached: joint {joint!r} stays open by "
+        f"{gap:.4g} mm there; the last value that can be reached is {last:.6g} {unit}"
     )

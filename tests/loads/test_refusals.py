@@ -30,8 +30,8 @@ def test_a_height_that_the_bars_do_not_reach_is_refused_with_its_gap():
     """Bars of 250 mm reach 500 mm: at 510 mm, 10 mm are missing."""
     with pytest.raises(
         LinkageError,
-        match=r"A\.y = 510 cannot be reached: joint '\w+' stays open by (10|9\.99)"
-        r".* last value that can be reached is 500",
+        match=r"A\.y = 510 mm cannot be reached: joint '\w+' stays open by (10|9\.99)"
+        r".* last value that can be reached is 500 mm",
     ):
         trace(toggle(), toggle_height(toggle()), 300.0, 510.0)
 
