@@ -71,7 +71,7 @@ def buckling_modes(
             Minv=LinearOperator((n, n), matvec=project, dtype=float),
             which="LM",  # the smallest factors of either sign
             v0=start,
-            tol=1e-5,
+            tol=1e-9,
         )
     except ArpackNoConvergence as error:
         raise SolverError(f"the buckling factors did not converge: {error}") from error
