@@ -13,45 +13,37 @@ def _check_direction(owner: str, direction: Vector) -> None:
 
 
 @dataclass(frozen=True)
-class Revolute:
-    """A pin: the point of this name on body a and on body b stay together."""
+class _AtOnePoint:
+    """A joint at a point that both bodies know by the same name."""
 
     name: str
     body_a: str
     body_b: str
     point: str
-    n_constraints: ClassVar[int] = 2
 
     @property
     def point_a(self) -> str:
-        """The pin's point on body a."""
+        """The joint's point on body a."""
         return self.point
 
     @property
     def point_b(self) -> str:
-        """The pin's point on body b."""
+        """The joint's point on body b."""
         return self.point
 
 
 @dataclass(frozen=True)
-class Fixed:
+class Revolute(_AtOnePoint):
+    """A pin: the point of this name on body a and on body b stay together."""
+
+    n_constraints: ClassVar[int] = 2
+
+
+@dataclass(frozen=True)
+class Fixed(_AtOnePoint):
     """A weld: the point of this name stays together and the bodies keep their assembled angle."""
 
-    name: str
-    body_a: str
-    body_b: str
-    point: str
     n_constraints: ClassVar[int] = 3
-
-    @property
-    def point_a(self) -> str:
-        """The weld's point on body a."""
-        return self.point
-
-    @property
-    def point_b(self) -> str:
-        """The weld's point on body b."""
-        return self.point
 
 
 @dataclass(frozen=True)
