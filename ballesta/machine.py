@@ -126,8 +126,7 @@ def cycle_of(design: design_data.Design, cycle: design_data.Cycle) -> loads.Cycl
         name=cycle.name,
         coordinate=_coordinate(design, cycle.coordinate),
         start=cycle.start,
-        pace_coordinate=_coordinate(design, cycle.pace),
-        pace_speed=cycle.pace_speed,
+        pace=loads.SteadyPace(_coordinate(design, cycle.pace), cycle.pace_speed),
         phases=tuple(loads.Phase(p.name, p.to, p.given, p.solve) for p in cycle.phases),
         n_positions=cycle.positions,
     )

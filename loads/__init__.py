@@ -1,6 +1,7 @@
 """Loads of any planar linkage of one degree of freedom over its cycle, part by part."""
 
 from loads.bodies import GROUND, Body, LinkageError
+from loads.compliance import BeamCompliance, JointCompliance, MatrixCompliance
 from loads.cycle import Cycle, Phase, run_cycle
 from loads.cycle_loads import CycleLoads
 from loads.elements import (
@@ -18,14 +19,18 @@ from loads.elements import (
 )
 from loads.forces import ForceSolution, JointLoad, solve_forces
 from loads.history import LoadHistory
+from loads.laws import Contact, Law, Table
 from loads.linkage import Linkage
 from loads.motion import Geometry, Motion, Path, move, trace
+from loads.pace import Pace, SteadyPace, StrokePace
 from loads.point_loads import PointLoad
 
 __all__ = [
     "GROUND",
     "Angle",
+    "BeamCompliance",
     "Body",
+    "Contact",
     "Coordinate",
     "Cycle",
     "CycleLoads",
@@ -36,11 +41,15 @@ __all__ = [
     "Friction",
     "Geometry",
     "Joint",
+    "JointCompliance",
     "JointLoad",
+    "Law",
     "Linkage",
     "LinkageError",
     "LoadHistory",
+    "MatrixCompliance",
     "Motion",
+    "Pace",
     "Path",
     "Phase",
     "PointCoordinate",
@@ -48,6 +57,9 @@ __all__ = [
     "Prismatic",
     "Revolute",
     "Slot",
+    "SteadyPace",
+    "StrokePace",
+    "Table",
     "move",
     "run_cycle",
     "solve_forces",

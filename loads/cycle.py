@@ -10,8 +10,10 @@ from loads.bodies import FloatArray, LinkageError
 from loads.cycle_loads import CycleLoads
 from loads.elements import Coordinate
 from loads.forces import ForceSolution, JointLoad, solve_forces
+from loads.laws import Law
 from loads.linkage import Linkage
 from loads.motion import Motion, Path, move, trace
+from loads.pace import Pace
 
 _LEAST_PER_PHASE = 20
 _COARSE = 201  # positions per phase that find where the loads change
@@ -22,12 +24,13 @@ class Phase:
     """A part of the cycle: up to which value, under which forces, solving for which one.
 
     stop   mm or rad, of the cycle's coordinate
-    given  N or N mm, by force name; every force is either given or solved for
+    given  the law of each force, by name: N or N mm where it is constant; every force is either
+           given or solved for
     """
 
     name: str
     stop: float
-    given: Mapping[str, float]
+    given: Mapping[str, Law]
     solve: str
 
 
@@ -35,16 +38,14 @@ class Phase:
 class Cycle:
     """What a linkage does: a coordinate swept from start through the stops of the phases.
 
-    pace_coordinate, pace_speed  the coordinate that changes at a constant rate [mm/s or rad/s];
-                                 its direction follows the phase
-    n_positions                  at least, over all phases
+    pace         the coordinate that sets the time; its direction follows the phase
+    n_positions  at least, over all phases
     """
 
     name: str
     coordinate: Coordinate
     start: float
-    pace_coordinate: Coordinate
-    pace_speed: float
+    pace: Pace
     phases: tuple[Phase, ...]
     n_positions: int = 361
 
@@ -54,8 +55,6 @@ class Cycle:
             raise LinkageError(f"{owner}: has no phases")
         if self.n_positions < 2:
             raise LinkageError(f"{owner}: needs at least 2 positions, got {self.n_positions}")
-        if not (isfinite(self.pace_speed) and self.pace_speed > 0.0):
-            raise LinkageError(f"{owner}: the pace must be above 0, got {self.pace_speed:g}")
         names = [phase.name for phase in self.phases]
         for name in names:
             if names.count(name) > 1:
@@ -98,8 +97,8 @@ def _solve(path: Path, cycle: Cycle, k: int, grid: FloatArray) -> tuple[Motion, 
     try:
         motion = move(
             path.at(grid),
-            cycle.pace_coordinate,
-            cycle.pace_speed,
+            cycle.pace.coordinate,
+            cycle.pace.speed,
             1 if grid[-1] > grid[0] else -1,
         )
         return motion, solve_forces(motion, phase.given, phase.solve)
@@ -134,8 +133,8 @@ def _joined(
 ) -> CycleLoads:
     times, clock = [], 0.0
     for motion in motions:
-        pace = motion.kinematics.value(cycle.pace_coordinate, motion.poses)
-        times.append(clock + np.abs(pace - pace[0]) / cycle.pace_speed)
+        pace = motion.kinematics.value(cycle.pace.coordinate, motion.poses)
+        times.append(clock + np.abs(pace - pace[0]) / cycle.pace.speed)
         clock = float(times[-1][-1])
     reactions = {
         joint.name: JointLoad(

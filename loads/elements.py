@@ -1,7 +1,7 @@
 """What stands between bodies: joints, the coordinates that measure them, forces and friction."""
 
 from dataclasses import dataclass
-from math import hypot, isfinite
+from math import hypot, inf, isfinite
 from typing import ClassVar
 
 from loads.bodies import GROUND, LinkageError, Vector
@@ -10,6 +10,11 @@ from loads.bodies import GROUND, LinkageError, Vector
 def _check_direction(owner: str, direction: Vector) -> None:
     if len(direction) != 2 or not 0.0 < hypot(*direction) < float("inf"):
         raise LinkageError(f"{owner}: the direction must be a vector, got {direction}")
+
+
+def _check_ends(owner: str, ends: tuple[float, float] | None) -> None:
+    if ends is not None and not (len(ends) == 2 and -inf < ends[0] < ends[1] < inf):
+        raise LinkageError(f"{owner}: its ends must be two rising numbers, got {ends}")
 
 
 @dataclass(frozen=True)
@@ -52,6 +57,7 @@ class Slot:
 
     point_a    a point of body a on the line
     direction  of the line, in the frame of body a (any length)
+    ends       mm along the direction from point a, between which point b may be; None: no ends
     """
 
     name: str
@@ -60,10 +66,12 @@ class Slot:
     point_a: str
     point_b: str
     direction: Vector
+    ends: tuple[float, float] | None = None
     n_constraints: ClassVar[int] = 1
 
     def __post_init__(self) -> None:
         _check_direction(f"joint {self.name!r}", self.direction)
+        _check_ends(f"joint {self.name!r}", self.ends)
 
 
 @dataclass(frozen=True)
@@ -76,10 +84,12 @@ class Prismatic:
     point_a: str
     point_b: str
     direction: Vector
+    ends: tuple[float, float] | None = None
     n_constraints: ClassVar[int] = 2
 
     def __post_init__(self) -> None:
         _check_direction(f"joint {self.name!r}", self.direction)
+        _check_ends(f"joint {self.name!r}", self.ends)
 
 
 Joint = Revolute | Prismatic | Slot | Fixed

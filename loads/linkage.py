@@ -7,6 +7,7 @@ from math import isfinite
 from typing import Self, TypeVar
 
 from loads.bodies import GROUND, Body, LinkageError, Pose, Vector, nearest
+from loads.compliance import Compliance
 from loads.elements import (
     Angle,
     Coordinate,
@@ -27,6 +28,7 @@ class Linkage:
     bodies     the body ``ground`` among them holds the points fixed to the frame
     friction   by joint name; joints not named have none
     gravity    mm/s2, in the ground frame
+    compliance  of bodies and joints that deflect in front of a contact; all else is rigid
     assembled  x, y [mm] and angle [rad] of every moving body's frame, by body name
     """
 
@@ -36,6 +38,7 @@ class Linkage:
     assembled: Mapping[str, Pose]
     friction: Mapping[str, Friction] = field(default_factory=dict)
     gravity: Vector = (0.0, -9810.0)
+    compliance: tuple[Compliance, ...] = ()
 
     def __post_init__(self) -> None:
         for kind, names in (

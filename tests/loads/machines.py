@@ -15,6 +15,7 @@ from loads import (
     PointCoordinate,
     Prismatic,
     Revolute,
+    SteadyPace,
 )
 
 
@@ -90,8 +91,7 @@ def press_cycle(linkage, h=500.0, speed=100.0, pull=11000.0, n_positions=361, la
         "press",
         toggle_height(linkage),
         start=300.0 * k,
-        pace_coordinate=linkage.force("cylinder").coordinate,
-        pace_speed=speed,
+        pace=SteadyPace(linkage.force("cylinder").coordinate, speed),
         phases=(
             Phase("approach", 493.0 * k, {"process": 0.0}, "cylinder"),
             Phase("press", h - last * k, {"cylinder": pull}, "process"),

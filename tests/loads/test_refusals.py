@@ -19,6 +19,7 @@ from loads import (
     PointCoordinate,
     Prismatic,
     Revolute,
+    SteadyPace,
     run_cycle,
     trace,
 )
@@ -53,8 +54,7 @@ def test_an_effort_that_passes_a_dead_centre_between_positions_is_refused():
         "turn",
         Angle("crank"),
         1.0,
-        Angle("crank"),
-        10.0,
+        SteadyPace(Angle("crank"), 10.0),
         (Phase("all", 7.0, {"drive": 1000.0}, "push"),),
     )
     with pytest.raises(LinkageError, match=r"'turn', phase 'all': force 'push' cannot balance"):
@@ -65,7 +65,11 @@ def test_a_pace_that_stands_still_is_refused():
     linkage = slider_crank(50.0, 200.0, slider_mass=1e-3, at=1.0)
     pace = linkage.force("push").coordinate
     cycle = Cycle(
-        "turn", Angle("crank"), 1.0, pace, 10.0, (Phase("all", 7.0, {"push": 0.0}, "drive"),)
+        "turn",
+        Angle("crank"),
+        1.0,
+        SteadyPace(pace, 10.0),
+        (Phase("all", 7.0, {"push": 0.0}, "drive"),),
     )
     with pytest.raises(LinkageError, match=r"B\.x sets the pace but stands still"):
         run_cycle(linkage, cycle)
@@ -88,7 +92,9 @@ def wedge(coefficient):
 
 def wedge_cycle(linkage):
     x = linkage.force("push").coordinate
-    return Cycle("up", x, 0.0, x, 10.0, (Phase("up", 10.0, {"hold": 100.0}, "push"),), 20)
+    return Cycle(
+        "up", x, 0.0, SteadyPace(x, 10.0), (Phase("up", 10.0, {"hold": 100.0}, "push"),), 20
+    )
 
 
 @pytest.mark.parametrize("coefficient", [0.0, 0.3, 0.9])

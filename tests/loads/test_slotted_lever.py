@@ -14,6 +14,7 @@ from loads import (
     Phase,
     Revolute,
     Slot,
+    SteadyPace,
     run_cycle,
 )
 
@@ -45,7 +46,7 @@ def lever(mass=0.0, coefficient=0.0):
 def turn(linkage):
     crank = Angle("crank")
     phase = Phase("turn", 2 * np.pi, {"load": -5000.0}, "drive")
-    return run_cycle(linkage, Cycle("turn", crank, 0.0, crank, SPEED, (phase,), 120))
+    return run_cycle(linkage, Cycle("turn", crank, 0.0, SteadyPace(crank, SPEED), (phase,), 120))
 
 
 def test_the_lever_turns_as_its_closed_form_says():

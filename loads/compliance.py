@@ -1,0 +1,77 @@
+"""What gives way in a linkage: bodies and joints with small elastic deflections, as numbers."""
+
+from dataclasses import dataclass
+from math import isfinite
+
+import numpy as np
+
+from loads.bodies import FloatArray, LinkageError
+
+
+@dataclass(frozen=True)
+class BeamCompliance:
+    """A body that bends and shortens along its own x axis, which its loaded points lie on.
+
+    bending  N mm2, stiffness E I; None does not bend
+    axial    N, stiffness E A; None does not shorten
+    """
+
+    body: str
+    bending: float | None = None
+    axial: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.bending is None and self.axial is None:
+            raise LinkageError(f"body {self.body!r}: its elasticity states neither E I nor E A")
+        for name, value in (("bending", self.bending), ("axial", self.axial)):
+            if value is not None and not (isfinite(value) and value > 0.0):
+                raise LinkageError(
+                    f"body {self.body!r}: its {name} stiffness must be above 0, got {value:g}"
+                )
+
+
+@dataclass(frozen=True, eq=False)
+class MatrixCompliance:
+    """A body's compliance at its points, for loads on it in its own axes.
+
+    points  m names of points of the body
+    matrix  (3 m, 3 m) mm/N, rad/N, rad/(N mm): displacements x, y and turn of every point for
+            forces x, y and couple at every point; held anyhow, as long as the body can deform
+    """
+
+    body: str
+    points: tuple[str, ...]
+    matrix: FloatArray
+
+    def __post_init__(self) -> None:
+        size = 3 * len(self.points)
+        matrix = np.asarray(self.matrix, dtype=float)
+        if matrix.shape != (size, size):
+            raise LinkageError(
+                f"body {self.body!r}: the compliance of {len(self.points)} points is "
+                f"{size} x {size}, got {matrix.shape}"
+            )
+        if not np.isfinite(matrix).all():
+            raise LinkageError(f"body {self.body!r}: its compliance holds finite numbers only")
+        if np.abs(matrix - matrix.T).max(initial=0.0) > 1e-6 * np.abs(matrix).max(initial=0.0):
+            raise LinkageError(f"body {self.body!r}: its compliance is not symmetric")
+
+
+@dataclass(frozen=True)
+class JointCompliance:
+    """A joint that gives way in the direction of its force: pin, bearing, or frame behind it.
+
+    stiffness  N/mm
+    """
+
+    joint: str
+    stiffness: float
+
+    def __post_init__(self) -> None:
+        if not (isfinite(self.stiffness) and self.stiffness > 0.0):
+            raise LinkageError(
+                f"joint {self.joint!r}: its stiffness must be above 0, got {self.stiffness:g}"
+            )
+
+
+Compliance = BeamCompliance | MatrixCompliance | JointCompliance

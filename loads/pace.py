@@ -1,0 +1,90 @@
+"""How a cycle runs in time: the rate of one coordinate along its way."""
+
+from dataclasses import dataclass
+from math import isfinite
+from typing import Final
+
+import numpy as np
+
+from loads.bodies import FloatArray, LinkageError
+from loads.elements import Coordinate
+
+STROKE_LAWS: Final = ("harmonic", "cycloidal", "polynomial")
+
+
+@dataclass(frozen=True)
+class SteadyPace:
+    """A coordinate that changes at a speed, which may itself rise or fall evenly.
+
+    speed         mm/s or rad/s at the start of the cycle, a magnitude: its sign follows the phase
+    acceleration  mm/s2 or rad/s2 along the way; above 0 the speed rises
+    """
+
+    coordinate: Coordinate
+    speed: float
+    acceleration: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (isfinite(self.speed) and self.speed > 0.0):
+            raise LinkageError(
+                f"the speed of {self.coordinate.label} must be above 0, got {self.speed:g}"
+            )
+        if not isfinite(self.acceleration):
+            raise LinkageError(f"the acceleration of {self.coordinate.label} must be finite")
+
+
+@dataclass(frozen=True)
+class StrokePace:
+    """A coordinate led from rest to rest in every stroke (phases in one direction) of the cycle.
+
+    law   harmonic, cycloidal, or polynomial (3-4-5), of the share of the way over that of the time
+          (Norton, Design of Machinery, ch. 8)
+    time  s, of each stroke
+    """
+
+    coordinate: Coordinate
+    law: str
+    time: float
+
+    def __post_init__(self) -> None:
+        if self.law not in STROKE_LAWS:
+            raise LinkageError(f"the law of a stroke is one of {STROKE_LAWS}, not {self.law!r}")
+        if not (isfinite(self.time) and self.time > 0.0):
+            raise LinkageError(f"the time of a stroke must be above 0, got {self.time:g}")
+
+
+Pace = SteadyPace | StrokePace
+
+
+def stroke_law(law: str, tau: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return share of the way, its rate and the rate's rate, at shares of the time (0 to 1)."""
+    tau = np.asarray(tau, dtype=float)
+    turn = 2.0 * np.pi * tau
+    if law == "harmonic":
+        half = np.pi * tau
+        return (
+            np.sin(half / 2.0) ** 2,
+            np.pi / 2.0 * np.sin(half),
+            np.pi**2 / 2.0 * np.cos(half),
+        )
+    if law == "cycloidal":
+        return tau - np.sin(turn) / (2.0 * np.pi), 1.0 - np.cos(turn), 2.0 * np.pi * np.sin(turn)
+    return (
+        tau**3 * (10.0 - 15.0 * tau + 6.0 * tau**2),
+        30.0 * tau**2 * (1.0 - tau) ** 2,
+        60.0 * tau * (1.0 - 3.0 * tau + 2.0 * tau**2),
+    )
+
+
+def stroke_time(law: str, share: FloatArray) -> FloatArray:
+    """Return the share of the time at which a law has gone these shares of the way (bisection)."""
+    share = np.clip(np.asarray(share, dtype=float), 0.0, 1.0)
+    low, high = np.zeros_like(share), np.ones_like(share)
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        short = stroke_law(law, middle)[0] < share
+        low, high = np.where(short, middle, low), np.where(short, high, middle)
+    result: FloatArray = np.where(
+        share == 0.0, 0.0, np.where(share == 1.0, 1.0, 0.5 * (low + high))
+    )
+    return result
