@@ -3,7 +3,8 @@
 from loads.bodies import GROUND, Body, LinkageError
 from loads.compliance import BeamCompliance, JointCompliance, MatrixCompliance
 from loads.cycle import Cycle, Phase, run_cycle
-from loads.cycle_loads import CycleLoads
+from loads.cycle_loads import ContactLoads, CycleLoads
+from loads.drive import DriveFigures
 from loads.elements import (
     Angle,
     Coordinate,
@@ -24,6 +25,7 @@ from loads.linkage import Linkage
 from loads.motion import Geometry, Motion, Path, move, trace
 from loads.pace import Pace, SteadyPace, StrokePace
 from loads.point_loads import PointLoad
+from loads.pull_through import PullThrough, pull_through
 
 __all__ = [
     "GROUND",
@@ -31,10 +33,12 @@ __all__ = [
     "BeamCompliance",
     "Body",
     "Contact",
+    "ContactLoads",
     "Coordinate",
     "Cycle",
     "CycleLoads",
     "Distance",
+    "DriveFigures",
     "Fixed",
     "Force",
     "ForceSolution",
@@ -55,12 +59,14 @@ __all__ = [
     "PointCoordinate",
     "PointLoad",
     "Prismatic",
+    "PullThrough",
     "Revolute",
     "Slot",
     "SteadyPace",
     "StrokePace",
     "Table",
     "move",
+    "pull_through",
     "run_cycle",
     "solve_forces",
     "trace",

@@ -7,15 +7,19 @@ from math import ceil, isfinite
 import numpy as np
 
 from loads.bodies import FloatArray, LinkageError
+from loads.contact import Touch, solve_laws
 from loads.cycle_loads import CycleLoads
-from loads.elements import Coordinate
-from loads.forces import ForceSolution, JointLoad, solve_forces
-from loads.laws import Law
+from loads.elasticity import check_compliance
+from loads.elements import Coordinate, Prismatic, Slot
+from loads.forces import ForceSolution, JointLoad
+from loads.laws import Contact, Law, Table
 from loads.linkage import Linkage
-from loads.motion import Motion, Path, move, trace
+from loads.motion import Geometry, Motion, Path, move, trace
 from loads.pace import Pace
+from loads.timing import Timing
 
 _LEAST_PER_PHASE = 20
+_ROOT_STEPS = 8  # of the Illinois method: from a step of the grid to rounding
 _COARSE = 201  # positions per phase that find where the loads change
 
 
@@ -77,33 +81,119 @@ def run_cycle(linkage: Linkage, cycle: Cycle) -> CycleLoads:
     """Return motion and loads at every position of a cycle.
 
     Each phase holds both its ends, so that a border appears twice, before and after a jump of the
-    forces. Positions lie closer where the loads change faster.
+    forces. Positions lie closer where the loads change faster; where a table has a corner and where
+    a contact begins or ends there is one, too.
+    Raises LinkageError, which names the phase, where the cycle cannot be.
     """
+    check_compliance(linkage)
     ends = [cycle.start, *(phase.stop for phase in cycle.phases)]
     path = trace(linkage, cycle.coordinate, min(ends), max(ends))
+    timing = Timing(path, cycle.pace, cycle.spans)
+    run = _Run(path, cycle, timing)
     grids = [np.linspace(start, stop, _COARSE) for start, stop in cycle.spans]
     # the second time, what the first grid has stepped over is seen
     for _ in range(2):
-        solved = [_solve(path, cycle, k, grid) for k, grid in enumerate(grids)]
-        grids = _placed(cycle, grids, [solution for _, solution in solved])
-    motions, solutions = zip(
-        *(_solve(path, cycle, k, grid) for k, grid in enumerate(grids)), strict=True
-    )
-    return _joined(linkage, cycle, motions, solutions)
+        grids = _placed(cycle, grids, [run.solve(k, grid).solution for k, grid in enumerate(grids)])
+    stretches = [run.solve(k, run.with_corners(k, grid)) for k, grid in enumerate(grids)]
+    return _joined(linkage, cycle, timing, stretches)
 
 
-def _solve(path: Path, cycle: Cycle, k: int, grid: FloatArray) -> tuple[Motion, ForceSolution]:
-    phase = cycle.phases[k]
-    try:
-        motion = move(
-            path.at(grid),
-            cycle.pace.coordinate,
-            cycle.pace.speed,
-            1 if grid[-1] > grid[0] else -1,
-        )
-        return motion, solve_forces(motion, phase.given, phase.solve)
-    except LinkageError as error:
-        raise LinkageError(f"cycle {cycle.name!r}, phase {phase.name!r}: {error}") from None
+@dataclass(frozen=True, eq=False)
+class _Stretch:
+    """One phase, solved."""
+
+    motion: Motion
+    solution: ForceSolution
+    touches: Mapping[str, Touch]
+
+
+@dataclass(frozen=True, eq=False)
+class _Run:
+    """What every phase of a cycle is solved with."""
+
+    path: Path
+    cycle: Cycle
+    timing: Timing
+
+    def solve(self, k: int, grid: FloatArray) -> _Stretch:
+        """Return phase k at the positions of a grid."""
+        phase = self.cycle.phases[k]
+        try:
+            geometry = self.path.at(grid)
+            _check_ends(self.path.kinematics.linkage, geometry)
+            speed, acceleration = self.timing.rates(k, geometry)
+            direction = 1 if grid[-1] > grid[0] else -1
+            motion = move(geometry, self.cycle.pace.coordinate, speed, direction, acceleration)
+            return _Stretch(*solve_laws(motion, phase.given, phase.solve))
+        except LinkageError as error:
+            raise LinkageError(
+                f"cycle {self.cycle.name!r}, phase {phase.name!r}: {error}"
+            ) from None
+
+    def with_corners(self, k: int, grid: FloatArray) -> FloatArray:
+        """Return the grid of phase k with the corners of its laws put in."""
+        corners: list[float] = []
+        for name, law in self.cycle.phases[k].given.items():
+            if isinstance(law, Table):
+                corners += self._table_corners(law, grid)
+            elif isinstance(law, Contact):
+                corners += self._contact_borders(k, name, grid)
+        if not corners:
+            return grid
+        rising = np.sort(np.concatenate([grid, corners]))
+        apart = np.diff(rising, prepend=-np.inf) > 1e-12 * abs(grid[-1] - grid[0])
+        kept = rising[apart]
+        kept[0], kept[-1] = min(grid[0], grid[-1]), max(grid[0], grid[-1])
+        placed: FloatArray = kept if grid[-1] > grid[0] else kept[::-1]
+        return placed
+
+    def _table_corners(self, table: Table, grid: FloatArray) -> list[float]:
+        places = self.path.kinematics.value(table.coordinate, self.path.at(grid).poses)
+        corners: list[float] = []
+        for corner in table.values[1:-1]:
+            before, after = places[:-1] - corner, places[1:] - corner
+            for i in np.flatnonzero(before * after < 0.0):
+                share = before[i] / (before[i] - after[i])
+                corners.append(float(grid[i] + share * (grid[i + 1] - grid[i])))
+        return corners
+
+    def _contact_borders(self, k: int, name: str, grid: FloatArray) -> list[float]:
+        """Return where a contact begins or ends: roots of its gap, by the Illinois method."""
+        gap = self.solve(k, grid).touches[name].gap
+        changes = np.flatnonzero((gap[:-1] < 0.0) != (gap[1:] < 0.0))
+        if not len(changes):
+            return []
+        one, other = grid[changes], grid[changes + 1]
+        gap_one, gap_other = gap[changes], gap[changes + 1]
+        for _ in range(_ROOT_STEPS):
+            middle = (one * gap_other - other * gap_one) / (gap_other - gap_one)
+            # the ends of the grid keep the direction of the phase
+            trial = np.concatenate([grid[:1], middle, grid[-1:]])
+            gap_middle = self.solve(k, trial).touches[name].gap[1:-1]
+            crossed = (gap_middle < 0.0) != (gap_other < 0.0)
+            one = np.where(crossed, other, one)
+            gap_one = np.where(crossed, gap_other, 0.5 * gap_one)
+            other, gap_other = middle, gap_middle
+            if (gap_other == gap_one).any():
+                break
+        return [float(value) for value in other]
+
+
+def _check_ends(linkage: Linkage, geometry: Geometry) -> None:
+    """Raise where a pin has left its slot."""
+    for joint in linkage.joints:
+        if not isinstance(joint, Prismatic | Slot) or joint.ends is None:
+            continue
+        travel = geometry.kinematics.travel(geometry.poses, joint)
+        low, high = joint.ends
+        slack = 1e-9 * geometry.kinematics.size
+        outside = (travel < low - slack) | (travel > high + slack)
+        if outside.any():
+            k = int(np.argmax(outside))
+            raise LinkageError(
+                f"joint {joint.name!r}: at {geometry.values[k]:.6g} its point {joint.point_b!r} "
+                f"is {travel[k]:.5g} mm along the line, beyond the end of {low:g} ... {high:g} mm"
+            )
 
 
 def _placed(
@@ -126,16 +216,10 @@ def _placed(
 
 
 def _joined(
-    linkage: Linkage,
-    cycle: Cycle,
-    motions: tuple[Motion, ...],
-    solutions: tuple[ForceSolution, ...],
+    linkage: Linkage, cycle: Cycle, timing: Timing, stretches: list[_Stretch]
 ) -> CycleLoads:
-    times, clock = [], 0.0
-    for motion in motions:
-        pace = motion.kinematics.value(cycle.pace.coordinate, motion.poses)
-        times.append(clock + np.abs(pace - pace[0]) / cycle.pace.speed)
-        clock = float(times[-1][-1])
+    motions = [stretch.motion for stretch in stretches]
+    solutions = [stretch.solution for stretch in stretches]
     reactions = {
         joint.name: JointLoad(
             *(
@@ -148,17 +232,37 @@ def _joined(
     return CycleLoads(
         linkage=linkage,
         name=cycle.name,
+        pace=cycle.pace.coordinate,
         positions=np.concatenate([motion.values for motion in motions]),
-        times=np.concatenate(times),
+        times=np.concatenate([timing.times(k, motion) for k, motion in enumerate(motions)]),
         phases=tuple(phase.name for phase in cycle.phases),
         phase_of=np.repeat(np.arange(len(motions)), [len(m.values) for m in motions]),
         poses=np.concatenate([motion.poses for motion in motions]),
         velocities=np.concatenate([motion.velocities for motion in motions]),
         accelerations=np.concatenate([motion.accelerations for motion in motions]),
+        heading=np.concatenate([motion.heading for motion in motions]),
         reactions=reactions,
         efforts={
             force.name: np.concatenate([s.efforts[force.name] for s in solutions])
             for force in linkage.forces
         },
+        touches=_touches(stretches),
         conditioning=np.concatenate([s.conditioning for s in solutions]),
     )
+
+
+def _touches(stretches: list[_Stretch]) -> dict[str, Touch]:
+    """Return the contacts over the whole cycle; in a phase without it, a contact is open."""
+    result = {}
+    for name in dict.fromkeys(name for stretch in stretches for name in stretch.touches):
+        parts = []
+        for stretch in stretches:
+            n = len(stretch.motion.values)
+            none = Touch(np.zeros(n, dtype=bool), np.full(n, np.inf), np.zeros(n))
+            parts.append(stretch.touches.get(name, none))
+        result[name] = Touch(
+            np.concatenate([part.touching for part in parts]),
+            np.concatenate([part.gap for part in parts]),
+            np.concatenate([part.deflection for part in parts]),
+        )
+    return result

@@ -7,13 +7,32 @@ from functools import cached_property
 import numpy as np
 
 from loads.assembly import worst_gaps
-from loads.bodies import FloatArray, IntArray, LinkageError, nearest
-from loads.elements import Distance, PointCoordinate, Prismatic, Revolute, Slot
+from loads.bodies import GROUND, BoolArray, FloatArray, IntArray, LinkageError, nearest
+from loads.contact import Touch
+from loads.drive import DriveFigures, drive_figures
+from loads.elements import Coordinate, Distance, PointCoordinate, Prismatic, Revolute, Slot
 from loads.forces import JointLoad
 from loads.history import LoadHistory
 from loads.kinematics import Kinematics, dot, rotated, turned_left
 from loads.linkage import Linkage
 from loads.point_loads import PointLoad, body_loads
+
+
+@dataclass(frozen=True, eq=False)
+class ContactLoads:
+    """A contact over a cycle.
+
+    touching        (n,)
+    deflection      (n,) mm, how far the linkage gives way along the force, under all its loads
+    approach_speed  mm/s or rad/s, largest rate of its coordinate where it begins to touch, as if
+                    nothing were in the way
+    energy          N mm, of the pushed body alone at that speed: the impact, which no load here has
+    """
+
+    touching: BoolArray
+    deflection: FloatArray
+    approach_speed: float
+    energy: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,13 +45,17 @@ class CycleLoads:
     poses          (n, bodies, 3)  mm, mm, rad, in the order of ``linkage.body_names``
     velocities     (n, bodies, 3)  mm/s, rad/s
     accelerations  (n, bodies, 3)  mm/s2, rad/s2
+    heading        (n, bodies, 3)  direction of the motion, also where it rests
     reactions      what each joint does to its body b
     efforts        (n,) N or N mm, by force name, given and solved
+    touches        contacts, by the name of their force
     conditioning   (n,) share of the motion that the solved force sees: 1 best, 0 dead centre
+    pace           the coordinate that sets the time
     """
 
     linkage: Linkage
     name: str
+    pace: Coordinate
     positions: FloatArray
     times: FloatArray
     phases: tuple[str, ...]
@@ -40,8 +63,10 @@ class CycleLoads:
     poses: FloatArray
     velocities: FloatArray
     accelerations: FloatArray
+    heading: FloatArray
     reactions: Mapping[str, JointLoad]
     efforts: Mapping[str, FloatArray]
+    touches: Mapping[str, Touch]
     conditioning: FloatArray
 
     @cached_property
@@ -90,10 +115,10 @@ class CycleLoads:
         return result
 
     @cached_property
-    def power_balance_error(self) -> float:
-        """Power of forces, friction and gravity less kinetic energy's rate, over their sum."""
+    def _powers(self) -> tuple[FloatArray, FloatArray]:
+        """Powers of forces, gravity and inertia (k, n), and of friction (m, n) [N mm/s]."""
         kinematics, n = self._kinematics, len(self.positions)
-        powers = []
+        powers, frictions = [], [np.zeros(n)]
         for force in self.linkage.forces:
             gradient = kinematics.gradient(force.coordinate, self.poses)
             rate = dot(gradient, self.velocities.reshape(n, -1))
@@ -102,10 +127,10 @@ class CycleLoads:
             load = self.reactions[joint.name]
             b, a = self.body_index(joint.body_b), self.body_index(joint.body_a)
             turning = self.velocities[:, b, 2] - self.velocities[:, a, 2]
-            powers.append(load.friction_couple * turning)
+            frictions.append(load.friction_couple * turning)
             if isinstance(joint, Prismatic | Slot):
                 rate = kinematics.sliding(self.poses, self.velocities, joint)
-                powers.append(load.friction_force * rate)
+                frictions.append(load.friction_force * rate)
         for i, body in enumerate(self.linkage.moving, start=1):
             arm = rotated(np.array(body.centre, dtype=float), self.poses[:, i, 2])
             spin, turn = self.velocities[:, i, 2], self.accelerations[:, i, 2]
@@ -117,9 +142,75 @@ class CycleLoads:
             )
             powers.append(body.mass * dot(speed, np.array(self.linkage.gravity, dtype=float)))
             powers.append(-body.mass * dot(speed, change) - body.inertia * spin * turn)
-        left = np.abs(np.sum(powers, axis=0))
+        return np.array(powers), np.array(frictions)
+
+    @cached_property
+    def power_balance_error(self) -> float:
+        """Power of forces, friction and gravity less kinetic energy's rate, over their sum."""
+        powers = np.concatenate(self._powers)
         turnover = np.sum(np.abs(powers), axis=0).max()
-        return float(left.max() / turnover) if turnover else 0.0
+        return float(np.abs(np.sum(powers, axis=0)).max() / turnover) if turnover else 0.0
+
+    @cached_property
+    def friction_share(self) -> float:
+        """Work that friction takes over the cycle, over the work of all forces that act on it."""
+        powers, frictions = self._powers
+        spans = np.diff(self.times)
+
+        def total(rows: FloatArray) -> float:
+            size = np.sum(np.abs(rows), axis=0)
+            return float(np.sum(0.5 * (size[:-1] + size[1:]) * spans))
+
+        # what flows in flows out again: half the sum of all powers is turned over
+        turnover = 0.5 * (total(powers) + total(frictions))
+        return total(frictions) / turnover if turnover else 0.0
+
+    def travel(self, joint: str) -> FloatArray:
+        """Return how far a pin is along its slot or guide (n,) [mm], from the line's point."""
+        found = self.linkage.joint(joint)
+        if not isinstance(found, Prismatic | Slot):
+            raise LinkageError(f"joint {joint!r} is neither a slot nor a guide")
+        return self._kinematics.travel(self.poses, found)
+
+    @cached_property
+    def slot_margin(self) -> Mapping[str, float]:
+        """Least distance of a pin from the end of its slot or guide [mm], where it has ends."""
+        margins = {}
+        for joint in self.linkage.joints:
+            if isinstance(joint, Prismatic | Slot) and joint.ends is not None:
+                travel = self.travel(joint.name)
+                low, high = joint.ends
+                margins[joint.name] = float(min(travel.min() - low, high - travel.max()))
+        return margins
+
+    def drive(self, force: str) -> DriveFigures:
+        """Return what a force or torque does over the cycle."""
+        return drive_figures(
+            self._kinematics,
+            self.linkage.force(force),
+            self.efforts[force],
+            self.times,
+            self.poses,
+            self.velocities,
+            self.heading,
+        )
+
+    @cached_property
+    def contacts(self) -> Mapping[str, ContactLoads]:
+        """The contacts of the cycle by the name of their force."""
+        result = {}
+        for name, touch in self.touches.items():
+            begins = np.flatnonzero(touch.touching[1:] & ~touch.touching[:-1])
+            coordinate = self.linkage.force(name).coordinate
+            gradient = self._kinematics.gradient(coordinate, self.poses)
+            rate = dot(gradient, self.velocities.reshape(len(self.positions), -1))
+            speed = float(np.abs(rate[begins]).max(initial=0.0))
+            pushed = [body for body in coordinate.bodies if body != GROUND]
+            mass = sum(self.linkage.body(body).mass for body in pushed)
+            result[name] = ContactLoads(
+                touch.touching, touch.deflection, speed, 0.5 * mass * speed**2
+            )
+        return result
 
     def part_history(self, body: str, interfaces: Mapping[str, str]) -> LoadHistory:
         """Return the loads on a body at its interfaces (interface name -> point of the body).

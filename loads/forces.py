@@ -65,26 +65,60 @@ class _Sliding:
     factor: FloatArray  # (n,), signed: what to multiply |reaction| by to get couple or force
 
 
-def solve_forces(motion: Motion, given: Mapping[str, float], solve: str) -> ForceSolution:
+def solve_forces(
+    motion: Motion, given: Mapping[str, float | FloatArray], solve: str
+) -> ForceSolution:
     """Return reactions and the effort ``solve`` for a motion under given forces [N, N mm].
+
+    given  by force name, the same everywhere or one for each position (n,)
 
     Raises LinkageError at a dead centre of the effort and where friction locks the linkage.
     """
-    kinematics = motion.kinematics
-    linkage = kinematics.linkage
     _check_names(motion, given, solve)
+    linkage, n = motion.kinematics.linkage, len(motion.values)
+    share = _share(motion, linkage.force(solve))
+    matrix = _matrix(motion, linkage.force(solve))
+    right = _inertia(motion)
+    for name, value in given.items():
+        size = np.broadcast_to(np.asarray(value, dtype=float), n)
+        right -= size[:, None] * _generalised(motion, linkage.force(name))
+    frictions = _frictions(motion)
+    vector = _solve_with_friction(motion, matrix, right, frictions)
+    efforts = {name: np.zeros(n) + value for name, value in given.items()}
+    return _unpacked(motion, solve, vector, efforts, frictions, share)
+
+
+def unit_forces(motion: Motion, name: str, size: float, solve: str) -> ForceSolution:
+    """Return the forces of one given force alone: no weight, no inertia, no friction."""
+    linkage, n = motion.kinematics.linkage, len(motion.values)
     effort = linkage.force(solve)
-    n = len(motion.values)
-    share = coordinate_share(kinematics, effort.coordinate, motion.poses, motion.first)
+    share = _share(motion, effort)
+    right = -size * _generalised(motion, linkage.force(name))
+    vector = np.asarray(np.linalg.solve(_matrix(motion, effort), right[..., None])[..., 0])
+    efforts = {force.name: np.zeros(n) for force in linkage.forces}
+    efforts[name] = np.full(n, float(size))
+    return _unpacked(motion, solve, vector, efforts, [], share)
+
+
+def _share(motion: Motion, effort: Force) -> FloatArray:
+    """Return how much of the motion an effort sees (n,), or raise at its dead centre."""
+    share = coordinate_share(motion.kinematics, effort.coordinate, motion.poses, motion.heading)
     singular = (np.abs(share) < SINGULAR) | (share * share[0] <= 0.0)
     if singular.any():
         value = motion.values[int(np.argmax(singular))]
         raise LinkageError(
-            f"force {solve!r} cannot balance the linkage at or before {value:.9g}: its coordinate "
-            f"{effort.coordinate.label} stands still there (dead centre), the force would be "
-            "infinite; end the phase before it, or solve for another force"
+            f"force {effort.name!r} cannot balance the linkage at or before {value:.9g}: its "
+            f"coordinate {effort.coordinate.label} stands still there (dead centre), the force "
+            "would be infinite; end the phase before it, or solve for another force"
         )
-    matrix = np.empty((n, kinematics.n_constraints + 1, kinematics.n_constraints + 1))
+    return share
+
+
+def _matrix(motion: Motion, effort: Force) -> FloatArray:
+    """Return what reactions and effort do to all coordinates, unit-free in lengths."""
+    kinematics = motion.kinematics
+    size = kinematics.n_constraints + 1
+    matrix = np.empty((len(motion.values), size, size))
     matrix[:, :, :-1] = np.swapaxes(
         kinematics.jacobian(motion.poses)[:, :, 3:]
         * kinematics.pose_scale
@@ -92,24 +126,30 @@ def solve_forces(motion: Motion, given: Mapping[str, float], solve: str) -> Forc
         1,
         2,
     )
-    effort_scale = kinematics.coordinate_scale(effort.coordinate)
-    matrix[:, :, -1] = _generalised(motion, effort) * kinematics.size / effort_scale
-    right = _inertia(motion)
-    for name, value in given.items():
-        right -= value * _generalised(motion, linkage.force(name))
-    frictions = _frictions(motion)
-    vector = _solve_with_friction(motion, matrix, right, frictions)
+    scale = kinematics.coordinate_scale(effort.coordinate)
+    matrix[:, :, -1] = _generalised(motion, effort) * kinematics.size / scale
+    return matrix
 
+
+def _unpacked(
+    motion: Motion,
+    solve: str,
+    vector: FloatArray,
+    efforts: dict[str, FloatArray],
+    frictions: list[_Sliding],
+    share: FloatArray,
+) -> ForceSolution:
+    kinematics = motion.kinematics
     unknown = vector[:, :-1] * kinematics.size / kinematics.row_scale
-    efforts = {name: np.full(n, float(value)) for name, value in given.items()}
-    efforts[solve] = vector[:, -1] * kinematics.size / effort_scale
+    scale = kinematics.coordinate_scale(kinematics.linkage.force(solve).coordinate)
+    efforts = efforts | {solve: vector[:, -1] * kinematics.size / scale}
     sliding = {
         friction.joint: friction.factor * np.linalg.norm(vector[:, friction.rows], axis=1)
         for friction in frictions
     }
-    zero = np.zeros(n)
+    zero = np.zeros(len(vector))
     joints: dict[str, JointLoad] = {}
-    for joint in linkage.joints:
+    for joint in kinematics.linkage.joints:
         part = unknown[:, kinematics.rows[joint.name]]
         slid = sliding.get(joint.name, zero)
         match joint:
@@ -125,7 +165,7 @@ def solve_forces(motion: Motion, given: Mapping[str, float], solve: str) -> Forc
     return ForceSolution(joints, efforts, np.abs(share), vector)
 
 
-def _check_names(motion: Motion, given: Mapping[str, float], solve: str) -> None:
+def _check_names(motion: Motion, given: Mapping[str, float | FloatArray], solve: str) -> None:
     linkage = motion.kinematics.linkage
     known = {force.name for force in linkage.forces}
     for name in (*given, solve):
@@ -172,7 +212,7 @@ def _frictions(motion: Motion) -> list[_Sliding]:
     """Return the friction of every joint that has some, against the sliding of b on a."""
     kinematics = motion.kinematics
     n = len(motion.values)
-    scaled = motion.velocities.reshape(n, -1)[:, 3:] / kinematics.pose_scale
+    scaled = motion.heading.reshape(n, -1)[:, 3:] / kinematics.pose_scale
     typical = np.linalg.norm(scaled, axis=1)
     result = []
     for joint in kinematics.linkage.joints:
@@ -182,12 +222,12 @@ def _frictions(motion: Motion) -> list[_Sliding]:
         rows = kinematics.rows[joint.name]
         if isinstance(joint, Prismatic | Slot):
             rows = slice(rows.start, rows.start + 1)
-            rate = kinematics.sliding(motion.poses, motion.velocities, joint) / kinematics.size
+            rate = kinematics.sliding(motion.poses, motion.heading, joint) / kinematics.size
             gradient = kinematics.sliding_gradient(motion.poses, joint)
             factor = friction.coefficient
         else:
             b, a = kinematics.index[joint.body_b], kinematics.index[joint.body_a]
-            rate = motion.velocities[:, b, 2] - motion.velocities[:, a, 2]
+            rate = motion.heading[:, b, 2] - motion.heading[:, a, 2]
             gradient = np.zeros((n, 3 * kinematics.n_bodies))
             gradient[:, 3 * b + 2], gradient[:, 3 * a + 2] = 1.0, -1.0
             factor = friction.coefficient * friction.radius
@@ -247,7 +287,7 @@ def _linearised(
 
 def _locking(motion: Motion, vector: FloatArray, frictions: list[_Sliding], k: int) -> LinkageError:
     """Return the error of self-locking, naming the joint whose friction takes the most power."""
-    rates = motion.velocities.reshape(len(vector), -1)[k, 3:] / motion.kinematics.pose_scale
+    rates = motion.heading.reshape(len(vector), -1)[k, 3:] / motion.kinematics.pose_scale
     power = {
         friction.joint: abs(
             float(friction.factor[k] * (friction.pull[k] @ rates))

@@ -141,7 +141,8 @@ class Kinematics:
         row[:, i : i + 2] += direction
         row[:, i + 2] += cross(arm, direction)
 
-    def _separation(self, poses: FloatArray, joint: Joint) -> FloatArray:
+    def separation(self, poses: FloatArray, joint: Joint) -> FloatArray:
+        """Return the vector from point a to point b of a joint (n, 2) [mm]."""
         return self.point(poses, joint.body_b, joint.point_b) - self.point(
             poses, joint.body_a, joint.point_a
         )
@@ -151,7 +152,7 @@ class Kinematics:
         result = np.zeros((len(poses), self.n_constraints))
         for joint in self.linkage.joints:
             rows = self.rows[joint.name]
-            apart = self._separation(poses, joint)
+            apart = self.separation(poses, joint)
             if isinstance(joint, Prismatic | Slot):
                 result[:, rows.start] = dot(turned_left(self.line(poses, joint)), apart)
             else:
@@ -174,7 +175,7 @@ class Kinematics:
                 row = result[:, rows.start]
                 self._add_point(row, b, normal, arm_b)
                 # the line turns with body a: as if its point under the slider were pushed
-                self._add_point(row, a, -normal, arm_a + self._separation(poses, joint))
+                self._add_point(row, a, -normal, arm_a + self.separation(poses, joint))
             else:
                 for k, axis in enumerate(np.eye(2)):
                     direction = np.broadcast_to(axis, (n, 2))
@@ -197,7 +198,7 @@ class Kinematics:
                 tangent = self.line(poses, joint)
                 normal = turned_left(tangent)
                 spin = rates[:, self.index[joint.body_a], 2]
-                apart = self._separation(poses, joint)
+                apart = self.separation(poses, joint)
                 parting = self._parting(poses, rates, joint)
                 result[:, rows.start] = (
                     dot(normal, bend)
@@ -220,9 +221,13 @@ class Kinematics:
             poses, rates, a, self.arm(poses, a, ends.point_a)
         )
 
+    def travel(self, poses: FloatArray, joint: Prismatic | Slot) -> FloatArray:
+        """Return how far point b is along the line from its point a (n,) [mm]."""
+        return dot(self.line(poses, joint), self.separation(poses, joint))
+
     def sliding(self, poses: FloatArray, rates: FloatArray, joint: Prismatic | Slot) -> FloatArray:
         """Return how fast body b slides along the line of body a (n,) [mm/s]."""
-        arm_a = self.arm(poses, joint.body_a, joint.point_a) + self._separation(poses, joint)
+        arm_a = self.arm(poses, joint.body_a, joint.point_a) + self.separation(poses, joint)
         arm_b = self.arm(poses, joint.body_b, joint.point_b)
         relative = self.velocity(poses, rates, joint.body_b, arm_b) - self.velocity(
             poses, rates, joint.body_a, arm_a
@@ -233,7 +238,7 @@ class Kinematics:
         """Return the derivative of the sliding distance (n, 3 bodies)."""
         row = np.zeros((len(poses), 3 * self.n_bodies))
         tangent = self.line(poses, joint)
-        arm_a = self.arm(poses, joint.body_a, joint.point_a) + self._separation(poses, joint)
+        arm_a = self.arm(poses, joint.body_a, joint.point_a) + self.separation(poses, joint)
         self._add_point(row, joint.body_b, tangent, self.arm(poses, joint.body_b, joint.point_b))
         self._add_point(row, joint.body_a, -tangent, arm_a)
         return row

@@ -43,7 +43,8 @@ class Motion:
     """Positions of a linkage with their rates in time.
 
     poses, velocities, accelerations  (n, bodies, 3)  mm, rad, s; the ground first
-    first                             (n, bodies, 3)  d poses / d swept coordinate
+    heading                           (n, bodies, 3)  d poses / d swept coordinate, the way it goes:
+                                      the direction of the velocities, also where they are zero
     """
 
     kinematics: Kinematics
@@ -51,7 +52,7 @@ class Motion:
     poses: FloatArray
     velocities: FloatArray
     accelerations: FloatArray
-    first: FloatArray
+    heading: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,20 +166,20 @@ def differentiate(
 def move(
     geometry: Geometry,
     pace: Coordinate,
-    speed: float,
+    speed: float | FloatArray,
     direction: int,
-    acceleration: float = 0.0,
+    acceleration: float | FloatArray = 0.0,
 ) -> Motion:
     """Return the motion in which the pace coordinate changes at the given speed.
 
-    speed         mm/s or rad/s, magnitude of the pace's rate
+    speed         mm/s or rad/s, magnitude of the pace's rate, one or (n,)
     direction     1: the swept coordinate rises, -1: it falls
-    acceleration  of the pace along its way (its speed rises where positive)
+    acceleration  of the pace along its way (its speed rises where positive), one or (n,)
     """
     kinematics = geometry.kinematics
     kinematics.linkage.check_coordinate(pace, "pace")
-    if not 0.0 < speed < float("inf"):
-        raise LinkageError(f"the speed of {pace.label} must be above 0, got {speed:g}")
+    if not (np.isfinite(speed).all() and np.min(speed) >= 0.0 and np.max(speed) > 0.0):
+        raise LinkageError(f"the speed of {pace.label} must be above 0, got {np.min(speed):g}")
     n = len(geometry.values)
     gradient = kinematics.gradient(pace, geometry.poses)
     slope = np.einsum("nj,nj->n", gradient, geometry.first.reshape(n, -1))
@@ -204,7 +205,7 @@ def move(
         geometry.poses,
         geometry.first * rate,
         geometry.second * rate**2 + geometry.first * change,
-        geometry.first,
+        geometry.first * direction,
     )
 
 
@@ -321,12 +322,14 @@ _Knot = tuple[float, FloatArray, FloatArray]
 def _walk(kinematics: Kinematics, coordinate: Coordinate, knot: _Knot, end: float) -> list[_Knot]:
     """Return knots from one value of the coordinate to another, each near the one before."""
     knots: list[_Knot] = []
-    start, total = knot[0], end - knot[0]
+    total = end - knot[0]
+    slack = 1e-12 * abs(total) + 16 * np.finfo(float).eps * abs(end)
     share = 1.0 / 16.0
     while knot[0] != end:
         value, pose, _ = knot
         target = value + share * total
-        if abs(target - start) >= abs(total) * (1.0 - 1e-12):
+        # sums of steps stray by rounding: a rest that is no more than that is not walked
+        if (end - target) * np.sign(total) <= slack:
             target = end
         following = _step(kinematics, coordinate, knot, target)
         if following is None:

@@ -17,13 +17,16 @@ class PointLoad:
 
     source  "joint B" or "force cylinder"
     point   of the body; None for a torque that enters at no stated point
-    force   (n, 2) N, moment (n,) N mm: ground axes
+    force   (n, 2) N, moment (n,) N mm about the point: ground axes
+    reach   (n, 2) mm from the point to where the force really acts, ground axes: along the line of
+            a guide or slot it moves, elsewhere it is zero
     """
 
     source: str
     point: str | None
     force: FloatArray
     moment: FloatArray
+    reach: FloatArray
 
 
 def body_loads(
@@ -35,28 +38,30 @@ def body_loads(
 ) -> list[PointLoad]:
     """Return every joint and force load on a body (not weight and inertia), one by one."""
     loads = []
-    zero = np.zeros(len(poses))
+    zero, nowhere = np.zeros(len(poses)), np.zeros((len(poses), 2))
     for joint in kinematics.linkage.joints:
         load = joints[joint.name]
         moment = load.moment + load.friction_couple
         source = f"joint {joint.name!r}"
         if body == joint.body_b:
-            loads.append(PointLoad(source, joint.point_b, load.force, moment))
+            loads.append(PointLoad(source, joint.point_b, load.force, moment, nowhere))
         elif body == joint.body_a:
             # the force of a guide acts under the slider, not at the guide's own point
-            lever = kinematics.point(poses, joint.body_b, joint.point_b) - kinematics.point(
-                poses, joint.body_a, joint.point_a
-            )
-            if not isinstance(joint, Prismatic | Slot):
-                lever = np.zeros_like(lever)
-            arm_moment = cross(lever, load.force)
-            loads.append(PointLoad(source, joint.point_a, -load.force, -moment - arm_moment))
+            lever = nowhere
+            if isinstance(joint, Prismatic | Slot):
+                lever = kinematics.separation(poses, joint)
+            about = -moment - cross(lever, load.force)
+            loads.append(PointLoad(source, joint.point_a, -load.force, about, lever))
     for force in kinematics.linkage.forces:
         for point, direction, couple in _force_on(kinematics, poses, force, body):
             size = force.sign * efforts[force.name]
             loads.append(
                 PointLoad(
-                    f"force {force.name!r}", point, direction * size[:, None], zero + couple * size
+                    f"force {force.name!r}",
+                    point,
+                    direction * size[:, None],
+                    zero + couple * size,
+                    nowhere,
                 )
             )
     return loads

@@ -1,0 +1,183 @@
+"""Elastic deflections of a linkage to first order, by the principle of virtual forces.
+
+The work of a system of forces in equilibrium (unit force at the place asked for, the effort that
+is solved for as its support) on the deformations that the real loads cause is the deflection:
+delta = sum over the elastic bodies and joints of unit loads . compliance . real loads
+(Timoshenko and Young, Theory of Structures, ch. 6). Displacements are small against the linkage:
+the forces stay those of the rigid geometry, an error of the order of the strain.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from loads.bodies import FloatArray, IntArray, LinkageError
+from loads.compliance import BeamCompliance, JointCompliance, MatrixCompliance
+from loads.forces import ForceSolution
+from loads.kinematics import Kinematics, cross, dot, rotated, turned_left
+from loads.linkage import Linkage
+from loads.motion import Motion
+from loads.point_loads import PointLoad, body_loads
+
+
+@dataclass(frozen=True, eq=False)
+class LoadState:
+    """Forces of a linkage at every position, and the motion whose inertia belongs to them.
+
+    motion  None for a system of forces without mass
+    """
+
+    solution: ForceSolution
+    motion: Motion | None
+
+
+def check_compliance(linkage: Linkage) -> None:
+    """Raise LinkageError where a compliance names what the linkage does not have."""
+    seen: set[str] = set()
+    for compliance in linkage.compliance:
+        if isinstance(compliance, JointCompliance):
+            linkage.joint(compliance.joint)
+            name = f"joint {compliance.joint!r}"
+        else:
+            body = linkage.body(compliance.body)
+            name = f"body {compliance.body!r}"
+            points = compliance.points if isinstance(compliance, MatrixCompliance) else ()
+            for point in points:
+                body.place(point)
+        if name in seen:
+            raise LinkageError(f"{name}: its compliance is stated twice")
+        seen.add(name)
+
+
+def deflection(
+    kinematics: Kinematics, poses: FloatArray, unit: LoadState, real: LoadState
+) -> FloatArray:
+    """Return the work of the unit loads on the deformations of the real ones (n,) [N mm per N]."""
+    total = np.zeros(len(poses))
+    for compliance in kinematics.linkage.compliance:
+        match compliance:
+            case JointCompliance(joint=joint, stiffness=stiffness):
+                ours, theirs = (state.solution.joints[joint].force for state in (unit, real))
+                total += dot(ours, theirs) / stiffness
+            case BeamCompliance():
+                total += _beam(kinematics, poses, compliance, unit, real)
+            case MatrixCompliance():
+                ours, theirs = (
+                    _wrenches(kinematics, poses, compliance, state) for state in (unit, real)
+                )
+                total += np.einsum("ni,ij,nj->n", ours, compliance.matrix, theirs)
+    return total
+
+
+def _loads_on(
+    kinematics: Kinematics, poses: FloatArray, state: LoadState, body: str
+) -> list[PointLoad]:
+    return body_loads(kinematics, poses, state.solution.joints, state.solution.efforts, body)
+
+
+def _wrenches(
+    kinematics: Kinematics, poses: FloatArray, compliance: MatrixCompliance, state: LoadState
+) -> FloatArray:
+    """Return the loads on a body at the points of its compliance, in its own axes (n, 3 m)."""
+    angle = poses[:, kinematics.index[compliance.body], 2]
+    result = np.zeros((len(poses), len(compliance.points), 3))
+    for load in _loads_on(kinematics, poses, state, compliance.body):
+        if load.point not in compliance.points:
+            raise LinkageError(
+                f"body {compliance.body!r}: {load.source} acts at "
+                f"{'no stated point' if load.point is None else f'point {load.point!r}'}, for "
+                f"which its compliance has no rows (these are {', '.join(compliance.points)})"
+            )
+        k = compliance.points.index(load.point)
+        result[:, k, :2] += rotated(load.force, -angle)
+        result[:, k, 2] += load.moment
+    return result.reshape(len(poses), -1)
+
+
+def _beam(
+    kinematics: Kinematics,
+    poses: FloatArray,
+    beam: BeamCompliance,
+    unit: LoadState,
+    real: LoadState,
+) -> FloatArray:
+    """Return the integral of M M' / E I + N N' / E A along a body's x axis (n,) [mm N]."""
+    places, ours = _beam_loads(kinematics, poses, beam.body, unit)
+    _, theirs = _beam_loads(kinematics, poses, beam.body, real)
+    order = np.argsort(places, axis=1)
+    lengths = np.diff(np.take_along_axis(places, order, axis=1), axis=1)
+    (force, start, end), (other_force, other_start, other_end) = (
+        _sections(loads, order, lengths) for loads in (ours, theirs)
+    )
+    result = np.zeros(len(poses))
+    if beam.bending is not None:
+        products = (
+            2.0 * start * other_start
+            + start * other_end
+            + end * other_start
+            + 2.0 * end * other_end
+        )
+        result += np.sum(lengths * products, axis=1) / (6.0 * beam.bending)
+    if beam.axial is not None:
+        result += np.sum(lengths * force * other_force, axis=1) / beam.axial
+    return result
+
+
+def _sections(
+    loads: FloatArray, order: IntArray, lengths: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return normal force, and bending moment at both ends, of each stretch (n, k - 1).
+
+    loads  (n, k, 3) along, across and couple, not yet in order
+    """
+    along, across, couple = (
+        np.take_along_axis(loads[:, :, i], order, axis=1)[:, :-1] for i in range(3)
+    )
+    shear = np.cumsum(across, axis=1)
+    normal = np.cumsum(along, axis=1)
+    jumps = np.cumsum(couple, axis=1)
+    grown = np.cumsum(shear * lengths, axis=1)
+    end = grown - jumps
+    start = end - shear * lengths
+    return normal, start, end
+
+
+def _beam_loads(
+    kinematics: Kinematics, poses: FloatArray, body: str, state: LoadState
+) -> tuple[FloatArray, FloatArray]:
+    """Return places along the body's x axis (n, k) and loads there (n, k, 3), its weight last.
+
+    Weight and inertia act at the centre of mass, as a force and a couple.
+    """
+    row = kinematics.index[body]
+    owner = kinematics.linkage.body(body)
+    angle = poses[:, row, 2]
+    places, loads = [], []
+    for load in _loads_on(kinematics, poses, state, body):
+        if load.point is None:
+            raise LinkageError(
+                f"body {body!r}: {load.source} enters at no stated point, and its bending needs one"
+            )
+        reach = rotated(load.reach, -angle)
+        place = np.array(owner.place(load.point), dtype=float) + reach
+        force = rotated(load.force, -angle)
+        pure = load.moment - cross(load.reach, load.force)
+        places.append(place[:, 0])
+        loads.append(np.stack([force[:, 0], force[:, 1], pure - place[:, 1] * force[:, 0]], axis=1))
+    x, y = owner.centre
+    places.append(np.full(len(poses), x))
+    weight = np.zeros((len(poses), 3))
+    if state.motion is not None:
+        arm = rotated(np.array(owner.centre, dtype=float), angle)
+        spin, turn = state.motion.velocities[:, row, 2:], state.motion.accelerations[:, row, 2:]
+        pull = (
+            state.motion.accelerations[:, row, :2]
+            + turn * turned_left(arm)
+            - spin**2 * arm
+            - np.array(kinematics.linkage.gravity)
+        )
+        inertia = -owner.mass * rotated(pull, -angle)
+        weight[:, :2] = inertia
+        weight[:, 2] = -owner.inertia * turn[:, 0] - y * inertia[:, 0]
+    loads.append(weight)
+    return np.stack(places, axis=1), np.stack(loads, axis=1)

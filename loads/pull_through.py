@@ -1,0 +1,182 @@
+"""Whether a drive pulls a linkage through its dead centre against an elastic resistance.
+
+Near a dead centre of the process a rigid linkage presses without bound; what it presses on, and the
+linkage itself, give way. A resistance of stiffness k in all, touched at some position, asks the
+drive for a force that first rises and then falls again towards the dead centre, where the drive
+holds nothing. If the drive can give the largest of them, nothing stops the linkage there.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from loads.assembly import assemble
+from loads.bodies import FloatArray, LinkageError
+from loads.elements import Force
+from loads.forces import solve_forces
+from loads.kinematics import Kinematics
+from loads.linkage import Linkage
+from loads.motion import Geometry, Motion, Path, coordinate_share, trace
+
+_POSITIONS = 400
+_STEP = 0.02  # of the size of the linkage, the first way looked ahead
+
+
+@dataclass(frozen=True)
+class PullThrough:
+    """The stiffness below which a drive pulls a linkage through its dead centre.
+
+    stiffness    N/mm (N mm/rad), of everything in the way of the process force, in series
+    force        N (N mm), what the process force reaches at the dead centre at that stiffness
+    dead_centre  mm or rad, value of the drive's coordinate there
+    hardest      mm or rad, value of the drive's coordinate where it must pull hardest
+    """
+
+    stiffness: float
+    force: float
+    dead_centre: float
+    hardest: float
+
+
+def pull_through(
+    linkage: Linkage,
+    drive: str,
+    pull: float,
+    process: str,
+    touch: float,
+    given: Mapping[str, float] | None = None,
+) -> PullThrough | None:
+    """Return the stiffness that a drive just overcomes, at rest; None without a dead centre ahead.
+
+    pull   N (N mm) of the drive, constant
+    touch  mm or rad, value of the process force's coordinate where the resistance begins
+    given  all other forces
+
+    Raises LinkageError where the linkage cannot stand at the touch, or friction locks it.
+    """
+    moving, resisting = linkage.force(drive), linkage.force(process)
+    way = int(np.sign(pull)) * moving.sign
+    path, dead_centre = _to_dead_centre(linkage, moving, resisting, way)
+    if path is None:
+        return None
+    start = _touched(path, resisting, touch, dead_centre, way)
+    if start is None:
+        return None
+    grid = np.linspace(start, dead_centre, _POSITIONS + 1)[1:-1]
+    motion = _at_rest(path.at(grid), way)
+    depth = np.abs(path.kinematics.value(resisting.coordinate, motion.poses) - touch)
+    sense = _sense(path, resisting, start, dead_centre)
+
+    def hardest(stiffness: float) -> tuple[float, int]:
+        forces: dict[str, float | FloatArray] = {**(given or {})}
+        forces[process] = sense * stiffness * depth
+        needed = np.sign(pull) * solve_forces(motion, forces, drive).efforts[drive]
+        k = int(np.argmax(needed))
+        return _peak(needed, k), k
+
+    low, high = 0.0, abs(pull) / float(depth.max())
+    if hardest(low)[0] >= abs(pull):
+        return PullThrough(0.0, 0.0, dead_centre, float(grid[hardest(low)[1]]))
+    while hardest(high)[0] < abs(pull):
+        low, high = high, 2.0 * high
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if hardest(middle)[0] < abs(pull) else (low, middle)
+        if high - low <= 1e-10 * high:
+            break
+    deepest = abs(float(_process_value(path, resisting, dead_centre)) - touch)
+    return PullThrough(low, low * deepest, dead_centre, float(grid[hardest(low)[1]]))
+
+
+def _peak(values: FloatArray, k: int) -> float:
+    """Return the top of the parabola through a largest value and its neighbours."""
+    if not 0 < k < len(values) - 1:
+        return float(values[k])
+    before, top, after = (float(value) for value in values[k - 1 : k + 2])
+    bend = before - 2.0 * top + after
+    return top - (after - before) ** 2 / (8.0 * bend) if bend < 0.0 else top
+
+
+def _to_dead_centre(
+    linkage: Linkage, moving: Force, resisting: Force, way: int
+) -> tuple[Path | None, float]:
+    """Return the path of the drive from the assembled pose to the process's dead centre."""
+    kinematics = Kinematics(linkage)
+    start = float(kinematics.value(moving.coordinate, assemble(kinematics))[0])
+    reach = _STEP * kinematics.coordinate_scale(moving.coordinate)
+    step, last = reach, start
+    for _ in range(60):
+        try:
+            path = trace(linkage, moving.coordinate, start, last + way * step)
+        except LinkageError:
+            step /= 2.0  # the drive's own end of travel is near
+            if step < 1e-6 * reach:
+                return None, 0.0
+            continue
+        last += way * step
+        step *= 1.5
+        share = _process_share(path, resisting, path.values)
+        turned = np.flatnonzero(share[1:] * share[:-1] <= 0.0)
+        if len(turned):
+            k = turned[0] if way > 0 else turned[-1]
+            return path, _dead_centre(path, resisting, path.values[k : k + 2])
+    return None, 0.0
+
+
+def _process_share(path: Path, resisting: Force, values: FloatArray) -> FloatArray:
+    geometry = path.at(values)
+    return coordinate_share(path.kinematics, resisting.coordinate, geometry.poses, geometry.first)
+
+
+def _process_value(path: Path, resisting: Force, value: float) -> float:
+    poses = path.at(np.array([value])).poses
+    return float(path.kinematics.value(resisting.coordinate, poses)[0])
+
+
+def _dead_centre(path: Path, resisting: Force, ends: FloatArray) -> float:
+    low, high = float(ends[0]), float(ends[1])
+    sign = np.sign(_process_share(path, resisting, np.array([low]))[0])
+    for _ in range(200):
+        middle = 0.5 * (low + high)
+        if middle in (low, high):
+            break
+        same = np.sign(_process_share(path, resisting, np.array([middle]))[0]) == sign
+        low, high = (middle, high) if same else (low, middle)
+    return 0.5 * (low + high)
+
+
+def _touched(
+    path: Path, resisting: Force, touch: float, dead_centre: float, way: int
+) -> float | None:
+    """Return the drive's coordinate where the process coordinate is at the touch, before the end.
+
+    None where the linkage does not come by it on its way.
+    """
+    kinematics = path.kinematics
+    before = path.values[way * path.values < way * dead_centre]
+    values = np.append(before if way > 0 else before[::-1], dead_centre)
+    off = kinematics.value(resisting.coordinate, path.at(values).poses) - touch
+    crossing = np.flatnonzero(off[1:] * off[:-1] <= 0.0)
+    if not len(crossing):
+        return None
+    low, high = values[crossing[-1]], values[crossing[-1] + 1]
+    sign = np.sign(off[crossing[-1]])
+    for _ in range(100):
+        middle = 0.5 * (low + high)
+        same = np.sign(_process_value(path, resisting, float(middle)) - touch) == sign
+        low, high = (middle, high) if same else (low, middle)
+    return float(high)
+
+
+def _sense(path: Path, resisting: Force, start: float, dead_centre: float) -> int:
+    """Return the sign of the process force's value that works against the motion."""
+    begin, end = (_process_value(path, resisting, value) for value in (start, dead_centre))
+    return -int(np.sign(end - begin)) * resisting.sign
+
+
+def _at_rest(geometry: Geometry, way: int) -> Motion:
+    still = np.zeros_like(geometry.poses)
+    return Motion(
+        geometry.kinematics, geometry.values, geometry.poses, still, still, geometry.first * way
+    )

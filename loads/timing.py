@@ -1,0 +1,78 @@
+"""When a cycle is where: its pace turned into speeds and times, phase by phase."""
+
+from itertools import groupby
+from typing import Final
+
+import numpy as np
+
+from loads.bodies import FloatArray, LinkageError
+from loads.motion import Geometry, Motion, Path
+from loads.pace import Pace, SteadyPace, stroke_law, stroke_time
+
+
+class Timing:
+    """The pace of a cycle over its phases; way is how far the pace coordinate has gone."""
+
+    def __init__(self, path: Path, pace: Pace, spans: tuple[tuple[float, float], ...]) -> None:
+        self._pace: Final = pace
+        kinematics = path.kinematics
+        kinematics.linkage.check_coordinate(pace.coordinate, "pace")
+        borders = np.array([spans[0][0], *(stop for _, stop in spans)])
+        self._values: Final = kinematics.value(pace.coordinate, path.at(borders).poses)
+        ways = np.abs(np.diff(self._values))
+        rising = [stop > start for start, stop in spans]
+        self._stroke_of: Final = np.zeros(len(spans), dtype=int)
+        self._before: Final = np.zeros(len(spans))  # way before the phase, in its stroke or in all
+        self._strokes: list[float] = []
+        phase = 0
+        for number, (_, group) in enumerate(groupby(rising)):
+            first = phase
+            for _ in group:
+                start = 0 if isinstance(pace, SteadyPace) else first
+                self._before[phase] = ways[start:phase].sum()
+                self._stroke_of[phase] = number
+                phase += 1
+            self._strokes.append(float(ways[first:phase].sum()))
+
+    def _way(self, k: int, values: FloatArray) -> FloatArray:
+        way: FloatArray = self._before[k] + np.abs(values - self._values[k])
+        return way
+
+    def rates(self, k: int, geometry: Geometry) -> tuple[FloatArray, FloatArray]:
+        """Return speed and acceleration of the pace (n,) at positions of phase k."""
+        pace = self._pace
+        values = geometry.kinematics.value(pace.coordinate, geometry.poses)
+        way = self._way(k, values)
+        if isinstance(pace, SteadyPace):
+            square = pace.speed**2 + 2.0 * pace.acceleration * way
+            if (square <= 0.0).any():
+                at = geometry.values[int(np.argmax(square <= 0.0))]
+                raise LinkageError(
+                    f"{pace.coordinate.label} slows down by {-pace.acceleration:g} per s2 and "
+                    f"stands still before {at:.6g}"
+                )
+            return np.sqrt(square), np.full(len(way), pace.acceleration)
+        length = self._length(k)
+        _, rate, change = stroke_law(pace.law, stroke_time(pace.law, way / length))
+        return rate * length / pace.time, change * length / pace.time**2
+
+    def times(self, k: int, motion: Motion) -> FloatArray:
+        """Return the time since the start of the cycle (n,) [s] at positions of phase k."""
+        pace = self._pace
+        way = self._way(k, motion.kinematics.value(pace.coordinate, motion.poses))
+        if isinstance(pace, SteadyPace):
+            # way = v t + a t2 / 2, solved without losing digits where a is small
+            root = np.sqrt(pace.speed**2 + 2.0 * pace.acceleration * way)
+            steady: FloatArray = 2.0 * way / (pace.speed + root)
+            return steady
+        share = stroke_time(pace.law, way / self._length(k))
+        result: FloatArray = (self._stroke_of[k] + share) * pace.time
+        return result
+
+    def _length(self, k: int) -> float:
+        length = self._strokes[int(self._stroke_of[k])]
+        if length <= 0.0:
+            raise LinkageError(
+                f"{self._pace.coordinate.label} sets the pace but does not move in phase {k + 1}"
+            )
+        return length
