@@ -4,7 +4,9 @@ Positions come in two steps: a coarse walk from the assembled pose, one small st
 settles the branch; then Newton's method solves all wanted positions together from there.
 """
 
+from contextlib import suppress
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -70,6 +72,11 @@ class Path:
     poses: FloatArray
     tangents: FloatArray
 
+    @cached_property
+    def orientation(self) -> float:
+        """The sign of the Jacobian's determinant, one all along the branch."""
+        return float(_orientation(self.kinematics, self.coordinate, self.poses[:1])[0])
+
     def at(self, values: FloatArray) -> Geometry:
         """Return the positions at the given values of the coordinate, solved together."""
         kinematics, coordinate = self.kinematics, self.coordinate
@@ -86,7 +93,8 @@ class Path:
         poses, converged = _newton(kinematics, coordinate, values, guess)
         chord = _norm(kinematics, self.poses[k + 1] - self.poses[k])
         strayed = _norm(kinematics, poses - guess) > 0.25 * chord + 1e-6
-        wrong = ~converged | strayed
+        turned = _orientation(kinematics, coordinate, poses) != self.orientation
+        wrong = ~converged | strayed | turned
         if wrong.any():
             raise LinkageError(
                 f"the positions jump to another branch at {coordinate.label} = "
@@ -252,10 +260,7 @@ def _solve(
 
     leading  the solution is the motion itself: the coordinate must see enough of it
     """
-    try:
-        solution = np.linalg.solve(matrix, right[..., None])[..., 0]
-    except np.linalg.LinAlgError:
-        solution = np.full(right.shape, np.inf)
+    solution = _solved(matrix, right)
     lead = 1.0 / (np.linalg.norm(matrix[:, -1], axis=1) * np.linalg.norm(solution, axis=1) + 1e-300)
     if leading and (~np.isfinite(lead) | (lead < SINGULAR)).any():
         k = int(np.argmin(np.where(np.isfinite(lead), lead, 0.0)))
@@ -292,6 +297,7 @@ def _newton(
     poses = guess.copy()
     scale = kinematics.coordinate_scale(coordinate)
     done = np.zeros(len(values), dtype=bool)
+    lost = np.zeros(len(values), dtype=bool)
     for _ in range(12):
         error = np.concatenate(
             [
@@ -300,20 +306,40 @@ def _newton(
             ],
             axis=1,
         )
-        if done.all():
+        if (done | lost).all():
             break
-        try:
-            step = np.linalg.solve(_matrix(kinematics, coordinate, poses), error[..., None])[..., 0]
-        except np.linalg.LinAlgError:
-            return poses, np.zeros(len(values), dtype=bool)
+        step = _solved(_matrix(kinematics, coordinate, poses), error)
         size = np.linalg.norm(step, axis=1)
-        if not np.isfinite(size).all() or size.max() > 10.0:
-            return poses, np.zeros(len(values), dtype=bool)
+        # what runs away is left where it is, so that the others come to their end
+        lost |= ~np.isfinite(size) | (size > 10.0)
+        step[lost] = 0.0
         poses[:, 1:] -= (step * kinematics.pose_scale).reshape(len(poses), -1, 3)
         # the step after a step of 1e-8 is at rounding: quadratic convergence
-        done = size < 1e-8
+        done = (size < 1e-8) & ~lost
     residual = np.abs(error).max(axis=1)
     return poses, done & (residual < 1e-12)
+
+
+def _solved(matrix: FloatArray, right: FloatArray) -> FloatArray:
+    """Return solutions (n, k) of n systems; infinite where one is singular."""
+    try:
+        return np.asarray(np.linalg.solve(matrix, right[..., None])[..., 0])
+    except np.linalg.LinAlgError:
+        result = np.full(right.shape, np.inf)
+        for k, (one, load) in enumerate(zip(matrix, right, strict=True)):
+            with suppress(np.linalg.LinAlgError):
+                result[k] = np.linalg.solve(one, load)
+        return result
+
+
+def _orientation(kinematics: Kinematics, coordinate: Coordinate, poses: FloatArray) -> FloatArray:
+    """Return the sign of the Jacobian's determinant (n,).
+
+    It is the same all along a branch and changes at every fold of the coordinate and every change
+    point, so that it tells two branches apart that come near each other there.
+    """
+    signs: FloatArray = np.linalg.slogdet(_matrix(kinematics, coordinate, poses))[0]
+    return signs
 
 
 _Knot = tuple[float, FloatArray, FloatArray]
@@ -350,6 +376,9 @@ def _step(
     guess = pose + tangent * (target - value)
     poses, converged = _newton(kinematics, coordinate, np.array([target]), guess)
     if not converged[0]:
+        return None
+    before, after = (_orientation(kinematics, coordinate, each)[0] for each in (pose, poses))
+    if before != after:
         return None
     try:
         following = _tangent(kinematics, coordinate, target, poses)
