@@ -6,7 +6,7 @@ d2g/dt2 = gradient . accelerations + quadratic term (Nikravesh, Planar Multibody
 """
 
 from functools import cached_property
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -21,7 +21,9 @@ from loads.elements import (
     Prismatic,
     Slot,
 )
-from loads.linkage import Linkage
+
+if TYPE_CHECKING:
+    from loads.linkage import Linkage
 
 
 def cross(a: FloatArray, b: FloatArray) -> FloatArray:
@@ -51,7 +53,7 @@ def rotated(vector: FloatArray, angle: FloatArray) -> FloatArray:
 class Kinematics:
     """The geometry of one linkage, prepared once, evaluated for any number of poses."""
 
-    def __init__(self, linkage: Linkage) -> None:
+    def __init__(self, linkage: "Linkage") -> None:
         self.linkage: Final = linkage
         self.index: Final = {name: i for i, name in enumerate(linkage.body_names)}
         self.n_bodies: Final = len(self.index)

@@ -19,6 +19,7 @@ from loads.elements import (
     PointCoordinate,
     Revolute,
 )
+from loads.freedom import freedom_problem
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,9 @@ class Linkage:
             self._check_pose(body)
         for name in self.assembled:
             self.body(name)
-        self._check_freedom()
+        problem = freedom_problem(self)
+        if problem is not None:
+            raise LinkageError(f"the linkage has {problem}")
 
     @property
     def moving(self) -> tuple[Body, ...]:
@@ -153,29 +156,6 @@ class Linkage:
             raise LinkageError(
                 f"body {body.name!r}: the assembled pose must be x, y and angle, got {pose}"
             )
-
-    def _check_freedom(self) -> None:
-        n_bodies = len(self.moving)
-        n_constraints = sum(joint.n_constraints for joint in self.joints)
-        freedom = 3 * n_bodies - n_constraints
-        if freedom == 1:
-            return
-        count = (
-            f"{freedom} degrees of freedom (3 x {n_bodies} bodies - {n_constraints} constraints of "
-            f"joints {', '.join(joint.name for joint in self.joints) or 'none'}), must be 1"
-        )
-        if freedom > 1:
-            loose = [
-                body.name
-                for body in self.moving
-                if all(body.name not in (joint.body_a, joint.body_b) for joint in self.joints)
-            ]
-            cause = f"body {loose[0]!r} has no joint" if loose else "a joint or guide is missing"
-            raise LinkageError(f"the linkage has {count}: {freedom - 1} too many, {cause}")
-        raise LinkageError(
-            f"the linkage has {count}: {1 - freedom} too few, "
-            "a joint or guide is stated twice or holds what another already holds"
-        )
 
 
 ItemT = TypeVar("ItemT", bound=Joint | Force)
