@@ -77,10 +77,43 @@ def press_check() -> list[dict[str, Any]]:
     return rows
 
 
+def loads_of_machines() -> list[dict[str, Any]]:
+    """720 positions of four machines: seconds, and the part of the one-by-one way's time.
+
+    ``arrays``: same functions as ours; ``jacobian``: these with analytic slopes; ``floats``: the
+    constraints written out in floats, the quickest script. A target of 0.1 is ten times as fast.
+    """
+    done = subprocess.run(
+        [sys.executable, "-m", "bench.loads"],
+        check=True,
+        capture_output=True,
+        text=True,
+        cwd=HERE.parent,
+    )
+    measured = json.loads(done.stdout.splitlines()[-1])
+    rows = []
+    for name, row in measured["machines"].items():
+        rows.append(entry(f"loads, {name}: 720 positions", row["together"], "s"))
+        rows.append(entry(f"loads, {name}: run_cycle of 720", row["cycle"], "s"))
+        for way in ("arrays", "jacobian", "floats"):
+            target = 0.1 if way == "arrays" else None
+            rows.append(
+                entry(f"loads, {name}: over {way}", row["together"] / row[way], "1", target)
+            )
+    cost = measured["costs"]
+    rows += [
+        entry(f"loads: time per position of {n}", value, "us")
+        for n, value in cost["microseconds"].items()
+    ]
+    rows.append(entry("loads: exponent of time over positions, 1e4 to 1e5", cost["exponent"], "1"))
+    rows.append(entry("loads: peak memory of 1e5 positions", cost["mebibytes"] / 1024, "GiB"))
+    return rows
+
+
 def main() -> None:
     """Run everything."""
     results = []
-    for benchmark in (help_time, press_check):
+    for benchmark in (help_time, loads_of_machines, press_check):
         print(f"running {benchmark.__name__}", file=sys.stderr)
         results += benchmark()
     (HERE / "results.json").write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")

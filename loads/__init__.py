@@ -4,6 +4,7 @@ from loads.bodies import GROUND, Body, LinkageError
 from loads.compliance import BeamCompliance, JointCompliance, MatrixCompliance
 from loads.cycle import Cycle, Phase, run_cycle
 from loads.cycle_loads import ContactLoads, CycleLoads
+from loads.diagnosis import Diagnosis, diagnose, percent, position_text
 from loads.drive import DriveFigures
 from loads.elements import (
     Angle,
@@ -22,6 +23,7 @@ from loads.forces import ForceSolution, JointLoad, solve_forces
 from loads.history import LoadHistory
 from loads.laws import Contact, Law, Table
 from loads.linkage import Linkage
+from loads.measured import MeasuredBody, MeasuredLoad, MeasuredLoads
 from loads.motion import Geometry, Motion, Path, move, trace
 from loads.pace import Pace, SteadyPace, StrokePace
 from loads.point_loads import PointLoad
@@ -37,6 +39,7 @@ __all__ = [
     "Coordinate",
     "Cycle",
     "CycleLoads",
+    "Diagnosis",
     "Distance",
     "DriveFigures",
     "Fixed",
@@ -52,6 +55,9 @@ __all__ = [
     "LinkageError",
     "LoadHistory",
     "MatrixCompliance",
+    "MeasuredBody",
+    "MeasuredLoad",
+    "MeasuredLoads",
     "Motion",
     "Pace",
     "Path",
@@ -65,7 +71,10 @@ __all__ = [
     "SteadyPace",
     "StrokePace",
     "Table",
+    "diagnose",
     "move",
+    "percent",
+    "position_text",
     "pull_through",
     "run_cycle",
     "solve_forces",

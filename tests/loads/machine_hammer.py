@@ -42,7 +42,7 @@ HAMMER = {
 def hammer(parameters=HAMMER, at=0.0, gravity=None):
     """Hammer at a crank angle: torque drive on the crank, force work on the ram (up).
 
-    Frames: crank at A, rod at B towards C, rocker at R with x from C to R and on to the ram's pin D.
+    Frames: crank at A, rod at B towards C, rocker at R with x from C to R and on to the ram's D.
     """
     p = parameters
     crank_pin = (p["l1"] * cos(at), p["l1"] * sin(at))

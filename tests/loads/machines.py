@@ -18,6 +18,22 @@ from loads import (
     SteadyPace,
 )
 
+from .machine_hammer import HAMMER, hammer
+from .machine_quick_return import QUICK_RETURN, quick_return
+
+__all__ = [
+    "HAMMER",
+    "QUICK_RETURN",
+    "at_state",
+    "four_bar",
+    "hammer",
+    "press_cycle",
+    "quick_return",
+    "slider_crank",
+    "toggle",
+    "toggle_height",
+]
+
 
 def toggle(
     h=500.0,

@@ -2,7 +2,7 @@
 
 import pickle
 from dataclasses import replace
-from math import pi
+from math import pi, sqrt
 
 import pytest
 
@@ -19,12 +19,22 @@ from loads import (
     PointCoordinate,
     Prismatic,
     Revolute,
+    Slot,
     SteadyPace,
     run_cycle,
     trace,
 )
 
-from .machines import four_bar, press_cycle, slider_crank, toggle, toggle_height
+from .machines import (
+    four_bar,
+    press_cycle,
+    quick_return,
+    slider_crank,
+    toggle,
+    toggle_height,
+)
+from .readings import solved
+from .test_cycle_invariants import turn
 
 
 def test_a_height_that_the_bars_do_not_reach_is_refused_with_its_gap():
@@ -156,3 +166,76 @@ def test_every_force_is_given_or_solved_for():
     cycle = replace(press_cycle(linkage), phases=(Phase("p", 400.0, {}, "cylinder"),))
     with pytest.raises(LinkageError, match="'process' is neither given nor solved for"):
         run_cycle(linkage, cycle)
+
+
+def test_a_parallelogram_is_refused_at_its_change_point():
+    """All bars in line at 180 deg: from there it can go on as a parallelogram or cross its bars."""
+    linkage = four_bar(40.0, 100.0, 40.0, 100.0, at=pi / 3)
+    assert len(trace(linkage, Angle("crank"), 0.1, pi - 0.01).values) > 2
+    with pytest.raises(LinkageError, match=r"crank\.angle .* stands still at 3\.14159 \(dead cent"):
+        trace(linkage, Angle("crank"), pi / 3, 2 * pi - 0.1)
+    with pytest.raises(LinkageError, match=r"joints O2, A, B, O4 .* move on in two ways"):
+        trace(four_bar(40.0, 100.0, 40.0, 100.0, at=pi), Angle("crank"), 3.0, 3.3)
+
+
+def test_a_guide_that_is_there_twice_is_named():
+    """The count of freedoms is right, as another body has a joint too few."""
+    linkage = toggle()
+    twice = replace(
+        linkage,
+        bodies=(*linkage.bodies, Body("plate", {"E": (0.0, 0.0)})),
+        joints=(
+            *linkage.joints,
+            Prismatic("second guide", GROUND, "mould", "C", "A", (0.0, 1.0)),
+            Slot("rail", GROUND, "plate", "C", "E", (0.0, 1.0)),
+        ),
+        assembled={**linkage.assembled, "plate": (0.0, 10.0, 0.0)},
+    )
+    with pytest.raises(LinkageError, match="joints guide, second guide hold the same motion twice"):
+        trace(twice, toggle_height(linkage), 300.0, 400.0)
+
+
+def test_a_body_without_a_joint_is_named():
+    linkage = toggle()
+    with pytest.raises(LinkageError, match=r"3 too many, .*'plate' \(no joint\)"):
+        replace(
+            linkage,
+            bodies=(*linkage.bodies, Body("plate", {"E": (0.0, 0.0)})),
+            assembled={**linkage.assembled, "plate": (0.0, 10.0, 0.0)},
+        )
+
+
+@pytest.mark.parametrize(
+    ("ends", "angle", "way"),
+    [((0.041, 0.19), 3.06, 0.0405), ((0.03, 0.179), 6.08, 0.1791)],
+)
+def test_a_block_that_leaves_its_slot_is_refused(ends, angle, way):
+    """It slides from 40 to 180 mm of the lever; the first position beyond an end is named."""
+    linkage = quick_return(ends=ends, at=0.3)
+    with pytest.raises(
+        LinkageError,
+        match=rf"joint 'slot': at {angle}\d* its point 'a' is {way}\d* .* the end of {ends[0]}",
+    ):
+        run_cycle(linkage, turn(linkage))
+    whole = quick_return(ends=(0.03, 0.19), at=0.3)
+    assert run_cycle(whole, turn(whole)).slot_margin["slot"] == pytest.approx(0.01, rel=1e-5)
+
+
+@pytest.mark.parametrize(("coefficient", "locks"), [(0.66, False), (0.67, True)])
+def test_a_crank_locks_on_a_steep_rod(coefficient, locks):
+    """Crank 100, rod 150, offset 25 mm at 270 deg: rod at 56.44 deg, locked from mu = 0.663 on.
+
+    Below, torque = load x crank / (1 - mu tan), closed form; the rod's speed is the slider's.
+    """
+    at = 1.5 * pi
+    linkage = slider_crank(100.0, 150.0, 25.0, mu_slider=coefficient, at=at)
+    if locks:
+        with pytest.raises(
+            LinkageError, match=r"friction locks .* joint 'guide', coefficient 0\.67"
+        ):
+            solved(linkage, Angle("crank"), at, 1.0, {"push": -10.0}, "drive")
+        return
+    _, solution = solved(linkage, Angle("crank"), at, 1.0, {"push": -10.0}, "drive")
+    steep = 125.0 / sqrt(150.0**2 - 125.0**2)
+    expected = 10.0 * 100.0 / (1.0 - coefficient * steep)
+    assert solution.efforts["drive"][0] == pytest.approx(expected, rel=1e-9)

@@ -1,0 +1,242 @@
+"""What is wrong with measured loads that do not balance: which slip would explain it."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import combinations
+from math import degrees
+
+import numpy as np
+
+from loads.bodies import FloatArray, IntArray, Vector
+from loads.kinematics import cross, rotated
+from loads.measured import MeasuredBody, MeasuredLoads
+from loads.slips import ALL, Slip, slips_of
+
+_ROWS = 200  # that slips are tried on; what closes is then tried on all
+_MOST_SUGGESTED = 3
+_BETTER = 0.5  # of what is left: less than halved is no explanation
+_COMPARABLE = 3.0  # times what the best suggestion leaves: worse ones are not told beside it
+_ROUND_OFF = 1e-9
+_STRAIGHT = 0.98  # share of a direction in what is left, squared
+_LEAST_GAIN = 0.05
+_NOISE = 0.5  # correlation from row to row below which it looks like noise
+
+
+@dataclass(frozen=True)
+class Suggestion:
+    """Slips that together explain what is left, and the share that remains without them."""
+
+    words: str
+    left: float
+    point: str | None
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """How far a body is out of balance and what would close it, the likeliest first."""
+
+    body: str
+    share: float
+    suggestions: tuple[Suggestion, ...]
+    sentence: str
+
+    def __str__(self) -> str:
+        return self.sentence
+
+
+def diagnose(loads: MeasuredLoads, body: str, tolerance: float) -> Diagnosis | None:
+    """Return what is wrong with the loads on a body, or None where they balance.
+
+    tolerance  share of the largest force
+    """
+    entry, size = loads.body(body), loads.size(body)
+    share = float(entry.shares(loads.gravity, size)[0].max())
+    if share <= tolerance:
+        return None
+    suggestions = _explained(entry, loads.gravity, size, tolerance)
+    return Diagnosis(
+        body, share, suggestions, _sentence(loads, entry, size, tolerance, suggestions)
+    )
+
+
+def _explained(
+    body: MeasuredBody, gravity: Vector, size: float, tolerance: float
+) -> tuple[Suggestion, ...]:
+    brief = body.at(_rows(body, gravity, size))
+    slips = slips_of(brief, gravity, size)
+    for tried in (_singles(slips), _pairs(slips)):
+        found = []
+        for together in tried:
+            if not _closes(brief, together, gravity, size, tolerance):
+                continue
+            left = _mended(body, together).shares(gravity, size)[0]
+            if left.max() <= tolerance:
+                mean = max(float(np.sqrt(np.mean(left**2))), _ROUND_OFF)
+                rarity = sum(slip.rarity for slip in together)
+                found.append((mean * (1 + 0.3 * rarity), mean, together, float(left.max())))
+        if found:
+            found.sort(key=lambda entry: entry[0])
+            least = min(mean for _, mean, _, _ in found)
+            return tuple(
+                _suggestion(together, left)
+                for _, mean, together, left in found
+                if mean <= _COMPARABLE * least
+            )[:_MOST_SUGGESTED]
+    return ()
+
+
+def _singles(slips: list[Slip]) -> Iterator[tuple[Slip, ...]]:
+    return ((slip,) for slip in slips)
+
+
+def _pairs(slips: list[Slip]) -> Iterator[tuple[Slip, ...]]:
+    return (pair for pair in combinations(slips, 2) if not pair[0].excludes(pair[1]))
+
+
+def _rows(body: MeasuredBody, gravity: Vector, size: float) -> IntArray:
+    n = len(body.angle)
+    marked = [int(body.shares(gravity, size)[0].argmax())]
+    marked += [int(np.hypot(*load.force.T).argmax()) for load in body.loads]
+    return np.unique([*np.linspace(0, n - 1, min(n, _ROWS)).astype(np.int64), *marked])
+
+
+def _mended(body: MeasuredBody, slips: tuple[Slip, ...]) -> MeasuredBody:
+    for slip in slips:
+        body = slip.mend(body)
+    return body
+
+
+def _closes(
+    body: MeasuredBody, slips: tuple[Slip, ...], gravity: Vector, size: float, tolerance: float
+) -> bool:
+    before = body.shares(gravity, size)[0].max()
+    after = _mended(body, slips).shares(gravity, size)[0].max()
+    return bool(after <= min(tolerance, _BETTER * before))
+
+
+def _suggestion(slips: tuple[Slip, ...], left: float) -> Suggestion:
+    points = {slip.point for slip in slips} - {None, ALL}
+    return Suggestion(
+        " and ".join(slip.words for slip in slips), left, points.pop() if points else None
+    )
+
+
+def _sentence(
+    loads: MeasuredLoads,
+    body: MeasuredBody,
+    size: float,
+    tolerance: float,
+    suggestions: tuple[Suggestion, ...],
+) -> str:
+    shares, largest = body.shares(loads.gravity, size)
+    worst = int(shares.argmax())
+    left = body.residual(loads.gravity)
+    force, moment = float(np.hypot(*left[worst, :2])), abs(float(left[worst, 2]))
+    if not size or force >= moment / size:
+        amount = f"{force:.4g} N ({percent(force / largest)} of the largest force)"
+    else:
+        amount = (
+            f"{moment / 1e3:.4g} N m ({percent(moment / size / largest)} of the largest force "
+            f"times {size:.4g} mm)"
+        )
+    name = body.body.name
+    if suggestions and suggestions[0].point:
+        name = f"pin {suggestions[0].point} of {name}"
+    said = f"{name}: unbalanced by {amount} at {position_text(loads, worst)}"
+    if not suggestions:
+        return f"{said}; {_what_is_left(body, loads.gravity, size, tolerance)}"
+    first, *others = (f"{entry.words}" for entry in suggestions)
+    also = f"; so does {', or '.join(others)}" if others else ""
+    return f"{said}; {first} closes it (left: {percent(suggestions[0].left)}){also}"
+
+
+def position_text(loads: MeasuredLoads, row: int) -> str:
+    """Where in the run a row is, in words."""
+    value = float(loads.positions[row])
+    shown = degrees(value) if loads.position_unit == "deg" else value
+    return f"{loads.position_name} {shown:.4g} {loads.position_unit}"
+
+
+def percent(share: float) -> str:
+    """A share in percent, to two digits."""
+    if share < _ROUND_OFF:
+        return "round-off"
+    return f"{100 * share:.2g} %" if share < 0.095 else f"{100 * share:.0f} %"
+
+
+def _what_is_left(body: MeasuredBody, gravity: Vector, size: float, tolerance: float) -> str:
+    """What can be said of loads that no slip explains: noise, or direction and place."""
+    left = body.residual(gravity)
+    said = "no slip of sign, axes, frame or unit closes it, nor do two together"
+    scaled = left / np.array([1.0, 1.0, size or 1.0])
+    if len(left) > 2:
+        steps = float(np.sum(np.diff(scaled, axis=0) ** 2))
+        whole = float(np.sum(scaled**2)) * (len(left) - 1) / len(left)
+        if 1 - steps / (2 * whole) < _NOISE:
+            return (
+                f"{said}; what is left jumps from row to row like noise: smooth the data, or state "
+                "a larger tolerance"
+            )
+    hints = []
+    for frame, vectors in (
+        ("ground", left[:, :2]),
+        ("body", rotated(left[:, :2], -body.angle)),
+    ):
+        values, axes = np.linalg.eigh(vectors.T @ vectors)
+        if values[-1] > 0 and values[-1] >= _STRAIGHT * values.sum():
+            x, y = axes[:, -1] * (1 if axes[:, -1] @ vectors.sum(axis=0) >= 0 else -1)
+            hints.append(f"points along ({x:.2f}, {y:.2f}) in the {frame}'s axes")
+            break
+    limit = tolerance * body.shares(gravity, size)[1]
+    through = _acts_through(body, left, size, limit)
+    if through:
+        hints.append(
+            f"acts through {' and '.join(through)} (is a force missing, or one wrong there?)"
+        )
+    hints += _gains(body, gravity, size, tolerance)
+    if not hints:
+        hints.append("neither keeps one direction nor acts through a point of the body")
+    return f"{said}; what is left {', '.join(hints)}"
+
+
+def _acts_through(body: MeasuredBody, left: FloatArray, size: float, limit: float) -> list[str]:
+    """The points about which what is left has no moment."""
+    if not size or len(body.body.points) < 2 or np.hypot(*left[:, :2].T).max() <= limit:
+        return []
+    found = []
+    for point, place in body.body.points.items():
+        arm = rotated(np.array(place, dtype=float) - body.body.centre, body.angle)
+        moment = left[:, 2] - cross(arm, left[:, :2])
+        if np.abs(moment).max() <= limit * size:
+            found.append(point)
+    return found
+
+
+def _gains(body: MeasuredBody, gravity: Vector, size: float, tolerance: float) -> list[str]:
+    """The force that a factor would bring into balance, such as a wrong calibration's."""
+    found = []
+    for load in body.loads:
+        without = _with_gain(body, load.point, 0.0).residual(gravity)
+        own = body.residual(gravity) - without
+        for values in (without, own):
+            values[:, 2] /= size or 1.0
+        square = float(np.sum(own**2))
+        gain = -float(np.sum(own * without)) / square if square else 0.0
+        if gain <= _LEAST_GAIN:
+            continue
+        share = float(_with_gain(body, load.point, gain).shares(gravity, size)[0].max())
+        if share <= tolerance:
+            found.append((share, f"is gone with {gain:.3g} times the force at {load.point}"))
+    return [min(found)[1]] if found else []
+
+
+def _with_gain(body: MeasuredBody, point: str, gain: float) -> MeasuredBody:
+    return replace(
+        body,
+        loads=tuple(
+            replace(load, force=gain * load.force, moment=gain * load.moment)
+            if load.point == point
+            else load
+            for load in body.loads
+        ),
+    )
