@@ -12,18 +12,20 @@ from typing import Any
 import numpy as np
 
 import loads
+from ballesta.balance import balance_gates, measured_loads, not_measured
 from ballesta.bushes import bush_checks
 from ballesta.design import read_design
-from ballesta.design_data import Cycle, Design, Part
+from ballesta.design_data import Design, Part
 from ballesta.errors import DesignError, NumericsError
+from ballesta.gates import load_gates
 from ballesta.levels import Models
 from ballesta.machine import cycle_of, interface_distance, linkage_of, part_placing
-from ballesta.part_loads import loads_on, shown_name, shown_position
+from ballesta.part_loads import is_loaded, loads_on, shown_of
 from ballesta.solid import LEVELS, check_solid
 from ballesta.warnings_of import claim_warnings, design_warnings
 from fem.solvers import SolverError
 from geometry.mesh import MeshError, TooManyElementsError
-from reports.verdict import DesignResult, Gate, PartResult
+from reports.verdict import DesignResult, PartResult
 
 Say = Callable[[str], None]
 
@@ -36,8 +38,6 @@ NOT_CHECKED = (
     "vibration, resonance and elastic deflection of the linkage",
     "corrosion, temperature, residual stress and manufacturing defects",
 )
-
-_LOADS_LIMIT = 1e-9
 
 
 def check_file(
@@ -60,11 +60,15 @@ def check_design(
     models = Models()
     timings = {"read": reading}
     try:
-        solve_cycles(design, {})  # what cannot move is told before anything is meshed
+        # what cannot move or does not balance is told before anything is meshed
+        solve_cycles(design, {})
+        measured_loads(design, {})
         masses = part_masses(design, models, say)
         start = perf_counter()
         say("loads: solving the cycles")
         solved = solve_cycles(design, masses)
+        measured = measured_loads(design, masses)
+        runs: dict[str, loads.CycleLoads | loads.MeasuredLoads] = {**solved, **measured}
         timings["loads"] = perf_counter() - start
     except loads.LinkageError as error:
         raise DesignError(design.file, "linkage", str(error)) from error
@@ -78,7 +82,7 @@ def check_design(
     results = []
     for part in design.parts.values():
         say(f"{part.name}: solving")
-        results.append(_check_part(design, part, solved, models, say))
+        results.append(_check_part(design, part, runs, models, say))
         later = list(design.parts.values())[len(results) :]
         models.keep_only({other.geometry for other in later})
     spent = sum(models.seconds.values()) - before
@@ -90,14 +94,14 @@ def check_design(
         sha256=design.sha256,
         overrides=design.overrides,
         parts=results,
-        cycles=_cycle_data(design, solved, results),
-        gates=_load_gates(solved),
-        warnings=[*claim_warnings(design, results), *design_warnings(design, masses, solved)],
-        not_checked=(*NOT_CHECKED, *_not_checked_here(design)),
+        cycles=_cycle_data(design, runs, results),
+        gates=[*load_gates(design, solved), *balance_gates(design, measured)],
+        warnings=[*claim_warnings(design, results), *design_warnings(design, masses, runs)],
+        not_checked=(*NOT_CHECKED, *_not_checked_here(design), *not_measured(design)),
         assumed=(*design.assumed, *_assumed_here(design)),
         defaults=design.defaults_used,
-        inputs=_inputs(design),
-        source=design.source,
+        inputs=list(design.inputs),
+        source=_all_sources(design),
         versions=versions(),
         command=" ".join(
             ["ballesta check", str(design.file), *(f"--set {o!r}" for o in design.overrides)]
@@ -115,7 +119,7 @@ def _not_checked_here(design: Design) -> list[str]:
 
 
 def _assumed_here(design: Design) -> list[tuple[str, str]]:
-    if design.friction:
+    if design.friction or not design.cycles:
         return []
     return [
         (
@@ -152,9 +156,9 @@ def solve_cycles(
     design: Design, masses: Mapping[str, tuple[float, tuple[float, float], float]]
 ) -> dict[str, loads.CycleLoads]:
     """Solve every cycle of a design; raises DesignError, LinkageError for the linkage itself."""
-    linkage = linkage_of(design, masses)
     solved = {}
     for name, cycle in design.cycles.items():
+        linkage = linkage_of(design, masses, cycle)
         try:
             solved[name] = loads.run_cycle(linkage, cycle_of(design, cycle))
         except loads.LinkageError as error:
@@ -165,7 +169,7 @@ def solve_cycles(
 def _check_part(
     design: Design,
     part: Part,
-    solved: Mapping[str, loads.CycleLoads],
+    solved: Mapping[str, loads.CycleLoads | loads.MeasuredLoads],
     models: Models,
     say: Say,
 ) -> PartResult:
@@ -188,76 +192,42 @@ def _check_part(
     return replace(result, checks=[*result.checks, *bushes])
 
 
-def _load_gates(solved: Mapping[str, loads.CycleLoads]) -> list[Gate]:
-    gates = []
-    for name, cycle in solved.items():
-        frictionless = not cycle.linkage.friction
-        gates += [
-            Gate(
-                f"{name}: joints closed",
-                cycle.constraint_residual,
-                1e-6,
-                "widest gap of a joint at any position, mm",
-            ),
-            Gate(
-                f"{name}: equilibrium of the bodies",
-                max(cycle.equilibrium_residual.values()),
-                _LOADS_LIMIT,
-                "force and moment left on a body over the largest force",
-            ),
-            Gate(
-                f"{name}: power balance",
-                cycle.power_balance_error,
-                _LOADS_LIMIT if frictionless else 1e-6,
-                "power that is not accounted for, over the power turned over",
-            ),
-        ]
-    return gates
-
-
 def _cycle_data(
-    design: Design, solved: Mapping[str, loads.CycleLoads], results: Sequence[PartResult]
+    design: Design,
+    solved: Mapping[str, loads.CycleLoads | loads.MeasuredLoads],
+    results: Sequence[PartResult],
 ) -> dict[str, dict[str, Any]]:
     data = {}
     for name, cycle in solved.items():
-        stated: Cycle = design.cycles[name]
-        shown, unit = shown_name(stated)
+        shown, unit, position = shown_of(design, name, cycle)
         links = {}
         for part in design.parts.values():
+            if not is_loaded(part, cycle):
+                continue
             part_loads = loads_on(design, part, {name: cycle})
             for interface in part_loads.wrenches:
                 links[f"{part.name} {interface}"] = part_loads.resultant(interface).tolist()
+        efforts = cycle.efforts if isinstance(cycle, loads.CycleLoads) else {}
         data[name] = {
             "shown_name": shown,
             "unit": unit,
-            "position": shown_position(stated, cycle.positions).tolist(),
-            "time": cycle.times.tolist(),
+            "position": position.tolist(),
+            "time": [] if cycle.times is None else cycle.times.tolist(),
             "phase": [cycle.phases[k] for k in cycle.phase_of],
-            "efforts": {force: values.tolist() for force, values in cycle.efforts.items()},
+            "efforts": {force: values.tolist() for force, values in efforts.items()},
             "links": links,
-            "peaks": {r.name: r.charts["peaks"][name] for r in results},
+            "peaks": {
+                r.name: r.charts["peaks"][name] for r in results if name in r.charts["peaks"]
+            },
             "duty": design.duty.cycles.get(name, 0.0),
         }
     return data
 
 
-def _inputs(design: Design) -> list[tuple[str, str]]:
-    import tomllib
-
-    from ballesta.overrides import apply_override, parse_override
-
-    data = tomllib.loads(design.source)
-    for text in design.overrides:
-        apply_override(data, parse_override(text), design.file)
-
-    def walk(value: Any, key: str) -> list[tuple[str, str]]:
-        if isinstance(value, dict):
-            return [pair for k, v in value.items() for pair in walk(v, f"{key}.{k}" if key else k)]
-        if isinstance(value, list) and any(isinstance(v, dict) for v in value):
-            return [pair for k, v in enumerate(value) for pair in walk(v, f"{key}[{k}]")]
-        return [(key, str(value))]
-
-    return [pair for pair in walk(data, "") if not pair[0].startswith("assumed")]
+def _all_sources(design: Design) -> str:
+    """Return the text of the design file, then of the files that it is like or reads."""
+    others = [(file, text) for file, text in design.sources if Path(file) != design.file]
+    return "\n".join([design.source, *(f"# {file}\n{text}" for file, text in others)])
 
 
 def versions() -> dict[str, str]:

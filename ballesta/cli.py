@@ -52,6 +52,35 @@ def check(
 
 
 @app.command()
+def loads(
+    design: OneDesign,
+    csv: Annotated[
+        str | None,
+        typer.Option("--csv", metavar="FILE", help="write the whole history; - is standard output"),
+    ] = None,
+    plot: Annotated[
+        bool, typer.Option("--plot", help="write OUT/DESIGN/loads.html, with a moving picture")
+    ] = False,
+    cycle: Annotated[
+        list[str] | None,
+        typer.Option("--cycle", metavar="NAME", help="only this cycle; may be given again"),
+    ] = None,
+    out: Annotated[Path, typer.Option("--out", help="folder for the page")] = Path("out"),
+    json: Annotated[bool, typer.Option("--json", help="print the result as JSON")] = False,
+    overrides: Overrides = None,
+) -> None:
+    """Solve the cycles of a design: reactions, efforts, drive and contacts, and their validity.
+
+    Exit code 0: the loads are computed, also where a gate does not hold; 2: an input is wrong;
+    3: the numerics gave up.
+    """
+    from ballesta.loads_command import Wanted, run_loads
+
+    wanted = Wanted(csv, plot, tuple(cycle or ()), out, json)
+    raise typer.Exit(run_loads(design, wanted, overrides or []))
+
+
+@app.command()
 def plan(design: OneDesign, overrides: Overrides = None) -> None:
     """Say what a check would model, without solving: parts, loads, unknowns, time and memory."""
     from ballesta.plan import plan_text

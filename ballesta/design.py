@@ -3,10 +3,7 @@
 Inside ballesta a `Design` is trusted: names exist, quantities are finite and in N, mm, s and tonne.
 """
 
-import hashlib
 import math
-import re
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -14,12 +11,23 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from ballesta.design_cycles import cycles_of, duty_of
-from ballesta.design_data import Design
-from ballesta.design_linkage import bodies_of, check_points, forces_of, friction_of, joints_of
+from ballesta.design_data import ContactLaw, Cycle, Design
+from ballesta.design_files import Sources, read_design_files
+from ballesta.design_forces import forces_of
+from ballesta.design_joints import (
+    elastic_joints_of,
+    friction_of,
+    joint_names,
+    joints_of,
+    slides_of,
+    welds_of,
+)
+from ballesta.design_linkage import bodies_of, check_points
 from ballesta.design_model import DesignFile
 from ballesta.design_parts import materials_of, parts_of
 from ballesta.design_problems import tell_problems
-from ballesta.errors import DesignError, Problems
+from ballesta.errors import Problems
+from ballesta.measured import measured_of
 from ballesta.names import nearest, no_such
 from ballesta.overrides import apply_override, dotted, parse_override, resolve_like, split_key
 from ballesta.units import DIMENSIONS, Quantity, Vector
@@ -31,12 +39,13 @@ def read_design(path: str | Path, overrides: Sequence[str] = ()) -> Design:
     Raises DesignError, or DesignErrors for several problems at once, in the words of the author.
     """
     file = Path(path)
-    source = _read_text(file)
-    data = _parse(file, source)
+    data, sources = read_design_files(file)
     changes = [parse_override(text) for text in overrides]
     for change in changes:
         apply_override(data, change, file)
-    problems = Problems(file)
+        sources.override(change.key)
+    inputs = tuple(_stated(data, ()))
+    problems = Problems(file, sources.file_of)
     origins = resolve_like(data, problems)
     problems.raise_if_any()
     try:
@@ -45,29 +54,41 @@ def read_design(path: str | Path, overrides: Sequence[str] = ()) -> Design:
         tell_problems(error, origins, {change.key for change in changes}, problems)
         problems.raise_if_any()
         raise  # an error that pydantic does not describe is ours
-    return _assembled(model, data, file, source, tuple(overrides), problems)
+    return _assembled(model, data, inputs, sources, tuple(overrides), problems)
 
 
 def _assembled(
     model: DesignFile,
     data: Mapping[str, Any],
-    file: Path,
-    source: str,
+    inputs: tuple[tuple[str, str], ...],
+    sources: Sources,
     overrides: tuple[str, ...],
     problems: Problems,
 ) -> Design:
+    if not model.cycles and not model.measured:
+        problems.add("cycles", "must be stated: what the machine does, such as [cycles.press]")
     check_points(model, problems)
     bodies = bodies_of(model, problems)
     joints = joints_of(model)
+    slides = slides_of(model, bodies, problems)
+    welds = welds_of(model, problems)
+    names = joint_names(model, joints)
     materials = materials_of(model, problems)
-    for key in model.assumed:
-        _check_key(key, data, problems)
+    assumed = {
+        key: reason
+        for key, reason in model.assumed.items()
+        if _is_assumed(key, data, sources, problems)
+    }
     for name in model.claims:
         if name not in model.parts:
             problems.add(f"claims.{name}", no_such("part", name, model.parts))
     design_forces = forces_of(model, problems)
-    friction = friction_of(model, joints, problems)
-    cycles = cycles_of(model, problems)
+    friction = friction_of("friction", model.friction, names, problems)
+    elastic_joints = elastic_joints_of(model, names, problems)
+    cycles = cycles_of(model, names, sources, problems)
+    measured = {}
+    if len(bodies) == len(model.bodies):
+        measured = measured_of(model, bodies, sources, problems)
     duty = duty_of(model, problems)
     parts = parts_of(model, bodies, joints, materials, problems)
     problems.raise_if_any()
@@ -80,11 +101,14 @@ def _assembled(
     for name, entry in model.bodies.items():
         if bodies[name].part is None and entry.centre is None:
             defaults.append((f"bodies.{name}.centre", f"at its first pin, {entry.pins[0]}"))
+    defaults += _contact_defaults(model, cycles)
     return Design(
         name=model.name,
-        file=file,
-        source=source,
-        sha256=hashlib.sha256(source.encode()).hexdigest(),
+        file=sources.file,
+        source=sources.texts[sources.file],
+        sources=tuple((str(path), text) for path, text in sources.texts.items()),
+        sha256=sources.sha256,
+        inputs=inputs,
         overrides=overrides,
         accuracy=model.accuracy,
         require=model.require,
@@ -93,14 +117,23 @@ def _assembled(
         points=dict(model.points),
         bodies=bodies,
         joints=joints,
+        slides=slides,
+        welds=welds,
         forces=design_forces,
         friction=friction,
+        elastic_joints=elastic_joints,
+        irregularity=model.drive.irregularity,
         cycles=cycles,
+        measured=measured,
         duty=duty,
         parts=parts,
         materials={part.material.name: part.material for part in parts.values()},
         defaults_used=tuple(defaults),
-        assumed=(*model.assumed.items(), *_assumed_stops(model)),
+        assumed=(
+            *assumed.items(),
+            *_assumed_stops(model),
+            *(reason for run in measured.values() for reason in run.assumed),
+        ),
         claims={
             (part, kind): (claim.safety, claim.source)
             for part, kinds in model.claims.items()
@@ -109,53 +142,36 @@ def _assembled(
     )
 
 
-def _read_text(file: Path) -> str:
-    try:
-        content = file.read_bytes()
-    except FileNotFoundError:
-        raise DesignError(file, "cannot be read", "there is no such file") from None
-    except IsADirectoryError:
-        raise DesignError(file, "cannot be read", "is a directory, not a design file") from None
-    except OSError as error:
-        raise DesignError(file, "cannot be read", str(error.strerror).lower()) from None
-    try:
-        text = content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = content.count(b"\n", 0, error.start) + 1
-        raise DesignError(
-            file, f"line {line}", "is not UTF-8 text; save the file as UTF-8"
-        ) from None
-    if not text.strip():
-        raise DesignError(file, "cannot be read", "the file is empty; ballesta new writes one")
-    return text.replace("\r\n", "\n")
+def _stated(value: Any, way: tuple[str | int, ...]) -> Iterator[tuple[str, str]]:
+    """Everything that is stated, as dotted key and text, but the assumptions."""
+    if isinstance(value, dict):
+        for key, entry in value.items():
+            if way or key != "assumed":
+                yield from _stated(entry, (*way, key))
+    elif isinstance(value, list) and any(isinstance(entry, dict) for entry in value):
+        for index, entry in enumerate(value):
+            yield from _stated(entry, (*way, index))
+    else:
+        yield dotted(way), str(value)
 
 
-def _parse(file: Path, text: str) -> dict[str, Any]:
-    try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        message = str(error)
-        place = re.search(r" \(at (?:line (\d+), column (\d+)|end of document)\)$", message)
-        what = message[: place.start()] if place else message
-        if place and place[1]:
-            where = f"line {place[1]}, column {place[2]}"
-        else:
-            where = f"line {text.count(chr(10)) + 1}, at the end"
-        raise DesignError(file, where, f"is not TOML: {what}") from None
+def _is_assumed(key: str, data: Mapping[str, Any], sources: Sources, problems: Problems) -> bool:
+    """Whether the design has a key that is marked as assumed; if it never had it, a problem.
 
-
-def _check_key(key: str, data: Mapping[str, Any], problems: Problems) -> None:
+    A reason lapses with its key where a later file or an override has replaced what held the key.
+    """
     here: Any = data
     for step in split_key(key) or ("",):
         in_list = isinstance(here, list) and isinstance(step, int) and step < len(here)
         if in_list or (isinstance(here, dict) and step in here):
             here = here[step]
-        else:
-            known = list(_keys(data, ()))
-            guess = nearest(key, known)
+            continue
+        if not sources.replaces(f"assumed.{key}", key):
+            guess = nearest(key, list(_keys(data, ())))
             hint = f", did you mean {guess}?" if guess else ""
             problems.add(f"assumed.{key}", f"the design has no such key{hint}")
-            return
+        return False
+    return True
 
 
 def _keys(data: Any, way: tuple[str | int, ...]) -> Iterator[str]:
@@ -190,6 +206,21 @@ def _defaults(table: BaseModel, key: str) -> Iterator[tuple[str, str]]:
                     yield from _defaults(entry, here + inner)
         elif name not in table.model_fields_set and value is not None:
             yield here, _with_unit(value, field.metadata)
+
+
+def _contact_defaults(model: DesignFile, cycles: Mapping[str, Cycle]) -> Iterator[tuple[str, str]]:
+    for name, cycle in cycles.items():
+        for index, phase in enumerate(model.cycles[name].phases):
+            for force, entry in phase.forces.items():
+                law = cycle.phases[index].given[force]
+                if not isinstance(law, ContactLaw):
+                    continue
+                assert isinstance(entry, BaseModel)
+                key = f"cycles.{name}.phases[{index}].forces.{force}"
+                if "stops" not in entry.model_fields_set:
+                    yield f"{key}.stops", str(law.stops).lower()
+                if law.stiffness is None:
+                    yield f"{key}.stiffness", "rigid"
 
 
 def _with_unit(value: object, metadata: Sequence[object]) -> str:

@@ -7,9 +7,19 @@ from pathlib import Path
 from ballesta.design_model import Column, Requirements, StackEntry
 from ballesta.materials import Material
 from geometry.parts import Pin, PrismaticTube, ToggleBar
+from loads import MeasuredLoads
 
 GROUND = "ground"
 Pair = tuple[float, float]
+TwoNames = tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Elastic:
+    """How a body gives way along its x axis: E I in N mm2, E A in N; None is rigid."""
+
+    bending: float | None
+    axial: float | None
 
 
 @dataclass(frozen=True)
@@ -31,14 +41,50 @@ class Body:
     centre: Pair | None  # mm
     guide: Pair | None  # unit direction in the ground frame, through the first pin
     part: str | None
+    guide_ends: Pair | None = None  # mm of travel from where the body is assembled
+    elastic: Elastic | None = None
+
+
+@dataclass(frozen=True)
+class SlidingJoint:
+    """A point of a body that stays on a line of another body or the ground.
+
+    kind       "slot", or "guide": then the body does not turn against `on`
+    on         the body that has the line, or ground
+    through    its point on the line
+    direction  of the line, unit vector in the frame of `on`
+    body, point    what slides
+    ends       mm along the direction from `through`, or None
+    """
+
+    name: str
+    kind: str
+    on: str
+    through: str
+    direction: Pair
+    body: str
+    point: str
+    ends: Pair | None
+
+
+@dataclass(frozen=True)
+class Weld:
+    """Two bodies (the ground may be one) that are fixed to each other at a point."""
+
+    name: str
+    bodies: TwoNames
+    point: str
 
 
 @dataclass(frozen=True)
 class Force:
-    """A force; exactly one of `between` and `body` is used.
+    """A force or torque; exactly one of `between`, `body` and `turns` is used.
 
     between    ((body, point), (body, point)): positive pulls the two together
     body, at, direction    acts on the body at its point, unit direction in the ground frame
+    turns, against, at     a torque on `turns`, positive counter-clockwise, braced against another
+               body or the ground; `at` is the point of `turns` where it enters, or None
+    limits     N or N mm that the drive can give with a positive and with a negative sign, or None
     """
 
     name: str
@@ -46,7 +92,14 @@ class Force:
     body: str | None
     at: str | None
     direction: Pair | None
-    available: float | None  # N
+    limits: Pair | None
+    turns: str | None = None
+    against: str = GROUND
+
+    @property
+    def dimension(self) -> str:
+        """`force` or `moment`."""
+        return "force" if self.turns is None else "moment"
 
 
 @dataclass(frozen=True)
@@ -74,13 +127,58 @@ class Coordinate:
 
 
 @dataclass(frozen=True)
+class TableLaw:
+    """A force (N or N mm) tabled over rising values (mm or rad) of a coordinate."""
+
+    coordinate: Coordinate
+    values: tuple[float, ...]
+    forces: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class ContactLaw:
+    """A workpiece or stop that pushes along the force, from first touch at a coordinate.
+
+    at         mm, of the force's own coordinate: of the point along its axis, or the length
+    stiffness  N/mm, None is rigid
+    stops      the body stands still along the force while it touches
+    """
+
+    coordinate: Coordinate
+    at: float
+    stiffness: float | None
+    stops: bool
+
+
+Law = float | TableLaw | ContactLaw
+
+
+@dataclass(frozen=True)
 class Phase:
-    """A stretch of a cycle up to `to` (mm or rad): the forces given (N) and the one solved for."""
+    """A stretch of a cycle up to `to` (mm or rad): the forces given and the one solved for.
+
+    given  by force: N or N mm where it is constant, else its law
+    """
 
     name: str
     to: float
-    given: Mapping[str, float]
+    given: Mapping[str, Law]
     solve: str
+
+
+@dataclass(frozen=True)
+class Pace:
+    """How fast a cycle runs; exactly one of `speed` and `law` is used.
+
+    speed, acceleration    mm/s or rad/s along the way, mm/s2 or rad/s2
+    law, time  every stroke goes from rest to rest by this law, in `time` s
+    """
+
+    coordinate: Coordinate
+    speed: float | None
+    acceleration: float
+    law: str | None
+    time: float | None
 
 
 @dataclass(frozen=True)
@@ -102,17 +200,36 @@ class Stop:
 
 @dataclass(frozen=True)
 class Cycle:
-    """A cycle, swept in one coordinate from `start` through the phases; mm, rad, s."""
+    """A cycle, swept in one coordinate from `start` through the phases; mm, rad, s.
+
+    friction  of this cycle's own, or None where the design's holds
+    """
 
     name: str
     coordinate: Coordinate
     start: float
-    pace: Coordinate
-    pace_speed: float
+    pace: Pace
     positions: int
     shown: Shown | None
     stop: Stop | None
     phases: tuple[Phase, ...]
+    friction: Mapping[str, Friction] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredRun:
+    """A run whose loads stand in a file; its bodies are without mass here.
+
+    file       as the design names it
+    tolerance  share of the largest force on a body that may be left of its balance
+    assumed    (key, reason) of what the file does not have
+    """
+
+    name: str
+    file: str
+    tolerance: float
+    loads: MeasuredLoads
+    assumed: tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True)
@@ -147,8 +264,15 @@ class Part:
 class Design:
     """A machine to be checked, as its file states it.
 
-    joints           point -> the bodies it joins, the ground first where it takes part
-    friction         joint (point, or "guide:<body>") -> its friction
+    source           text of the file itself; sources: (path, text) of every file it takes from,
+                     the file itself last but for the tables in CSV files
+    sha256           of the texts of all sources, one after the other
+    inputs           (key, value) of everything that the files and the overrides state
+    joints           pins: point -> the bodies it joins, the ground first where it takes part
+    slides, welds    the joints that are no pins; guides on the ground are with their body
+    friction         joint (point, name of the slot or guide, or "guide:<body>") -> its friction
+    elastic_joints   joint, named as for friction -> its stiffness, N/mm
+    irregularity     largest share by which the drive's speed may vary to count as even
     defaults_used    (key, value) that the file does not state and ballesta took
     assumed          (key, reason) that the file marks as an assumption
     claims           (part, kind of check) -> the claimed safety and who claims it
@@ -157,7 +281,9 @@ class Design:
     name: str
     file: Path
     source: str
+    sources: tuple[tuple[str, str], ...]
     sha256: str
+    inputs: tuple[tuple[str, str], ...]
     overrides: tuple[str, ...]
     accuracy: float
     require: Requirements
@@ -166,9 +292,14 @@ class Design:
     points: Mapping[str, Pair]
     bodies: Mapping[str, Body]
     joints: Mapping[str, tuple[str, ...]]
+    slides: Mapping[str, SlidingJoint]
+    welds: Mapping[str, Weld]
     forces: Mapping[str, Force]
     friction: Mapping[str, Friction]
+    elastic_joints: Mapping[str, float]
+    irregularity: float
     cycles: Mapping[str, Cycle]
+    measured: Mapping[str, MeasuredRun]
     duty: Duty
     parts: Mapping[str, Part]
     materials: Mapping[str, Material]

@@ -1,46 +1,41 @@
 """What a design file may contain: the pydantic models its tables are read with.
 
-The models only know each table for itself; what must fit together between the tables is checked
-where the design is put together. The parts' parameters are described by the dataclasses in
-`geometry.parts`, and their models are made from those.
+The tables of the linkage and its cycles are in `design_tables`. The parts' parameters are described
+by the dataclasses in `geometry.parts`, and their models are made from those.
 """
 
 import dataclasses
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints, create_model
+from pydantic import BeforeValidator, Field, create_model
 
+from ballesta.design_measured import MeasuredEntry
+from ballesta.design_tables import (
+    BodyEntry,
+    CycleEntry,
+    DriveEntry,
+    ElasticJoints,
+    ForceEntry,
+    FrictionEntry,
+    JointEntry,
+    Name,
+    Positive,
+    Table,
+)
 from ballesta.materials import MaterialEntry
 from ballesta.units import (
     BY_DIMENSION,
     Acceleration2,
     BearingArc,
-    Direction2,
-    Force,
     Fraction,
-    Inertia,
-    LengthOrAngle,
-    Mass,
     OffsetLength,
     Point2,
-    PositiveForce,
     PositiveLength,
     PositiveStress,
     Rate,
-    SweepSpeed,
 )
 from geometry.parameters import GIVEN_BY_DESIGN
 from geometry.parts import SHAPES, Pin
-
-Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_][A-Za-z0-9_-]*$")]
-Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
-
-
-class Table(BaseModel):
-    """A table of the file: unknown keys are refused, what was read stays as it was."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class Claim(Table):
@@ -57,116 +52,6 @@ class Requirements(Table):
     buckling: Positive = Field(3.0, description="against buckling")
     fatigue: Positive = Field(1.3, description="against fatigue")
     bush: Positive = Field(1.0, description="against the bushes' allowable pressure")
-
-
-class Guide(Table):
-    """A straight guide of a body in the frame, through the body's first pin, without rotation."""
-
-    along: Direction2 = Field(description="direction of travel in the ground frame")
-
-
-class BodyEntry(Table):
-    """A rigid body of the linkage."""
-
-    pins: list[str] = Field(
-        min_length=1,
-        description="points of the body: the frame's origin, then where its x axis points, then "
-        "any others; with one pin the axes are the ground's",
-    )
-    mass: Mass | None = Field(None, description="instead of the mass of the part of this body")
-    inertia: Inertia | None = Field(None, description="about the centre of mass")
-    centre: Point2 | None = Field(None, description="centre of mass in the body's frame")
-    guide: Guide | None = Field(None, description="the body slides in the frame")
-
-
-class ForceEntry(Table):
-    """A force: between two points, or at a point of a body in a direction."""
-
-    between: Annotated[list[str], Field(min_length=2, max_length=2)] | None = Field(
-        None, description="two points; a positive force pulls them together"
-    )
-    on: str | None = Field(
-        None, description="which body takes the force where several share a point of `between`"
-    )
-    body: str | None = Field(None, description="the body that is pushed")
-    at: str | None = Field(None, description="the point of the body at which the force acts")
-    direction: Direction2 | None = Field(
-        None, description="of the force on the body, in the ground frame"
-    )
-    available: PositiveForce | None = Field(None, description="what the drive can give")
-
-
-class PinFriction(Table):
-    """Coulomb friction in a pin joint."""
-
-    coefficient: Annotated[Number, Field(ge=0)] = Field(description="coefficient of friction")
-    diameter: PositiveLength = Field(description="of the pin")
-
-
-class GuideFriction(Table):
-    """Coulomb friction in a guide."""
-
-    coefficient: Annotated[Number, Field(ge=0)] = Field(description="coefficient of friction")
-
-
-class FrictionEntry(Table):
-    """Friction of the joints; what is not named runs without friction."""
-
-    pins: PinFriction | None = Field(None, description="every pin joint")
-    guides: GuideFriction | None = Field(None, description="every guide")
-    joints: dict[str, PinFriction] = Field(
-        default_factory=dict, description="single pin joints, by the name of their point"
-    )
-
-
-class PaceEntry(Table):
-    """How fast the cycle runs: the speed of one coordinate, its direction follows the phase."""
-
-    coordinate: str = Field(description="such as cylinder.length", examples=["cylinder.length"])
-    speed: SweepSpeed = Field(description="magnitude of the coordinate's rate")
-
-
-class ShownEntry(Table):
-    """The position as reports show it: sign * (coordinate - zero)."""
-
-    name: str = Field(description="what the displayed position is called")
-    zero: LengthOrAngle = Field(description="the coordinate where the displayed position is 0")
-    sign: Literal[1, -1] = Field(1, description="-1 counts the other way")
-
-
-class StopEntry(Table):
-    """What ends the travel."""
-
-    basis: Literal["assumed", "mechanical"] = Field(
-        description="assumed: nothing mechanical stops the travel there"
-    )
-    tolerance: LengthOrAngle = Field(description="the travel ends within +- this")
-
-
-class PhaseEntry(Table):
-    """A stretch of the cycle with its forces."""
-
-    name: Name = Field(description="name of the phase")
-    to: LengthOrAngle = Field(description="where the swept coordinate arrives")
-    forces: dict[str, Force] = Field(default_factory=dict, description="forces that are given")
-    solve: str = Field(description="the force that follows from the others")
-
-
-class CycleEntry(Table):
-    """A cycle of the machine, swept in one coordinate, phase after phase."""
-
-    coordinate: str = Field(
-        description="what is swept: <point>.x, <point>.y, <body>.angle or <force>.length",
-        examples=["A.y"],
-    )
-    start: LengthOrAngle = Field(description="where the coordinate starts")
-    pace: PaceEntry
-    positions: Annotated[int, Field(strict=True, ge=2)] = Field(
-        361, description="at least, over all phases"
-    )
-    shown: ShownEntry | None = None
-    stop: StopEntry | None = None
-    phases: list[PhaseEntry] = Field(min_length=1)
 
 
 class DutyEntry(Table):
@@ -307,17 +192,31 @@ class DesignFile(Table):
         validate_default=True,
         description="in the ground frame",
     )
-    ground: list[str] = Field(description="points fixed to the frame")
+    ground: list[str] = Field(default_factory=list, description="points fixed to the frame")
     points: dict[Name, Point2] = Field(
         description="one position in which the linkage is assembled, in the ground frame"
     )
     bodies: dict[Name, BodyEntry]
-    forces: dict[Name, ForceEntry]
+    joints: dict[Name, JointEntry] = Field(
+        default_factory=dict,
+        description="joints that are no plain pins; a point shared by bodies is a pin by itself",
+    )
+    forces: dict[Name, ForceEntry] = Field(default_factory=dict)
     friction: FrictionEntry = Field(default=FrictionEntry.model_validate({}))
-    cycles: dict[Name, CycleEntry]
+    elastic: ElasticJoints = Field(
+        default=ElasticJoints.model_validate({}),
+        description="joints that give way where something pushes back; the others are rigid",
+    )
+    cycles: dict[Name, CycleEntry] = Field(default_factory=dict)
+    measured: dict[Name, MeasuredEntry] = Field(
+        default_factory=dict, description="runs whose loads stand in a file; they count as cycles"
+    )
     duty: DutyEntry = Field(default=DutyEntry.model_validate({}))
+    drive: DriveEntry = Field(default=DriveEntry.model_validate({}))
     materials: dict[Name, MaterialEntry] = Field(default_factory=dict)
-    parts: dict[Name, Annotated[_union(), Field(discriminator="shape")]]  # type: ignore[valid-type]
+    parts: dict[Name, Annotated[_union(), Field(discriminator="shape")]] = Field(  # type: ignore[valid-type]
+        default_factory=dict
+    )
     claims: dict[Name, dict[Literal["static", "buckling", "fatigue", "bush"], Claim]] = Field(
         default_factory=dict,
         description="by part and kind of check: a claimed safety; told beside what is found",

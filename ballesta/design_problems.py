@@ -4,16 +4,15 @@ import dataclasses
 import types
 from typing import Any, Union, get_args, get_origin
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, Tag, ValidationError
 
 from ballesta.design_model import PART_MODELS, DesignFile
+from ballesta.design_tables import TAGS
 from ballesta.errors import Problems
 from ballesta.names import listed, nearest, no_such
-from ballesta.overrides import dotted
+from ballesta.overrides import Way, dotted
 from geometry.parameters import GIVEN_BY_LINKAGE
 from geometry.parts import SHAPES
-
-Way = tuple[str | int, ...]
 
 
 def tell_problems(
@@ -21,13 +20,10 @@ def tell_problems(
 ) -> None:
     """Add each of pydantic's errors to the problems, at the key where the value is written."""
     for detail in error.errors(include_url=False):
-        way: Way = detail["loc"]
-        tag = ""
-        if way[0] == "parts" and len(way) > 2 and way[2] in PART_MODELS:
-            tag = str(way[2])
-            way = (*way[:2], *way[3:])
+        raw: Way = detail["loc"]
+        way = _as_written(raw)
         bad_name = way[-1] == "[key]"
-        problem = _wording(dict(detail), way, tag)
+        problem = _wording(dict(detail), raw)
         way = way[:-1] if bad_name else way
         if way[:3] in origins:
             way = (*origins[way[:3]], *way[3:])
@@ -36,15 +32,22 @@ def tell_problems(
         problems.add(dotted(way), problem)
 
 
-def _wording(detail: dict[str, Any], way: Way, tag: str) -> str:
+def _as_written(way: Way) -> Way:
+    """Return a way without the steps by which pydantic says which of several models it took."""
+    if way[0] == "parts" and len(way) > 2 and way[2] in PART_MODELS:
+        way = (*way[:2], *way[3:])
+    return tuple(step for step in way if step not in TAGS)
+
+
+def _wording(detail: dict[str, Any], way: Way) -> str:
     kind, found, context = detail["type"], detail["input"], detail.get("ctx", {})
     shown = f'"{found}"' if isinstance(found, str) else str(found)
     if kind == "value_error":
         return str(context["error"])
     if kind == "extra_forbidden":
-        return _unknown_key(way, tag)
+        return _unknown_key(way)
     if kind == "missing":
-        description = _description(way, tag)
+        description = _description(way)
         return f"must be stated: {description}" if description else "must be stated"
     if kind == "union_tag_not_found":
         return f"shape must be stated, one of {listed(PART_MODELS)}"
@@ -72,32 +75,34 @@ def _wording(detail: dict[str, Any], way: Way, tag: str) -> str:
     return f"must be {wanted}, got {shown}" if wanted else f"{detail['msg']}, got {shown}"
 
 
-def _unknown_key(way: Way, tag: str) -> str:
+def _unknown_key(way: Way) -> str:
     key = str(way[-1])
-    for parameter in dataclasses.fields(SHAPES[tag]) if tag and len(way) == 3 else ():
+    shape = SHAPES.get(str(way[2])) if way[0] == "parts" and len(way) == 4 else None
+    for parameter in dataclasses.fields(shape) if shape else ():
         if parameter.name == key and parameter.metadata.get("given_by") == GIVEN_BY_LINKAGE:
             return f"must not be stated: {parameter.metadata['meaning']} follows from the points"
-    model = _model_at(way[:-1], tag)
+    model = _model_at(way[:-1])
     known = list(model.model_fields) if model else []
     guess = nearest(key, known)
     hint = f"did you mean {guess}?" if guess else f"there are {listed(known)}"
     return f"unknown key, {hint}"
 
 
-def _description(way: Way, tag: str) -> str | None:
-    model = _model_at(way[:-1], tag)
+def _description(way: Way) -> str | None:
+    model = _model_at(way[:-1])
     field = model.model_fields.get(str(way[-1])) if model else None
     return field.description if field else None
 
 
-def _model_at(way: Way, tag: str) -> type[BaseModel] | None:
-    """Return the model of the table at a way through the file."""
+def _model_at(way: Way) -> type[BaseModel] | None:
+    """Return the model of the table at a way through the file, as pydantic writes it."""
     here: Any = DesignFile
-    for depth, step in enumerate(way):
-        if tag and depth == 1:
-            here = PART_MODELS[tag]
-            continue
-        if isinstance(here, type) and issubclass(here, BaseModel):
+    for step in way:
+        if step in TAGS:
+            here = next(arg for arg in get_args(_inside(here)) if _tag_of(arg) == step)
+        elif step in PART_MODELS and not (isinstance(here, type) and issubclass(here, BaseModel)):
+            here = PART_MODELS[str(step)]
+        elif isinstance(here, type) and issubclass(here, BaseModel):
             field = here.model_fields.get(str(step))
             here = field.annotation if field else None
         else:
@@ -107,8 +112,18 @@ def _model_at(way: Way, tag: str) -> type[BaseModel] | None:
 
 
 def _plain(annotation: Any) -> Any:
-    if get_origin(annotation) in (Union, types.UnionType):
-        return _plain(next(arg for arg in get_args(annotation) if arg is not type(None)))
-    if hasattr(annotation, "__metadata__"):
-        return _plain(annotation.__origin__)
-    return annotation
+    """Return an annotation without None and without marks, but with the tags of a choice."""
+    inside = _inside(annotation)
+    if get_origin(inside) in (Union, types.UnionType):
+        members = [arg for arg in get_args(inside) if arg is not type(None)]
+        return _plain(members[0]) if len(members) == 1 else annotation
+    return inside
+
+
+def _inside(annotation: Any) -> Any:
+    return annotation.__origin__ if hasattr(annotation, "__metadata__") else annotation
+
+
+def _tag_of(annotation: Any) -> str | None:
+    marks = getattr(annotation, "__metadata__", ())
+    return next((mark.tag for mark in marks if isinstance(mark, Tag)), None)

@@ -24,7 +24,49 @@ def design_schema() -> dict[str, Any]:
     schema["properties"]["assumed"]["additionalProperties"] = {
         "anyOf": [reason, {"$ref": "#/$defs/Reasons"}]
     }
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
+    return _also_derived({"$schema": "https://json-schema.org/draft/2020-12/schema", **schema})
+
+
+def _also_derived(schema: dict[str, Any]) -> dict[str, Any]:
+    """Return the schema that also takes a file that is `like` another and states a part of it."""
+    own = {"$defs", "$schema"}
+    whole = {key: value for key, value in schema.items() if key not in own}
+    derived = _without_demands(whole)
+    derived["properties"]["like"] = {
+        "type": "string",
+        "description": "another design file: all of it, then the keys of this one",
+    }
+    definitions = schema["$defs"]
+    definitions |= {
+        f"{name}Derived": _without_demands(entry) for name, entry in definitions.items()
+    }
+    return {
+        "$schema": schema["$schema"],
+        "title": schema["title"],
+        "description": schema["description"],
+        "type": "object",
+        "$defs": definitions,
+        # not if, then, else: editors complete keys through anyOf only
+        "anyOf": [whole, {**derived, "required": ["like"]}],
+    }
+
+
+def _without_demands(schema: Any) -> Any:
+    """Return a copy in which nothing must be stated, at any depth."""
+    if isinstance(schema, list):
+        return [_without_demands(entry) for entry in schema]
+    if not isinstance(schema, dict):
+        return schema
+    copied = {}
+    for key, entry in schema.items():
+        if key in ("required", "discriminator", "minProperties"):
+            continue
+        if key == "$ref":
+            copied[key] = f"{entry}Derived"
+        else:
+            # without what tells them apart, several forms may fit
+            copied["anyOf" if key == "oneOf" else key] = _without_demands(entry)
+    return copied
 
 
 def _allow(section: dict[str, Any], other: dict[str, Any]) -> None:

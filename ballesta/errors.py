@@ -1,5 +1,6 @@
 """Errors that a person can act on: which file, which key, what is wrong there."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 
@@ -38,15 +39,23 @@ class NumericsError(Exception):
 
 
 class Problems:
-    """Collects the problems of one file, so that all of them are told at once."""
+    """Collects the problems of one design, so that all of them are told at once.
 
-    def __init__(self, file: Path) -> None:
-        self.file = file
+    `file_of` tells which file a key is stated in, where the design takes from several.
+    """
+
+    def __init__(self, file: Path, file_of: Callable[[str], Path] | None = None) -> None:
+        self.file, self._file_of = file, file_of
         self._found: dict[tuple[str, str], DesignError] = {}
 
     def add(self, key: str, problem: str) -> None:
         """Note a problem; the same one found twice is told once."""
-        self._found.setdefault((key, problem), DesignError(self.file, key, problem))
+        file = self.file if self._file_of is None else self._file_of(key)
+        self._found.setdefault((key, problem), DesignError(file, key, problem))
+
+    def take(self, error: DesignError) -> None:
+        """Note an error that was raised with its own file."""
+        self._found.setdefault((error.key, error.problem), error)
 
     def raise_if_any(self) -> None:
         """Raise what was found: a DesignError, or DesignErrors for more than one."""

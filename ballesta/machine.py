@@ -1,6 +1,6 @@
 """From a design to the linkage that `loads` solves, and from its loads to a part's own axes."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import atan2, cos, hypot, sin
 
@@ -63,15 +63,17 @@ def interface_distance(design: design_data.Design, part: design_data.Part) -> fl
 
 
 def linkage_of(
-    design: design_data.Design, masses: Mapping[str, tuple[float, tuple[float, float], float]]
+    design: design_data.Design,
+    masses: Mapping[str, tuple[float, tuple[float, float], float]],
+    cycle: design_data.Cycle | None = None,
 ) -> loads.Linkage:
     """Return the linkage of a design; `masses` (mass, centre, inertia) fill in unstated ones.
 
-    Raises loads.LinkageError where the linkage does not have one degree of freedom.
+    With a cycle, under the friction of that cycle. Raises loads.LinkageError where the linkage
+    does not have one degree of freedom.
     """
-    bodies = [loads.Body(loads.GROUND, {name: design.points[name] for name in design.ground})]
-    joints: list[loads.Joint] = []
-    assembled = {}
+    ground = {name: design.points[name] for name in design.ground}
+    bodies, assembled = [], {}
     for body in design.bodies.values():
         mass, centre, inertia = masses.get(body.name, (0.0, (0.0, 0.0), 0.0))
         bodies.append(
@@ -85,64 +87,137 @@ def linkage_of(
         )
         assembled[body.name] = (*body.position, body.angle)
         if body.guide is not None:
-            point = body.pins[0]
-            bodies[0] = loads.Body(
-                loads.GROUND, {**bodies[0].points, f"guide:{body.name}": design.points[point]}
-            )
-            joints.append(
-                loads.Prismatic(
-                    f"guide:{body.name}",
-                    loads.GROUND,
-                    body.name,
-                    f"guide:{body.name}",
-                    point,
-                    body.guide,
-                )
-            )
-    for point, joined in design.joints.items():
-        first, *others = joined
-        for other in others:
-            name = point if len(others) == 1 else f"{point}:{other}"
-            joints.append(loads.Revolute(name, first, other, point))
-    friction = {
-        joint.name: loads.Friction(entry.coefficient, entry.radius)
-        for joint in joints
-        for key, entry in design.friction.items()
-        if key in (joint.name, joint.name.split(":")[0])
-    }
+            ground[f"guide:{body.name}"] = design.points[body.pins[0]]
+    joints = joints_of(design)
+    stated = design.friction
+    if cycle is not None and cycle.friction is not None:
+        stated = cycle.friction
     return loads.Linkage(
-        bodies=tuple(bodies),
-        joints=tuple(joints),
+        bodies=(loads.Body(loads.GROUND, ground), *bodies),
+        joints=tuple(joint for group in joints.values() for joint in group),
         forces=tuple(_force(force) for force in design.forces.values()),
         assembled=assembled,
-        friction=friction,
+        friction={
+            joint.name: loads.Friction(entry.coefficient, entry.radius)
+            for name, entry in stated.items()
+            for joint in joints[name]
+        },
         gravity=design.gravity,
+        compliance=tuple(_compliance(design, joints)),
     )
+
+
+def joints_of(design: design_data.Design) -> dict[str, list[loads.Joint]]:
+    """Return the joints that `loads` solves, by the name that the design file has for them.
+
+    A point of three bodies is two joints of one name there.
+    """
+    joints: dict[str, list[loads.Joint]] = {}
+    for body in design.bodies.values():
+        if body.guide is not None:
+            name = f"guide:{body.name}"
+            joints[name] = [
+                loads.Prismatic(
+                    name, loads.GROUND, body.name, name, body.pins[0], body.guide, body.guide_ends
+                )
+            ]
+    for slide in design.slides.values():
+        kind = loads.Slot if slide.kind == "slot" else loads.Prismatic
+        joints[slide.name] = [
+            kind(
+                slide.name,
+                slide.on,
+                slide.body,
+                slide.through,
+                slide.point,
+                slide.direction,
+                slide.ends,
+            )
+        ]
+    for weld in design.welds.values():
+        joints[weld.name] = [loads.Fixed(weld.name, *weld.bodies, weld.point)]
+    for point, joined in design.joints.items():
+        first, *others = joined
+        joints[point] = []
+        for index, other in enumerate(others, start=1):
+            welded = any(
+                weld.point == point and other in weld.bodies and {*weld.bodies} & {*joined[:index]}
+                for weld in design.welds.values()
+            )
+            if not welded:  # else the weld already holds it
+                name = point if len(others) == 1 else f"{point}:{other}"
+                joints[point].append(loads.Revolute(name, first, other, point))
+    return joints
+
+
+def _compliance(
+    design: design_data.Design, joints: Mapping[str, list[loads.Joint]]
+) -> Iterator[loads.BeamCompliance | loads.JointCompliance]:
+    for body in design.bodies.values():
+        if body.elastic is not None:
+            yield loads.BeamCompliance(body.name, body.elastic.bending, body.elastic.axial)
+    for name, stiffness in design.elastic_joints.items():
+        for joint in joints[name]:
+            yield loads.JointCompliance(joint.name, stiffness)
 
 
 def cycle_of(design: design_data.Design, cycle: design_data.Cycle) -> loads.Cycle:
     """Return a design's cycle as `loads` runs it."""
     return loads.Cycle(
         name=cycle.name,
-        coordinate=_coordinate(design, cycle.coordinate),
+        coordinate=coordinate_of(design, cycle.coordinate),
         start=cycle.start,
-        pace=loads.SteadyPace(_coordinate(design, cycle.pace), cycle.pace_speed),
-        phases=tuple(loads.Phase(p.name, p.to, p.given, p.solve) for p in cycle.phases),
+        pace=_pace(design, cycle.pace),
+        phases=tuple(
+            loads.Phase(
+                phase.name,
+                phase.to,
+                {force: _law(design, force, law) for force, law in phase.given.items()},
+                phase.solve,
+            )
+            for phase in cycle.phases
+        ),
         n_positions=cycle.positions,
     )
+
+
+def _pace(design: design_data.Design, pace: design_data.Pace) -> loads.Pace:
+    coordinate = coordinate_of(design, pace.coordinate)
+    if pace.speed is not None:
+        return loads.SteadyPace(coordinate, pace.speed, pace.acceleration)
+    assert pace.law is not None
+    assert pace.time is not None
+    return loads.StrokePace(coordinate, pace.law, pace.time)
+
+
+def _law(design: design_data.Design, force: str, law: design_data.Law) -> loads.Law:
+    if isinstance(law, design_data.TableLaw):
+        return loads.Table(coordinate_of(design, law.coordinate), law.values, law.forces)
+    if isinstance(law, design_data.ContactLaw):
+        direction = design.forces[force].direction
+        # along its own direction, a force that points down has the coordinate -y; between two
+        # points the contact pushes them apart when they come closer than `at`
+        way = 1.0 if direction is None else sum(direction)
+        return loads.Contact(way * law.at, law.stiffness, 1, law.stops)
+    return law
 
 
 def _force(force: design_data.Force) -> loads.Force:
     if force.between is not None:
         (body_a, point_a), (body_b, point_b) = force.between
         return loads.Force(force.name, loads.Distance(body_a, point_a, body_b, point_b), -1)
+    if force.turns is not None:
+        return loads.Force(force.name, loads.Angle(force.turns, force.against, force.at), 1)
     assert force.body is not None
     assert force.at is not None
     assert force.direction is not None
     return loads.Force(force.name, loads.PointCoordinate(force.body, force.at, force.direction), 1)
 
 
-def _coordinate(design: design_data.Design, coordinate: design_data.Coordinate) -> loads.Coordinate:
+def coordinate_of(
+    design: design_data.Design, coordinate: design_data.Coordinate
+) -> loads.Coordinate:
+    """Return a design's coordinate as `loads` measures it."""
     if coordinate.what == "angle":
         return loads.Angle(coordinate.name)
     if coordinate.what == "length":

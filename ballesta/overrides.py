@@ -11,13 +11,15 @@ from typing import Any
 from ballesta.errors import DesignError, Problems
 from ballesta.names import listed, nearest, no_such
 
+Way = tuple[str | int, ...]
 WITH_LIKE = ("bodies", "cycles", "parts")
 _OPTIONAL_TABLES = {
-    "require", "friction", "friction.pins", "friction.guides", "friction.joints", "duty",
-    "duty.cycles", "materials", "assumed",
+    "require", "joints", "forces", "friction", "friction.pins", "friction.guides",
+    "friction.slots", "friction.joints", "elastic", "elastic.joints", "cycles", "duty",
+    "duty.cycles", "drive", "materials", "parts", "claims", "assumed",
 }  # fmt: skip
 _OPTIONAL_IN_ENTRY = {"column", "mesh", "pace", "shown", "stop", "guide", "interfaces", "forces",
-                      "bush"}  # fmt: skip
+                      "bush", "elastic", "friction", "available"}  # fmt: skip
 _STEP = re.compile(r"([^.\[\]]+)|\[(\d+)\]")
 
 
@@ -25,7 +27,7 @@ _STEP = re.compile(r"([^.\[\]]+)|\[(\d+)\]")
 class Override:
     """One value of a design to be replaced: the way to it, its text as written."""
 
-    path: tuple[str | int, ...]
+    path: Way
     value: object
 
     @property
@@ -34,12 +36,12 @@ class Override:
         return dotted(self.path)
 
 
-def dotted(path: tuple[str | int, ...]) -> str:
+def dotted(path: Way) -> str:
     """Return the way to a value as messages show it, such as cycles.press.phases[1].to."""
     return "".join(f"[{step}]" if isinstance(step, int) else f".{step}" for step in path)[1:]
 
 
-def split_key(key: str) -> tuple[str | int, ...] | None:
+def split_key(key: str) -> Way | None:
     """Return the steps of a dotted key, or None when it is not one."""
     steps: list[str | int] = []
     for piece in key.strip().split("."):
@@ -101,7 +103,7 @@ def _no_key(step: str, here: Mapping[str, object]) -> str:
     return f"nothing is named {step!r}, {hint}"
 
 
-def _inherited(data: dict[str, Any], path: tuple[str | int, ...]) -> Any:
+def _inherited(data: dict[str, Any], path: Way) -> Any:
     """Return the table that a missing table stands for: from `like`, or empty if optional."""
     if dotted(path) in _OPTIONAL_TABLES or (path[0] == "materials" and len(path) == 2):
         return {}
@@ -117,14 +119,12 @@ def _inherited(data: dict[str, Any], path: tuple[str | int, ...]) -> Any:
     return None
 
 
-def resolve_like(
-    data: dict[str, Any], problems: Problems
-) -> dict[tuple[str | int, ...], tuple[str | int, ...]]:
+def resolve_like(data: dict[str, Any], problems: Problems) -> dict[Way, Way]:
     """Fill every table that is `like` another, in place.
 
     Returns where each inherited value is written: its way -> the way to the original.
     """
-    origins: dict[tuple[str | int, ...], tuple[str | int, ...]] = {}
+    origins: dict[Way, Way] = {}
     for section in WITH_LIKE:
         entries = data.get(section)
         if not isinstance(entries, dict):
@@ -141,7 +141,7 @@ def _resolve(
     entries: dict[str, Any],
     done: set[str],
     chain: tuple[str, ...],
-    origins: dict[tuple[str | int, ...], tuple[str | int, ...]],
+    origins: dict[Way, Way],
     problems: Problems,
 ) -> None:
     entry = entries[name]

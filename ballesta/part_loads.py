@@ -54,31 +54,63 @@ def shown_name(cycle: Cycle) -> tuple[str, str]:
     return name, "deg" if cycle.coordinate.dimension == "angle" else "mm"
 
 
-def loads_on(design: Design, part: Part, solved: Mapping[str, loads.CycleLoads]) -> PartLoads:
-    """Gather a part's loads over the solved cycles.
+def shown_of(
+    design: Design, name: str, cycle: loads.CycleLoads | loads.MeasuredLoads
+) -> tuple[str, str, FloatArray]:
+    """Name, unit and values of a cycle's positions as reports show them."""
+    if isinstance(cycle, loads.MeasuredLoads):
+        turned = cycle.position_unit == "deg"
+        values = np.degrees(cycle.positions) if turned else cycle.positions
+        return cycle.position_name, cycle.position_unit, values
+    stated = design.cycles[name]
+    return *shown_name(stated), shown_position(stated, cycle.positions)
 
-    Raises loads.LinkageError where a force meets the part at no interface.
+
+def is_loaded(part: Part, cycle: loads.CycleLoads | loads.MeasuredLoads) -> bool:
+    """Whether a cycle says anything of a part; a measured run may leave bodies out."""
+    if isinstance(cycle, loads.CycleLoads):
+        return True
+    if part.body is not None:
+        return part.body in cycle.bodies
+    return any(
+        load.point == part.joint
+        for name in part.interfaces
+        if name in cycle.bodies
+        for load in cycle.bodies[name].loads
+    )
+
+
+def loads_on(
+    design: Design, part: Part, solved: Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
+) -> PartLoads:
+    """Gather a part's loads over the solved cycles and the measured runs that have any.
+
+    Raises loads.LinkageError where a force meets the part at no interface, or nothing loads it.
     """
     placing = part_placing(design, part)
     wrenches: dict[str, list[FloatArray]] = {}
     accelerations, labels, names = [], [], []
     slices, start = {}, 0
     for name, cycle_loads in solved.items():
+        if not is_loaded(part, cycle_loads):
+            continue
         history = _history(part, cycle_loads)
         part_wrenches, part_accelerations = placing.to_part(history)
         for interface, wrench in part_wrenches.items():
             wrenches.setdefault(interface, []).append(wrench)
         accelerations.append(part_accelerations)
-        shown, unit = shown_name(design.cycles[name])
-        values = shown_position(design.cycles[name], history.positions)
+        shown, unit, values = shown_of(design, name, cycle_loads)
+        told = {name, *loads.MeasuredLoads.phases}
         labels += [
             f"{shown} = {value:.4g} {unit}"
-            + (f" {history.phases[phase]}" if history.phases[phase] != name else "")
+            + (f" {history.phases[phase]}" if history.phases[phase] not in told else "")
             for value, phase in zip(values, history.phase_of, strict=True)
         ]
         names += [name] * len(values)
         slices[name] = slice(start, start + len(values))
         start += len(values)
+    if not slices:
+        raise loads.LinkageError(f"no load acts on it: {', '.join(solved)} have none")
     return PartLoads(
         {name: np.concatenate(parts) for name, parts in wrenches.items()},
         np.concatenate(accelerations),
@@ -88,7 +120,7 @@ def loads_on(design: Design, part: Part, solved: Mapping[str, loads.CycleLoads])
     )
 
 
-def _history(part: Part, cycle_loads: loads.CycleLoads) -> loads.LoadHistory:
+def _history(part: Part, cycle_loads: loads.CycleLoads | loads.MeasuredLoads) -> loads.LoadHistory:
     if part.body is not None:
         return cycle_loads.part_history(part.body, part.interfaces)
     assert part.joint is not None

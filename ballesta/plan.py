@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import loads
+from ballesta.balance import measured_loads
 from ballesta.check import part_masses, solve_cycles
 from ballesta.design import read_design
 from ballesta.design_data import Design, Part
@@ -39,7 +40,11 @@ def plan(design: Design) -> list[PlannedPart]:
     """
     models = Models()
     try:
-        solved = solve_cycles(design, part_masses(design, models))
+        masses = part_masses(design, models)
+        solved: dict[str, loads.CycleLoads | loads.MeasuredLoads] = {
+            **solve_cycles(design, masses),
+            **measured_loads(design, masses),
+        }
         planned = []
         seen = set()
         for part in design.parts.values():
@@ -83,8 +88,7 @@ def plan_text(path: str | Path, overrides: Sequence[str] = ()) -> str:
     """Return the plan of a design file in words."""
     design = read_design(path, overrides)
     lines = [f"{design.name} ({path})", "", sketch(design), ""]
-    lines += ["joints", *(f"  {line}" for line in joints_in_words(design.joints))]
-    lines += [f"  guide of {body.name}" for body in design.bodies.values() if body.guide]
+    lines += ["joints", *(f"  {line}" for line in joints_in_words(design))]
     lines += ["cycles"]
     for cycle in design.cycles.values():
         duty = design.duty.cycles.get(cycle.name)
@@ -94,8 +98,17 @@ def plan_text(path: str | Path, overrides: Sequence[str] = ()) -> str:
             f"  {cycle.name}: at least {cycle.positions} positions of {cycle.coordinate}; {counted}"
         )
         lines.append(f"    phases {phases}")
-    lines += ["parts"]
+    for run in design.measured.values():
+        duty = design.duty.cycles.get(run.name)
+        counted = f"{duty:.3g} times in its life" if duty else "not in the duty: yield, buckling"
+        lines.append(
+            f"  {run.name}: {len(run.loads.positions)} positions measured in {run.file}; {counted}"
+        )
     planned = plan(design)
+    if not planned:
+        lines += ["no parts: nothing to check; ballesta loads tells the forces"]
+        return "\n".join(lines)
+    lines += ["parts"]
     for entry in planned:
         part = entry.part
         unknowns = " and ".join(f"{count:,}".replace(",", " ") for count in entry.unknowns)

@@ -1,14 +1,14 @@
 """A linkage drawn with letters, for a terminal."""
 
-from collections.abc import Mapping
-
 from ballesta.design_data import GROUND, Design
 
 
 def sketch(design: Design, width: int = 60, height: int = 22) -> str:
     """Return the assembled linkage: points by name, bodies as dots, pulling forces as dashes.
 
-    A point on the ground carries an underscore, a guided body's first pin a colon.
+    The line that a point slides on is drawn with colons.
+
+    A point on the ground carries an underscore, one that slides on a line a colon.
     """
     points = design.points
     left, right = min(x for x, _ in points.values()), max(x for x, _ in points.values())
@@ -35,7 +35,10 @@ def sketch(design: Design, width: int = 60, height: int = 22) -> str:
         if force.between is not None:
             (_, first), (_, second) = force.between
             line(first, second, "-")
+    for slide in design.slides.values():
+        line(slide.through, slide.point, ":")
     guided = {body.pins[0] for body in design.bodies.values() if body.guide}
+    guided |= {slide.point for slide in design.slides.values()}
     for name, place in points.items():
         column, row = cell(place)
         label = name + ("_" if name in design.ground else ":" if name in guided else "")
@@ -47,9 +50,33 @@ def sketch(design: Design, width: int = 60, height: int = 22) -> str:
     return "\n".join(row.rstrip() for row in drawn)
 
 
-def joints_in_words(joints: Mapping[str, tuple[str, ...]]) -> list[str]:
+def joints_in_words(design: Design) -> list[str]:
     """Each joint as a line."""
-    return [
-        f"{point}: pin of {', '.join('the ground' if body == GROUND else body for body in bodies)}"
-        for point, bodies in joints.items()
+    lines = [
+        f"{point}: pin of {', '.join(map(_named, bodies))}"
+        for point, bodies in design.joints.items()
     ]
+    for slide in design.slides.values():
+        x, y = slide.direction
+        lines.append(
+            f"{slide.name}: {slide.kind} of {slide.body} at {slide.point} on {_named(slide.on)}, "
+            f"through {slide.through} along {x:.4g}, {y:.4g}{_between(slide.ends)}"
+        )
+    lines += [
+        f"{weld.name}: weld of {' and '.join(map(_named, weld.bodies))} at {weld.point}"
+        for weld in design.welds.values()
+    ]
+    lines += [
+        f"guide of {body.name}{_between(body.guide_ends)}"
+        for body in design.bodies.values()
+        if body.guide
+    ]
+    return lines
+
+
+def _named(body: str) -> str:
+    return "the ground" if body == GROUND else body
+
+
+def _between(ends: tuple[float, float] | None) -> str:
+    return f", from {ends[0]:g} to {ends[1]:g} mm" if ends else ""

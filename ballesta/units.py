@@ -45,11 +45,15 @@ DIMENSIONS = {
     "angle": Dimension("an angle", "rad", "120 deg"),
     "rate": Dimension("a rate", "1/s", "20 1/min"),
     "fraction": Dimension("a share", "", "5 %"),
+    "time": Dimension("a time", "s", "1.5 s"),
+    "moment": Dimension("a moment", "N mm", "12 N m"),
+    "stiffness": Dimension("a stiffness", "N/mm", "80 kN/mm"),
+    "bending stiffness": Dimension("a bending stiffness E I", "N mm2", "2787 N m2"),
+    "angular acceleration": Dimension("an angular acceleration", "rad/s2", "2 rad/s2"),
 }
 # only to name what was found where another dimension was expected
 _OTHER_TITLES = {
-    "s": "a time", "mm2": "an area", "mm3": "a volume", "N m": "a moment", "K": "a temperature",
-    "W": "a power", "N/m": "a stiffness",
+    "mm2": "an area", "mm3": "a volume", "K": "a temperature", "W": "a power",
 }  # fmt: skip
 _COMMON_UNITS = [
     *("mm", "cm", "m", "um", "inch", "N", "kN", "MN", "g", "kg", "t", "tonne", "Pa", "MPa", "GPa"),
@@ -292,6 +296,16 @@ Fraction = Annotated[float, Quantity(("fraction",), above=0.0, below=1.0)]
 LengthOrAngle = Annotated[Measured, Quantity(("length", "angle"), keep_dimension=True)]
 SweepSpeed = Annotated[
     Measured, Quantity(("speed", "angular speed"), above=0.0, keep_dimension=True)
+]
+SweepAcceleration = Annotated[
+    Measured, Quantity(("acceleration", "angular acceleration"), keep_dimension=True)
+]
+PositiveTime = Annotated[float, Quantity(("time",), above=0.0)]
+PositiveStiffness = Annotated[float, Quantity(("stiffness",), above=0.0)]
+PositiveBending = Annotated[float, Quantity(("bending stiffness",), above=0.0)]
+ForceOrMoment = Annotated[Measured, Quantity(("force", "moment"), keep_dimension=True)]
+PositiveForceOrMoment = Annotated[
+    Measured, Quantity(("force", "moment"), above=0.0, keep_dimension=True)
 ]
 Point2 = Annotated[Pair, Vector("length")]
 Acceleration2 = Annotated[Pair, Vector("acceleration")]

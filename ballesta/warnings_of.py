@@ -8,32 +8,40 @@ import numpy as np
 import loads
 from ballesta.design_data import Design, Part
 from ballesta.machine import cycle_of, linkage_of
-from ballesta.part_loads import shown_name, shown_position
+from ballesta.part_loads import is_loaded, shown_name, shown_position
+from ballesta.shown_loads import shown_cycle
 from geometry.parts import Pin, PrismaticTube, ToggleBar
 from reports.verdict import PartResult
+from reports.words import quantity_unit
 
 _RESERVE = 0.10  # of a drive's available force; less is worth a warning
-_CONDITIONING = 0.02  # share of the motion that the solved force sees
 
 
 def design_warnings(
     design: Design,
     masses: Mapping[str, tuple[float, tuple[float, float], float]],
-    solved: Mapping[str, loads.CycleLoads],
+    solved: Mapping[str, loads.CycleLoads | loads.MeasuredLoads],
 ) -> list[str]:
     """Everything about drive, cycle and assembly that a designer should act on, in words."""
+    computed = {n: cycle for n, cycle in solved.items() if isinstance(cycle, loads.CycleLoads)}
     return [
         *(
             []
             if design.duty.cycles
             else ["no cycle stands in the duty: fatigue was not checked, a PASS says nothing of it"]
         ),
-        *_drives(design, solved),
-        *_stops(design, masses, solved),
-        *_cycle_times(design, solved),
-        *_dead_centres(design, solved),
+        *load_warnings(design, masses, computed),
         *_assembly(design, solved),
     ]
+
+
+def load_warnings(
+    design: Design,
+    masses: Mapping[str, tuple[float, tuple[float, float], float]],
+    solved: Mapping[str, loads.CycleLoads],
+) -> list[str]:
+    """What the loads alone call for beyond their gates: small reserves, assumed stops."""
+    return [*_drives(design, solved), *_stops(design, masses, solved)]
 
 
 def claim_warnings(design: Design, results: Sequence[PartResult]) -> list[str]:
@@ -55,17 +63,26 @@ def claim_warnings(design: Design, results: Sequence[PartResult]) -> list[str]:
 
 
 def _drives(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list[str]:
+    """Drives that can do their work, but only just; what they cannot do breaks a gate."""
     warnings = []
     for force in design.forces.values():
-        if force.available is None:
+        if force.limits is None:
             continue
-        needed = max(float(np.abs(cycle.efforts[force.name]).max()) for cycle in solved.values())
-        reserve = 1 - needed / force.available
-        if reserve < _RESERVE:
+        reserves = [
+            (1 - direction.needed / direction.available, direction.words, direction)
+            for cycle in solved.values()
+            for direction in shown_cycle(design, cycle).directions(force.name)
+            if direction.available is not None
+        ]
+        if not reserves:
+            continue
+        reserve, words, direction = min(reserves, key=lambda entry: entry[0])
+        assert direction.available is not None
+        if 0 <= reserve < _RESERVE:
+            unit, factor = quantity_unit(force.dimension == "moment", direction.available)
             warnings.append(
-                f"{force.name}: {force.available / 1e3:.4g} kN available, {needed / 1e3:.4g} kN "
-                f"needed: "
-                + (f"{100 * reserve:.1f} % reserve" if reserve >= 0 else "it cannot do its work")
+                f"{force.name}, {words}: {direction.available * factor:.4g} {unit} available, "
+                f"{direction.needed * factor:.4g} {unit} needed: {100 * reserve:.1f} % reserve"
             )
     return warnings
 
@@ -96,7 +113,7 @@ def _stops(
         now = _largest_joint_force(solved[cycle.name])
         said = f"{cycle.name}: the stop at {shown} = {at:.4g} {unit} is ASSUMED; "
         try:
-            beyond = loads.run_cycle(linkage_of(design, masses), cycle_of(design, longer))
+            beyond = loads.run_cycle(linkage_of(design, masses, longer), cycle_of(design, longer))
             after = _largest_joint_force(beyond)
             warnings.append(
                 f"{said}at {shown} = {there:.4g} {unit} the largest joint force is "
@@ -117,35 +134,9 @@ def _largest_joint_force(cycle: loads.CycleLoads) -> float:
     )
 
 
-def _cycle_times(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list[str]:
-    if design.duty.rate is None:
-        return []
-    allowed = 1 / design.duty.rate
-    return [
-        f"{name}: one cycle takes {solved[name].times[-1]:.3g} s, the duty of "
-        f"{60 * design.duty.rate:.4g} 1/min allows {allowed:.3g} s"
-        for name in design.duty.cycles
-        if solved[name].times[-1] > allowed
-    ]
-
-
-def _dead_centres(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list[str]:
-    warnings = []
-    for name, cycle in solved.items():
-        worst = int(cycle.conditioning.argmin())
-        value = float(cycle.conditioning[worst])
-        if value < _CONDITIONING:
-            shown, unit = shown_name(design.cycles[name])
-            at = float(shown_position(design.cycles[name], cycle.positions)[worst])
-            warnings.append(
-                f"{name}: near a dead centre at {shown} = {at:.4g} {unit} (conditioning "
-                f"{value:.3g}); the loads are those of rigid bodies and depend strongly on the "
-                "geometry there"
-            )
-    return warnings
-
-
-def _assembly(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list[str]:
+def _assembly(
+    design: Design, solved: Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
+) -> list[str]:
     """Say what cannot be put together, or is modelled elsewhere than it stands."""
     warnings = []
     for part in design.parts.values():
@@ -161,7 +152,7 @@ def _assembly(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list[st
     return warnings
 
 
-def _pin_too_thick(part: Part, solved: Mapping[str, loads.CycleLoads]) -> str:
+def _pin_too_thick(part: Part, solved: Mapping[str, loads.CycleLoads | loads.MeasuredLoads]) -> str:
     """That the thinnest pin for the load cannot pass the tube, if so.
 
     Double shear at 250 MPa: von Mises yield of a 650 MPa steel over a safety of 1.5.
@@ -171,6 +162,7 @@ def _pin_too_thick(part: Part, solved: Mapping[str, loads.CycleLoads]) -> str:
     force = max(
         float(np.hypot(*load.force.T).max())
         for cycle in solved.values()
+        if is_loaded(part, cycle)
         for load in cycle.body_loads(part.body)
     )
     pin = float(np.sqrt(2 * force / (np.pi * 250.0)))

@@ -94,7 +94,7 @@ def cycle_chart(name: str, cycle: Mapping[str, Any]) -> str:
     position = _array(cycle["position"])
     phases = [str(phase) for phase in cycle.get("phase", [""] * len(position))]
     panels = [
-        (title, unit, scale, {key: _array(values) * scale for key, values in curves.items()})
+        (title, unit, {key: _array(values) * scale for key, values in curves.items()})
         for title, unit, scale, curves in (
             ("Efforts", "force [kN]", 1e-3, cycle.get("efforts") or {}),
             ("Loads of the joints", "resultant [kN]", 1e-3, cycle.get("links") or {}),
@@ -104,15 +104,29 @@ def cycle_chart(name: str, cycle: Mapping[str, Any]) -> str:
     ]
     if not panels or not len(position):
         return ""
+    axis = f"{brief(cycle.get('shown_name', 'position'), 20)} [{brief(cycle.get('unit', '–'), 8)}]"
+    return curves_chart(f"Cycle {brief(name, 40)}", position, phases, panels, axis)
+
+
+def curves_chart(
+    label: str,
+    position: FloatArray,
+    phases: Sequence[str],
+    panels: Sequence[tuple[str, str, Mapping[str, FloatArray]]],
+    axis: str,
+) -> str:
+    """Curves over the shown position, one panel (title, unit, curves) above the other.
+
+    The phase in which the last panel peaks is drawn again, enlarged, when it is short.
+    """
     windows = [np.ones(len(position), dtype=bool)]
     short = _busiest_phase(position, phases, panels)
     if short is not None:
         windows.append(short)
-    axis = f"{brief(cycle.get('shown_name', 'position'), 20)} [{brief(cycle.get('unit', '–'), 8)}]"
 
     def plot(figure: Any) -> None:
         grid = figure.subplots(len(panels), len(windows), squeeze=False)
-        for row, (title, unit, _, curves) in enumerate(panels):
+        for row, (title, unit, curves) in enumerate(panels):
             for column, window in enumerate(windows):
                 axes = grid[row, column]
                 _curves(axes, position, phases, curves, window, legend=column == 0)
@@ -130,7 +144,7 @@ def cycle_chart(name: str, cycle: Mapping[str, Any]) -> str:
             ]
             figure.legend(handles=handles, loc="outside lower center", ncols=min(4, len(order)))
 
-    return draw(plot, (10, 0.6 + 2.7 * len(panels)), f"Cycle {brief(name, 40)}")
+    return draw(plot, (10, 0.6 + 2.7 * len(panels)), label)
 
 
 def _curves(

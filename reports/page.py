@@ -22,8 +22,10 @@ from reports.words import (
     check_titles,
     clean,
     gate_sentence,
+    gate_word,
     need_text,
     number,
+    place_text,
     reason,
     safety_text,
     utilisation_text,
@@ -97,9 +99,9 @@ def value_text(value: Any) -> str:
         return clean(value)
 
 
-@cache
-def _template() -> Any:
-    environment = Environment(
+def environment() -> Environment:
+    """Return a new environment that finds the templates and escapes what they are given."""
+    result = Environment(
         loader=PackageLoader("reports"),
         autoescape=True,
         undefined=StrictUndefined,
@@ -107,7 +109,7 @@ def _template() -> Any:
         lstrip_blocks=True,
         finalize=lambda value: value if isinstance(value, Markup) else clean(value, lines=True),
     )
-    environment.filters |= {
+    result.filters |= {
         "brief": brief,
         "need": need_text,
         "number": number,
@@ -115,9 +117,16 @@ def _template() -> Any:
         "utilisation": utilisation_text,
         "bars": value_and_bars,
         "gate": gate_sentence,
+        "gate_word": gate_word,
+        "place": place_text,
         "reason": reason,
         "where": where,
         "ratio": ratio,
         "value": value_text,
     }
-    return environment.get_template("report.html.j2")
+    return result
+
+
+@cache
+def _template() -> Any:
+    return environment().get_template("report.html.j2")

@@ -48,27 +48,27 @@ def verdict_text(
         for name, cycle in result.cycles.items()
     )
     name = f"{brief(result.name, 60)} ({brief(result.file, 60)})"
-    lines = _labelled("", f"{name}, {positions}" if positions else name, width)
+    lines = labelled("", f"{name}, {positions}" if positions else name, width)
     for override in result.overrides:
-        lines += _labelled("SET", brief(override, 200), width)
+        lines += labelled("SET", brief(override, 200), width)
     for warning in result.warnings:
-        lines += _labelled("WARNING", brief(warning, 400), width)
+        lines += labelled("WARNING", brief(warning, 400), width)
     if result.checks:
         lines += _table(result, width)
     for owner, gate in broken_gates(result):
         text = f"{brief(owner, 40)}: {brief(gate_sentence(gate), 200)}; {brief(gate.meaning, 300)}"
-        lines += _labelled("GATE BROKEN", text, width)
+        lines += labelled("GATE BROKEN" if gate.binding else "DOES NOT HOLD", text, width)
     if result.not_checked:
         text = ", ".join(brief(item, 80) for item in result.not_checked)
-        lines += _labelled("NOT CHECKED", text, width)
+        lines += labelled("NOT CHECKED", text, width)
     assumed = assumptions(result)
     if assumed or result.defaults:
         items = "; ".join(f"{brief(keys, 48)} ({brief(what, 48)})" for keys, what in assumed)
         count = len(result.defaults)
         defaults = f"({count} default value{'s' if count > 1 else ''}, listed in the report)"
         text = f"{len(assumed)}: {items}" if assumed else "nothing beyond the defaults"
-        lines += _labelled("ASSUMED", f"{text} {defaults if result.defaults else ''}", width)
-    lines += _labelled("", verdict_sentence(result), width)
+        lines += labelled("ASSUMED", f"{text} {defaults if result.defaults else ''}", width)
+    lines += labelled("", verdict_sentence(result), width)
     lines += _footer(result, report, width)
     return "\n".join(lines) + "\n"
 
@@ -80,7 +80,9 @@ def verdict_renderable(
     text = Text(verdict_text(result, width, report), no_wrap=True, end="")
     text.highlight_regex(r"\b(pass|PASS)\b", "bold green")
     text.highlight_regex(r"\bFAIL\b", "bold red")
-    text.highlight_regex(r"\bUNDECIDED\b|^WARNING|^GATE BROKEN|±∞ \(\w+\)", "bold yellow")
+    text.highlight_regex(
+        r"\bUNDECIDED\b|^WARNING|^GATE BROKEN|^DOES NOT HOLD|±∞ \(\w+\)", "bold yellow"
+    )
     text.highlight_regex(r"^(NOT CHECKED|ASSUMED|SET)\b", "bold")
     return text
 
@@ -134,7 +136,7 @@ def _table_row(mark: str, cells: list[str], widths: list[int]) -> list[str]:
     return lines
 
 
-def _labelled(label: str, text: str, width: int) -> list[str]:
+def labelled(label: str, text: str, width: int) -> list[str]:
     """Paragraph behind its label, continuation lines under the first."""
     indent = max(9, len(label) + 2) if label else 0
     first, *rest = wrap(clean(text), width - indent)
@@ -162,7 +164,7 @@ def _footer(result: DesignResult, report: str | Path | None, width: int) -> list
     lines: list[str] = []
     if result.timings:
         stages = ", ".join(f"{clean(stage)} {time:.1f}" for stage, time in result.timings.items())
-        lines += _labelled("", f"{sum(result.timings.values()):.1f} s: {stages}", width)
+        lines += labelled("", f"{sum(result.timings.values()):.1f} s: {stages}", width)
     if report is not None:
         # Never wrapped or shortened: a path is there to be copied.
         lines.append(f"report: {clean(report)}")

@@ -110,12 +110,16 @@ class Check:
 
 @dataclass(frozen=True)
 class Gate:
-    """A measured number that must stay below a limit for the result to be valid."""
+    """A measured number that must stay below a limit for the result to be valid.
+
+    binding  whether the verdict depends on it: a drive that is too weak leaves the stresses right
+    """
 
     name: str
     value: float
     limit: float
     meaning: str
+    binding: bool = True
 
     @property
     def holds(self) -> bool:
@@ -130,6 +134,7 @@ class Gate:
             "limit": self.limit,
             "holds": self.holds,
             "meaning": self.meaning,
+            "binding": self.binding,
         }
 
 
@@ -233,11 +238,11 @@ class DesignResult:
 
     @property
     def status(self) -> Status:
-        """FAIL if any check fails, else UNDECIDED if any is or a gate does not hold, else PASS."""
+        """FAIL if a check fails, else UNDECIDED if one is or a binding gate breaks, else PASS."""
         outcomes = {check.status for check in self.checks}
         if Status.FAIL in outcomes:
             return Status.FAIL
-        broken = any(not gate.holds for gate in self.all_gates)
+        broken = any(not gate.holds and gate.binding for gate in self.all_gates)
         if Status.UNDECIDED in outcomes or broken or not self.checks:
             return Status.UNDECIDED
         return Status.PASS

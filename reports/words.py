@@ -64,6 +64,26 @@ def number(value: object, digits: int = 3, rounding: str = ROUND_HALF_EVEN) -> s
     return f"{rounded:f}" if int(rounded.as_tuple().exponent) <= 0 else f"{int(rounded)}"
 
 
+def place_text(position: float) -> str:
+    """A shown position to five digits, without rounding's -0.
+
+    >>> place_text(1.99999999999), place_text(-1e-13)
+    ('2', '0')
+    """
+    return f"{round(position, 9) + 0.0:.5g}"
+
+
+def quantity_unit(angular: bool, largest: float) -> tuple[str, float]:
+    """Unit in which a force [N] or torque [N mm] of this size is read well, and the factor to it.
+
+    >>> quantity_unit(False, 61180.0), quantity_unit(True, 12e3)
+    (('kN', 0.001), ('N m', 0.001))
+    """
+    if angular:
+        return ("kN m", 1e-6) if largest >= 1e7 else ("N m", 1e-3)
+    return ("kN", 1e-3) if largest >= 1e4 else ("N", 1.0)
+
+
 def safety_text(safety: float) -> str:
     """Safety to three digits, rounded down so that it never looks better than it is."""
     return number(safety, 3, ROUND_FLOOR)
@@ -148,6 +168,13 @@ def assumptions(result: DesignResult) -> list[tuple[str, str]]:
     return [(", ".join(of), what) for what, of in keys.items()]
 
 
+def gate_word(gate: Gate) -> str:
+    """Whether a gate holds, in a word; one that does not alter the verdict is not called broken."""
+    if gate.holds:
+        return "holds"
+    return "BROKEN" if gate.binding else "DOES NOT HOLD"
+
+
 def gate_sentence(gate: Gate) -> str:
     """Tell what a gate measured, and what it had to stay below."""
     sign = "≤" if gate.holds else "is not a number, limit" if isnan(gate.value) else ">"
@@ -188,7 +215,7 @@ def verdict_sentence(result: DesignResult) -> str:
     titles = check_titles(result.checks)
     title = titles[next(i for i, check in enumerate(result.checks) if check is deciding)]
     decided = f"decided by {brief(deciding.part, 40)} {brief(title, 40)}, {reason(deciding)}"
-    broken = broken_gates(result)
+    broken = [(owner, gate) for owner, gate in broken_gates(result) if gate.binding]
     if result.status is Status.UNDECIDED and deciding.status is Status.PASS:
         nearest = decided.replace("decided by", "nearest to its limit is", 1)
         names = ", ".join(f"{brief(owner, 40)} {brief(gate.name, 40)}" for owner, gate in broken)

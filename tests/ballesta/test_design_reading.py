@@ -121,7 +121,7 @@ def test_every_design_follows_the_schema_and_a_bare_number_does_not(file):
     check = jsonschema.Draft202012Validator(schema)
     data = tomllib.loads(file.read_text())
     assert [error.message for error in check.iter_errors(data)] == []
-    data["parts"]["bar_upper"]["wall"] = 6.3
+    data.setdefault("parts", {}).setdefault("bar_upper", {})["wall"] = 6.3
     assert not check.is_valid(data)
 
 

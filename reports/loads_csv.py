@@ -1,0 +1,116 @@
+"""The whole history of cycles as a table: one row per position, a unit in every heading.
+
+Columns, in this order; numbers have a decimal point and every digit they need:
+
+cycle, phase, time [s], coordinate, position [mm] (or [deg]: as the reports show it)
+<body>.x [mm], .y [mm], .angle [rad]                of the body's frame
+<body>.vx [mm/s], .vy [mm/s], .omega [rad/s]        of the frame's origin
+<body>.ax [mm/s2], .ay [mm/s2], .alpha [rad/s2]     of the frame's origin
+<body>.centre.ax [mm/s2], .centre.ay [mm/s2]        of the centre of mass
+<joint>.Fx [N], .Fy [N]                             on the joint's second body
+<joint>.M [N mm]                                    guides and welds
+<joint>.friction_couple [N mm], .friction_force [N] pins; guides and slots that have friction
+<body>@<point>.Fx [N], .Fy [N], .M [N mm]           everything that acts on the body at the point
+<force>.effort [N] (or [N mm])                      given and solved
+
+A cell is empty where its cycle has no such quantity. Axes are those of the ground; angles and
+moments count counter-clockwise.
+"""
+
+import csv
+from collections.abc import Iterator, Sequence
+from io import StringIO
+
+import numpy as np
+
+from loads import CycleLoads, Fixed, Prismatic, Revolute, Slot
+from reports.loads_summary import FloatArray, ShownCycle
+
+_POSE = ("x [mm]", "y [mm]", "angle [rad]")
+_VELOCITY = ("vx [mm/s]", "vy [mm/s]", "omega [rad/s]")
+_ACCELERATION = ("ax [mm/s2]", "ay [mm/s2]", "alpha [rad/s2]")
+
+
+def loads_csv(cycles: Sequence[ShownCycle]) -> str:
+    """The history of cycles of one linkage as comma-separated text."""
+    units = list(dict.fromkeys(cycle.unit for cycle in cycles))
+    histories = [dict(_columns(cycle.loads)) for cycle in cycles]
+    columns = list(dict.fromkeys(name for history in histories for name in history))
+    out = StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    heading = ["cycle", "phase", "time [s]", "coordinate", f"position [{' or '.join(units)}]"]
+    writer.writerow([*heading, *columns])
+    for cycle, history in zip(cycles, histories, strict=True):
+        # a joint may have friction in one cycle and none in another
+        none = [""] * len(cycle.shown)
+        numbers = [
+            list(map(repr, history[name].tolist())) if name in history else none for name in columns
+        ]
+        for index, row in enumerate(zip(*numbers, strict=True)):
+            time, position = float(cycle.loads.times[index]), float(cycle.shown[index])
+            place = [cycle.name, cycle.phase_at(index), repr(time), cycle.shown_name]
+            writer.writerow([*place, repr(position), *row])
+    return out.getvalue()
+
+
+def _columns(cycle: CycleLoads) -> Iterator[tuple[str, FloatArray]]:
+    """Heading and values (n,) of everything but cycle, phase, time and position."""
+    for body in cycle.linkage.moving:
+        row = cycle.body_index(body.name)
+        for headings, values in (
+            (_POSE, cycle.poses),
+            (_VELOCITY, cycle.velocities),
+            (_ACCELERATION, cycle.accelerations),
+        ):
+            for k, heading in enumerate(headings):
+                yield f"{body.name}.{heading}", values[:, row, k]
+        centre = _centre_acceleration(cycle, body.name)
+        yield f"{body.name}.centre.ax [mm/s2]", centre[:, 0]
+        yield f"{body.name}.centre.ay [mm/s2]", centre[:, 1]
+    for joint in cycle.linkage.joints:
+        load = cycle.reactions[joint.name]
+        yield f"{joint.name}.Fx [N]", load.force[:, 0]
+        yield f"{joint.name}.Fy [N]", load.force[:, 1]
+        if isinstance(joint, Prismatic | Fixed):
+            yield f"{joint.name}.M [N mm]", load.moment
+        if joint.name in cycle.linkage.friction:
+            if isinstance(joint, Revolute):
+                yield f"{joint.name}.friction_couple [N mm]", load.friction_couple
+            elif isinstance(joint, Prismatic | Slot):
+                yield f"{joint.name}.friction_force [N]", load.friction_force
+    for body in cycle.linkage.moving:
+        yield from _on_points(cycle, body.name)
+    for force in cycle.linkage.forces:
+        unit = "N mm" if force.coordinate.angular else "N"
+        yield f"{force.name}.effort [{unit}]", cycle.efforts[force.name]
+
+
+def _on_points(cycle: CycleLoads, body: str) -> Iterator[tuple[str, FloatArray]]:
+    """Force and moment on a body, summed at each of its points; a couple alone is at no point."""
+    n = len(cycle.times)
+    sums: dict[str, FloatArray] = {}
+    for load in cycle.body_loads(body):
+        total = sums.setdefault(load.point or "", np.zeros((n, 3)))
+        total[:, :2] += load.force
+        total[:, 2] += load.moment
+    for point, total in sums.items():
+        owner = f"{body}@{point}" if point else f"{body}@nowhere"
+        if point:
+            yield f"{owner}.Fx [N]", total[:, 0]
+            yield f"{owner}.Fy [N]", total[:, 1]
+        yield f"{owner}.M [N mm]", total[:, 2]
+
+
+def _centre_acceleration(cycle: CycleLoads, body: str) -> FloatArray:
+    row = cycle.body_index(body)
+    x, y = cycle.linkage.body(body).centre
+    angle, spin = cycle.poses[:, row, 2], cycle.velocities[:, row, 2]
+    turn = cycle.accelerations[:, row, 2]
+    arm_x, arm_y = x * np.cos(angle) - y * np.sin(angle), x * np.sin(angle) + y * np.cos(angle)
+    return np.stack(
+        [
+            cycle.accelerations[:, row, 0] - turn * arm_y - spin**2 * arm_x,
+            cycle.accelerations[:, row, 1] + turn * arm_x - spin**2 * arm_y,
+        ],
+        axis=1,
+    )

@@ -1,0 +1,125 @@
+"""The loads as one HTML page that stands alone: moving pictures, charts, gates and extremes."""
+
+import json
+from base64 import b64encode
+from functools import cache
+from hashlib import sha256
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from markupsafe import Markup
+
+from reports.charts import curves_chart
+from reports.files import plain, replacing
+from reports.loads_figures import Extremes
+from reports.loads_summary import LoadsResult, ShownCycle
+from reports.loads_text import (
+    SIGNS,
+    contact_sentence,
+    direction_sentence,
+    flywheel_sentence,
+    power_sentence,
+)
+from reports.mechanism import arrow_scale, mechanism_data, mechanism_svg
+from reports.page import environment
+from reports.svg import colour_variables
+from reports.words import brief, number, place_text, quantity_unit
+
+
+def write_loads_page(result: LoadsResult, path: str | Path) -> None:
+    """Write the page as a file, which is there whole or not at all."""
+    text = loads_html(result)
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8", newline="\n")
+
+
+def loads_html(result: LoadsResult) -> str:
+    """Page as text. The same result gives the same page."""
+    script = _script()
+    text: str = _template().render(
+        result=result,
+        signs=SIGNS,
+        cycles=[_cycle(cycle, f"c{number_of}") for number_of, cycle in enumerate(result.cycles)],
+        light=Markup(colour_variables(dark=False)),
+        dark=Markup(colour_variables(dark=True)),
+        script=Markup(script),
+        script_hash=Markup(b64encode(sha256(script.encode()).digest()).decode()),
+    )
+    return text
+
+
+def _cycle(cycle: ShownCycle, prefix: str) -> dict[str, Any]:
+    """What the template needs of one cycle beside the cycle itself."""
+    data = json.dumps(plain(mechanism_data(cycle, prefix)), separators=(",", ":"))
+    return {
+        "cycle": cycle,
+        "svg": Markup(mechanism_svg(cycle, prefix)),
+        # a name must not end the script element
+        "data": Markup(data.replace("<", "\\u003c").replace("&", "\\u0026")),
+        "scale": arrow_scale(cycle),
+        "chart": Markup(_chart(cycle)),
+        "drives": [
+            (drive.name, [direction_sentence(d, drive.angular, cycle) for d in drive.directions]
+             + [text for text in (power_sentence(drive), flywheel_sentence(drive)) if text])
+            for drive in cycle.drives
+        ],
+        "contacts": [contact_sentence(contact, cycle) for contact in cycle.contacts],
+        "joints": cycle.joints,
+        "efforts": cycle.efforts,
+    }  # fmt: skip
+
+
+def _chart(cycle: ShownCycle) -> str:
+    """Forces, torques and reactions over the shown position."""
+    loads = cycle.loads
+    phases = [cycle.phase_at(index) for index in range(len(cycle.shown))]
+    panels = []
+    for title, quantity, angular, curves in (
+        (
+            "Forces", "force", False,
+            {f.name: loads.efforts[f.name] for f in loads.linkage.forces
+             if not f.coordinate.angular},
+        ),
+        (
+            "Torques", "torque", True,
+            {f.name: loads.efforts[f.name] for f in loads.linkage.forces if f.coordinate.angular},
+        ),
+        (
+            "Reactions of the joints", "resultant", False,
+            {name: np.hypot(*load.force.T) for name, load in loads.reactions.items()},
+        ),
+    ):  # fmt: skip
+        curves = {name: values for name, values in curves.items() if np.any(values)}
+        if curves:
+            unit, factor = quantity_unit(angular, max(np.abs(c).max() for c in curves.values()))
+            scaled = {name: np.asarray(values * factor) for name, values in curves.items()}
+            panels.append((title, f"{quantity} [{unit}]", scaled))
+    axis = f"{brief(cycle.shown_name, 20)} [{cycle.unit}]"
+    return curves_chart(f"Loads {brief(cycle.name, 40)}", cycle.shown, phases, panels, axis)
+
+
+def extremes_cells(extremes: Extremes, largest: float) -> list[str]:
+    """Least, where, largest, where, mean, and the unit that the largest of its kind sets."""
+    unit, factor = quantity_unit(extremes.angular, largest)
+    return [
+        number(extremes.low * factor, 4),
+        f"{place_text(extremes.low_at)}, {brief(extremes.low_phase, 24)}",
+        number(extremes.high * factor, 4),
+        f"{place_text(extremes.high_at)}, {brief(extremes.high_phase, 24)}",
+        number(extremes.mean * factor, 4),
+        unit,
+    ]
+
+
+@cache
+def _script() -> str:
+    return files("reports").joinpath("templates/loads.js").read_text(encoding="utf-8")
+
+
+@cache
+def _template() -> Any:
+    found = environment()
+    found.filters["extremes"] = extremes_cells
+    return found.get_template("loads.html.j2")

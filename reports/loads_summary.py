@@ -1,0 +1,309 @@
+"""The loads of a design's cycles as data for people: extremes with their places, drives, contacts.
+
+Everything is computed from `loads.CycleLoads` once, for the terminal, the page and JSON alike.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import inf
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from loads import (
+    Angle,
+    Coordinate,
+    CycleLoads,
+    Distance,
+    Fixed,
+    Joint,
+    Prismatic,
+    Revolute,
+    Slot,
+)
+from reports.loads_figures import (
+    ContactSummary,
+    Direction,
+    DriveSummary,
+    Extremes,
+    JointSummary,
+    ShownPhase,
+    plain_fields,
+)
+from reports.verdict import Gate
+
+FloatArray = npt.NDArray[np.float64]
+
+_ROUNDING = 1e-9  # of the largest value of its kind: less is rounding, and shown as 0
+_NO_WORK = 1e-5  # of the peak power all the time: less is what the trapezoidal rule leaves of 0
+
+
+@dataclass(frozen=True, eq=False)
+class ShownCycle:
+    """A solved cycle as people see it.
+
+    shown      (n,) position, in `unit` ("mm" or "deg"), called `shown_name`
+    pace       what sets the time, in words
+    duty       how often it runs in the life; 0 for a cycle in no duty
+    available  force -> what its drive can give with a positive and a negative sign [N, N mm]
+    allowed_irregularity  of the speed, above which constant speed does not count
+    """
+
+    loads: CycleLoads
+    shown_name: str
+    unit: str
+    shown: FloatArray
+    pace: str
+    duty: float
+    phases: tuple[ShownPhase, ...]
+    available: Mapping[str, tuple[float, float]]
+    allowed_irregularity: float
+
+    @property
+    def name(self) -> str:
+        """The cycle's name."""
+        return self.loads.name
+
+    @property
+    def duration(self) -> float:
+        """Time of one cycle, s."""
+        return float(self.loads.times[-1])
+
+    def extremes(self, quantity: str, values: FloatArray, angular: bool, scale: float) -> Extremes:
+        """Least, largest and mean of values (n,); what is rounding beside `scale` becomes 0."""
+        tidy = np.where(np.abs(values) <= _ROUNDING * scale, 0.0, values)
+        low, high = int(tidy.argmin()), int(tidy.argmax())
+        return Extremes(
+            quantity,
+            angular,
+            float(tidy[low]),
+            float(self.shown[low]),
+            self.phase_at(low),
+            float(tidy[high]),
+            float(self.shown[high]),
+            self.phase_at(high),
+            float(np.trapezoid(tidy, self.loads.times) / self.duration),
+        )
+
+    def phase_at(self, index: int) -> str:
+        """Name of the phase of a position."""
+        return self.loads.phases[int(self.loads.phase_of[index])]
+
+    @property
+    def joints(self) -> list[JointSummary]:
+        """Extremes of every reaction."""
+        reactions = self.loads.reactions
+        force_scale = max(float(np.abs(load.force).max()) for load in reactions.values())
+        moment_scale = max(
+            force_scale,  # at an arm of 1 mm, where there are no moments at all
+            *(
+                float(np.abs(couple).max())
+                for load in reactions.values()
+                for couple in (load.moment, load.friction_couple)
+            ),
+        )
+        result = []
+        for joint in self.loads.linkage.joints:
+            load = reactions[joint.name]
+            friction = joint.name in self.loads.linkage.friction
+            rows: list[tuple[str, FloatArray, bool]] = [
+                ("Fx", load.force[:, 0], False),
+                ("Fy", load.force[:, 1], False),
+                ("|F|", np.hypot(load.force[:, 0], load.force[:, 1]), False),
+            ]
+            if isinstance(joint, Prismatic | Fixed):
+                rows.append(("M", load.moment, True))
+            if friction and isinstance(joint, Revolute):
+                rows.append(("friction M", load.friction_couple, True))
+            if friction and isinstance(joint, Prismatic | Slot):
+                rows.append(("friction F", load.friction_force, False))
+            result.append(
+                JointSummary(
+                    joint.name,
+                    kind_of(joint),
+                    joint.body_b,
+                    joint.body_a,
+                    tuple(
+                        self.extremes(
+                            name, values, angular, moment_scale if angular else force_scale
+                        )
+                        for name, values, angular in rows
+                    ),
+                )
+            )
+        return result
+
+    @property
+    def efforts(self) -> list[Extremes]:
+        """Extremes of every force and torque, given and solved."""
+        return [
+            self.extremes(
+                force.name,
+                self.loads.efforts[force.name],
+                force.coordinate.angular,
+                float(np.abs(self.loads.efforts[force.name]).max()),
+            )
+            for force in self.loads.linkage.forces
+        ]
+
+    def role(self, force: str) -> str:
+        """Whether a force is solved for, given, or one phase this and another that."""
+        solved = [phase.name for phase in self.phases if phase.solve == force]
+        if not solved:
+            return "given"
+        return "solved" if len(solved) == len(self.phases) else f"solved in {', '.join(solved)}"
+
+    @property
+    def drives(self) -> list[DriveSummary]:
+        """Forces with a limit, or solved for and setting the pace or bringing work in."""
+        result = []
+        for force in self.loads.linkage.forces:
+            limited = force.name in self.available
+            if not limited and all(phase.solve != force.name for phase in self.phases):
+                continue
+            drive = self._drive(force.name)
+            if limited or drive.work > 0.0 or _measure_the_same(force.coordinate, self.loads.pace):
+                result.append(drive)
+        return result
+
+    def _drive(self, name: str) -> DriveSummary:
+        figures = self.loads.drive(name)
+        allowed, ripple = self.allowed_irregularity, figures.energy_ripple
+        works = abs(figures.work) > _NO_WORK * figures.peak_power * self.duration
+        irregularity = None
+        if ripple is not None:  # without any mass, nothing evens the speed out
+            irregularity = figures.irregularity if figures.mean_reduced_mass > 0.0 else inf
+        return DriveSummary(
+            name=name,
+            angular=figures.angular,
+            directions=self.directions(name),
+            mean_power=figures.mean_power if works else 0.0,
+            peak_power=figures.peak_power,
+            work=figures.work if works else 0.0,
+            reduced_inertia=None if ripple is None else figures.mean_reduced_mass,
+            ripple=ripple,
+            irregularity=irregularity,
+            flywheel=figures.reduced_mass_for(allowed),
+            allowed=allowed,
+        )
+
+    def directions(self, name: str) -> tuple[Direction, ...]:
+        """The largest effort of a force in each direction in which it acts at all."""
+        coordinate = self.loads.linkage.force(name).coordinate
+        words = ("along its direction", "against its direction")
+        if isinstance(coordinate, Distance):
+            words = ("pull", "push")
+        elif coordinate.angular:
+            words = ("counter-clockwise", "clockwise")
+        effort = self.loads.efforts[name]
+        result = []
+        for side, (sign, said) in enumerate(zip((1.0, -1.0), words, strict=True)):
+            index = int((sign * effort).argmax())
+            if sign * effort[index] <= _ROUNDING * np.abs(effort).max():
+                continue
+            limits = self.available.get(name)
+            result.append(
+                Direction(
+                    said,
+                    float(sign * effort[index]),
+                    float(self.shown[index]),
+                    self.phase_at(index),
+                    None if limits is None else limits[side],
+                )
+            )
+        return tuple(result)
+
+    @property
+    def contacts(self) -> list[ContactSummary]:
+        """Every contact: where it touches, how hard, and how fast it is met."""
+        result = []
+        for name, contact in self.loads.contacts.items():
+            effort = np.abs(self.loads.efforts[name])
+            touching = np.flatnonzero(contact.touching)
+            result.append(
+                ContactSummary(
+                    name=name,
+                    angular=self.loads.linkage.force(name).coordinate.angular,
+                    first_at=float(self.shown[touching[0]]) if len(touching) else None,
+                    last_at=float(self.shown[touching[-1]]) if len(touching) else None,
+                    phase=self.phase_at(int(touching[0])) if len(touching) else "",
+                    largest=float(effort.max()),
+                    deflection=float(np.abs(contact.deflection).max()),
+                    approach_speed=contact.approach_speed,
+                    energy=contact.energy,
+                )
+            )
+        return result
+
+    def to_dict(self) -> dict[str, Any]:
+        """The cycle as plain data: N, N mm, mm, s; without the history, which is the CSV's."""
+        return {
+            "name": self.name,
+            "shown_name": self.shown_name,
+            "unit": self.unit,
+            "n_positions": len(self.shown),
+            "duration": self.duration,
+            "pace": self.pace,
+            "duty": self.duty,
+            "phases": [plain_fields(phase) for phase in self.phases],
+            "reactions": [plain_fields(joint) for joint in self.joints],
+            "efforts": [
+                plain_fields(effort) | {"role": self.role(effort.quantity)}
+                for effort in self.efforts
+            ],
+            "drives": [plain_fields(drive) for drive in self.drives],
+            "contacts": [plain_fields(contact) for contact in self.contacts],
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class LoadsResult:
+    """The loads of a design: its cycles, the gates they pass or not, and what a reader must know.
+
+    absent  what these loads leave out, in words
+    """
+
+    name: str
+    file: str
+    sha256: str
+    overrides: Sequence[str]
+    cycles: Sequence[ShownCycle]
+    gates: Sequence[Gate]
+    warnings: Sequence[str]
+    absent: Sequence[str]
+    assumed: Sequence[tuple[str, str]]
+    command: str
+
+    @property
+    def broken(self) -> list[Gate]:
+        """The gates that do not hold."""
+        return [gate for gate in self.gates if not gate.holds]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The result as plain data."""
+        return {
+            "format": "ballesta-loads/1",
+            "name": self.name,
+            "file": self.file,
+            "sha256": self.sha256,
+            "overrides": list(self.overrides),
+            "cycles": [cycle.to_dict() for cycle in self.cycles],
+            "gates": [gate.to_dict() for gate in self.gates],
+            "warnings": list(self.warnings),
+            "absent": list(self.absent),
+            "assumed": [list(pair) for pair in self.assumed],
+            "command": self.command,
+        }
+
+
+def _measure_the_same(first: Coordinate, second: Coordinate) -> bool:
+    """Whether two coordinates are one, wherever a torque along them enters."""
+    if isinstance(first, Angle) and isinstance(second, Angle):
+        return (first.body, first.relative_to) == (second.body, second.relative_to)
+    return first == second
+
+
+def kind_of(joint: Joint) -> str:
+    """A joint's kind in words."""
+    return {Revolute: "pin", Prismatic: "guide", Slot: "slot", Fixed: "weld"}[type(joint)]
