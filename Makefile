@@ -2,13 +2,14 @@
 # make test   sets everything up and runs the tests
 # make lint   types, style and the direction of imports
 # make bench  runs the benchmarks, writes bench/results.json
+# make documents  compares the documents' published values, writes docs/documents.md
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/ready
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: demo test slow lint bench setup clean
+.PHONY: demo test slow lint bench documents setup clean
 .DEFAULT_GOAL := demo
 
 setup: $(READY)
@@ -40,6 +41,9 @@ lint: $(READY)
 
 bench: $(READY)
 	@$(BIN)/python bench/run.py
+
+documents: $(READY)
+	@$(BIN)/python tools/compare_documents.py
 
 clean:
 	rm -rf $(VENV) out build *.egg-info .mypy_cache .ruff_cache .pytest_cache

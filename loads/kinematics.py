@@ -34,20 +34,60 @@ def cross(a: FloatArray, b: FloatArray) -> FloatArray:
 
 def dot(a: FloatArray, b: FloatArray) -> FloatArray:
     """Return the scalar product along the last axis."""
-    result: FloatArray = np.sum(a * b, axis=-1)
+    result: FloatArray = np.einsum("...i,...i->...", a, b)
     return result
 
 
 def turned_left(vector: FloatArray) -> FloatArray:
     """Return k x vector: the vectors turned by 90 degrees ccw."""
-    return np.stack([-vector[..., 1], vector[..., 0]], axis=-1)
+    result = np.empty_like(vector)
+    result[..., 0] = -vector[..., 1]
+    result[..., 1] = vector[..., 0]
+    return result
 
 
 def rotated(vector: FloatArray, angle: FloatArray) -> FloatArray:
     """Return vectors (..., 2) turned ccw by angles (...)."""
     c, s = np.cos(angle), np.sin(angle)
     x, y = vector[..., 0], vector[..., 1]
-    return np.stack([c * x - s * y, s * x + c * y], axis=-1)
+    result = np.empty((*np.broadcast_shapes(x.shape, c.shape), 2))
+    result[..., 0] = c * x - s * y
+    result[..., 1] = s * x + c * y
+    return result
+
+
+class _JointTable:
+    """The joints of a linkage as arrays, so that all are evaluated at once.
+
+    bodies_a, bodies_b  (joints,)    rows of their bodies in poses
+    places_a, places_b  (joints, 2)  mm, in the bodies' frames
+    points, lines       which joints hold a point, and which lead it along a line
+    turns               which joints hold the angle
+    *_rows              first row of each in the constraints
+    directions          (lines, 2)   unit vectors in the frame of body a
+    """
+
+    def __init__(self, linkage: "Linkage", index: dict[str, int], rows: dict[str, slice]) -> None:
+        joints = linkage.joints
+        self.bodies_a = np.array([index[joint.body_a] for joint in joints], dtype=int)
+        self.bodies_b = np.array([index[joint.body_b] for joint in joints], dtype=int)
+        self.places_a = np.array(
+            [linkage.body(joint.body_a).place(joint.point_a) for joint in joints], dtype=float
+        ).reshape(-1, 2)
+        self.places_b = np.array(
+            [linkage.body(joint.body_b).place(joint.point_b) for joint in joints], dtype=float
+        ).reshape(-1, 2)
+        is_line = np.array([isinstance(joint, Prismatic | Slot) for joint in joints], dtype=bool)
+        turning = [isinstance(joint, Prismatic | Fixed) for joint in joints]
+        first = np.array([rows[joint.name].start for joint in joints], dtype=int)
+        last = np.array([rows[joint.name].stop - 1 for joint in joints], dtype=int)
+        self.points, self.lines = np.flatnonzero(~is_line), np.flatnonzero(is_line)
+        self.turns = np.flatnonzero(turning)
+        self.point_rows, self.line_rows = first[self.points], first[self.lines]
+        self.turn_rows = last[self.turns]
+        self.directions = np.array(
+            [unit(joint.direction) for joint in joints if isinstance(joint, Prismatic | Slot)]
+        ).reshape(-1, 2)
 
 
 class Kinematics:
@@ -63,9 +103,8 @@ class Kinematics:
             self.rows[joint.name] = slice(row, row + joint.n_constraints)
             row += joint.n_constraints
         self.n_constraints: Final = row
-        self._assembled_turn: Final = {
-            joint.name: self._turn(self.assembled, joint)[0] for joint in linkage.joints
-        }
+        self._joints: Final = _JointTable(linkage, self.index, self.rows)
+        self._assembled_turn: Final = self._turns(self.assembled)[0]
 
     @cached_property
     def assembled(self) -> FloatArray:
@@ -129,11 +168,14 @@ class Kinematics:
         direction = np.array(joint.direction, dtype=float)
         return rotated(direction / np.hypot(*direction), poses[:, self.index[joint.body_a], 2])
 
-    def _turn(self, poses: FloatArray, joint: Joint) -> FloatArray:
-        turn: FloatArray = (
-            poses[:, self.index[joint.body_b], 2] - poses[:, self.index[joint.body_a], 2]
+    def _turns(self, poses: FloatArray) -> FloatArray:
+        """Return how far body b of every joint that holds it is turned against a (n, turns)."""
+        table = self._joints
+        angles = poses[:, :, 2]
+        turns: FloatArray = (
+            angles[:, table.bodies_b[table.turns]] - angles[:, table.bodies_a[table.turns]]
         )
-        return turn
+        return turns
 
     def _add_point(
         self, row: FloatArray, body: str, direction: FloatArray, arm: FloatArray
@@ -149,66 +191,82 @@ class Kinematics:
             poses, joint.body_a, joint.point_a
         )
 
+    def _arms(self, poses: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the arms of both ends of every joint, and the vector between (n, joints, 2)."""
+        table = self._joints
+        angles = poses[:, :, 2]
+        arm_a = rotated(table.places_a, angles[:, table.bodies_a])
+        arm_b = rotated(table.places_b, angles[:, table.bodies_b])
+        apart = poses[:, table.bodies_b, :2] + arm_b - poses[:, table.bodies_a, :2] - arm_a
+        return arm_a, arm_b, apart
+
+    def _tangents(self, poses: FloatArray) -> FloatArray:
+        """Return the unit vectors along all guides and slots (n, lines, 2), ground axes."""
+        table = self._joints
+        return rotated(table.directions, poses[:, table.bodies_a[table.lines], 2])
+
     def constraints(self, poses: FloatArray) -> FloatArray:
         """Return by how much each constraint is violated (n, constraints) [mm, rad]."""
+        table = self._joints
         result = np.zeros((len(poses), self.n_constraints))
-        for joint in self.linkage.joints:
-            rows = self.rows[joint.name]
-            apart = self.separation(poses, joint)
-            if isinstance(joint, Prismatic | Slot):
-                result[:, rows.start] = dot(turned_left(self.line(poses, joint)), apart)
-            else:
-                result[:, rows.start : rows.start + 2] = apart
-            if isinstance(joint, Prismatic | Fixed):
-                turn = self._turn(poses, joint) - self._assembled_turn[joint.name]
-                result[:, rows.stop - 1] = turn
+        _, _, apart = self._arms(poses)
+        result[:, table.point_rows] = apart[:, table.points, 0]
+        result[:, table.point_rows + 1] = apart[:, table.points, 1]
+        normals = turned_left(self._tangents(poses))
+        result[:, table.line_rows] = dot(normals, apart[:, table.lines])
+        result[:, table.turn_rows] = self._turns(poses) - self._assembled_turn
         return result
 
     def jacobian(self, poses: FloatArray) -> FloatArray:
         """Return the derivatives of the constraints (n, constraints, 3 bodies)."""
-        n = len(poses)
-        result = np.zeros((n, self.n_constraints, 3 * self.n_bodies))
-        for joint in self.linkage.joints:
-            rows = self.rows[joint.name]
-            a, b = joint.body_a, joint.body_b
-            arm_a, arm_b = self.arm(poses, a, joint.point_a), self.arm(poses, b, joint.point_b)
-            if isinstance(joint, Prismatic | Slot):
-                normal = turned_left(self.line(poses, joint))
-                row = result[:, rows.start]
-                self._add_point(row, b, normal, arm_b)
-                # the line turns with body a: as if its point under the slider were pushed
-                self._add_point(row, a, -normal, arm_a + self.separation(poses, joint))
-            else:
-                for k, axis in enumerate(np.eye(2)):
-                    direction = np.broadcast_to(axis, (n, 2))
-                    self._add_point(result[:, rows.start + k], b, direction, arm_b)
-                    self._add_point(result[:, rows.start + k], a, -direction, arm_a)
-            if isinstance(joint, Prismatic | Fixed):
-                result[:, rows.stop - 1, 3 * self.index[b] + 2] += 1.0
-                result[:, rows.stop - 1, 3 * self.index[a] + 2] -= 1.0
+        table = self._joints
+        result = np.zeros((len(poses), self.n_constraints, 3 * self.n_bodies))
+        arm_a, arm_b, apart = self._arms(poses)
+        for bodies, arms, sign in ((table.bodies_b, arm_b, 1.0), (table.bodies_a, arm_a, -1.0)):
+            rows, own = table.point_rows, 3 * bodies[table.points]
+            result[:, rows, own] = sign
+            result[:, rows + 1, own + 1] = sign
+            result[:, rows, own + 2] = -sign * arms[:, table.points, 1]
+            result[:, rows + 1, own + 2] = sign * arms[:, table.points, 0]
+        normals = turned_left(self._tangents(poses))
+        # the line turns with body a: as if its point under the slider were pushed
+        under = arm_a[:, table.lines] + apart[:, table.lines]
+        for bodies, arms, sign in (
+            (table.bodies_b, arm_b[:, table.lines], 1.0),
+            (table.bodies_a, under, -1.0),
+        ):
+            rows, own = table.line_rows, 3 * bodies[table.lines]
+            result[:, rows, own] = sign * normals[:, :, 0]
+            result[:, rows, own + 1] = sign * normals[:, :, 1]
+            result[:, rows, own + 2] = sign * cross(arms, normals)
+        result[:, table.turn_rows, 3 * table.bodies_b[table.turns] + 2] = 1.0
+        result[:, table.turn_rows, 3 * table.bodies_a[table.turns] + 2] = -1.0
         return result
 
     def quadratic(self, poses: FloatArray, rates: FloatArray) -> FloatArray:
         """Return the quadratic terms of the constraints for rates (n, constraints)."""
+        table = self._joints
         result = np.zeros((len(poses), self.n_constraints))
-        for joint in self.linkage.joints:
-            rows = self.rows[joint.name]
-            bend = self._bend(poses, rates, joint.body_b, joint.point_b) - self._bend(
-                poses, rates, joint.body_a, joint.point_a
-            )
-            if isinstance(joint, Prismatic | Slot):
-                tangent = self.line(poses, joint)
-                normal = turned_left(tangent)
-                spin = rates[:, self.index[joint.body_a], 2]
-                apart = self.separation(poses, joint)
-                parting = self._parting(poses, rates, joint)
-                result[:, rows.start] = (
-                    dot(normal, bend)
-                    - 2.0 * spin * dot(tangent, parting)
-                    - spin**2 * dot(normal, apart)
-                )
-            else:
-                result[:, rows.start : rows.start + 2] = bend
+        arm_a, arm_b, apart = self._arms(poses)
+        spin_a = rates[:, table.bodies_a, 2:]
+        spin_b = rates[:, table.bodies_b, 2:]
+        bend = spin_a**2 * arm_a - spin_b**2 * arm_b
+        result[:, table.point_rows] = bend[:, table.points, 0]
+        result[:, table.point_rows + 1] = bend[:, table.points, 1]
+        parting = (
+            rates[:, table.bodies_b, :2]
+            + spin_b * turned_left(arm_b)
+            - rates[:, table.bodies_a, :2]
+            - spin_a * turned_left(arm_a)
+        )
+        tangents = self._tangents(poses)
+        normals = turned_left(tangents)
+        spin = spin_a[:, table.lines, 0]
+        result[:, table.line_rows] = (
+            dot(normals, bend[:, table.lines])
+            - 2.0 * spin * dot(tangents, parting[:, table.lines])
+            - spin**2 * dot(normals, apart[:, table.lines])
+        )
         return result
 
     def _bend(self, poses: FloatArray, rates: FloatArray, body: str, point: str) -> FloatArray:

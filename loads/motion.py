@@ -20,6 +20,7 @@ from loads.linkage import Linkage
 # ten of the sixteen digits of a double are lost.
 SINGULAR = 1e-6
 _STRAIGHT = 0.95  # cosine of the largest turn of the motion in one step of the walk
+_REFINEMENTS = 30  # of the knots, where they do not lead to the positions between them
 _SMALLEST_STEP = 1e-10  # of the range that is walked
 
 
@@ -88,19 +89,42 @@ class Path:
                 f"{coordinate.label} = {values[outside][0]:g} is outside the path "
                 f"{low:g} ... {high:g}"
             )
-        k = np.clip(np.searchsorted(self.values, values) - 1, 0, len(self.values) - 2)
+        path = self
+        for level in range(_REFINEMENTS + 1):
+            poses, wrong = path._guided(values)
+            if not wrong.any():
+                return differentiate(kinematics, coordinate, values, poses)
+            if level < _REFINEMENTS:
+                path = path._refined(values[wrong])
+        raise LinkageError(
+            f"the positions jump to another branch at {coordinate.label} = "
+            f"{values[wrong][0]:.9g}: the way the linkage is assembled is not unique there"
+        )
+
+    def _guided(self, values: FloatArray) -> tuple[FloatArray, BoolArray]:
+        """Return poses found from the knots, and which of them are not on the branch."""
+        k = self._interval(values)
         guess = self._hermite(values, k)
-        poses, converged = _newton(kinematics, coordinate, values, guess)
-        chord = _norm(kinematics, self.poses[k + 1] - self.poses[k])
-        strayed = _norm(kinematics, poses - guess) > 0.25 * chord + 1e-6
-        turned = _orientation(kinematics, coordinate, poses) != self.orientation
-        wrong = ~converged | strayed | turned
-        if wrong.any():
-            raise LinkageError(
-                f"the positions jump to another branch at {coordinate.label} = "
-                f"{values[wrong][0]:.9g}: the way the linkage is assembled is not unique there"
-            )
-        return differentiate(kinematics, coordinate, values, poses)
+        poses, converged = _newton(self.kinematics, self.coordinate, values, guess)
+        chord = _norm(self.kinematics, self.poses[k + 1] - self.poses[k])
+        strayed = _norm(self.kinematics, poses - guess) > 0.25 * chord + 1e-6
+        turned = _orientation(self.kinematics, self.coordinate, poses) != self.orientation
+        return poses, ~converged | strayed | turned
+
+    def _interval(self, values: FloatArray) -> IntArray:
+        return np.clip(np.searchsorted(self.values, values) - 1, 0, len(self.values) - 2)
+
+    def _refined(self, values: FloatArray) -> "Path":
+        """Return the path with more knots around the given values."""
+        knots: list[_Knot] = []
+        crowded = set(self._interval(values).tolist())
+        for k in range(len(self.values)):
+            knot = (float(self.values[k]), self.poses[k : k + 1], self.tangents[k : k + 1])
+            knots.append(knot)
+            if k in crowded:
+                middle = 0.5 * (self.values[k] + self.values[k + 1])
+                knots += _walk(self.kinematics, self.coordinate, knot, float(middle))
+        return _path(self.kinematics, self.coordinate, knots)
 
     def _hermite(self, values: FloatArray, k: IntArray) -> FloatArray:
         start, step = self.values[k], self.values[k + 1] - self.values[k]
@@ -131,19 +155,12 @@ def trace(linkage: Linkage, coordinate: Coordinate, first: float, second: float)
         if (end < start) == (end == low) and abs(end - start) > 1e-13 * scale:
             knots += _walk(kinematics, coordinate, knots[0], end)
     knots.sort(key=lambda knot: knot[0])
-    values = np.array([knot[0] for knot in knots])
-    if len(values) == 1:
+    if len(knots) == 1:
         raise LinkageError(f"{coordinate.label} does not change: {low:g} to {high:g}")
     # the assembled value and the asked end may differ by rounding only
-    values[0] = min(values[0], low)
-    values[-1] = max(values[-1], high)
-    return Path(
-        kinematics,
-        coordinate,
-        values,
-        np.concatenate([knot[1] for knot in knots]),
-        np.concatenate([knot[2] for knot in knots]),
-    )
+    knots[0] = (min(knots[0][0], low), *knots[0][1:])
+    knots[-1] = (max(knots[-1][0], high), *knots[-1][1:])
+    return _path(kinematics, coordinate, knots)
 
 
 def differentiate(
@@ -345,6 +362,16 @@ def _orientation(kinematics: Kinematics, coordinate: Coordinate, poses: FloatArr
 _Knot = tuple[float, FloatArray, FloatArray]
 
 
+def _path(kinematics: Kinematics, coordinate: Coordinate, knots: list[_Knot]) -> Path:
+    return Path(
+        kinematics,
+        coordinate,
+        np.array([knot[0] for knot in knots]),
+        np.concatenate([knot[1] for knot in knots]),
+        np.concatenate([knot[2] for knot in knots]),
+    )
+
+
 def _walk(kinematics: Kinematics, coordinate: Coordinate, knot: _Knot, end: float) -> list[_Knot]:
     """Return knots from one value of the coordinate to another, each near the one before."""
     knots: list[_Knot] = []
@@ -377,12 +404,11 @@ def _step(
     poses, converged = _newton(kinematics, coordinate, np.array([target]), guess)
     if not converged[0]:
         return None
-    before, after = (_orientation(kinematics, coordinate, each)[0] for each in (pose, poses))
-    if before != after:
-        return None
     try:
         following = _tangent(kinematics, coordinate, target, poses)
     except LinkageError:
+        return None
+    if len(set(_orientation(kinematics, coordinate, np.concatenate([pose, poses])))) > 1:
         return None
     chord = (poses - pose) * np.sign(target - value)
     for direction in (tangent, following):
@@ -403,12 +429,18 @@ def _stopped(
     """Return the error of a value that cannot be reached: how far the joints stay open there."""
     unit = "rad" if coordinate.angular else "mm"
     joint, gap = closest_approach(kinematics, coordinate, end, pose)
+    where = end
     if gap < 1e-6 * kinematics.size:
+        # the end can be reached from the other side: how far do they open on the way?
+        where = last + 1e-2 * (end - last)
+        joint, gap = closest_approach(kinematics, coordinate, where, pose)
+    if gap < 1e-9 * kinematics.size:
         return LinkageError(
             f"{coordinate.label} cannot be led to {end:.9g} {unit}: it stands still at {last:.6g} "
             "(dead centre); end before it, or sweep another coordinate"
         )
+    place = "there" if where == end else f"at {where:.6g} {unit}"
     return LinkageError(
         f"{coordinate.label} = {end:.9g} {unit} cannot be reached: joint {joint!r} stays open by "
-        f"{gap:.4g} mm there; the last value that can be reached is {last:.6g} {unit}"
+        f"{gap:.4g} mm {place}; the last value that can be reached is {last:.6g} {unit}"
     )
