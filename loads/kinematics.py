@@ -5,6 +5,7 @@ of a function g of the poses is v' (d2g/dq2) v for rates v, so that
 d2g/dt2 = gradient . accelerations + quadratic term (Nikravesh, Planar Multibody Dynamics, ch. 7).
 """
 
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
@@ -64,7 +65,8 @@ class _JointTable:
     points, lines       which joints hold a point, and which lead it along a line
     turns               which joints hold the angle
     *_rows              first row of each in the constraints
-    directions          (lines, 2)   unit vectors in the frame of body a
+    vectors, turned_by  places_a, places_b and the unit vectors along the lines, one after another,
+                        and the rows of the bodies that turn them
     """
 
     def __init__(self, linkage: "Linkage", index: dict[str, int], rows: dict[str, slice]) -> None:
@@ -85,9 +87,24 @@ class _JointTable:
         self.turns = np.flatnonzero(turning)
         self.point_rows, self.line_rows = first[self.points], first[self.lines]
         self.turn_rows = last[self.turns]
-        self.directions = np.array(
+        directions = np.array(
             [unit(joint.direction) for joint in joints if isinstance(joint, Prismatic | Slot)]
         ).reshape(-1, 2)
+        self.vectors = np.concatenate([self.places_a, self.places_b, directions])
+        self.turned_by = np.concatenate([self.bodies_a, self.bodies_b, self.bodies_a[self.lines]])
+
+
+@dataclass(frozen=True, eq=False)
+class _Placed:
+    """Where the ends of all joints are: arms of both, and the vector from a to b (n, joints, 2).
+
+    tangents  (n, lines, 2)  unit vectors along guides and slots, ground axes
+    """
+
+    arm_a: FloatArray
+    arm_b: FloatArray
+    apart: FloatArray
+    tangents: FloatArray
 
 
 class Kinematics:
@@ -191,44 +208,48 @@ class Kinematics:
             poses, joint.body_a, joint.point_a
         )
 
-    def _arms(self, poses: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the arms of both ends of every joint, and the vector between (n, joints, 2)."""
+    def _placed(self, poses: FloatArray) -> "_Placed":
         table = self._joints
-        angles = poses[:, :, 2]
-        arm_a = rotated(table.places_a, angles[:, table.bodies_a])
-        arm_b = rotated(table.places_b, angles[:, table.bodies_b])
-        apart = poses[:, table.bodies_b, :2] + arm_b - poses[:, table.bodies_a, :2] - arm_a
-        return arm_a, arm_b, apart
-
-    def _tangents(self, poses: FloatArray) -> FloatArray:
-        """Return the unit vectors along all guides and slots (n, lines, 2), ground axes."""
-        table = self._joints
-        return rotated(table.directions, poses[:, table.bodies_a[table.lines], 2])
+        turned = rotated(table.vectors, poses[:, table.turned_by, 2])
+        n_joints = len(table.bodies_a)
+        arm_a, arm_b = turned[:, :n_joints], turned[:, n_joints : 2 * n_joints]
+        between = poses[:, table.bodies_b, :2] - poses[:, table.bodies_a, :2]
+        return _Placed(arm_a, arm_b, between + arm_b - arm_a, turned[:, 2 * n_joints :])
 
     def constraints(self, poses: FloatArray) -> FloatArray:
         """Return by how much each constraint is violated (n, constraints) [mm, rad]."""
-        table = self._joints
+        return self._violations(poses, self._placed(poses))
+
+    def jacobian(self, poses: FloatArray) -> FloatArray:
+        """Return the derivatives of the constraints (n, constraints, 3 bodies)."""
+        return self._slopes(self._placed(poses))
+
+    def linearised(self, poses: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return constraints and their derivatives together, which costs less than one by one."""
+        placed = self._placed(poses)
+        return self._violations(poses, placed), self._slopes(placed)
+
+    def _violations(self, poses: FloatArray, placed: "_Placed") -> FloatArray:
+        table, apart = self._joints, placed.apart
         result = np.zeros((len(poses), self.n_constraints))
-        _, _, apart = self._arms(poses)
         result[:, table.point_rows] = apart[:, table.points, 0]
         result[:, table.point_rows + 1] = apart[:, table.points, 1]
-        normals = turned_left(self._tangents(poses))
+        normals = turned_left(placed.tangents)
         result[:, table.line_rows] = dot(normals, apart[:, table.lines])
         result[:, table.turn_rows] = self._turns(poses) - self._assembled_turn
         return result
 
-    def jacobian(self, poses: FloatArray) -> FloatArray:
-        """Return the derivatives of the constraints (n, constraints, 3 bodies)."""
+    def _slopes(self, placed: "_Placed") -> FloatArray:
         table = self._joints
-        result = np.zeros((len(poses), self.n_constraints, 3 * self.n_bodies))
-        arm_a, arm_b, apart = self._arms(poses)
+        arm_a, arm_b, apart = placed.arm_a, placed.arm_b, placed.apart
+        result = np.zeros((len(apart), self.n_constraints, 3 * self.n_bodies))
         for bodies, arms, sign in ((table.bodies_b, arm_b, 1.0), (table.bodies_a, arm_a, -1.0)):
             rows, own = table.point_rows, 3 * bodies[table.points]
             result[:, rows, own] = sign
             result[:, rows + 1, own + 1] = sign
             result[:, rows, own + 2] = -sign * arms[:, table.points, 1]
             result[:, rows + 1, own + 2] = sign * arms[:, table.points, 0]
-        normals = turned_left(self._tangents(poses))
+        normals = turned_left(placed.tangents)
         # the line turns with body a: as if its point under the slider were pushed
         under = arm_a[:, table.lines] + apart[:, table.lines]
         for bodies, arms, sign in (
@@ -247,7 +268,8 @@ class Kinematics:
         """Return the quadratic terms of the constraints for rates (n, constraints)."""
         table = self._joints
         result = np.zeros((len(poses), self.n_constraints))
-        arm_a, arm_b, apart = self._arms(poses)
+        placed = self._placed(poses)
+        arm_a, arm_b, apart = placed.arm_a, placed.arm_b, placed.apart
         spin_a = rates[:, table.bodies_a, 2:]
         spin_b = rates[:, table.bodies_b, 2:]
         bend = spin_a**2 * arm_a - spin_b**2 * arm_b
@@ -259,7 +281,7 @@ class Kinematics:
             - rates[:, table.bodies_a, :2]
             - spin_a * turned_left(arm_a)
         )
-        tangents = self._tangents(poses)
+        tangents = placed.tangents
         normals = turned_left(tangents)
         spin = spin_a[:, table.lines, 0]
         result[:, table.line_rows] = (

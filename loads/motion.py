@@ -251,18 +251,18 @@ def coordinate_share(
 
 def _matrix(kinematics: Kinematics, coordinate: Coordinate, poses: FloatArray) -> FloatArray:
     """Return the unit-free Jacobian of the constraints, the coordinate as its last row."""
+    return _bordered(kinematics, coordinate, poses, kinematics.jacobian(poses))
+
+
+def _bordered(
+    kinematics: Kinematics, coordinate: Coordinate, poses: FloatArray, jacobian: FloatArray
+) -> FloatArray:
     scale = kinematics.coordinate_scale(coordinate)
-    return np.concatenate(
-        [
-            kinematics.jacobian(poses)[:, :, 3:]
-            * kinematics.pose_scale
-            / kinematics.row_scale[:, None],
-            (kinematics.gradient(coordinate, poses)[:, 3:] * kinematics.pose_scale / scale)[
-                :, None
-            ],
-        ],
-        axis=1,
-    )
+    n, rows, _ = jacobian.shape
+    result = np.empty((n, rows + 1, len(kinematics.pose_scale)))
+    result[:, :-1] = jacobian[:, :, 3:] * (kinematics.pose_scale / kinematics.row_scale[:, None])
+    result[:, -1] = kinematics.gradient(coordinate, poses)[:, 3:] * (kinematics.pose_scale / scale)
+    return result
 
 
 def _solve(
@@ -316,16 +316,16 @@ def _newton(
     done = np.zeros(len(values), dtype=bool)
     lost = np.zeros(len(values), dtype=bool)
     for _ in range(12):
-        error = np.concatenate(
+        violations, jacobian = kinematics.linearised(poses)
+        error = np.column_stack(
             [
-                kinematics.constraints(poses) / kinematics.row_scale,
-                ((kinematics.value(coordinate, poses) - values) / scale)[:, None],
-            ],
-            axis=1,
+                violations / kinematics.row_scale,
+                (kinematics.value(coordinate, poses) - values) / scale,
+            ]
         )
         if (done | lost).all():
             break
-        step = _solved(_matrix(kinematics, coordinate, poses), error)
+        step = _solved(_bordered(kinematics, coordinate, poses, jacobian), error)
         size = np.linalg.norm(step, axis=1)
         # what runs away is left where it is, so that the others come to their end
         lost |= ~np.isfinite(size) | (size > 10.0)
@@ -378,29 +378,37 @@ def _walk(kinematics: Kinematics, coordinate: Coordinate, knot: _Knot, end: floa
     total = end - knot[0]
     slack = 1e-12 * abs(total) + 16 * np.finfo(float).eps * abs(end)
     share = 1.0 / 16.0
+    before: _Knot | None = None
     while knot[0] != end:
         value, pose, _ = knot
         target = value + share * total
         # sums of steps stray by rounding: a rest that is no more than that is not walked
         if (end - target) * np.sign(total) <= slack:
             target = end
-        following = _step(kinematics, coordinate, knot, target)
+        following = _step(kinematics, coordinate, before, knot, target)
         if following is None:
             share /= 2.0
             if share < _SMALLEST_STEP:
                 raise _stopped(kinematics, coordinate, pose, end, value)
             continue
         knots.append(following)
-        knot = following
+        before, knot = knot, following
         share = min(2.0 * share, 1.0 / 16.0)
     return knots
 
 
 def _step(
-    kinematics: Kinematics, coordinate: Coordinate, knot: _Knot, target: float
+    kinematics: Kinematics,
+    coordinate: Coordinate,
+    before: _Knot | None,
+    knot: _Knot,
+    target: float,
 ) -> _Knot | None:
     value, pose, tangent = knot
-    guess = pose + tangent * (target - value)
+    ahead = target - value
+    guess = pose + tangent * ahead
+    if before is not None:  # the tangent goes on turning as it did
+        guess += (tangent - before[2]) / (value - before[0]) * (0.5 * ahead**2)
     poses, converged = _newton(kinematics, coordinate, np.array([target]), guess)
     if not converged[0]:
         return None

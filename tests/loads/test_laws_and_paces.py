@@ -209,9 +209,7 @@ def test_travel_up_to_the_end_of_a_slot_is_allowed_and_its_margin_told():
 
 
 def test_travel_beyond_the_end_of_a_slot_is_refused_with_joint_and_place():
-    with pytest.raises(
-        LinkageError, match=r"'rail': at 50 .*'P' is 50 mm .* -5 \.\.\. 49\.9"
-    ):
+    with pytest.raises(LinkageError, match=r"'rail': at 50 .*'P' is 50 mm .* -5 \.\.\. 49\.9"):
         slid(block(ends=(-5.0, 49.9)), SteadyPace(X, 10.0), 50.0)
 
 
