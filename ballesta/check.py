@@ -207,14 +207,15 @@ def _cycle_data(
             part_loads = loads_on(design, part, {name: cycle})
             for interface in part_loads.wrenches:
                 links[f"{part.name} {interface}"] = part_loads.resultant(interface).tolist()
-        efforts = cycle.efforts if isinstance(cycle, loads.CycleLoads) else {}
+        efforts, torques = _efforts(cycle)
         data[name] = {
             "shown_name": shown,
             "unit": unit,
             "position": position.tolist(),
             "time": [] if cycle.times is None else cycle.times.tolist(),
             "phase": [cycle.phases[k] for k in cycle.phase_of],
-            "efforts": {force: values.tolist() for force, values in efforts.items()},
+            "efforts": efforts,
+            "torques": torques,
             "links": links,
             "peaks": {
                 r.name: r.charts["peaks"][name] for r in results if name in r.charts["peaks"]
@@ -222,6 +223,20 @@ def _cycle_data(
             "duty": design.duty.cycles.get(name, 0.0),
         }
     return data
+
+
+def _efforts(
+    cycle: loads.CycleLoads | loads.MeasuredLoads,
+) -> tuple[dict[str, list[float]], dict[str, list[float]]]:
+    """Return forces [N] and torques [N mm] over a cycle, by name."""
+    if not isinstance(cycle, loads.CycleLoads):
+        return {}, {}
+    forces: dict[str, list[float]] = {}
+    torques: dict[str, list[float]] = {}
+    for force in cycle.linkage.forces:
+        kind = torques if force.coordinate.angular else forces
+        kind[force.name] = cycle.efforts[force.name].tolist()
+    return forces, torques
 
 
 def _all_sources(design: Design) -> str:

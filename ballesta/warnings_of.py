@@ -1,15 +1,14 @@
 """Warnings about the machine rather than its parts: drive, cycle time, stop, assembly."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 
 import loads
 from ballesta.design_data import Design, Part
-from ballesta.machine import cycle_of, linkage_of
-from ballesta.part_loads import is_loaded, shown_name, shown_position
+from ballesta.part_loads import is_loaded
 from ballesta.shown_loads import shown_cycle
+from ballesta.stops import dead_centre_warnings, stop_warnings
 from geometry.parts import Pin, PrismaticTube, ToggleBar
 from reports.verdict import PartResult
 from reports.words import quantity_unit
@@ -41,7 +40,11 @@ def load_warnings(
     solved: Mapping[str, loads.CycleLoads],
 ) -> list[str]:
     """What the loads alone call for beyond their gates: small reserves, assumed stops."""
-    return [*_drives(design, solved), *_stops(design, masses, solved)]
+    return [
+        *_drives(design, solved),
+        *stop_warnings(design, masses, solved),
+        *dead_centre_warnings(design, solved),
+    ]
 
 
 def claim_warnings(design: Design, results: Sequence[PartResult]) -> list[str]:
@@ -85,53 +88,6 @@ def _drives(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list[str]
                 f"{direction.needed * factor:.4g} {unit} needed: {100 * reserve:.1f} % reserve"
             )
     return warnings
-
-
-def _stops(
-    design: Design,
-    masses: Mapping[str, tuple[float, tuple[float, float], float]],
-    solved: Mapping[str, loads.CycleLoads],
-) -> list[str]:
-    """Say what the largest load becomes if an assumed stop is passed by its tolerance."""
-    warnings, told = [], set()
-    for cycle in design.cycles.values():
-        if cycle.stop is None or cycle.stop.basis != "assumed":
-            continue
-        ends = [cycle.start, *(phase.to for phase in cycle.phases)]
-        forward = int(np.argmax(np.abs(np.array(ends) - cycle.start)))
-        end = ends[forward]
-        if (cycle.coordinate, end) in told:
-            continue
-        told.add((cycle.coordinate, end))
-        further = end + np.sign(end - cycle.start) * cycle.stop.tolerance
-        phase = replace(cycle.phases[forward - 1], to=float(further))
-        longer = replace(cycle, start=ends[forward - 1], phases=(phase,), positions=40)
-        shown, unit = shown_name(cycle)
-        at, there = (
-            round(float(shown_position(cycle, np.array([v]))[0]), 9) + 0.0 for v in (end, further)
-        )
-        now = _largest_joint_force(solved[cycle.name])
-        said = f"{cycle.name}: the stop at {shown} = {at:.4g} {unit} is ASSUMED; "
-        try:
-            beyond = loads.run_cycle(linkage_of(design, masses, longer), cycle_of(design, longer))
-            after = _largest_joint_force(beyond)
-            warnings.append(
-                f"{said}at {shown} = {there:.4g} {unit} the largest joint force is "
-                f"{after / 1e3:.3g} kN instead of {now / 1e3:.3g} kN"
-            )
-        except loads.LinkageError as error:
-            warnings.append(
-                f"{said}{shown} = {there:.4g} {unit} cannot be: the loads grow "
-                f"without bound on the way there ({error})"
-            )
-    return warnings
-
-
-def _largest_joint_force(cycle: loads.CycleLoads) -> float:
-    return max(
-        float(np.hypot(load.force[:, 0], load.force[:, 1]).max())
-        for load in cycle.reactions.values()
-    )
 
 
 def _assembly(

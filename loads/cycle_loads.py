@@ -183,6 +183,18 @@ class CycleLoads:
                 margins[joint.name] = float(min(travel.min() - low, high - travel.max()))
         return margins
 
+    def slope(self, force: str) -> FloatArray:
+        """Return how a force's coordinate changes with the swept one (n,), along the motion.
+
+        It changes its sign at a dead centre of the force.
+        """
+        gradient = self._kinematics.gradient(self.linkage.force(force).coordinate, self.poses)
+        return dot(gradient, self.heading.reshape(len(self.positions), -1))
+
+    def coordinate(self, force: str) -> FloatArray:
+        """Return the coordinate of a force (n,) [mm or rad]."""
+        return self._kinematics.value(self.linkage.force(force).coordinate, self.poses)
+
     def drive(self, force: str) -> DriveFigures:
         """Return what a force or torque does over the cycle."""
         return drive_figures(

@@ -96,7 +96,8 @@ def cycle_chart(name: str, cycle: Mapping[str, Any]) -> str:
     panels = [
         (title, unit, {key: _array(values) * scale for key, values in curves.items()})
         for title, unit, scale, curves in (
-            ("Efforts", "force [kN]", 1e-3, cycle.get("efforts") or {}),
+            ("Forces", "force [kN]", 1e-3, cycle.get("efforts") or {}),
+            ("Torques", "torque [N m]", 1e-3, cycle.get("torques") or {}),
             ("Loads of the joints", "resultant [kN]", 1e-3, cycle.get("links") or {}),
             ("Peak stress of each part", "von Mises [MPa]", 1.0, cycle.get("peaks") or {}),
         )

@@ -62,9 +62,9 @@ def test_the_cycle_chart_names_forces_joints_parts_and_phases():
 
 
 def test_the_short_phase_with_the_peak_is_enlarged():
-    assert "Efforts: phase “press”" in texts(MAKERS["cycle"]())
+    assert "Forces: phase “press”" in texts(MAKERS["cycle"]())
     single = results.cycle() | {"phase": ["all"] * 183}
-    assert "Efforts" in texts(cycle_chart("press", single))
+    assert "Forces" in texts(cycle_chart("press", single))
     assert not any("phase “" in text for text in texts(cycle_chart("press", single)))
 
 
@@ -111,3 +111,10 @@ def test_hostile_names_stay_text():
         ET.fromstring(svg)
     ET.fromstring(utilisation_chart(hostile))
     ET.fromstring(haigh_chart(hostile.parts[0], hostile.cycles))
+
+
+def test_torques_stand_apart_from_forces_in_newton_metres():
+    cycle = {"position": [0.0, 1.0], "torques": {"crank": [0.0, 2500.0]}}
+    drawn = texts(cycle_chart("turn", cycle))
+    assert "torque [N m]" in drawn
+    assert "force [kN]" not in drawn
