@@ -1,8 +1,9 @@
 """Loads of any planar linkage of one degree of freedom over its cycle, part by part."""
 
+from loads.assembly import assembly_gap
 from loads.bodies import GROUND, Body, LinkageError
 from loads.compliance import BeamCompliance, JointCompliance, MatrixCompliance
-from loads.cycle import Cycle, Phase, run_cycle
+from loads.cycle import Cycle, CycleError, Phase, run_cycle
 from loads.cycle_loads import ContactLoads, CycleLoads
 from loads.diagnosis import Diagnosis, diagnose, percent, position_text
 from loads.drive import DriveFigures
@@ -38,6 +39,7 @@ __all__ = [
     "ContactLoads",
     "Coordinate",
     "Cycle",
+    "CycleError",
     "CycleLoads",
     "Diagnosis",
     "Distance",
@@ -71,6 +73,7 @@ __all__ = [
     "SteadyPace",
     "StrokePace",
     "Table",
+    "assembly_gap",
     "diagnose",
     "move",
     "percent",

@@ -5,6 +5,7 @@ import numpy as np
 from loads.bodies import FloatArray, LinkageError
 from loads.elements import Coordinate
 from loads.kinematics import Kinematics
+from loads.linkage import Linkage
 
 # An assembled pose may be stated in rounded numbers; a larger gap is a wrong number.
 _LARGEST_GAP = 1e-3  # of the size of the linkage
@@ -19,6 +20,12 @@ def worst_joint(kinematics: Kinematics, pose: FloatArray) -> tuple[str, float]:
     gaps = {name: float(np.linalg.norm(errors[rows])) for name, rows in kinematics.rows.items()}
     worst = max(gaps, key=lambda name: gaps[name])
     return worst, gaps[worst]
+
+
+def assembly_gap(linkage: Linkage) -> tuple[str, float]:
+    """Return the joint that the assembled pose leaves open widest, and its gap [mm]."""
+    kinematics = Kinematics(linkage)
+    return worst_joint(kinematics, kinematics.assembled)
 
 
 def worst_gaps(kinematics: Kinematics, poses: FloatArray) -> FloatArray:

@@ -5,36 +5,42 @@ linkage: its rigid value plus the deflection delta(F) that all loads together ca
 solved for together; without friction delta is linear in F and one step does it.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from loads.bodies import BoolArray, FloatArray, LinkageError
 from loads.elasticity import LoadState, deflection
-from loads.elements import Force, PointCoordinate
+from loads.elements import Fixed, Force, PointCoordinate, in_words
 from loads.forces import ForceSolution, solve_forces, unit_forces
-from loads.kinematics import dot, turned_left, unit
+from loads.kinematics import dot, unit
 from loads.laws import Contact, Law, Table
+from loads.linkage import Linkage
 from loads.motion import Motion
 
-_STEPS = 50
-_EQUAL = 1e-11  # of the largest contact force
+_STEPS = 60
+_LEFT = 1e-12  # of depth and deflection: what may be left of a contact's gap
 
 
 @dataclass(frozen=True, eq=False)
 class Touch:
     """A contact at every position of a stretch of the motion.
 
-    touching    (n,) whether it pushes
-    gap         (n,) mm, from the deflected linkage to the contact without its force; below 0 where
-                it pushes
+    touching    (n,) whether the linkage, moving on freely, would be in what it touches
+    gap         (n,) mm, of the freely moving linkage to the contact; below 0 where it touches
+    lift        (n,) mm, of the linkage as it is held, without the contact's force; below 0 where
+                the contact pushes
     deflection  (n,) mm, how far the linkage gives way along the force, under all its loads
+    held        (n,) share of its acceleration along the force that the pushed body loses: 0 free,
+                1 stopped by a rigid contact
     """
 
     touching: BoolArray
     gap: FloatArray
+    lift: FloatArray
     deflection: FloatArray
+    held: FloatArray
 
 
 def solve_laws(
@@ -73,10 +79,12 @@ def _tabled(motion: Motion, name: str, table: Table) -> FloatArray:
     slack = 1e-9 * (high - low)
     outside = (places < low - slack) | (places > high + slack)
     if outside.any():
-        unit_name = "rad" if table.coordinate.angular else "mm"
+        coordinate = table.coordinate
+        wrap = "; angles are not wrapped, let the table go on" if coordinate.angular else ""
         raise LinkageError(
-            f"force {name!r}: its table goes from {low:.6g} to {high:.6g} {unit_name} of "
-            f"{table.coordinate.label} and does not cover {places[outside][0]:.6g} {unit_name}"
+            f"force {name!r}: its table goes from {in_words(coordinate, low)} to "
+            f"{in_words(coordinate, high)} of {coordinate.label} and does not cover "
+            f"{in_words(coordinate, float(places[outside][0]))}{wrap}"
         )
     return np.interp(places, table.values, table.forces)
 
@@ -88,66 +96,121 @@ def _solve_contact(
     name: str,
     contact: Contact,
 ) -> tuple[Motion, ForceSolution, dict[str, Touch]]:
-    kinematics = motion.kinematics
+    kinematics, poses = motion.kinematics, motion.poses
     force = kinematics.linkage.force(name)
     sense = contact.side * force.sign  # of the force's value where the contact pushes
-    held = _held(motion, force) if contact.stops else motion
     unit_state = LoadState(unit_forces(motion, name, sense, solve), None)
-    softness = deflection(kinematics, motion.poses, unit_state, unit_state)
+    softness = deflection(kinematics, poses, unit_state, unit_state)
     soft = 0.0 if contact.stiffness is None else 1.0 / contact.stiffness
-    if (softness + soft <= 0.0).any():
+    slope = softness + soft
+    # the pushed body follows the contact, whose surface gives way by this share of all
+    held = np.zeros(len(poses))
+    if contact.stops:
+        held = np.divide(softness, slope, out=np.zeros(len(poses)), where=slope > 0.0)
+    slowed = _slowed(motion, force, held)
+    depth = contact.side * (contact.at - kinematics.value(force.coordinate, poses))
+
+    def deflected(moving: Motion, size: FloatArray) -> FloatArray:
+        real = LoadState(solve_forces(moving, {**given, name: sense * size}, solve), moving)
+        return deflection(kinematics, poses, unit_state, real)
+
+    none = np.zeros(len(depth))
+    gap = deflected(motion, none) - depth
+    touching = gap < 0.0
+    lift = deflected(slowed, none) - depth
+    if (touching & (lift < 0.0) & (slope <= 0.0)).any():
         raise LinkageError(
             f"force {name!r}: nothing gives way between a rigid contact and a rigid linkage; "
             "state the stiffness of the contact, or the elasticity of a body or joint"
         )
-    depth = contact.side * (contact.at - kinematics.value(force.coordinate, motion.poses))
+    size = none
+    if (touching & (lift < 0.0)).any():
+        scale = kinematics.coordinate_scale(force.coordinate)
+        try:
+            size = _settled(
+                lambda size: deflected(slowed, size), depth, touching, slope, soft, scale
+            )
+        except _Unsettled as unsettled:
+            raise LinkageError(
+                f"force {name!r}: contact and friction do not settle at "
+                f"{motion.place(unsettled.position)}; friction comes close to locking there"
+            ) from None
+    mixed = _chosen(touching, slowed, motion)
+    final = solve_forces(mixed, {**given, name: sense * size}, solve)
+    way = deflection(kinematics, poses, unit_state, LoadState(final, mixed))
+    return mixed, final, {name: Touch(touching, gap, lift, way, np.where(touching, held, 0.0))}
 
-    def deflected(size: FloatArray) -> FloatArray:
-        real = LoadState(solve_forces(held, {**given, name: sense * size}, solve), held)
-        return deflection(kinematics, motion.poses, unit_state, real)
 
+class _Unsettled(Exception):
+    def __init__(self, position: int) -> None:
+        super().__init__(position)
+        self.position = position
+
+
+def _settled(
+    deflected: Callable[[FloatArray], FloatArray],
+    depth: FloatArray,
+    touching: BoolArray,
+    slope: FloatArray,
+    soft: float,
+    scale: float,
+) -> FloatArray:
+    """Return the contact's force (n,): secants from the frictionless slope, each position alone."""
     size = np.zeros(len(depth))
     given_way = deflected(size)
-    gap = given_way - depth
-    slope = softness + soft
-    # what rounding of the positions is worth as a force
-    rounding = 1e-14 * kinematics.coordinate_scale(force.coordinate) / float(slope.min())
+    first = np.where(slope > 0.0, slope, 1.0)
+    slope = first.copy()
     for _ in range(_STEPS):
         left = depth - given_way - soft * size
-        following = np.maximum(size + left / slope, 0.0)
-        change = np.abs(following - size)
-        size = following
-        if float(change.max()) <= _EQUAL * float(size.max()) + rounding:
-            break
-        given_way = deflected(size)
-    else:
-        k = int(np.argmax(change))
-        raise LinkageError(
-            f"force {name!r}: contact and friction do not settle at {motion.values[k]:.6g}"
-        )
-    touching = gap < 0.0
-    mixed = _chosen(touching, held, motion)
-    final = solve_forces(mixed, {**given, name: sense * size}, solve)
-    way = deflection(kinematics, motion.poses, unit_state, LoadState(final, mixed))
-    return mixed, final, {name: Touch(touching, gap, way)}
+        allowed = _LEFT * (np.abs(depth) + np.abs(given_way)) + 1e-14 * scale
+        settled = ~touching | (np.abs(left) <= allowed) | ((size == 0.0) & (left <= 0.0))
+        if settled.all():
+            return size
+        following = np.where(settled, size, np.maximum(size + left / slope, 0.0))
+        change = following - size
+        way = deflected(following)
+        moved = change != 0.0
+        secant = np.divide(way - given_way + soft * change, change, out=slope.copy(), where=moved)
+        slope = np.clip(secant, 0.05 * first, 1e3 * first)
+        size, given_way = following, way
+    raise _Unsettled(int(np.argmax(np.where(settled, 0.0, np.abs(left)))))
 
 
-def _held(motion: Motion, force: Force) -> Motion:
-    """Return the motion with no acceleration of the pushed body along the force."""
-    coordinate = force.coordinate
+def rigidly_joined(linkage: Linkage, body: str) -> tuple[str, ...]:
+    """Return a body and all that are welded to it."""
+    together = [body]
+    for name in together:
+        for joint in linkage.joints:
+            if isinstance(joint, Fixed) and name in (joint.body_a, joint.body_b):
+                other = joint.body_b if joint.body_a == name else joint.body_a
+                if other not in together:
+                    together.append(other)
+    return tuple(together)
+
+
+def _slowed(motion: Motion, force: Force, held: FloatArray) -> Motion:
+    """Return the motion in which the pushed body loses a share of its acceleration."""
+    if not (held > 0.0).any():
+        return motion
+    kinematics, coordinate = motion.kinematics, force.coordinate
+    cure = "state that the contact does not stop it (stops = false)"
     if not isinstance(coordinate, PointCoordinate):
         raise LinkageError(
             f"force {force.name!r}: a contact holds a body still only where it pushes a point "
-            "along a direction; state that it does not stop the body"
+            f"along a direction; {cure}"
         )
-    kinematics = motion.kinematics
     row = kinematics.index[coordinate.body]
-    arm = kinematics.arm(motion.poses, coordinate.body, coordinate.point)
-    spin, turn = motion.velocities[:, row, 2:], motion.accelerations[:, row, 2:]
-    pull = motion.accelerations[:, row, :2] + turn * turned_left(arm) - spin**2 * arm
+    turning = np.abs(motion.heading[:, row, 2]) * kinematics.size
+    if (turning > 1e-9 * np.abs(motion.heading[:, row]).max(axis=1)).any():
+        raise LinkageError(
+            f"force {force.name!r}: body {coordinate.body!r} turns, and a contact can only hold a "
+            f"body still that slides; {cure}"
+        )
     along = unit(coordinate.direction)
+    lost = held * dot(motion.accelerations[:, row, :2], along)
     accelerations = motion.accelerations.copy()
-    accelerations[:, row, :2] -= dot(pull, along)[:, None] * along
+    for body in rigidly_joined(kinematics.linkage, coordinate.body):
+        accelerations[:, kinematics.index[body], :2] -= lost[:, None] * along
     return replace(motion, accelerations=accelerations)
 
 

@@ -1,14 +1,17 @@
 """A cycle of a linkage: the positions it goes through, phase by phase, and the loads there."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from functools import partial
 from math import ceil, isfinite
 
 import numpy as np
 
 from loads.bodies import FloatArray, LinkageError
 from loads.contact import Touch, solve_laws
+from loads.corners import with_extremes, with_roots
 from loads.cycle_loads import CycleLoads
+from loads.deflected import second_order
 from loads.elasticity import check_compliance
 from loads.elements import Coordinate, Prismatic, Slot
 from loads.forces import ForceSolution, JointLoad
@@ -19,8 +22,18 @@ from loads.pace import Pace
 from loads.timing import Timing
 
 _LEAST_PER_PHASE = 20
-_ROOT_STEPS = 8  # of the Illinois method: from a step of the grid to rounding
 _COARSE = 201  # positions per phase that find where the loads change
+
+
+class CycleError(LinkageError):
+    """A phase of a cycle that cannot be: which, and what is wrong there."""
+
+    def __init__(self, cycle: str, phase: int, phase_name: str, problem: str) -> None:
+        super().__init__(cycle, phase, phase_name, problem)
+        self.cycle, self.phase, self.phase_name, self.problem = cycle, phase, phase_name, problem
+
+    def __str__(self) -> str:
+        return f"cycle {self.cycle!r}, phase {self.phase_name!r}: {self.problem}"
 
 
 @dataclass(frozen=True)
@@ -126,57 +139,31 @@ class _Run:
             motion = move(geometry, self.cycle.pace.coordinate, speed, direction, acceleration)
             return _Stretch(*solve_laws(motion, phase.given, phase.solve))
         except LinkageError as error:
-            raise LinkageError(
-                f"cycle {self.cycle.name!r}, phase {phase.name!r}: {error}"
-            ) from None
+            raise CycleError(self.cycle.name, k, phase.name, str(error)) from None
 
     def with_corners(self, k: int, grid: FloatArray) -> FloatArray:
-        """Return the grid of phase k with the corners of its laws put in."""
-        corners: list[float] = []
+        """Return the grid of phase k with the corners of its laws put in.
+
+        Corners of tables; where a contact begins, ends, starts to push, and comes nearest.
+        """
         for name, law in self.cycle.phases[k].given.items():
             if isinstance(law, Table):
-                corners += self._table_corners(law, grid)
+                grid = with_extremes(grid, partial(self._above, law, 0.0))
+                for corner in law.values[1:-1]:
+                    grid = with_roots(grid, partial(self._above, law, corner))
             elif isinstance(law, Contact):
-                corners += self._contact_borders(k, name, grid)
-        if not corners:
-            return grid
-        rising = np.sort(np.concatenate([grid, corners]))
-        apart = np.diff(rising, prepend=-np.inf) > 1e-12 * abs(grid[-1] - grid[0])
-        kept = rising[apart]
-        kept[0], kept[-1] = min(grid[0], grid[-1]), max(grid[0], grid[-1])
-        placed: FloatArray = kept if grid[-1] > grid[0] else kept[::-1]
-        return placed
+                grid = with_extremes(grid, partial(self._touch, k, name, "gap"))
+                grid = with_extremes(grid, partial(self._touch, k, name, "lift"))
+                grid = with_roots(grid, partial(self._touch, k, name, "gap"))
+                grid = with_roots(grid, partial(self._touch, k, name, "lift"))
+        return grid
 
-    def _table_corners(self, table: Table, grid: FloatArray) -> list[float]:
-        places = self.path.kinematics.value(table.coordinate, self.path.at(grid).poses)
-        corners: list[float] = []
-        for corner in table.values[1:-1]:
-            before, after = places[:-1] - corner, places[1:] - corner
-            for i in np.flatnonzero(before * after < 0.0):
-                share = before[i] / (before[i] - after[i])
-                corners.append(float(grid[i] + share * (grid[i + 1] - grid[i])))
-        return corners
+    def _above(self, table: Table, corner: float, grid: FloatArray) -> FloatArray:
+        return self.path.kinematics.value(table.coordinate, self.path.at(grid).poses) - corner
 
-    def _contact_borders(self, k: int, name: str, grid: FloatArray) -> list[float]:
-        """Return where a contact begins or ends: roots of its gap, by the Illinois method."""
-        gap = self.solve(k, grid).touches[name].gap
-        changes = np.flatnonzero((gap[:-1] < 0.0) != (gap[1:] < 0.0))
-        if not len(changes):
-            return []
-        one, other = grid[changes], grid[changes + 1]
-        gap_one, gap_other = gap[changes], gap[changes + 1]
-        for _ in range(_ROOT_STEPS):
-            middle = (one * gap_other - other * gap_one) / (gap_other - gap_one)
-            # the ends of the grid keep the direction of the phase
-            trial = np.concatenate([grid[:1], middle, grid[-1:]])
-            gap_middle = self.solve(k, trial).touches[name].gap[1:-1]
-            crossed = (gap_middle < 0.0) != (gap_other < 0.0)
-            one = np.where(crossed, other, one)
-            gap_one = np.where(crossed, gap_other, 0.5 * gap_one)
-            other, gap_other = middle, gap_middle
-            if (gap_other == gap_one).any():
-                break
-        return [float(value) for value in other]
+    def _touch(self, k: int, name: str, what: str, grid: FloatArray) -> FloatArray:
+        values: FloatArray = getattr(self.solve(k, grid).touches[name], what)
+        return values
 
 
 def _check_ends(linkage: Linkage, geometry: Geometry) -> None:
@@ -189,10 +176,10 @@ def _check_ends(linkage: Linkage, geometry: Geometry) -> None:
         slack = 1e-9 * geometry.kinematics.size
         outside = (travel < low - slack) | (travel > high + slack)
         if outside.any():
-            k = int(np.argmax(outside))
+            k = int(np.argmax(np.maximum(low - travel, travel - high)))
             raise LinkageError(
-                f"joint {joint.name!r}: at {geometry.values[k]:.6g} its point {joint.point_b!r} "
-                f"is {travel[k]:.5g} mm along the line, beyond the end of {low:g} ... {high:g} mm"
+                f"joint {joint.name!r}: its point {joint.point_b!r} slides beyond the end of "
+                f"{low:g} ... {high:g} mm, up to {travel[k]:.5g} mm at {geometry.place(k)}"
             )
 
 
@@ -247,6 +234,16 @@ def _joined(
             for force in linkage.forces
         },
         touches=_touches(stretches),
+        second_order=max(
+            (
+                second_order(
+                    stretch.motion, stretch.solution, phase.solve, stretch.touches[name].touching
+                )
+                for stretch, phase in zip(stretches, cycle.phases, strict=True)
+                for name in stretch.touches
+            ),
+            default=0.0,
+        ),
         conditioning=np.concatenate([s.conditioning for s in solutions]),
     )
 
@@ -258,11 +255,13 @@ def _touches(stretches: list[_Stretch]) -> dict[str, Touch]:
         parts = []
         for stretch in stretches:
             n = len(stretch.motion.values)
-            none = Touch(np.zeros(n, dtype=bool), np.full(n, np.inf), np.zeros(n))
-            parts.append(stretch.touches.get(name, none))
+            far, none = np.full(n, np.inf), np.zeros(n)
+            open_ = Touch(np.zeros(n, dtype=bool), far, far, none, none)
+            parts.append(stretch.touches.get(name, open_))
         result[name] = Touch(
-            np.concatenate([part.touching for part in parts]),
-            np.concatenate([part.gap for part in parts]),
-            np.concatenate([part.deflection for part in parts]),
+            *(
+                np.concatenate([getattr(part, field.name) for part in parts])
+                for field in fields(Touch)
+            )
         )
     return result

@@ -8,8 +8,8 @@ import numpy as np
 
 from loads.assembly import worst_gaps
 from loads.bodies import GROUND, BoolArray, FloatArray, IntArray, LinkageError, nearest
-from loads.contact import Touch
-from loads.drive import DriveFigures, drive_figures
+from loads.contact import Touch, rigidly_joined
+from loads.drive import DriveFigures, drive_figures, kinetic_energy
 from loads.elements import Coordinate, Distance, PointCoordinate, Prismatic, Revolute, Slot
 from loads.forces import JointLoad
 from loads.history import LoadHistory
@@ -26,13 +26,16 @@ class ContactLoads:
     deflection      (n,) mm, how far the linkage gives way along the force, under all its loads
     approach_speed  mm/s or rad/s, largest rate of its coordinate where it begins to touch, as if
                     nothing were in the way
-    energy          N mm, of the pushed body alone at that speed: the impact, which no load here has
+    energy          N mm, kinetic, of the pushed body and what is welded to it, largest where it
+                    begins to touch: the impact, which no load here has in it
+    held            (n,) share of its acceleration along the force that the pushed body loses
     """
 
     touching: BoolArray
     deflection: FloatArray
     approach_speed: float
     energy: float
+    held: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +52,7 @@ class CycleLoads:
     reactions      what each joint does to its body b
     efforts        (n,) N or N mm, by force name, given and solved
     touches        contacts, by the name of their force
+    second_order   what the deflected shape changes of effort and reactions in contact, relative
     conditioning   (n,) share of the motion that the solved force sees: 1 best, 0 dead centre
     pace           the coordinate that sets the time
     """
@@ -67,6 +71,7 @@ class CycleLoads:
     reactions: Mapping[str, JointLoad]
     efforts: Mapping[str, FloatArray]
     touches: Mapping[str, Touch]
+    second_order: float
     conditioning: FloatArray
 
     @cached_property
@@ -217,10 +222,19 @@ class CycleLoads:
             gradient = self._kinematics.gradient(coordinate, self.poses)
             rate = dot(gradient, self.velocities.reshape(len(self.positions), -1))
             speed = float(np.abs(rate[begins]).max(initial=0.0))
-            pushed = [body for body in coordinate.bodies if body != GROUND]
-            mass = sum(self.linkage.body(body).mass for body in pushed)
+            pushed = [
+                other
+                for body in coordinate.bodies
+                if body != GROUND
+                for other in rigidly_joined(self.linkage, body)
+            ]
+            energy = kinetic_energy(self._kinematics, self.poses, self.velocities, pushed)
             result[name] = ContactLoads(
-                touch.touching, touch.deflection, speed, 0.5 * mass * speed**2
+                touch.touching,
+                touch.deflection,
+                speed,
+                float(energy[begins].max(initial=0.0)),
+                touch.held,
             )
         return result
 

@@ -1,5 +1,6 @@
 """What a drive has to do over a cycle, and whether a constant speed is what it would have."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,6 +8,8 @@ import numpy as np
 from loads.bodies import FloatArray, LinkageError
 from loads.elements import Force
 from loads.kinematics import Kinematics, dot, rotated, turned_left
+
+_STEADY = 1e-6  # of the speed: what a steady speed may vary by rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +26,7 @@ class DriveFigures:
     mean_reduced_mass   over the way
     speed               mm/s or rad/s, way over time
     energy_ripple       N mm, largest less smallest of the integral of effort - mean over the way;
-                        None unless the cycle is closed and the coordinate only turns one way
+                        None unless the cycle is closed and the coordinate turns at one speed
     """
 
     force: str
@@ -82,15 +85,15 @@ def drive_figures(
     way = float(np.abs(steps).sum())
     push = force.sign * efforts
     work = float(np.sum(0.5 * (push[:-1] + push[1:]) * steps))
-    power = push * dot(gradient, velocities.reshape(n, -1))
     lead = dot(gradient, heading.reshape(n, -1))
-    energy = 2.0 * _kinetic_energy(kinematics, poses, heading)
+    energy = 2.0 * kinetic_energy(kinematics, poses, heading, kinematics.linkage.body_names)
     reduced = np.divide(energy, lead**2, out=np.full(n, np.inf), where=lead != 0.0)
     duration = float(times[-1] - times[0])
     closed = _closed(kinematics, poses)
-    one_way = bool((steps >= 0.0).all() or (steps <= 0.0).all())
+    rate = dot(gradient, velocities.reshape(n, -1))
+    steady = bool(np.ptp(rate) <= _STEADY * np.abs(rate).max())
     ripple = None
-    if closed and one_way and coordinate.angular and way > 0.0:
+    if closed and steady and coordinate.angular and way > 0.0:
         mean = work / float(value[-1] - value[0])
         left = push - mean
         stored = np.concatenate([[0.0], np.cumsum(0.5 * (left[:-1] + left[1:]) * steps)])
@@ -109,7 +112,7 @@ def drive_figures(
         mean_effort=float(np.sum(weights * 0.5 * (efforts[:-1] + efforts[1:]))),
         work=work,
         mean_power=work / duration if duration else 0.0,
-        peak_power=float(np.abs(power).max()),
+        peak_power=float(np.abs(push * rate).max()),
         reduced_mass=reduced,
         mean_reduced_mass=mean_mass,
         speed=way / duration if duration else 0.0,
@@ -117,10 +120,14 @@ def drive_figures(
     )
 
 
-def _kinetic_energy(kinematics: Kinematics, poses: FloatArray, rates: FloatArray) -> FloatArray:
-    """Return the kinetic energy for rates of the poses (n,)."""
+def kinetic_energy(
+    kinematics: Kinematics, poses: FloatArray, rates: FloatArray, bodies: Collection[str]
+) -> FloatArray:
+    """Return the kinetic energy of some bodies for rates of the poses (n,)."""
     total = np.zeros(len(poses))
     for i, body in enumerate(kinematics.linkage.moving, start=1):
+        if body.name not in bodies:
+            continue
         arm = rotated(np.array(body.centre, dtype=float), poses[:, i, 2])
         spin = rates[:, i, 2]
         speed = rates[:, i, :2] + spin[:, None] * turned_left(arm)

@@ -19,6 +19,8 @@ from loads.linkage import Linkage
 from loads.motion import Motion
 from loads.point_loads import PointLoad, body_loads
 
+_ASIDE = 1e-2  # of the size of the linkage: how far from its axis a beam may be loaded
+
 
 @dataclass(frozen=True, eq=False)
 class LoadState:
@@ -161,6 +163,12 @@ def _beam_loads(
         reach = rotated(load.reach, -angle)
         place = np.array(owner.place(load.point), dtype=float) + reach
         force = rotated(load.force, -angle)
+        aside = float(np.abs(place[:, 1]).max())
+        if aside > _ASIDE * kinematics.size:
+            raise LinkageError(
+                f"body {body!r}: {load.source} acts {aside:.4g} mm beside the axis that it bends "
+                "along; a beam carries its loads on its x axis, state a matrix instead"
+            )
         pure = load.moment - cross(load.reach, load.force)
         places.append(place[:, 0])
         loads.append(np.stack([force[:, 0], force[:, 1], pure - place[:, 1] * force[:, 0]], axis=1))
@@ -181,3 +189,57 @@ def _beam_loads(
         weight[:, 2] = -owner.inertia * turn[:, 0] - y * inertia[:, 0]
     loads.append(weight)
     return np.stack(places, axis=1), np.stack(loads, axis=1)
+
+
+Displacements = dict[str, tuple[FloatArray, FloatArray, FloatArray]]
+
+
+def beam_displacements(
+    kinematics: Kinematics, poses: FloatArray, beam: BeamCompliance, state: LoadState
+) -> Displacements:
+    """Return what the loads on a beam move, by their source, against its leftmost load.
+
+    Shift (n, 2) mm and turn (n,) in the body's axes, and the place along its axis (n, 2) mm that is
+    moved. E I v'' = M and E A u' = -N, with M and N as `_sections` has them.
+    """
+    places, loads = _beam_loads(kinematics, poses, beam.body, state)
+    order = np.argsort(places, axis=1)
+    lengths = np.diff(np.take_along_axis(places, order, axis=1), axis=1)
+    normal, start, end = _sections(loads, order, lengths)
+    n, k = places.shape
+    along, across, turn = (np.zeros((n, k)) for _ in range(3))
+    for i in range(k - 1):
+        length = lengths[:, i]
+        shortened = 0.0 if beam.axial is None else normal[:, i] * length / beam.axial
+        bent = np.zeros(n) if beam.bending is None else length / beam.bending
+        along[:, i + 1] = along[:, i] - shortened
+        turn[:, i + 1] = turn[:, i] + bent * (start[:, i] + end[:, i]) / 2.0
+        across[:, i + 1] = (
+            across[:, i]
+            + turn[:, i] * length
+            + bent * length * (2.0 * start[:, i] + end[:, i]) / 6.0
+        )
+    back = np.argsort(order, axis=1)
+    along, across, turn = (np.take_along_axis(each, back, axis=1) for each in (along, across, turn))
+    result: Displacements = {}
+    for i, load in enumerate(_loads_on(kinematics, poses, state, beam.body)):
+        shift = np.stack([along[:, i], across[:, i]], axis=1)
+        place = np.stack([places[:, i], np.zeros(n)], axis=1)
+        result[load.source] = shift, turn[:, i], place
+    return result
+
+
+def matrix_displacements(
+    kinematics: Kinematics, poses: FloatArray, compliance: MatrixCompliance, state: LoadState
+) -> Displacements:
+    """Return what the loads on a body move, by their source: as `beam_displacements`."""
+    wrenches = _wrenches(kinematics, poses, compliance, state)
+    moved = (wrenches @ np.asarray(compliance.matrix, dtype=float)).reshape(len(poses), -1, 3)
+    owner = kinematics.linkage.body(compliance.body)
+    result: Displacements = {}
+    for load in _loads_on(kinematics, poses, state, compliance.body):
+        assert load.point is not None  # _wrenches has refused it
+        k = compliance.points.index(load.point)
+        place = np.broadcast_to(np.array(owner.place(load.point)), (len(poses), 2))
+        result[load.source] = moved[:, k, :2], moved[:, k, 2], place
+    return result

@@ -1,7 +1,7 @@
 """What stands between bodies: joints, the coordinates that measure them, forces and friction."""
 
 from dataclasses import dataclass
-from math import hypot, inf, isfinite
+from math import degrees, hypot, inf, isfinite
 from typing import ClassVar
 
 from loads.bodies import GROUND, LinkageError, Vector
@@ -110,9 +110,10 @@ class PointCoordinate:
     @property
     def label(self) -> str:
         """The coordinate as messages call it."""
-        axes = {(1.0, 0.0): "x", (0.0, 1.0): "y"}
-        x, y = self.direction
-        return f"{self.point}.{axes.get((float(x), float(y)), f'along ({x:g}, {y:g})')}"
+        x, y = (float(value) for value in self.direction)
+        if x and y:
+            return f"{self.point} along ({x:g}, {y:g})"
+        return f"{'-' if x + y < 0.0 else ''}{self.point}.{'x' if x else 'y'}"
 
     @property
     def bodies(self) -> tuple[str, ...]:
@@ -166,6 +167,18 @@ class Angle:
 
 
 Coordinate = PointCoordinate | Distance | Angle
+
+
+def in_words(coordinate: Coordinate, value: float) -> str:
+    """Return a value of a coordinate as messages show it: angles in degrees."""
+    if coordinate.angular:
+        return f"{degrees(value):.7g} deg"
+    return f"{value:.7g} mm"
+
+
+def place_in_words(coordinate: Coordinate, value: float) -> str:
+    """Return a place of the motion as messages show it, such as A.y = 300 mm."""
+    return f"{coordinate.label} = {in_words(coordinate, value)}"
 
 
 @dataclass(frozen=True)

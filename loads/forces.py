@@ -105,9 +105,9 @@ def _share(motion: Motion, effort: Force) -> FloatArray:
     share = coordinate_share(motion.kinematics, effort.coordinate, motion.poses, motion.heading)
     singular = (np.abs(share) < SINGULAR) | (share * share[0] <= 0.0)
     if singular.any():
-        value = motion.values[int(np.argmax(singular))]
+        place = motion.place(int(np.argmax(singular)))
         raise LinkageError(
-            f"force {effort.name!r} cannot balance the linkage at or before {value:.9g}: its "
+            f"force {effort.name!r} cannot balance the linkage at or before {place}: its "
             f"coordinate {effort.coordinate.label} stands still there (dead centre), the force "
             "would be infinite; end the phase before it, or solve for another force"
         )
@@ -298,6 +298,6 @@ def _locking(motion: Motion, vector: FloatArray, frictions: list[_Sliding], k: i
     joint = max(power, key=lambda name: power[name])
     coefficient = motion.kinematics.linkage.friction[joint].coefficient
     return LinkageError(
-        f"friction locks the linkage at {motion.values[k]:.6g}: no force moves it; most of it is "
+        f"friction locks the linkage at {motion.place(k)}: no force moves it; most of it is "
         f"in joint {joint!r}, coefficient {coefficient:g}"
     )

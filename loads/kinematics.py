@@ -5,13 +5,14 @@ of a function g of the poses is v' (d2g/dq2) v for rates v, so that
 d2g/dt2 = gradient . accelerations + quadratic term (Nikravesh, Planar Multibody Dynamics, ch. 7).
 """
 
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from loads.bodies import FloatArray
+from loads.bodies import FloatArray, LinkageError
 from loads.elements import (
     Angle,
     Coordinate,
@@ -120,8 +121,21 @@ class Kinematics:
             self.rows[joint.name] = slice(row, row + joint.n_constraints)
             row += joint.n_constraints
         self.n_constraints: Final = row
-        self._joints: Final = _JointTable(linkage, self.index, self.rows)
+        self._joints = _JointTable(linkage, self.index, self.rows)
+        self._offsets: FloatArray | float = 0.0
         self._assembled_turn: Final = self._turns(self.assembled)[0]
+
+    def displaced(self, vectors: FloatArray, offsets: FloatArray) -> "Kinematics":
+        """Return the same linkage with other places and lines of its joints at every position.
+
+        vectors  (n, 2 joints + lines, 2) of ends a, ends b and unit vectors along lines, body axes
+        offsets  (n, constraints) mm or rad, what each constraint is open by
+        """
+        other = copy(self)
+        other._joints = copy(self._joints)
+        other._joints.vectors = vectors
+        other._offsets = offsets
+        return other
 
     @cached_property
     def assembled(self) -> FloatArray:
@@ -237,7 +251,7 @@ class Kinematics:
         normals = turned_left(placed.tangents)
         result[:, table.line_rows] = dot(normals, apart[:, table.lines])
         result[:, table.turn_rows] = self._turns(poses) - self._assembled_turn
-        return result
+        return result - self._offsets
 
     def _slopes(self, placed: "_Placed") -> FloatArray:
         table = self._joints
@@ -357,7 +371,12 @@ class Kinematics:
                 self._add_point(row, body, direction, self.arm(poses, body, point))
             case Distance(body_a=a, body_b=b):
                 span = self.span(poses, coordinate)
-                along = span / np.linalg.norm(span, axis=1, keepdims=True)
+                length = np.linalg.norm(span, axis=1, keepdims=True)
+                if (length <= 1e-12 * self.size).any():
+                    raise LinkageError(
+                        f"{coordinate.label} shrinks to nothing: it has no direction there"
+                    )
+                along = span / length
                 self._add_point(row, b, along, self.arm(poses, b, coordinate.point_b))
                 self._add_point(row, a, -along, self.arm(poses, a, coordinate.point_a))
             case Angle():

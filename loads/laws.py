@@ -40,7 +40,8 @@ class Contact:
     at         mm or rad, value of the force's coordinate where an undeformed linkage touches
     stiffness  N/mm (N mm/rad) of what is touched; None is rigid, then the linkage must be elastic
     side       1: touches below `at` and pushes the coordinate up; -1: above, and down
-    stops      the body that is pushed keeps no acceleration along the force while it touches
+    stops      the body that is pushed follows the contact while it touches: stopped by a rigid one,
+               slowed by one that gives way less than the linkage. Only a body that slides can be.
     """
 
     at: float

@@ -12,7 +12,7 @@ import numpy as np
 
 from loads.assembly import assemble, closest_approach
 from loads.bodies import BoolArray, FloatArray, IntArray, LinkageError
-from loads.elements import Coordinate
+from loads.elements import Coordinate, in_words, place_in_words
 from loads.kinematics import Kinematics, dot
 from loads.linkage import Linkage
 
@@ -21,6 +21,7 @@ from loads.linkage import Linkage
 SINGULAR = 1e-6
 _STRAIGHT = 0.95  # cosine of the largest turn of the motion in one step of the walk
 _REFINEMENTS = 30  # of the knots, where they do not lead to the positions between them
+_CHANGE_POINT = 1e-4  # smallest over largest singular value of the joints where it stops
 _SMALLEST_STEP = 1e-10  # of the range that is walked
 
 
@@ -35,10 +36,15 @@ class Geometry:
     """
 
     kinematics: Kinematics
+    coordinate: Coordinate
     values: FloatArray
     poses: FloatArray
     first: FloatArray
     second: FloatArray
+
+    def place(self, k: int) -> str:
+        """Return where position k is, in words."""
+        return place_in_words(self.coordinate, float(self.values[k]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,11 +57,16 @@ class Motion:
     """
 
     kinematics: Kinematics
+    coordinate: Coordinate
     values: FloatArray
     poses: FloatArray
     velocities: FloatArray
     accelerations: FloatArray
     heading: FloatArray
+
+    def place(self, k: int) -> str:
+        """Return where position k is, in words."""
+        return place_in_words(self.coordinate, float(self.values[k]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,8 +97,8 @@ class Path:
         outside = (values < low) | (values > high)
         if outside.any():
             raise LinkageError(
-                f"{coordinate.label} = {values[outside][0]:g} is outside the path "
-                f"{low:g} ... {high:g}"
+                f"{place_in_words(coordinate, float(values[outside][0]))} is outside the path "
+                f"{in_words(coordinate, low)} ... {in_words(coordinate, high)}"
             )
         path = self
         for level in range(_REFINEMENTS + 1):
@@ -97,8 +108,9 @@ class Path:
             if level < _REFINEMENTS:
                 path = path._refined(values[wrong])
         raise LinkageError(
-            f"the positions jump to another branch at {coordinate.label} = "
-            f"{values[wrong][0]:.9g}: the way the linkage is assembled is not unique there"
+            "the positions jump to another branch at "
+            f"{place_in_words(coordinate, float(values[wrong][0]))}: the way the linkage is "
+            "assembled is not unique there"
         )
 
     def _guided(self, values: FloatArray) -> tuple[FloatArray, BoolArray]:
@@ -185,7 +197,7 @@ def differentiate(
     )
     # times scale: _solve divides once, as for a first derivative
     second = _solve(kinematics, coordinate, matrix, -bend * scale, values, leading=False)
-    return Geometry(kinematics, values, poses, first, second)
+    return Geometry(kinematics, coordinate, values, poses, first, second)
 
 
 def move(
@@ -213,9 +225,9 @@ def move(
     if turning.any():
         k = int(np.argmax(turning))
         raise LinkageError(
-            f"{pace.label} sets the pace but stands still at or before the swept "
-            f"coordinate's value {geometry.values[k]:.6g}: choose another coordinate "
-            "for the pace, or end the phase before it"
+            f"{pace.label} sets the pace but stands still at or before "
+            f"{geometry.place(k)}: choose another coordinate for the pace, or end the phase "
+            "before it"
         )
     curvature = kinematics.curvature(pace, geometry.poses, geometry.first) + np.einsum(
         "nj,nj->n", gradient, geometry.second.reshape(n, -1)
@@ -226,6 +238,7 @@ def move(
     rate, change = rate[:, None, None], change[:, None, None]
     return Motion(
         kinematics,
+        geometry.coordinate,
         geometry.values,
         geometry.poses,
         geometry.first * rate,
@@ -282,8 +295,9 @@ def _solve(
     if leading and (~np.isfinite(lead) | (lead < SINGULAR)).any():
         k = int(np.argmin(np.where(np.isfinite(lead), lead, 0.0)))
         raise LinkageError(
-            f"{coordinate.label} stands still at {values[k]:.9g} (dead centre) and cannot lead the "
-            "motion through it: end before it, or sweep another coordinate"
+            f"{place_in_words(coordinate, float(values[k]))} is a dead centre: {coordinate.label} "
+            "stands still there and cannot lead the motion through it; end before it, or sweep "
+            "another coordinate"
         )
     result = np.zeros((len(matrix), kinematics.n_bodies, 3))
     scale = kinematics.coordinate_scale(coordinate)
@@ -335,6 +349,13 @@ def _newton(
         done = (size < 1e-8) & ~lost
     residual = np.abs(error).max(axis=1)
     return poses, done & (residual < 1e-12)
+
+
+def closed_poses(
+    kinematics: Kinematics, coordinate: Coordinate, values: FloatArray, guess: FloatArray
+) -> tuple[FloatArray, BoolArray]:
+    """Return poses near a guess with the given values of a coordinate, and which closed."""
+    return _newton(kinematics, coordinate, values, guess)
 
 
 def _solved(matrix: FloatArray, right: FloatArray) -> FloatArray:
@@ -435,20 +456,29 @@ def _stopped(
     kinematics: Kinematics, coordinate: Coordinate, pose: FloatArray, end: float, last: float
 ) -> LinkageError:
     """Return the error of a value that cannot be reached: how far the joints stay open there."""
-    unit = "rad" if coordinate.angular else "mm"
+    wanted, reached = (in_words(coordinate, value) for value in (end, last))
     joint, gap = closest_approach(kinematics, coordinate, end, pose)
     where = end
     if gap < 1e-6 * kinematics.size:
         # the end can be reached from the other side: how far do they open on the way?
         where = last + 1e-2 * (end - last)
         joint, gap = closest_approach(kinematics, coordinate, where, pose)
-    if gap < 1e-9 * kinematics.size:
+    if gap >= 1e-9 * kinematics.size:
+        place = "there" if where == end else f"at {in_words(coordinate, where)}"
         return LinkageError(
-            f"{coordinate.label} cannot be led to {end:.9g} {unit}: it stands still at {last:.6g} "
-            "(dead centre); end before it, or sweep another coordinate"
+            f"{coordinate.label} = {wanted} cannot be reached: joint {joint!r} stays open by "
+            f"{gap:.4g} mm {place}; the last value that can be reached is {reached}"
         )
-    place = "there" if where == end else f"at {where:.6g} {unit}"
+    scaled = kinematics.jacobian(pose)[0, :, 3:] * (
+        kinematics.pose_scale / kinematics.row_scale[:, None]
+    )
+    sizes = np.linalg.svd(scaled, compute_uv=False)
+    if sizes[-1] < _CHANGE_POINT * sizes[0]:
+        return LinkageError(
+            f"{coordinate.label} cannot be led to {wanted}: at {reached} the linkage can go on in "
+            "two ways (change point); end before it, or begin behind it"
+        )
     return LinkageError(
-        f"{coordinate.label} = {end:.9g} {unit} cannot be reached: joint {joint!r} stays open by "
-        f"{gap:.4g} mm {place}; the last value that can be reached is {last:.6g} {unit}"
+        f"{coordinate.label} cannot be led to {wanted}: it stands still at {reached} (dead "
+        "centre); end before it, or sweep another coordinate"
     )

@@ -20,6 +20,7 @@ from loads.linkage import Linkage
 from loads.motion import Geometry, Motion, Path, coordinate_share, trace
 
 _POSITIONS = 400
+_DOUBLINGS = 200
 _STEP = 0.02  # of the size of the linkage, the first way looked ahead
 
 
@@ -47,14 +48,20 @@ def pull_through(
     touch: float,
     given: Mapping[str, float] | None = None,
 ) -> PullThrough | None:
-    """Return the stiffness that a drive just overcomes, at rest; None without a dead centre ahead.
+    """Return the stiffness that a drive just overcomes, at rest.
 
     pull   N (N mm) of the drive, constant
     touch  mm or rad, value of the process force's coordinate where the resistance begins
     given  all other forces
 
-    Raises LinkageError where the linkage cannot stand at the touch, or friction locks it.
+    The stiffness is that of everything in series, so that a compliance of the linkage counts to it.
+    None where the way from the assembled pose has no dead centre of the process, or does not come
+    by the touch before it. Raises LinkageError where friction locks the linkage on the way.
     """
+    if drive == process:
+        raise LinkageError(f"force {drive!r} cannot be drive and process at once")
+    if not (np.isfinite(pull) and pull and np.isfinite(touch)):
+        raise LinkageError(f"pull {pull:g} and touch {touch:g} must be finite, the pull not 0")
     moving, resisting = linkage.force(drive), linkage.force(process)
     way = int(np.sign(pull)) * moving.sign
     path, dead_centre = _to_dead_centre(linkage, moving, resisting, way)
@@ -75,11 +82,17 @@ def pull_through(
         k = int(np.argmax(needed))
         return _peak(needed, k), k
 
+    if depth.max() <= 1e-12 * path.kinematics.coordinate_scale(resisting.coordinate):
+        return None
     low, high = 0.0, abs(pull) / float(depth.max())
     if hardest(low)[0] >= abs(pull):
         return PullThrough(0.0, 0.0, dead_centre, float(grid[hardest(low)[1]]))
-    while hardest(high)[0] < abs(pull):
+    for _ in range(_DOUBLINGS):
+        if hardest(high)[0] >= abs(pull):
+            break
         low, high = high, 2.0 * high
+    else:
+        return None  # nothing that is touched asks the drive for anything
     for _ in range(60):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if hardest(middle)[0] < abs(pull) else (low, middle)
@@ -178,5 +191,11 @@ def _sense(path: Path, resisting: Force, start: float, dead_centre: float) -> in
 def _at_rest(geometry: Geometry, way: int) -> Motion:
     still = np.zeros_like(geometry.poses)
     return Motion(
-        geometry.kinematics, geometry.values, geometry.poses, still, still, geometry.first * way
+        geometry.kinematics,
+        geometry.coordinate,
+        geometry.values,
+        geometry.poses,
+        still,
+        still,
+        geometry.first * way,
     )

@@ -6,6 +6,7 @@ from typing import Final
 import numpy as np
 
 from loads.bodies import FloatArray, LinkageError
+from loads.elements import in_words
 from loads.motion import Geometry, Motion, Path
 from loads.pace import Pace, SteadyPace, stroke_law, stroke_time
 
@@ -46,10 +47,11 @@ class Timing:
         if isinstance(pace, SteadyPace):
             square = pace.speed**2 + 2.0 * pace.acceleration * way
             if (square <= 0.0).any():
-                at = geometry.values[int(np.argmax(square <= 0.0))]
+                at = geometry.place(int(np.argmax(square <= 0.0)))
+                slowing = in_words(pace.coordinate, -pace.acceleration)
                 raise LinkageError(
-                    f"{pace.coordinate.label} slows down by {-pace.acceleration:g} per s2 and "
-                    f"stands still before {at:.6g}"
+                    f"{pace.coordinate.label} slows down by {slowing}/s2 and stands still before "
+                    f"{at}"
                 )
             return np.sqrt(square), np.full(len(way), pace.acceleration)
         length = self._length(k)

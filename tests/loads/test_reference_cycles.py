@@ -10,7 +10,7 @@ force depends on the position by a law; their test belongs to the laws of forces
 import json
 import re
 from functools import cache
-from math import pi
+from math import pi, radians
 from pathlib import Path
 
 import numpy as np
@@ -188,7 +188,7 @@ def test_a_turn_that_just_fails_to_close_is_refused_where_the_rod_lies_level(wid
     ) as info:
         turn_of(width)
     level = (0.0, pi) if width < 0.17 else dead_points()
-    stated = [float(number) for number in re.findall(r"\d+\.\d+", str(info.value))]
+    stated = [radians(float(number)) for number in re.findall(r"([\d.]+) deg", str(info.value))]
     off = [abs((value - angle + pi) % (2 * pi) - pi) for value in stated for angle in level]
     assert min(off) < 0.03, str(info.value)
 

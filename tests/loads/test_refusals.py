@@ -1,6 +1,7 @@
 """Linkages and cycles that cannot work are refused, and the message says where."""
 
 import pickle
+import re
 from dataclasses import replace
 from math import pi, sqrt
 
@@ -172,7 +173,7 @@ def test_a_parallelogram_is_refused_at_its_change_point():
     """All bars in line at 180 deg: from there it can go on as a parallelogram or cross its bars."""
     linkage = four_bar(40.0, 100.0, 40.0, 100.0, at=pi / 3)
     assert len(trace(linkage, Angle("crank"), 0.1, pi - 0.01).values) > 2
-    with pytest.raises(LinkageError, match=r"crank\.angle .* stands still at 3\.14159 \(dead cent"):
+    with pytest.raises(LinkageError, match=r"at 180 deg the linkage can go on in two ways"):
         trace(linkage, Angle("crank"), pi / 3, 2 * pi - 0.1)
     with pytest.raises(LinkageError, match=r"joints O2, A, B, O4 .* move on in two ways"):
         trace(four_bar(40.0, 100.0, 40.0, 100.0, at=pi), Angle("crank"), 3.0, 3.3)
@@ -207,16 +208,18 @@ def test_a_body_without_a_joint_is_named():
 
 @pytest.mark.parametrize(
     ("ends", "angle", "way"),
-    [((0.041, 0.19), 3.06, 0.0405), ((0.03, 0.179), 6.08, 0.1791)],
+    [((0.041, 0.19), 180.0, 0.0400), ((0.03, 0.179), 360.0, 0.18)],
 )
 def test_a_block_that_leaves_its_slot_is_refused(ends, angle, way):
-    """It slides from 40 to 180 mm of the lever; the first position beyond an end is named."""
+    """It slides from 40 to 180 mm of the lever: how far beyond the end is named, and where."""
     linkage = quick_return(ends=ends, at=0.3)
     with pytest.raises(
         LinkageError,
-        match=rf"joint 'slot': at {angle}\d* its point 'a' is {way}\d* .* the end of {ends[0]}",
-    ):
+        match=rf"joint 'slot': its point 'a' slides beyond the end of {ends[0]} .* up to {way}\d*",
+    ) as info:
         run_cycle(linkage, turn(linkage))
+    place = float(re.search(r"([\d.]+) deg", str(info.value))[1])
+    assert abs(place - angle) < 1.0
     whole = quick_return(ends=(0.03, 0.19), at=0.3)
     assert run_cycle(whole, turn(whole)).slot_margin["slot"] == pytest.approx(0.01, rel=1e-5)
 
