@@ -97,7 +97,10 @@ def _pulled_through(
 
 
 def dead_centre_warnings(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list[str]:
-    """Whether a drive pulls the linkage through the dead centre of a contact, or jams before."""
+    """Whether a cylinder pulls the linkage through the dead centre of a contact, or jams before.
+
+    A crank is meant to pass its dead centres; of a drive without a stated limit nothing is known.
+    """
     warnings = []
     for name, run in solved.items():
         for contact, touch in run.touches.items():
@@ -107,24 +110,20 @@ def dead_centre_warnings(design: Design, solved: Mapping[str, loads.CycleLoads])
                 continue
             drive = design.cycles[name].phases[int(run.phase_of[passed[0]])].solve
             limits = design.forces[drive].limits
+            if limits is None or run.linkage.force(drive).coordinate.angular:
+                continue
             needed = np.where(touch.touching, run.efforts[drive], 0.0)[: passed[0] + 2]
             worst = int(np.argmax(np.abs(needed)))
+            limit = limits[0 if needed[worst] > 0 else 1]
             shown, unit = shown_name(design.cycles[name])
             place = shown_position(design.cycles[name], run.positions)
-            reached = f"{np.abs(run.efforts[contact]).max() / 1e3:.3g} kN"
             at = f"{shown} = {place[worst]:.4g} {unit}"
-            limit = None if limits is None else limits[0 if needed[worst] > 0 else 1]
-            if limit is None:
-                warnings.append(
-                    f"{name}: {contact} is pressed through its dead centre and reaches {reached}; "
-                    f"{drive} needs {abs(needed[worst]) / 1e3:.4g} kN at most ({at}), what it can "
-                    "give is not stated"
-                )
-            elif abs(needed[worst]) <= limit:
+            if abs(needed[worst]) <= limit:
                 warnings.append(
                     f"{name}: nothing stops the linkage: {drive} needs "
                     f"{abs(needed[worst]) / 1e3:.4g} kN at most ({at}), has {limit / 1e3:.4g} kN "
-                    f"and pulls it through the dead centre of {contact}, which reaches {reached}"
+                    f"and pulls it through the dead centre of {contact}, which reaches "
+                    f"{np.abs(run.efforts[contact]).max() / 1e3:.3g} kN"
                 )
             else:
                 stuck = int(np.argmax(np.abs(needed) > limit))

@@ -261,7 +261,13 @@ def _face_patterns(
 
         return traction
 
+    def twist(points: FloatArray) -> FloatArray:
+        field, lever = np.zeros(points.shape), points - interface.centre
+        field[..., 1], field[..., 2] = -lever[..., 2], lever[..., 1]
+        return field / (second[1] + second[2])
+
     patterns = {"F_x": uniform(0), "F_y": uniform(1), "M_z": bending(1)}
     targets = np.zeros((6, 3))
     targets[[0, 1, 5], [0, 1, 2]] = 1.0
-    return patterns, targets, [uniform(0), uniform(1), uniform(2), bending(1), bending(2)]
+    # an uneven mesh puts the centre of its weights beside the centre: a shear then twists a little
+    return patterns, targets, [*(uniform(i) for i in range(3)), bending(1), bending(2), twist]

@@ -293,3 +293,17 @@ def test_a_surface_is_integrated_over_its_own_area(bar):
     surface = Elements(bar.mesh).surface("knee")
     assert_allclose(surface.weights.sum(), np.pi * BAR.hole * 2 * BAR.wall, rtol=1e-4)
     assert_allclose(surface.shape.sum(axis=0), 1.0, rtol=1e-13)
+
+
+def test_loads_on_a_thin_uneven_end_face_meet_all_six_resultants():
+    """12 x 1.5 mm tube: the weights of its mesh lie beside the middle, a plain shear twists it."""
+    from geometry.parts import PrismaticTube
+
+    tube = PrismaticTube(length=150.0, width=12.0, wall=1.5, inner_radius=0.5)
+    elements = Elements(mesh_shape(tube, fineness=0.7))
+    for interface in elements.mesh.interfaces.values():
+        loads = interface_loads(elements, interface)
+        got = resultants(elements, loads.vectors, interface.centre)
+        wanted = np.zeros((6, 3))
+        wanted[[0, 1, 5], [0, 1, 2]] = 1.0
+        assert_allclose(got, wanted, atol=1e-9)
