@@ -28,11 +28,23 @@ def measured_loads(design: Design, masses: Masses) -> dict[str, loads.MeasuredLo
         for body in known:
             diagnosis = loads.diagnose(found[name], body, run.tolerance)
             if diagnosis is not None:
-                problems.add(f"measured.{name}.bodies.{body}", f"{run.file}: {diagnosis}")
+                key = f"measured.{name}.bodies.{body}"
+                problems.add(key, f"{run.file}: {diagnosis}{_taken_as_zero(run, key)}")
         for part in design.parts.values():
             _check_pin(part, run, problems)
     problems.raise_if_any()
     return found
+
+
+def _taken_as_zero(run: MeasuredRun, key: str) -> str:
+    """What of a body's motion enters its balance as 0 because the design does not state it."""
+    assumed = {stated for stated, _ in run.assumed}
+    said = ""
+    if f"{key}.acceleration" in assumed:
+        said += "; no acceleration is stated: taken as at rest"
+    if f"{key}.angular_acceleration" in assumed:
+        said += "; no angular_acceleration is stated: taken as 0"
+    return said
 
 
 def _known(

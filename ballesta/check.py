@@ -57,6 +57,10 @@ def check_design(
     design: Design, *, say: Say = lambda _: None, reading: float = 0.0
 ) -> DesignResult:
     """Check all parts of a design over all its cycles; raises DesignError and NumericsError."""
+    if not design.parts:
+        raise DesignError(
+            design.file, "parts", "nothing to check: there are none; ballesta loads tells the loads"
+        )
     models = Models()
     timings = {"read": reading}
     try:
@@ -161,6 +165,9 @@ def solve_cycles(
         linkage = linkage_of(design, masses, cycle)
         try:
             solved[name] = loads.run_cycle(linkage, cycle_of(design, cycle))
+        except loads.CycleError as error:
+            key = f"cycles.{name}.phases[{error.phase}]"
+            raise DesignError(design.file, key, error.problem) from error
         except loads.LinkageError as error:
             raise DesignError(design.file, f"cycles.{name}", str(error)) from error
     return solved

@@ -63,13 +63,15 @@ def loads(
     ] = False,
     cycle: Annotated[
         list[str] | None,
-        typer.Option("--cycle", metavar="NAME", help="only this cycle; may be given again"),
+        typer.Option("--cycle", metavar="NAME", help="only this cycle or run; may be given again"),
     ] = None,
     out: Annotated[Path, typer.Option("--out", help="folder for the page")] = Path("out"),
     json: Annotated[bool, typer.Option("--json", help="print the result as JSON")] = False,
     overrides: Overrides = None,
 ) -> None:
     """Solve the cycles of a design: reactions, efforts, drive and contacts, and their validity.
+
+    Of a measured run it tells what acts on each body, and whether that balances.
 
     Exit code 0: the loads are computed, also where a gate does not hold; 2: an input is wrong;
     3: the numerics gave up.

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ballesta.errors import DesignError
-from ballesta.names import no_such
+from ballesta.names import nearest
 from ballesta.overrides import Way, dotted
 
 
@@ -93,7 +93,8 @@ def read_text(file: Path, named: NamedFile | None = None) -> str:
         content = file.read_bytes()
     except FileNotFoundError:
         beside = sorted(other.name for other in file.parent.glob(f"*{file.suffix}"))
-        hint = f"; {no_such('file', file.name, beside)}" if named and beside else ""
+        guess = nearest(file.name, beside) if named else None
+        hint = f", did you mean {guess}?" if guess else ""
         raise error(f"there is no such file{hint}") from None
     except IsADirectoryError:
         kind = "file" if named else "design file"

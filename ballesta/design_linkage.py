@@ -31,7 +31,10 @@ def check_points(file: DesignFile, problems: Problems) -> None:
     for name in file.points:
         users = [body for body, entry in file.bodies.items() if name in entry.pins]
         if not users and name not in loaded:
-            problems.add(f"points.{name}", "no body has it and no force or joint uses it")
+            cure = "; remove it, or add it to a body's pins"
+            if name in file.ground:
+                cure = ", though it stands in ground" + cure
+            problems.add(f"points.{name}", f"no body has it and no force or joint uses it{cure}")
         elif (
             len(users) == 1
             and name not in {*file.ground, *loaded, *swept}

@@ -12,6 +12,7 @@ from reports.words import number
 _GAP = 1e-6  # mm
 _RESIDUAL = 1e-9  # of the largest force, or of the power turned over
 _RESIDUAL_WITH_FRICTION = 1e-6
+_SECOND_ORDER = 0.05  # share of the largest force
 _CONDITIONING = 0.02  # share of the motion that the solved force sees
 _FRICTION_SHARE = 0.3  # a coefficient is known to a third at best: the efforts then to 10 %
 _USED_TRAVEL = 0.98  # of a slot's length: closer than 1 % of it to an end, play lets it strike
@@ -27,6 +28,7 @@ def _cycle_gates(design: Design, name: str, cycle: loads.CycleLoads) -> list[Gat
         *_numerical(name, cycle),
         _dead_centre(design, name, cycle),
         *_friction(name, cycle),
+        *_deflected_shape(name, cycle),
         *_slot_ends(name, cycle),
         *_irregularity(design, name, cycle),
         *_drive_forces(design, name, cycle),
@@ -64,13 +66,28 @@ def _dead_centre(design: Design, name: str, cycle: loads.CycleLoads) -> Gate:
     shown, unit = shown_name(stated)
     at = float(shown_position(stated, cycle.positions)[worst])
     return Gate(
-        f"{name}: distance from a dead centre",
+        f"{name}: nearness to a dead centre",
         1.0 / float(cycle.conditioning[worst]),
         1.0 / _CONDITIONING,
-        f"reciprocal of the share of the motion that the solved force sees, worst at {shown} = "
-        f"{at:.4g} {unit}; beyond the limit the loads are those of rigid bodies next to a dead "
-        "centre and depend strongly on the geometry there",
+        "1 where the solved force sees the whole motion, growing without bound towards a dead "
+        f"centre, where it sees none of it; nearest at {shown} = {at:.4g} {unit}. Beyond the limit "
+        "the loads are those of rigid bodies next to a dead centre and depend strongly on the "
+        "geometry there",
     )
+
+
+def _deflected_shape(name: str, cycle: loads.CycleLoads) -> list[Gate]:
+    if not cycle.touches or not cycle.linkage.compliance:
+        return []
+    return [
+        Gate(
+            f"{name}: forces in the deflected shape",
+            cycle.second_order,
+            _SECOND_ORDER,
+            "how much drive and joint forces change when they are solved again in the shape that "
+            "they bend the linkage to; beyond the limit it is too soft for small deflections",
+        )
+    ]
 
 
 def _friction(name: str, cycle: loads.CycleLoads) -> list[Gate]:

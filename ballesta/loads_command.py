@@ -1,4 +1,4 @@
-"""The loads of a design without any check of its parts: `ballesta loads`."""
+"""The loads of a design, solved or measured, without any check of its parts: `ballesta loads`."""
 
 import json
 import sys
@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import loads
+from ballesta.balance import balance_gates, measured_loads, not_measured
 from ballesta.check import part_masses, solve_cycles
 from ballesta.design import read_design
 from ballesta.design_data import Design
@@ -15,7 +16,7 @@ from ballesta.gates import load_gates
 from ballesta.levels import Models
 from ballesta.names import no_such
 from ballesta.run import Say, guarded
-from ballesta.shown_loads import shown_cycle
+from ballesta.shown_loads import shown_cycle, shown_run
 from ballesta.warnings_of import load_warnings
 from geometry.mesh import MeshError
 from reports.files import plain, replacing
@@ -33,11 +34,12 @@ ABSENT = (
     "vibration; bodies are rigid but for a stated elasticity in front of a contact",
     "forces out of the plane",
 )
+ABSENT_MEASURED = ("what the measurement did not see", "forces out of the plane")
 
 
 @dataclass(frozen=True)
 class Wanted:
-    """What a user asks of `ballesta loads`; csv is a file or "-", cycles none for all."""
+    """What a user asks of `ballesta loads`; csv is a file or "-", no cycles (or runs) for all."""
 
     csv: str | None = None
     plot: bool = False
@@ -53,17 +55,20 @@ def loads_of_file(
     *,
     say: Say = lambda _: None,
 ) -> LoadsResult:
-    """Read a design and solve its cycles, or those that are named.
+    """Read a design, solve its cycles and balance its measured runs, or those that are named.
 
-    Raises DesignError for a file that cannot be solved as written, NumericsError where a mesh,
-    needed for the mass of a part, cannot be made.
+    Raises DesignError for a file that cannot be solved as written or loads that do not balance,
+    NumericsError where a mesh, needed for the mass of a part, cannot be made.
     """
     design = _with_cycles(read_design(path, overrides), cycles)
     try:
-        solve_cycles(design, {})  # what cannot move is told before anything is meshed
+        # what cannot move or does not balance is told before anything is meshed
+        solve_cycles(design, {})
+        measured_loads(design, {})
         masses = _masses(design, say)
         solved = solve_cycles(design, masses)
-        gates = load_gates(design, solved)
+        measured = measured_loads(design, masses)
+        gates = [*load_gates(design, solved), *balance_gates(design, measured)]
         warnings = load_warnings(design, masses, solved)
     except loads.LinkageError as error:
         raise DesignError(design.file, "linkage", str(error)) from error
@@ -75,7 +80,8 @@ def loads_of_file(
         cycles=[shown_cycle(design, cycle) for cycle in solved.values()],
         gates=gates,
         warnings=warnings,
-        absent=ABSENT,
+        runs=[shown_run(design, run) for run in measured.values()],
+        absent=(*(ABSENT if solved else ABSENT_MEASURED), *not_measured(design)),
         assumed=[pair for pair in design.assumed if not pair[0].startswith("parts.")],
         command=" ".join(
             [
@@ -110,7 +116,7 @@ def run_loads(path: Path, wanted: Wanted, overrides: Sequence[str] = ()) -> int:
         elif wanted.csv == "-":
             for gate in result.broken:
                 say(f"{gate_word(gate)}: {gate_sentence(gate)}")
-            print(loads_csv(result.cycles), end="")
+            print(loads_csv(result.cycles, result.runs), end="")
         else:
             print(loads_text(result, None, written), end="")
 
@@ -124,7 +130,9 @@ def _write(result: LoadsResult, wanted: Wanted) -> list[Path]:
         if wanted.csv not in (None, "-"):
             table = Path(str(wanted.csv))
             with replacing(table) as temporary:
-                temporary.write_text(loads_csv(result.cycles), encoding="utf-8", newline="\n")
+                temporary.write_text(
+                    loads_csv(result.cycles, result.runs), encoding="utf-8", newline="\n"
+                )
             written.append(table)
         option = "--out"
         if wanted.plot:
@@ -140,25 +148,31 @@ def _write(result: LoadsResult, wanted: Wanted) -> list[Path]:
 
 
 def _with_cycles(design: Design, names: Sequence[str]) -> Design:
-    """Return the design with the named cycles only, or all of them."""
+    """Return the design with the named cycles and measured runs only, or all of them."""
+    known = (*design.cycles, *design.measured)
     for name in names:
-        if name not in design.cycles:
-            raise DesignError(design.file, "cycles", no_such("cycle", name, design.cycles))
-    if not design.cycles:
+        if name not in known:
+            raise DesignError(design.file, "cycles", no_such("cycle", name, known))
+    if not known:
         raise DesignError(design.file, "cycles", "the design has no cycle to solve")
     if not names:
         return design
     return replace(
-        design, cycles={name: cycle for name, cycle in design.cycles.items() if name in names}
+        design,
+        cycles={name: cycle for name, cycle in design.cycles.items() if name in names},
+        measured={name: run for name, run in design.measured.items() if name in names},
     )
 
 
 def _masses(design: Design, say: Say) -> Masses:
     """Mass properties of the bodies that take them from their parts; meshes only for those."""
+    seen = {name for run in design.measured.values() for name in run.loads.bodies}
     needed = [
         body.name
         for body in design.bodies.values()
-        if body.part is not None and None in (body.mass, body.inertia, body.centre)
+        if (design.cycles or body.name in seen)
+        and body.part is not None
+        and None in (body.mass, body.inertia, body.centre)
     ]
     if not needed:
         return {}

@@ -5,10 +5,11 @@ from itertools import pairwise
 import numpy as np
 
 import loads
-from ballesta.design_data import Cycle, Design
+from ballesta.design_data import ContactLaw, Cycle, Design, Law, TableLaw
 from ballesta.machine import cycle_of
-from ballesta.part_loads import shown_name, shown_position
-from reports.loads_figures import ShownPhase
+from ballesta.part_loads import shown_name, shown_of, shown_position
+from reports.loads_figures import ContactStated, ShownPhase
+from reports.loads_runs import ShownRun
 from reports.loads_summary import ShownCycle
 from reports.words import number
 
@@ -31,7 +32,36 @@ def shown_cycle(design: Design, cycle: loads.CycleLoads) -> ShownCycle:
             force.name: force.limits for force in design.forces.values() if force.limits is not None
         },
         allowed_irregularity=design.irregularity,
+        stated=_contacts(stated),
     )
+
+
+def shown_run(design: Design, run: loads.MeasuredLoads) -> ShownRun:
+    """Return a measured run of a design as people see it."""
+    name, unit, shown = shown_of(design, run.name, run)
+    return ShownRun(
+        loads=run,
+        file=design.measured[run.name].file,
+        shown_name=name,
+        unit=unit,
+        shown=shown,
+        duty=design.duty.cycles.get(run.name, 0.0),
+    )
+
+
+def _contacts(stated: Cycle) -> dict[str, ContactStated]:
+    """The contacts as the design has them; a force may have another one in another phase."""
+    laws: dict[str, list[ContactLaw]] = {}
+    for phase in stated.phases:
+        for force, law in phase.given.items():
+            if isinstance(law, ContactLaw):
+                laws.setdefault(force, []).append(law)
+    return {
+        force: ContactStated(
+            str(found[0].coordinate), tuple(dict.fromkeys(law.at for law in found))
+        )
+        for force, found in laws.items()
+    }
 
 
 def _phases(design: Design, cycle: loads.CycleLoads, stated: Cycle) -> tuple[ShownPhase, ...]:
@@ -45,26 +75,22 @@ def _phases(design: Design, cycle: loads.CycleLoads, stated: Cycle) -> tuple[Sho
             phase.solve,
             tuple(_law(cycle.linkage, name, law) for name, law in phase.given.items()),
         )
-        for phase, (start, stop) in zip(run.phases, pairwise(ends), strict=True)
+        for phase, (start, stop) in zip(stated.phases, pairwise(ends), strict=True)
     )
 
 
-def _law(linkage: loads.Linkage, name: str, law: loads.Law) -> str:
+def _law(linkage: loads.Linkage, name: str, law: Law) -> str:
     """A given force in words."""
     angular = linkage.force(name).coordinate.angular
     per_1e3, unit = (1e-3, "N m") if angular else (1.0, "N")
-    if isinstance(law, loads.Table):
+    if isinstance(law, TableLaw):
         low, high = min(law.forces) * per_1e3, max(law.forces) * per_1e3
         return (
-            f"{name} {number(low, 4)} ... {number(high, 4)} {unit} in a table over "
-            f"{law.coordinate.label}"
+            f"{name} {number(low, 4)} ... {number(high, 4)} {unit} in a table over {law.coordinate}"
         )
-    if isinstance(law, loads.Contact):
-        length = "rad" if angular else "mm"
-        stiffness = (
-            "rigid" if law.stiffness is None else f"{number(law.stiffness, 4)} {unit}/{length}"
-        )
-        return f"{name} touches at {law.at:.{_FINE}g} {length} ({stiffness})"
+    if isinstance(law, ContactLaw):
+        stiffness = "rigid" if law.stiffness is None else f"{number(law.stiffness, 4)} N/mm"
+        return f"{name} touches at {law.coordinate} = {law.at:.{_FINE}g} mm ({stiffness})"
     return f"{name} {law * per_1e3:.6g} {unit}"
 
 

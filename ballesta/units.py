@@ -169,7 +169,8 @@ def measure_pair(value: object, dimension: str) -> Pair:
     must_be = f"must be {what}, got {_shown(value)}".replace("'", '"')
     parts = value.split(",") if isinstance(value, str) else []
     if len(parts) != 2:
-        raise ValueError(must_be)
+        hint = "; decimals are written with a point" if len(parts) > 2 else ""
+        raise ValueError(must_be + hint)
     if not dimension:
         numbers = [_QUANTITY.fullmatch(part) for part in parts]
         if any(number is None or number[2] for number in numbers):
@@ -192,7 +193,8 @@ def measure_pair(value: object, dimension: str) -> Pair:
 class Quantity:
     """Marks a number of a pydantic model as a quantity of one of the dimensions, within bounds.
 
-    The bounds are in ballesta's units and are shown with them.
+    The bounds are in ballesta's units and are shown with them. `if_negative` is said, too, of a
+    number below 0 where that is out of bounds.
     """
 
     dimensions: tuple[str, ...]
@@ -201,6 +203,7 @@ class Quantity:
     below: float | None = None
     at_most: float | None = None
     keep_dimension: bool = False
+    if_negative: str = ""
 
     def read(self, value: object) -> float | Measured:
         """Return the number in ballesta's units, or raise ValueError."""
@@ -214,7 +217,8 @@ class Quantity:
         ):
             if bound is not None and breaks(number, bound):
                 limit = _limit(bound, measured.dimension)
-                raise ValueError(f"must be {word} {limit}, got {_shown(value)}")
+                hint = f"; {self.if_negative}" if self.if_negative and number < 0.0 else ""
+                raise ValueError(f"must be {word} {limit}, got {_shown(value)}{hint}")
         return measured if self.keep_dimension else measured.value
 
     def __get_pydantic_core_schema__(
@@ -295,7 +299,13 @@ Rate = Annotated[float, Quantity(("rate",), above=0.0)]
 Fraction = Annotated[float, Quantity(("fraction",), above=0.0, below=1.0)]
 LengthOrAngle = Annotated[Measured, Quantity(("length", "angle"), keep_dimension=True)]
 SweepSpeed = Annotated[
-    Measured, Quantity(("speed", "angular speed"), above=0.0, keep_dimension=True)
+    Measured,
+    Quantity(
+        ("speed", "angular speed"),
+        above=0.0,
+        keep_dimension=True,
+        if_negative="the direction comes from `to` of each phase",
+    ),
 ]
 SweepAcceleration = Annotated[
     Measured, Quantity(("acceleration", "angular acceleration"), keep_dimension=True)

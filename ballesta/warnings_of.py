@@ -6,6 +6,7 @@ import numpy as np
 
 import loads
 from ballesta.design_data import Design, Part
+from ballesta.machine import linkage_of
 from ballesta.part_loads import is_loaded
 from ballesta.shown_loads import shown_cycle
 from ballesta.stops import dead_centre_warnings, stop_warnings
@@ -13,6 +14,7 @@ from geometry.parts import Pin, PrismaticTube, ToggleBar
 from reports.verdict import PartResult
 from reports.words import quantity_unit
 
+_STATED = 1e-3  # mm, how exactly points are usually stated
 _RESERVE = 0.10  # of a drive's available force; less is worth a warning
 
 
@@ -41,9 +43,27 @@ def load_warnings(
 ) -> list[str]:
     """What the loads alone call for beyond their gates: small reserves, assumed stops."""
     return [
+        *_assembly_gap(design, masses),
         *_drives(design, solved),
+        *_open_cycles(design, solved),
         *stop_warnings(design, masses, solved),
         *dead_centre_warnings(design, solved),
+    ]
+
+
+def _assembly_gap(
+    design: Design, masses: Mapping[str, tuple[float, tuple[float, float], float]]
+) -> list[str]:
+    """Say where the stated points do not meet; the linkage is closed by moving its bodies."""
+    if not design.bodies or not design.cycles:
+        return []
+    linkage = linkage_of(design, masses)
+    joint, gap = loads.assembly_gap(linkage)
+    if gap <= _STATED:
+        return []
+    return [
+        f"the stated points leave joint {joint} open by {gap:.3g} mm; the bodies were moved and "
+        "turned until it closed"
     ]
 
 
@@ -88,6 +108,16 @@ def _drives(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list[str]
                 f"{direction.needed * factor:.4g} {unit} needed: {100 * reserve:.1f} % reserve"
             )
     return warnings
+
+
+def _open_cycles(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list[str]:
+    """Cycles of the duty that cannot follow one another as they are stated."""
+    return [
+        f"{name}: stands in the duty but is not closed: it ends in another pose than it starts "
+        "from; the way back is in no load, nor in fatigue, unless another cycle has it"
+        for name, cycle in solved.items()
+        if name in design.duty.cycles and not shown_cycle(design, cycle).closed
+    ]
 
 
 def _assembly(

@@ -11,10 +11,12 @@ cycle, phase, time [s], coordinate, position [mm] (or [deg]: as the reports show
 <joint>.M [N mm]                                    guides and welds
 <joint>.friction_couple [N mm], .friction_force [N] pins; guides and slots that have friction
 <body>@<point>.Fx [N], .Fy [N], .M [N mm]           everything that acts on the body at the point
+<body>.M [N mm]                                     torques on the body that enter at no point
 <force>.effort [N] (or [N mm])                      given and solved
 
-A cell is empty where its cycle has no such quantity. Axes are those of the ground; angles and
-moments count counter-clockwise.
+A measured run has the columns of its bodies and points that it can have; its phase is "run". A cell
+is empty where its cycle has no such quantity, or a run no time. Axes are those of the ground;
+angles and moments count counter-clockwise.
 """
 
 import csv
@@ -23,34 +25,44 @@ from io import StringIO
 
 import numpy as np
 
-from loads import CycleLoads, Fixed, Prismatic, Revolute, Slot
-from reports.loads_summary import FloatArray, ShownCycle
+from loads import CycleLoads, Fixed, MeasuredLoads, Prismatic, Revolute, Slot
+from reports.loads_figures import FloatArray
+from reports.loads_runs import ShownRun
+from reports.loads_summary import ShownCycle
 
 _POSE = ("x [mm]", "y [mm]", "angle [rad]")
 _VELOCITY = ("vx [mm/s]", "vy [mm/s]", "omega [rad/s]")
 _ACCELERATION = ("ax [mm/s2]", "ay [mm/s2]", "alpha [rad/s2]")
 
 
-def loads_csv(cycles: Sequence[ShownCycle]) -> str:
-    """The history of cycles of one linkage as comma-separated text."""
-    units = list(dict.fromkeys(cycle.unit for cycle in cycles))
+def loads_csv(cycles: Sequence[ShownCycle], runs: Sequence[ShownRun] = ()) -> str:
+    """The history of cycles of one linkage, then of measured runs, as comma-separated text."""
+    every: list[ShownCycle | ShownRun] = [*cycles, *runs]
+    units = list(dict.fromkeys(shown.unit for shown in every))
     histories = [dict(_columns(cycle.loads)) for cycle in cycles]
+    histories += [dict(_run_columns(run.loads)) for run in runs]
     columns = list(dict.fromkeys(name for history in histories for name in history))
     out = StringIO()
     writer = csv.writer(out, lineterminator="\n")
     heading = ["cycle", "phase", "time [s]", "coordinate", f"position [{' or '.join(units)}]"]
     writer.writerow([*heading, *columns])
-    for cycle, history in zip(cycles, histories, strict=True):
+    for shown, history in zip(every, histories, strict=True):
         # a joint may have friction in one cycle and none in another
-        none = [""] * len(cycle.shown)
-        numbers = [
-            list(map(repr, history[name].tolist())) if name in history else none for name in columns
-        ]
-        for index, row in enumerate(zip(*numbers, strict=True)):
-            time, position = float(cycle.loads.times[index]), float(cycle.shown[index])
-            place = [cycle.name, cycle.phase_at(index), repr(time), cycle.shown_name]
-            writer.writerow([*place, repr(position), *row])
+        none = [""] * len(shown.shown)
+        numbers = [_written(history[name]) if name in history else none for name in columns]
+        stamps = shown.loads.times
+        times = none if stamps is None else _written(stamps)
+        phases = [shown.loads.phases[k] for k in shown.loads.phase_of]
+        for phase, time, position, *row in zip(
+            phases, times, _written(shown.shown), *numbers, strict=True
+        ):
+            writer.writerow([shown.name, phase, time, shown.shown_name, position, *row])
     return out.getvalue()
+
+
+def _written(values: FloatArray) -> list[str]:
+    """Numbers with every digit."""
+    return list(map(repr, values.tolist()))
 
 
 def _columns(cycle: CycleLoads) -> Iterator[tuple[str, FloatArray]]:
@@ -85,6 +97,21 @@ def _columns(cycle: CycleLoads) -> Iterator[tuple[str, FloatArray]]:
         yield f"{force.name}.effort [{unit}]", cycle.efforts[force.name]
 
 
+def _run_columns(run: MeasuredLoads) -> Iterator[tuple[str, FloatArray]]:
+    """Heading and values (n,) of what a run says of its bodies."""
+    for name, body in run.bodies.items():
+        yield f"{name}.angle [rad]", body.angle
+        yield f"{name}.omega [rad/s]", body.angular_velocity
+        yield f"{name}.alpha [rad/s2]", body.angular_acceleration
+        acceleration = body.pull((0.0, 0.0))
+        yield f"{name}.centre.ax [mm/s2]", acceleration[:, 0]
+        yield f"{name}.centre.ay [mm/s2]", acceleration[:, 1]
+        for load in run.body_loads(name):
+            yield f"{name}@{load.point}.Fx [N]", load.force[:, 0]
+            yield f"{name}@{load.point}.Fy [N]", load.force[:, 1]
+            yield f"{name}@{load.point}.M [N mm]", load.moment
+
+
 def _on_points(cycle: CycleLoads, body: str) -> Iterator[tuple[str, FloatArray]]:
     """Force and moment on a body, summed at each of its points; a couple alone is at no point."""
     n = len(cycle.times)
@@ -94,7 +121,8 @@ def _on_points(cycle: CycleLoads, body: str) -> Iterator[tuple[str, FloatArray]]
         total[:, :2] += load.force
         total[:, 2] += load.moment
     for point, total in sums.items():
-        owner = f"{body}@{point}" if point else f"{body}@nowhere"
+        alone = f"{body}@" if body in {joint.name for joint in cycle.linkage.joints} else body
+        owner = f"{body}@{point}" if point else alone
         if point:
             yield f"{owner}.Fx [N]", total[:, 0]
             yield f"{owner}.Fy [N]", total[:, 1]

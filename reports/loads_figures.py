@@ -1,15 +1,20 @@
-"""What is told of one cycle's loads: extremes, drives and contacts, as plain data."""
+"""What is told of the loads of a cycle or run: extremes, drives, contacts, as plain data."""
 
 from dataclasses import dataclass
 from math import isfinite
 from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Extremes:
     """Least and largest value of one quantity over a cycle, and where.
 
-    low, high, mean  N or N mm (`angular`); the mean is over time
+    low, high, mean  N or N mm (`angular`); the mean is over time, not a number without times
     low_at, high_at  shown position; low_phase, high_phase the phase
     """
 
@@ -45,6 +50,19 @@ class JointSummary:
 
 
 @dataclass(frozen=True)
+class PointSummary:
+    """What was measured to act on a body at one of its points."""
+
+    body: str
+    point: str
+    extremes: tuple[Extremes, ...]
+
+    def largest(self, angular: bool) -> float:
+        """The largest force, or moment, of all rows, which sets the unit of them all."""
+        return max((row.largest for row in self.extremes if row.angular == angular), default=0.0)
+
+
+@dataclass(frozen=True)
 class Direction:
     """The largest effort of a drive in one direction, and what is available there [N, N mm]."""
 
@@ -59,17 +77,22 @@ class Direction:
 class DriveSummary:
     """One force as a drive; its power in N mm/s, and of a closed crank cycle its unevenness.
 
-    reduced_inertia, flywheel  t mm2; ripple N mm; None unless the cycle is closed and turns
-    irregularity               (fastest - slowest) / mean speed; infinite without any mass
-    allowed                    the irregularity that the flywheel, inertia in all, is for
+    closed         whether the cycle ends in the pose that it starts from
+    impact_energy  N mm a cycle, of what meets its contacts at a speed: not in the powers
+    reduced_inertia, flywheel  t mm2; ripple N mm; None unless the cycle is closed and runs at a
+                   constant speed of this drive
+    irregularity   (fastest - slowest) / mean speed; None, as flywheel, also without any mass
+    allowed        the irregularity that the flywheel, inertia in all, is for
     """
 
     name: str
     angular: bool
     directions: tuple[Direction, ...]
+    closed: bool
     mean_power: float
     peak_power: float
     work: float
+    impact_energy: float
     reduced_inertia: float | None
     ripple: float | None
     irregularity: float | None
@@ -78,16 +101,62 @@ class DriveSummary:
 
 
 @dataclass(frozen=True)
+class ContactStated:
+    """A contact as the design has it: from where on along the coordinate that was written there.
+
+    at  mm, one for each place that it has in the cycle
+    """
+
+    coordinate: str
+    at: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class ContactSpan:
+    """A stretch of the cycle in which a contact pushes without a break.
+
+    start, stop     shown position; start_phase, stop_phase the phase there
+    approach_speed  mm/s or rad/s at which it is met; None where the cycle begins in touch, or the
+                    contact appears with a phase
+    energy          N mm, kinetic, then of the pushed body and what is welded to it
+    """
+
+    start: float
+    start_phase: str
+    stop: float
+    stop_phase: str
+    approach_speed: float | None
+    energy: float | None
+
+
+@dataclass(frozen=True)
 class ContactSummary:
-    """Where a force touches; position as shown, N, mm (or N mm, rad), N mm of energy."""
+    """Where a force touches, how hard and how fast; N, mm (or N mm, rad), N mm of energy.
+
+    body           what is pushed
+    always         whether it touches at every position
+    start_depth    how far it is already pressed at the start of the cycle, or None
+    nearest        how near it comes where it never touches, None if it does
+    largest        the largest force, and the shown position and phase where it acts
+    approach_speed, energy  the largest speed at which it is met, the energy of all times it is
+    deflection     the largest by which the linkage gives way
+    least_held, most_held  share of its acceleration along the force that the body loses in touch
+    """
 
     name: str
+    body: str
     angular: bool
-    first_at: float | None
-    last_at: float | None
-    phase: str
+    stated: ContactStated | None
+    spans: tuple[ContactSpan, ...]
+    always: bool
+    start_depth: float | None
+    nearest: float | None
     largest: float
+    largest_at: float
+    largest_phase: str
     deflection: float
+    least_held: float
+    most_held: float
     approach_speed: float
     energy: float
 

@@ -14,13 +14,13 @@ from markupsafe import Markup
 from reports.charts import curves_chart
 from reports.files import plain, replacing
 from reports.loads_figures import Extremes
+from reports.loads_runs import ShownRun
 from reports.loads_summary import LoadsResult, ShownCycle
-from reports.loads_text import (
-    SIGNS,
+from reports.loads_words import (
+    broken_by_kind,
     contact_sentence,
-    direction_sentence,
-    flywheel_sentence,
-    power_sentence,
+    drive_sentences,
+    header_sentences,
 )
 from reports.mechanism import arrow_scale, mechanism_data, mechanism_svg
 from reports.page import environment
@@ -40,8 +40,10 @@ def loads_html(result: LoadsResult) -> str:
     script = _script()
     text: str = _template().render(
         result=result,
-        signs=SIGNS,
+        said=header_sentences(result),
+        broken=broken_by_kind(result.gates),
         cycles=[_cycle(cycle, f"c{number_of}") for number_of, cycle in enumerate(result.cycles)],
+        runs=[{"run": run, "chart": Markup(_run_chart(run))} for run in result.runs],
         light=Markup(colour_variables(dark=False)),
         dark=Markup(colour_variables(dark=True)),
         script=Markup(script),
@@ -61,9 +63,7 @@ def _cycle(cycle: ShownCycle, prefix: str) -> dict[str, Any]:
         "scale": arrow_scale(cycle),
         "chart": Markup(_chart(cycle)),
         "drives": [
-            (drive.name, [direction_sentence(d, drive.angular, cycle) for d in drive.directions]
-             + [text for text in (power_sentence(drive), flywheel_sentence(drive)) if text])
-            for drive in cycle.drives
+            (drive.name, drive_sentences(drive, cycle)) for drive in cycle.drives
         ],
         "contacts": [contact_sentence(contact, cycle) for contact in cycle.contacts],
         "joints": cycle.joints,
@@ -98,6 +98,32 @@ def _chart(cycle: ShownCycle) -> str:
             panels.append((title, f"{quantity} [{unit}]", scaled))
     axis = f"{brief(cycle.shown_name, 20)} [{cycle.unit}]"
     return curves_chart(f"Loads {brief(cycle.name, 40)}", cycle.shown, phases, panels, axis)
+
+
+def _run_chart(run: ShownRun) -> str:
+    """Forces and moments that were measured, over the shown position."""
+    acting = [(body, load) for body in run.loads.bodies for load in run.loads.body_loads(body)]
+    panels = []
+    for title, quantity, angular, curves in (
+        (
+            "Forces on the bodies", "resultant", False,
+            {f"{body} at {load.point}": np.hypot(*load.force.T) for body, load in acting},
+        ),
+        (
+            "Moments on the bodies", "moment", True,
+            {f"{body} at {load.point}": load.moment for body, load in acting},
+        ),
+    ):  # fmt: skip
+        curves = {name: values for name, values in curves.items() if np.any(values)}
+        if curves:
+            unit, factor = quantity_unit(angular, max(np.abs(c).max() for c in curves.values()))
+            scaled = {name: np.asarray(values * factor) for name, values in curves.items()}
+            panels.append((title, f"{quantity} [{unit}]", scaled))
+    if not panels:
+        return ""
+    phases = [run.loads.phases[k] for k in run.loads.phase_of]
+    axis = f"{brief(run.shown_name, 20)} [{run.unit}]"
+    return curves_chart(f"Loads {brief(run.name, 40)}", run.shown, phases, panels, axis)
 
 
 def extremes_cells(extremes: Extremes, largest: float) -> list[str]:

@@ -4,12 +4,10 @@ Everything is computed from `loads.CycleLoads` once, for the terminal, the page 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from math import inf
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from loads import (
     Angle,
@@ -22,18 +20,20 @@ from loads import (
     Revolute,
     Slot,
 )
+from reports.loads_contacts import contact_summaries
 from reports.loads_figures import (
+    ContactStated,
     ContactSummary,
     Direction,
     DriveSummary,
     Extremes,
+    FloatArray,
     JointSummary,
     ShownPhase,
     plain_fields,
 )
+from reports.loads_runs import ShownRun
 from reports.verdict import Gate
-
-FloatArray = npt.NDArray[np.float64]
 
 _ROUNDING = 1e-9  # of the largest value of its kind: less is rounding, and shown as 0
 _NO_WORK = 1e-5  # of the peak power all the time: less is what the trapezoidal rule leaves of 0
@@ -48,6 +48,7 @@ class ShownCycle:
     duty       how often it runs in the life; 0 for a cycle in no duty
     available  force -> what its drive can give with a positive and a negative sign [N, N mm]
     allowed_irregularity  of the speed, above which constant speed does not count
+    stated     the contacts as the design has them, by the name of their force
     """
 
     loads: CycleLoads
@@ -59,6 +60,7 @@ class ShownCycle:
     phases: tuple[ShownPhase, ...]
     available: Mapping[str, tuple[float, float]]
     allowed_irregularity: float
+    stated: Mapping[str, ContactStated] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -74,6 +76,7 @@ class ShownCycle:
         """Least, largest and mean of values (n,); what is rounding beside `scale` becomes 0."""
         tidy = np.where(np.abs(values) <= _ROUNDING * scale, 0.0, values)
         low, high = int(tidy.argmin()), int(tidy.argmax())
+        mean = float(np.trapezoid(tidy, self.loads.times) / self.duration)
         return Extremes(
             quantity,
             angular,
@@ -83,7 +86,7 @@ class ShownCycle:
             float(tidy[high]),
             float(self.shown[high]),
             self.phase_at(high),
-            float(np.trapezoid(tidy, self.loads.times) / self.duration),
+            mean if abs(mean) > _ROUNDING * scale else 0.0,
         )
 
     def phase_at(self, index: int) -> str:
@@ -169,22 +172,23 @@ class ShownCycle:
 
     def _drive(self, name: str) -> DriveSummary:
         figures = self.loads.drive(name)
-        allowed, ripple = self.allowed_irregularity, figures.energy_ripple
+        allowed = self.allowed_irregularity
         works = abs(figures.work) > _NO_WORK * figures.peak_power * self.duration
-        irregularity = None
-        if ripple is not None:  # without any mass, nothing evens the speed out
-            irregularity = figures.irregularity if figures.mean_reduced_mass > 0.0 else inf
+        ripple = figures.energy_ripple
+        heavy = ripple is not None and figures.mean_reduced_mass > 0.0
         return DriveSummary(
             name=name,
             angular=figures.angular,
             directions=self.directions(name),
+            closed=figures.closed,
             mean_power=figures.mean_power if works else 0.0,
             peak_power=figures.peak_power,
             work=figures.work if works else 0.0,
+            impact_energy=sum(contact.energy for contact in self.contacts),
             reduced_inertia=None if ripple is None else figures.mean_reduced_mass,
             ripple=ripple,
-            irregularity=irregularity,
-            flywheel=figures.reduced_mass_for(allowed),
+            irregularity=figures.irregularity if heavy else None,
+            flywheel=figures.reduced_mass_for(allowed) if heavy else None,
             allowed=allowed,
         )
 
@@ -217,24 +221,12 @@ class ShownCycle:
     @property
     def contacts(self) -> list[ContactSummary]:
         """Every contact: where it touches, how hard, and how fast it is met."""
-        result = []
-        for name, contact in self.loads.contacts.items():
-            effort = np.abs(self.loads.efforts[name])
-            touching = np.flatnonzero(contact.touching)
-            result.append(
-                ContactSummary(
-                    name=name,
-                    angular=self.loads.linkage.force(name).coordinate.angular,
-                    first_at=float(self.shown[touching[0]]) if len(touching) else None,
-                    last_at=float(self.shown[touching[-1]]) if len(touching) else None,
-                    phase=self.phase_at(int(touching[0])) if len(touching) else "",
-                    largest=float(effort.max()),
-                    deflection=float(np.abs(contact.deflection).max()),
-                    approach_speed=contact.approach_speed,
-                    energy=contact.energy,
-                )
-            )
-        return result
+        return contact_summaries(self.loads, self.shown, self.stated)
+
+    @property
+    def closed(self) -> bool:
+        """Whether the cycle ends in the pose that it starts from."""
+        return self.loads.drive(self.loads.linkage.forces[0].name).closed
 
     def to_dict(self) -> dict[str, Any]:
         """The cycle as plain data: N, N mm, mm, s; without the history, which is the CSV's."""
@@ -259,9 +251,10 @@ class ShownCycle:
 
 @dataclass(frozen=True, eq=False)
 class LoadsResult:
-    """The loads of a design: its cycles, the gates they pass or not, and what a reader must know.
+    """The loads of a design: its cycles and runs, the gates they pass, what a reader must know.
 
     absent  what these loads leave out, in words
+    runs    the measured ones
     """
 
     name: str
@@ -274,6 +267,12 @@ class LoadsResult:
     absent: Sequence[str]
     assumed: Sequence[tuple[str, str]]
     command: str
+    runs: Sequence[ShownRun] = ()
+
+    @property
+    def rubbing(self) -> bool:
+        """Whether any joint has friction in any cycle."""
+        return any(cycle.loads.linkage.friction for cycle in self.cycles)
 
     @property
     def broken(self) -> list[Gate]:
@@ -289,6 +288,7 @@ class LoadsResult:
             "sha256": self.sha256,
             "overrides": list(self.overrides),
             "cycles": [cycle.to_dict() for cycle in self.cycles],
+            "runs": [run.to_dict() for run in self.runs],
             "gates": [gate.to_dict() for gate in self.gates],
             "warnings": list(self.warnings),
             "absent": list(self.absent),

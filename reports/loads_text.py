@@ -6,16 +6,19 @@ from shutil import get_terminal_size
 
 from rich.cells import cell_len
 
-from reports.loads_figures import ContactSummary, Direction, DriveSummary, Extremes
+from reports.loads_figures import Extremes
+from reports.loads_runs import ShownRun
 from reports.loads_summary import LoadsResult, ShownCycle
+from reports.loads_words import (
+    broken_by_kind,
+    contact_sentence,
+    drive_sentences,
+    header_sentences,
+)
 from reports.terminal import labelled, wrap
 from reports.verdict import Gate
 from reports.words import brief, clean, gate_word, number, place_text, quantity_unit
 
-SIGNS = (
-    "Reactions are what a joint does to the body under “on”; the body under “by” gets the "
-    "opposite. Axes of the ground: x to the right, y up, moments counter-clockwise."
-)
 _LONGEST_NAME = 18
 
 
@@ -30,9 +33,12 @@ def loads_text(
     lines = labelled("", f"{brief(result.name, 60)} ({brief(result.file, 60)})", width)
     for override in result.overrides:
         lines += labelled("SET", brief(override, 200), width)
-    lines += labelled("", SIGNS, width)
+    for sentence in header_sentences(result):
+        lines += labelled("", sentence, width)
     for cycle in result.cycles:
         lines += ["", *_cycle(cycle, width)]
+    for run in result.runs:
+        lines += ["", *_run(run, width)]
     if result.gates:
         lines += ["", *_gates(result.gates, width)]
     if result.warnings:
@@ -91,15 +97,38 @@ def _cycle(cycle: ShownCycle, width: int) -> list[str]:
         ]
         for effort in cycle.efforts
     ]
-    headings = ["effort", "", "unit", "min", at, "max", at, "mean"]
+    headings = ["effort", "", "unit", "min", at, "max", at, "mean over time"]
     lines += ["", *table(headings, rows, {3, 4, 5, 6, 7}, width)]
     if cycle.drives or cycle.contacts:
         lines.append("")
     for drive in cycle.drives:
-        lines += labelled("drive", _drive(drive, cycle), width)
+        said = "; ".join(drive_sentences(drive, cycle))
+        lines += labelled("drive", f"{brief(drive.name, 30)}: {said}", width)
     for contact in cycle.contacts:
         lines += labelled("contact", contact_sentence(contact, cycle), width)
     return lines
+
+
+def _run(run: ShownRun, width: int) -> list[str]:
+    at = f"at [{run.unit}]"
+    duty = f"{number(run.duty)} times in its life" if run.duty else "in no duty"
+    time = "without times" if run.duration is None else f"{run.duration:.4g} s"
+    lines = labelled(
+        "",
+        f"RUN {brief(run.name, 40)}: measured in {brief(run.file, 60)}; {time}, {len(run.shown)} "
+        f"positions of {brief(run.shown_name, 30)} [{run.unit}] from {place_text(run.shown[0])} to "
+        f"{place_text(run.shown[-1])}, {duty}",
+        width,
+    )
+    rows = []
+    for point in run.points:
+        first = [brief(point.body, _LONGEST_NAME), brief(point.point, _LONGEST_NAME)]
+        for extremes in point.extremes:
+            cells = _extremes(extremes, False, point.largest(extremes.angular))
+            rows.append([*first, extremes.quantity, *cells])
+            first = ["", ""]
+    headings = ["on", "at", "", "unit", "min", at, "max", at]
+    return [*lines, *table(headings, rows, {4, 5, 6, 7}, width)]
 
 
 def _extremes(extremes: Extremes, several: bool, largest: float) -> list[str]:
@@ -115,72 +144,15 @@ def _extremes(extremes: Extremes, several: bool, largest: float) -> list[str]:
     return cells
 
 
-def direction_sentence(direction: Direction, angular: bool, cycle: ShownCycle) -> str:
-    """The largest effort of a drive in one direction against what is available."""
-    unit, factor = quantity_unit(angular, max(direction.needed, direction.available or 0.0))
-    said = (
-        f"{direction.words} up to {number(direction.needed * factor, 4)} {unit} at "
-        f"{brief(cycle.shown_name, 20)} = {place_text(direction.at)} {cycle.unit}"
-    )
-    if direction.available is None:
-        return said
-    share = direction.needed / direction.available
-    return f"{said} of {number(direction.available * factor, 4)} {unit} available ({share:.1%})"
-
-
-def power_sentence(drive: DriveSummary) -> str:
-    """Mean and peak power of a drive and its work."""
-    return (
-        f"mean power {number(drive.mean_power * 1e-3)} W, "
-        f"peak {number(drive.peak_power * 1e-3)} W, work {number(drive.work * 1e-3)} J a cycle"
-    )
-
-
-def flywheel_sentence(drive: DriveSummary) -> str:
-    """How unevenly a closed crank cycle would turn; "" where that does not apply."""
-    if drive.irregularity is None or drive.flywheel is None:
-        return ""
-    assert drive.reduced_inertia is not None
-    assert drive.ripple is not None
-    return (
-        f"reduced inertia {number(drive.reduced_inertia * 1e-3)} kg m2 in the mean; the torque's "
-        f"ripple of {number(drive.ripple * 1e-3)} J would make the speed irregular by "
-        f"{number(drive.irregularity)}; {number(drive.allowed)} needs "
-        f"{number(drive.flywheel * 1e-3)} kg m2 in all"
-    )
-
-
-def contact_sentence(contact: ContactSummary, cycle: ShownCycle) -> str:
-    """Where a contact touches, how hard and how fast."""
-    name, shown = brief(contact.name, 30), brief(cycle.shown_name, 20)
-    if contact.first_at is None or contact.last_at is None:
-        return f"{name}: does not touch in this cycle"
-    unit, factor = quantity_unit(contact.angular, contact.largest)
-    length, speed = ("rad", "rad/s") if contact.angular else ("mm", "mm/s")
-    return (
-        f"{name}: touches from {shown} = {place_text(contact.first_at)} to "
-        f"{place_text(contact.last_at)} {cycle.unit} (first in {brief(contact.phase, 20)}), up to "
-        f"{number(contact.largest * factor, 4)} {unit}, the linkage gives way by "
-        f"{number(contact.deflection)} {length}; met at {number(contact.approach_speed)} {speed} "
-        f"with {number(contact.energy * 1e-3)} J: the impact is not in these loads"
-    )
-
-
-def _drive(drive: DriveSummary, cycle: ShownCycle) -> str:
-    directions = [direction_sentence(d, drive.angular, cycle) for d in drive.directions]
-    sentences = [*directions, power_sentence(drive), flywheel_sentence(drive)]
-    return f"{brief(drive.name, 30)}: " + "; ".join(text for text in sentences if text)
-
-
 def _gates(gates: Sequence[Gate], width: int) -> list[str]:
-    broken = [gate for gate in gates if not gate.holds]
     rows = [
         [gate_word(gate), brief(gate.name, 60), number(gate.value), number(gate.limit)]
         for gate in gates
     ]
     lines = table(["gate", "", "value", "limit"], rows, {2, 3}, width)
-    for gate in broken:
-        lines += labelled(gate_word(gate), f"{brief(gate.name, 60)}: {gate.meaning}", width)
+    for broken in broken_by_kind(gates):
+        word = "BROKEN" if broken.binding else "DOES NOT HOLD"
+        lines += labelled(word, f"{brief(broken.sentence, 300)}. {broken.meaning}", width)
     return lines
 
 

@@ -12,12 +12,16 @@ from typing import Any
 import numpy as np
 
 from loads import GROUND, Angle, CycleLoads, Distance, Fixed, PointCoordinate, Prismatic, Revolute
-from reports.loads_summary import FloatArray, ShownCycle
+from reports.loads_figures import FloatArray
+from reports.loads_summary import ShownCycle
+from reports.mechanism_places import at_one_point, both_ends, entry, flipped, hull, same
 from reports.words import brief, number, quantity_unit
 
 _MOST_FRAMES = 240
 _ARROW = 0.2  # length of the longest arrow over the picture's size
 _TINTS = 7  # colours of series that the page has
+_BY_POINT = 2.4  # where a name stands beside its point, in shares (%) of the picture's size
+_BY_TORQUE = 5.6
 
 
 def mechanism_svg(cycle: ShownCycle, prefix: str) -> str:
@@ -64,6 +68,7 @@ def mechanism_data(cycle: ShownCycle, prefix: str) -> dict[str, Any]:
         "times": _rounded(loads.times[frames], 6),
         "readings": [_reading(cycle, int(frame)) for frame in frames],
         "duration": cycle.duration,
+        "lifts": [round(lift, 3) for lift in drawing.lifts],
         "tip": 1.4 * drawing.unit,
     }
 
@@ -107,7 +112,9 @@ class _Drawing:
         linkage = loads.linkage
         self.joints = linkage.joints
         # the joints' points of body b, where they are marked and their reactions drawn
-        self.places = [loads.point(joint.body_b, joint.point_b) for joint in self.joints]
+        self.marks = [(joint.body_b, joint.point_b) for joint in self.joints]
+        self.marks += self._loaded_points()
+        self.places = [loads.point(*mark) for mark in self.marks]
         self.assembled = {
             GROUND: (0.0, 0.0, 0.0),
             **{name: tuple(pose) for name, pose in linkage.assembled.items()},
@@ -128,20 +135,20 @@ class _Drawing:
         ends = [
             *(
                 np.concatenate([p, p + scale * f], axis=1)
-                for p, f in zip(self.places, forces, strict=True)
+                for p, f in zip(self.places, forces, strict=False)  # joints come first
             ),
             # a pushing force is drawn up to the point where it acts
             *(np.concatenate([p - scale * f, p], axis=1) for p, f in pushes),
         ]
-        self.arrow_ends = _flipped(np.stack(ends, axis=1))
+        self.arrow_ends = flipped(np.stack(ends, axis=1))
         tips = np.concatenate([*ends]).reshape(-1, 2)
         low = np.minimum(low - 0.08 * self.size, tips.min(axis=0)) - 0.04 * self.size
         high = np.maximum(high + 0.08 * self.size, tips.max(axis=0)) + 0.04 * self.size
         wide, tall = high - low
         self.box = (float(low[0]), float(-high[1]), float(wide), float(tall))
-        self.marked = _flipped(np.stack(self.places, axis=1))
+        self.marked = flipped(np.stack(self.places, axis=1))
         self.reaching = [f for f in linkage.forces if isinstance(f.coordinate, Distance)]
-        self.span_ends = _flipped(
+        self.span_ends = flipped(
             np.stack([self._ends(force.coordinate) for force in self.reaching], axis=1)
             if self.reaching
             else np.zeros((len(loads.times), 0, 4))
@@ -152,13 +159,30 @@ class _Drawing:
         )
         self.barrels = 0.75 * lengths.min(axis=0)
         self.turning = [f for f in linkage.forces if isinstance(f.coordinate, Angle)]
-        centres = [loads.point(*_entry(loads, force.coordinate)) for force in self.turning]
-        self.centres = _flipped(
+        centres = [loads.point(*entry(loads, force.coordinate)) for force in self.turning]
+        self.centres = flipped(
             np.stack(centres, axis=1) if centres else np.zeros((len(loads.times), 0, 2))
         )
         torques = [force.sign * loads.efforts[force.name] for force in self.turning]
         self.torques = np.stack(torques, axis=1) if torques else np.zeros((len(loads.times), 0))
         self.largest_torque = float(np.abs(self.torques).max(initial=0.0))
+
+    def _loaded_points(self) -> list[tuple[str, str]]:
+        """Body and point of forces that act where no joint is."""
+        known = {
+            (body, point)
+            for joint in self.joints
+            for body, point in ((joint.body_a, joint.point_a), (joint.body_b, joint.point_b))
+        }
+        found = []
+        for force in self.loads.linkage.forces:
+            coordinate = force.coordinate
+            if isinstance(coordinate, PointCoordinate):
+                found.append((coordinate.body, coordinate.point))
+            elif isinstance(coordinate, Distance):
+                found.append((coordinate.body_a, coordinate.point_a))
+                found.append((coordinate.body_b, coordinate.point_b))
+        return [mark for mark in dict.fromkeys(found) if mark not in known]
 
     def _ends(self, span: Any) -> FloatArray:
         assert isinstance(span, Distance)
@@ -183,7 +207,7 @@ class _Drawing:
         return ends[:, 2:], effort * along / np.hypot(*along.T)[:, None]
 
     def _lines(self) -> list[int]:
-        return [k for k, joint in enumerate(self.joints) if not _at_one_point(joint)]
+        return [k for k, joint in enumerate(self.joints) if not at_one_point(joint)]
 
     def _line(self, k: int) -> FloatArray:
         """The stretch of its line that a slot or guide uses, in the frame of body a (2, 2)."""
@@ -203,12 +227,12 @@ class _Drawing:
         return x0 + c * x - s * y, -(y0 + s * x + c * y)
 
     def paths(self) -> Iterator[str]:
-        """The ways of the joints' points."""
-        for joint, place in zip(self.joints, self.places, strict=True):
+        """The ways of the points."""
+        for (_, name), place in zip(self.marks, self.places, strict=True):
             if np.ptp(place, axis=0).max() < 1e-6 * self.size:
                 continue
             points = " ".join(f"{x:.5g},{-y:.5g}" for x, y in place[:: max(1, len(place) // 180)])
-            yield f'<polyline class="way" points="{points}"><title>way of {escape(brief(joint.point_b, 30))}</title></polyline>'  # noqa: E501
+            yield f'<polyline class="way" points="{points}"><title>way of {escape(brief(name, 30))}</title></polyline>'  # noqa: E501
 
     def ground(self) -> Iterator[str]:
         """Pivots on the ground, and the guides and slots that it has."""
@@ -266,7 +290,7 @@ class _Drawing:
             # a body reaches at least as far as the lines that it has
             lines = [self._line(k) for k in self._lines() if self.joints[k].body_a == body.name]
             places = [np.array(list(body.points.values()), dtype=float).reshape(-1, 2), *lines]
-            outline = _hull(np.concatenate(places) * [1.0, -1.0])
+            outline = hull(np.concatenate(places) * [1.0, -1.0])
             if len(outline) > 1:
                 shape = "M" + "L".join(f"{px:.5g} {py:.5g}" for px, py in outline)
                 yield f'<path class="link" d="{shape}{"z" if len(outline) > 2 else ""}"/>'
@@ -309,20 +333,24 @@ class _Drawing:
             )
 
     def pins(self, prefix: str) -> Iterator[str]:
-        """The joints' points: circles for pins, squares for welds."""
-        for index, joint in enumerate(self.joints):
-            x, y = self._point(joint.body_b, joint.point_b)
+        """The joints' points and those of forces: circles for pins, squares for welds."""
+        for index, (body, point) in enumerate(self.marks):
+            x, y = self._point(body, point)
             u = 1.5 * self.unit
+            joint = self.joints[index] if index < len(self.joints) else None
             shape = (
                 f'<rect x="{-u:.5g}" y="{-u:.5g}" width="{2 * u:.5g}" height="{2 * u:.5g}"/>'
                 if isinstance(joint, Fixed)
                 else f'<circle r="{u:.5g}"/>'
             )
-            hidden = ' visibility="hidden"' if isinstance(joint, Prismatic) else ""
+            spanned = any((body, point) in both_ends(force) for force in self.reaching)
+            bare = isinstance(joint, Prismatic) or (joint is None and not spanned)
+            hidden = ' visibility="hidden"' if bare else ""
+            name = point if joint is None else joint.name
             yield (
                 f'<g id="{prefix}-point-{index}" class="pin"{hidden} '
                 f'transform="translate({x:.6g} {y:.6g})">'
-                f"<title>{escape(brief(joint.name, 60))}</title>{shape}</g>"
+                f"<title>{escape(brief(name, 60))}</title>{shape}</g>"
             )
 
     def arrows(self, prefix: str) -> Iterator[str]:
@@ -336,60 +364,35 @@ class _Drawing:
                 f"<title>{escape(brief(name, 80))}</title></path>"
             )
         for index, force in enumerate(self.turning):
-            x, y = self._point(*_entry(self.loads, force.coordinate))
+            x, y = self._point(*entry(self.loads, force.coordinate))
             yield (
                 f'<path id="{prefix}-torque-{index}" class="arrow effort" '
                 f'transform="translate({x:.6g} {y:.6g})">'
                 f"<title>{escape(brief(force.name, 60))}</title></path>"
             )
 
+    @property
+    def lifts(self) -> list[float]:
+        """How far to the right of each point, and above it, its name stands [mm].
+
+        Names keep clear of the arc that shows a torque.
+        """
+        turned = [self._point(*entry(self.loads, force.coordinate)) for force in self.turning]
+        return [
+            (_BY_TORQUE if any(same(self._point(*mark), at) for at in turned) else _BY_POINT)
+            * self.unit
+            for mark in self.marks
+        ]
+
     def labels(self, prefix: str) -> Iterator[str]:
-        """Names of the joints' points, one for each place."""
+        """Names of the points, one for each place."""
         told: set[tuple[float, float]] = set()
-        for index, joint in enumerate(self.joints):
-            x, y = self._point(joint.body_b, joint.point_b)
+        for index, ((body, point), lift) in enumerate(zip(self.marks, self.lifts, strict=True)):
+            x, y = self._point(body, point)
             if (round(x, 6), round(y, 6)) in told:
                 continue
             told.add((round(x, 6), round(y, 6)))
             yield (
-                f'<text id="{prefix}-label-{index}" x="{x + 2.4 * self.unit:.6g}" '
-                f'y="{y - 2.4 * self.unit:.6g}">{escape(brief(joint.point_b, 16))}</text>'
+                f'<text id="{prefix}-label-{index}" x="{x + lift:.6g}" '
+                f'y="{y - lift:.6g}">{escape(brief(point, 16))}</text>'
             )
-
-
-def _entry(loads: CycleLoads, coordinate: Any) -> tuple[str, str]:
-    """Body and point at which a torque is drawn: where it enters, else the body's first point."""
-    assert isinstance(coordinate, Angle)
-    points = loads.linkage.body(coordinate.body).points
-    return coordinate.body, coordinate.point or next(iter(points))
-
-
-def _at_one_point(joint: Any) -> bool:
-    return isinstance(joint, Revolute | Fixed)
-
-
-def _flipped(values: FloatArray) -> FloatArray:
-    """Places (n, m, 2 or 4) with the signs of their y changed."""
-    result = values.copy()
-    result[..., 1::2] *= -1.0
-    return result
-
-
-def _hull(points: FloatArray) -> list[tuple[float, float]]:
-    """The convex hull of points in order (Andrew's monotone chain); two ends if all are in line."""
-    places = sorted({(round(float(x), 9), round(float(y), 9)) for x, y in points})
-    if len(places) < 3:
-        return places
-
-    def chain(ordered: list[tuple[float, float]]) -> list[tuple[float, float]]:
-        kept: list[tuple[float, float]] = []
-        for x, y in ordered:
-            while len(kept) > 1:
-                (x0, y0), (x1, y1) = kept[-2:]
-                if (x1 - x0) * (y - y0) - (y1 - y0) * (x - x0) > 0:
-                    break
-                kept.pop()
-            kept.append((x, y))
-        return kept[:-1]
-
-    return chain(places) + chain(places[::-1])

@@ -43,8 +43,8 @@ for (const figure of document.querySelectorAll("figure.motion")) {
       part("point", i).setAttribute("transform", `translate(${x} ${y})`);
       const label = part("label", i);
       if (label) {
-        label.setAttribute("x", x + 1.7 * data.tip);
-        label.setAttribute("y", y - 1.7 * data.tip);
+        label.setAttribute("x", x + data.lifts[i]);
+        label.setAttribute("y", y - data.lifts[i]);
       }
     }
     for (let i = 0; 4 * i < spans.length; i++) {

@@ -156,7 +156,7 @@ REFUSED = {
     "table without forces": ((PUSH, TABLE.replace(', force = ["0 N", "50 N"]', "")), r"forces\.push\.force: must be stated, such as over ="),
     "misspelt in a table": ((PUSH, TABLE.replace("over", "ovr")), r"forces\.push\.ovr: unknown key, did you mean over\?"),
     "table without units": ((PUSH, 'push = { over = "B.x", table = "work.csv" }'), r"forces\.push\.units: must be stated beside table"),
-    "no file": ((PUSH, 'push = { over = "B.x", table = "wrk.csv", units = ["mm", "N"] }'), r"forces\.push\.table: 'wrk\.csv' cannot be read: there is no such file; no file is named 'wrk\.csv', did you mean work\.csv\?"),
+    "no file": ((PUSH, 'push = { over = "B.x", table = "wrk.csv", units = ["mm", "N"] }'), r"forces\.push\.table: 'wrk\.csv' cannot be read: there is no such file, did you mean work\.csv\?$"),
     "words in a file": ((PUSH, 'push = { over = "B.x", table = "work.csv", units = ["mm", "N"] }'), r"forces\.push\.table: work\.csv, line 3: must be a number, got \"many\""),
     "units of a file": ((PUSH, 'push = { over = "B.x", table = "work.csv", units = ["kg", "N"] }'), r"forces\.push\.units\[0\]: work\.csv, line 2: must be a length .* which is a mass"),
     "touches elsewhere": ((PUSH, 'push = { touches = "A.x", at = "1 mm", stiffness = "1 N/mm" }'), r"forces\.push\.touches: must be \"B\.x\", the coordinate along which push pushes, got \"A\.x\""),

@@ -92,6 +92,28 @@ def test_a_point_on_one_body_that_nothing_needs_is_refused(tmp_path):
         )
 
 
+def test_a_point_of_the_ground_that_no_body_has_is_refused_with_what_to_do(tmp_path):
+    changes = (
+        ("[bodies.lower]", 'E = "1, 2 mm"\n[bodies.lower]'),
+        ('ground = ["C", "D"]', 'ground = ["C", "D", "E"]'),
+    )
+    told = r"points\.E: no body has it .*, though it stands in ground; remove it, or add it to a"
+    with pytest.raises(DesignError, match=told):
+        read(tmp_path, *changes)
+
+
+def test_a_decimal_comma_in_a_point_is_named(tmp_path):
+    with pytest.raises(DesignError, match=r"points\.B: .*; decimals are written with a point"):
+        read(tmp_path, ('B = "200, 150 mm"', 'B = "200,5, 150 mm"'))
+
+
+@pytest.mark.parametrize(("speed", "told"), [("-0.1 m/s", True), ("0 m/s", False)])
+def test_a_negative_speed_is_told_where_the_direction_comes_from(tmp_path, speed, told):
+    with pytest.raises(DesignError, match=r"pace\.speed: must be above 0") as caught:
+        read(tmp_path, ('speed = "0.1 m/s"', f'speed = "{speed}"'))
+    assert ("the direction comes from `to`" in str(caught.value)) is told
+
+
 def test_several_problems_are_all_told_and_an_inherited_one_once(tmp_path):
     with pytest.raises(DesignErrors) as caught:
         read(tmp_path, ('wall = "6.3 mm"', "wall = 6.3"), ('mass = "10 kg"', 'mass = "-10 kg"'))

@@ -1,5 +1,7 @@
 """The toggle press of the tests of `loads` as a result for people, and a hostile one."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from loads import GROUND, Angle, Body, Cycle, Force, Linkage, Phase, Revolute, SteadyPace, run_cycle
@@ -7,7 +9,7 @@ from reports.loads_figures import ShownPhase
 from reports.loads_summary import LoadsResult, ShownCycle
 from reports.verdict import Gate
 
-from ..loads.machines import press_cycle, toggle
+from ..loads.machines import press_cycle, slider_crank, toggle
 from .results import HOSTILE
 
 
@@ -44,6 +46,18 @@ def press(**friction):
     linkage = toggle(**friction)
     available = {"cylinder": (11310.0, 12060.0)}
     return shown(linkage, press_cycle(linkage), available=available)
+
+
+def crank(point="O"):
+    """A slider-crank that turns once; its torque enters the crank at a point, or at none."""
+    linkage = slider_crank(
+        50.0, 200.0, crank_body={"mass": 1e-3}, rod_body={"mass": 1e-3}, slider_mass=1e-3
+    )
+    angle = Angle("crank", point=point)
+    linkage = replace(linkage, forces=(Force("drive", angle), linkage.force("push")))
+    turn = Phase("turn", 2 * np.pi, {"push": -100.0}, "drive")
+    cycle = Cycle("run", angle, 0.0, SteadyPace(angle, 10.0), (turn,), 60)
+    return shown(linkage, cycle, name="crank.angle", unit="deg", place=np.degrees)
 
 
 GATES = (

@@ -65,3 +65,11 @@ def test_cycles_with_other_friction_share_one_table(cycle):
     friction = [row["A.friction_couple [N mm]"] for row in rows]
     assert any(friction)
     assert len(rows) > len(cycle.shown)
+
+
+def test_a_torque_that_enters_at_no_point_is_the_body_s_own():
+    cycle = loads_results.crank(point=None)
+    rows = list(csv.DictReader(StringIO(loads_csv([cycle]))))
+    torque = [float(row["crank.M [N mm]"]) for row in rows]
+    np.testing.assert_array_equal(torque, cycle.loads.efforts["drive"])
+    assert not any("nowhere" in name for name in rows[0])

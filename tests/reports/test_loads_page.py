@@ -8,6 +8,7 @@ import pytest
 
 from reports.loads_page import loads_html, write_loads_page
 from reports.mechanism import mechanism_data, mechanism_svg
+from reports.verdict import Gate
 
 from . import loads_results
 from .test_page import Page
@@ -108,3 +109,24 @@ def test_the_file_holds_the_page(tmp_path, press):
     result = loads_results.result(press)
     write_loads_page(result, tmp_path / "out" / "loads.html")
     assert (tmp_path / "out" / "loads.html").read_text(encoding="utf-8") == loads_html(result)
+
+
+def test_every_point_of_a_force_has_its_name_in_the_picture(press):
+    """The cylinder's rear pivot D has no joint."""
+    labels = re.findall(r"<text [^>]*>([^<]*)</text>", mechanism_svg(press, "c0"))
+    assert sorted(labels) == ["A", "B", "C", "D"]
+
+
+def test_a_name_keeps_clear_of_the_arc_of_a_torque():
+    """The arc about the pivot has a radius of 7 % of the picture; the name begins outside it."""
+    data = mechanism_data(loads_results.crank(), "c0")
+    pivot, crank_pin, *_ = data["lifts"]
+    assert np.hypot(pivot, pivot) > 5 * data["tip"]
+    assert np.hypot(crank_pin, crank_pin) < 5 * data["tip"]
+
+
+def test_gates_of_one_kind_are_one_box(press):
+    gates = [Gate(f"at_{k}: speed irregularity", 0.2, 0.1, f"flywheel {k}") for k in range(5)]
+    text = loads_html(loads_results.result(press, gates=gates))
+    assert text.count("<b>Gate broken</b>") == 1
+    assert "at_0 0.200, at_1 0.200" in text

@@ -5,6 +5,8 @@ import pytest
 from rich.cells import cell_len
 
 from reports.loads_text import loads_text, table
+from reports.loads_words import broken_by_kind
+from reports.verdict import Gate
 
 from ..loads.machines import press_cycle, toggle
 from . import loads_results
@@ -67,3 +69,13 @@ def test_a_table_wraps_its_widest_column():
         "  one two three four   1",
         "  five six",
     ]
+
+
+def test_gates_of_one_kind_are_told_together_with_their_cycles():
+    gates = [Gate(f"at_{k}: speed irregularity", 0.1 * k, 0.1, f"flywheel {k}") for k in (1, 3, 2)]
+    gates.append(Gate("at_1: joints closed", 1.0, 1e-6, "gap"))
+    alike, gap = broken_by_kind(gates)
+    assert alike.sentence == "speed irregularity: at_3 0.300, at_2 0.200, limit 0.100"
+    assert alike.meaning == "The worst, at_3: flywheel 3"
+    assert gap.sentence == "at_1: joints closed: 1.00 > 1e-06"
+    assert gap.meaning == "gap"

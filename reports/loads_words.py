@@ -1,0 +1,179 @@
+"""Drives, contacts and gates of the loads in sentences, for the terminal and the page alike."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from reports.loads_figures import ContactSpan, ContactSummary, Direction, DriveSummary
+from reports.loads_summary import LoadsResult, ShownCycle
+from reports.verdict import Gate
+from reports.words import brief, gate_sentence, number, place_text, quantity_unit
+
+SIGNS = (
+    "Reactions are what a joint does to the body under “on”; the body under “by” gets the "
+    "opposite. Axes of the ground: x to the right, y up, moments counter-clockwise."
+)
+FRICTION = (
+    "Friction of a guide or slot is its coefficient times |N|, the force across its line; the "
+    "couple M of a guide does not add to it. Friction of a pin is a couple: its coefficient times "
+    "its radius times |F|."
+)
+MEASURED = (
+    "What was measured is the load on the body, at the point; axes of the ground: x to the right, "
+    "y up, moments counter-clockwise."
+)
+_MOST_SPANS = 4
+
+
+def header_sentences(result: LoadsResult) -> list[str]:
+    """Signs and conventions that the result needs to be read."""
+    said = [SIGNS] if result.cycles else []
+    if result.rubbing:
+        said.append(FRICTION)
+    return [*said, MEASURED] if result.runs else said
+
+
+def direction_sentence(direction: Direction, angular: bool, cycle: ShownCycle) -> str:
+    """The largest effort of a drive in one direction against what is available."""
+    unit, factor = quantity_unit(angular, max(direction.needed, direction.available or 0.0))
+    said = (
+        f"{direction.words} up to {number(direction.needed * factor, 4)} {unit} at "
+        f"{brief(cycle.shown_name, 20)} = {place_text(direction.at)} {cycle.unit}"
+    )
+    if direction.available is None:
+        return said
+    share = direction.needed / direction.available
+    return f"{said} of {number(direction.available * factor, 4)} {unit} available ({share:.1%})"
+
+
+def drive_sentences(drive: DriveSummary, cycle: ShownCycle) -> list[str]:
+    """Everything about a drive: its efforts, its power, and how evenly it would run."""
+    said = [direction_sentence(d, drive.angular, cycle) for d in drive.directions]
+    said.append(
+        f"mean power {number(drive.mean_power * 1e-3)} W, "
+        f"peak {number(drive.peak_power * 1e-3)} W, work {number(drive.work * 1e-3)} J a cycle"
+    )
+    if not drive.closed:
+        said.append(
+            "not closed: ends in another pose than it starts from; work and mean power are of this "
+            "stretch"
+        )
+    if drive.impact_energy > 0.0:
+        said.append(
+            "the mean power does not contain the impact of what is touched, "
+            f"{number(drive.impact_energy * 1e-3)} J a cycle"
+        )
+    even = flywheel_sentence(drive)
+    return [*said, even] if even else said
+
+
+def flywheel_sentence(drive: DriveSummary) -> str:
+    """How unevenly a closed crank cycle would turn; "" where that does not apply."""
+    if drive.ripple is None or drive.reduced_inertia is None:
+        return ""
+    if drive.irregularity is None or drive.flywheel is None:
+        return "nothing that it drives has a mass: how evenly it would run cannot be told"
+    return (
+        f"reduced inertia {number(drive.reduced_inertia * 1e-3)} kg m2 in the mean; the torque's "
+        f"ripple of {number(drive.ripple * 1e-3)} J would make the speed irregular by "
+        f"{number(drive.irregularity)}; {number(drive.allowed)} needs "
+        f"{number(drive.flywheel * 1e-3)} kg m2 in all"
+    )
+
+
+def contact_sentence(contact: ContactSummary, cycle: ShownCycle) -> str:
+    """Where a contact touches, how hard and how fast, and what it does to the body."""
+    length = "rad" if contact.angular else "mm"
+    said = brief(contact.name, 30)
+    if contact.stated is not None:
+        places = " and ".join(place_text(at) for at in contact.stated.at)
+        said += f" at {brief(contact.stated.coordinate, 30)} = {places} {length}"
+    if not contact.spans:
+        near = "" if contact.nearest is None else f", {number(contact.nearest)} {length} stay free"
+        return f"{said}: does not touch in this cycle{near}"
+    if contact.always:
+        said += ": touches all the time"
+    else:
+        spans = [_span(span, cycle, length) for span in contact.spans[:_MOST_SPANS]]
+        more = len(contact.spans) - len(spans)
+        several = f" {len(contact.spans)} times" if len(contact.spans) > 1 else ""
+        tail = f", and {more} more" if more else ""
+        said += f": touches{several} " + ", ".join(spans) + tail
+    if contact.start_depth is not None:
+        said += (
+            f"; already pressed by {number(contact.start_depth)} {length} at the start: is the "
+            "contact on the other side?"
+        )
+    unit, factor = quantity_unit(contact.angular, contact.largest)
+    phase = f" ({brief(contact.largest_phase, 20)})" if len(cycle.phases) > 1 else ""
+    said += (
+        f"; up to {number(contact.largest * factor, 4)} {unit} at {brief(cycle.shown_name, 20)} = "
+        f"{place_text(contact.largest_at)} {cycle.unit}{phase}"
+    )
+    if contact.deflection > 0.0:
+        said += f", the linkage gives way by up to {number(contact.deflection)} {length}"
+    said += f"; {brief(contact.body, 30)} {_held(contact)}"
+    return f"{said}; the impact is not in these loads" if contact.energy > 0.0 else said
+
+
+def _held(contact: ContactSummary) -> str:
+    """What a contact does to the motion of the body that it pushes."""
+    if contact.most_held <= 0.0:
+        return "keeps its acceleration"
+    if contact.least_held >= 1.0 - 1e-9:
+        return "is held by it: no acceleration along the force"
+    return (
+        f"follows it: loses up to {100 * contact.most_held:.3g} % of its acceleration along the "
+        "force"
+    )
+
+
+def _span(span: ContactSpan, cycle: ShownCycle, length: str) -> str:
+    """From where to where a contact pushes, and how fast it is met."""
+    start, stop = place_text(span.start), place_text(span.stop)
+    begins, ends = brief(span.start_phase, 20), brief(span.stop_phase, 20)
+    said = f"from {brief(cycle.shown_name, 20)} = {start} to {stop} {cycle.unit}"
+    if span.start_phase != span.stop_phase:
+        said = (
+            f"from {brief(cycle.shown_name, 20)} = {start} {cycle.unit} in {begins} to {stop} "
+            f"{cycle.unit} in {ends}"
+        )
+    elif len(cycle.phases) > 1:
+        said += f" in {begins}"
+    if not span.approach_speed or span.energy is None:
+        return said
+    return (
+        f"{said} (met at {number(span.approach_speed)} {length}/s with "
+        f"{number(span.energy * 1e-3)} J)"
+    )
+
+
+@dataclass(frozen=True)
+class BrokenGates:
+    """Gates of one kind that do not hold, of one cycle or several, in a sentence."""
+
+    binding: bool
+    sentence: str
+    meaning: str
+
+
+def broken_by_kind(gates: Sequence[Gate]) -> list[BrokenGates]:
+    """The gates that do not hold, those of the same kind in several cycles as one."""
+    kinds: dict[tuple[str, bool], list[tuple[str, Gate]]] = {}
+    for gate in gates:
+        if not gate.holds:
+            cycle, _, kind = gate.name.partition(": ")
+            kinds.setdefault((kind or gate.name, gate.binding), []).append((cycle, gate))
+    result = []
+    for (kind, binding), found in kinds.items():
+        if len(found) == 1:
+            ((_, gate),) = found
+            result.append(BrokenGates(binding, gate_sentence(gate), gate.meaning))
+            continue
+        each = ", ".join(f"{cycle} {number(gate.value)}" for cycle, gate in found)
+        limits = {number(gate.limit) for _, gate in found}
+        limit = f", limit {limits.pop()}" if len(limits) == 1 else ""
+        worst, gate = max(found, key=lambda entry: entry[1].value / entry[1].limit)
+        meanings = {gate.meaning for _, gate in found}
+        of = "" if len(meanings) == 1 else f"The worst, {worst}: "
+        result.append(BrokenGates(binding, f"{kind}: {each}{limit}", f"{of}{gate.meaning}"))
+    return result

@@ -1,0 +1,57 @@
+"""Places of a mechanism's picture: ends of forces, entries of torques, outlines of bodies."""
+
+from math import hypot
+from typing import Any
+
+from loads import Angle, CycleLoads, Fixed, Revolute
+from reports.loads_figures import FloatArray
+
+
+def both_ends(force: Any) -> tuple[tuple[str, str], ...]:
+    """Body and point of either end of a force between two points."""
+    span = force.coordinate
+    return (span.body_a, span.point_a), (span.body_b, span.point_b)
+
+
+def same(first: tuple[float, float], second: tuple[float, float]) -> bool:
+    """Whether two places are one, in mm."""
+    return hypot(first[0] - second[0], first[1] - second[1]) < 1e-6
+
+
+def entry(loads: CycleLoads, coordinate: Any) -> tuple[str, str]:
+    """Body and point at which a torque is drawn: where it enters, else the body's first point."""
+    assert isinstance(coordinate, Angle)
+    points = loads.linkage.body(coordinate.body).points
+    return coordinate.body, coordinate.point or next(iter(points))
+
+
+def at_one_point(joint: Any) -> bool:
+    """Whether a joint is at a point of both bodies, not along a line."""
+    return isinstance(joint, Revolute | Fixed)
+
+
+def flipped(values: FloatArray) -> FloatArray:
+    """Places (n, m, 2 or 4) with the signs of their y changed."""
+    result = values.copy()
+    result[..., 1::2] *= -1.0
+    return result
+
+
+def hull(points: FloatArray) -> list[tuple[float, float]]:
+    """The convex hull of points in order (Andrew's monotone chain); two ends if all are in line."""
+    places = sorted({(round(float(x), 9), round(float(y), 9)) for x, y in points})
+    if len(places) < 3:
+        return places
+
+    def chain(ordered: list[tuple[float, float]]) -> list[tuple[float, float]]:
+        kept: list[tuple[float, float]] = []
+        for x, y in ordered:
+            while len(kept) > 1:
+                (x0, y0), (x1, y1) = kept[-2:]
+                if (x1 - x0) * (y - y0) - (y1 - y0) * (x - x0) > 0:
+                    break
+                kept.pop()
+            kept.append((x, y))
+        return kept[:-1]
+
+    return chain(places) + chain(places[::-1])
