@@ -20,22 +20,40 @@ from loads.point_loads import PointLoad, body_loads
 
 @dataclass(frozen=True, eq=False)
 class ContactLoads:
-    """A contact over a cycle.
+    """A contact over a cycle, as if nothing were lost where it begins.
 
-    touching        (n,)
-    deflection      (n,) mm, how far the linkage gives way along the force, under all its loads
-    approach_speed  mm/s or rad/s, largest rate of its coordinate where it begins to touch, as if
-                    nothing were in the way
-    energy          N mm, kinetic, of the pushed body and what is welded to it, largest where it
-                    begins to touch: the impact, which no load here has in it
-    held            (n,) share of its acceleration along the force that the pushed body loses
+    touching    (n,)
+    deflection  (n,) mm, how far the linkage gives way along the force, under all its loads
+    held        (n,) share of its acceleration along the force that the pushed body loses
+    rate        (n,) mm/s or rad/s, of the force's coordinate, moving on freely
+    kinetic     (n,) N mm, energy of the pushed body and what is welded to it, moving on freely
     """
 
     touching: BoolArray
     deflection: FloatArray
-    approach_speed: float
-    energy: float
     held: FloatArray
+    rate: FloatArray
+    kinetic: FloatArray
+
+    @property
+    def begins(self) -> IntArray:
+        """Last positions before it touches; none where a cycle or phase starts in touch."""
+        return np.flatnonzero(self.touching[1:] & ~self.touching[:-1])
+
+    @property
+    def approach_speed(self) -> float:
+        """Largest rate with which it begins [mm/s or rad/s]."""
+        return float(np.abs(self.rate[self.begins]).max(initial=0.0))
+
+    @property
+    def impacts(self) -> FloatArray:
+        """Energy [N mm] that the pushed body loses at each beginning, and no load here has in it.
+
+        It keeps the share of its speed that it keeps of its acceleration: all on a rigid linkage.
+        """
+        kept = 1.0 - self.held[self.begins + 1]
+        result: FloatArray = self.kinetic[self.begins] * (1.0 - kept**2)
+        return result
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,29 +230,25 @@ class CycleLoads:
             self.heading,
         )
 
+    def rate(self, force: str) -> FloatArray:
+        """Return the rate of a force's coordinate (n,) [mm/s or rad/s]."""
+        gradient = self._kinematics.gradient(self.linkage.force(force).coordinate, self.poses)
+        return dot(gradient, self.velocities.reshape(len(self.positions), -1))
+
     @cached_property
     def contacts(self) -> Mapping[str, ContactLoads]:
         """The contacts of the cycle by the name of their force."""
         result = {}
         for name, touch in self.touches.items():
-            begins = np.flatnonzero(touch.touching[1:] & ~touch.touching[:-1])
-            coordinate = self.linkage.force(name).coordinate
-            gradient = self._kinematics.gradient(coordinate, self.poses)
-            rate = dot(gradient, self.velocities.reshape(len(self.positions), -1))
-            speed = float(np.abs(rate[begins]).max(initial=0.0))
             pushed = [
                 other
-                for body in coordinate.bodies
+                for body in self.linkage.force(name).coordinate.bodies
                 if body != GROUND
                 for other in rigidly_joined(self.linkage, body)
             ]
             energy = kinetic_energy(self._kinematics, self.poses, self.velocities, pushed)
             result[name] = ContactLoads(
-                touch.touching,
-                touch.deflection,
-                speed,
-                float(energy[begins].max(initial=0.0)),
-                touch.held,
+                touch.touching, touch.deflection, touch.held, self.rate(name), energy
             )
         return result
 

@@ -4,8 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from loads import GROUND, Angle, Coordinate, CycleLoads, Distance
-from loads.contact import rigidly_joined
+from loads import GROUND, CycleLoads
 from reports.loads_figures import ContactSpan, ContactStated, ContactSummary, FloatArray
 
 
@@ -47,8 +46,9 @@ def contact_summaries(
 
 def _spans(loads: CycleLoads, name: str, shown: FloatArray) -> tuple[ContactSpan, ...]:
     """Stretches of touch; the positions where it begins and ends stand in the cycle, untouched."""
-    touching, last = loads.contacts[name].touching, len(shown) - 1
-    coordinate = loads.linkage.force(name).coordinate
+    contact = loads.contacts[name]
+    touching, last = contact.touching, len(shown) - 1
+    impacts = dict(zip(contact.begins.tolist(), contact.impacts.tolist(), strict=True))
     gap = loads.touches[name].gap
     edges = np.flatnonzero(np.diff(np.concatenate([[False], touching, [False]]).astype(int)))
     spans = []
@@ -60,7 +60,7 @@ def _spans(loads: CycleLoads, name: str, shown: FloatArray) -> tuple[ContactSpan
             start = first
         if not np.isfinite(gap[stop]):
             stop = behind - 1
-        speed = abs(_rate(loads, coordinate, start)) if met else None
+        speed = abs(float(contact.rate[start])) if met else None
         spans.append(
             ContactSpan(
                 start=float(shown[start]),
@@ -68,54 +68,7 @@ def _spans(loads: CycleLoads, name: str, shown: FloatArray) -> tuple[ContactSpan
                 stop=float(shown[stop]),
                 stop_phase=loads.phases[int(loads.phase_of[behind - 1])],
                 approach_speed=speed,
-                energy=_energy(loads, coordinate, start) if speed else None,
+                energy=float(impacts[start]) if start in impacts else None,
             )
         )
     return tuple(spans)
-
-
-def _rate(loads: CycleLoads, coordinate: Coordinate, row: int) -> float:
-    """Rate of a coordinate at a position [mm/s or rad/s]."""
-
-    def velocity(body: str, point: str) -> FloatArray:
-        return _velocity(loads, body, loads.linkage.body(body).place(point), row)
-
-    if isinstance(coordinate, Angle):
-        spins = [
-            0.0 if body == GROUND else float(loads.velocities[row, loads.body_index(body), 2])
-            for body in (coordinate.body, coordinate.relative_to)
-        ]
-        return spins[0] - spins[1]
-    if isinstance(coordinate, Distance):
-        ends = (
-            (coordinate.body_a, coordinate.point_a),
-            (coordinate.body_b, coordinate.point_b),
-        )
-        along = loads.point(*ends[1])[row] - loads.point(*ends[0])[row]
-        return float((velocity(*ends[1]) - velocity(*ends[0])) @ along / np.hypot(*along))
-    along = np.array(coordinate.direction)
-    return float(velocity(coordinate.body, coordinate.point) @ along / np.hypot(*along))
-
-
-def _energy(loads: CycleLoads, coordinate: Coordinate, row: int) -> float:
-    """Kinetic energy at a position of the bodies of a coordinate and what is welded to them."""
-    total = 0.0
-    pushed = [body for body in coordinate.bodies if body != GROUND]
-    for name in dict.fromkeys(n for body in pushed for n in rigidly_joined(loads.linkage, body)):
-        if name != GROUND:
-            body = loads.linkage.body(name)
-            speed = _velocity(loads, name, body.centre, row)
-            spin = float(loads.velocities[row, loads.body_index(name), 2])
-            total += 0.5 * (body.mass * float(speed @ speed) + body.inertia * spin**2)
-    return total
-
-
-def _velocity(loads: CycleLoads, body: str, place: tuple[float, float], row: int) -> FloatArray:
-    """Velocity (2,) of a place in the frame of a body at a position [mm/s]."""
-    if body == GROUND:
-        return np.zeros(2)
-    k = loads.body_index(body)
-    angle, spin = loads.poses[row, k, 2], loads.velocities[row, k, 2]
-    x, y = place
-    arm_x, arm_y = x * np.cos(angle) - y * np.sin(angle), x * np.sin(angle) + y * np.cos(angle)
-    return np.asarray(loads.velocities[row, k, :2] + spin * np.array([-arm_y, arm_x]))

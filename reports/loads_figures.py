@@ -118,7 +118,7 @@ class ContactSpan:
     start, stop     shown position; start_phase, stop_phase the phase there
     approach_speed  mm/s or rad/s at which it is met; None where the cycle begins in touch, or the
                     contact appears with a phase
-    energy          N mm, kinetic, then of the pushed body and what is welded to it
+    energy          N mm, what the pushed body loses there
     """
 
     start: float

@@ -139,12 +139,10 @@ def _span(span: ContactSpan, cycle: ShownCycle, length: str) -> str:
         )
     elif len(cycle.phases) > 1:
         said += f" in {begins}"
-    if not span.approach_speed or span.energy is None:
+    if not span.approach_speed:
         return said
-    return (
-        f"{said} (met at {number(span.approach_speed)} {length}/s with "
-        f"{number(span.energy * 1e-3)} J)"
-    )
+    lost = f", which costs {number(span.energy * 1e-3)} J" if span.energy else ""
+    return f"{said} (met at {number(span.approach_speed)} {length}/s{lost})"
 
 
 @dataclass(frozen=True)
