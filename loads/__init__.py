@@ -25,8 +25,9 @@ from loads.history import LoadHistory
 from loads.laws import Contact, Law, Table
 from loads.linkage import Linkage
 from loads.measured import MeasuredBody, MeasuredLoad, MeasuredLoads
-from loads.motion import Geometry, Motion, Path, move, trace
+from loads.motion import Geometry, Motion, move
 from loads.pace import Pace, SteadyPace, StrokePace
+from loads.path import Path, trace
 from loads.point_loads import PointLoad
 from loads.pull_through import PullThrough, pull_through
 

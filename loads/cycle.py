@@ -17,8 +17,9 @@ from loads.elements import Coordinate, Prismatic, Slot
 from loads.forces import ForceSolution, JointLoad
 from loads.laws import Contact, Law, Table
 from loads.linkage import Linkage
-from loads.motion import Geometry, Motion, Path, move, trace
+from loads.motion import Geometry, Motion, move
 from loads.pace import Pace
+from loads.path import Path, trace
 from loads.timing import Timing
 
 _LEAST_PER_PHASE = 20

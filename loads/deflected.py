@@ -11,6 +11,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from loads.bodies import BoolArray, FloatArray
+from loads.closing import closed_poses
 from loads.compliance import BeamCompliance, JointCompliance, MatrixCompliance
 from loads.elasticity import (
     Displacements,
@@ -21,7 +22,7 @@ from loads.elasticity import (
 from loads.elements import Joint, Prismatic, Slot
 from loads.forces import ForceSolution, solve_forces
 from loads.kinematics import Kinematics, dot, rotated, turned_left, unit
-from loads.motion import Motion, closed_poses
+from loads.motion import Motion
 
 
 def second_order(motion: Motion, solution: ForceSolution, solve: str, touching: BoolArray) -> float:

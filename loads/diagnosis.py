@@ -1,7 +1,8 @@
 """What is wrong with measured loads that do not balance: which slip would explain it."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import combinations
 from math import degrees
 
@@ -15,7 +16,10 @@ from loads.slips import ALL, Slip, slips_of
 _ROWS = 200  # that slips are tried on; what closes is then tried on all
 _MOST_SUGGESTED = 3
 _BETTER = 0.5  # of what is left: less than halved is no explanation
+_EXPLAINED = 0.06  # of what was left, in the mean: more than that remains only where it is noise
+_NOISY = 0.5  # of what was left, in the mean: more noise than that hides what is wrong
 _COMPARABLE = 3.0  # times what the best suggestion leaves: worse ones are not told beside it
+_SMALLER = 0.9  # of what was left in N, in the mean
 _ROUND_OFF = 1e-9
 _STRAIGHT = 0.98  # share of a direction in what is left, squared
 _LEAST_GAIN = 0.05
@@ -64,14 +68,17 @@ def _explained(
 ) -> tuple[Suggestion, ...]:
     brief = body.at(_rows(body, gravity, size))
     slips = slips_of(brief, gravity, size)
-    for tried in (_singles(slips), _pairs(slips)):
+    for tried in (
+        _singles(slips),
+        _pairs(slips, bool(_mass_gains(body, gravity, size, tolerance))),
+    ):
         found = []
         for together in tried:
             if not _closes(brief, together, gravity, size, tolerance):
                 continue
             left = _mended(body, together).shares(gravity, size)[0]
-            if left.max() <= tolerance:
-                mean = max(float(np.sqrt(np.mean(left**2))), _ROUND_OFF)
+            if left.max() <= tolerance and _explains(body, together, gravity, size):
+                mean = max(_mean(left), _ROUND_OFF)
                 rarity = sum(slip.rarity for slip in together)
                 found.append((mean * (1 + 0.3 * rarity), mean, together, float(left.max())))
         if found:
@@ -89,8 +96,15 @@ def _singles(slips: list[Slip]) -> Iterator[tuple[Slip, ...]]:
     return ((slip,) for slip in slips)
 
 
-def _pairs(slips: list[Slip]) -> Iterator[tuple[Slip, ...]]:
-    return (pair for pair in combinations(slips, 2) if not pair[0].excludes(pair[1]))
+def _pairs(slips: list[Slip], mass_does: bool) -> Iterator[tuple[Slip, ...]]:
+    """Yield the slips that can have happened together.
+
+    mass_does  one other mass or inertia closes it, too: likelier than two slips of the motion
+    """
+    for pair in combinations(slips, 2):
+        of_motion = pair[0].point is None and pair[1].point is None
+        if not (pair[0].excludes(pair[1]) or (mass_does and of_motion)):
+            yield pair
 
 
 def _rows(body: MeasuredBody, gravity: Vector, size: float) -> IntArray:
@@ -112,6 +126,41 @@ def _closes(
     before = body.shares(gravity, size)[0].max()
     after = _mended(body, slips).shares(gravity, size)[0].max()
     return bool(after <= min(tolerance, _BETTER * before))
+
+
+def _explains(body: MeasuredBody, slips: tuple[Slip, ...], gravity: Vector, size: float) -> bool:
+    """Whether slips that close the balance also account for what was left of it.
+
+    What remains is little of it, or noise; and a load or motion that a slip makes very small is
+    still needed: where leaving it out does as well, it is the reading itself that is wrong.
+    """
+    mended = _mended(body, slips)
+    (shares, largest), (left, of) = (entry.shares(gravity, size) for entry in (body, mended))
+    before, after = _mean(shares), _mean(left)
+    if after * of > _SMALLER * before * largest:
+        return False  # it is only set against larger forces
+    if after > _EXPLAINED * before and not (
+        after <= _NOISY * before and _like_noise(mended.residual(gravity), size)
+    ):
+        return False
+    for k, slip in enumerate(slips):
+        if slip.without is not None:
+            bare = (*slips[:k], replace(slip, mend=slip.without), *slips[k + 1 :])
+            if after > _BETTER * _mean(_mended(body, bare).shares(gravity, size)[0]):
+                return False
+    return True
+
+
+def _mean(shares: FloatArray) -> float:
+    return float(np.sqrt(np.mean(shares**2)))
+
+
+def _like_noise(left: FloatArray, size: float) -> bool:
+    """Whether what is left (n, 3) jumps from row to row."""
+    scaled = left / np.array([1.0, 1.0, size or 1.0])
+    steps = float(np.sum(np.diff(scaled, axis=0) ** 2))
+    whole = float(np.sum(scaled**2)) * (len(left) - 1) / len(left)
+    return len(left) > 2 and whole > 0.0 and 1 - steps / (2 * whole) < _NOISE
 
 
 def _suggestion(slips: tuple[Slip, ...], left: float) -> Suggestion:
@@ -168,15 +217,11 @@ def _what_is_left(body: MeasuredBody, gravity: Vector, size: float, tolerance: f
     """What can be said of loads that no slip explains: noise, or direction and place."""
     left = body.residual(gravity)
     said = "no slip of sign, axes, frame or unit closes it, nor do two together"
-    scaled = left / np.array([1.0, 1.0, size or 1.0])
-    if len(left) > 2:
-        steps = float(np.sum(np.diff(scaled, axis=0) ** 2))
-        whole = float(np.sum(scaled**2)) * (len(left) - 1) / len(left)
-        if 1 - steps / (2 * whole) < _NOISE:
-            return (
-                f"{said}; what is left jumps from row to row like noise: smooth the data, or state "
-                "a larger tolerance"
-            )
+    if _like_noise(left, size):
+        return (
+            f"{said}; what is left jumps from row to row like noise: smooth the data, or state "
+            "a larger tolerance"
+        )
     hints = []
     for frame, vectors in (
         ("ground", left[:, :2]),
@@ -213,21 +258,54 @@ def _acts_through(body: MeasuredBody, left: FloatArray, size: float, limit: floa
 
 
 def _gains(body: MeasuredBody, gravity: Vector, size: float, tolerance: float) -> list[str]:
-    """The force that a factor would bring into balance, such as a wrong calibration's."""
-    found = []
+    """The force or mass that a factor would bring into balance, such as a wrong calibration's."""
+    found = _mass_gains(body, gravity, size, tolerance)
     for load in body.loads:
-        without = _with_gain(body, load.point, 0.0).residual(gravity)
-        own = body.residual(gravity) - without
-        for values in (without, own):
-            values[:, 2] /= size or 1.0
-        square = float(np.sum(own**2))
-        gain = -float(np.sum(own * without)) / square if square else 0.0
-        if gain <= _LEAST_GAIN:
-            continue
-        share = float(_with_gain(body, load.point, gain).shares(gravity, size)[0].max())
+        share, gain = _gain(body, partial(_with_gain, body, load.point), gravity, size)
         if share <= tolerance:
             found.append((share, f"is gone with {gain:.3g} times the force at {load.point}"))
     return [min(found)[1]] if found else []
+
+
+def _mass_gains(
+    body: MeasuredBody, gravity: Vector, size: float, tolerance: float
+) -> list[tuple[float, str]]:
+    """The factors of mass or inertia that close the balance: what they leave, and words."""
+
+    def with_mass(gain: float) -> MeasuredBody:
+        own = body.body
+        changed = own.with_mass_properties(gain * own.mass, own.centre, own.inertia)
+        return replace(body, body=changed)
+
+    def with_inertia(gain: float) -> MeasuredBody:
+        own = body.body
+        changed = own.with_mass_properties(own.mass, own.centre, gain * own.inertia)
+        return replace(body, body=changed)
+
+    found = []
+    for name, change in (("mass", with_mass), ("inertia", with_inertia)):
+        share, gain = _gain(body, change, gravity, size)
+        if share <= tolerance:
+            found.append((share, f"is gone with {gain:.3g} times the {name}"))
+    return found
+
+
+def _gain(
+    body: MeasuredBody, change: Callable[[float], MeasuredBody], gravity: Vector, size: float
+) -> tuple[float, float]:
+    """What the best factor leaves at most, and that factor; nothing is gained below some percent.
+
+    change  the body with something times a factor
+    """
+    without = change(0.0).residual(gravity)
+    own = body.residual(gravity) - without
+    for values in (without, own):
+        values[:, 2] /= size or 1.0
+    square = float(np.sum(own**2))
+    gain = -float(np.sum(own * without)) / square if square else 0.0
+    if gain <= _LEAST_GAIN:
+        return float("inf"), gain
+    return float(change(gain).shares(gravity, size)[0].max()), gain
 
 
 def _with_gain(body: MeasuredBody, point: str, gain: float) -> MeasuredBody:

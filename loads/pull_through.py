@@ -17,7 +17,8 @@ from loads.elements import Force
 from loads.forces import solve_forces
 from loads.kinematics import Kinematics
 from loads.linkage import Linkage
-from loads.motion import Geometry, Motion, Path, coordinate_share, trace
+from loads.motion import Geometry, Motion, coordinate_share
+from loads.path import Path, trace
 
 _POSITIONS = 400
 _DOUBLINGS = 200

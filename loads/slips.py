@@ -14,6 +14,7 @@ from loads.measured import MeasuredBody, MeasuredLoad
 ALL = "*"
 KILOGRAM_FORCE, POUND_FORCE = 9.80665, 4.4482216152605  # N, NIST SP 811
 _MILLI = 1e-3
+_SMALL = 0.02  # a factor that all but takes away what it scales
 
 Mend = Callable[[MeasuredBody], MeasuredBody]
 MendLoad = Callable[[MeasuredLoad], MeasuredLoad]
@@ -27,6 +28,7 @@ class Slip:
     kind    of two slips of one kind at one point only one can have happened
     point   where; ALL for every point, None for the body's motion and mass
     rarity  0 for the commonest; breaks ties
+    without where it makes something very small: that left out altogether
     """
 
     words: str
@@ -34,6 +36,7 @@ class Slip:
     point: str | None
     mend: Mend
     rarity: float = 0.0
+    without: Mend | None = None
 
     def excludes(self, other: "Slip") -> bool:
         """Whether the two cannot have happened together, because both are the same reading's."""
@@ -91,6 +94,9 @@ def _load_slips(load: MeasuredLoad, point: str) -> Iterator[Slip]:
     def slip(words: str, kind: str, change: MendLoad, rarity: float = 0.0) -> Slip:
         return Slip(words, kind, point, _at(point, change), rarity)
 
+    def shrunk(k: float, without: MendLoad) -> Mend | None:
+        return _at(point, without) if k <= _SMALL else None
+
     yield slip(f"reversing Fx {at}", "force sign", _scaled(-1, 1))
     yield slip(f"reversing Fy {at}", "force sign", _scaled(1, -1))
     yield slip(f"reversing {the} {at}", "force sign", _scaled(-1, -1))
@@ -122,17 +128,14 @@ def _load_slips(load: MeasuredLoad, point: str) -> Iterator[Slip]:
     )
     for unit, taken, factor, rarity in units:
         for has, stated, k in ((unit, taken, factor), (taken, unit, 1 / factor)):
-            yield slip(
-                _times(f"{the} {at}", k, has, stated),
-                "force unit",
-                _scaled(k, k),
-                rarity,
+            yield replace(
+                slip(_times(f"{the} {at}", k, has, stated), "force unit", _scaled(k, k), rarity),
+                without=shrunk(k, _scaled(0, 0)),
             )
     for has, stated, k in (("N m", "N mm", 1e3), ("N mm", "N m", _MILLI)):
-        yield slip(
-            _times(f"the moment {at}", k, has, stated),
-            "moment unit",
-            _scaled(1, 1, k),
+        yield replace(
+            slip(_times(f"the moment {at}", k, has, stated), "moment unit", _scaled(1, 1, k)),
+            without=shrunk(k, _scaled(1, 1, 0)),
         )
 
 
@@ -208,17 +211,15 @@ def _motion_slips(body: MeasuredBody, gravity: Vector) -> Iterator[Slip]:
         ("m/s2", "mm/s2", 1e3), ("mm/s2", "m/s2", _MILLI),
         ("g", "m/s2", 9.80665), ("m/s2", "g", 1 / 9.80665),
     ):  # fmt: skip
-        yield slip(
-            _times("the acceleration", k, has, stated),
-            "acceleration unit",
-            scaled(k, k),
+        yield replace(
+            slip(_times("the acceleration", k, has, stated), "acceleration unit", scaled(k, k)),
+            without=scaled(0, 0) if k <= _SMALL else None,
         )
     yield slip("reversing the angular acceleration", "turning sign", turning(-1), 0.3)
     for has, stated, k in (("deg/s2", "rad/s2", radians(1)), ("rad/s2", "deg/s2", degrees(1))):
-        yield slip(
-            _times("the angular acceleration", k, has, stated),
-            "turning unit",
-            turning(k),
+        yield replace(
+            slip(_times("the angular acceleration", k, has, stated), "turning unit", turning(k)),
+            without=turning(0) if k <= _SMALL else None,
         )
     for point in body.body.points:
         yield slip(
@@ -273,20 +274,24 @@ def _with_gravity(gravity: Vector, factor: float) -> Mend:
 def _mass_slips(body: MeasuredBody, gravity: Vector) -> Iterator[Slip]:
     own = body.body
 
-    def slip(words: str, kind: str, mass: float, inertia: float, rarity: float) -> Slip:
-        return Slip(
-            words,
-            kind,
-            None,
-            lambda b: replace(b, body=b.body.with_mass_properties(mass, own.centre, inertia)),
-            rarity,
-        )
+    def of(mass: float, inertia: float) -> Mend:
+        changed = own.with_mass_properties(mass, own.centre, inertia)
+        return lambda b: replace(b, body=changed)
+
+    def slip(
+        words: str,
+        mass: float,
+        inertia: float,
+        rarity: float,
+        without: Mend | None = None,
+    ) -> Slip:
+        return Slip(words, "mass", None, of(mass, inertia), rarity, without)
 
     for factor, units in ((_MILLI, "g taken for kg"), (1e3, "kg taken for g, or t for kg")):
         mass = own.mass * factor
         yield slip(
             f"a mass of {mass * 1e3:.4g} kg instead of {own.mass * 1e3:.4g} kg ({units})",
-            "mass", mass, own.inertia, 0.5,
+            mass, own.inertia, 0.5, of(0.0, own.inertia) if factor <= _SMALL else None,
         )  # fmt: skip
     for factor, units in (
         (1e-6, "kg mm2 taken for kg m2"), (1e6, "kg m2 taken for kg mm2"),
@@ -296,7 +301,7 @@ def _mass_slips(body: MeasuredBody, gravity: Vector) -> Iterator[Slip]:
         yield slip(
             f"an inertia of {inertia * _MILLI:.4g} kg m2 instead of "
             f"{own.inertia * _MILLI:.4g} kg m2 ({units})",
-            "mass", own.mass, inertia, 1.0,
+            own.mass, inertia, 1.0, of(own.mass, 0.0) if factor <= _SMALL else None,
         )  # fmt: skip
     for point, place in own.points.items():
         apart = (place[0] - own.centre[0]) ** 2 + (place[1] - own.centre[1]) ** 2
@@ -304,9 +309,9 @@ def _mass_slips(body: MeasuredBody, gravity: Vector) -> Iterator[Slip]:
         if apart and inertia > 0:
             yield slip(
                 f"taking the inertia as that about {point}, not about the centre of mass",
-                "mass", own.mass, inertia, 1.0,
+                own.mass, inertia, 1.0,
             )  # fmt: skip
     yield slip(
         "leaving weight and inertia out (the forces are of a machine without mass)",
-        "mass", 0.0, 0.0, 0.7,
+        0.0, 0.0, 0.7,
     )  # fmt: skip

@@ -112,6 +112,17 @@ def test_a_speed_rises_evenly_in_time():
     assert_allclose(cycle.efforts["push"], 2e-3 * 100.0, rtol=1e-9)
 
 
+@pytest.mark.parametrize("acceleration", [100.0, 0.0, -12.0])
+def test_a_steady_pace_goes_on_over_phases_there_and_back(acceleration):
+    """Over all the way there and back, v2 = v0^2 + 2 a s and s = (v0 + v) t / 2."""
+    cycle = slid(block(), SteadyPace(X, 100.0, acceleration), 60.0, 100.0, 40.0, 30.0, 90.0)
+    way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(cycle.positions)))])
+    speed = np.sqrt(100.0**2 + 2 * acceleration * way)
+    assert_allclose(np.abs(cycle.velocities[:, 1, 0]), speed, rtol=1e-9)
+    assert_allclose(cycle.times, 2 * way / (100.0 + speed), rtol=1e-9, atol=1e-12)
+    assert_allclose(way[-1], 100.0 + 70.0 + 60.0)
+
+
 def test_a_turning_crank_carries_its_acceleration():
     """Drive torque of a bare flywheel: I alpha, whichever way it turns."""
     linkage = slider_crank(50.0, 200.0, crank_body={"inertia": 3.0})

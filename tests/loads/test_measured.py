@@ -227,6 +227,39 @@ def test_nothing_is_suggested_where_no_slip_closes_it(runs, slip, body, told):
         raise AssertionError(str(diagnosis))
 
 
+def more_moment(size):
+    return at("A", lambda load: replace(load, moment=load.moment + size))
+
+
+def faster(factor):
+    return motion(
+        acceleration=lambda a: a * factor**2, angular_acceleration=lambda a: a * factor**2
+    )
+
+
+NO_SLIPS = {
+    "a constant moment": ("fast", "rod", more_moment(3000.0), TOLERANCE, "no slip"),
+    "a large constant moment": ("slow", "rod", more_moment(3000.0), 3 * TOLERANCE, "no slip"),
+    "a moment on the crank": ("slow", "crank", more_moment(500.0), TOLERANCE, "no slip"),
+    "a lower speed": ("fast", "crank", faster(0.8), TOLERANCE, "times the mass"),
+    "a higher speed": ("slow", "crank", faster(1.2), TOLERANCE, "no slip"),
+    "half the mass": ("fast", "crank", masses(0.5), TOLERANCE, "is gone with 2 times the mass"),
+    "half the mass, slow": ("slow", "crank", masses(0.5), TOLERANCE, "is gone with 2 times the mass"),
+    "half the rod's mass": ("fast", "rod", masses(0.5), 3 * TOLERANCE, "is gone with 2 times the mass"),
+    "twice the inertia": ("fast", "rod", masses(1.0, 2.0), TOLERANCE, "is gone with 0.5 times the inertia"),
+    "four times the inertia": ("slow", "rod", masses(1.0, 4.0), 3 * TOLERANCE, "is gone with 0.25 times the inertia"),
+    "a gauge turned": ("slow", "rod", at("A", lambda load: replace(load, force=rotated(load.force, np.full(len(load.force), 0.035)))), TOLERANCE, "acts through A"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("run", "body", "fault", "limit", "told"), NO_SLIPS.values(), ids=NO_SLIPS)
+def test_a_fault_that_is_no_slip_is_not_explained_by_one(runs, run, body, fault, limit, told):
+    """Slips that only take away what is wrong, or that leave a good part of it, explain nothing."""
+    diagnosis = diagnose(fault(runs[run], body), body, limit)
+    assert diagnosis.suggestions == ()
+    assert told in str(diagnosis)
+
+
 @pytest.mark.parametrize("seed", range(2))
 def test_strong_noise_is_never_explained_by_a_slip(runs, seed):
     for run in runs.values():
@@ -293,6 +326,20 @@ def test_a_pin_gets_the_loads_of_the_solved_cycle_and_the_unmeasured_lug_what_fo
         assert not other.times.any()
         left = measured.pin_residual("A", seats)
         assert (left is None) == (len(bodies) == 1)
+
+
+def test_what_the_measured_seats_of_a_pin_leave_is_shared_by_them_evenly(runs):
+    """Crank and rod give the pin minus their loads; their sum, halved, is taken off each."""
+    run = with_load(runs["fast"], "crank", "A", scaled(1.04, 0.97))
+    crank, rod = (
+        next(load for load in run.bodies[name].loads if load.point == "A").force
+        for name in ("crank", "rod")
+    )
+    history = run.pin_history("A", {"crank": "crank", "rod": "rod"}, "ground")
+    assert np.abs(crank + rod).max() > 1.0
+    assert_allclose(history.wrenches[:, 0, :2], (rod - crank) / 2, atol=1e-9)
+    assert_allclose(history.wrenches[:, 1, :2], (crank - rod) / 2, atol=1e-9)
+    assert_allclose(run.pin_residual("A", {"crank": "crank", "rod": "rod"})[:, :2], -crank - rod)
 
 
 def test_an_angular_velocity_that_is_not_the_rate_of_the_angle_is_noticed(runs):

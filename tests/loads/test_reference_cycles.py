@@ -116,7 +116,7 @@ def turns_round(width):
     return True
 
 
-def stroke_and_gap(width, n=4001):
+def stroke_and_gap(width, n=1001):
     """Stroke of the hammer, and the smallest |R sin theta - y| (0 where the rod lies level).
 
     The lever's dead points are among the positions: there the stroke ends, unless it grows.

@@ -1,0 +1,65 @@
+"""Positions near folds and change points, where two ways of assembling a linkage come together."""
+
+from math import acos, atan2, cos, hypot, pi, sin
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from loads import Angle, trace
+
+from .machines import four_bar
+
+CRANK, ROCKER = Angle("crank"), Angle("rocker")
+
+
+def rocker_angle(crank, coupler, rocker, ground, angle):
+    """The rocker of the open four-bar by two triangles, between -pi and pi."""
+    a = (crank * cos(angle), crank * sin(angle))
+    gap = hypot(ground - a[0], a[1])
+    lift = acos((coupler**2 + gap**2 - rocker**2) / (2 * coupler * gap))
+    theta = atan2(-a[1], ground - a[0]) + lift
+    return atan2(a[1] + coupler * sin(theta), a[0] + coupler * cos(theta) - ground)
+
+
+def wrapped(angles):
+    return np.remainder(np.asarray(angles) + pi, 2 * pi) - pi
+
+
+@pytest.mark.parametrize("crank", [90.0, 99.9, 100.1, 101.0])
+def test_a_kite_beside_its_change_point_stays_on_its_branch(crank):
+    """Rocker and coupler nearly fold onto crank and ground: the branches are 0.001 to 0.1 apart.
+
+    Asked for one position at a time, so that none is put right by what its neighbours need.
+    """
+    lengths = (crank, 250.0, 250.0, 100.0)
+    path = trace(four_bar(*lengths, at=1.0), CRANK, -3.0, 3.0)
+    for value in (*np.linspace(-0.2, 0.2, 41), -2.0, 2.0):
+        pose = path.at(np.array([value])).poses[0]
+        expected = rocker_angle(*lengths, value)
+        assert_allclose(wrapped(pose[3, 2] - expected), 0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("before", [1e-4, 1e-5, 3e-6, 1e-6, 1e-7])
+def test_a_rocker_just_before_its_limit_does_not_fall_to_another_branch(before):
+    """At the limit the crank lies back along the coupler: 150, 300 and 200 mm make a triangle.
+
+    The crank has come there from its assembled angle, over no more than half a turn.
+    """
+    lengths = (100.0, 250.0, 200.0, 300.0)
+    folded = pi + acos((150.0**2 + 300.0**2 - 200.0**2) / (2 * 150.0 * 300.0))
+    limit = rocker_angle(*lengths, folded)
+    linkage = four_bar(*lengths)
+    begin = linkage.assembled["rocker"][2]
+    path = trace(linkage, ROCKER, begin, limit - before)
+    for value in np.linspace(begin, limit - before, 150):
+        crank = path.at(np.array([value])).poses[0, 1, 2]
+        assert_allclose(rocker_angle(*lengths, crank), value, atol=1e-9)
+        assert linkage.assembled["crank"][2] - 1e-9 < crank < folded
+
+
+def test_a_body_that_swings_does_not_gain_a_turn_where_it_is_fast():
+    """The rocker of a crank-rocker comes back: crank + coupler < rocker + ground."""
+    path = trace(four_bar(90.0, 250.0, 250.0, 100.0, at=1.0), CRANK, -3.0, 3.0)
+    rocker = path.at(np.linspace(-3.0, 3.0, 2001)).poses[:, 3, 2]
+    assert np.abs(np.diff(rocker)).max() < 0.1
