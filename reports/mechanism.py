@@ -232,7 +232,8 @@ class _Drawing:
             if np.ptp(place, axis=0).max() < 1e-6 * self.size:
                 continue
             points = " ".join(f"{x:.5g},{-y:.5g}" for x, y in place[:: max(1, len(place) // 180)])
-            yield f'<polyline class="way" points="{points}"><title>way of {escape(brief(name, 30))}</title></polyline>'  # noqa: E501
+            title = f"<title>way of {escape(brief(name, 30))}</title>"
+            yield f'<polyline class="way" points="{points}">{title}</polyline>'
 
     def ground(self) -> Iterator[str]:
         """Pivots on the ground, and the guides and slots that it has."""
