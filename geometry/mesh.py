@@ -31,10 +31,15 @@ class FoldedElementError(MeshError):
 class Interface:
     """Where another part presses on this one.
 
-    kind      "bore" (a pin inside a hole), "journal" (a lug around a pin) or "face" (a cut end)
+    kind      "bore" (a pin inside a hole), "journal" (a lug around a pin), "face" (a cut end),
+              "clamp" (faces normal to y that are squeezed and carried) or "slide" (a contact that
+              moves along x, on one of two faces normal to y)
     centre    (3,) mm, the point at which the interface's wrench is stated
-    radius    mm, of a bore or journal; 0 for a face
-    length    mm, total loaded length along the axis (sum of both cheeks); 0 for a face
+    radius    mm, of a bore or journal; 0 for the others
+    length    mm, total loaded length along z (sum of both cheeks); 0 for a face
+    travel    mm, lowest and highest x of a slide's contact, from the centre
+    patch     mm, half the length along x on which a slide's contact presses
+    tilts     whether a bore or journal also carries couples about x and y
     """
 
     name: str
@@ -42,6 +47,29 @@ class Interface:
     centre: FloatArray
     radius: float = 0.0
     length: float = 0.0
+    travel: tuple[float, float] = (0.0, 0.0)
+    patch: float = 0.0
+    tilts: bool = False
+
+    @property
+    def surfaces(self) -> tuple[str, ...]:
+        """Surfaces of the mesh that belong to it.
+
+        Of a slide the one that a force along +y presses on, then the one of a force along -y.
+        """
+        return (f"{self.name}+", f"{self.name}-") if self.kind == "slide" else (self.name,)
+
+
+@dataclass(frozen=True, eq=False)
+class Tie:
+    """Nodes of bodies that touch: equal displacement along one axis, free along the others.
+
+    axis   0, 1, 2: x, y, z
+    pairs  (n, 2) node indices, at the same place
+    """
+
+    axis: int
+    pairs: IntArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,9 +93,10 @@ class Mesh:
     nodes       (n_nodes, 3)       mm
     elements    (n_elements, 10)   node indices, VTK order (corners, then TET_EDGES)
     surfaces    name -> (n_facets, 6) node indices: corners, then mid-sides 01, 12, 20
-    interfaces  name -> Interface; each has a surface of the same name
+    interfaces  name -> Interface, with the surfaces that it names
     volume_cad  mm3, of the CAD body the mesh stands for
     mesher      what made the volume mesh
+    ties        between the bodies of a stack, such as the leaves of a spring
     """
 
     nodes: FloatArray
@@ -76,13 +105,15 @@ class Mesh:
     interfaces: Mapping[str, Interface]
     volume_cad: float
     mesher: str = "HXT"
+    ties: tuple[Tie, ...] = ()
 
     def __post_init__(self) -> None:
         if self.nodes.ndim != 2 or self.nodes.shape[1] != 3:
             raise MeshError(f"nodes must have shape (n, 3), got {self.nodes.shape}")
         if self.elements.ndim != 2 or self.elements.shape[1] != 10 or not len(self.elements):
             raise MeshError(f"elements must have shape (n, 10), n > 0, got {self.elements.shape}")
-        missing = set(self.interfaces) - set(self.surfaces)
+        wanted = {name for face in self.interfaces.values() for name in face.surfaces}
+        missing = wanted - set(self.surfaces)
         if missing:
             raise MeshError(f"interfaces without a surface: {', '.join(sorted(missing))}")
         used = np.zeros(len(self.nodes), dtype=bool)
