@@ -12,7 +12,7 @@ from functools import lru_cache
 from operator import ge, gt, le, lt
 from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import core_schema
 
 from ballesta.names import nearest
@@ -321,4 +321,11 @@ Point2 = Annotated[Pair, Vector("length")]
 Acceleration2 = Annotated[Pair, Vector("acceleration")]
 Direction2 = Annotated[Pair, Vector("")]
 
-BY_DIMENSION: dict[str, Any] = {"length": Length, "angle": Angle, "force": Force, "mass": Mass}
+BY_DIMENSION: dict[str, Any] = {
+    "length": Length,
+    "angle": Angle,
+    "force": Force,
+    "mass": Mass,
+    "number": Annotated[float, Field(strict=True, allow_inf_nan=False)],
+    "count": Annotated[int, Field(strict=True)],
+}

@@ -1,12 +1,14 @@
 """The mesh of one part: nodes, second-order tetrahedra, named surfaces; and its mass properties."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -129,6 +131,22 @@ class Mesh:
                 f"the mesh has {self.volume:.6g} mm3 and the body {self.volume_cad:.6g} mm3, "
                 f"{deviation:.1e} apart (limit 1e-3)"
             )
+
+    def bonded(self) -> "Mesh":
+        """Return the mesh with tied nodes made one: the bodies of the stack glued together."""
+        if not self.ties:
+            return self
+        pairs = np.concatenate([tie.pairs for tie in self.ties])
+        links = coo_matrix((np.ones(len(pairs)), tuple(pairs.T)), shape=(len(self.nodes),) * 2)
+        _, place = connected_components(links, directed=False)
+        _, kept, renumber = np.unique(place, return_index=True, return_inverse=True)
+        return replace(
+            self,
+            nodes=self.nodes[kept],
+            elements=renumber[self.elements],
+            surfaces={name: renumber[facets] for name, facets in self.surfaces.items()},
+            ties=(),
+        )
 
     @cached_property
     def jacobian_minimum(self) -> float:

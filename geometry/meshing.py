@@ -13,11 +13,14 @@ import numpy as np
 
 from geometry.mesh import (
     FoldedElementError,
+    IntArray,
     Interface,
     Mesh,
     MeshError,
     TooManyElementsError,
 )
+from geometry.sizing import SizeField
+from geometry.stacks import split_bodies, ties_of
 
 # Every option that changes a mesh is set here, so that the same part gives the same mesh.
 _OPTIONS = {
@@ -67,12 +70,17 @@ class Body:
     interfaces  the places where other parts press
     size        mm, general element size
     regions     where elements are smaller
+    stacked     whether it is several solids that share faces normal to y (made conformal in gmsh);
+                they keep nodes of their own there, with equal displacement along y
+    bolted_at   mm, x of the plane in which a stack's solids do not slide on each other either
     """
 
     surfaces: Mapping[str, Sequence[int]]
     interfaces: Sequence[Interface]
     size: float
     regions: Sequence[Region]
+    stacked: bool = False
+    bolted_at: float | None = None
 
 
 class Buildable(Protocol):
@@ -106,8 +114,8 @@ def gmsh_session() -> Iterator[Any]:
         gmsh.finalize()
 
 
-def mesh_shape(shape: Buildable, *, fineness: float = 1.0) -> Mesh:
-    """Mesh a shape; `fineness` divides every element size.
+def mesh_shape(shape: Buildable, *, fineness: float = 1.0, sizes: SizeField | None = None) -> Mesh:
+    """Mesh a shape; `fineness` divides every element size, and `sizes` may ask for smaller ones.
 
     Raises MeshError if the body is not one solid, gmsh gives up, or the mesh is not usable. The
     mesh's `mesher` says so where the second algorithm had to be taken.
@@ -116,19 +124,21 @@ def mesh_shape(shape: Buildable, *, fineness: float = 1.0) -> Mesh:
         raise ValueError(f"fineness must be above 0, got {fineness}")
     for mesher, algorithm in _MESHERS:
         try:
-            return _mesh_with(shape, fineness, mesher, algorithm)
+            return _mesh_with(shape, fineness, sizes, mesher, algorithm)
         except FoldedElementError as error:
             folded = error
     raise folded
 
 
-def _mesh_with(shape: Buildable, fineness: float, mesher: str, algorithm: int) -> Mesh:
+def _mesh_with(
+    shape: Buildable, fineness: float, sizes: SizeField | None, mesher: str, algorithm: int
+) -> Mesh:
     with gmsh_session() as gmsh:
         gmsh.option.setNumber("Mesh.Algorithm3D", algorithm)
         try:
             body = shape.build(gmsh)
             _check_count(gmsh, body, fineness)
-            _set_sizes(gmsh, body, fineness)
+            _set_sizes(gmsh, body, fineness, sizes)
             _generate(gmsh)
         except MeshError:
             raise
@@ -182,7 +192,7 @@ def faces_where(gmsh: Any, test: Callable[[Any, str], bool]) -> list[int]:
     return found
 
 
-def _set_sizes(gmsh: Any, body: Body, fineness: float) -> None:
+def _set_sizes(gmsh: Any, body: Body, fineness: float, sizes: SizeField | None) -> None:
     field = gmsh.model.mesh.field
     thresholds = []
     for region in body.regions:
@@ -199,6 +209,8 @@ def _set_sizes(gmsh: Any, body: Body, fineness: float) -> None:
         field.setNumber(threshold, "DistMin", 0.1 * region.reach)
         field.setNumber(threshold, "DistMax", region.reach)
         thresholds.append(threshold)
+    if sizes is not None:
+        thresholds.append(sizes.to_gmsh(gmsh))
     smallest = field.add("Min")
     field.setNumbers(smallest, "FieldsList", thresholds)
     field.setAsBackgroundMesh(smallest)
@@ -206,8 +218,8 @@ def _set_sizes(gmsh: Any, body: Body, fineness: float) -> None:
 
 
 def _read_mesh(gmsh: Any, body: Body, mesher: str) -> Mesh:
-    volumes = gmsh.model.getEntities(3)
-    if len(volumes) != 1:
+    volumes = [tag for _, tag in gmsh.model.getEntities(3)]
+    if len(volumes) != 1 and not (body.stacked and volumes):
         raise MeshError(f"the part must be one solid, the CAD kernel built {len(volumes)}")
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     index = np.full(int(tags.max()) + 1, -1, dtype=np.int64)
@@ -215,24 +227,37 @@ def _read_mesh(gmsh: Any, body: Body, mesher: str) -> Mesh:
     # The last bits of a node that was moved to mend its element depend on addresses in memory.
     nodes = np.round(np.asarray(coordinates, dtype=float), 10).reshape(-1, 3)
 
-    _, connectivity = gmsh.model.mesh.getElementsByType(11)
-    elements = index[np.asarray(connectivity, dtype=np.int64).reshape(-1, 10)][:, _FROM_GMSH_TO_VTK]
+    solids = [_elements(gmsh, index, 11, tag, 10)[:, _FROM_GMSH_TO_VTK] for tag in volumes]
+    split = split_bodies(nodes, solids)
+    elements = np.concatenate([own[solid] for own, solid in zip(split.copies, solids, strict=True)])
 
     surfaces = {}
     for name, faces in body.surfaces.items():
         if not faces:
             raise MeshError(f"no face of the body was found for surface {name!r}")
-        parts = [gmsh.model.mesh.getElementsByType(9, tag)[1] for tag in faces]
-        surfaces[name] = index[np.concatenate(parts).astype(np.int64).reshape(-1, 6)]
+        parts = []
+        for tag in faces:
+            solid = int(gmsh.model.getAdjacencies(2, tag)[0][0])
+            own = split.copies[volumes.index(solid)]
+            parts.append(own[_elements(gmsh, index, 9, tag, 6)])
+        surfaces[name] = np.concatenate(parts)
 
     used = np.unique(elements)
-    renumber = np.full(len(nodes), -1, dtype=np.int64)
+    renumber = np.full(len(split.nodes), -1, dtype=np.int64)
     renumber[used] = np.arange(len(used))
     return Mesh(
-        nodes=nodes[used],
+        nodes=split.nodes[used],
         elements=renumber[elements],
         surfaces={name: renumber[facets] for name, facets in surfaces.items()},
         interfaces={interface.name: interface for interface in body.interfaces},
-        volume_cad=float(gmsh.model.occ.getMass(3, volumes[0][1])),
+        volume_cad=float(sum(gmsh.model.occ.getMass(3, tag) for tag in volumes)),
         mesher=mesher,
+        ties=ties_of(split.nodes[used], renumber[split.pairs], body.bolted_at),
     )
+
+
+def _elements(gmsh: Any, index: IntArray, kind: int, tag: int, width: int) -> IntArray:
+    """Node indices of the elements of one of gmsh's types on a CAD face or solid, (n, width)."""
+    _, connectivity = gmsh.model.mesh.getElementsByType(kind, tag)
+    found: IntArray = index[np.asarray(connectivity, dtype=np.int64).reshape(-1, width)]
+    return found

@@ -36,6 +36,29 @@ def a_length(meaning: str, *, default: Any = MISSING, given_by: str = GIVEN_BY_D
     )
 
 
+def a_number(meaning: str, *, default: Any = MISSING) -> Any:
+    """Declare a plain number, without a unit; `default` makes it optional."""
+    return _of_design("number", meaning, default)
+
+
+def a_count(meaning: str, *, default: Any = MISSING) -> Any:
+    """Declare a whole number; `default` makes it optional."""
+    return _of_design("count", meaning, default)
+
+
+def a_flag(meaning: str) -> Any:
+    """Declare something that is so or not, and is not so unless it is stated."""
+    return _of_design("flag", meaning, False)
+
+
+def _of_design(dimension: str, meaning: str, default: Any) -> Any:
+    return field(
+        default=default,
+        kw_only=True,
+        metadata={"dimension": dimension, "meaning": meaning, "given_by": GIVEN_BY_DESIGN},
+    )
+
+
 def check_above(field: str, value: float, limit: float, unit: str = "mm") -> None:
     """Raise ParameterError unless the value is above the limit."""
     if not value > limit:
@@ -46,6 +69,20 @@ def check_at_least(field: str, value: float, limit: float, unit: str = "mm") -> 
     """Raise ParameterError unless the value is at least the limit."""
     if not value >= limit:
         raise ParameterError(field, f"must be at least {limit:g} {unit}, got {value:g} {unit}")
+
+
+def check_at_most(field: str, value: float, limit: float, because: str, unit: str = "mm") -> None:
+    """Raise ParameterError, which says because of what, unless the value is at most the limit."""
+    if not value <= limit:
+        raise ParameterError(
+            field, f"must be at most {limit:g} {unit}, {because}, got {value:g} {unit}"
+        )
+
+
+def check_below(field: str, value: float, limit: float, because: str) -> None:
+    """Raise ParameterError, which says because of what, unless the length is below the limit."""
+    if not value < limit:
+        raise ParameterError(field, f"must be below {limit:g} mm, {because}, got {value:g} mm")
 
 
 def check_square_tube(length: float, width: float, wall: float, inner_radius: float) -> None:

@@ -1,6 +1,7 @@
 """Cross-sections of parts that may buckle."""
 
 from dataclasses import dataclass
+from math import pi
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,21 @@ def square_tube_section(name: str, width: float, wall: float, inner_radius: floa
     arm = inner / 2 - 0.2234 * inner_radius  # centroid of a spandrel: 0.2234 r from its walls
     inertia = (width**4 - inner**4) / 12 + 4 * fillet * arm**2
     return Section(name, width**2 - inner**2 + 4 * fillet, inertia, inertia)
+
+
+def round_tube_section(name: str, diameter: float, bore: float) -> Section:
+    """Return a round tube; a bore of 0 is a solid bar.
+
+    >>> round_tube_section("tube", 20.0, 15.0).area
+    137.44...
+    """
+    inertia = pi * (diameter**4 - bore**4) / 64
+    return Section(name, pi * (diameter**2 - bore**2) / 4, inertia, inertia)
+
+
+def plate_section(name: str, height: float, thickness: float) -> Section:
+    """Return one flat plate, `height` in the plane of the linkage."""
+    return Section(name, height * thickness, thickness * height**3 / 12, height * thickness**3 / 12)
 
 
 def plate_pair_section(name: str, height: float, wall: float, length: float) -> Section:

@@ -1,44 +1,66 @@
 """A pin in its stack of lugs, stepped where a lug has a smaller bore."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
+from math import isfinite
 from typing import Any, ClassVar
 
 import numpy as np
 
 from geometry.mesh import Interface
 from geometry.meshing import Body, Region, faces_where
-from geometry.parameters import ParameterError, a_length, check_above, check_at_least
+from geometry.parameters import ParameterError, a_flag, a_length, check_above, check_at_least
 from geometry.parts._outline import Outline
 from geometry.sections import Section
 
 
 @dataclass(frozen=True)
 class Seat:
-    """Where one lug, or a pair of lugs at +-`at`, presses on the pin."""
+    """Where one lug, or a pair of lugs at +-`at`, presses on the pin.
+
+    A `single` lug stands at `at` alone, on either side of z = 0: plates mounted side by side.
+    """
 
     name: str
     at: float = a_length("distance of the lug's mid-plane from the pin's mid-plane", default=0.0)
     width: float = a_length("width of the lug on the pin")
     diameter: float | None = a_length("diameter of the pin in this lug, if stepped", default=None)
+    single: bool = a_flag("whether there is no second lug at -`at`; `at` may then be below 0")
 
     def __post_init__(self) -> None:
-        check_at_least("at", self.at, 0)
+        if not isfinite(self.at):
+            raise ParameterError("at", f"must be a finite length, got {self.at:g} mm")
+        if not self.single:
+            check_at_least("at", self.at, 0)
         check_above("width", self.width, 0)
         if self.diameter is not None:
             check_above("diameter", self.diameter, 0)
-        if 0 < self.at < self.width / 2:
+        if self.paired and self.at < self.width / 2:
             raise ParameterError(
                 "at",
                 f"{self.at:g} mm: the pair of lugs at +-{self.at:g} mm overlaps itself; "
                 f"it must be 0 mm or at least {self.width / 2:g} mm",
             )
 
+    @property
+    def paired(self) -> bool:
+        """Whether there are two lugs, on either side of the pin's mid-plane."""
+        return not self.single and self.at > 0
+
+    @property
+    def places(self) -> tuple[float, ...]:
+        """The z of the mid-plane of each lug, mm."""
+        return (-self.at, self.at) if self.paired else (self.at,)
+
 
 @dataclass(frozen=True)
 class Pin:
-    """Round pin along z, mid-plane at z = 0, one interface per seat."""
+    """Round pin along z, one interface per seat; z = 0 is the mid-plane of the pairs of lugs.
+
+    Where lugs sit on one side only, the pin is not in balance by forces alone: then it also carries
+    couples out of the linkage's plane.
+    """
 
     stressed_evenly: ClassVar[bool] = False
     interfaces: ClassVar[tuple[str, ...]] = ()  # the names of the seats
@@ -73,6 +95,7 @@ class Pin:
                     f"{seat.name!r}",
                 )
         self._check_that_lugs_are_apart()
+        self._check_that_fillets_have_room()
 
     def _check_that_lugs_are_apart(self) -> None:
         seated = self.seated()
@@ -81,6 +104,29 @@ class Pin:
                 raise ParameterError(
                     "seats",
                     f"{lower.name!r} and {upper.name!r} overlap by {top - bottom:g} mm on the pin",
+                )
+
+    def _check_that_fillets_have_room(self) -> None:
+        """A fillet stands beyond its lug: not in the next one, nor beyond the pin's end."""
+        seated = self.seated()
+        taken = [
+            self.step_fillet if (seat.diameter or self.diameter) < self.diameter else 0.0
+            for seat, _, _ in seated
+        ]
+        if max(taken[0], taken[-1]) > self.overhang:
+            raise ParameterError(
+                "overhang",
+                f"{self.overhang:g} mm does not hold the fillet of {self.step_fillet:g} mm",
+            )
+        gaps = [upper[1] - lower[2] for lower, upper in pairwise(seated)]
+        for index, gap in enumerate(gaps):
+            wanted = taken[index] + taken[index + 1]
+            if gap < wanted - 1e-9 * self.diameter:
+                raise ParameterError(
+                    "step_fillet",
+                    f"{self.step_fillet:g} mm: between {seated[index][0].name!r} and "
+                    f"{seated[index + 1][0].name!r} there are {gap:g} mm for {wanted:g} mm of "
+                    "fillets",
                 )
 
     @property
@@ -93,6 +139,11 @@ class Pin:
         """None: a pin is bent and sheared, not compressed along its axis."""
         return ()
 
+    @property
+    def notch_factors(self) -> Mapping[str, float]:
+        """None: the mesh has every notch."""
+        return {}
+
     def build(self, gmsh: Any) -> Body:
         """Build the pin in gmsh's current model."""
         self._outline().revolve(gmsh)
@@ -100,24 +151,33 @@ class Pin:
         return self._named(gmsh)
 
     @property
+    def ends(self) -> tuple[float, float]:
+        """The z of the pin's lower and upper end: outermost lug faces plus the overhangs, mm."""
+        seated = self.seated()
+        lowest = min(lower for _, lower, _ in seated)
+        highest = max(upper for _, _, upper in seated)
+        return lowest - self.overhang, highest + self.overhang
+
+    @property
     def total_length(self) -> float:
-        """Length of the pin: outermost lug faces plus the overhangs, mm."""
-        return 2 * (max(seat.at + seat.width / 2 for seat in self.seats) + self.overhang)
+        """Length of the pin, mm."""
+        lower, upper = self.ends
+        return upper - lower
 
     def seated(self) -> list[tuple[Seat, float, float]]:
         """Every lug on the pin from bottom to top: its seat, lower and upper face, mm."""
         places = []
         for seat in self.seats:
-            for sign in (-1, 1) if seat.at else (1,):
-                middle = sign * seat.at
+            for middle in seat.places:
                 places.append((seat, middle - seat.width / 2, middle + seat.width / 2))
         return sorted(places, key=lambda place: place[1])
 
     def _outline(self) -> Outline:
         radius, fillet = self.diameter / 2, self.step_fillet
         outline = Outline()
-        outline.line_to(0.0, -self.total_length / 2)
-        outline.line_to(radius, -self.total_length / 2)
+        lowest, highest = self.ends
+        outline.line_to(0.0, lowest)
+        outline.line_to(radius, lowest)
         for seat, lower, upper in self.seated():
             neck = (seat.diameter or self.diameter) / 2
             if neck < radius:
@@ -130,8 +190,8 @@ class Pin:
             else:
                 outline.line_to(radius, lower)
                 outline.line_to(radius, upper)
-        outline.line_to(radius, self.total_length / 2)
-        outline.line_to(0.0, self.total_length / 2)
+        outline.line_to(radius, highest)
+        outline.line_to(0.0, highest)
         return outline
 
     def _named(self, gmsh: Any) -> Body:
@@ -147,6 +207,7 @@ class Pin:
         ]
         edges = gmsh.model.getBoundary(necks, oriented=False) if necks else []
         steps = [(1, abs(tag)) for _, tag in edges]
+        tilts = any(seat.single for seat in self.seats)
         fine = self.step_fillet / 2.5 if self.step_fillet else self.diameter / 40
         return Body(
             surfaces=faces,
@@ -154,9 +215,10 @@ class Pin:
                 Interface(
                     seat.name,
                     "journal",
-                    np.zeros(3),
+                    np.array([0.0, 0.0, seat.at if seat.single else 0.0]),
                     (seat.diameter or self.diameter) / 2,
-                    seat.width * (2 if seat.at else 1),
+                    seat.width * len(seat.places),
+                    tilts=tilts,
                 )
                 for seat in self.seats
             ],

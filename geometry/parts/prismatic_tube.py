@@ -1,6 +1,6 @@
 """A plain square tube between two pins, loaded on its end faces."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -37,6 +37,11 @@ class PrismaticTube:
     def sections(self) -> tuple[Section, ...]:
         """The tube's one section."""
         return (square_tube_section("tube", self.width, self.wall, self.inner_radius),)
+
+    @property
+    def notch_factors(self) -> Mapping[str, float]:
+        """None: the mesh has every notch."""
+        return {}
 
     def build(self, gmsh: Any) -> Body:
         """Build the tube in gmsh's current model."""

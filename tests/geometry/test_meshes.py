@@ -11,6 +11,8 @@ from geometry.mesh import Interface, Mesh, MeshError, boundary_facets
 from geometry.meshing import Body, mesh_shape
 from geometry.parts import Pin, PrismaticTube, Seat, ToggleBar
 
+from .facets import area
+
 STEEL = 7.85e-9
 BAR = ToggleBar(
     length=250,
@@ -43,25 +45,6 @@ def pin():
 @pytest.fixture(scope="module")
 def tube():
     return mesh_shape(TUBE, fineness=0.7)
-
-
-def area(mesh, facets):
-    """Area of six-node facets by the six-point rule of degree 4 (Dunavant 1985)."""
-    a, b = 0.445948490915965, 0.091576213509771
-    corners = np.array(
-        [[a, a], [a, 1 - 2 * a], [1 - 2 * a, a], [b, b], [b, 1 - 2 * b], [1 - 2 * b, b]]
-    )
-    weights = np.repeat([0.223381589678011, 0.109951743655322], 3) / 2
-    total = 0.0
-    for (r, s), weight in zip(corners, weights, strict=True):
-        t = 1 - r - s
-        by_r = [1 - 4 * t, 4 * r - 1, 0, 4 * (t - r), 4 * s, -4 * s]
-        by_s = [1 - 4 * t, 0, 4 * s - 1, -4 * r, 4 * r, 4 * (t - s)]
-        first, second = (
-            np.einsum("a,nax->nx", np.array(d), mesh.nodes[facets]) for d in (by_r, by_s)
-        )
-        total += weight * np.linalg.norm(np.cross(first, second), axis=1).sum()
-    return total
 
 
 def test_the_same_part_gives_the_same_mesh_to_the_last_bit(pin):
@@ -254,11 +237,12 @@ def test_a_mesh_that_hxt_folds_is_made_by_the_other_mesher_and_says_so(monkeypat
     """Without the repair of curved elements HXT folds this pin at its fillets."""
     made = []
 
-    def without_repair_by_hxt(shape, fineness, mesher, algorithm):
+    def without_repair_by_hxt(*given):
+        mesher = given[-2]
         made.append(mesher)
         repair = 0 if mesher == "HXT" else 1
         monkeypatch.setitem(meshing._OPTIONS, "Mesh.HighOrderOptimize", repair)
-        return mesh_with(shape, fineness, mesher, algorithm)
+        return mesh_with(*given)
 
     mesh_with = meshing._mesh_with
     monkeypatch.setattr(meshing, "_mesh_with", without_repair_by_hxt)

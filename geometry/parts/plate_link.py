@@ -1,0 +1,98 @@
+"""A flat link with rounded ends and a hole at each, such as a crank or a connecting rod."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from geometry.mesh import Interface
+from geometry.meshing import Body, Region
+from geometry.parameters import GIVEN_BY_LINKAGE, ParameterError, a_length, check_above, check_below
+from geometry.parts._plates import bore_at, drill, stadium
+from geometry.sections import Section, plate_section
+
+
+@dataclass(frozen=True)
+class PlateLink:
+    """Flat plate along x; holes along z at x = 0 (interface "first") and x = `length` ("second").
+
+    Its ends are round about the holes. Plates are mounted side by side, so that their pins also
+    tilt in the holes.
+    """
+
+    stressed_evenly: ClassVar[bool] = False
+    interfaces: ClassVar[tuple[str, ...]] = ("first", "second")
+
+    length: float = a_length("distance between the pin axes", given_by=GIVEN_BY_LINKAGE)
+    width: float = a_length("width of the plate, in the linkage's plane")
+    thickness: float = a_length("thickness of the plate")
+    hole: float = a_length("diameter of the hole at the first pin")
+    second_hole: float | None = a_length(
+        "diameter of the hole at the second pin, if it is another", default=None
+    )
+
+    def __post_init__(self) -> None:
+        for name in ("length", "width", "thickness", "hole"):
+            check_above(name, getattr(self, name), 0)
+        check_below("hole", self.hole, self.width, "the width of the plate")
+        if self.second_hole is not None:
+            check_above("second_hole", self.second_hole, 0)
+            check_below("second_hole", self.second_hole, self.width, "the width of the plate")
+        if not sum(self._holes.values()) / 2 < self.length:
+            raise ParameterError(
+                "hole", f"{self.hole:g} mm: the holes meet, the pins are {self.length:g} mm apart"
+            )
+
+    @property
+    def _holes(self) -> dict[str, float]:
+        """Diameter of the hole by interface, mm."""
+        second = self.hole if self.second_hole is None else self.second_hole
+        return {"first": self.hole, "second": second}
+
+    @property
+    def stressed_section(self) -> tuple[float, float]:
+        """The plate, width and thickness in mm, for Marin's size factor."""
+        return (self.width, self.thickness)
+
+    @property
+    def sections(self) -> tuple[Section, ...]:
+        """The plate's one section, away from the holes."""
+        return (plate_section("plate", self.width, self.thickness),)
+
+    @property
+    def notch_factors(self) -> Mapping[str, float]:
+        """None: the mesh has every notch."""
+        return {}
+
+    def build(self, gmsh: Any) -> Body:
+        """Build the plate in gmsh's current model."""
+        occ = gmsh.model.occ
+        half = self.width / 2
+        plate = stadium(gmsh, -half, self.length + half, self.width, self.thickness)
+        places = {"first": 0.0, "second": self.length}
+        tools = [
+            drill(gmsh, places[name], hole, self.thickness) for name, hole in self._holes.items()
+        ]
+        occ.cut([(3, plate)], tools)
+        occ.synchronize()
+        bores = {name: bore_at(gmsh, places[name], hole) for name, hole in self._holes.items()}
+        return Body(
+            surfaces=bores,
+            interfaces=[
+                Interface(
+                    name,
+                    "bore",
+                    np.array([places[name], 0.0, 0.0]),
+                    hole / 2,
+                    self.thickness,
+                    tilts=True,
+                )
+                for name, hole in self._holes.items()
+            ],
+            size=min(self.width / 4, max(self.thickness / 2, self.width / 8)),
+            regions=[
+                Region([(2, tag) for tag in bores[name]], hole / 14, hole / 2)
+                for name, hole in self._holes.items()
+            ],
+        )

@@ -1,0 +1,357 @@
+"""A part as CAD has it: the one solid of a STEP file, loaded at its named holes and journals."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from math import cos, degrees, hypot, radians
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from geometry.mesh import FloatArray, Interface, MeshError
+from geometry.meshing import Body, Region
+from geometry.parameters import ParameterError, check_above
+from geometry.round_faces import Hole
+from geometry.sections import Section
+from geometry.step_file import StepSolid, file_hash, import_solid, survey_step
+
+_PARALLEL = radians(0.1)
+_BORE_ELEMENTS = 9.0  # elements along the radius of a named hole, as in the parametric parts
+_FILLET_ELEMENTS = 1.5  # of a fillet or another hole: enough to see there what the error is
+_FINEST = 6.0  # times smaller than in general at the most, before any error is known
+_MOST_TOLD = 40  # holes in one message
+_STATED = 1e-3  # mm, how exactly points are usually stated
+
+Triple = tuple[float, float, float]
+Pair = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class NamedHole:
+    """A hole that is to be found in the file.
+
+    diameter  mm
+    at        mm, a point on its axis in the file's own frame, where several have the diameter
+    kind      "bore", or "journal": a shaft's end or a boss that a lug goes round
+    """
+
+    name: str
+    diameter: float
+    at: Triple | None = None
+    kind: str = "bore"
+
+    def __post_init__(self) -> None:
+        check_above(f"holes.{self.name}.diameter", self.diameter, 0)
+        if self.kind not in ("bore", "journal"):
+            raise ParameterError(
+                f"holes.{self.name}.kind", f"must be bore or journal, got {self.kind!r}"
+            )
+
+
+@dataclass(frozen=True)
+class StepPart:
+    """The one solid of a STEP file, moved into the part's frame; its interfaces are named holes.
+
+    The first hole's axis is z, its middle the origin, and the second hole stands on +x. z points
+    along the axis of the file that is nearest to it, against it where `flip` is set.
+
+    holes      at least two, the first two make the frame
+    places     mm, where the linkage has the holes' axes in this frame; None: wherever they are
+    tolerance  mm, on diameters, on points of an axis, and on `places`
+    section    mm, height and thickness of the stressed section for Marin's size factor, or None
+    sha256     of the file, by which parts are told apart
+
+    Raises ParameterError for a file or holes that cannot be meant.
+    """
+
+    stressed_evenly: ClassVar[bool] = False
+
+    path: Path = field(compare=False)
+    holes: tuple[NamedHole, ...]
+    places: tuple[Pair, ...] | None = None
+    tolerance: float = 0.05
+    flip: bool = False
+    section: Pair | None = None
+    sha256: str = field(init=False)
+
+    def __post_init__(self) -> None:
+        if len(self.holes) < 2:
+            raise ParameterError("holes", f"needs at least two holes, got {len(self.holes)}")
+        names = [hole.name for hole in self.holes]
+        if len(set(names)) < len(names):
+            raise ParameterError("holes", f"two have the same name among {', '.join(names)}")
+        if self.places is not None and len(self.places) != len(self.holes):
+            raise ValueError(f"{len(self.holes)} holes need as many places, got {self.places}")
+        check_above("hole_tolerance", self.tolerance, 0)
+        for size in self.section or ():
+            check_above("section", size, 0)
+        object.__setattr__(self, "sha256", file_hash(self.path))
+        self._check_parallel()
+        self._check_places()
+
+    @cached_property
+    def solid(self) -> StepSolid:
+        """What the file holds, in its own frame."""
+        return survey_step(self.path)
+
+    @cached_property
+    def found(self) -> Mapping[str, Hole]:
+        """The named holes, in the file's own frame."""
+        found: dict[str, Hole] = {}
+        for named in self.holes:
+            hole = self._match(named)
+            for other, taken in found.items():
+                if taken is hole:
+                    raise ParameterError(
+                        f"holes.{named.name}",
+                        f"is the same hole as {other}: {hole}; {self._told_holes()}",
+                    )
+            found[named.name] = hole
+        return found
+
+    def _match(self, named: NamedHole) -> Hole:
+        """Return the one hole that a name can mean."""
+        key = f"holes.{named.name}"
+        wide = [hole for hole in self.solid.holes if self._has_size(named, hole)]
+        fits = [hole for hole in wide if self._is_at(named, hole)]
+        what = f"{named.kind} of {named.diameter:g} mm"
+        where = ""
+        if named.at is not None:
+            where = " through ({:g}, {:g}, {:g}) mm".format(*named.at)
+        if not fits:
+            partial = [entry for entry in self.solid.partial if entry.startswith(what + " ")]
+            only = f"; only a {partial[0]}" if partial else ""
+            hints = (_unit_hint(named.diameter, hole.diameter) for hole in self.solid.holes)
+            only += next((hint for hint in hints if hint), "")
+            raise ParameterError(
+                key,
+                f"no {what}{where} is in {self.path.name} within {self.tolerance:g} mm"
+                f"{only}; {self._told_holes()}",
+            )
+        if len(fits) > 1:
+            raise ParameterError(
+                key,
+                f"{len(fits)} holes of {self.path.name} are a {what}{where}: `at` must say which, "
+                f"by a point of its axis in the file's frame; {self._told_holes()}",
+            )
+        if not fits[0].plain:
+            raise ParameterError(
+                key,
+                f"something cuts into the {fits[0]}: a cross hole, a keyway or a slanted end; "
+                "only plain cylinders can be loaded yet, leave the cut out of the CAD model",
+            )
+        return fits[0]
+
+    def _has_size(self, named: NamedHole, hole: Hole) -> bool:
+        return hole.kind == named.kind and abs(hole.diameter - named.diameter) <= self.tolerance
+
+    def _is_at(self, named: NamedHole, hole: Hole) -> bool:
+        return named.at is None or hole.distance_to(np.array(named.at)) <= self.tolerance
+
+    def _told_holes(self) -> str:
+        holes = self.solid.holes
+        if not holes:
+            return "the part has no round hole or journal"
+        more = f"; and {len(holes) - _MOST_TOLD} more" if len(holes) > _MOST_TOLD else ""
+        return "there are " + "; ".join(map(str, holes[:_MOST_TOLD])) + more
+
+    def _check_parallel(self) -> None:
+        first, *others = self.found.items()
+        for name, hole in others:
+            if abs(float(hole.direction @ first[1].direction)) < cos(_PARALLEL):
+                angle = degrees(
+                    np.arcsin(np.linalg.norm(np.cross(hole.direction, first[1].direction)))
+                )
+                raise ParameterError(
+                    f"holes.{name}",
+                    f"stands at {angle:.3g} deg to {first[0]}: the pins of a plane linkage are "
+                    f"parallel (within 0.1 deg); {self._told_holes()}",
+                )
+        names = list(self.found)
+        if not self.length > self.tolerance:
+            raise ParameterError(
+                f"holes.{names[1]}", f"has the same axis as {names[0]}: there is no x axis"
+            )
+
+    def _check_places(self) -> None:
+        if self.places is None:
+            return
+        first, second, *others = self.found
+        stated = hypot(*np.subtract(self.places[1], self.places[0]))
+        if abs(stated - self.length) > self.tolerance:
+            raise ParameterError(
+                f"holes.{second}",
+                f"is {self.length:.6g} mm from {first} in {self.path.name} and {stated:.6g} mm in "
+                f"the linkage, more than {self.tolerance:g} mm apart"
+                + _unit_hint(stated, self.length),
+            )
+        for name in others:
+            here, wanted = self.centre(name)[:2], self._place(name)
+            if np.linalg.norm(here - wanted) <= self.tolerance:
+                continue
+            mirrored = np.linalg.norm(here * [1, -1] - wanted) <= self.tolerance
+            hint = f"; flip = {str(not self.flip).lower()} puts it there" if mirrored else ""
+            raise ParameterError(
+                f"holes.{name}",
+                f"is at ({here[0]:.6g}, {here[1]:.6g}) mm in {self.path.name} and at "
+                f"({wanted[0]:.6g}, {wanted[1]:.6g}) mm in the linkage, from {first} with x "
+                f"towards {second}{hint}",
+            )
+
+    @property
+    def interfaces(self) -> tuple[str, ...]:
+        """Names of the holes; the first two make the frame."""
+        return tuple(hole.name for hole in self.holes)
+
+    @property
+    def length(self) -> float:
+        """Distance of the first two axes in the file, mm."""
+        first, second, *_ = self.found.values()
+        return second.distance_to(first.centre)
+
+    @cached_property
+    def axes(self) -> FloatArray:
+        """The part's x, y and z axis in the file's frame, as rows."""
+        first, second, *_ = self.found.values()
+        z = -first.direction if self.flip else first.direction
+        x = second.centre - first.centre
+        x = x - (x @ z) * z
+        x /= np.linalg.norm(x)
+        return np.stack([x, np.cross(z, x), z])
+
+    def centre(self, name: str) -> FloatArray:
+        """Middle of a hole's surface in the part's frame, (3,) mm."""
+        return self._in_part(self.found[name].centre)
+
+    def _in_part(self, point: FloatArray) -> FloatArray:
+        return np.asarray(self.axes @ (point - next(iter(self.found.values())).centre))
+
+    def _place(self, name: str) -> FloatArray:
+        """Where the linkage has a hole, (2,) mm, or else where the file has it."""
+        if self.places is None:
+            return self.centre(name)[:2]
+        return np.array(self.places[self.interfaces.index(name)])
+
+    @property
+    def shifts(self) -> Mapping[str, Pair]:
+        """How far each hole stands from where the linkage has it, mm."""
+        moved = {name: self.centre(name)[:2] - self._place(name) for name in self.interfaces}
+        return {name: (float(x), float(y)) for name, (x, y) in moved.items()}
+
+    @property
+    def heights(self) -> Mapping[str, float]:
+        """Height z of the middle of each hole over that of the first, mm."""
+        return {name: float(self.centre(name)[2]) for name in self.interfaces}
+
+    @cached_property
+    def _extents(self) -> FloatArray:
+        """Size of the solid along the part's axes, (3,) mm."""
+        return np.asarray(np.ptp(self.solid.outline @ self.axes.T, axis=0))
+
+    @property
+    def stressed_section(self) -> Pair:
+        """The stated section, or one made up from the solid, height and thickness in mm.
+
+        The latter is as high as the solid and 4 V / A thick, at most as thick as the solid: right
+        for a square bar or a plate, twice the wall of a tube, which is the safe side.
+        """
+        if self.section is not None:
+            return self.section
+        return float(self._extents[1]), min(float(self._extents[2]), 2 * self.solid.wall)
+
+    @property
+    def sections(self) -> tuple[Section, ...]:
+        """None: no column formula is known for a shape from CAD."""
+        return ()
+
+    @property
+    def notch_factors(self) -> Mapping[str, float]:
+        """None: the mesh has every notch."""
+        return {}
+
+    @property
+    def told(self) -> tuple[str, ...]:
+        """What was made of the file, in words."""
+        said = [*self.solid.told]
+        said.append("no column formula is known for a shape from CAD, so none was checked")
+        if self.section is None:
+            height, thickness = self.stressed_section
+            said.append(
+                f"the stressed section for the size factor is {height:.3g} x {thickness:.3g} mm: "
+                "the solid's height, and 4 V/A but at most its thickness; `section` states another"
+            )
+        for name, (x, y) in self.shifts.items():
+            if hypot(x, y) > _STATED:
+                said.append(
+                    f"{name} is {hypot(x, y):.2g} mm from where the linkage has it; its force acts "
+                    "in the hole, with the couple that balances it"
+                )
+        first = self.interfaces[0]
+        for name, z in self.heights.items():
+            if abs(z) > _STATED:
+                said.append(f"the middle of {name} is {z:.4g} mm out of the plane of {first}'s")
+        z = float(self._in_part(self.solid.centre)[2])
+        if abs(z) > _STATED:
+            said.append(f"the centre of mass is {z:.3g} mm out of the plane of {first}'s middle")
+        return tuple(said)
+
+    def build(self, gmsh: Any) -> Body:
+        """Read the solid into gmsh's current model and move it into the part's frame."""
+        if file_hash(self.path) != self.sha256:
+            raise MeshError(f"{self.path.name} has changed since it was first read")
+        tag, _ = import_solid(gmsh, self.path)
+        assert tag == self.solid.tag, "gmsh numbers what it reads in the order of the file"
+        occ, solid = gmsh.model.occ, [(3, tag)]
+        occ.translate(solid, *(-next(iter(self.found.values())).centre))
+        turn = Rotation.from_matrix(self.axes).as_rotvec()
+        angle = float(np.linalg.norm(turn))
+        if angle > 1e-14:
+            occ.rotate(solid, 0, 0, 0, *(turn / angle), angle)
+        occ.synchronize()
+        return Body(
+            surfaces={name: hole.faces for name, hole in self.found.items()},
+            interfaces=[self._interface(name) for name in self.interfaces],
+            size=self.solid.wall,
+            regions=[*self._hole_regions(), *self._fillet_regions()],
+        )
+
+    def _interface(self, name: str) -> Interface:
+        hole = self.found[name]
+        return Interface(
+            name, hole.kind, self.centre(name), hole.diameter / 2, hole.length, tilts=True
+        )
+
+    def _hole_regions(self) -> list[Region]:
+        return [
+            Region(
+                [(2, face) for face in hole.faces],
+                min(hole.diameter / 2 / _BORE_ELEMENTS, self.solid.wall),
+                hole.diameter / 2,
+            )
+            for hole in self.found.values()
+        ]
+
+    def _fillet_regions(self) -> list[Region]:
+        """Hollow curves that are sharper than the elements, but for the named holes."""
+        size = self.solid.wall
+        named = {face for hole in self.found.values() for face in hole.faces}
+        groups: dict[float, list[tuple[int, int]]] = {}
+        for entry in self.solid.curved:
+            wanted = max(entry.radius / _FILLET_ELEMENTS, size / _FINEST)
+            if entry.concave and entry.face not in named and wanted < size:
+                groups.setdefault(round(wanted, 3), []).append((2, entry.face))
+        return [
+            Region(faces, wanted, _FILLET_ELEMENTS * wanted)
+            for wanted, faces in sorted(groups.items())
+        ]
+
+
+def _unit_hint(stated: float, found: float) -> str:
+    """What the ratio of two lengths says of their units."""
+    for factor, unit in ((25.4, "inches"), (1000.0, "metres"), (10.0, "centimetres")):
+        for ratio, which in ((stated / found, "file"), (found / stated, "design")):
+            if abs(ratio / factor - 1) < 1e-3:
+                return f"; one is {factor:g} times the other: does the {which} mean {unit}?"
+    return ""

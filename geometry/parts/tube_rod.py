@@ -1,0 +1,162 @@
+"""A long round rod, hollow or solid, with an eye at each end."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import hypot, pi, sqrt
+from typing import Any, ClassVar
+
+import numpy as np
+
+from geometry.mesh import Interface
+from geometry.meshing import Body, Region, faces_where
+from geometry.parameters import (
+    GIVEN_BY_LINKAGE,
+    ParameterError,
+    a_length,
+    check_above,
+    check_at_least,
+    check_at_most,
+    check_below,
+)
+from geometry.parts._outline import Outline
+from geometry.parts._plates import bore_at, drill
+from geometry.sections import Section, round_tube_section
+
+
+@dataclass(frozen=True)
+class TubeRod:
+    """Round tube along x; holes along z at x = 0 (interface "first") and x = `length` ("second").
+
+    Each eye is a ball about the pin's middle with flats at z = +-`eye_width` / 2, and the tube runs
+    into it with a fillet. The tube's bore ends in hemispheres that stop where the balls end.
+    """
+
+    stressed_evenly: ClassVar[bool] = False
+    interfaces: ClassVar[tuple[str, ...]] = ("first", "second")
+
+    length: float = a_length("distance between the pin axes", given_by=GIVEN_BY_LINKAGE)
+    tube_diameter: float = a_length("outer diameter of the tube")
+    wall: float | None = a_length("wall thickness; without it the rod is solid", default=None)
+    eye_diameter: float = a_length("diameter of the eyes about the pin axes")
+    eye_width: float = a_length("width of the eyes on the pins")
+    hole: float = a_length("diameter of the holes")
+    fillet: float = a_length("radius where the tube joins the eyes; 0 is a sharp edge", default=0.0)
+
+    def __post_init__(self) -> None:
+        for name in ("length", "tube_diameter", "eye_width", "hole"):
+            check_above(name, getattr(self, name), 0)
+        if self.wall is not None:
+            check_above("wall", self.wall, 0)
+            check_below("wall", self.wall, self.tube_diameter / 2, "half the tube's diameter")
+        check_at_least("fillet", self.fillet, 0)
+        check_above("eye_diameter", self.eye_diameter, self.tube_diameter)
+        self._check_eyes()
+
+    def _check_eyes(self) -> None:
+        check_below("hole", self.hole, self.eye_diameter, "the diameter of the eye")
+        flat = sqrt(self.eye_diameter**2 - self.hole**2)
+        check_below("eye_width", self.eye_width, flat, "where the eye's flats hold the hole")
+        if not self._shank_end < self.length / 2:
+            raise ParameterError(
+                "fillet",
+                f"{self.fillet:g} mm: eyes and fillets take {2 * self._shank_end:.4g} mm, the pins "
+                f"are {self.length:g} mm apart",
+            )
+        ends = self.eye_diameter + self._bore
+        if self._bore and not ends < self.length:
+            raise ParameterError(
+                "wall",
+                f"{self.wall:g} mm: no room for a bore, eyes and hemispheres take {ends:g} mm, "
+                f"the pins are {self.length:g} mm apart",
+            )
+        check_at_most(
+            "tube_diameter", self.tube_diameter, self.eye_width, "or it reaches beyond the flats"
+        )
+
+    @property
+    def _bore(self) -> float:
+        """Diameter of the tube's bore, mm; 0 for a solid rod."""
+        return 0.0 if self.wall is None else self.tube_diameter - 2 * self.wall
+
+    @property
+    def _shank_end(self) -> float:
+        """Distance from the pin axis to where the tube's fillet begins, mm."""
+        radius, reach = self.eye_diameter / 2, self.tube_diameter / 2 + self.fillet
+        return sqrt((radius + self.fillet) ** 2 - reach**2)
+
+    @property
+    def stressed_section(self) -> tuple[float]:
+        """The tube's diameter, mm, for Marin's size factor."""
+        return (self.tube_diameter,)
+
+    @property
+    def sections(self) -> tuple[Section, ...]:
+        """The tube, or the solid rod."""
+        name = "tube" if self._bore else "rod"
+        return (round_tube_section(name, self.tube_diameter, self._bore),)
+
+    @property
+    def notch_factors(self) -> Mapping[str, float]:
+        """None: the mesh has every notch."""
+        return {}
+
+    def build(self, gmsh: Any) -> Body:
+        """Build the rod in gmsh's current model."""
+        occ = gmsh.model.occ
+        rod = self._outside().revolve(gmsh)
+        occ.rotate([(3, rod)], 0, 0, 0, 0, 1, 0, pi / 2)
+        far = self.length + self.eye_diameter
+        slab = occ.addBox(-far, -far, -self.eye_width / 2, 3 * far, 2 * far, self.eye_width)
+        solids, _ = occ.intersect([(3, rod)], [(3, slab)])
+        tools = [drill(gmsh, x, self.hole, self.eye_width) for x in (0.0, self.length)]
+        if self._bore:
+            bore = self._inside().revolve(gmsh)
+            occ.rotate([(3, bore)], 0, 0, 0, 0, 1, 0, pi / 2)
+            tools.append((3, bore))
+        occ.cut(solids, tools)
+        occ.synchronize()
+        return self._named(gmsh)
+
+    def _outside(self) -> Outline:
+        """Ball, fillet, tube, fillet, ball, along the axis of revolution."""
+        eye, tube, fillet = self.eye_diameter / 2, self.tube_diameter / 2, self.fillet
+        centre = (tube + fillet, self._shank_end)
+        r, z = (eye / hypot(*centre) * place for place in centre)
+        outline = Outline()
+        outline.line_to(0.0, -eye)
+        outline.arc_to(r, z, (0.0, 0.0))
+        outline.arc_to(tube, centre[1], centre)
+        outline.line_to(tube, self.length - centre[1])
+        outline.arc_to(r, self.length - z, (centre[0], self.length - centre[1]))
+        outline.arc_to(0.0, self.length + eye, (0.0, self.length))
+        return outline
+
+    def _inside(self) -> Outline:
+        """Hemisphere, cylinder, hemisphere."""
+        start, radius = self.eye_diameter / 2, self._bore / 2
+        outline = Outline()
+        outline.line_to(0.0, start)
+        outline.arc_to(radius, start + radius, (0.0, start + radius))
+        outline.line_to(radius, self.length - start - radius)
+        outline.arc_to(0.0, self.length - start, (0.0, self.length - start - radius))
+        return outline
+
+    def _named(self, gmsh: Any) -> Body:
+        places = {"first": 0.0, "second": self.length}
+        bores = {name: bore_at(gmsh, x, self.hole) for name, x in places.items()}
+        fillets = faces_where(gmsh, lambda _, kind: kind == "Torus")
+        holes = [(2, tag) for tags in bores.values() for tag in tags]
+        around = [(2, tag) for tag in fillets]
+        fine = min(self.fillet / 1.5, self.tube_diameter / 6)
+        return Body(
+            surfaces={**bores, **({"fillet": fillets} if fillets else {})},
+            interfaces=[
+                Interface(name, "bore", np.array([x, 0.0, 0.0]), self.hole / 2, self.eye_width)
+                for name, x in places.items()
+            ],
+            size=self.tube_diameter / (4 if self._bore else 3),
+            regions=[
+                Region(holes, self.hole / 14, self.hole / 2),
+                *([Region(around, fine, self.tube_diameter / 2)] if fillets else []),
+            ],
+        )

@@ -1,0 +1,187 @@
+"""Write docs/parts.md and its pictures: every shape of geometry.parts, described by its own code.
+
+`--check` writes nothing and exits 1 if the page's text would change.
+"""
+
+import argparse
+import dataclasses
+import inspect
+import sys
+from pathlib import Path
+from typing import Any
+
+import parts_pictures
+
+from geometry.mesh import Interface
+from geometry.meshing import gmsh_session, mesh_shape
+from geometry.parameters import GIVEN_BY_DESIGN, GIVEN_BY_LINKAGE
+from geometry.parts import (
+    SHAPES,
+    LeafPack,
+    Pin,
+    PlateLink,
+    PrismaticTube,
+    Seat,
+    SlottedLever,
+    ToggleBar,
+    TubeRod,
+)
+
+ROOT = Path(__file__).parent.parent
+PAGE = ROOT / "docs" / "parts.md"
+PICTURES = PAGE.parent / "parts"
+# Short and thick, so that a small picture shows them; and how fine each is meshed for it.
+DRAWN: dict[str, tuple[Any, float]] = {
+    "toggle_bar": (
+        ToggleBar(
+            length=170, width=80, wall=6.3, hole=44, overhang=40, inner_radius=3,
+            cutout_length=56, cutout_corner=5,
+        ),
+        0.45,
+    ),
+    "prismatic_tube": (PrismaticTube(length=100, width=30, wall=3), 0.6),
+    "pin": (
+        Pin(
+            seats=(Seat("lug", at=27, width=10), Seat("eye", width=30, diameter=20)),
+            diameter=25,
+            step_fillet=1.5,
+        ),
+        0.6,
+    ),
+    "plate_link": (PlateLink(length=100, width=30, thickness=10, hole=14), 0.7),
+    "tube_rod": (
+        TubeRod(
+            length=110, tube_diameter=20, wall=2.5, eye_diameter=34, eye_width=24, hole=16, fillet=8
+        ),
+        0.6,
+    ),
+    "slotted_lever": (
+        SlottedLever(
+            length=200, width=40, thickness=12, hole=12, slot_width=16, slot_from=28, slot_to=180,
+            overhang=20, boss_diameter=28, boss_height=10,
+        ),
+        0.7,
+    ),
+    "leaf_pack": (
+        LeafPack(
+            length=120, leaves=3, width=40, thickness=9.6, arm=140, overhang=25, clamp_length=40,
+            rod_length=30, contact_from=90, contact_to=125, contact_length=10,
+        ),
+        0.6,
+    ),
+}  # fmt: skip
+KINDS = {
+    "bore": "a pin presses inside a hole",
+    "journal": "a lug presses around the pin",
+    "face": "a cut end carries the load",
+    "clamp": "faces normal to y are squeezed and carried",
+    "slide": "a contact moves along x, on one of two faces normal to y",
+}
+WHO = {GIVEN_BY_DESIGN: "design file", GIVEN_BY_LINKAGE: "linkage"}
+HEAD = """\
+# The parts
+
+Written by `python tools/describe_parts.py` from `geometry/parts/`; do not edit.
+
+A part of a design file has one of the shapes below. Parameters are lengths with a unit, such as
+`"6.3 mm"`, numbers, or whole numbers; what the linkage gives must not be stated. A part that is a
+body of the linkage lies along x: its first interface is at the origin, its second at x = `length`,
+and z points out of the linkage's plane. It is symmetric about z = 0. At its interfaces other parts
+press. Pictures show parts that are shorter than most.
+"""
+TAIL = """\
+## Another part
+
+A part is one file. Copy a short one, `geometry/parts/prismatic_tube.py`, and
+
+1. declare its parameters as fields of the frozen dataclass, with `a_length`, `a_number` or
+   `a_count` of `geometry/parameters.py`: that one line serves the design file, its schema, its
+   messages and this page;
+2. refuse in `__post_init__` what cannot be built, with a `ParameterError` that names the parameter,
+   the value found and the nearest right one;
+3. name its places in `interfaces`, the two pins first, and say whether it is `stressed_evenly`;
+   give `stressed_section` (for the size factor), `sections` (for columns, or `()`) and
+   `notch_factors` (by surface, for what the mesh does not show, or `{}`);
+4. build it in `build(gmsh)` with gmsh's OpenCASCADE kernel and return a `Body`: CAD faces by name,
+   an `Interface` for each place, a general element size, and regions of smaller ones;
+5. enter it in `SHAPES` of `geometry/parts/__init__.py`, and in `DRAWN` of this tool;
+6. test what you can work out by hand: mass, centre, inertia, areas of its surfaces, and every
+   refusal (`tests/geometry/`).
+"""
+
+
+def page() -> str:
+    """The text of docs/parts.md."""
+    return "\n".join([HEAD, *(_described(name, shape) for name, shape in SHAPES.items()), TAIL])
+
+
+def _described(name: str, shape: type[Any]) -> str:
+    example, _ = DRAWN[name]
+    lines = [f"## {name}", "", inspect.cleandoc(shape.__doc__ or ""), ""]
+    lines += [f"![{name}](parts/{name}.svg)", ""]
+    lines += ["| Interface | Kind | What happens there | Surfaces |", "| --- | --- | --- | --- |"]
+    for interface in _interfaces(example):
+        surfaces = ", ".join(f"`{surface}`" for surface in interface.surfaces)
+        label = interface.name if shape.interfaces else f"a seat, such as {interface.name}"
+        lines.append(f"| {label} | {interface.kind} | {KINDS[interface.kind]} | {surfaces} |")
+    lines += ["", *_table(shape)]
+    if shape is Pin:
+        lines += [
+            "",
+            f"Each of its seats: {inspect.cleandoc(Seat.__doc__ or '')}",
+            "",
+            *_table(Seat),
+        ]
+    factors = ", ".join(f"{value:g} at `{where}`" for where, value in example.notch_factors.items())
+    lines += ["", f"Fatigue notch factor, unless stated: {factors}."] if factors else []
+    return "\n".join([*lines, ""])
+
+
+def _interfaces(shape: Any) -> list[Interface]:
+    with gmsh_session() as gmsh:
+        return list(shape.build(gmsh).interfaces)
+
+
+def _table(shape: type[Any]) -> list[str]:
+    lines = ["| Parameter | Meaning | Kind | Without it | Given by |"]
+    lines.append("| --- | --- | --- | --- | --- |")
+    for field in dataclasses.fields(shape):
+        facts = field.metadata
+        if not facts:  # the name of a seat, the seats of a pin: the design file's stack
+            continue
+        without = _default(field.default, facts["dimension"])
+        who = WHO[facts["given_by"]]
+        lines.append(
+            f"| `{field.name}` | {facts['meaning']} | {facts['dimension']} | {without} | {who} |"
+        )
+    return lines
+
+
+def _default(value: object, dimension: str) -> str:
+    if value is dataclasses.MISSING:
+        return "must be stated"
+    if value is None:
+        return "see its meaning"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return f"{value:g} mm" if dimension == "length" else f"{value:g}"
+
+
+def main() -> int:
+    """Write the page and the pictures, or check the page."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--check", action="store_true", help="write nothing; 1 if it would change")
+    text = page()
+    if parser.parse_args().check:
+        same = PAGE.exists() and PAGE.read_text(encoding="utf-8") == text
+        print(f"{PAGE.relative_to(ROOT)} is {'up to date' if same else 'not up to date'}")
+        return 0 if same else 1
+    PICTURES.mkdir(exist_ok=True)
+    for name, (shape, fineness) in DRAWN.items():
+        parts_pictures.draw(mesh_shape(shape, fineness=fineness), PICTURES / f"{name}.svg")
+    PAGE.write_text(text, encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
