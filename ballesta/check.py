@@ -16,12 +16,13 @@ from ballesta.balance import balance_gates, measured_loads, not_measured
 from ballesta.bushes import bush_checks
 from ballesta.design import read_design
 from ballesta.design_data import Design, Part
+from ballesta.elastic_parts import compliances_of, without_unknown_contacts
 from ballesta.errors import DesignError, NumericsError
 from ballesta.gates import load_gates
 from ballesta.levels import Models
 from ballesta.machine import cycle_of, interface_distance, linkage_of, part_placing
 from ballesta.part_loads import is_loaded, loads_on, shown_of
-from ballesta.solid import LEVELS, check_solid
+from ballesta.solid import FIRST, check_solid
 from ballesta.warnings_of import claim_warnings, design_warnings
 from fem.solvers import SolverError
 from geometry.mesh import MeshError, TooManyElementsError
@@ -65,12 +66,13 @@ def check_design(
     timings = {"read": reading}
     try:
         # what cannot move or does not balance is told before anything is meshed
-        solve_cycles(design, {})
+        solve_cycles(without_unknown_contacts(design), {})
         measured_loads(design, {})
         masses = part_masses(design, models, say)
+        compliances = compliances_of(design, models, say)
         start = perf_counter()
         say("loads: solving the cycles")
-        solved = solve_cycles(design, masses)
+        solved = solve_cycles(design, masses, compliances)
         measured = measured_loads(design, masses)
         runs: dict[str, loads.CycleLoads | loads.MeasuredLoads] = {**solved, **measured}
         timings["loads"] = perf_counter() - start
@@ -144,7 +146,7 @@ def part_masses(
             continue
         say(f"{part.name}: meshing")
         try:
-            mesh = models.mesh(part.geometry, LEVELS[1] * part.fineness)
+            mesh = models.mesh(part.geometry, FIRST * part.fineness)
         except TooManyElementsError as error:
             raise DesignError(design.file, f"parts.{part.name}", str(error)) from error
         first, second = (mesh.interfaces[name].centre for name in part.geometry.interfaces[:2])
@@ -157,12 +159,17 @@ def part_masses(
 
 
 def solve_cycles(
-    design: Design, masses: Mapping[str, tuple[float, tuple[float, float], float]]
+    design: Design,
+    masses: Mapping[str, tuple[float, tuple[float, float], float]],
+    compliances: Mapping[str, loads.MatrixCompliance] | None = None,
 ) -> dict[str, loads.CycleLoads]:
-    """Solve every cycle of a design; raises DesignError, LinkageError for the linkage itself."""
+    """Solve every cycle of a design; raises DesignError, LinkageError for the linkage itself.
+
+    compliances  of bodies that give way as their parts (elastic_parts), for cycles with contacts
+    """
     solved = {}
     for name, cycle in design.cycles.items():
-        linkage = linkage_of(design, masses, cycle)
+        linkage = linkage_of(design, masses, cycle, compliances)
         try:
             solved[name] = loads.run_cycle(linkage, cycle_of(design, cycle))
         except loads.CycleError as error:

@@ -34,6 +34,12 @@ def check(
     out: Annotated[Path, typer.Option("--out", help="folder for reports")] = Path("out"),
     json: Annotated[bool, typer.Option("--json", help="print the results as a JSON list")] = False,
     overrides: Overrides = None,
+    accuracy: Annotated[
+        str | None,
+        typer.Option(
+            "--accuracy", help="numerical error to refine to, such as 5%; else the file's"
+        ),
+    ] = None,
     baseline: Annotated[
         bool,
         typer.Option("--write-baseline", help="write NAME.baseline.json beside each design"),
@@ -46,9 +52,9 @@ def check(
     """
     from ballesta.run import check_all
 
-    raise typer.Exit(
-        check_all(designs, out=out, as_json=json, overrides=overrides or [], baseline=baseline)
-    )
+    wanted = [] if accuracy is None else [f"accuracy={accuracy}"]
+    wanted = [*(overrides or []), *wanted]
+    raise typer.Exit(check_all(designs, out=out, as_json=json, overrides=wanted, baseline=baseline))
 
 
 @app.command()

@@ -30,6 +30,7 @@ from ballesta.errors import Problems
 from ballesta.measured import measured_of
 from ballesta.names import nearest, no_such
 from ballesta.overrides import apply_override, dotted, parse_override, resolve_like, split_key
+from ballesta.step_parts import told_of_steps
 from ballesta.units import DIMENSIONS, Quantity, Vector
 
 
@@ -90,7 +91,7 @@ def _assembled(
     if len(bodies) == len(model.bodies):
         measured = measured_of(model, bodies, sources, problems)
     duty = duty_of(model, problems)
-    parts = parts_of(model, bodies, joints, materials, problems)
+    parts = parts_of(model, bodies, joints, slides, materials, sources, problems)
     problems.raise_if_any()
     defaults = [*_defaults(model, "")]
     for name, force in model.forces.items():
@@ -133,6 +134,7 @@ def _assembled(
             *assumed.items(),
             *_assumed_stops(model),
             *(reason for run in measured.values() for reason in run.assumed),
+            *told_of_steps(parts),
         ),
         claims={
             (part, kind): (claim.safety, claim.source)

@@ -16,10 +16,14 @@ TwoNames = tuple[str, str]
 
 @dataclass(frozen=True)
 class Elastic:
-    """How a body gives way along its x axis: E I in N mm2, E A in N; None is rigid."""
+    """How a body gives way along its x axis: E I in N mm2, E A in N; None is rigid.
+
+    as_part  it gives way as its meshed part does, in all ways, instead
+    """
 
     bending: float | None
     axial: float | None
+    as_part: bool = False
 
 
 @dataclass(frozen=True)
@@ -215,6 +219,12 @@ class Cycle:
     phases: tuple[Phase, ...]
     friction: Mapping[str, Friction] | None = None
 
+    @property
+    def has_contact(self) -> bool:
+        """Whether something is touched in any of its phases."""
+        laws = (law for phase in self.phases for law in phase.given.values())
+        return any(isinstance(law, ContactLaw) for law in laws)
+
 
 @dataclass(frozen=True, eq=False)
 class MeasuredRun:
@@ -250,14 +260,17 @@ class Part:
     material: Material
     body: str | None
     joint: str | None
-    interfaces: Mapping[str, str]  # interface of the shape -> point; of a pin: lug -> joint
+    interfaces: Mapping[str, str]  # interface -> point, or slot that runs on it; of a pin: -> joint
     fixed_to: str | None
+    offsets: Mapping[str, float]  # interface -> mm above the middle plane at which its force acts
+    tilt_held_at: str  # the interface that takes the couples out of the plane that are left
     stack: tuple[StackEntry, ...]
     surface: str
     bearing_arc: float  # rad
     column: Column
     reliability: float
     fineness: float
+    most_unknowns: int
 
 
 @dataclass(frozen=True)

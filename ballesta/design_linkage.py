@@ -77,12 +77,33 @@ def bodies_of(file: DesignFile, problems: Problems) -> dict[str, Body]:
             continue
         ends = ends_of(f"{key}.guide.ends", entry.guide.ends if entry.guide else None, problems)
         bodies[name] = _body(name, entry, places, part_of.get(name), ends)
-        if entry.elastic is not None and entry.elastic.bending is entry.elastic.axial is None:
+        _check_elastic(key, entry, part_of.get(name), problems)
+    return bodies
+
+
+def _check_elastic(key: str, entry: BodyEntry, part: str | None, problems: Problems) -> None:
+    elastic = entry.elastic
+    if elastic is None:
+        return
+    beam = [field for field in ("bending", "axial") if getattr(elastic, field) is not None]
+    if elastic.stiffness is None:
+        if not beam:
             problems.add(
                 f"{key}.elastic",
-                'needs bending such as "2787 N m2", axial such as "390 MN", or both',
+                'needs bending such as "2787 N m2", axial such as "390 MN", or both; or '
+                'stiffness = "fem", to give way as the body\'s part does',
             )
-    return bodies
+        return
+    for field in beam:
+        problems.add(
+            f"{key}.elastic.{field}",
+            'is in the part, whose mesh tells how it gives way (stiffness = "fem"); leave one out',
+        )
+    if part is None:
+        problems.add(
+            f"{key}.elastic.stiffness",
+            "needs a part to be meshed, and no part names this body; state bending or axial",
+        )
 
 
 def _check_mass(key: str, entry: BodyEntry, problems: Problems) -> None:
@@ -120,5 +141,12 @@ def _body(
         guide=entry.guide.along if entry.guide else None,
         part=part,
         guide_ends=ends,
-        elastic=Elastic(entry.elastic.bending, entry.elastic.axial) if entry.elastic else None,
+        elastic=_elastic(entry),
     )
+
+
+def _elastic(entry: BodyEntry) -> Elastic | None:
+    stated = entry.elastic
+    if stated is None:
+        return None
+    return Elastic(stated.bending, stated.axial, stated.stiffness == "fem")

@@ -7,9 +7,10 @@ by the dataclasses in `geometry.parts`, and their models are made from those.
 import dataclasses
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, create_model
+from pydantic import BeforeValidator, Discriminator, Field, Tag, create_model
 
 from ballesta.design_measured import MeasuredEntry
+from ballesta.design_step import STEP_SUFFIXES, HoleEntry, Section2, StepFile, StepShape
 from ballesta.design_tables import (
     BodyEntry,
     CycleEntry,
@@ -28,7 +29,7 @@ from ballesta.units import (
     Acceleration2,
     BearingArc,
     Fraction,
-    OffsetLength,
+    Length,
     Point2,
     PositiveLength,
     PositiveStress,
@@ -74,6 +75,9 @@ class MeshEntry(Table):
     """How fine the part's mesh starts."""
 
     fineness: Positive = Field(1.0, description="2 halves the size of the elements")
+    most_unknowns: Annotated[int, Field(strict=True, gt=0)] = Field(
+        300_000, description="where a finer mesh would have more, it stops short of the accuracy"
+    )
 
 
 class Bush(Table):
@@ -88,7 +92,10 @@ class StackEntry(Table):
 
     body: str | None = Field(None, description="the body that the lug belongs to, or ground")
     force: str | None = Field(None, description="the force that acts through this eye")
-    at: OffsetLength = Field(description="distance of the lug's mid-plane from the pin's")
+    at: Length = Field(description="distance of the lug's mid-plane from the pin's")
+    single: bool = Field(
+        False, description="this lug alone stands at `at`, which may then be below 0"
+    )
     width: PositiveLength = Field(description="width of the lug on the pin")
     diameter: PositiveLength | None = Field(None, description="of the pin in this lug, if stepped")
     bush: Bush | None = None
@@ -120,7 +127,35 @@ class BodyPartEntry(PartEntry):
 
     body: str = Field(description="the body that this part is")
     interfaces: dict[str, str] = Field(
-        description="interface of the shape = point of the body that it sits at"
+        description="interface of the shape = point of the body that it sits at, or the name of the "
+        "slot or guide that slides on it"
+    )
+    offsets: dict[str, Length] = Field(
+        default_factory=dict,
+        description="interface = how far above the part's middle plane its force acts: plates side "
+        "by side",
+    )
+    tilt_held_at: str | None = Field(
+        None,
+        description="interface that takes the couples which the offsets leave; else the first one",
+    )
+
+
+class StepPartEntry(BodyPartEntry):
+    """A part that is one solid of a STEP file; its interfaces are holes that the entry names."""
+
+    shape: StepShape
+    holes: dict[Name, HoleEntry] = Field(min_length=2, description="interface = its hole")
+    hole_tolerance: PositiveLength = Field(
+        "0.05 mm",
+        validate_default=True,
+        description="of the holes' diameters and places, in the file and in the linkage",
+    )
+    section: Section2 | None = Field(
+        None, description="stressed section, height and thickness, for the endurance limit"
+    )
+    flip: Annotated[bool, Field(strict=True)] = Field(
+        False, description="turn the part round, so that its other side is up"
     )
 
 
@@ -151,15 +186,27 @@ def shape_model(name: str, shape: type[Any]) -> type[PartEntry]:
     return model
 
 
-PART_MODELS = {name: shape_model(name, shape) for name, shape in SHAPES.items()}
+STEP = "step"
+PART_MODELS: dict[str, type[PartEntry]] = {
+    **{name: shape_model(name, shape) for name, shape in SHAPES.items()},
+    STEP: StepPartEntry,
+}
+
+
+def _kind_of_part(value: Any) -> Any:
+    """Return the name of the model of a part: its shape, or `step` where that is a table."""
+    shape = value.get("shape") if isinstance(value, dict) else getattr(value, "shape", None)
+    if isinstance(shape, dict | StepFile):
+        return STEP
+    return STEP if isinstance(shape, str) and shape.lower().endswith(STEP_SUFFIXES) else shape
 
 
 def _union() -> Any:
-    models = iter(PART_MODELS.values())
-    union: Any = next(models)
-    for model in models:
-        union = union | model
-    return union
+    union: Any = None
+    for name, model in PART_MODELS.items():
+        tagged: Any = Annotated[model, Tag(name)]
+        union = tagged if union is None else union | tagged
+    return Annotated[union, Discriminator(_kind_of_part)]
 
 
 def _flat(value: object) -> object:
@@ -182,9 +229,9 @@ class DesignFile(Table):
 
     name: str = Field(description="what the machine is called")
     accuracy: Fraction = Field(
-        "5 %",
+        "3 %",
         validate_default=True,
-        description="numerical error above which a result says that it was not reached",
+        description="numerical error to which meshes are refined, over the stress that is judged",
     )
     require: Requirements = Field(default=Requirements.model_validate({}))
     gravity: Acceleration2 = Field(
@@ -214,9 +261,7 @@ class DesignFile(Table):
     duty: DutyEntry = Field(default=DutyEntry.model_validate({}))
     drive: DriveEntry = Field(default=DriveEntry.model_validate({}))
     materials: dict[Name, MaterialEntry] = Field(default_factory=dict)
-    parts: dict[Name, Annotated[_union(), Field(discriminator="shape")]] = Field(  # type: ignore[valid-type]
-        default_factory=dict
-    )
+    parts: dict[Name, _union()] = Field(default_factory=dict)  # type: ignore[valid-type]
     claims: dict[Name, dict[Literal["static", "buckling", "fatigue", "bush"], Claim]] = Field(
         default_factory=dict,
         description="by part and kind of check: a claimed safety; told beside what is found",

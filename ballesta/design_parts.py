@@ -5,13 +5,18 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from ballesta.design_data import Body, Part
-from ballesta.design_model import BodyPartEntry, DesignFile
-from ballesta.errors import Problems
+from ballesta.design_data import Body, Part, SlidingJoint
+from ballesta.design_files import Sources
+from ballesta.design_model import BodyPartEntry, DesignFile, StepPartEntry
+from ballesta.errors import DesignError, Problems
 from ballesta.materials import Material, known_materials
 from ballesta.names import listed, no_such
+from ballesta.step_parts import step_geometry
 from geometry.parameters import GIVEN_BY_DESIGN, GIVEN_BY_LINKAGE, ParameterError
 from geometry.parts import SHAPES, Pin, Seat
+from geometry.parts.step_part import StepPart
+
+SLIDING = ("contact", "slot")  # interfaces of shapes on which a slot or guide of the linkage runs
 
 
 def materials_of(file: DesignFile, problems: Problems) -> dict[str, Material]:
@@ -32,10 +37,12 @@ def parts_of(
     file: DesignFile,
     bodies: Mapping[str, Body],
     joints: Mapping[str, tuple[str, ...]],
+    slides: Mapping[str, SlidingJoint],
     materials: Mapping[str, Material],
+    sources: Sources,
     problems: Problems,
 ) -> dict[str, Part]:
-    """Return the parts whose entries are in order."""
+    """Return the parts whose entries are in order; STEP files are read and added to the sources."""
     parts: dict[str, Part] = {}
     owners: dict[tuple[str, str], str] = {}
     for name, entry in file.parts.items():
@@ -55,13 +62,19 @@ def parts_of(
                 "Mises, Johnson and the Goodman rule used here are not safe for it",
             )
         if isinstance(entry, BodyPartEntry):
-            sits = _sits_in_body(key, entry, file, problems)
+            sits = _sits_in_body(key, entry, file, slides, problems)
         else:
             sits = _sits_in_joint(key, entry, file, joints, problems)
         if not sits or entry.material not in materials or (kind == "body" and place not in bodies):
             continue
         try:
-            geometry = _geometry(entry, bodies)
+            if isinstance(entry, StepPartEntry):
+                geometry = step_geometry(key, entry, bodies[entry.body].points, sources)
+            else:
+                geometry = _geometry(entry, bodies)
+        except DesignError as error:
+            problems.take(error)
+            continue
         except ParameterError as error:
             field = "stack" + error.field[5:] if error.field.startswith("seats") else error.field
             problems.add(f"{key}.{field}", error.problem)
@@ -76,7 +89,7 @@ def _part(name: str, entry: Any, geometry: Any, material: Material) -> Part:
     stack = () if is_body else tuple(entry.stack)
     return Part(
         name=name,
-        shape=entry.shape,
+        shape=entry.shape.step if isinstance(entry, StepPartEntry) else entry.shape,
         geometry=geometry,
         material=material,
         body=entry.body if is_body else None,
@@ -85,28 +98,57 @@ def _part(name: str, entry: Any, geometry: Any, material: Material) -> Part:
         if is_body
         else {lug.body or lug.force: entry.joint for lug in stack},
         fixed_to=None if is_body else entry.fixed_to,
+        offsets=dict(entry.offsets) if is_body else {lug.body or lug.force: 0.0 for lug in stack},
+        tilt_held_at=_tilt_held_at(entry),
         stack=stack,
         surface=entry.surface,
         bearing_arc=entry.bearing_arc,
         column=entry.column,
         reliability=entry.reliability,
         fineness=entry.mesh.fineness,
+        most_unknowns=entry.mesh.most_unknowns,
     )
 
 
-def _sits_in_body(key: str, entry: Any, file: DesignFile, problems: Problems) -> bool:
+def _tilt_held_at(entry: Any) -> str:
+    """The interface that takes the couples out of the linkage's plane that the others leave."""
+    if not isinstance(entry, BodyPartEntry):
+        return str(entry.fixed_to)
+    return str(entry.tilt_held_at or next(iter(entry.interfaces)))
+
+
+def _sits_in_body(
+    key: str, entry: Any, file: DesignFile, slides: Mapping[str, SlidingJoint], problems: Problems
+) -> bool:
     if entry.body not in file.bodies:
         problems.add(f"{key}.body", no_such("body", entry.body, file.bodies))
         return False
     right = True
-    wanted, pins = SHAPES[entry.shape].interfaces, file.bodies[entry.body].pins
+    step = isinstance(entry, StepPartEntry)
+    wanted = tuple(entry.holes) if step else SHAPES[entry.shape].interfaces
+    kind = "hole of the part" if step else f"interface of {entry.shape}"
+    pins = file.bodies[entry.body].pins
+    sliding = () if step else SLIDING
+    lines = [name for name, slide in slides.items() if slide.on == entry.body]
     for interface, point in entry.interfaces.items():
         here = f"{key}.interfaces.{interface}"
         if interface not in wanted:
-            problems.add(here, no_such(f"interface of {entry.shape}", interface, wanted))
+            problems.add(here, no_such(kind, interface, wanted))
             right = False
+        elif interface in sliding:
+            if point not in lines:
+                problems.add(here, no_such(f"slot or guide on body {entry.body}", point, lines))
+                right = False
         elif point not in pins:
             problems.add(here, no_such(f"point of body {entry.body}", point, pins))
+            right = False
+    for name, interface in (
+        *((f"offsets.{name}", name) for name in entry.offsets),
+        *([("tilt_held_at", entry.tilt_held_at)] if entry.tilt_held_at else []),
+    ):
+        if interface not in entry.interfaces or interface in sliding:
+            fixed = [known for known in entry.interfaces if known not in sliding]
+            problems.add(f"{key}.{name}", no_such("interface that may tilt", interface, fixed))
             right = False
     missing = [interface for interface in wanted if interface not in entry.interfaces]
     if missing:
@@ -168,7 +210,7 @@ def _geometry(entry: Any, bodies: Mapping[str, Body]) -> Any:
         if given_by == GIVEN_BY_DESIGN:
             values[parameter.name] = getattr(entry, parameter.name)
         elif given_by == GIVEN_BY_LINKAGE:
-            first, second = (entry.interfaces[name] for name in shape.interfaces)
+            first, second = (entry.interfaces[name] for name in shape.interfaces[:2])
             points = bodies[entry.body].points
             values[parameter.name] = math.dist(points[first], points[second])
     if shape is Pin:
@@ -178,9 +220,25 @@ def _geometry(entry: Any, bodies: Mapping[str, Body]) -> Any:
 
 def _seat(index: int, lug: Any) -> Seat:
     try:
-        return Seat(lug.body or lug.force, at=lug.at, width=lug.width, diameter=lug.diameter)
+        return Seat(
+            lug.body or lug.force,
+            at=lug.at,
+            width=lug.width,
+            diameter=lug.diameter,
+            single=lug.single,
+        )
     except ParameterError as error:
         raise ParameterError(f"seats[{index}].{error.field}", error.problem) from None
+
+
+def _hole_at(part: Part, joint: str) -> float:
+    """Diameter of a part's hole at a joint, or else its width, mm."""
+    shape: Any = part.geometry
+    if isinstance(shape, StepPart):
+        interface = next(name for name, point in part.interfaces.items() if point == joint)
+        hole = next(hole for hole in shape.holes if hole.name == interface)
+        return hole.diameter if hole.kind == "bore" else math.inf
+    return float(getattr(shape, "hole", getattr(shape, "width", math.inf)))
 
 
 def _check_that_pins_pass(parts: Mapping[str, Part], problems: Problems) -> None:
@@ -193,7 +251,8 @@ def _check_that_pins_pass(parts: Mapping[str, Part], problems: Problems) -> None
                 continue
             if pin.joint not in part.interfaces.values():
                 continue
-            hole = getattr(part.geometry, "hole", getattr(part.geometry, "width", math.inf))
+            assert pin.joint is not None
+            hole = _hole_at(part, pin.joint)
             if pin.geometry.diameter > hole:
                 problems.add(
                     f"parts.{pin.name}.diameter",

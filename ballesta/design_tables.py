@@ -55,10 +55,13 @@ class Guide(Table):
 
 
 class Elastic(Table):
-    """How a body gives way, as a beam along its own x axis."""
+    """How a body gives way: as a beam along its own x axis, or as the part that it is."""
 
     bending: PositiveBending | None = Field(None, description="bending stiffness E I")
     axial: PositiveForce | None = Field(None, description="stiffness E A against stretching")
+    stiffness: Literal["fem"] | None = Field(
+        None, description="instead of both: as the body's part does, which is meshed and solved"
+    )
 
 
 class BodyEntry(Table):

@@ -18,6 +18,8 @@ def hand_checks(part: Part, loads: PartLoads, level: Level) -> list[HandCheck]:
     shape = part.geometry
     if isinstance(shape, Pin):
         return [_pin_bending(shape, loads, level)]
+    if not isinstance(shape, ToggleBar | PrismaticTube):
+        return []
     force = axial_compression(part, loads)
     worst = int(np.abs(force).argmax())
     stress = level.history.at(worst)

@@ -16,29 +16,39 @@ from fem.unit_loads import ACCELERATIONS, resultants
 from fem.unit_solutions import Elastic, UnitSolutions, solve_unit_loads
 from geometry.mesh import FloatArray, IntArray, Mesh
 from geometry.meshing import Buildable, mesh_shape
+from geometry.sizing import SizeField, element_sizes
 
 
 class Models:
     """Meshes and unit solutions of a run, so that equal parts are meshed and solved once."""
 
     def __init__(self) -> None:
-        self._meshes: dict[tuple[Buildable, float], Mesh] = {}
-        self._solutions: dict[tuple[Buildable, float, Elastic], UnitSolutions] = {}
+        self._meshes: dict[tuple[Buildable, float, SizeField | None], Mesh] = {}
+        self._solutions: dict[
+            tuple[Buildable, float, SizeField | None, Elastic], UnitSolutions
+        ] = {}
         self.seconds: dict[str, float] = {"mesh": 0.0, "solve": 0.0}
 
-    def mesh(self, shape: Buildable, fineness: float) -> Mesh:
-        """Return the mesh of a shape."""
-        if (shape, fineness) not in self._meshes:
+    def mesh(self, shape: Buildable, fineness: float, sizes: SizeField | None = None) -> Mesh:
+        """Return the mesh of a shape; `sizes` asks for smaller elements in places."""
+        key = (shape, fineness, sizes)
+        if key not in self._meshes:
             start = perf_counter()
-            self._meshes[shape, fineness] = mesh_shape(shape, fineness=fineness)
+            self._meshes[key] = mesh_shape(shape, fineness=fineness, sizes=sizes)
             self.seconds["mesh"] += perf_counter() - start
-        return self._meshes[shape, fineness]
+        return self._meshes[key]
 
-    def solutions(self, shape: Buildable, fineness: float, material: Elastic) -> UnitSolutions:
+    def solutions(
+        self,
+        shape: Buildable,
+        fineness: float,
+        material: Elastic,
+        sizes: SizeField | None = None,
+    ) -> UnitSolutions:
         """Return the solved unit loads of a shape."""
-        key = (shape, fineness, material)
+        key = (shape, fineness, sizes, material)
         if key not in self._solutions:
-            mesh = self.mesh(shape, fineness)
+            mesh = self.mesh(shape, fineness, sizes)
             start = perf_counter()
             self._solutions[key] = solve_unit_loads(mesh, material)
             _ = self._solutions[key].basis
@@ -78,12 +88,14 @@ class FatiguePeak:
 class Level:
     """A part on one mesh.
 
+    limits        (n_points,) MPa, endurance limit at the surface points, notches included
     coefficients  (n_basis, n) of the unit loads over all cycles
     added         (n, 3) rigid-body acceleration field that balances foreign mass properties
     """
 
     fineness: float
     solutions: UnitSolutions
+    limits: FloatArray
     coefficients: FloatArray
     added: FloatArray
     history: StressHistory
@@ -102,6 +114,15 @@ class Level:
         """Surface points on sharp re-entrant edges (n,), and the interior angles there, rad."""
         found = reentrant_edges(self.solutions.mesh)
         return np.searchsorted(self.history.nodes, found.nodes), found.angles
+
+    @cached_property
+    def _sizes(self) -> FloatArray:
+        return element_sizes(self.solutions.mesh)
+
+    def size_at(self, point: int) -> float:
+        """Mean size of the elements that meet at a surface point, mm."""
+        meet = (self.solutions.mesh.elements == self.history.nodes[point]).any(axis=1)
+        return float(self._sizes[meet].mean())
 
     def place(self, point: int) -> str:
         """Where a point is, in words."""
@@ -162,19 +183,27 @@ def solve_level(
     endurance_limit: float,
     ultimate_stress: float,
     duty: Mapping[str, float],
+    notch_factors: Mapping[str, float] | None = None,
 ) -> Level:
-    """Superpose the cycle on solved unit loads; fatigue over the cycles of the duty."""
-    coefficients, added = solutions.coefficients(loads.wrenches, loads.accelerations)
+    """Superpose the cycle on solved unit loads; fatigue over the cycles of the duty.
+
+    notch_factors  surface -> factor by which fatigue notch or fretting lowers the endurance limit
+    """
+    coefficients, added = solutions.coefficients(loads.wrenches, loads.accelerations, loads.reaches)
     nodes = solutions.recovery.points
     history = StressHistory(nodes, solutions.mesh.nodes[nodes], solutions.basis, coefficients)
     by_position, where = history.peaks_by_position()
     position = int(by_position.argmax())
     peak = Peak(float(by_position[position]), int(where[position]), position)
+    limits = np.full(len(nodes), endurance_limit)
+    for surface, factor in (notch_factors or {}).items():
+        notched = np.isin(nodes, solutions.mesh.surfaces[surface])
+        limits[notched] = np.minimum(limits[notched], endurance_limit / factor)
     results = {
         name: goodman(
             history.basis,
             np.ascontiguousarray(coefficients[:, loads.cycles[name]]),
-            endurance_limit,
+            limits,
             ultimate_stress,
             cycle=name,
         )
@@ -192,6 +221,7 @@ def solve_level(
     return Level(
         fineness,
         solutions,
+        limits,
         coefficients,
         added,
         history,

@@ -11,6 +11,7 @@ from ballesta.balance import balance_gates, measured_loads, not_measured
 from ballesta.check import part_masses, solve_cycles
 from ballesta.design import read_design
 from ballesta.design_data import Design
+from ballesta.elastic_parts import compliances_of, without_unknown_contacts
 from ballesta.errors import DesignError, NumericsError
 from ballesta.gates import load_gates
 from ballesta.levels import Models
@@ -58,15 +59,18 @@ def loads_of_file(
     """Read a design, solve its cycles and balance its measured runs, or those that are named.
 
     Raises DesignError for a file that cannot be solved as written or loads that do not balance,
-    NumericsError where a mesh, needed for the mass of a part, cannot be made.
+    NumericsError where a mesh, needed for the mass of a part or for how it gives way, cannot be
+    made or solved.
     """
     design = _with_cycles(read_design(path, overrides), cycles)
     try:
         # what cannot move or does not balance is told before anything is meshed
-        solve_cycles(design, {})
+        solve_cycles(without_unknown_contacts(design), {})
         measured_loads(design, {})
-        masses = _masses(design, say)
-        solved = solve_cycles(design, masses)
+        models = Models()
+        masses = _masses(design, models, say)
+        compliances = compliances_of(design, models, say)
+        solved = solve_cycles(design, masses, compliances)
         measured = measured_loads(design, masses)
         gates = [*load_gates(design, solved), *balance_gates(design, measured)]
         warnings = load_warnings(design, masses, solved)
@@ -164,7 +168,7 @@ def _with_cycles(design: Design, names: Sequence[str]) -> Design:
     )
 
 
-def _masses(design: Design, say: Say) -> Masses:
+def _masses(design: Design, models: Models, say: Say) -> Masses:
     """Mass properties of the bodies that take them from their parts; meshes only for those."""
     seen = {name for run in design.measured.values() for name in run.loads.bodies}
     needed = [
@@ -178,7 +182,7 @@ def _masses(design: Design, say: Say) -> Masses:
         return {}
     say(f"the mass of {', '.join(needed)} comes from its part, which is meshed for it")
     try:
-        return part_masses(design, Models())
+        return part_masses(design, models)
     except MeshError as error:
         raise NumericsError(
             str(error), str(design.file), "check the part's dimensions, or change mesh.fineness"

@@ -29,6 +29,26 @@ class Placing:
         centre = (self.origin[0] + c * x - s * y, self.origin[1] + s * x + c * y)
         return properties.mass, centre, properties.inertia
 
+    def reaches(self, history: loads.LoadHistory) -> dict[str, FloatArray]:
+        """Where sliding contacts are, (n,) mm along the part's x from the interface's point.
+
+        Raises loads.LinkageError for a contact that does not run along the part's x axis.
+        """
+        c, s = cos(self.angle), sin(self.angle)
+        found = {}
+        for k, name in enumerate(history.interfaces):
+            x, y = history.reaches[:, k].T
+            if not (x.any() or y.any()):
+                continue
+            found[name] = c * x + s * y
+            across = -s * x + c * y
+            if np.abs(across).max() > 1e-6 * np.abs(found[name]).max():
+                raise loads.LinkageError(
+                    f"the contact at {name!r} does not run along the part's x axis: it leaves it "
+                    f"by {np.abs(across).max():.4g} mm"
+                )
+        return found
+
     def to_part(self, history: loads.LoadHistory) -> tuple[dict[str, FloatArray], FloatArray]:
         """Wrenches (n, 6) per interface and accelerations (n, 4) in the part's own frame."""
         c, s = cos(self.angle), sin(self.angle)
@@ -66,12 +86,22 @@ def linkage_of(
     design: design_data.Design,
     masses: Mapping[str, tuple[float, tuple[float, float], float]],
     cycle: design_data.Cycle | None = None,
+    compliances: Mapping[str, loads.MatrixCompliance] | None = None,
 ) -> loads.Linkage:
     """Return the linkage of a design; `masses` (mass, centre, inertia) fill in unstated ones.
 
-    With a cycle, under the friction of that cycle. Raises loads.LinkageError where the linkage
-    does not have one degree of freedom.
+    With a cycle, under the friction of that cycle; `compliances` (ballesta.elastic_parts) of bodies
+    that give way as their parts, which a cycle with a contact needs. Raises loads.LinkageError
+    where the linkage does not have one degree of freedom.
     """
+    parts = compliances or {}
+    missing = [
+        body.name
+        for body in design.bodies.values()
+        if body.elastic is not None and body.elastic.as_part and body.name not in parts
+    ]
+    if missing and cycle is not None and cycle.has_contact:
+        raise ValueError(f"cycle {cycle.name!r}: the compliance of {missing} has not been solved")
     ground = {name: design.points[name] for name in design.ground}
     bodies, assembled = [], {}
     for body in design.bodies.values():
@@ -103,7 +133,7 @@ def linkage_of(
             for joint in joints[name]
         },
         gravity=design.gravity,
-        compliance=tuple(_compliance(design, joints)),
+        compliance=(*_compliance(design, joints), *parts.values()),
     )
 
 
@@ -154,7 +184,7 @@ def _compliance(
     design: design_data.Design, joints: Mapping[str, list[loads.Joint]]
 ) -> Iterator[loads.BeamCompliance | loads.JointCompliance]:
     for body in design.bodies.values():
-        if body.elastic is not None:
+        if body.elastic is not None and not body.elastic.as_part:
             yield loads.BeamCompliance(body.name, body.elastic.bending, body.elastic.axial)
     for name, stiffness in design.elastic_joints.items():
         for joint in joints[name]:

@@ -1,7 +1,7 @@
 """The loads of one part over every cycle of a design, one behind the other, in its own axes."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -9,6 +9,7 @@ import loads
 from ballesta.design_data import Cycle, Design, Part
 from ballesta.machine import part_placing
 from geometry.mesh import FloatArray
+from geometry.parts import Pin
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,6 +18,8 @@ class PartLoads:
 
     wrenches       interface -> (n, 6) N, N mm
     accelerations  (n, 4)
+    reaches        interface on which a contact slides -> (n,) mm along x from its centre
+    tilting        N mm, largest couple out of the plane that `tilt_held_at` takes
     cycles         name -> slice of the n positions
     labels         (n,) where in which cycle, in words
     """
@@ -26,6 +29,8 @@ class PartLoads:
     cycles: Mapping[str, slice]
     labels: tuple[str, ...]
     cycle_names: tuple[str, ...]
+    reaches: Mapping[str, FloatArray] = field(default_factory=dict)
+    tilting: float = 0.0
 
     @property
     def largest_force(self) -> float:
@@ -89,6 +94,7 @@ def loads_on(
     """
     placing = part_placing(design, part)
     wrenches: dict[str, list[FloatArray]] = {}
+    reaches: dict[str, list[FloatArray]] = {}
     accelerations, labels, names = [], [], []
     slices, start = {}, 0
     for name, cycle_loads in solved.items():
@@ -98,6 +104,8 @@ def loads_on(
         part_wrenches, part_accelerations = placing.to_part(history)
         for interface, wrench in part_wrenches.items():
             wrenches.setdefault(interface, []).append(wrench)
+        for interface, reach in placing.reaches(history).items():
+            reaches.setdefault(interface, []).append(reach)
         accelerations.append(part_accelerations)
         shown, unit, values = shown_of(design, name, cycle_loads)
         told = {name, *loads.MeasuredLoads.phases}
@@ -111,13 +119,43 @@ def loads_on(
         start += len(values)
     if not slices:
         raise loads.LinkageError(f"no load acts on it: {', '.join(solved)} have none")
+    together = {name: np.concatenate(parts) for name, parts in wrenches.items()}
     return PartLoads(
-        {name: np.concatenate(parts) for name, parts in wrenches.items()},
+        together,
         np.concatenate(accelerations),
         slices,
         tuple(labels),
         tuple(names),
+        {name: np.concatenate(parts) for name, parts in reaches.items()},
+        _tilt(part, together),
     )
+
+
+def _tilt(part: Part, wrenches: Mapping[str, FloatArray]) -> float:
+    """Add the couples of forces that act beside the part's middle plane, and what balances them.
+
+    Returns the largest couple, N mm, that the interface which holds the part against tilting takes.
+    A force F at height z has the couple z x F: (-z F_y, z F_x) about x and y.
+    """
+    heights = interface_heights(part)
+    if not any(part.offsets.values()) and not any(heights.values()):
+        return 0.0
+    left = np.zeros((len(next(iter(wrenches.values()))), 2))
+    for name, wrench in wrenches.items():
+        acts, centre = part.offsets.get(name, 0.0) + heights.get(name, 0.0), heights.get(name, 0.0)
+        for height, couple in ((acts - centre, wrench[:, 3:5]), (acts, left)):
+            couple[:, 0] -= height * wrench[:, 1]
+            couple[:, 1] += height * wrench[:, 0]
+    wrenches[part.tilt_held_at][:, 3:5] -= left
+    return float(np.hypot(left[:, 0], left[:, 1]).max())
+
+
+def interface_heights(part: Part) -> Mapping[str, float]:
+    """Height z, mm, of the middle of each interface that is not in the part's middle plane."""
+    if isinstance(part.geometry, Pin):
+        return {seat.name: seat.at for seat in part.geometry.seats if seat.single and seat.at}
+    heights: Mapping[str, float] = getattr(part.geometry, "heights", {})
+    return heights
 
 
 def _history(part: Part, cycle_loads: loads.CycleLoads | loads.MeasuredLoads) -> loads.LoadHistory:

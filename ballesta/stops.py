@@ -7,17 +7,11 @@ import numpy as np
 
 import loads
 from ballesta.design_data import Cycle, Design, Phase
-from ballesta.machine import cycle_of, linkage_of
+from ballesta.machine import cycle_of
 from ballesta.part_loads import shown_name, shown_position
 
-Masses = Mapping[str, tuple[float, tuple[float, float], float]]
 
-
-def stop_warnings(
-    design: Design,
-    masses: Masses,
-    solved: Mapping[str, loads.CycleLoads],
-) -> list[str]:
+def stop_warnings(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list[str]:
     """Say what the largest load becomes if an assumed stop is passed by its tolerance."""
     warnings, told = [], set()
     for cycle in design.cycles.values():
@@ -38,9 +32,9 @@ def stop_warnings(
         )
         now = _largest_joint_force(solved[cycle.name])
         said = f"{cycle.name}: the stop at {shown} = {at:.4g} {unit} is ASSUMED; "
-        through = _pulled_through(design, masses, cycle, cycle.phases[forward - 1], solved)
+        through = _pulled_through(design, cycle, cycle.phases[forward - 1], solved)
         try:
-            beyond = loads.run_cycle(linkage_of(design, masses, longer), cycle_of(design, longer))
+            beyond = loads.run_cycle(solved[cycle.name].linkage, cycle_of(design, longer))
             after = _largest_joint_force(beyond)
             warnings.append(
                 f"{said}at {shown} = {there:.4g} {unit} the largest joint force is "
@@ -63,7 +57,6 @@ def _largest_joint_force(cycle: loads.CycleLoads) -> float:
 
 def _pulled_through(
     design: Design,
-    masses: Masses,
     cycle: Cycle,
     phase: Phase,
     solved: Mapping[str, loads.CycleLoads],
@@ -81,9 +74,7 @@ def _pulled_through(
     last = int(np.flatnonzero(run.phase_of == cycle.phases.index(phase))[-1])
     touch = float(run.coordinate(phase.solve)[last])
     try:
-        found = loads.pull_through(
-            linkage_of(design, masses, cycle), drive, constant[drive], phase.solve, touch, others
-        )
+        found = loads.pull_through(run.linkage, drive, constant[drive], phase.solve, touch, others)
     except loads.LinkageError:
         return ""  # the linkage cannot go on from there: told by the travel beyond the stop
     if found is None:

@@ -46,7 +46,7 @@ def load_warnings(
         *_assembly_gap(design, masses),
         *_drives(design, solved),
         *_open_cycles(design, solved),
-        *stop_warnings(design, masses, solved),
+        *stop_warnings(design, solved),
         *dead_centre_warnings(design, solved),
     ]
 

@@ -161,13 +161,14 @@ def goodman(
     distinct = _distinct_positions(coefficients)
     weights = coefficients[:, distinct]
     largest = np.abs(weights).max(axis=1)
+    centred = weights - weights.mean(axis=1, keepdims=True)  # chords stay, numbers get smaller
     amplitude, mean = np.empty(n_points), np.empty(n_points)
     pair = np.empty((n_points, 2), dtype=np.intp)
     for block in point_blocks(n_points, 5 * len(distinct)):
         vectors = deviatoric_basis(basis[block])
         # a sum of n products is known to n eps of the sum of their sizes; and _SAME above
         round_off = _SAME * (np.linalg.norm(vectors, axis=1) @ largest)
-        chords = longest_chords(vectors @ weights, round_off)
+        chords = longest_chords(vectors @ centred, round_off)
         amplitude[block] = chords.length / 2.0
         mean[block], ends = _highest_means(basis[block], weights, chords)
         pair[block] = distinct[ends]

@@ -57,7 +57,7 @@ def longest_chords(vectors: FloatArray, round_off: FloatArray) -> TiedChords:
     n_positions = vectors.shape[2]
     squared, centre, radii = _enclose(vectors)
     floor = _tie_floor(squared, round_off)
-    left = radii + radii.max(axis=1, keepdims=True) >= floor[:, None]
+    left = radii >= (floor - radii.max(axis=1))[:, None]
     counts = np.count_nonzero(left, axis=1)
 
     best = squared.copy()
@@ -97,45 +97,72 @@ def _tie_floor(squared: FloatArray, round_off: FloatArray) -> FloatArray:
     return np.asarray(np.maximum(0.0, (1.0 - TIE) * np.sqrt(squared) - 2.0 * round_off))
 
 
-def _squared_distances(vectors: FloatArray, point: FloatArray) -> FloatArray:
-    difference = vectors - point
-    return np.asarray(np.einsum("pdk,pdk->pk", difference, difference))
-
-
 def _position(vectors: FloatArray, index: IntArray) -> FloatArray:
     return np.take_along_axis(vectors, index[:, None, None], axis=2)
+
+
+class _Paths:
+    """Paths, and their squared distances from a point in one pass over them.
+
+    |x - c|**2 = |x|**2 - 2 x . c + |c|**2 is known to some eps of the largest |x|**2 and |c|**2
+    only. `slack` is more than that: distances are told too long by it, never too short.
+    """
+
+    def __init__(self, vectors: FloatArray) -> None:
+        self.vectors = vectors
+        self.norms = np.einsum("pdk,pdk->pk", vectors, vectors)
+        self.slack = 64.0 * np.finfo(float).eps * self.norms.max(axis=1, keepdims=True)
+
+    def some(self, index: IntArray) -> _Paths:
+        """Return some of the paths."""
+        chosen = object.__new__(_Paths)
+        chosen.vectors, chosen.norms = self.vectors[index], self.norms[index]
+        chosen.slack = self.slack[index]
+        return chosen
+
+    def squared_distances(self, point: FloatArray) -> FloatArray:
+        """Upper bounds (n, k) of the squared distances from points (n, 5, 1) between positions."""
+        squared = (np.swapaxes(-2.0 * point, 1, 2) @ self.vectors)[:, 0]
+        squared += self.norms
+        squared += np.einsum("pdo,pdo->po", point, point) + self.slack
+        return squared
 
 
 def _enclose(vectors: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the square of a long chord, a centre (n, 5, 1) and the distances (n, k) from it.
 
-    The centre starts at the middle of the chord. Where positions lie outside the ball on it, the
-    centre goes towards the farthest position (Badoiu and Clarkson 2003); the best is kept.
+    The chord is not longer than the longest, the distances are not too short. The centre starts
+    at the middle of the chord. Where positions lie outside the ball on it, the centre goes towards
+    the farthest position (Badoiu and Clarkson 2003); the best is kept.
     """
-    end = _position(vectors, _squared_distances(vectors, vectors[:, :, :1]).argmax(axis=1))
+    paths = _Paths(vectors)
+    end = _position(vectors, paths.norms.argmax(axis=1))
     squared = np.full(len(vectors), -1.0)
     middle = np.empty_like(end)
     for _ in range(_N_FARTHEST):
-        distances = _squared_distances(vectors, end)
-        longer = distances.max(axis=1) > squared
-        other = _position(vectors, distances.argmax(axis=1))
-        squared = np.where(longer, distances.max(axis=1), squared)
+        other = _position(vectors, paths.squared_distances(end).argmax(axis=1))
+        length = ((end - other) ** 2).sum(axis=(1, 2))
+        longer = length > squared
+        squared = np.where(longer, length, squared)
         middle = np.where(longer[:, None, None], (end + other) / 2.0, middle)
         end = other
 
-    radii = _squared_distances(vectors, middle)
-    outside = np.flatnonzero(radii.max(axis=1) > 0.25 * squared * (1.0 + TIE))
+    radii = paths.squared_distances(middle)
+    largest = radii.max(axis=1)
+    outside = np.flatnonzero(largest > 0.25 * squared * (1.0 + TIE) + paths.slack[:, 0])
     if len(outside):
-        some, centre = vectors[outside], middle[outside]
+        some, centre = paths.some(outside), middle[outside]
         distances = radii[outside]
         for step in range(_N_CENTRE):
-            farthest = _position(some, distances.argmax(axis=1))
+            farthest = _position(some.vectors, distances.argmax(axis=1))
             centre = centre + (farthest - centre) / (step + 3)
-            distances = _squared_distances(some, centre)
-            better = distances.max(axis=1) < radii[outside].max(axis=1)
+            distances = some.squared_distances(centre)
+            size = distances.max(axis=1)
+            better = size < largest[outside]
+            largest[outside[better]] = size[better]
             radii[outside[better]] = distances[better]
             middle[outside[better]] = centre[better]
-    return squared, middle, np.sqrt(radii)
+    return squared, middle, np.sqrt(radii, out=radii)
 
 
 def _kept(left: npt.NDArray[np.bool_]) -> IntArray:
@@ -169,7 +196,8 @@ def _compare_all(
         squared += norms[:, None, :]
         best = np.maximum(best, squared.max(axis=(1, 2)))
         floor = _tie_floor(best, round_off)
-        row, first, second = np.nonzero(squared >= (floor**2)[:, None, None])
+        hits = np.flatnonzero((squared >= (floor**2)[:, None, None]).ravel())  # faster than in 3-D
+        row, first, second = np.unravel_index(hits, squared.shape)
         upper = first + start < second
         row, first, second = row[upper], first[upper], second[upper]
         rows.append(row)

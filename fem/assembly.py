@@ -1,23 +1,33 @@
 """Sparse matrices of elasticity, assembled by node pairs.
 
 All matrices of a part share one pattern: the upper triangle of node pairs that some element joins,
-each with a 3 x 3 block. The pattern is sorted once; a matrix is then a sum over equal pairs.
+each with a 3 x 3 block. The pattern is sorted once; a matrix is then a sum over equal pairs. Nodes
+of an element are taken in the order of their numbers, so every block belongs to the upper triangle
+as it is.
 """
 
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse as sp
 
 from fem.elements import Elements
 from geometry.mesh import FloatArray, IntArray
 
-BoolArray = npt.NDArray[np.bool_]
-
 _UPPER = np.triu_indices(10)
-_CHUNK = 8000  # elements at a time: bounds the memory of the dense element matrices
+_CHUNK = 500  # elements at a time: their dense matrices stay in the cache
+
+
+def _upper_places() -> tuple[IntArray, IntArray]:
+    """Where entry (i, j) and entry (j, i) of every block of a <= b stand in a 30 x 30 matrix."""
+    a, b = (3 * index[:, None, None] for index in _UPPER)
+    i, j = np.arange(3)[:, None], np.arange(3)
+    straight, crossed = 30 * (a + i) + (b + j), 30 * (a + j) + (b + i)
+    return straight.ravel().astype(np.int64), crossed.ravel().astype(np.int64)
+
+
+_STRAIGHT, _CROSSED = _upper_places()
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,28 +40,37 @@ class Pattern:
     elements: Elements
 
     @cached_property
-    def _sorted(self) -> tuple[IntArray, IntArray, IntArray, BoolArray]:
-        nodes = self.elements.mesh.elements
-        first, second = nodes[:, _UPPER[0]].ravel(), nodes[:, _UPPER[1]].ravel()
-        swapped = first > second
-        low, high = np.where(swapped, second, first), np.where(swapped, first, second)
-        key = low * len(self.elements.mesh.nodes) + high
-        order: IntArray = np.argsort(key, kind="stable").astype(np.int64)
-        starts: IntArray = np.flatnonzero(np.r_[True, np.diff(key[order]) > 0]).astype(np.int64)
-        pairs: IntArray = key[order][starts]
-        return order, starts, pairs, swapped
+    def order(self) -> IntArray:
+        """The nodes of each element by ascending number, (n_elements, 10) local numbers."""
+        return np.argsort(self.elements.mesh.elements, axis=1).astype(np.int64)
+
+    @cached_property
+    def _pairs(self) -> tuple[IntArray, sp.csr_array]:
+        """Node pairs (low n_nodes + high, ascending), and the matrix that sums blocks to them."""
+        n = len(self.elements.mesh.nodes)
+        nodes = np.take_along_axis(self.elements.mesh.elements, self.order, axis=1)
+        key = (nodes[:, _UPPER[0]] * n + nodes[:, _UPPER[1]]).ravel()
+        by_pair = np.argsort(key, kind="stable")
+        sorted_key = key[by_pair]
+        starts = np.flatnonzero(np.r_[True, sorted_key[1:] > sorted_key[:-1]])
+        summing = sp.csr_array(
+            (np.ones(len(key)), by_pair.astype(np.int32), np.r_[starts, len(key)].astype(np.int32)),
+            shape=(len(starts), len(key)),
+        )
+        return sorted_key[starts], summing
 
     def upper(self, blocks: FloatArray) -> sp.csr_array:
-        """Sum element blocks (n_elements, 55, 3, 3) of node pairs i <= j to the upper triangle."""
-        order, starts, pairs, swapped = self._sorted
-        flat = blocks.reshape(-1, 3, 3)
-        flat = np.where(swapped[:, None, None], np.swapaxes(flat, 1, 2), flat)
-        summed = np.add.reduceat(flat[order], starts, axis=0)
+        """Sum element blocks (n_elements, 55, 3, 3) of node pairs to the upper triangle.
+
+        The pairs i <= j are those of the element's nodes in `order`.
+        """
+        pairs, summing = self._pairs
         n = len(self.elements.mesh.nodes)
+        summed = summing @ blocks.reshape(-1, 9)
         rows, columns = pairs // n, pairs % n
-        indptr = np.searchsorted(rows, np.arange(n + 1))
-        matrix = sp.bsr_array((summed, columns, indptr), shape=(3 * n, 3 * n))
-        return sp.triu(matrix.tocsr(), format="csr")
+        pointers = np.searchsorted(rows, np.arange(n + 1))
+        whole = sp.bsr_array((summed.reshape(-1, 3, 3), columns, pointers), shape=(3 * n, 3 * n))
+        return _without_lower(whole.tocsr())
 
     def upper_scalar(self, values: FloatArray) -> sp.csr_array:
         """Sum multiples of the 3 x 3 identity, values (n_elements, 55), in the same way."""
@@ -64,22 +83,22 @@ def stiffness(pattern: Pattern, youngs_modulus: float, poisson_ratio: float) -> 
     With G_ai the gradient of shape function a, the block of nodes a and b is
     sum_q w (lambda G_ai G_bj + mu G_aj G_bi + mu delta_ij G_a . G_b).
     """
-    elements = pattern.elements
     lame = youngs_modulus * poisson_ratio / ((1 + poisson_ratio) * (1 - 2 * poisson_ratio))
     shear = youngs_modulus / (2 * (1 + poisson_ratio))
-    count = len(elements.mesh.elements)
-    blocks = np.empty((count, 55, 3, 3))
+    count = len(pattern.elements.mesh.elements)
+    blocks = np.empty((count, 55, 9))
     for start in range(0, count, _CHUNK):
         part = slice(start, min(start + _CHUNK, count))
-        gradients = elements.gradients[part]  # (e, q, 10, 3)
-        flat = gradients.reshape(*gradients.shape[:2], 30)
-        weighted = flat * elements.weights[part][:, :, None]
-        products = np.matmul(np.swapaxes(weighted, 1, 2), flat).reshape(-1, 10, 3, 10, 3)
-        upper = products[:, _UPPER[0], :, _UPPER[1], :]  # (55, e, 3, 3)
-        trace = np.trace(upper, axis1=2, axis2=3)
-        block = lame * upper + shear * np.swapaxes(upper, 2, 3)
-        block[:, :, [0, 1, 2], [0, 1, 2]] += shear * trace[:, :, None]
-        blocks[part] = np.swapaxes(block, 0, 1)
+        flat = _ordered_gradients(pattern, part).reshape(part.stop - start, -1, 30)
+        weighted = flat * pattern.elements.weights[part, :, None]
+        products = np.matmul(weighted.swapaxes(1, 2), flat).reshape(-1, 900)
+        straight = products[:, _STRAIGHT]
+        block = blocks[part].reshape(-1, 495)
+        np.multiply(products[:, _CROSSED], shear, out=block)
+        trace = straight.reshape(-1, 55, 9)[:, :, ::4].sum(axis=2)
+        straight *= lame
+        block += straight
+        blocks[part, :, ::4] += shear * trace[:, :, None]
     return pattern.upper(blocks)
 
 
@@ -94,9 +113,9 @@ def geometric_stiffness(pattern: Pattern, stress: FloatArray) -> sp.csr_array:
     values = np.empty((count, 55))
     for start in range(0, count, _CHUNK):
         part = slice(start, min(start + _CHUNK, count))
-        gradients = elements.gradients[part]
+        gradients = _ordered_gradients(pattern, part)
         pushed = np.matmul(gradients, stress[part] * elements.weights[part][:, :, None, None])
-        products = np.einsum("eqai,eqbi->eab", pushed, gradients, optimize=True)
+        products = np.matmul(pushed, gradients.swapaxes(2, 3)).sum(axis=1)
         values[part] = products[:, _UPPER[0], _UPPER[1]]
     return pattern.upper_scalar(values)
 
@@ -104,3 +123,26 @@ def geometric_stiffness(pattern: Pattern, stress: FloatArray) -> sp.csr_array:
 def full(upper: sp.csr_array) -> sp.csr_array:
     """Return the symmetric matrix whose upper triangle is given."""
     return (upper + sp.triu(upper, k=1).T).tocsr()
+
+
+def _ordered_gradients(pattern: Pattern, part: slice) -> FloatArray:
+    """Gradients (n, n_q, 10, 3) of some elements' shape functions by ascending node number."""
+    order = pattern.order[part]
+    each = np.arange(len(order))[:, None, None]
+    at = np.arange(pattern.elements.gradients.shape[1])[:, None]
+    return np.asarray(pattern.elements.gradients[part][each, at, order[:, None, :]])
+
+
+def _without_lower(whole: sp.csr_array) -> sp.csr_array:
+    """Upper triangle of a matrix whose rows of 3 x 3 blocks begin on the diagonal.
+
+    Three entries are left out per diagonal block, whatever their value, so the pattern depends on
+    the mesh alone.
+    """
+    starts = whole.indptr
+    keep = np.ones(whole.nnz, dtype=bool)
+    for entry in (starts[1:-1:3], starts[2:-1:3], starts[2:-1:3] + 1):
+        keep[entry] = False
+    dropped = np.r_[0, np.cumsum(np.tile([0, 1, 2], (len(starts) - 1) // 3))]
+    pointers = (starts - dropped).astype(starts.dtype)
+    return sp.csr_array((whole.data[keep], whole.indices[keep], pointers), shape=whole.shape)

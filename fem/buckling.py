@@ -51,8 +51,14 @@ def buckling_modes(
     count         how many factors, smallest in size, are computed; negative ones (the part would
                   buckle if its loads turned round) are left out, so a part in tension has none
 
-    Raises SolverError if the eigenvalues do not converge.
+    Raises SolverError if the eigenvalues do not converge, ValueError for the tied bodies of a
+    stack, whose leaves buckle by themselves.
     """
+    if solutions.ties is not None:
+        raise ValueError(
+            "buckling is computed for parts of one body; this one is a stack of tied bodies that "
+            "slide on each other"
+        )
     displacement = solutions.displacement @ coefficients
     stress = solutions.recovery.quadrature_stress(displacement[:, None], slice(None))[..., 0]
     size = np.abs(stress).max()

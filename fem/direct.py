@@ -8,9 +8,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from fem.unit_loads import ACCELERATIONS, direct_bearing
+from fem.unit_loads import ACCELERATIONS, InterfaceLoads, direct_bearing
 from fem.unit_solutions import UnitSolutions
 from geometry.mesh import FloatArray
+
+_TILTING = ("M_x", "M_y")  # columns whose pressure has no resultant force, hence no direction
 
 
 def direct_stress(
@@ -22,7 +24,8 @@ def direct_stress(
     """Surface stress (n_points, 6) at one position with cosine pressures on an arc, MPa.
 
     wrenches      interface -> (6,) N, N mm
-    coefficients  (n_basis,) of that position; those of end faces and inertia are used as they are
+    coefficients  (n_basis,) of that position; used as they are for end faces, clamps, sliding
+                  contacts, inertia, and the couples about x and y of pins that tilt
     arc           rad, full angle of contact of every bore and journal
     """
     load = np.zeros(len(solutions.loads))
@@ -30,9 +33,9 @@ def direct_stress(
     for unit in solutions.interfaces:
         columns = slice(column, column + len(unit.names))
         column = columns.stop
-        if unit.interface.kind == "face":
-            load += solutions.loads[:, columns] @ coefficients[columns]
-        else:
+        kept = np.array([not _is_bearing(unit) or name in _TILTING for name in unit.names])
+        load += solutions.loads[:, columns][:, kept] @ coefficients[columns][kept]
+        if _is_bearing(unit):
             planar = np.asarray(wrenches[unit.interface.name])[[0, 1, 5]]
             load += direct_bearing(solutions.elements, unit.interface, planar, arc)
     inertia = slice(column, column + len(ACCELERATIONS))
@@ -43,4 +46,8 @@ def direct_stress(
 
 def has_bearings(solutions: UnitSolutions) -> bool:
     """Whether any interface is a bore or a journal."""
-    return any(unit.interface.kind != "face" for unit in solutions.interfaces)
+    return any(_is_bearing(unit) for unit in solutions.interfaces)
+
+
+def _is_bearing(unit: InterfaceLoads) -> bool:
+    return unit.interface.kind in ("bore", "journal")

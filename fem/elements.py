@@ -1,8 +1,7 @@
-"""Second-order tetrahedra: scikit-fem's mapping and quadrature, in the mesh's own node numbers."""
+"""Second-order tetrahedra: scikit-fem's shape functions and quadrature on a mesh's own arrays."""
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import skfem
@@ -28,7 +27,7 @@ class FacetQuadrature:
 
 @dataclass(frozen=True, eq=False)
 class Elements:
-    """A mesh seen by scikit-fem, with shape-function gradients at four points per element.
+    """A mesh with its shape-function gradients at four points per element.
 
     Four points integrate the stiffness of a straight-sided quadratic tetrahedron exactly; it is
     the rule of CalculiX's C3D10 too.
@@ -37,42 +36,53 @@ class Elements:
     mesh: Mesh
 
     @cached_property
-    def _skfem_mesh(self) -> Any:
-        corners, elements = np.unique(self.mesh.elements[:, :4], return_inverse=True)
-        elements = elements.reshape(-1, 4)
-        straight = skfem.MeshTet1(
-            np.ascontiguousarray(self.mesh.nodes[corners].T), np.ascontiguousarray(elements.T)
-        )
-        if not np.array_equal(straight.t, elements.T):  # local node order is ours to keep
-            raise AssertionError("scikit-fem reordered the corners of the elements")
-        quadratic = skfem.MeshTet2.from_mesh(straight)
-        dofs = skfem.CellBasis(quadratic, skfem.ElementTetP2(), intorder=0).element_dofs
-        locations = quadratic.doflocs.copy()
-        locations[:, dofs] = np.moveaxis(self.mesh.nodes[self.mesh.elements], (0, 1, 2), (2, 1, 0))
-        return skfem.MeshTet2(locations, quadratic.t)
+    def _rule(self) -> tuple[FloatArray, FloatArray]:
+        points, weights = skfem.quadrature.get_quadrature(skfem.refdom.RefTet, 2)
+        if points.shape != (3, 4):
+            raise AssertionError("the four-point rule is expected")
+        return points, weights
 
     @cached_property
-    def _basis(self) -> Any:
-        basis = skfem.CellBasis(self._skfem_mesh, skfem.ElementTetP2(), intorder=2)
-        if basis.X.shape[1] != 4:
-            raise AssertionError("the four-point rule is expected")
-        return basis
+    def _shape(self) -> tuple[FloatArray, FloatArray]:
+        """Shape functions (n_q, 10) and their slopes (n_q, 10, 3) in the reference element."""
+        element = skfem.ElementTetP2()  # numbers its nodes as the mesh does
+        both = [element.lbasis(self._rule[0], node) for node in range(10)]
+        values = np.stack([value for value, _ in both], axis=1)
+        return values, np.ascontiguousarray(np.stack([slope.T for _, slope in both], axis=1))
+
+    @cached_property
+    def _mapping(self) -> tuple[FloatArray, FloatArray]:
+        """Inverse Jacobian matrices (n_elements, n_q, 3, 3), dr_k/dx_i at [k, i], and det J."""
+        slopes = self._shape[1]
+        n_elements, n_q = len(self.mesh.elements), len(slopes)
+        sides = slopes.transpose(1, 0, 2).reshape(10, -1)  # (10, n_q 3)
+        corners = self.mesh.nodes[self.mesh.elements].transpose(0, 2, 1)
+        jacobian = corners.reshape(-1, 10) @ sides
+        # [i][k] is dx_i/dr_k, (n_elements, n_q)
+        j = jacobian.reshape(n_elements, 3, n_q, 3).transpose(1, 3, 0, 2)
+        inverse = np.empty((n_elements, n_q, 3, 3))
+        for k in range(3):
+            for i in range(3):
+                (p, q), (r, s) = ((i + 1) % 3, (i + 2) % 3), ((k + 1) % 3, (k + 2) % 3)
+                inverse[:, :, k, i] = j[p, r] * j[q, s] - j[p, s] * j[q, r]
+        determinant = np.einsum("keq,eqk->eq", j[0], inverse[:, :, :, 0])
+        inverse /= determinant[:, :, None, None]
+        return inverse, np.ascontiguousarray(determinant)
 
     @cached_property
     def gradients(self) -> FloatArray:
         """(n_elements, n_q, 10, 3), 1/mm."""
-        stacked = np.stack([field[0].grad for field in self._basis.basis])  # (10, 3, e, q)
-        return np.ascontiguousarray(np.moveaxis(stacked, (2, 3, 0, 1), (0, 1, 2, 3)))
+        return np.asarray(np.matmul(self._shape[1], self._mapping[0]))
 
-    @cached_property
+    @property
     def values(self) -> FloatArray:
         """Shape functions at the quadrature points, (n_q, 10)."""
-        return np.stack([np.asarray(field[0])[0] for field in self._basis.basis], axis=1)
+        return self._shape[0]
 
     @cached_property
     def weights(self) -> FloatArray:
         """(n_elements, n_q), mm3."""
-        return np.ascontiguousarray(self._basis.dx)
+        return np.asarray(np.abs(self._mapping[1]) * self._rule[1])
 
     @cached_property
     def points(self) -> FloatArray:
@@ -83,7 +93,7 @@ class Elements:
     @property
     def local_points(self) -> FloatArray:
         """Quadrature points in the reference tetrahedron, (n_q, 3)."""
-        return np.asarray(self._basis.X.T)
+        return np.asarray(self._rule[0].T)
 
     @cached_property
     def _surfaces(self) -> dict[tuple[str, int], FacetQuadrature]:

@@ -9,12 +9,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy.sparse as sp
 
 from fem.elements import Elements
 from geometry.mesh import FloatArray, IntArray
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
 _TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
+_CHUNK = 4000  # elements at a time: bounds memory
 _NODE_POINTS = np.array(
     [
         [0, 0, 0],
@@ -50,10 +52,15 @@ class Recovery:
         return self.elements.mesh.surface_nodes
 
     @cached_property
+    def _place(self) -> IntArray:
+        """Index of each node among `points`, -1 inside the part."""
+        place = np.full(len(self.elements.mesh.nodes), -1)
+        place[self.points] = np.arange(len(self.points))
+        return place
+
+    @cached_property
     def _touching(self) -> IntArray:
-        on_surface = np.zeros(len(self.elements.mesh.nodes), dtype=bool)
-        on_surface[self.points] = True
-        return np.flatnonzero(on_surface[self.elements.mesh.elements].any(axis=1))
+        return np.flatnonzero((self._place[self.elements.mesh.elements] >= 0).any(axis=1))
 
     @cached_property
     def _continuation(self) -> FloatArray:
@@ -69,33 +76,34 @@ class Recovery:
         displacement (3 n_nodes, m), mm
         """
         nodes = self.elements.mesh.elements[part]
-        columns = displacement.reshape(len(self.elements.mesh.nodes), 3, -1)
-        local = columns[nodes].reshape(*nodes.shape, -1)  # (e, 10, 3 m)
-        gradients = self.elements.gradients[part]
-        slope = np.matmul(np.swapaxes(gradients, 2, 3), local[:, None])  # (e, q, 3, 3 m)
-        slope = slope.reshape(*slope.shape[:3], 3, -1)  # d u_j / d x_i at [i, j]
+        columns = displacement.reshape(len(self.elements.mesh.nodes), -1)
+        local = columns[nodes]  # (e, 10, 3 m)
+        gradients = self.elements.gradients[part].swapaxes(2, 3)  # (e, q, 3, 10)
+        slope = np.matmul(gradients.reshape(len(nodes), -1, 10), local)
+        slope = slope.reshape(*gradients.shape[:3], 3, -1)  # d u_j / d x_i at [i, j]
         lame = self.youngs_modulus * self.poisson_ratio
         lame /= (1 + self.poisson_ratio) * (1 - 2 * self.poisson_ratio)
         shear = self.youngs_modulus / (2 * (1 + self.poisson_ratio))
-        volume = lame * (slope[:, :, 0, 0] + slope[:, :, 1, 1] + slope[:, :, 2, 2])
         stress = np.empty((*slope.shape[:2], 6, slope.shape[-1]))
+        volume = slope[:, :, 0, 0] + slope[:, :, 1, 1]
+        volume += slope[:, :, 2, 2]
+        volume *= lame / shear
         for k, (i, j) in enumerate(((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))):
-            stress[:, :, k] = shear * (slope[:, :, i, j] + slope[:, :, j, i])
+            np.add(slope[:, :, i, j], slope[:, :, j, i] if k > 2 else volume, out=stress[:, :, k])
             if k < 3:
-                stress[:, :, k] += volume
+                stress[:, :, k] += slope[:, :, i, j]
+        stress *= shear
         return stress
 
     def surface_stress(self, displacement: FloatArray) -> FloatArray:
         """Stress (n_points, 6, m) at the surface nodes, MPa."""
-        total = np.zeros(
-            (len(self.points), 6, displacement.reshape(displacement.shape[0], -1).shape[1])
-        )
-        weight = np.zeros(len(self.points))
-        for part in _chunks(self._touching, 2000):
-            values, places, weights = self._contributions(displacement, part)
-            np.add.at(total, places, values * weights[:, None, None])
-            np.add.at(weight, places, weights)
-        return np.asarray(total / weight[:, None, None])
+        columns = displacement.reshape(len(displacement), -1)
+        total = np.zeros((len(self.points), 6 * columns.shape[1]))
+        for part in _chunks(self._touching, _CHUNK):
+            stress = self.quadrature_stress(columns, part)
+            total += self._averaging(part) @ stress.reshape(-1, total.shape[1])
+        total /= self._weight[:, None]
+        return total.reshape(len(self.points), 6, -1)
 
     def scatter(self, displacement: FloatArray) -> FloatArray:
         """Von Mises size (n_points,) of the elements' scatter about the recovered stress, MPa.
@@ -103,25 +111,42 @@ class Recovery:
         displacement (3 n_nodes,): the weighted root mean square over the elements at each node.
         """
         mean = self.surface_stress(displacement)[:, :, 0]
-        total, weight = np.zeros(len(self.points)), np.zeros(len(self.points))
-        for part in _chunks(self._touching, 20000):
-            values, places, weights = self._contributions(displacement, part)
-            away = values[:, :, 0] - mean[places]
-            np.add.at(total, places, von_mises(away) ** 2 * weights)
-            np.add.at(weight, places, weights)
-        return np.asarray(np.sqrt(total / weight))
+        total = np.zeros(len(self.points))
+        for part in _chunks(self._touching, 10 * _CHUNK):
+            stress = self.quadrature_stress(displacement, part)[..., 0]
+            element, node, place = self._meetings(part)
+            away = np.matmul(self._continuation, stress)[element, node] - mean[place]
+            squares = von_mises(away) ** 2 * self._volumes[part[element]]
+            total += np.bincount(place, squares, minlength=len(total))
+        return np.asarray(np.sqrt(total / self._weight))
 
-    def _contributions(
-        self, displacement: FloatArray, part: IntArray
-    ) -> tuple[FloatArray, IntArray, FloatArray]:
-        nodes = self.elements.mesh.elements[part]
-        stress = self.quadrature_stress(displacement, part)
-        at_nodes = np.einsum("aq,eqkm->eakm", self._continuation, stress, optimize=True)
-        place = np.searchsorted(self.points, nodes)
-        place = np.minimum(place, len(self.points) - 1)
-        keep = self.points[place] == nodes
-        volumes = np.broadcast_to(self.elements.weights[part].sum(axis=1)[:, None], nodes.shape)
-        return at_nodes[keep], place[keep], volumes[keep]
+    @cached_property
+    def _volumes(self) -> FloatArray:
+        return np.asarray(self.elements.weights.sum(axis=1))
+
+    @cached_property
+    def _weight(self) -> FloatArray:
+        """Volume (n_points,) of the elements that meet at each surface node, mm3."""
+        element, _, place = self._meetings(self._touching)
+        volumes = self._volumes[self._touching[element]]
+        return np.asarray(np.bincount(place, volumes, minlength=len(self.points)), dtype=float)
+
+    def _meetings(self, part: IntArray) -> tuple[IntArray, IntArray, IntArray]:
+        """Where some elements touch the surface: index in `part`, local node, surface point."""
+        place = self._place[self.elements.mesh.elements[part]]
+        element, node = np.nonzero(place >= 0)
+        return element, node, place[element, node]
+
+    def _averaging(self, part: IntArray) -> sp.csr_array:
+        """Matrix (n_points, n_elements n_q): continuation times volume, summed at surface nodes."""
+        element, node, place = self._meetings(part)
+        n_q = self._continuation.shape[1]
+        shares = self._continuation[node] * self._volumes[part[element], None]
+        columns = n_q * element[:, None] + np.arange(n_q)
+        return sp.coo_array(
+            (shares.ravel(), (np.repeat(place, n_q), columns.ravel())),
+            shape=(len(self.points), n_q * len(part)),
+        ).tocsr()
 
 
 def von_mises(stress: FloatArray) -> FloatArray:

@@ -1,5 +1,6 @@
 """Sparse direct solvers, best first; every solution's residual is checked."""
 
+import weakref
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -7,9 +8,13 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 
+from fem.ordering import dissection, permuted
 from geometry.mesh import FloatArray
 
 BACKWARD_LIMIT = 1e-12
+_INDEFINITE = "the stiffness matrix is not positive definite"
+
+Apply = Callable[[FloatArray], FloatArray]
 
 
 class SolverError(RuntimeError):
@@ -24,8 +29,8 @@ class Factor:
     """
 
     solver: str
-    _matrix: sp.csr_array
-    _apply: Callable[[FloatArray], FloatArray]
+    _upper: sp.csr_array
+    _apply: Apply
 
     def apply(self, right: FloatArray) -> FloatArray:
         """Solution without a check, for use inside an iteration that checks its own result."""
@@ -40,11 +45,11 @@ class Factor:
         One step of refinement follows where it asks for it. Raises SolverError above 1e-12.
         """
         solution = self._apply(right)
-        residual = right - self._matrix @ solution
+        residual = right - self._times(solution)
         worst = self._backward(residual, solution, right)
         if not worst < 1e-15:
             solution = solution + self._apply(residual)
-            worst = self._backward(right - self._matrix @ solution, solution, right)
+            worst = self._backward(right - self._times(solution), solution, right)
         if not worst < BACKWARD_LIMIT:
             raise SolverError(
                 f"backward error {worst:.1e} after refinement ({self.solver}), limit "
@@ -54,7 +59,17 @@ class Factor:
 
     @cached_property
     def _norm(self) -> float:
-        return float(abs(self._matrix).sum(axis=1).max())
+        sizes = abs(self._upper)
+        sums = sizes.sum(axis=0) + sizes.sum(axis=1) - sizes.diagonal()
+        return float(sums.max())
+
+    def _times(self, values: FloatArray) -> FloatArray:
+        """The whole matrix times a vector or several, without forming it."""
+        diagonal = self._upper.diagonal()
+        product = self._upper @ values
+        product += self._upper.T @ values
+        product -= (values.T * diagonal).T
+        return np.asarray(product)
 
     def _backward(self, residual: FloatArray, solution: FloatArray, right: FloatArray) -> float:
         def sizes(values: FloatArray) -> FloatArray:
@@ -64,29 +79,91 @@ class Factor:
         return float(np.max(sizes(residual) / np.where(scale > 0, scale, 1.0), initial=0.0))
 
 
-def factorize(upper: sp.csr_array) -> Factor:
+def factorize(upper: sp.csr_array, solver: str | None = None) -> Factor:
     """Factorise the symmetric positive definite matrix whose upper triangle is given.
 
-    CHOLMOD if scikit-sparse is there, else SciPy's SuperLU, about ten times slower; the factor's
-    name says which. Raises SolverError if the matrix is not positive definite.
-    """
-    whole = (upper + sp.triu(upper, k=1).T).tocsr()
-    try:
-        from sksparse import cholmod
-    except ImportError:
-        from scipy.sparse.linalg import splu
+    solver  one of SOLVERS; without it the first that can be loaded
 
-        lu = splu(
-            whole.tocsc(),
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.0,  # pivots stay on the diagonal, so their signs are the matrix's
-            options={"SymmetricMode": True},
-        )
-        if not np.array_equal(lu.perm_r, lu.perm_c) or not lu.U.diagonal().min() > 0:
-            raise SolverError("the stiffness matrix is not positive definite") from None
-        return Factor("SuperLU (scikit-sparse is not installed: slow)", whole, lu.solve)
+    CHOLMOD if scikit-sparse is there, else PARDISO if pypardiso is, else SciPy's SuperLU, which is
+    ten times slower or more; the factor's name says which, and why not the ones before it. Raises
+    SolverError if the matrix is not positive definite or the named solver cannot be loaded.
+    """
+    if solver is not None and solver not in SOLVERS:
+        raise ValueError(f"no solver is named {solver!r}; there are {', '.join(SOLVERS)}")
+    upper = sp.csr_array(upper)
+    upper.sort_indices()
+    missing = []
+    for name in SOLVERS if solver is None else (solver,):
+        try:
+            apply = SOLVERS[name](upper)
+        except ImportError as error:
+            missing.append(f"{name} cannot be loaded: {error}")
+        else:
+            slow = "; slow" if missing and name == "SuperLU" else ""
+            return Factor(f"{name} ({'; '.join(missing)}{slow})" if missing else name, upper, apply)
+    raise SolverError("; ".join(missing))
+
+
+def _cholmod(upper: sp.csr_array) -> Apply:
+    from sksparse import cholmod
+
+    order = dissection(upper, cholmod)
     try:
-        cholesky = cholmod.cholesky(sp.csc_matrix(upper.T), mode="supernodal")
+        factor = cholmod.cholesky(
+            permuted(upper, order), mode="supernodal", ordering_method="natural"
+        )
     except cholmod.CholmodError as error:
-        raise SolverError(f"the stiffness matrix is not positive definite: {error}") from error
-    return Factor("CHOLMOD", whole, cholesky)
+        raise SolverError(f"{_INDEFINITE}: {error}") from error
+
+    def apply(right: FloatArray) -> FloatArray:
+        solution = np.empty(right.shape)
+        solution[order] = factor(right[order])
+        return solution
+
+    return apply
+
+
+def _pardiso(upper: sp.csr_array) -> Apply:
+    from pypardiso import PyPardisoSolver
+    from pypardiso.pardiso_wrapper import PyPardisoError
+
+    # a matrix of type 2 is symmetric positive definite and given by its upper triangle
+    solver = PyPardisoSolver(mtype=2)
+    try:
+        solver.factorize(upper)
+    except PyPardisoError as error:
+        solver.free_memory(everything=True)
+        raise SolverError(f"{_INDEFINITE}: {error}") from error
+
+    def apply(right: FloatArray) -> FloatArray:
+        return np.asarray(solver.solve(upper, right))
+
+    # MKL keeps the factor outside of Python's memory
+    weakref.finalize(apply, solver.free_memory, everything=True)
+    return apply
+
+
+def _superlu(upper: sp.csr_array) -> Apply:
+    from scipy.sparse.linalg import splu
+
+    lu = splu(
+        (upper + sp.triu(upper, k=1).T).tocsc(),
+        permc_spec="MMD_AT_PLUS_A",
+        diag_pivot_thresh=0.0,  # pivots stay on the diagonal, so their signs are the matrix's
+        options={"SymmetricMode": True},
+    )
+    if not np.array_equal(lu.perm_r, lu.perm_c) or not lu.U.diagonal().min() > 0:
+        raise SolverError(_INDEFINITE)
+
+    def apply(right: FloatArray) -> FloatArray:
+        return np.asarray(lu.solve(right))
+
+    return apply
+
+
+# The best first: time of factorisation and solves, measured in bench/solid.py.
+SOLVERS: dict[str, Callable[[sp.csr_array], Apply]] = {
+    "CHOLMOD": _cholmod,
+    "PARDISO": _pardiso,
+    "SuperLU": _superlu,
+}

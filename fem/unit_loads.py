@@ -10,6 +10,10 @@ per bore give every direction and size, although the pressed half of the bore mo
 (docs/theory/bearing.md). The patterns are normalised so that n = 1 has the resultant 1 N; the
 others have none. A facetted bore gets this wrong by some 1e-5, which is measured, refused above
 1e-3, and removed by a small multiple of smooth patterns.
+
+A bore whose pin tilts (plates side by side) also takes couples about x and y: a pressure that
+grows linearly along the pin, z cos(theta) and z sin(theta). Contacts that slide are in
+fem/sliding.py.
 """
 
 from collections.abc import Callable
@@ -75,30 +79,60 @@ def half_cosine_harmonic(n: int) -> float:
 
 
 def interface_loads(elements: Elements, interface: Interface) -> InterfaceLoads:
-    """Return one interface's normalised unit loads; MeshError if the raw ones are too far off."""
+    """Return the normalised unit loads of an interface that stays where it is.
+
+    Raises MeshError if the raw ones are too far off, or if it slides (fem/sliding.py).
+    """
+    builder = _BUILDERS.get(interface.kind)
+    if builder is None:
+        raise MeshError(
+            f"interface {interface.name!r} is a {interface.kind!r}; loads that stay in one place "
+            f"are known for {', '.join(_BUILDERS)}"
+        )
     surface = elements.surface(interface.name)
-    if interface.kind == "face":
-        patterns, targets, smooth = _face_patterns(surface, interface)
-    else:
-        patterns, targets, smooth = _round_patterns(surface, interface)
+    patterns, targets, smooth = builder(surface, interface)
     vectors = np.stack([_nodal(elements, surface, p) for p in patterns.values()], axis=1)
     smooth_vectors = np.stack([_nodal(elements, surface, p) for p in smooth], axis=1)
     reach = interface.radius or float(np.ptp(surface.points.reshape(-1, 3), axis=0).max())
-    scale = np.r_[np.ones(3), np.full(3, 1 / reach)]
-    error = targets - resultants(elements, vectors, interface.centre)
-    raw = float(np.abs(error * scale[:, None]).max())
+    vectors, raw = with_resultants(
+        elements, interface.name, interface.centre, reach, vectors, targets, smooth_vectors
+    )
+    return InterfaceLoads(interface, tuple(patterns), vectors, raw)
+
+
+def with_resultants(
+    elements: Elements,
+    name: str,
+    centre: FloatArray,
+    reach: float,
+    vectors: FloatArray,
+    targets: FloatArray,
+    smooth: FloatArray,
+) -> tuple[FloatArray, float]:
+    """Return nodal forces that have their resultants exactly, and how far off they were.
+
+    vectors  (3 n_nodes, m) raw loads, which must be right to 1e-3
+    targets  (6, m)         the forces N and moments N mm about `centre` that they stand for
+    smooth   (3 n_nodes, k) loads of which the smallest sum that closes the gap is added
+    reach    mm, by which moments are compared with forces
+    """
+    scale = np.r_[np.ones(3), np.full(3, 1 / reach)][:, None]
+    error = (targets - resultants(elements, vectors, centre)) * scale
+    raw = float(np.abs(error).max())
     if raw > _RAW_LIMIT:
         raise MeshError(
-            f"loads on {interface.name!r} miss their resultant by {raw:.1e} on this mesh "
+            f"loads on {name!r} miss their resultant by {raw:.1e} on this mesh "
             f"(limit {_RAW_LIMIT:.0e}): it needs more elements around the interface"
         )
-    available = resultants(elements, smooth_vectors, interface.centre) * scale[:, None]
-    correction, *_ = np.linalg.lstsq(available, error * scale[:, None], rcond=1e-9)
-    vectors += smooth_vectors @ correction
-    left = np.abs((targets - resultants(elements, vectors, interface.centre)) * scale[:, None])
-    if left.max() > 1e-9:
-        raise MeshError(f"loads on {interface.name!r} keep an unbalanced {left.max():.1e}")
-    return InterfaceLoads(interface, tuple(patterns), vectors, raw)
+    available = resultants(elements, smooth, centre) * scale
+    for _ in range(2):  # the second step removes the round-off of the first
+        correction, *_ = np.linalg.lstsq(available, error, rcond=1e-9)
+        vectors = vectors + smooth @ correction
+        error = (targets - resultants(elements, vectors, centre)) * scale
+    left = float(np.abs(error).max())
+    if left > 1e-9:
+        raise MeshError(f"loads on {name!r} keep an unbalanced {left:.1e}")
+    return vectors, raw
 
 
 def direct_bearing(
@@ -228,14 +262,54 @@ def _round_patterns(
     targets[0, names.index("cos 1")] = sign
     targets[1, names.index("sin 1")] = sign
     targets[5, names.index("couple")] = 1.0
+    along_cos = _round_harmonic(interface, 1, np.cos, along=True)
+    along_sin = _round_harmonic(interface, 1, np.sin, along=True)
     smooth = [
         _round_harmonic(interface, 1, np.cos),
         _round_harmonic(interface, 1, np.sin),
         _couple(interface),
-        _round_harmonic(interface, 1, np.cos, along=True),
-        _round_harmonic(interface, 1, np.sin, along=True),
+        along_cos,
+        along_sin,
     ]
+    if interface.tilts:
+        # the pattern z cos(theta) / r of _round_harmonic turns about y by the integral of
+        # z**2 / (2 pi r**2 L) over the surface, z sin(theta) as much about -x
+        lever = surface.points[..., 2] - interface.centre[2]
+        second = float((surface.weights * lever**2).sum())
+        size = sign * 2 * np.pi * interface.radius**2 * interface.length / second
+        patterns["M_x"], patterns["M_y"] = _times(-size, along_sin), _times(size, along_cos)
+        targets = np.column_stack([targets, np.eye(6)[:, [3, 4]]])
     return patterns, targets, smooth
+
+
+def _times(factor: float, traction: Traction) -> Traction:
+    return lambda points: factor * traction(points)
+
+
+def _uniform(axis: int, area: float) -> Traction:
+    def traction(points: FloatArray) -> FloatArray:
+        field = np.zeros(points.shape)
+        field[..., axis] = 1 / area
+        return field
+
+    return traction
+
+
+def _linear(axis: int, by: int, interface: Interface, divisor: float) -> Traction:
+    """Traction along one axis that grows with another one from the interface's centre."""
+
+    def traction(points: FloatArray) -> FloatArray:
+        field = np.zeros(points.shape)
+        field[..., axis] = (points - interface.centre)[..., by] / divisor
+        return field
+
+    return traction
+
+
+def _planar_targets() -> FloatArray:
+    targets = np.zeros((6, 3))
+    targets[[0, 1, 5], [0, 1, 2]] = 1.0
+    return targets
 
 
 def _face_patterns(
@@ -245,29 +319,38 @@ def _face_patterns(
     arm = surface.points - interface.centre
     second = {axis: float((surface.weights * arm[..., axis] ** 2).sum()) for axis in (1, 2)}
 
-    def uniform(axis: int) -> Traction:
-        def traction(points: FloatArray) -> FloatArray:
-            field = np.zeros(points.shape)
-            field[..., axis] = 1 / area
-            return field
-
-        return traction
-
-    def bending(axis: int) -> Traction:
-        def traction(points: FloatArray) -> FloatArray:
-            field = np.zeros(points.shape)
-            field[..., 0] = -(points - interface.centre)[..., axis] / second[axis]
-            return field
-
-        return traction
-
     def twist(points: FloatArray) -> FloatArray:
         field, lever = np.zeros(points.shape), points - interface.centre
         field[..., 1], field[..., 2] = -lever[..., 2], lever[..., 1]
         return field / (second[1] + second[2])
 
-    patterns = {"F_x": uniform(0), "F_y": uniform(1), "M_z": bending(1)}
-    targets = np.zeros((6, 3))
-    targets[[0, 1, 5], [0, 1, 2]] = 1.0
+    forces = [_uniform(axis, area) for axis in range(3)]
+    bending = [_linear(0, axis, interface, -second[axis]) for axis in (1, 2)]
+    patterns = {"F_x": forces[0], "F_y": forces[1], "M_z": bending[0]}
     # an uneven mesh puts the centre of its weights beside the centre: a shear then twists a little
-    return patterns, targets, [*(uniform(i) for i in range(3)), bending(1), bending(2), twist]
+    return patterns, _planar_targets(), [*forces, *bending, twist]
+
+
+def _clamp_patterns(
+    surface: FacetQuadrature, interface: Interface
+) -> tuple[dict[str, Traction], FloatArray, list[Traction]]:
+    """Friction along x, and a pressure along y that is even or grows with x, on both faces."""
+    area = float(surface.weights.sum())
+    arm = surface.points - interface.centre
+    second = [float((surface.weights * arm[..., axis] ** 2).sum()) for axis in range(3)]
+    friction, pressure = _uniform(0, area), _uniform(1, area)
+    couple = _linear(1, 0, interface, second[0])
+    patterns = {"F_x": friction, "F_y": pressure, "M_z": couple}
+    across = [_linear(axis, 2, interface, second[2]) for axis in (0, 1)]
+    return patterns, _planar_targets(), [friction, pressure, couple, *across]
+
+
+_Builder = Callable[
+    [FacetQuadrature, Interface], tuple[dict[str, Traction], FloatArray, list[Traction]]
+]
+_BUILDERS: dict[str, _Builder] = {
+    "bore": _round_patterns,
+    "journal": _round_patterns,
+    "face": _face_patterns,
+    "clamp": _clamp_patterns,
+}

@@ -3,7 +3,7 @@
 Unit loads of every interface and of four rigid-body accelerations, one factorisation, and the
 stress basis at the surface nodes. The part is held at six displacements that just stop it from
 moving as a rigid body; loads in equilibrium need no reaction there, which is checked for every
-position of the cycle.
+position of the cycle. The bodies of a stack are solved with the unknowns that its ties leave.
 """
 
 from collections.abc import Mapping
@@ -17,7 +17,9 @@ import scipy.sparse as sp
 from fem.assembly import Pattern, stiffness
 from fem.elements import Elements
 from fem.recovery import Recovery
+from fem.sliding import sliding_coefficients, sliding_loads
 from fem.solvers import Factor, factorize
+from fem.ties import Ties, ties_of
 from fem.unit_loads import (
     ACCELERATIONS,
     InterfaceLoads,
@@ -27,6 +29,10 @@ from fem.unit_loads import (
     resultants,
 )
 from geometry.mesh import FloatArray, IntArray, Mesh
+
+_IN_PLANE, _OUT_OF_PLANE = [0, 1, 5], [2, 3, 4]
+_UNBALANCED = 1e-9  # of force times size: what loads may leave out of the plane
+_UNEVEN = 1e-4  # of the inertia: what a mesh that is not quite symmetric about z = 0 may leave
 
 
 @dataclass(frozen=True)
@@ -60,10 +66,11 @@ class UnitSolutions:
     interfaces    unit loads per interface, in the order of their columns
     loads         (3 n_nodes, n_basis)  N per unit
     displacement  (3 n_nodes, n_basis)  mm per unit
-    held          (6,) unknowns held still
+    held          (6,) unknowns held still; of tied ones the first
     factor        of the stiffness matrix without the held unknowns
-    stiffness     upper triangle of the whole stiffness matrix
+    stiffness     upper triangle of the whole stiffness matrix, without ties
     residual      largest backward error of the solves
+    ties          of a stack; the factor is then of its independent unknowns
     """
 
     elements: Elements
@@ -76,6 +83,7 @@ class UnitSolutions:
     factor: Factor
     stiffness: sp.csr_array
     residual: float
+    ties: Ties | None = None
 
     @property
     def mesh(self) -> Mesh:
@@ -103,48 +111,81 @@ class UnitSolutions:
         return resultants(self.elements, self.loads, np.zeros(3))
 
     def coefficients(
-        self, wrenches: Mapping[str, FloatArray], accelerations: FloatArray
+        self,
+        wrenches: Mapping[str, FloatArray],
+        accelerations: FloatArray,
+        reaches: Mapping[str, FloatArray] | None = None,
     ) -> tuple[FloatArray, FloatArray]:
         """Coefficients (n_basis, n) of the unit loads, and what inertia was added (n, 3).
 
         wrenches       interface -> (n, 6) N, N mm at the interface's centre, in the part's axes
         accelerations  (n, 4)  a_x, a_y (less gravity), alpha, omega^2 of the part's frame
+        reaches        interface -> (n,) mm, where a sliding contact is along x from the centre;
+                       of use to sliding contacts only
 
         Loads that come with other mass properties than the mesh's leave a residual; it is balanced
-        by a rigid-body acceleration field, returned as (a_x, a_y, alpha) for the report.
+        by a rigid-body acceleration field, returned as (a_x, a_y, alpha) for the report. Nothing
+        balances forces along z and couples about x and y: they must vanish in sum.
         """
         columns = []
         for loads in self.interfaces:
-            wrench = np.asarray(wrenches[loads.interface.name])
-            other = np.abs(wrench[:, 2:5]).max(initial=0.0)
-            if other > 1e-9 * max(np.abs(wrench).max(initial=0.0), 1e-300):
-                raise ValueError(
-                    f"interface {loads.interface.name!r} carries forces along z or moments about x "
-                    f"or y up to {other:.3g}; this model has no unit load for them"
-                )
-            planar = wrench[:, [0, 1, 5]]
-            if loads.interface.kind != "face":
-                planar = bearing_coefficients(planar, loads.interface.kind == "journal")
-            columns.append(planar)
+            name = loads.interface.name
+            reach = None if reaches is None else reaches.get(name)
+            columns.append(_columns(loads, np.asarray(wrenches[name]), reach))
         columns.append(np.asarray(accelerations))
         coefficients = np.concatenate(columns, axis=1).T
-        rows = [0, 1, 5]
-        balance = self.unit_resultants[rows]
+        balance = self.unit_resultants[_IN_PLANE]
         first = coefficients.shape[0] - len(ACCELERATIONS)
         added = -np.linalg.solve(balance[:, first : first + 3], balance @ coefficients)
         coefficients[first : first + 3] += added
+        self._check_out_of_plane(wrenches, coefficients, first)
         return coefficients, np.asarray(added.T, dtype=np.float64)
 
+    def _check_out_of_plane(
+        self, wrenches: Mapping[str, FloatArray], coefficients: FloatArray, first: int
+    ) -> None:
+        """ValueError if the loads leave a force along z or a couple about x or y.
+
+        first  of the inertia's columns, whose share a mesh that is not even may miss by a little
+        """
+        size = float(np.ptp(self.mesh.nodes, axis=0).max())
+        acting = np.stack([np.asarray(wrenches[unit.interface.name]) for unit in self.interfaces])
+        acting = np.abs(acting) / [1, 1, 1, size, size, size]
+        inertia = np.abs(self.loads[:, first:]).sum(axis=0)  # may balance itself: no resultant
+        limit = _UNBALANCED * acting.max(axis=(0, 2))
+        limit += _UNEVEN * (inertia @ np.abs(coefficients[first:]))
+        left = self.unit_resultants[_OUT_OF_PLANE] @ coefficients
+        for row, what, unit, arm in (
+            (0, "force along z", "N", 1.0),
+            (1, "couple about x", "N mm", size),
+            (2, "couple about y", "N mm", size),
+        ):
+            excess = np.abs(left[row]) - limit * arm
+            if excess.max(initial=0.0) > 0:
+                worst = int(excess.argmax())
+                raise ValueError(
+                    f"the loads leave a {what} of {left[row, worst]:.4g} {unit} at position "
+                    f"{worst + 1} of {len(excess)}; the part moves in its plane only, so they must "
+                    "balance each other"
+                )
+
     def reactions(self, coefficients: FloatArray) -> FloatArray:
-        """Support reactions (6, n) at the held unknowns, N."""
-        rows = self.stiffness[self.held] + self.stiffness.T.tocsr()[self.held]
-        diagonal = self.stiffness.diagonal()[self.held]
-        internal = rows @ self.displacement - diagonal[:, None] * self.displacement[self.held]
-        return np.asarray((internal - self.loads[self.held]) @ coefficients)
+        """Support reactions (6, n) at the held unknowns, N; of tied unknowns their sum."""
+        if self.ties is None:
+            unknowns = place = self.held
+        else:
+            unknowns = np.flatnonzero(np.isin(self.ties.number, self.ties.number[self.held]))
+            place = self.ties.first[self.ties.number[unknowns]]
+        rows = self.stiffness[unknowns] + self.stiffness.T.tocsr()[unknowns]
+        diagonal = self.stiffness.diagonal()[unknowns]
+        internal = rows @ self.displacement - diagonal[:, None] * self.displacement[unknowns]
+        needed = np.zeros((len(self.held), self.loads.shape[1]))
+        np.add.at(needed, np.searchsorted(self.held, place), internal - self.loads[unknowns])
+        return np.asarray(needed @ coefficients)
 
     def solve(self, loads: FloatArray) -> FloatArray:
         """Displacement (3 n_nodes, m) of other nodal forces under the same hold."""
-        return _solve_held(self.factor, self.held, loads)[0]
+        return _solve_held(self.factor, self.held, loads, self.ties)[0]
 
 
 def solve_unit_loads(mesh: Mesh, material: Elastic) -> UnitSolutions:
@@ -156,15 +197,30 @@ def solve_unit_loads(mesh: Mesh, material: Elastic) -> UnitSolutions:
     elements = Elements(mesh)
     pattern = Pattern(elements)
     upper = stiffness(pattern, material.youngs_modulus, material.poisson_ratio)
-    interfaces = tuple(interface_loads(elements, i) for i in mesh.interfaces.values())
+    interfaces = tuple(
+        sliding_loads(elements, i) if i.kind == "slide" else interface_loads(elements, i)
+        for i in mesh.interfaces.values()
+    )
     inertia = acceleration_loads(elements, material.density)
     loads = np.concatenate([*(i.vectors for i in interfaces), inertia], axis=1)
-    held = determinate_hold(mesh.nodes)
-    free = np.setdiff1d(np.arange(3 * len(mesh.nodes)), held)
-    factor = factorize(upper[free][:, free].tocsr())
-    displacement, residual = _solve_held(factor, held, loads)
+    ties = ties_of(mesh)
+    held = determinate_hold(mesh.nodes, ties)
+    matrix = upper if ties is None else ties.collect_upper(upper)
+    free = _free(matrix.shape[0], held, ties)
+    factor = factorize(matrix[free][:, free].tocsr())
+    displacement, residual = _solve_held(factor, held, loads, ties)
     return UnitSolutions(
-        elements, pattern, material, interfaces, loads, displacement, held, factor, upper, residual
+        elements=elements,
+        pattern=pattern,
+        material=material,
+        interfaces=interfaces,
+        loads=loads,
+        displacement=displacement,
+        held=held,
+        factor=factor,
+        stiffness=upper,
+        residual=residual,
+        ties=ties,
     )
 
 
@@ -179,16 +235,51 @@ def rigid_modes(nodes: FloatArray) -> FloatArray:
     return modes.reshape(-1, 6)
 
 
-def determinate_hold(nodes: FloatArray) -> IntArray:
+def determinate_hold(nodes: FloatArray, ties: Ties | None = None) -> IntArray:
     """Six unknowns that hold a part statically determinately, as far apart as pivoting finds."""
     modes = rigid_modes(nodes)
     modes[:, 3:] /= np.abs(nodes - nodes.mean(axis=0)).max()
-    *_, order = scipy.linalg.qr(modes.T, mode="economic", pivoting=True)
-    return np.sort(order[:6])
+    candidates = np.arange(len(modes)) if ties is None else ties.first
+    *_, order = scipy.linalg.qr(modes[candidates].T, mode="economic", pivoting=True)
+    return np.sort(candidates[order[:6]])
 
 
-def _solve_held(factor: Factor, held: IntArray, loads: FloatArray) -> tuple[FloatArray, float]:
-    free = np.setdiff1d(np.arange(len(loads)), held)
-    displacement = np.zeros_like(loads)
-    displacement[free], residual = factor.solve(loads[free])
-    return displacement, residual
+def _columns(loads: InterfaceLoads, wrench: FloatArray, reach: FloatArray | None) -> FloatArray:
+    """Coefficients (n, n_columns) of one interface's unit loads for its wrench (n, 6)."""
+    interface = loads.interface
+    refused = [2] if interface.tilts else [2, 3, 4]
+    other = np.abs(wrench[:, refused]).max(initial=0.0)
+    if other > 1e-9 * max(np.abs(wrench).max(initial=0.0), 1e-300):
+        what = "forces along z" if interface.tilts else "forces along z or moments about x or y"
+        raise ValueError(
+            f"interface {interface.name!r} carries {what} up to {other:.3g}; this model has no "
+            "unit load for them"
+        )
+    planar = wrench[:, _IN_PLANE]
+    if interface.kind == "slide":
+        if reach is None:
+            raise ValueError(
+                f"interface {interface.name!r} slides: its loads need the place of the contact at "
+                "every position"
+            )
+        return sliding_coefficients(interface, planar, reach)
+    if interface.kind in ("face", "clamp"):
+        return planar
+    bearing = bearing_coefficients(planar, interface.kind == "journal")
+    return np.column_stack([bearing, wrench[:, 3:5]]) if interface.tilts else bearing
+
+
+def _free(count: int, held: IntArray, ties: Ties | None) -> IntArray:
+    """The unknowns of the factor among the independent ones."""
+    still = held if ties is None else ties.number[held]
+    return np.setdiff1d(np.arange(count), still)
+
+
+def _solve_held(
+    factor: Factor, held: IntArray, loads: FloatArray, ties: Ties | None
+) -> tuple[FloatArray, float]:
+    own = loads if ties is None else ties.collect(loads)
+    free = _free(len(own), held, ties)
+    displacement = np.zeros_like(own)
+    displacement[free], residual = factor.solve(own[free])
+    return displacement if ties is None else ties.expand(displacement), residual

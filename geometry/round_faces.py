@@ -18,6 +18,7 @@ _GRID = 9  # points along each parameter of a face, at which its shape is asked
 _EXACT = 1e-6  # of normals and of points over the radius: what may be left of a cylinder
 _SAME = 1e-3  # mm and rad, within which faces lie on the same cylinder
 _PLAIN = 5e-4  # of a turn: what a hole that takes a pin may miss
+_SLANT = 1e-3  # of the diameter: how far an end may slant; what is left is less than loads may miss
 _ALONG_EDGE = 9  # points that tell where an edge goes
 
 
@@ -281,7 +282,8 @@ def _is_plain(piece: Sequence[_Patch], low: float, high: float) -> bool:
             along = (edge - patch.origin) @ patch.direction
             beside = edge - patch.origin - along[:, None] * patch.direction
             runs_along = np.linalg.norm(beside - beside[0], axis=1).max() < _SAME
-            ends = min(np.abs(along - low).max(), np.abs(along - high).max()) < _SAME
+            slack = max(_SAME, _SLANT * 2 * patch.radius)
+            ends = min(np.abs(along - low).max(), np.abs(along - high).max()) < slack
             if not (runs_along or ends):
                 return False
     return _turn(piece) > (1 - _PLAIN) * 2 * pi

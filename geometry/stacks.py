@@ -63,8 +63,11 @@ def _check_that_all_touch(count: int, touching: Sequence[tuple[int, int]]) -> No
 
 
 def ties_of(nodes: FloatArray, pairs: IntArray, bolted_at: float | None) -> tuple[Tie, ...]:
-    """Return the ties of a stack: all pairs along y; along x and z those of the bolt at x, mm.
+    """Return the ties of a stack: all pairs along y; those of the bolt at x, mm, along x too.
 
+    Along z one pair of each two bodies is tied, the nearest to their middle: bent bodies widen
+    where they are pressed and narrow where they are pulled, so two faces that meet must be free to
+    slide across; a line tied along z carried a shear without a finite stress.
     Raises MeshError if there is a bolt and no pair in its plane.
     """
     if not len(pairs):
@@ -75,4 +78,8 @@ def ties_of(nodes: FloatArray, pairs: IntArray, bolted_at: float | None) -> tupl
     bolt = pairs[np.abs(nodes[pairs[:, 0], 0] - bolted_at) <= 1e-6]
     if not len(bolt):
         raise MeshError(f"no nodes of the stack lie at the bolt's x = {bolted_at:g} mm")
-    return (Tie(0, bolt), *ties, Tie(2, bolt))
+    heights = np.round(nodes[bolt[:, 0], 1], 6)
+    middle = np.abs(nodes[bolt[:, 0], 2])
+    order = np.lexsort((middle, heights))
+    _, first = np.unique(heights[order], return_index=True)
+    return (Tie(0, bolt), *ties, Tie(2, bolt[order[first]]))

@@ -1,6 +1,7 @@
 """What gives way in a linkage: bodies and joints with small elastic deflections, as numbers."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from math import isfinite
 
 import numpy as np
@@ -35,26 +36,47 @@ class MatrixCompliance:
     """A body's compliance at its points, for loads on it in its own axes.
 
     points  m names of points of the body
-    matrix  (3 m, 3 m) mm/N, rad/N, rad/(N mm): displacements x, y and turn of every point for
-            forces x, y and couple at every point; held anyhow, as long as the body can deform
+    slides  slot or guide whose line the body has -> (k,) mm, rising places along the line's
+            direction from the point it goes through, between which its contact stays
+    matrix  (3 m + 3 k, 3 m + 3 k) mm/N, rad/N, rad/(N mm): displacements x, y and turn of every
+            point, then of every place of every slide, for forces x, y and couple there; held
+            anyhow, as long as the body can deform
+
+    Two neighbouring places share a contact between them linearly, which keeps its force and moment,
+    and its displacement is shared alike, which keeps the work. The deflection of places h apart
+    is then wrong by h^2/8 of its curvature.
     """
 
     body: str
     points: tuple[str, ...]
     matrix: FloatArray
+    slides: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        size = 3 * len(self.points)
+        for name, places in self.slides.items():
+            if len(places) < 2 or not np.isfinite(places).all() or min(np.diff(places)) <= 0.0:
+                raise LinkageError(
+                    f"body {self.body!r}: its compliance under joint {name!r} needs at least two "
+                    f"places along the line that rise, got {places}"
+                )
+        size = 3 * self.n_places
+        count = self.n_places - len(self.points)
         matrix = np.asarray(self.matrix, dtype=float)
         if matrix.shape != (size, size):
+            along = f" and {count} places along lines" if count else ""
             raise LinkageError(
-                f"body {self.body!r}: the compliance of {len(self.points)} points is "
+                f"body {self.body!r}: the compliance of {len(self.points)} points{along} is "
                 f"{size} x {size}, got {matrix.shape}"
             )
         if not np.isfinite(matrix).all():
             raise LinkageError(f"body {self.body!r}: its compliance holds finite numbers only")
         if np.abs(matrix - matrix.T).max(initial=0.0) > 1e-6 * np.abs(matrix).max(initial=0.0):
             raise LinkageError(f"body {self.body!r}: its compliance is not symmetric")
+
+    @property
+    def n_places(self) -> int:
+        """Number of points, and of places along lines."""
+        return len(self.points) + sum(len(places) for places in self.slides.values())
 
 
 @dataclass(frozen=True)

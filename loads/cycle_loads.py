@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from loads.assembly import worst_gaps
+from loads.assigned import AssignedLoads, by_interface, by_point
 from loads.bodies import GROUND, BoolArray, FloatArray, IntArray, LinkageError, nearest
 from loads.contact import Touch, rigidly_joined
 from loads.drive import DriveFigures, drive_figures, kinetic_energy
@@ -129,9 +130,7 @@ class CycleLoads:
         )
         result = {}
         for body in self.linkage.moving:
-            history = self._history(
-                body.name, loads[body.name], {load.point: load.point for load in loads[body.name]}
-            )
+            history = self._history(body.name, by_point(loads[body.name]))
             left = history.equilibrium_residual(body.mass, body.centre, body.inertia)
             left[:, 2] /= self._kinematics.size
             result[body.name] = float(np.abs(left).max()) / (largest or 1.0)
@@ -256,43 +255,24 @@ class CycleLoads:
         """Return the loads on a body at its interfaces (interface name -> point of the body).
 
         Everything that acts at a point is summed: joint forces, guide couples, friction and forces.
-        The force of a guide or slot on the body that has the line is moved to the line's point.
+        The force of a guide or slot on the body that has the line is moved to the line's point,
+        unless an interface names that joint in place of a point: the joint then acts there alone,
+        with its wrench stated at the line's point and the way to the contact in ``reaches``.
         """
-        owner = self.linkage.body(body)
-        for interface, point in interfaces.items():
-            if point not in owner.points:
-                raise LinkageError(
-                    f"body {body!r}: interface {interface!r} needs a point {point!r} that it does "
-                    f"not have; {nearest(point, owner.points)}"
-                )
-        names = {point: interface for interface, point in interfaces.items()}
-        if len(names) < len(interfaces):
-            raise LinkageError(f"body {body!r}: two interfaces are at the same point")
         loads = self.body_loads(body)
-        for load in loads:
-            if load.point is None:
-                raise LinkageError(
-                    f"body {body!r}: the torque of {load.source} enters at no stated point; "
-                    "state the point of its angle"
-                )
-            if load.point not in names:
-                raise LinkageError(
-                    f"body {body!r}: {load.source} acts at point {load.point!r}, "
-                    f"which is no interface (these are at {', '.join(names) or 'none'})"
-                )
-        return self._history(body, loads, {point: name for point, name in names.items()})
+        return self._history(body, by_interface(self.linkage, body, interfaces, loads))
 
-    def _history(
-        self, body: str, loads: list[PointLoad], names: Mapping[str | None, str | None]
-    ) -> LoadHistory:
+    def _history(self, body: str, assigned: AssignedLoads) -> LoadHistory:
         n, owner, row = len(self.positions), self.linkage.body(body), self.body_index(body)
-        points = list(names)
+        points = assigned.points
         wrenches = np.zeros((n, len(points), 6))
+        reaches = np.zeros((n, len(points), 2))
         angle = self.poses[:, row, 2]
-        for load in loads:
-            k = points.index(load.point)
+        for k, load in assigned.loads:
             wrenches[:, k, :2] += rotated(load.force, -angle)
             wrenches[:, k, 5] += load.moment
+            if assigned.sliding[k]:
+                reaches[:, k] = rotated(load.reach, -angle)
         accelerations = np.zeros((n, 4))
         pull = self.accelerations[:, row, :2] - np.array(self.linkage.gravity)
         accelerations[:, :2] = rotated(pull, -angle)
@@ -301,7 +281,7 @@ class CycleLoads:
         places = [(0.0, 0.0) if point is None else owner.points[point] for point in points]
         return LoadHistory(
             part=body,
-            interfaces=tuple(str(name) for name in names.values()),
+            interfaces=assigned.interfaces,
             positions=self.positions,
             times=self.times,
             phases=self.phases,
@@ -309,6 +289,7 @@ class CycleLoads:
             locations=np.array(places, dtype=float).reshape(len(points), 2),
             wrenches=wrenches,
             accelerations=accelerations,
+            reaches=reaches,
         )
 
     def pin_history(self, point: str, seats: Mapping[str, str], fixed_to: str) -> LoadHistory:

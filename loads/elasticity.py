@@ -7,19 +7,22 @@ delta = sum over the elastic bodies and joints of unit loads . compliance . real
 the forces stay those of the rigid geometry, an error of the order of the strain.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from loads.bodies import FloatArray, IntArray, LinkageError
 from loads.compliance import BeamCompliance, JointCompliance, MatrixCompliance
+from loads.elements import Prismatic, Slot
 from loads.forces import ForceSolution
-from loads.kinematics import Kinematics, cross, dot, rotated, turned_left
+from loads.kinematics import Kinematics, cross, dot, rotated, turned_left, unit
 from loads.linkage import Linkage
 from loads.motion import Motion
 from loads.point_loads import PointLoad, body_loads
 
 _ASIDE = 1e-2  # of the size of the linkage: how far from its axis a beam may be loaded
+_ON_POINT = 1e-6  # of a size: how far from a stated place a load may act
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,9 +46,11 @@ def check_compliance(linkage: Linkage) -> None:
         else:
             body = linkage.body(compliance.body)
             name = f"body {compliance.body!r}"
-            points = compliance.points if isinstance(compliance, MatrixCompliance) else ()
-            for point in points:
-                body.place(point)
+            if isinstance(compliance, MatrixCompliance):
+                for point in compliance.points:
+                    body.place(point)
+                for line in compliance.slides:
+                    _line(linkage, compliance.body, line)
         if name in seen:
             raise LinkageError(f"{name}: its compliance is stated twice")
         seen.add(name)
@@ -77,22 +82,97 @@ def _loads_on(
     return body_loads(kinematics, poses, state.solution.joints, state.solution.efforts, body)
 
 
+@dataclass(frozen=True, eq=False)
+class _Entering:
+    """One load where it enters a body that has a matrix.
+
+    shares  (n, k) of the matrix's points and places along lines, each with three rows
+    wrench  (n, 3) force x, y and couple, place (n, 2) mm where it acts: the body's axes
+    """
+
+    source: str
+    shares: FloatArray
+    wrench: FloatArray
+    place: FloatArray
+
+
+def _entering(
+    kinematics: Kinematics, poses: FloatArray, compliance: MatrixCompliance, state: LoadState
+) -> list[_Entering]:
+    angle = poses[:, kinematics.index[compliance.body], 2]
+    return [
+        _enters(kinematics, compliance, load, angle)
+        for load in _loads_on(kinematics, poses, state, compliance.body)
+    ]
+
+
+def _enters(
+    kinematics: Kinematics, compliance: MatrixCompliance, load: PointLoad, angle: FloatArray
+) -> _Entering:
+    owner = kinematics.linkage.body(compliance.body)
+    shares = np.zeros((len(angle), compliance.n_places))
+    wrench = np.column_stack([rotated(load.force, -angle), load.moment])
+    first = len(compliance.points)
+    for name, places in compliance.slides.items():
+        if load.source == f"joint {name!r}":
+            joint = _line(kinematics.linkage, owner.name, name)
+            along = unit(joint.direction)
+            travel = rotated(load.reach, -angle) @ along
+            shares[:, first : first + len(places)] = _shares(
+                owner.name, load.source, places, travel
+            )
+            wrench[:, 2] -= cross(load.reach, load.force)
+            place = np.array(owner.place(joint.point_a)) + travel[:, None] * along
+            return _Entering(load.source, shares, wrench, place)
+        first += len(places)
+    if load.point not in compliance.points:
+        raise LinkageError(
+            f"body {compliance.body!r}: {load.source} acts at "
+            f"{'no stated point' if load.point is None else f'point {load.point!r}'}, for "
+            f"which its compliance has no rows (these are {', '.join(compliance.points)})"
+        )
+    if np.abs(load.reach).max(initial=0.0) > _ON_POINT * kinematics.size:
+        raise LinkageError(
+            f"body {compliance.body!r}: {load.source} slides along it, and its compliance has no "
+            f"places along that line; it has point {load.point!r} only"
+        )
+    shares[:, compliance.points.index(load.point)] = 1.0
+    place = np.broadcast_to(np.array(owner.place(load.point), dtype=float), (len(angle), 2))
+    return _Entering(load.source, shares, wrench, place)
+
+
+def _line(linkage: Linkage, body: str, name: str) -> Prismatic | Slot:
+    """Return the slot or guide whose line a body has; LinkageError for any other joint."""
+    joint = linkage.joint(name)
+    if not isinstance(joint, Prismatic | Slot) or joint.body_a != body:
+        raise LinkageError(
+            f"body {body!r}: its compliance has places along joint {name!r}, which is no slot or "
+            "guide on a line of this body"
+        )
+    return joint
+
+
+def _shares(body: str, source: str, places: Sequence[float], travel: FloatArray) -> FloatArray:
+    """Return how much of a load at `travel` each place takes (n, k): two neighbours, linearly."""
+    low, high = places[0], places[-1]
+    slack = _ON_POINT * (high - low)
+    outside = np.maximum(low - travel, travel - high)
+    if outside.max(initial=0.0) > slack:
+        worst = float(travel[int(np.argmax(outside))])
+        raise LinkageError(
+            f"body {body!r}: {source} acts at {worst:.7g} mm along its line, and the compliance is "
+            f"known from {low:.7g} to {high:.7g} mm only"
+        )
+    return np.stack([np.interp(travel, places, row) for row in np.eye(len(places))], axis=1)
+
+
 def _wrenches(
     kinematics: Kinematics, poses: FloatArray, compliance: MatrixCompliance, state: LoadState
 ) -> FloatArray:
-    """Return the loads on a body at the points of its compliance, in its own axes (n, 3 m)."""
-    angle = poses[:, kinematics.index[compliance.body], 2]
-    result = np.zeros((len(poses), len(compliance.points), 3))
-    for load in _loads_on(kinematics, poses, state, compliance.body):
-        if load.point not in compliance.points:
-            raise LinkageError(
-                f"body {compliance.body!r}: {load.source} acts at "
-                f"{'no stated point' if load.point is None else f'point {load.point!r}'}, for "
-                f"which its compliance has no rows (these are {', '.join(compliance.points)})"
-            )
-        k = compliance.points.index(load.point)
-        result[:, k, :2] += rotated(load.force, -angle)
-        result[:, k, 2] += load.moment
+    """Return the loads on a body at the places of its compliance, in its own axes (n, 3 k)."""
+    result = np.zeros((len(poses), compliance.n_places, 3))
+    for load in _entering(kinematics, poses, compliance, state):
+        result += load.shares[:, :, None] * load.wrench[:, None, :]
     return result.reshape(len(poses), -1)
 
 
@@ -235,11 +315,8 @@ def matrix_displacements(
     """Return what the loads on a body move, by their source: as `beam_displacements`."""
     wrenches = _wrenches(kinematics, poses, compliance, state)
     moved = (wrenches @ np.asarray(compliance.matrix, dtype=float)).reshape(len(poses), -1, 3)
-    owner = kinematics.linkage.body(compliance.body)
     result: Displacements = {}
-    for load in _loads_on(kinematics, poses, state, compliance.body):
-        assert load.point is not None  # _wrenches has refused it
-        k = compliance.points.index(load.point)
-        place = np.broadcast_to(np.array(owner.place(load.point)), (len(poses), 2))
-        result[load.source] = moved[:, k, :2], moved[:, k, 2], place
+    for load in _entering(kinematics, poses, compliance, state):
+        own = np.einsum("nk,nki->ni", load.shares, moved)
+        result[load.source] = own[:, :2], own[:, 2], load.place
     return result

@@ -1,11 +1,13 @@
 """The loads on one part over a cycle, in its own axes: what a model of the part is loaded with."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Self
 
 import numpy as np
 
 from loads.bodies import FloatArray, IntArray, Vector
+
+_NOWHERE: FloatArray = np.zeros(0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,6 +21,8 @@ class LoadHistory:
     wrenches       (n, m, 6)  N, N mm: force and moment (Fx, Fy, Fz, Mx, My, Mz) ON the part
     accelerations  (n, 4)     mm/s2, mm/s2, rad/s2, rad2/s2: of the frame origin minus gravity,
                               angular, and omega**2
+    reaches        (n, m, 2)  mm, in the body frame: from an interface's location, where its wrench
+                              is stated, to where its force acts; not zero where a contact slides
 
     A material point (x, y) has the acceleration minus gravity
     (a_x - alpha y - omega2 x, a_y + alpha x - omega2 y).
@@ -33,9 +37,12 @@ class LoadHistory:
     locations: FloatArray
     wrenches: FloatArray
     accelerations: FloatArray
+    reaches: FloatArray = field(default_factory=lambda: _NOWHERE)
 
     def __post_init__(self) -> None:
         n, m = len(self.positions), len(self.interfaces)
+        if self.reaches is _NOWHERE:
+            object.__setattr__(self, "reaches", np.zeros((n, m, 2)))
         for name, expected in (
             ("positions", (n,)),
             ("times", (n,)),
@@ -43,6 +50,7 @@ class LoadHistory:
             ("locations", (m, 2)),
             ("wrenches", (n, m, 6)),
             ("accelerations", (n, 4)),
+            ("reaches", (n, m, 2)),
         ):
             values = np.asarray(getattr(self, name))
             if values.shape != expected:

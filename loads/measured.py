@@ -249,8 +249,13 @@ class MeasuredLoads:
         are in equilibrium; a body without mass keeps its own accelerations.
         """
         entry, n = self.body(body), len(self.positions)
-        for point in interfaces.values():
-            entry.body.place(point)
+        for interface, point in interfaces.items():
+            if point not in entry.body.points:
+                raise LinkageError(
+                    f"body {body!r}: interface {interface!r} needs a point {point!r} that it does "
+                    "not have; measured loads act at points, they know no slots or guides; "
+                    f"{nearest(point, entry.body.points)}"
+                )
         names = {point: interface for interface, point in interfaces.items()}
         if len(names) < len(interfaces):
             raise LinkageError(f"body {body!r}: two interfaces are at the same point")

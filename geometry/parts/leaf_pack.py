@@ -29,7 +29,7 @@ class LeafPack:
     ("rod"). At the other side, x < 0, a contact slides along them ("contact"): a force along +y
     presses on the bottom of the pack, one along -y on its top. The leaves slide on each other
     without friction and never part: each has its own nodes, tied along y to the next leaf's. A bolt
-    through the middle of the clamp, at x = 0, keeps them together along x and z too.
+    through the middle of the clamp, at x = 0, keeps them together along x and, in their middle, z.
     """
 
     stressed_evenly: ClassVar[bool] = False

@@ -88,7 +88,8 @@ class StepPart:
         for size in self.section or ():
             check_above("section", size, 0)
         object.__setattr__(self, "sha256", file_hash(self.path))
-        self._check_parallel()
+        self._check_axes()
+        self._check_plain()
         self._check_places()
 
     @cached_property
@@ -136,12 +137,6 @@ class StepPart:
                 f"{len(fits)} holes of {self.path.name} are a {what}{where}: `at` must say which, "
                 f"by a point of its axis in the file's frame; {self._told_holes()}",
             )
-        if not fits[0].plain:
-            raise ParameterError(
-                key,
-                f"something cuts into the {fits[0]}: a cross hole, a keyway or a slanted end; "
-                "only plain cylinders can be loaded yet, leave the cut out of the CAD model",
-            )
         return fits[0]
 
     def _has_size(self, named: NamedHole, hole: Hole) -> bool:
@@ -157,7 +152,7 @@ class StepPart:
         more = f"; and {len(holes) - _MOST_TOLD} more" if len(holes) > _MOST_TOLD else ""
         return "there are " + "; ".join(map(str, holes[:_MOST_TOLD])) + more
 
-    def _check_parallel(self) -> None:
+    def _check_axes(self) -> None:
         first, *others = self.found.items()
         for name, hole in others:
             if abs(float(hole.direction @ first[1].direction)) < cos(_PARALLEL):
@@ -174,6 +169,15 @@ class StepPart:
             raise ParameterError(
                 f"holes.{names[1]}", f"has the same axis as {names[0]}: there is no x axis"
             )
+
+    def _check_plain(self) -> None:
+        for name, hole in self.found.items():
+            if not hole.plain:
+                raise ParameterError(
+                    f"holes.{name}",
+                    f"something cuts into the {hole}: a cross hole, a keyway or a slanted end; "
+                    "only plain cylinders can be loaded yet, leave the cut out of the CAD model",
+                )
 
     def _check_places(self) -> None:
         if self.places is None:

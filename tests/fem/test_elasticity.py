@@ -10,6 +10,7 @@ from skfem.models.elasticity import linear_elasticity
 from fem.assembly import Pattern, full, geometric_stiffness, stiffness
 from fem.elements import Elements
 from fem.recovery import Recovery, tensor, von_mises
+from fem.scikit_fem import to_scikit_fem
 from fem.solvers import SolverError, factorize
 from fem.unit_loads import acceleration_loads, resultants
 from fem.unit_solutions import Elastic, rigid_modes, solve_unit_loads
@@ -75,7 +76,7 @@ def test_a_rigid_motion_needs_no_force(pin):
 def test_the_stiffness_is_that_of_scikit_fem_entry_by_entry(pin):
     """scikit-fem's own linear_elasticity on the same curved elements and quadrature; round-off."""
     vector = skfem.ElementVector(skfem.ElementTetP2())
-    basis = skfem.CellBasis(pin._skfem_mesh, vector, intorder=2)
+    basis = skfem.CellBasis(to_scikit_fem(pin.mesh), vector, intorder=2)
     lame, shear = 210e3 * 0.3 / (1.3 * 0.4), 210e3 / 2.6
     theirs = linear_elasticity(lame, shear).assemble(basis).tocsr()
     to_ours = np.empty(basis.N, dtype=int)

@@ -21,18 +21,17 @@ def write_step(path: Path, *builders) -> Path:
         for build in builders:
             build(gmsh)
         gmsh.model.occ.synchronize()
+        loose = [p for p in gmsh.model.getEntities(0) if not len(gmsh.model.getAdjacencies(*p)[0])]
+        gmsh.model.occ.remove(loose)  # middles of arcs
+        gmsh.model.occ.synchronize()
         gmsh.write(str(path))
     return path
 
 
-def scaled(factor):
-    """Builder: everything made larger about the origin."""
-
-    def scale(gmsh):
-        occ = gmsh.model.occ
-        occ.dilate(occ.getEntities(3), 0, 0, 0, factor, factor, factor)
-
-    return scale
+def scaled_link(factor):
+    """Builder: the plate link, larger."""
+    sizes = {name: factor * size for name, size in vars(LINK).items()}
+    return PlateLink(**sizes).build
 
 
 def moved(axis, angle, by):

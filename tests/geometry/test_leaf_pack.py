@@ -112,10 +112,13 @@ def test_every_node_between_leaves_is_tied_to_the_next_leafs_along_y(pack):
     assert np.all(middles[lower] < middles[upper])
 
 
-def test_the_bolt_ties_the_line_at_the_pivot_along_x_and_z(pack):
+def test_the_bolt_ties_the_line_at_the_pivot_along_x_and_its_middle_along_z(pack):
     ties = {tie.axis: tie.pairs for tie in pack.ties}
     assert sorted(ties) == [0, 1, 2]
-    assert np.array_equal(ties[0], ties[2])
+    middle = pack.nodes[ties[2][:, 0]]
+    assert_allclose(sorted(middle[:, 1]), [-4.8, 4.8])
+    assert np.all(middle[:, 0] == 0)
+    assert np.abs(middle[:, 2]).max() < 4
     bolt = pack.nodes[ties[0][:, 0]]
     assert np.all(bolt[:, 0] == 0)
     for height in (-4.8, 4.8):  # the whole width, from edge to edge

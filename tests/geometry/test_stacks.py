@@ -43,12 +43,20 @@ def test_bodies_that_do_not_touch_are_refused():
         split_bodies(NODES, [body(0, 1), body(1, 2), body(5, 6)])
 
 
-def test_all_pairs_are_tied_along_y_and_those_of_the_bolt_along_x_and_z_too():
+def test_all_pairs_are_tied_along_y_and_those_of_the_bolt_along_x_too():
     nodes = np.array([[0.0, 1, 2], [5, 1, 2], [0, 1, 2], [5, 1, 2]])
     pairs = np.array([[0, 2], [1, 3]])
     ties = {tie.axis: tie.pairs.tolist() for tie in ties_of(nodes, pairs, 5.0)}
     assert ties == {0: [[1, 3]], 1: [[0, 2], [1, 3]], 2: [[1, 3]]}
     assert [tie.axis for tie in ties_of(nodes, pairs, None)] == [1]
+
+
+def test_along_z_only_the_pair_nearest_the_middle_of_each_two_bodies_is_tied():
+    lower = np.array([[5.0, 1, -3], [5, 1, 0.5], [5, 1, 3], [5, 2, -1], [5, 2, 2]])
+    nodes = np.concatenate([lower, lower])
+    pairs = np.array([[k, k + 5] for k in range(5)])
+    ties = {tie.axis: tie.pairs[:, 0].tolist() for tie in ties_of(nodes, pairs, 5.0)}
+    assert ties == {0: [0, 1, 2, 3, 4], 1: [0, 1, 2, 3, 4], 2: [1, 3]}
 
 
 def test_a_bolt_where_no_node_is_is_refused():

@@ -10,17 +10,18 @@ from geometry.meshing import gmsh_session
 from geometry.parameters import ParameterError
 from geometry.parts import ToggleBar
 from geometry.step_file import file_hash, import_solid, survey_step
-from tests.geometry.step_files import (
 
+from .step_files import (
     hole,
     in_inches,
     in_metres,
     link_file,
     plate_with,
-    scaled,
+    scaled_link,
     write_step,
 )
 
+_EMPTY = "ISO-10303-21;\nHEADER;\nENDSEC;\nDATA;\nENDSEC;\nEND-ISO-10303-21;\n"
 # stadium of 60 x 24 mm between the arcs' middles, less the two holes, 8 mm thick
 VOLUME = 8 * (60 * 24 + np.pi * 12**2 - np.pi * (5**2 + 6**2))
 BAR = ToggleBar(
@@ -56,7 +57,7 @@ def test_a_plate_has_the_volume_surface_and_holes_that_it_was_drawn_with(tmp_pat
 @pytest.mark.parametrize(("unit", "factor"), [(in_inches, 25.4), (in_metres, 1000.0)])
 def test_a_file_in_another_unit_comes_out_in_millimetres(tmp_path, unit, factor):
     """The same part, drawn in inches or metres: round-off of the scaling, 1e-9."""
-    solid = survey_step(unit(link_file(tmp_path, scaled(1 / factor))))
+    solid = survey_step(unit(write_step(tmp_path / "link.step", scaled_link(1 / factor))))
     assert_allclose(solid.volume, VOLUME, rtol=1e-9)
     assert_allclose([h.diameter for h in solid.holes], [10, 12], rtol=1e-9)
     assert_allclose(solid.holes[1].centre, [60, 0, 0], atol=1e-6)
@@ -167,9 +168,7 @@ def loose_ends(gmsh):
 def test_what_does_not_belong_to_the_solid_is_told_and_left_out(tmp_path):
     path = write_step(tmp_path / "loose.step", box, loose_ends)
     solid = survey_step(path)
-    assert solid.told == (
-        "loose.step also has 1 loose face and 1 loose curve, which are left out",
-    )
+    assert solid.told == ("loose.step also has 1 loose face and 1 loose curve, which are left out",)
     with gmsh_session() as gmsh:
         import_solid(gmsh, path)
         assert [len(gmsh.model.getEntities(d)) for d in range(4)] == [8, 12, 6, 1]
@@ -226,14 +225,12 @@ def test_a_shell_with_a_missing_face_is_no_solid(tmp_path):
         survey_step(path)
 
 
-def test_a_file_that_is_no_step_file_is_refused_without_a_word_on_standard_output(
-    tmp_path, capfd
-):
+def test_a_file_that_is_no_step_file_is_refused_without_a_word_on_standard_output(tmp_path, capfd):
     path = tmp_path / "part.step"
     for content, said in (
         ("solid stl", "'part.step' is no STEP file, which would begin with 'ISO-10303-21;'"),
         (link_file(tmp_path).read_text()[:9000], "is damaged or cut off; export it from CAD again"),
-        ("ISO-10303-21;\nDATA;\nENDSEC;\nEND-ISO-10303-21;\n", "has no geometry"),
+        (_EMPTY, "has no geometry"),
     ):
         path.write_text(content)
         capfd.readouterr()
@@ -244,7 +241,7 @@ def test_a_file_that_is_no_step_file_is_refused_without_a_word_on_standard_outpu
 
 def test_a_file_that_cannot_be_opened_is_refused(tmp_path):
     for look in (file_hash, survey_step):
-        with pytest.raises(ParameterError, match="'none.step' cannot be read: no such file"):
+        with pytest.raises(ParameterError, match=r"'none.step' cannot be read: no such file"):
             look(tmp_path / "none.step")
 
 

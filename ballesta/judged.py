@@ -1,0 +1,227 @@
+"""What is judged at the worst point of a part, and its error bars from one mesh to the next."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import degrees, pi
+
+import numpy as np
+
+import fatigue
+from ballesta.design_data import Part
+from ballesta.levels import FatiguePeak, Level, peak_of
+from ballesta.part_loads import PartLoads
+from fem.convergence import (
+    ErrorBar,
+    discretisation_error,
+    growth_exponent,
+    moves_like_singular,
+)
+from fem.direct import direct_stress, has_bearings
+from fem.recovery import von_mises
+from fem.singularity import singular_exponent
+from geometry.mesh import FloatArray
+
+
+@dataclass(frozen=True)
+class Bars:
+    """Numerical error bar, model band above and below, and what must be said of them."""
+
+    numerical: ErrorBar
+    above: float
+    below: float
+    note: str
+
+
+class Judged(ABC):
+    """A quantity of a part that is judged at its worst point."""
+
+    @abstractmethod
+    def value(self, level: Level) -> float:
+        """The quantity on one mesh, MPa."""
+
+    @abstractmethod
+    def point(self, level: Level) -> int:
+        """Index of the surface point that carries it."""
+
+    @abstractmethod
+    def field(self, level: Level) -> FloatArray:
+        """The quantity at all surface points (n_points,), MPa."""
+
+    @abstractmethod
+    def scatter(self, level: Level) -> float:
+        """Scatter of the elements that meet at the point, in the quantity, MPa."""
+
+    @abstractmethod
+    def states(self, level: Level) -> list[FloatArray]:
+        """Coefficients (n_basis,) of the load states whose stress it is made of."""
+
+    @abstractmethod
+    def direct(self, level: Level, arc: float) -> float:
+        """The quantity under bearing pressures as they are, on an arc, without a series."""
+
+
+@dataclass(frozen=True, eq=False)
+class StaticPeak(Judged):
+    """The largest von Mises stress over all cycles."""
+
+    loads: PartLoads
+
+    def value(self, level: Level) -> float:
+        """The quantity on one mesh, MPa."""
+        return level.peak.value
+
+    def point(self, level: Level) -> int:
+        """Index of the surface point that carries it."""
+        return level.peak.point
+
+    def field(self, level: Level) -> FloatArray:
+        """Von Mises stress at all surface points at the position of the peak."""
+        return von_mises(level.history.at(level.peak.position))
+
+    def states(self, level: Level) -> list[FloatArray]:
+        """The load state of the peak."""
+        return [level.coefficients[:, level.peak.position]]
+
+    def scatter(self, level: Level) -> float:
+        """Scatter of the elements that meet at the point, MPa."""
+        return level.scatter(self.states(level)[0], level.peak.point)
+
+    def direct(self, level: Level, arc: float) -> float:
+        """The peak at the same position under pressures as they are."""
+        return peak_of(_direct(self.loads, level, level.peak.position, arc))
+
+
+@dataclass(frozen=True, eq=False)
+class GoodmanPeak(Judged):
+    """The largest Goodman utilisation over the cycles of the duty, times the endurance limit.
+
+    limit     MPa, endurance limit away from notches
+    ultimate  MPa
+    """
+
+    loads: PartLoads
+    limit: float
+    ultimate: float
+
+    def worst(self, level: Level) -> FatiguePeak:
+        """The point and the pair of positions."""
+        assert level.fatigue is not None
+        return level.fatigue
+
+    def value(self, level: Level) -> float:
+        """The quantity on one mesh, MPa."""
+        return self.worst(level).value
+
+    def point(self, level: Level) -> int:
+        """Index of the surface point that carries it."""
+        return self.worst(level).point
+
+    def field(self, level: Level) -> FloatArray:
+        """Equivalent amplitude at all surface points over the cycle that decides."""
+        result = level.fatigue_results[self.worst(level).cycle]
+        return np.asarray(result.utilisation * self.limit)
+
+    def states(self, level: Level) -> list[FloatArray]:
+        """Half the swing, and the middle, of the pair of positions."""
+        first, second = (level.coefficients[:, k] for k in self.worst(level).pair)
+        return [(first - second) / 2, (first + second) / 2]
+
+    def scatter(self, level: Level) -> float:
+        """Scatter of amplitude and mean, as they enter the quantity, MPa."""
+        point = self.point(level)
+        swing, middle = (level.scatter(state, point) for state in self.states(level))
+        factor = self.limit / float(level.limits[point])
+        return factor * swing + middle * self.limit / self.ultimate
+
+    def direct(self, level: Level, arc: float) -> float:
+        """The quantity between the same two positions under pressures as they are."""
+        pair = [_direct(self.loads, level, k, arc) for k in self.worst(level).pair]
+        result = fatigue.goodman(np.stack(pair, axis=2), np.eye(2), level.limits, self.ultimate)
+        return float(result.utilisation.max()) * self.limit
+
+
+def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float) -> Bars:
+    """Numerical bar, model band and a note for a quantity known on several meshes."""
+    finest = levels[-1]
+    value = judged.value(finest)
+    by_arc = {arc: judged.direct(finest, arc) for arc in arcs_of(part, finest)}
+    values = [judged.value(level) for level in levels]
+    sizes = [level.size_at(judged.point(level)) for level in levels]
+    angle, exponent = _singular_edge(judged, levels)
+    grows = 0.0 if exponent else growth_exponent(values, sizes)
+    bar = ErrorBar(
+        discretisation_error(values, sizes),
+        judged.scatter(finest),
+        abs(by_arc[pi] - value) if by_arc else 0.0,
+        abs(value),
+        exponent or grows,
+    )
+    notes = []
+    if exponent:
+        notes.append(
+            f"singular: a sharp re-entrant edge of {degrees(angle):.0f} deg, where stress grows "
+            f"like 1/distance^{exponent:.2f} and {value:.4g} MPa is only what this mesh "
+            "shows; give the edge its radius"
+        )
+    elif grows:
+        notes.append(
+            f"singular: the peak grows like 1/size^{grows:.2f} of the elements from mesh to mesh, "
+            f"and {value:.4g} MPa is only what the last one shows"
+        )
+    elif bar.value > accuracy * abs(value):
+        notes.append(
+            f"numerical error {100 * bar.value / abs(value):.2g} %, asked for {100 * accuracy:g} %"
+        )
+    if by_arc:
+        by = ", ".join(f"{degrees(a):.0f} deg {v:.4g}" for a, v in by_arc.items())
+        notes.append(f"by arc of contact, MPa: {by}")
+    above = max((other - by_arc[pi] for other in by_arc.values()), default=0.0)
+    below = max((by_arc[pi] - other for other in by_arc.values()), default=0.0)
+    return Bars(bar, above, below, "; ".join(notes))
+
+
+def mesh_bar(judged: Judged, levels: Sequence[Level]) -> float:
+    """The part of the numerical bar that a finer mesh makes smaller, over the value."""
+    values = [judged.value(level) for level in levels]
+    if not values[-1]:
+        return 0.0
+    sizes = [level.size_at(judged.point(level)) for level in levels]
+    scatter = judged.scatter(levels[-1])
+    bar = ErrorBar(discretisation_error(values, sizes), scatter, 0.0, abs(values[-1]))
+    return bar.mesh / abs(values[-1])
+
+
+def arcs_of(part: Part, level: Level) -> list[float]:
+    """Arcs of contact: the half circle of the unit loads, and down to the narrowest stated."""
+    if not has_bearings(level.solutions):
+        return []
+    narrow = part.bearing_arc
+    return [pi] if narrow >= pi else [pi, (pi + narrow) / 2, narrow]
+
+
+def _direct(loads: PartLoads, level: Level, position: int, arc: float) -> FloatArray:
+    wrenches = {name: wrench[position] for name, wrench in loads.wrenches.items()}
+    return direct_stress(level.solutions, wrenches, level.coefficients[:, position], arc)
+
+
+def _singular_edge(judged: Judged, levels: Sequence[Level]) -> tuple[float, float]:
+    """Interior angle (rad) and exponent of a sharp re-entrant edge that spoils a peak, else 0, 0.
+
+    An edge counts if it carries at least half the peak and its largest value moves with the mesh.
+    A sharp edge of the body is sharp on every mesh; what only some show is a coarse fillet.
+    """
+    if not all(len(level.edges[0]) for level in levels):
+        return 0.0, 0.0
+    values, sizes, worst = [], [], 0
+    for level in levels:
+        on_edge, field = level.edges[0], judged.field(level)
+        worst = int(on_edge[field[on_edge].argmax()])
+        values.append(float(field[worst]))
+        sizes.append(level.size_at(worst))
+    points, angles = levels[-1].edges
+    angle = float(angles[points == worst][0])
+    exponent = singular_exponent(angle)
+    if values[-1] >= judged.value(levels[-1]) / 2 and moves_like_singular(values, sizes, exponent):
+        return angle, exponent
+    return 0.0, 0.0

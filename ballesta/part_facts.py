@@ -1,0 +1,192 @@
+"""What is told of a part besides its checks: gates, meshes, facts, charts, fields, assumptions."""
+
+from collections.abc import Sequence
+from math import degrees
+
+import numpy as np
+
+import fatigue
+from ballesta.design_data import Design, Part
+from ballesta.levels import Level
+from ballesta.part_loads import PartLoads
+from fem.direct import has_bearings
+from fem.recovery import von_mises
+from fem.solvers import BACKWARD_LIMIT
+from geometry.mesh import boundary_facets
+from reports.verdict import Gate, Surface
+
+_LOAD_LIMIT, _RAW_LIMIT = 1e-6, 1e-3
+
+
+def gates_of(design: Design, part: Part, loads: PartLoads, levels: Sequence[Level]) -> list[Gate]:
+    """Measured numbers that must stay below their limits for the part's result to be valid."""
+    level = levels[-1]
+    solutions = level.solutions
+    slender = np.abs(solutions.displacement @ level.coefficients[:, level.peak.position]).max()
+    size = float(np.ptp(solutions.mesh.nodes, axis=0).max())
+    gates = []
+    if not _stated_mass(design, part):
+        driving = levels[0]  # whose mass properties the linkage was solved with
+        gates.append(
+            Gate(
+                f"{part.name}: balance",
+                driving.balance_residual(loads),
+                _LOAD_LIMIT,
+                "resultant of the loads with the part's own inertia, over the largest pin force",
+            )
+        )
+    return [
+        *gates,
+        Gate(
+            f"{part.name}: loads on the mesh",
+            level.load_residual(loads),
+            _LOAD_LIMIT,
+            "force and moment that reached each interface less those asked for, at every position, "
+            "over the largest pin force",
+        ),
+        Gate(
+            f"{part.name}: support reactions",
+            level.reaction_residual(loads),
+            _LOAD_LIMIT,
+            "what the determinate support carries, over the largest pin force",
+        ),
+        Gate(
+            f"{part.name}: raw unit loads",
+            solutions.raw_deviation,
+            _RAW_LIMIT,
+            "resultants of the unit loads on the faceted surfaces before they were normalised",
+        ),
+        Gate(
+            f"{part.name}: equation residual",
+            solutions.residual,
+            BACKWARD_LIMIT,
+            f"backward error of the unit loads' solutions ({solutions.factor.solver})",
+        ),
+        Gate(
+            f"{part.name}: small displacements",
+            float(slender) / size,
+            0.01,
+            "largest displacement over the part's size; linear theory needs it small",
+        ),
+    ]
+
+
+def mesh_row(level: Level) -> dict[str, float | int | str]:
+    """One mesh of the part, as plain data."""
+    mesh = level.solutions.mesh
+    return {
+        "fineness": level.fineness,
+        "unknowns": level.unknowns,
+        "elements": len(mesh.elements),
+        "peak": level.peak.value,
+        "equivalent amplitude": level.fatigue.value if level.fatigue else 0.0,
+        "smallest scaled det J": mesh.jacobian_minimum,
+        "mesher": mesh.mesher,
+        "solver": level.solutions.factor.solver,
+    }
+
+
+def facts_of(
+    part: Part, loads: PartLoads, level: Level, limit: fatigue.EnduranceLimit
+) -> dict[str, float | str]:
+    """Mass properties, strengths and largest forces, by name."""
+    mass = level.solutions.mesh.mass_properties(part.material.density)
+    facts: dict[str, float | str] = {
+        "mass [kg]": mass.mass * 1e3,
+        "centre of mass x [mm]": float(mass.centre[0]),
+        "inertia about the centre [kg m2]": mass.inertia * 1e-3,
+        "yield stress [MPa]": part.material.yield_stress,
+        "ultimate stress [MPa]": part.material.ultimate_stress,
+        "endurance limit [MPa]": limit.value,
+        "Marin factors": f"surface {limit.surface:.3f}, size {limit.size:.3f}, load "
+        f"{limit.load:.3f}, temperature {limit.temperature:.3f}, reliability "
+        f"{limit.reliability:.3f} on {limit.uncorrected:.4g} MPa",
+    }
+    for name in loads.wrenches:
+        facts[f"largest force at {name} [N]"] = float(loads.resultant(name).max())
+    return facts
+
+
+def charts_of(
+    part: Part, loads: PartLoads, level: Level, endurance: float
+) -> dict[str, dict[str, object]]:
+    """Plain data of the part's charts."""
+    charts: dict[str, dict[str, object]] = {
+        "peaks": {
+            name: level.peaks_by_position[columns].tolist()
+            for name, columns in loads.cycles.items()
+        }
+    }
+    worst = level.fatigue
+    if worst is None:
+        return charts
+    result = level.fatigue_results[worst.cycle]
+    path = result.critical_path(
+        level.history.basis,
+        np.ascontiguousarray(level.coefficients[:, loads.cycles[worst.cycle]]),
+    )
+    most_used = np.argsort(-result.utilisation)[:300]
+    return charts | {
+        "haigh": {
+            "cycle": worst.cycle,
+            "along": [float(v) for v in path.along],
+            "mean": float(result.mean[worst.point]),
+            "amplitude": float(result.amplitude[worst.point]),
+            "endurance": endurance,
+            "ultimate": part.material.ultimate_stress,
+            "yield": part.material.yield_stress,
+            "cloud": [[float(result.mean[k]), float(result.amplitude[k])] for k in most_used],
+        }
+    }
+
+
+def surface_of(loads: PartLoads, level: Level) -> Surface:
+    """Stress at the worst position and utilisation, on six-node facets split in four."""
+    nodes = level.history.nodes
+    facets = boundary_facets(level.solutions.mesh.elements)
+    split = facets[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]]].reshape(-1, 3)
+    triangles = np.searchsorted(nodes, split)
+    state = level.coefficients[:, level.peak.position]
+    displacement = (level.solutions.displacement @ state).reshape(-1, 3)[nodes]
+    fields = {"von Mises [MPa]": von_mises(level.history.at(level.peak.position))}
+    if level.fatigue is not None:
+        result = level.fatigue_results[level.fatigue.cycle]
+        fields["Goodman utilisation"] = np.asarray(result.utilisation)
+    for axis, name in enumerate("xyz"):
+        fields[f"displacement {name} [mm]"] = displacement[:, axis]
+    return Surface(level.history.points, triangles, fields, level.peak.point)
+
+
+def assumed_of(design: Design, part: Part, level: Level) -> list[str]:
+    """What the model assumes, in words."""
+    said = []
+    if has_bearings(level.solutions):
+        said.append(
+            "pins press with a cosine pressure, even along their length, on "
+            f"{degrees(part.bearing_arc):.0f} to 180 deg; both cheeks carry the same share"
+        )
+    stated = _stated_mass(design, part)
+    if stated:
+        added = np.abs(level.added).max(axis=0)
+        said.append(
+            f"the body's {stated} of the design file stand for the model's; a residual inertia "
+            f"field up to ({added[0]:.3g}, {added[1]:.3g}) mm/s2 and {added[2]:.3g} rad/s2 "
+            "balances the loads on the mesh"
+        )
+    points, angles = level.edges
+    if len(points):
+        stress = von_mises(level.history.at(level.peak.position))[points]
+        said.append(
+            f"sharp re-entrant edges of up to {degrees(float(angles.max())):.0f} deg: no finite "
+            f"stress there; {float(stress.max()):.3g} MPa on this mesh"
+        )
+    return said
+
+
+def _stated_mass(design: Design, part: Part) -> str:
+    """Which mass properties the part's body states itself."""
+    if part.body is None:
+        return ""
+    body = design.bodies[part.body]
+    stated = {"mass": body.mass, "centre": body.centre, "inertia": body.inertia}
+    return ", ".join(name for name, value in stated.items() if value is not None)

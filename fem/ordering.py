@@ -1,0 +1,56 @@
+"""The order in which CHOLMOD eliminates unknowns: nested dissection of the mesh's nodes.
+
+The three unknowns of a node are coupled to the same others, so a graph with one vertex for them is
+dissected (METIS) in a third of the time that the graph of all unknowns takes, with no more fill.
+"""
+
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from geometry.mesh import IntArray
+
+
+def dissection(upper: sp.csr_array, cholmod: Any) -> IntArray:
+    """Order (n,) in which the unknowns of a matrix, given its upper triangle, are eliminated.
+
+    cholmod  scikit-sparse's module, which reaches METIS
+
+    Any order gives a right solution; a good one saves time and memory.
+    """
+    first, group = _groups(upper)
+    graph = upper[first][:, first]
+    graph.data = np.ones_like(graph.data)
+    graph = sp.csc_matrix(graph.T)
+    place = np.argsort(cholmod.analyze(graph, mode="supernodal", ordering_method="metis").P())
+    return np.argsort(place[group], kind="stable").astype(np.int64)
+
+
+def permuted(upper: sp.csr_array, order: IntArray) -> sp.csc_matrix:
+    """Lower triangle of the symmetric matrix whose upper triangle is given, in another order."""
+    place = np.empty(len(order), dtype=np.int32)
+    place[order] = np.arange(len(order), dtype=np.int32)
+    rows = np.repeat(place, np.diff(upper.indptr))
+    columns = place[upper.indices]
+    low, high = np.minimum(rows, columns), np.maximum(rows, columns)
+    # there and back between row and column order: that sorts the indices, faster than a sort
+    above = sp.coo_array((upper.data, (low, high)), shape=upper.shape).tocsc().tocsr()
+    return sp.csc_matrix((above.data, above.indices, above.indptr), shape=upper.shape)
+
+
+def _groups(upper: sp.csr_array) -> tuple[IntArray, IntArray]:
+    """One unknown (n_groups,) of each set coupled to the same unknowns, and the set (n,) of each.
+
+    Sets are told apart by a sum of random numbers over the unknowns that each one is coupled to:
+    two that are not equal meet with a probability of 2**-64 per pair, and would only cost time.
+    """
+    n = upper.shape[0]
+    ones = sp.csr_array((np.ones(upper.nnz, np.uint64), upper.indices, upper.indptr), upper.shape)
+    random = np.random.default_rng(0).integers(2**64, size=n, dtype=np.uint64)
+    mark = ones @ random + ones.T @ random - random
+    _, first, group = np.unique(mark, return_index=True, return_inverse=True)
+    order = np.argsort(first)  # in the order of the nodes
+    place = np.empty_like(order)
+    place[order] = np.arange(len(order))
+    return first[order].astype(np.int64), place[group].astype(np.int64)
