@@ -18,7 +18,7 @@ _GRID = 9  # points along each parameter of a face, at which its shape is asked
 _EXACT = 1e-6  # of normals and of points over the radius: what may be left of a cylinder
 _SAME = 1e-3  # mm and rad, within which faces lie on the same cylinder
 _PLAIN = 5e-4  # of a turn: what a hole that takes a pin may miss
-_SLANT = 1e-3  # of the diameter: how far an end may slant; what is left is less than loads may miss
+_SLANT = 2e-3  # of the diameter: an end may slant by 0.1 deg, as an axis may
 _ALONG_EDGE = 9  # points that tell where an edge goes
 
 

@@ -42,9 +42,9 @@ class MatrixCompliance:
             point, then of every place of every slide, for forces x, y and couple there; held
             anyhow, as long as the body can deform
 
-    Two neighbouring places share a contact between them linearly, which keeps its force and moment,
-    and its displacement is shared alike, which keeps the work. The deflection of places h apart
-    is then wrong by h^2/8 of its curvature.
+    Two neighbouring places share a contact between them linearly, which keeps its force and moment;
+    it moves as they do with the same shares, which keeps the work. Of its deflection that misses up
+    to h^2/4 times the curvature there, h being the distance of the two.
     """
 
     body: str

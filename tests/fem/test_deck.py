@@ -55,19 +55,19 @@ def bar(tmp_path_factory):
     write_deck(
         deck, solutions.mesh, STEEL, solutions.held, loads, "lug bar", steps="ab", printed=True
     )
-    return solutions, solutions.displacement @ coefficients, deck
+    return solutions, solutions.displacement @ coefficients, loads, deck
 
 
 @pytest.fixture(scope="module")
 def answer(bar):
-    return run_calculix(bar[2])
+    return run_calculix(bar[3])
 
 
 @needs_calculix
 @pytest.mark.parametrize("case", [0, 1])
 def test_calculix_finds_the_same_displacement(bar, answer, case):
     """Same elements, same rule of four points, same loads: seven digits of the .dat file."""
-    solutions, displacement, _ = bar
+    solutions, displacement, _, _ = bar
     table = read_dat(answer[1], "displacements")[case]
     assert_allclose(table[:, 0], np.arange(1, len(solutions.mesh.nodes) + 1))
     ours = displacement[:, case].reshape(-1, 3)
@@ -78,7 +78,7 @@ def test_calculix_finds_the_same_displacement(bar, answer, case):
 @pytest.mark.parametrize("case", [0, 1])
 def test_calculix_finds_the_same_stress_at_the_integration_points(bar, answer, case):
     """Its four points stand in another order, and zx before yz; seven digits."""
-    solutions, displacement, _ = bar
+    solutions, displacement, _, _ = bar
     table = read_dat(answer[1], "stresses")[case]
     theirs = table[:, 2:].reshape(-1, 4, 6)[..., [0, 1, 2, 3, 5, 4]]
     recovery = solutions.recovery
@@ -89,7 +89,7 @@ def test_calculix_finds_the_same_stress_at_the_integration_points(bar, answer, c
 @needs_calculix
 def test_the_peaks_of_both_rules_are_within_three_percent_and_at_one_node(bar, answer):
     """CalculiX averages at nodes without weights, ballesta by volume: 0.1 % measured here."""
-    solutions, displacement, _ = bar
+    solutions, displacement, _, _ = bar
     for case, step in enumerate(read_frd(answer[0])):
         points = solutions.recovery.points
         ours = von_mises(solutions.recovery.surface_stress(displacement[:, case])[..., 0])
@@ -100,32 +100,38 @@ def test_the_peaks_of_both_rules_are_within_three_percent_and_at_one_node(bar, a
 
 @needs_calculix
 def test_the_supports_of_calculix_carry_nothing(bar, answer):
-    """Nodal forces of the .frd file hold loads and reactions; loads in balance leave none."""
-    solutions, displacement, _ = bar
-    step = read_frd(answer[0])[0]
-    assert step.time == 1.0
-    assert_allclose(step.fields["DISP"].ravel(), displacement[:, 0], atol=1e-5, rtol=0)
-    assert_allclose(step.fields["FORC"].sum(axis=0), 0, atol=1e-4 * 1e4)
+    """The nodal forces of the .frd file hold loads and reactions: they are the loads alone.
+
+    Within 1e-5 of the pin's force of 1e4 N: the mesh is not quite symmetric about z = 0, so the
+    part's inertia leaves a couple of some 1e-6 of it.
+    """
+    _, _, loads, _ = bar
+    for case, step in enumerate(read_frd(answer[0])):
+        asked = loads[:, case].reshape(-1, 3)
+        found = step.fields["FORC"]
+        assert_allclose(found, asked, rtol=0, atol=1e-5 * 1e4)
 
 
 @needs_calculix
-def test_a_constant_strain_is_exact_with_the_deck_s_order_of_mid_side_nodes(tmp_path):
+def test_a_constant_strain_is_exact_with_the_order_of_mid_side_nodes_in_the_deck(tmp_path):
     """Tension of a distorted block, nu = 0: u_x = sigma x / E at every node, seven digits.
 
     A wrong order of mid-side nodes bends the sides, and the strain is no longer constant.
     """
     mesh = block((3, 2, 2), (12.0, 5.0, 4.0), distortion=0.25)
-    foam = Elastic(210e3, 0.0, 0.0)
+    foam = Elastic(210e3, 0.0, 7.85e-9)
     solutions = solve_unit_loads(mesh, foam)
     wrenches = {"start": wrench(-2100.0), "end": wrench(2100.0)}
-    coefficients, _ = solve_unit_loads(mesh, STEEL).coefficients(wrenches, np.zeros((1, 4)))
-    hold = np.array([3 * n for n in np.flatnonzero(mesh.nodes[:, 0] == 0)])
-    corner = int(np.abs(mesh.nodes).sum(axis=1).argmin())
-    other = int(np.abs(mesh.nodes - [0.0, 5.0, 0.0]).sum(axis=1).argmin())
-    hold = np.r_[hold, 3 * corner + 1, 3 * corner + 2, 3 * other + 2]
+    coefficients, _ = solutions.coefficients(wrenches, np.zeros((1, 4)))
+
+    def node(x, y, z):
+        return int(np.abs(mesh.nodes - [x, y, z]).sum(axis=1).argmin())
+
+    face = np.flatnonzero(mesh.nodes[:, 0] == 0)
+    corner, beside = node(0, 0, 0), node(0, 5, 0)
+    hold = np.r_[3 * face, 3 * corner + 1, 3 * corner + 2, 3 * beside + 2]
     deck = tmp_path / "tension.inp"
-    loads = solutions.loads[:, :6] @ coefficients[:6]
-    write_deck(deck, mesh, foam, hold, loads, "tension", printed=True)
+    write_deck(deck, mesh, foam, hold, solutions.loads @ coefficients, "tension", printed=True)
     (table,) = read_dat(run_calculix(deck)[1], "displacements")
     exact = np.zeros_like(mesh.nodes)
     exact[:, 0] = 2100.0 / 20.0 / 210e3 * mesh.nodes[:, 0]
@@ -136,8 +142,8 @@ def test_a_constant_strain_is_exact_with_the_deck_s_order_of_mid_side_nodes(tmp_
 def test_calculix_ties_a_stack_as_ballesta_does(tmp_path):
     """Three leaves tied along y and bolted at x = 0, bent by clamps: seven digits."""
     mesh = stack(3, (8, 1, 1), (80.0, 2.0, 10.0), start=-40.0)
-    for name, place in (("left", -35.0), ("middle", 0.0), ("right", 35.0)):
-        mesh = clamped(mesh, name, place, 5.0)
+    for name, place in (("left", -30.0), ("middle", 0.0), ("right", 30.0)):
+        mesh = clamped(mesh, name, place, 10.0)
     solutions = solve_unit_loads(mesh, STEEL)
     wrenches = {
         "left": wrench(fy=100.0),

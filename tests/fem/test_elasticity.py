@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-import scipy.sparse as sp
 import skfem
 from numpy.testing import assert_allclose
 from skfem.models.elasticity import linear_elasticity
@@ -11,7 +10,7 @@ from fem.assembly import Pattern, full, geometric_stiffness, stiffness
 from fem.elements import Elements
 from fem.recovery import Recovery, tensor, von_mises
 from fem.scikit_fem import to_scikit_fem
-from fem.solvers import SolverError, factorize
+from fem.solvers import factorize
 from fem.unit_loads import acceleration_loads, resultants
 from fem.unit_solutions import Elastic, rigid_modes, solve_unit_loads
 from geometry.meshing import mesh_shape
@@ -244,36 +243,6 @@ def test_a_linear_stress_field_is_recovered_exactly(distorted):
 )
 def test_von_mises_of_simple_states_is_their_textbook_value(stress, equivalent):
     assert_allclose(von_mises(np.array(stress, dtype=float)), equivalent, rtol=1e-14, atol=1e-12)
-
-
-INDEFINITE = sp.csr_array(np.triu([[2.0, 1.0, 0.0], [1.0, -3.0, 1.0], [0.0, 1.0, 4.0]]))
-
-
-def test_an_indefinite_matrix_is_refused():
-    with pytest.raises(SolverError, match="not positive definite"):
-        factorize(INDEFINITE)
-
-
-def test_without_cholmod_an_indefinite_matrix_is_refused_too(monkeypatch):
-    monkeypatch.setitem(__import__("sys").modules, "sksparse", None)
-    with pytest.raises(SolverError, match="not positive definite"):
-        factorize(INDEFINITE)
-
-
-def test_without_cholmod_the_solution_is_the_same_and_the_solver_says_so(monkeypatch):
-    mesh = block((2, 2, 2), (4.0, 4.0, 4.0))
-    upper = stiffness(Pattern(Elements(mesh)), 210e3, 0.3)
-    free = np.arange(75, upper.shape[0])  # the 25 nodes of one face are held
-    upper = upper[free][:, free].tocsr()
-    right = np.linspace(-1, 1, len(free))
-    expected, _ = factorize(upper).solve(right)
-    monkeypatch.setitem(__import__("sys").modules, "sksparse", None)
-    factor = factorize(upper)
-    assert "SuperLU" in factor.solver
-    assert "slow" in factor.solver
-    found, residual = factor.solve(right)
-    assert residual < 1e-10
-    assert_allclose(found, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize(

@@ -115,11 +115,11 @@ def test_one_mesh_has_no_error_bar():
         discretisation_error([100], [1])
 
 
-def test_the_bar_takes_the_larger_of_mesh_and_half_the_scatter_and_adds_the_rest():
+def test_the_bar_takes_the_larger_of_mesh_and_nearly_half_the_scatter_and_adds_the_rest():
     assert ErrorBar(2.0, 3.0, 0.5).value == 2.5
-    assert ErrorBar(1.0, 3.0, 0.5).value == 2.0
-    assert_allclose(ErrorBar(2.0, 3.0, 0.5, size=100.0).value, 2.8)
-    assert_allclose(ErrorBar(2.0, 3.0, 0.5, size=100.0).mesh, 2.3)
+    assert_allclose(ErrorBar(1.0, 4.0, 0.5).value, 2.3)
+    assert_allclose(ErrorBar(2.0, 3.0, 0.5, size=100.0).value, 2.75)
+    assert_allclose(ErrorBar(2.0, 3.0, 0.5, size=100.0).mesh, 2.25)
 
 
 def test_the_bar_of_a_singular_peak_is_infinite():

@@ -1,0 +1,191 @@
+"""Factorisation: each solver, the order of the unknowns, and what is said of the choice."""
+
+import gc
+import sys
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from numpy.testing import assert_allclose
+
+from fem.assembly import Pattern, full, stiffness
+from fem.elements import Elements
+from fem.ordering import dissection, permuted
+from fem.solvers import SOLVERS, Factor, SolverError, factorize
+
+from .blocks import block
+
+INDEFINITE = sp.csr_array(np.triu([[2.0, 1.0, 0.0], [1.0, -3.0, 1.0], [0.0, 1.0, 4.0]]))
+PACKAGES = {"CHOLMOD": "sksparse", "PARDISO": "pypardiso"}
+
+
+@pytest.fixture(scope="module")
+def upper():
+    """Upper triangle of a block held on one face (its first nodes), so no longer in threes."""
+    mesh = block((6, 3, 3), (12.0, 4.0, 4.0), distortion=0.2)
+    matrix = stiffness(Pattern(Elements(mesh)), 210e3, 0.3)
+    free = np.r_[2, 100, np.arange(147, matrix.shape[0])]
+    return matrix[free][:, free].tocsr()
+
+
+@pytest.fixture
+def without(monkeypatch):
+    """Makes packages impossible to import."""
+
+    def hide(*names):
+        for name in names:
+            monkeypatch.setitem(sys.modules, name, None)
+
+    return hide
+
+
+def there(name):
+    if name in PACKAGES:
+        pytest.importorskip(PACKAGES[name])
+    return name
+
+
+@pytest.mark.parametrize("name", SOLVERS)
+@pytest.mark.parametrize("columns", [(), (1,), (7,)])
+def test_every_solver_solves_one_or_several_right_hand_sides(upper, name, columns):
+    exact = np.random.default_rng(1).normal(size=(upper.shape[0], *columns))
+    factor = factorize(upper, there(name))
+    assert factor.solver == name
+    right = full(upper) @ exact
+    found, error = factor.solve(right)
+    assert error < 1e-14
+    assert found.shape == exact.shape
+    assert_allclose(found, exact, rtol=0, atol=1e-9 * np.abs(exact).max())
+    assert_allclose(factor.apply(right), exact, rtol=0, atol=1e-9 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize("name", SOLVERS)
+def test_every_solver_refuses_an_indefinite_matrix(name):
+    with pytest.raises(SolverError, match="not positive definite"):
+        factorize(INDEFINITE, there(name))
+
+
+@pytest.mark.parametrize("name", SOLVERS)
+def test_a_factor_repeats_to_the_last_bit(upper, name):
+    right = np.random.default_rng(2).normal(size=(upper.shape[0], 3))
+    first, second = (factorize(upper, there(name)).solve(right)[0] for _ in range(2))
+    assert np.array_equal(first, second)
+
+
+def test_the_first_solver_that_is_there_is_taken_without_a_remark(upper):
+    there("CHOLMOD")
+    assert factorize(upper).solver == "CHOLMOD"
+
+
+def test_without_cholmod_pardiso_takes_its_place_and_says_so(upper, without):
+    there("PARDISO")
+    without("sksparse")
+    solver = factorize(upper).solver
+    assert solver.startswith("PARDISO (CHOLMOD cannot be loaded: ")
+    assert "slow" not in solver
+
+
+def test_without_both_superlu_solves_the_same_and_says_that_it_is_slow(upper, without):
+    right = np.linspace(-1, 1, upper.shape[0])
+    expected, _ = factorize(upper).solve(right)
+    without("sksparse", "pypardiso")
+    factor = factorize(upper)
+    assert factor.solver.startswith("SuperLU (CHOLMOD cannot be loaded: ")
+    assert "PARDISO cannot be loaded: " in factor.solver
+    assert factor.solver.endswith("; slow)")
+    assert_allclose(factor.solve(right)[0], expected, atol=1e-9 * np.abs(expected).max(), rtol=0)
+
+
+def test_without_both_an_indefinite_matrix_is_refused_too(without):
+    without("sksparse", "pypardiso")
+    with pytest.raises(SolverError, match="not positive definite"):
+        factorize(INDEFINITE)
+
+
+def test_a_named_solver_that_is_not_there_is_not_replaced(upper, without):
+    without("sksparse")
+    with pytest.raises(SolverError, match="CHOLMOD cannot be loaded"):
+        factorize(upper, "CHOLMOD")
+
+
+def test_a_solver_that_no_one_knows_is_refused(upper):
+    with pytest.raises(ValueError, match="no solver is named 'LAPACK'; there are CHOLMOD"):
+        factorize(upper, "LAPACK")
+
+
+def test_the_memory_of_pardiso_goes_with_its_factor(upper, monkeypatch):
+    there("PARDISO")
+    freed = []
+    from pypardiso import PyPardisoSolver
+
+    keep = PyPardisoSolver.free_memory
+    monkeypatch.setattr(
+        PyPardisoSolver,
+        "free_memory",
+        lambda self, everything=False: (freed.append(everything), keep(self, everything)),
+    )
+    factor = factorize(upper, "PARDISO")
+    factor.solve(np.ones(upper.shape[0]))
+    assert not freed
+    del factor
+    gc.collect()
+    assert freed == [True]
+
+
+def test_the_matrix_is_left_as_it_was_given(upper):
+    before = upper.copy()
+    factorize(upper)
+    assert np.array_equal(upper.indices, before.indices)
+    assert np.array_equal(upper.data, before.data)
+
+
+def test_indices_in_any_order_are_understood(upper):
+    shuffled = sp.csr_array(upper)
+    shuffled.data, shuffled.indices = shuffled.data.copy(), shuffled.indices.copy()
+    for start, stop in zip(upper.indptr[:-1], upper.indptr[1:], strict=True):
+        shuffled.indices[start:stop] = upper.indices[start:stop][::-1]
+        shuffled.data[start:stop] = upper.data[start:stop][::-1]
+    shuffled.has_sorted_indices = False
+    right = np.ones(upper.shape[0])
+    expected = factorize(upper).solve(right)[0]
+    assert_allclose(factorize(shuffled).solve(right)[0], expected, rtol=1e-9)
+
+
+def test_a_solution_that_is_wrong_is_refused_by_its_backward_error(upper):
+    """A factor of another matrix: refinement does not mend it."""
+    other = factorize((1.5 * upper).tocsr())
+    with pytest.raises(SolverError, match="backward error"):
+        Factor("wrong", upper, other.apply).solve(np.ones(upper.shape[0]))
+
+
+def test_the_backward_error_is_that_of_the_whole_matrix(upper):
+    """|r| / (|K| |x| + |b|) in largest-entry norms, of a solution off by a known amount."""
+    whole = full(upper)
+    exact = np.ones(upper.shape[0])
+    right = whole @ exact
+
+    def off(values):
+        return np.linalg.solve(whole.toarray(), values) * (1 + 1e-13)
+
+    _, error = Factor("off", upper, off).solve(right)
+    norm = abs(whole).sum(axis=1).max()
+    # one refinement: (1 - 1e-13 ** 2) is exact to round-off
+    assert error < 1e-15
+    assert_allclose(Factor("off", upper, off)._norm, norm, rtol=1e-14)
+
+
+def test_dissection_is_an_order_with_less_fill_than_that_of_the_nodes():
+    """METIS against the lattice order of 9 x 9 x 9 bricks; 2.6 times fewer entries measured."""
+    cholmod = pytest.importorskip("sksparse.cholmod")
+    mesh = block((9, 9, 9), (9.0, 9.0, 9.0))
+    matrix = stiffness(Pattern(Elements(mesh)), 210e3, 0.3)[600:][:, 600:].tocsr()
+    order = dissection(matrix, cholmod)
+    assert np.array_equal(np.sort(order), np.arange(matrix.shape[0]))
+    lower = permuted(matrix, order)
+    whole = full(matrix)[order][:, order]
+    assert abs(lower - sp.tril(whole)).max() == 0
+    fills = [
+        cholmod.analyze(given, mode="simplicial", ordering_method="natural").cholesky(given).L().nnz
+        for given in (lower, sp.csc_matrix(matrix.T))
+    ]
+    assert fills[0] < 0.6 * fills[1]
