@@ -1,7 +1,7 @@
 """A design that was read and fits together: plain data in N, mm, s, tonne and rad."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from ballesta.design_model import Column, Requirements, StackEntry
@@ -251,6 +251,14 @@ class Duty:
 
 
 @dataclass(frozen=True)
+class Roller:
+    """A pin or roller on a part's sliding contact: radius in mm, None for steel as strong."""
+
+    radius: float
+    material: Material | None
+
+
+@dataclass(frozen=True)
 class Part:
     """A part: a body of the linkage, or the pin of a joint (then `stack` tells its lugs)."""
 
@@ -271,6 +279,7 @@ class Part:
     reliability: float
     fineness: float
     most_unknowns: int
+    contacts: Mapping[str, Roller] = field(default_factory=dict)  # by sliding interface
 
 
 @dataclass(frozen=True)

@@ -32,6 +32,7 @@ from ballesta.units import (
     Length,
     Point2,
     PositiveLength,
+    PositivePressureSpeed,
     PositiveStress,
     Rate,
 )
@@ -85,6 +86,9 @@ class Bush(Table):
 
     length: PositiveLength = Field(description="bearing length in one lug")
     allowable: PositiveStress = Field(description="mean pressure that the bush bears")
+    pv: PositivePressureSpeed | None = Field(
+        None, description="mean pressure times sliding speed that the bush bears, if it is stated"
+    )
 
 
 class StackEntry(Table):
@@ -122,6 +126,15 @@ class PartEntry(Table):
     mesh: MeshEntry = Field(default=MeshEntry.model_validate({}))
 
 
+class ContactEntry(Table):
+    """What slides or rolls on a part at one of its sliding contacts."""
+
+    radius: PositiveLength = Field(description="of the pin or roller that presses there")
+    material: str | None = Field(
+        None, description="name of its material; without it steel that is as strong as the part"
+    )
+
+
 class BodyPartEntry(PartEntry):
     """A part that is a body of the linkage."""
 
@@ -134,6 +147,10 @@ class BodyPartEntry(PartEntry):
         default_factory=dict,
         description="interface = how far above the part's middle plane its force acts: plates side "
         "by side",
+    )
+    contacts: dict[str, ContactEntry] = Field(
+        default_factory=dict,
+        description="sliding interface = the pin or roller on it; without it a flat block",
     )
     tilt_held_at: str | None = Field(
         None,

@@ -5,7 +5,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from ballesta.design_data import Body, Part, SlidingJoint
+from ballesta.design_data import Body, Part, Roller, SlidingJoint
 from ballesta.design_files import Sources
 from ballesta.design_model import BodyPartEntry, DesignFile, StepPartEntry
 from ballesta.errors import DesignError, Problems
@@ -63,8 +63,10 @@ def parts_of(
             )
         if isinstance(entry, BodyPartEntry):
             sits = _sits_in_body(key, entry, file, slides, problems)
+            rollers = _rollers(key, entry, materials, problems)
         else:
             sits = _sits_in_joint(key, entry, file, joints, problems)
+            rollers = {}
         if not sits or entry.material not in materials or (kind == "body" and place not in bodies):
             continue
         try:
@@ -79,12 +81,33 @@ def parts_of(
             field = "stack" + error.field[5:] if error.field.startswith("seats") else error.field
             problems.add(f"{key}.{field}", error.problem)
             continue
-        parts[name] = _part(name, entry, geometry, materials[entry.material])
+        parts[name] = _part(name, entry, geometry, materials[entry.material], rollers)
     _check_that_pins_pass(parts, problems)
     return parts
 
 
-def _part(name: str, entry: Any, geometry: Any, material: Material) -> Part:
+def _rollers(
+    key: str, entry: Any, materials: Mapping[str, Material], problems: Problems
+) -> dict[str, Roller]:
+    """What presses on the part's sliding contacts, where it is round."""
+    sliding = [name for name in entry.interfaces if name in SLIDING]
+    rollers = {}
+    for name, contact in entry.contacts.items():
+        if name not in sliding or isinstance(entry, StepPartEntry):
+            known = no_such("sliding interface of the part", name, sliding)
+            problems.add(f"{key}.contacts.{name}", known)
+        elif contact.material is not None and contact.material not in materials:
+            known = no_such("material", contact.material, materials)
+            problems.add(f"{key}.contacts.{name}.material", known)
+        else:
+            own = None if contact.material is None else materials[contact.material]
+            rollers[name] = Roller(contact.radius, own)
+    return rollers
+
+
+def _part(
+    name: str, entry: Any, geometry: Any, material: Material, rollers: Mapping[str, Roller]
+) -> Part:
     is_body = isinstance(entry, BodyPartEntry)
     stack = () if is_body else tuple(entry.stack)
     return Part(
@@ -107,6 +130,7 @@ def _part(name: str, entry: Any, geometry: Any, material: Material) -> Part:
         reliability=entry.reliability,
         fineness=entry.mesh.fineness,
         most_unknowns=entry.mesh.most_unknowns,
+        contacts=rollers,
     )
 
 

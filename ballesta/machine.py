@@ -1,7 +1,7 @@
 """From a design to the linkage that `loads` solves, and from its loads to a part's own axes."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import atan2, cos, hypot, sin
 
 import numpy as np
@@ -9,6 +9,7 @@ import numpy as np
 import loads
 from ballesta import design_data
 from geometry.mesh import FloatArray, MassProperties
+from geometry.parts.step_part import StepPart
 
 
 @dataclass(frozen=True)
@@ -17,10 +18,13 @@ class Placing:
 
     origin  mm, of the part's first interface in the body's frame
     angle   rad, from the body's x axis to the part's
+    shifts  mm, interface -> from its point of the linkage to where the part has it, in the part's
+            frame
     """
 
     origin: tuple[float, float]
     angle: float
+    shifts: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def to_body(self, properties: MassProperties) -> tuple[float, tuple[float, float], float]:
         """Mass, centre in the body's frame and inertia of a part's mass properties."""
@@ -57,6 +61,8 @@ class Placing:
             wrench = history.wrenches[:, k].copy()
             x, y = wrench[:, 0].copy(), wrench[:, 1].copy()
             wrench[:, 0], wrench[:, 1] = c * x + s * y, -s * x + c * y
+            along, across = self.shifts.get(name, (0.0, 0.0))
+            wrench[:, 5] -= along * wrench[:, 1] - across * wrench[:, 0]
             wrenches[name] = wrench
         a_x, a_y, alpha, omega2 = history.accelerations.T
         x0, y0 = self.origin
@@ -71,7 +77,9 @@ def part_placing(design: design_data.Design, part: design_data.Part) -> Placing:
         return Placing((0.0, 0.0), 0.0)
     points = design.bodies[part.body].points
     first, second = (points[part.interfaces[name]] for name in part.geometry.interfaces[:2])
-    return Placing(first, atan2(second[1] - first[1], second[0] - first[0]))
+    angle = atan2(second[1] - first[1], second[0] - first[0])
+    shape = part.geometry
+    return Placing(first, angle, shape.shifts if isinstance(shape, StepPart) else {})
 
 
 def interface_distance(design: design_data.Design, part: design_data.Part) -> float:

@@ -12,6 +12,9 @@ from ballesta.units import Density, Stress
 from geometry.parameters import ParameterError, check_above
 
 
+_STEEL = (180e3, 230e3)  # MPa, Young's modulus of what takes steel's endurance limit
+
+
 @dataclass(frozen=True)
 class Material:
     """An isotropic metal; stresses in MPa, density in tonne/mm3."""
@@ -24,6 +27,7 @@ class Material:
     ultimate_stress: float
     ductile: bool
     source: str
+    endurance_ratio: float | None = None  # of the ultimate strength; None for steel's 0.5
 
     def __post_init__(self) -> None:
         check_above("youngs_modulus", self.youngs_modulus, 0, "MPa")
@@ -39,6 +43,16 @@ class Material:
                 f"must be at least the yield stress of {self.yield_stress:g} MPa, "
                 f"got {self.ultimate_stress:g} MPa",
             )
+        ratio = self.endurance_ratio
+        if ratio is None and not _STEEL[0] <= self.youngs_modulus <= _STEEL[1]:
+            raise ParameterError(
+                "endurance_ratio",
+                f"must be stated: Young's modulus of {self.youngs_modulus / 1e3:g} GPa is not "
+                "steel's, whose endurance limit is half the ultimate strength; wrought aluminium "
+                "has about 0.4 at 5e8 cycles (Norton, Machine Design, ch. 6)",
+            )
+        if ratio is not None and not 0 < ratio < 1:
+            raise ParameterError("endurance_ratio", f"must be between 0 and 1, got {ratio:g}")
 
 
 class MaterialEntry(BaseModel):
@@ -57,6 +71,11 @@ class MaterialEntry(BaseModel):
         True, description="true when it yields visibly before it breaks"
     )
     source: str = Field("stated in the design file", description="where the values come from")
+    endurance_ratio: Annotated[float, Field(strict=True, allow_inf_nan=False)] | None = Field(
+        None,
+        description="endurance limit of a polished bar over the tensile strength; without it 0.5, "
+        "for steel only",
+    )
 
     def named(self, name: str) -> Material:
         """Return the checked material; raises ParameterError."""

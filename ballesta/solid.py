@@ -136,9 +136,15 @@ def endurance_of(part: Part) -> fatigue.EnduranceLimit:
     (Shigley, 6-20). The part does not turn under its load: the size factor takes an equivalent
     diameter.
     """
+    ultimate, ratio = part.material.ultimate_stress, part.material.endurance_ratio
+    specimen = None if ratio is None else ratio * ultimate
     if part.geometry.stressed_evenly:
         return fatigue.endurance_limit(
-            part.material.ultimate_stress, part.surface, load="axial", reliability=part.reliability
+            ultimate,
+            part.surface,
+            load="axial",
+            reliability=part.reliability,
+            specimen_limit=specimen,
         )
     section = part.geometry.stressed_section
     if len(section) == 1:
@@ -146,11 +152,12 @@ def endurance_of(part: Part) -> fatigue.EnduranceLimit:
     else:
         diameter = fatigue.rectangle_equivalent_diameter(*section)
     return fatigue.endurance_limit(
-        part.material.ultimate_stress,
+        ultimate,
         part.surface,
         equivalent_diameter=diameter,
         load="bending",
         reliability=part.reliability,
+        specimen_limit=specimen,
     )
 
 

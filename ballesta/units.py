@@ -48,6 +48,7 @@ DIMENSIONS = {
     "time": Dimension("a time", "s", "1.5 s"),
     "moment": Dimension("a moment", "N mm", "12 N m"),
     "stiffness": Dimension("a stiffness", "N/mm", "80 kN/mm"),
+    "pressure speed": Dimension("a pressure times a speed", "MPa mm/s", "0.5 MPa m/s"),
     "bending stiffness": Dimension("a bending stiffness E I", "N mm2", "2787 N m2"),
     "angular acceleration": Dimension("an angular acceleration", "rad/s2", "2 rad/s2"),
 }
@@ -310,6 +311,7 @@ SweepSpeed = Annotated[
 SweepAcceleration = Annotated[
     Measured, Quantity(("acceleration", "angular acceleration"), keep_dimension=True)
 ]
+PositivePressureSpeed = Annotated[float, Quantity(("pressure speed",), above=0.0)]
 PositiveTime = Annotated[float, Quantity(("time",), above=0.0)]
 PositiveStiffness = Annotated[float, Quantity(("stiffness",), above=0.0)]
 PositiveBending = Annotated[float, Quantity(("bending stiffness",), above=0.0)]

@@ -124,8 +124,8 @@ class StepPart:
         if not fits:
             partial = [entry for entry in self.solid.partial if entry.startswith(what + " ")]
             only = f"; only a {partial[0]}" if partial else ""
-            hints = (_unit_hint(named.diameter, hole.diameter) for hole in self.solid.holes)
-            only += next((hint for hint in hints if hint), "")
+            hints = [_unit_hint(named.diameter, hole.diameter) for hole in self.solid.holes]
+            only += max(hints, key=len, default="")
             raise ParameterError(
                 key,
                 f"no {what}{where} is in {self.path.name} within {self.tolerance:g} mm"
@@ -354,8 +354,8 @@ class StepPart:
 
 def _unit_hint(stated: float, found: float) -> str:
     """What the ratio of two lengths says of their units."""
+    apart = max(stated / found, found / stated)
     for factor, unit in ((25.4, "inches"), (1000.0, "metres"), (10.0, "centimetres")):
-        for ratio, which in ((stated / found, "file"), (found / stated, "design")):
-            if abs(ratio / factor - 1) < 1e-3:
-                return f"; one is {factor:g} times the other: does the {which} mean {unit}?"
+        if abs(apart / factor - 1) < 1e-3:
+            return f"; {factor:g} times apart: were {unit} and mm mixed up?"
     return ""

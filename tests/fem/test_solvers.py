@@ -159,33 +159,32 @@ def test_a_solution_that_is_wrong_is_refused_by_its_backward_error(upper):
 
 
 def test_the_backward_error_is_that_of_the_whole_matrix(upper):
-    """|r| / (|K| |x| + |b|) in largest-entry norms, of a solution off by a known amount."""
+    """|r| / (|K| |x| + |b|) in largest-entry norms, of a solution off by 1e-7 of itself, of which
+    one refinement leaves 1e-14.
+    """
     whole = full(upper)
     exact = np.ones(upper.shape[0])
     right = whole @ exact
-
-    def off(values):
-        return np.linalg.solve(whole.toarray(), values) * (1 + 1e-13)
-
-    _, error = Factor("off", upper, off).solve(right)
-    norm = abs(whole).sum(axis=1).max()
-    # one refinement: (1 - 1e-13 ** 2) is exact to round-off
-    assert error < 1e-15
-    assert_allclose(Factor("off", upper, off)._norm, norm, rtol=1e-14)
+    good = factorize(upper)
+    _, error = Factor("off", upper, lambda b: good.apply(b) * (1 + 1e-7)).solve(right)
+    left = np.abs(right - whole @ (exact * (1 - 1e-14))).max()
+    expected = left / (abs(whole).sum(axis=1).max() + np.abs(right).max())
+    assert_allclose(error, expected, rtol=0.2)
 
 
 def test_dissection_is_an_order_with_less_fill_than_that_of_the_nodes():
-    """METIS against the lattice order of 9 x 9 x 9 bricks; 2.6 times fewer entries measured."""
+    """METIS against the lattice order of 6 x 6 x 6 bricks: MEASURED of its entries."""
     cholmod = pytest.importorskip("sksparse.cholmod")
-    mesh = block((9, 9, 9), (9.0, 9.0, 9.0))
-    matrix = stiffness(Pattern(Elements(mesh)), 210e3, 0.3)[600:][:, 600:].tocsr()
+    mesh = block((6, 6, 6), (6.0, 6.0, 6.0))
+    matrix = stiffness(Pattern(Elements(mesh)), 210e3, 0.3)[507:][:, 507:].tocsr()
     order = dissection(matrix, cholmod)
     assert np.array_equal(np.sort(order), np.arange(matrix.shape[0]))
     lower = permuted(matrix, order)
     whole = full(matrix)[order][:, order]
     assert abs(lower - sp.tril(whole)).max() == 0
     fills = [
-        cholmod.analyze(given, mode="simplicial", ordering_method="natural").cholesky(given).L().nnz
+        cholmod.cholesky(given, mode="supernodal", ordering_method="natural").L().nnz
         for given in (lower, sp.csc_matrix(matrix.T))
     ]
+    print(fills)
     assert fills[0] < 0.6 * fills[1]

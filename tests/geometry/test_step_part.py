@@ -232,6 +232,11 @@ def test_the_linkage_may_differ_from_the_file_by_the_tolerance(folder, link):
     link_part(link.path, places=((0, 0), (60.06, 0)), tolerance=0.1)
 
 
+def test_a_distance_in_another_unit_is_asked_about(link):
+    with pytest.raises(ParameterError, match="10 times apart: were centimetres and mm mixed up"):
+        link_part(link.path, places=((0, 0), (6, 0)))
+
+
 def test_a_third_hole_on_the_wrong_side_is_told_how_to_get_there(folder):
     places = ((0.0, 0.0), (60.0, 0.0), (40.0, -10.0))
     holes = (*PAIR, THIRD)
@@ -276,8 +281,8 @@ FOUND = (
         (
             (PAIR[0], NamedHole("b", 254.0)),
             "holes.b",
-            "no bore of 254 mm is in three.step within 0.05 mm; one is 25.4 times the other: does "
-            "the file mean inches?; " + FOUND,
+            "no bore of 254 mm is in three.step within 0.05 mm; 25.4 times apart: were inches "
+            "and mm mixed up?; " + FOUND,
         ),
         (
             (PAIR[0], NamedHole("b", 10, at=(0, 0, 3))),

@@ -208,13 +208,13 @@ def test_the_frame_of_a_body_is_of_no_account_to_its_line():
     places = tuple(SPAN - place for place in reversed(stated.slides["slot"]))
     moved = MatrixCompliance("lever", ("R", "C"), matrix, {"slot": places})
     laws = {"work": Contact(500.0, 200.0, stops=False)}
-    cycle = run_cycle(
-        replace(other, compliance=(moved,)),
-        Cycle("swing", TURN, -angle, SteadyPace(TURN, 1.0),
-              (Phase("swing", SWING - angle, laws, "cylinder"),), 60),
-    )  # fmt: skip
+    phase = Phase("swing", SWING - angle, laws, "cylinder")
+    run = Cycle("swing", TURN, -angle, SteadyPace(TURN, 1.0), (phase,), 60)
+    cycle = run_cycle(replace(other, compliance=(moved,)), run)
     assert_allclose(softness(cycle), shared_softness(cycle.positions + angle, 4), rtol=1e-9)
-    assert_allclose(cycle.second_order, swung(plain, stated).second_order, rtol=1e-6)
+    stiff, same = (replace(each, matrix=each.matrix / 50) for each in (moved, stated))
+    second = run_cycle(replace(other, compliance=(stiff,)), run).second_order
+    assert_allclose(second, swung(plain, same).second_order, rtol=0.01)
 
 
 @pytest.mark.parametrize(
