@@ -1,50 +1,175 @@
-"""Mean pressure in the bushes of a pin against what the bush material may take."""
+"""Bushes of a pin: mean pressure, and pressure times speed, against what the bush may take."""
+
+from collections.abc import Mapping
 
 import numpy as np
 
+import loads
 from ballesta.design_data import Design, Part
+from ballesta.design_model import StackEntry
 from ballesta.part_loads import PartLoads
+from geometry.mesh import FloatArray
 from geometry.parts import Pin
 from reports.verdict import Check
 
 # A pair of lugs shares the load evenly only if nothing is out of square; ASSUMED band.
 _SHARE_BAND = 0.05
 
+Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
 
-def bush_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
-    """One check per bush (or pair of bushes) in a pin's stack: p = F / (d L), projected area."""
+
+def bush_checks(design: Design, part: Part, part_loads: PartLoads, solved: Solved) -> list[Check]:
+    """Pressure of every bush in a pin's stack; p v of those that state what they bear of it.
+
+    p = F / (d L) on the projected area, v = |relative angular speed of pin and lug| d / 2. The
+    speed is known over computed cycles; measured runs have none.
+    """
     if not isinstance(part.geometry, Pin):
         return []
     checks = []
     for entry in part.stack:
         if entry.bush is None:
             continue
-        name = entry.body or entry.force
-        assert name is not None
-        lugs = 2 if entry.at else 1
-        diameter = entry.diameter or part.geometry.diameter
-        force = loads.resultant(name) / lugs
-        worst = int(np.argmax(force))
-        pressure = float(force[worst]) / (diameter * entry.bush.length)
-        checks.append(
-            Check(
-                part=part.name,
-                kind="bush",
-                quantity=f"bush of {name}",
-                value=pressure,
-                unit="MPa",
-                numerical=0.0,
-                model=_SHARE_BAND * pressure if lugs == 2 else 0.0,
-                limit=entry.bush.allowable,
-                required=design.require.bush,
-                cycle=loads.cycle_names[worst],
-                position=loads.labels[worst],
-                place=f"mean pressure on {diameter:g} x {entry.bush.length:g} mm",
-                method="formula",
-                basis="allowable pressure as stated in the design",
-                model_below=0.0,
-                note=f"p = {force[worst]:.0f} N / ({diameter:g} x {entry.bush.length:g} mm2)"
-                + ("; 50 to 52.5 % of the load in one bush of the pair" if lugs == 2 else ""),
-            )
-        )
+        checks.append(_pressure_check(design, part, part_loads, entry))
+        if entry.bush.pv is not None:
+            checks += _pv_check(design, part, part_loads, solved, entry)
     return checks
+
+
+def bushes_not_checked(part: Part, solved: Solved) -> list[str]:
+    """What of the bushes could not be checked, in words."""
+    runs = [name for name, cycle in solved.items() if not isinstance(cycle, loads.CycleLoads)]
+    if not runs:
+        return []
+    return [
+        f"NOT CHECKED: p v of the bush of {_name(entry)} in {', '.join(runs)}: measured loads tell "
+        "no relative speeds"
+        for entry in part.stack
+        if entry.bush is not None and entry.bush.pv is not None
+    ]
+
+
+def _pressure_check(design: Design, part: Part, part_loads: PartLoads, entry: StackEntry) -> Check:
+    assert entry.bush is not None
+    name = _name(entry)
+    pressure = _pressure(part, part_loads, entry)
+    worst = int(np.argmax(pressure))
+    value = float(pressure[worst])
+    diameter, length = _diameter(part, entry), entry.bush.length
+    force = value * diameter * length
+    paired = _lugs(entry) == 2
+    return Check(
+        part=part.name,
+        kind="bush",
+        quantity=f"bush of {name}",
+        value=value,
+        unit="MPa",
+        numerical=0.0,
+        model=_SHARE_BAND * value if paired else 0.0,
+        limit=entry.bush.allowable,
+        required=design.require.bush,
+        cycle=part_loads.cycle_names[worst],
+        position=part_loads.labels[worst],
+        place=f"mean pressure on {diameter:g} x {length:g} mm",
+        method="formula",
+        basis="allowable pressure as stated in the design",
+        model_below=0.0,
+        note=f"p = {force:.0f} N / ({diameter:g} x {length:g} mm2)"
+        + ("; 50 to 52.5 % of the load in one bush of the pair" if paired else ""),
+    )
+
+
+def _pv_check(
+    design: Design, part: Part, part_loads: PartLoads, solved: Solved, entry: StackEntry
+) -> list[Check]:
+    """Check the peak of p v over all computed cycles; the mean of each cycle is told."""
+    assert entry.bush is not None
+    assert entry.bush.pv is not None
+    pressure, diameter = _pressure(part, part_loads, entry), _diameter(part, entry)
+    found = []
+    for name, cycle in solved.items():
+        if not isinstance(cycle, loads.CycleLoads) or name not in part_loads.cycles:
+            continue
+        columns = part_loads.cycles[name]
+        speeds = np.abs(_turning(cycle, part, entry)) * diameter / 2
+        product = pressure[columns] * speeds
+        spans = np.diff(cycle.times)
+        mean = float(np.sum((product[:-1] + product[1:]) / 2 * spans) / spans.sum())
+        at = int(product.argmax())
+        found.append((float(product[at]), columns.start + at, name, mean, float(speeds[at])))
+    if not found:
+        return []
+    value, worst, _, _, speed = max(found)
+    means = ", ".join(f"{name} {mean / 1e3:.3g}" for _, _, name, mean, _ in found)
+    paired = _lugs(entry) == 2
+    return [
+        Check(
+            part=part.name,
+            kind="bush",
+            quantity=f"p v of the bush of {_name(entry)}",
+            value=value / 1e3,
+            unit="MPa m/s",
+            numerical=0.0,
+            model=_SHARE_BAND * value / 1e3 if paired else 0.0,
+            limit=entry.bush.pv / 1e3,
+            required=design.require.bush,
+            cycle=part_loads.cycle_names[worst],
+            position=part_loads.labels[worst],
+            place=f"sliding on {diameter:g} mm",
+            method="formula",
+            basis="allowable p v as stated in the design",
+            model_below=0.0,
+            note=f"peak: p = {pressure[worst]:.3g} MPa, v = {speed / 1e3:.3g} m/s; "
+            f"mean over each cycle, MPa m/s: {means}",
+        )
+    ]
+
+
+def _turning(cycle: loads.CycleLoads, part: Part, entry: StackEntry) -> FloatArray:
+    """Angular speed (n,) of a lug against the pin, which turns with a body, rad/s."""
+    assert part.fixed_to is not None
+    own = cycle.velocities[:, cycle.body_index(part.fixed_to), 2]
+    if entry.body is not None:
+        return np.asarray(cycle.velocities[:, cycle.body_index(entry.body), 2] - own)
+    assert entry.force is not None
+    coordinate = cycle.linkage.force(entry.force).coordinate
+    if not isinstance(coordinate, loads.Distance):
+        return np.asarray(-own)  # a force whose direction does not turn
+    ends = (
+        (coordinate.body_b, coordinate.point_b),
+        (coordinate.body_a, coordinate.point_a),
+    )
+    reach = cycle.point(*ends[0]) - cycle.point(*ends[1])
+    rate = _velocity(cycle, *ends[0]) - _velocity(cycle, *ends[1])
+    across = reach[:, 0] * rate[:, 1] - reach[:, 1] * rate[:, 0]
+    return np.asarray(across / (reach**2).sum(axis=1) - own)
+
+
+def _velocity(cycle: loads.CycleLoads, body: str, point: str) -> FloatArray:
+    """Velocity (n, 2) of a point of a body, mm/s."""
+    row = cycle.body_index(body)
+    arm = cycle.point(body, point) - cycle.poses[:, row, :2]
+    spin = cycle.velocities[:, row, 2:]
+    return np.asarray(cycle.velocities[:, row, :2] + spin * np.stack([-arm[:, 1], arm[:, 0]], 1))
+
+
+def _pressure(part: Part, part_loads: PartLoads, entry: StackEntry) -> FloatArray:
+    """Mean pressure (n,) of one bush, MPa."""
+    assert entry.bush is not None
+    area = _diameter(part, entry) * entry.bush.length * _lugs(entry)
+    return part_loads.resultant(_name(entry)) / area
+
+
+def _lugs(entry: StackEntry) -> int:
+    return 2 if entry.at and not entry.single else 1
+
+
+def _diameter(part: Part, entry: StackEntry) -> float:
+    assert isinstance(part.geometry, Pin)
+    return entry.diameter or part.geometry.diameter
+
+
+def _name(entry: StackEntry) -> str:
+    name = entry.body or entry.force
+    assert name is not None
+    return name

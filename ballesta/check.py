@@ -13,15 +13,19 @@ import numpy as np
 
 import loads
 from ballesta.balance import balance_gates, measured_loads, not_measured
-from ballesta.bushes import bush_checks
+from ballesta.bushes import bush_checks, bushes_not_checked
 from ballesta.design import read_design
 from ballesta.design_data import Design, Part
 from ballesta.elastic_parts import compliances_of, without_unknown_contacts
 from ballesta.errors import DesignError, NumericsError
 from ballesta.gates import load_gates
+from ballesta.leaf_checks import with_leaf_checks
 from ballesta.levels import Models
+from ballesta.lug_checks import lug_checks
 from ballesta.machine import cycle_of, interface_distance, linkage_of, part_placing
 from ballesta.part_loads import is_loaded, loads_on, shown_of
+from ballesta.pin_checks import pin_checks
+from ballesta.slot_checks import slot_checks
 from ballesta.solid import FIRST, check_solid
 from ballesta.warnings_of import claim_warnings, design_warnings
 from fem.solvers import SolverError
@@ -30,6 +34,7 @@ from geometry.parts.step_part import StepPart
 from reports.verdict import DesignResult, PartResult
 
 Say = Callable[[str], None]
+_CAD = (".step", ".stp")
 
 NOT_CHECKED = (
     "impact and any speed change within a cycle",
@@ -194,6 +199,8 @@ def _check_part(
     try:
         part_loads = loads_on(design, part, solved)
         result = check_solid(design, part, part_loads, models, say)
+        result = with_leaf_checks(design, part, result, part_loads, solved, models)
+        mesh = models.mesh(part.geometry, FIRST * part.fineness)
     except loads.LinkageError as error:
         raise DesignError(design.file, f"parts.{part.name}", str(error)) from error
     except TooManyElementsError as error:
@@ -204,10 +211,17 @@ def _check_part(
             f"{design.file}: parts.{part.name}",
             "check the part's dimensions, or change mesh.fineness",
         ) from error
-    bushes = bush_checks(design, part, part_loads)
-    if not bushes:
-        return result
-    return replace(result, checks=[*result.checks, *bushes])
+    formulas = [
+        *pin_checks(design, part, part_loads),
+        *lug_checks(design, part, part_loads, mesh),
+        *slot_checks(design, part, part_loads, mesh),
+        *bush_checks(design, part, part_loads, solved),
+    ]
+    return replace(
+        result,
+        checks=[*result.checks, *formulas],
+        assumed=[*result.assumed, *bushes_not_checked(part, solved)],
+    )
 
 
 def _cycle_data(
@@ -258,9 +272,22 @@ def _efforts(
 
 
 def _all_sources(design: Design) -> str:
-    """Return the text of the design file, then of the files that it is like or reads."""
-    others = [(file, text) for file, text in design.sources if Path(file) != design.file]
-    return "\n".join([design.source, *(f"# {file}\n{text}" for file, text in others)])
+    """Return the text of the design file, then of the files that it is like or reads.
+
+    CAD files are named only: they are long, and nobody reads them.
+    """
+    others = [(Path(file), text) for file, text in design.sources if Path(file) != design.file]
+    return "\n".join(
+        [
+            design.source,
+            *(
+                f"# {file}: {len(text)} characters, not printed here"
+                if file.suffix.lower() in _CAD
+                else f"# {file}\n{text}"
+                for file, text in others
+            ),
+        ]
+    )
 
 
 def versions() -> dict[str, str]:

@@ -5,11 +5,21 @@ from math import pi
 import numpy as np
 
 from ballesta.design_data import Part
+from ballesta.hand_bodies import leaf_hand_checks, lever_hand_checks, link_hand_checks
 from ballesta.levels import Level
 from ballesta.part_loads import PartLoads
+from ballesta.pin_checks import pin_diagram
 from ballesta.stability import axial_compression
 from geometry.mesh import FloatArray
-from geometry.parts import Pin, PrismaticTube, ToggleBar
+from geometry.parts import (
+    LeafPack,
+    Pin,
+    PlateLink,
+    PrismaticTube,
+    SlottedLever,
+    ToggleBar,
+    TubeRod,
+)
 from reports.verdict import HandCheck
 
 
@@ -17,7 +27,14 @@ def hand_checks(part: Part, loads: PartLoads, level: Level) -> list[HandCheck]:
     """Hand estimates for the shapes that have them."""
     shape = part.geometry
     if isinstance(shape, Pin):
-        return [_pin_bending(shape, loads, level)]
+        one_sided = any(seat.single for seat in shape.seats)
+        return [(_one_sided_pin if one_sided else _pin_bending)(shape, loads, level)]
+    if isinstance(shape, LeafPack):
+        return leaf_hand_checks(shape, loads, level)
+    if isinstance(shape, PlateLink | TubeRod):
+        return link_hand_checks(shape, loads, level)
+    if isinstance(shape, SlottedLever):
+        return lever_hand_checks(shape, loads, level)
     if not isinstance(shape, ToggleBar | PrismaticTube):
         return []
     force = axial_compression(part, loads)
@@ -117,4 +134,23 @@ def _pin_bending(shape: Pin, loads: PartLoads, level: Level) -> HandCheck:
         float(stress[near, 2].max()) if near.any() else 0.0,
         "MPa",
         f"32 M/(pi d^3), M = {size[worst] / 1e3:.1f} N m, d = {diameter:g} mm",
+    )
+
+
+def _one_sided_pin(shape: Pin, loads: PartLoads, level: Level) -> HandCheck:
+    """Bending where it is largest, every lug pressing evenly over its width."""
+    diagram = pin_diagram(shape, dict(loads.wrenches), spread=True)
+    bending = diagram.bending_stress
+    worst, section = (int(k) for k in np.unravel_index(int(bending.argmax()), bending.shape))
+    place = float(diagram.places[section])
+    stress = level.history.at(worst)
+    near = np.abs(level.history.points[:, 2] - place) < 0.06 * shape.diameter
+    size = float(np.hypot(*diagram.moment[worst, section]))
+    return HandCheck(
+        f"bending stress of the pin at z = {round(place, 2) + 0.0:g} mm",
+        float(bending[worst, section]),
+        float(np.abs(stress[near, 2]).max()) if near.any() else 0.0,
+        "MPa",
+        f"32 M/(pi d^3), M = {size / 1e3:.3g} N m, d = {diagram.diameter[section]:g} mm, lugs "
+        "pressing evenly over their widths",
     )

@@ -148,6 +148,8 @@ class Level:
                 @ self.coefficients[columns]
             )
             missing = np.abs(reached - loads.wrenches[unit.interface.name].T)
+            if unit.interface.name == loads.tilt_held_at:
+                missing[3:5] = 0.0  # it takes what inertia leaves, too; reactions tell if enough
             missing[3:] /= unit.interface.radius or size
             worst = max(worst, float(missing.max()))
         return worst / loads.largest_force if loads.largest_force else worst
@@ -189,7 +191,9 @@ def solve_level(
 
     notch_factors  surface -> factor by which fatigue notch or fretting lowers the endurance limit
     """
-    coefficients, added = solutions.coefficients(loads.wrenches, loads.accelerations, loads.reaches)
+    coefficients, added = solutions.coefficients(
+        loads.wrenches, loads.accelerations, loads.reaches, loads.tilt_held_at
+    )
     nodes = solutions.recovery.points
     history = StressHistory(nodes, solutions.mesh.nodes[nodes], solutions.basis, coefficients)
     by_position, where = history.peaks_by_position()

@@ -19,7 +19,8 @@ class PartLoads:
     wrenches       interface -> (n, 6) N, N mm
     accelerations  (n, 4)
     reaches        interface on which a contact slides -> (n,) mm along x from its centre
-    tilting        N mm, largest couple out of the plane that `tilt_held_at` takes
+    tilting        N mm, largest couple out of the plane that `tilt_held_at` takes of the forces
+    tilt_held_at   interface that takes the couples out of the plane, also those of inertia
     cycles         name -> slice of the n positions
     labels         (n,) where in which cycle, in words
     """
@@ -31,6 +32,7 @@ class PartLoads:
     cycle_names: tuple[str, ...]
     reaches: Mapping[str, FloatArray] = field(default_factory=dict)
     tilting: float = 0.0
+    tilt_held_at: str | None = None
 
     @property
     def largest_force(self) -> float:
@@ -128,6 +130,7 @@ def loads_on(
         tuple(names),
         {name: np.concatenate(parts) for name, parts in reaches.items()},
         _tilt(part, together),
+        part.tilt_held_at,
     )
 
 

@@ -28,6 +28,7 @@ from fem.unit_loads import (
     interface_loads,
     resultants,
 )
+from geometry.memory import check_memory, compactness_of
 from geometry.mesh import FloatArray, IntArray, Mesh
 
 _IN_PLANE, _OUT_OF_PLANE = [0, 1, 5], [2, 3, 4]
@@ -115,6 +116,7 @@ class UnitSolutions:
         wrenches: Mapping[str, FloatArray],
         accelerations: FloatArray,
         reaches: Mapping[str, FloatArray] | None = None,
+        tilt_held_at: str | None = None,
     ) -> tuple[FloatArray, FloatArray]:
         """Coefficients (n_basis, n) of the unit loads, and what inertia was added (n, 3).
 
@@ -138,8 +140,20 @@ class UnitSolutions:
         first = coefficients.shape[0] - len(ACCELERATIONS)
         added = -np.linalg.solve(balance[:, first : first + 3], balance @ coefficients)
         coefficients[first : first + 3] += added
+        held = self._tilt_columns(tilt_held_at)
+        if held:
+            coefficients[held] -= self.unit_resultants[[3, 4]] @ coefficients
         self._check_out_of_plane(wrenches, coefficients, first)
         return coefficients, np.asarray(added.T, dtype=np.float64)
+
+    def _tilt_columns(self, name: str | None) -> list[int]:
+        """Numbers of an interface's unit couples about x and y; none if it does not tilt."""
+        first = 0
+        for loads in self.interfaces:
+            if loads.interface.name == name and loads.interface.tilts:
+                return [first + loads.names.index(couple) for couple in ("M_x", "M_y")]
+            first += len(loads.names)
+        return []
 
     def _check_out_of_plane(
         self, wrenches: Mapping[str, FloatArray], coefficients: FloatArray, first: int
@@ -191,18 +205,19 @@ class UnitSolutions:
 def solve_unit_loads(mesh: Mesh, material: Elastic) -> UnitSolutions:
     """Solve the unit loads of a part.
 
-    Raises MeshError if an interface's loads cannot be brought onto the mesh, SolverError if the
-    equations cannot be solved.
+    Raises MeshError if an interface's loads cannot be brought onto the mesh, TooLargeError if there
+    is not enough memory, SolverError if the equations cannot be solved.
     """
     elements = Elements(mesh)
-    pattern = Pattern(elements)
-    upper = stiffness(pattern, material.youngs_modulus, material.poisson_ratio)
     interfaces = tuple(
         sliding_loads(elements, i) if i.kind == "slide" else interface_loads(elements, i)
         for i in mesh.interfaces.values()
     )
     inertia = acceleration_loads(elements, material.density)
     loads = np.concatenate([*(i.vectors for i in interfaces), inertia], axis=1)
+    check_memory(*loads.shape, compactness_of(mesh.nodes, mesh.volume))
+    pattern = Pattern(elements)
+    upper = stiffness(pattern, material.youngs_modulus, material.poisson_ratio)
     ties = ties_of(mesh)
     held = determinate_hold(mesh.nodes, ties)
     matrix = upper if ties is None else ties.collect_upper(upper)

@@ -122,14 +122,44 @@ class Mesh:
         used[self.elements] = True
         if not used.all():
             raise MeshError(f"{np.count_nonzero(~used)} nodes belong to no element")
+        self._check_overlap()
         worst = self.jacobian_minimum
         if not worst > 0:
-            raise FoldedElementError(f"an element is folded: smallest scaled det J is {worst:.3g}")
+            raise FoldedElementError(
+                f"an element is folded: smallest scaled det J is {worst:.3g}, near "
+                f"{_place(self.nodes[self._worst_element].mean(axis=0))} mm; a wall or a ligament "
+                "there may be far thinner than its elements"
+            )
+        self._check_touching()
         deviation = abs(self.volume / self.volume_cad - 1)
         if deviation > 1e-3:
             raise MeshError(
                 f"the mesh has {self.volume:.6g} mm3 and the body {self.volume_cad:.6g} mm3, "
                 f"{deviation:.1e} apart (limit 1e-3)"
+            )
+
+    def _check_overlap(self) -> None:
+        """MeshError where a facet belongs to two interfaces, or an interface has none."""
+        owner: dict[tuple[int, ...], str] = {}
+        for name, face in self.interfaces.items():
+            facets = np.concatenate([self.surfaces[surface] for surface in face.surfaces])
+            if not len(facets):
+                raise MeshError(f"interface {name!r} has no facets on the mesh")
+            corners = {tuple(row) for row in np.sort(facets[:, :3], axis=1).tolist()}
+            for other in sorted({owner[row] for row in corners if row in owner}):
+                raise MeshError(f"interfaces {other!r} and {name!r} overlap: they share a face")
+            owner |= dict.fromkeys(corners, name)
+
+    def _check_touching(self) -> None:
+        """MeshError where the body touches itself along a line, as beside a hole tangent to it."""
+        corners = self._boundary[:, :3]
+        sides = np.sort(corners[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+        pairs, counts = np.unique(sides, axis=0, return_counts=True)
+        lines = pairs[counts > 2]
+        if len(lines):
+            raise MeshError(
+                f"the body touches itself along a line, at {_place(self.nodes[lines[0, 0]])} mm: a "
+                "wall or a ligament has no thickness there"
             )
 
     def bonded(self) -> "Mesh":
@@ -151,9 +181,22 @@ class Mesh:
     @cached_property
     def jacobian_minimum(self) -> float:
         """The smallest det J over all elements' nodes, scaled by the element's mean det J."""
+        return float(self._scaled_jacobians.min())
+
+    @property
+    def _worst_element(self) -> IntArray:
+        return np.asarray(self.elements[self._scaled_jacobians.argmin()])
+
+    @cached_property
+    def _scaled_jacobians(self) -> FloatArray:
+        """(n_elements,)."""
         determinants = _jacobian_determinants(self.nodes, self.elements, _NODE_POINTS)
-        mean = np.abs(determinants.mean(axis=1, keepdims=True))
-        return float((determinants / mean).min())
+        mean = np.abs(determinants.mean(axis=1))
+        return np.asarray(determinants.min(axis=1) / np.where(mean > 0, mean, 1.0))
+
+    @cached_property
+    def _boundary(self) -> IntArray:
+        return boundary_facets(self.elements)
 
     @cached_property
     def volume(self) -> float:
@@ -169,7 +212,7 @@ class Mesh:
     @cached_property
     def surface_nodes(self) -> IntArray:
         """Indices of the nodes on the boundary, ascending."""
-        return np.unique(boundary_facets(self.elements))
+        return np.unique(self._boundary)
 
     def mass_properties(self, density: float) -> MassProperties:
         """Mass, centre and moment of inertia about z, by quadrature on the curved elements."""
@@ -179,6 +222,10 @@ class Mesh:
         arm = points[..., :2] - centre[:2]
         inertia = density * np.einsum("eq,eqx,eqx->", self._weights, arm, arm)
         return MassProperties(float(mass), centre, float(inertia))
+
+
+def _place(point: FloatArray) -> str:
+    return "({:.4g}, {:.4g}, {:.4g})".format(*point + 0.0)
 
 
 def boundary_facets(elements: IntArray) -> IntArray:

@@ -11,6 +11,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from geometry.memory import check_memory, compactness_of
 from geometry.mesh import (
     FoldedElementError,
     IntArray,
@@ -45,6 +46,8 @@ _MESHERS = (("HXT", 10), ("Delaunay, because HXT folded an element", 1))
 # What high-order optimisation says where it could not mend an element.
 _STAYED_BAD = ("Failed to reach critical value", "Optimization failed")
 _MOST_ELEMENTS = 1_000_000
+_UNKNOWNS, _LOADS = 4.3, 8  # unknowns per element of a compact mesh; unit loads of a pin
+_FASTEST_GROWTH = 2.0  # of sizes with distance: a hole of a tenth of the width folds beyond it
 _FROM_GMSH_TO_VTK = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
 
 
@@ -148,9 +151,10 @@ def _mesh_with(
 
 
 def _check_count(gmsh: Any, body: Body, fineness: float) -> None:
-    """Refuse a body that would take more elements than can be solved, before it is meshed.
+    """Refuse a body that would take more elements or memory than there is, before it is meshed.
 
-    A regular tetrahedron of edge h has the volume h^3 / (6 sqrt 2) = 0.118 h^3.
+    A regular tetrahedron of edge h has the volume h^3 / (6 sqrt 2) = 0.118 h^3. Finer elements in
+    regions are not counted: the solve counts again on the mesh.
     """
     volume = sum(gmsh.model.occ.getMass(3, tag) for _, tag in gmsh.model.getEntities(3))
     count = volume / (0.118 * (body.size / fineness) ** 3)
@@ -159,6 +163,10 @@ def _check_count(gmsh: Any, body: Body, fineness: float) -> None:
             f"would need about {count:.1e} elements of {body.size / fineness:.3g} mm, more than "
             f"{_MOST_ELEMENTS:.0e}; its walls are too thin for a solid, or mesh.fineness too high"
         )
+    box = np.array(gmsh.model.getBoundingBox(-1, -1)).reshape(2, 3)
+    check_memory(
+        int(_UNKNOWNS * count), _LOADS * len(body.interfaces) + 4, compactness_of(box, volume)
+    )
 
 
 def _generate(gmsh: Any) -> None:
@@ -179,7 +187,10 @@ def _generate(gmsh: Any) -> None:
     errors = [m.removeprefix("Error: ") for m in messages if m.startswith("Error")]
     errors = [m for m in errors if not m.startswith(_STAYED_BAD)]
     if errors:
-        raise MeshError(f"gmsh could not mesh the part: {'; '.join(errors[:3])}")
+        hint = ""
+        if any("3D mesh failed" in m or "ntersect" in m for m in errors):
+            hint = "; a wall or a ligament may be far thinner than the elements beside it"
+        raise MeshError(f"gmsh could not mesh the part: {'; '.join(errors[:3])}{hint}")
 
 
 def faces_where(gmsh: Any, test: Callable[[Any, str], bool]) -> list[int]:
@@ -203,11 +214,13 @@ def _set_sizes(gmsh: Any, body: Body, fineness: float, sizes: SizeField | None) 
                 field.setNumbers(distance, key, tags)
         field.setNumber(distance, "Sampling", 40)
         threshold = field.add("Threshold")
+        near = 0.1 * region.reach
         field.setNumber(threshold, "InField", distance)
         field.setNumber(threshold, "SizeMin", region.size / fineness)
         field.setNumber(threshold, "SizeMax", body.size / fineness)
-        field.setNumber(threshold, "DistMin", 0.1 * region.reach)
-        field.setNumber(threshold, "DistMax", region.reach)
+        field.setNumber(threshold, "DistMin", near)
+        room = (body.size - region.size) / _FASTEST_GROWTH
+        field.setNumber(threshold, "DistMax", max(region.reach, near + room))
         thresholds.append(threshold)
     if sizes is not None:
         thresholds.append(sizes.to_gmsh(gmsh))

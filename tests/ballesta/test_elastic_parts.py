@@ -20,7 +20,9 @@ from ballesta.solid import FIRST, elastic_of
 from fem.compliance import compliance
 
 DESIGNS = Path(__file__).parents[2] / "designs"
-HAMMER = (DESIGNS / "spring_hammer.toml").read_text()
+LINKAGE = re.split(r"(?m)^\[(?:duty|parts|assumed)", (DESIGNS / "spring_hammer.toml").read_text())[
+    0
+]
 BARS = tuple(f'bodies.{bar}.elastic={{stiffness="fem"}}' for bar in ("lower", "upper"))
 PRESS = DESIGNS / "toggle_press_pull_through.toml"
 LEAVES = """
@@ -56,10 +58,9 @@ WEIGHTLESS = ("bodies.rocker.mass=0 kg", "bodies.rocker.inertia=0 kg m2")
 
 def hammer_file(tmp_path, elastic='{ stiffness = "fem" }'):
     """The spring hammer with a leaf pack as its rocker, at 5 rad/s on 10 mm."""
-    text = re.sub(r"elastic = \{ bending.*", f"elastic = {elastic}", HAMMER)
-    text = re.sub(r'"bodies\.rocker\.elastic\.bending" = .*\n', "", text)
-    assert text.count("stiffness") == elastic.count("stiffness")
-    file = tmp_path / "hammer.toml"
+    text, count = re.subn(r"(?m)^elastic = .*", f"elastic = {elastic}", LINKAGE)
+    assert count == 1
+    file = tmp_path / f"hammer_{len(elastic)}.toml"
     file.write_text(text + LEAVES)
     return file
 
@@ -160,12 +161,12 @@ def test_the_weight_and_inertia_of_a_part_are_spread_along_it(tmp_path, models):
     cycle, k = blow(file, EVEN, models=models)
     force = cycle.efforts["workpiece"][k]
     assert_allclose(force, by_hand(cycle, k, mass=14.623e-3, inertia=995.0), rtol=1.5e-4)
-    beam, j = blow(hammer_file(tmp_path, '{ bending = "2786.9184 N m2" }'))
     light, i = blow(file, *WEIGHTLESS, EVEN, models=models)
-    alone, h = blow(hammer_file(tmp_path, '{ bending = "2786.9184 N m2" }'), *WEIGHTLESS)
-    with_inertia = beam.efforts["workpiece"][j] - alone.efforts["workpiece"][h]
-    more = force - light.efforts["workpiece"][i] - with_inertia
-    assert 23.0 < more < 27.0
+    as_beam = hammer_file(tmp_path, '{ bending = "2786.9184 N m2" }')
+    beam, j = blow(as_beam)
+    alone, h = blow(as_beam, *WEIGHTLESS)
+    at_pivot = beam.efforts["workpiece"][j] - alone.efforts["workpiece"][h]
+    assert 24.0 < force - light.efforts["workpiece"][i] - at_pivot < 26.0
 
 
 @pytest.mark.slow
@@ -176,7 +177,6 @@ def test_a_forging_force_does_not_depend_on_the_mesh(tmp_path):
     for fineness in (0.7, 1.0, 1.4):
         cycle, k = blow(file, f"parts.leaves.mesh.fineness={fineness}")
         forces.append(cycle.efforts["workpiece"][k])
-    print(forces)
     assert_allclose(forces, forces[-1], rtol=1e-3)
     assert forces[0] > forces[1] > forces[2], "a displacement method is too stiff"
 
@@ -188,16 +188,17 @@ def test_the_contact_of_the_leaves_is_where_the_linkage_has_it(tmp_path, models)
     assert stated.points == ("R", "C")
     (places,) = stated.slides.values()
     assert_allclose((places[0], places[-1]), (426.9, 448.5))
-    back = read_design(hammer_file(tmp_path), ["joints.slot.along=1, 0"])
-    other = compliances_of(back, models)["rocker"]
-    assert_allclose(np.negative(other.slides["slot"])[::-1], places)
-    one, same = (
-        solve_cycles(
-            replace(d, cycles={"w": d.cycles["at_5_work_10"]}), {}, compliances_of(d, models)
-        )
-        for d in (design, back)
+    cycle, k = blow(hammer_file(tmp_path), models=models)
+    changes = (
+        ["joints.slot.along=1, 0"],
+        ["joints.slot.through=C"],
     )
-    assert_allclose(one["w"].efforts["workpiece"], same["w"].efforts["workpiece"], atol=1e-6)
+    for change, (low, high) in zip(changes, ((-448.5, -426.9), (886.9, 908.5)), strict=True):
+        other = compliances_of(read_design(hammer_file(tmp_path), change), models)["rocker"]
+        found = other.slides["slot"]
+        assert_allclose((found[0], found[-1]), (low, high))
+        same, j = blow(hammer_file(tmp_path), *change, models=models)
+        assert_allclose(same.efforts["workpiece"][j], cycle.efforts["workpiece"][k], rtol=1e-9)
 
 
 # -- the toggle
@@ -237,7 +238,8 @@ def test_bars_between_two_pins_only_shorten(models):
     """So a stiffness E A = L / softness does the same, to what bending by their weight adds."""
     solved, given = pressed(*BARS, models=models)
     stiffness = 250.0 / shortening(given["lower"].matrix)
-    tubes, _ = pressed(*(f"bodies.{bar}.elastic.axial={stiffness} N" for bar in ("lower", "upper")))
+    as_tubes = (f"bodies.{bar}.elastic.axial={stiffness} N" for bar in ("lower", "upper"))
+    tubes, _ = pressed(*as_tubes, models=models)
     assert_allclose(solved.efforts["process"].max(), tubes.efforts["process"].max(), rtol=1e-8)
 
 
@@ -248,7 +250,6 @@ def test_a_press_force_does_not_depend_on_the_mesh():
         pressed(*BARS, f"parts.bar_upper.mesh.fineness={fineness}")[0].efforts["process"].max()
         for fineness in (0.7, 1.0, 1.4)
     ]
-    print(forces)
     assert_allclose(forces, forces[-1], rtol=1e-3)
 
 
@@ -333,24 +334,25 @@ def test_the_loads_of_a_design_mesh_and_solve_its_elastic_part(tmp_path):
     result = loads_of_file(hammer_file(tmp_path), (), ["at_5_work_10"], say=said.append)
     assert said == ["leaves: solving how it gives way"]
     (cycle,) = result.cycles
-    assert 843 < max(cycle.efforts["workpiece"]) < 847
+    assert_allclose(cycle.loads.efforts["workpiece"].max(), 845.1, atol=0.5)
 
 
 def test_what_cannot_move_is_told_before_a_part_is_solved(tmp_path):
     said = []
-    stuck = ["points.D=-629, 1250 mm", "cycles.at_5_work_10.start=0 deg", "points.A=-900, 0 mm"]
-    with pytest.raises(DesignError):
-        loads_of_file(hammer_file(tmp_path), stuck, ["at_5_work_10"], say=said.append)
+    far = ["points.A=-900, 0 mm"]
+    with pytest.raises(DesignError, match=r"cycles\.at_5_work_10.*cannot"):
+        loads_of_file(hammer_file(tmp_path), far, ["at_5_work_10"], say=said.append)
     assert said == []
 
 
 def test_a_plan_has_the_forces_of_an_elastic_part(tmp_path):
-    """Up to 838 N at the slot, the force over the cosine of 17.7 degrees less the ram's weight."""
-    design = read_design(hammer_file(tmp_path))
-    design = replace(design, cycles={"work": design.cycles["at_5_work_10"]})
-    (leaves,) = plan(design)
-    print(leaves.forces)
-    assert 300 < leaves.forces["contact"] < 1000
+    """At the slot the ram's, on its way down and up again and pressed on the workpiece."""
+    file = hammer_file(tmp_path)
+    cycle, _ = blow(file)
+    design = read_design(file)
+    (leaves,) = plan(replace(design, cycles={"work": design.cycles["at_5_work_10"]}))
+    slot = np.hypot(*cycle.reactions["slot"].force.T)
+    assert_allclose(leaves.forces["contact"], slot.max(), rtol=1e-9)
 
 
 REFUSED = {

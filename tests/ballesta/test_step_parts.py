@@ -262,3 +262,23 @@ def test_a_plate_with_two_equal_holes_needs_a_point_for_each(machine):
         read_design(machine, ["parts.crank.holes.shaft.diameter=10 mm"])
     fits = ["parts.crank.holes.shaft={diameter = '10 mm', at = '60, 0, 0 mm'}"]
     assert read_design(machine, fits).parts["crank"].geometry.length == pytest.approx(60)
+
+
+@pytest.mark.slow
+def test_a_part_that_is_not_even_about_its_plane_is_held_against_tilting(machine):
+    """A pad on one side: the second hole 6 mm and the mass 2 mm out of the plane of the first."""
+
+    def pad(gmsh):
+        occ = gmsh.model.occ
+        occ.addBox(-20, -20, 0, 100, 40, 8)
+        occ.fuse([(3, 1)], [(3, occ.addCylinder(60, 0, 8, 0, 0, 12, 15))])
+        occ.cut([(3, 1)], [(3, occ.addCylinder(x, 0, -1, 0, 0, 30, 5)) for x in (0, 60)])
+
+    write_step(machine.parent / "link.step", pad)
+    changes = [
+        "parts.crank.holes.shaft={diameter = '10 mm', at = '0, 0, 0 mm'}",
+        "parts.crank.holes.pin.at=60, 0, 0 mm",
+        "parts.crank.mesh.fineness=0.5",
+    ]
+    result = check_file(machine, changes).parts[0]
+    assert all(gate.holds for gate in result.gates), [str(gate) for gate in result.gates]

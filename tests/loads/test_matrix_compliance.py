@@ -29,6 +29,9 @@ from loads import (
     SteadyPace,
     run_cycle,
 )
+from loads.elasticity import LoadState, beam_displacements, matrix_displacements
+from loads.forces import ForceSolution
+from loads.kinematics import Kinematics
 
 BENDING, AXIAL = 2e9, 5e6  # N mm2, N: soft, so that bending and shortening are both seen
 SPAN, TRACK, SWING = 800.0, 400.0, 0.6
@@ -169,6 +172,65 @@ def test_the_deflected_shape_of_a_matrix_is_that_of_its_beam():
     matrix = swung(lever(), replace(fine, matrix=fine.matrix / 50))
     assert beam.second_order > 0.01
     assert_allclose(matrix.second_order, beam.second_order, rtol=1e-3)
+
+
+def test_what_a_matrix_moves_is_what_its_beam_moves_but_for_a_rigid_motion():
+    linkage = lever()
+    cycle = swung(linkage, as_matrix(steps=17))
+    kinematics, none = Kinematics(cycle.linkage), np.zeros(0)
+    state = LoadState(ForceSolution(cycle.reactions, cycle.efforts, none, none), None)
+    moves = (
+        matrix_displacements(kinematics, cycle.poses, as_matrix(steps=17), state),
+        beam_displacements(kinematics, cycle.poses, as_beam(), state),
+    )
+    assert set(moves[0]) == set(moves[1]) == {"joint 'R'", "joint 'slot'", "force 'cylinder'"}
+    one, other = moves
+    turn = one["joint 'R'"][1] - other["joint 'R'"][1]
+    shift = one["joint 'R'"][0] - other["joint 'R'"][0]
+    size = np.abs(other["joint 'slot'"][0]).max()
+    for source, (moved, turning, place) in one.items():
+        beam, turning_beam, place_beam = other[source]
+        assert_allclose(place, place_beam, atol=1e-6)
+        assert_allclose(turning - turning_beam, turn, atol=1e-3 * np.abs(turning_beam).max())
+        rigid = shift + np.column_stack([-turn * place[:, 1], turn * place[:, 0]])
+        assert_allclose(moved - beam, rigid, atol=1e-3 * size)
+
+
+def test_two_contacts_slide_along_one_body():
+    """A second block on the lever, 200 mm from R, is pushed down with 20 kN: it lifts the first."""
+    plain = lever()
+    second = {"D": (0.0, 0.0)}
+    linkage = replace(
+        plain,
+        bodies=(
+            Body(GROUND, {**plain.body(GROUND).points, "other line": (200.0, 0.0)}),
+            *plain.bodies[1:],
+            Body("other", second),
+        ),
+        joints=(
+            Slot("other slot", "lever", "other", "R", "D", (1.0, 0.0)),
+            *plain.joints,
+            Prismatic("other track", GROUND, "other", "other line", "D", (0.0, 1.0)),
+        ),
+        forces=(*plain.forces, Force("push", PointCoordinate("other", "D", (0.0, 1.0)))),
+        assembled={**plain.assembled, "other": (200.0, 0.0, 0.0)},
+    )
+    lines = {
+        "other slot": tuple(np.linspace(200.0, 200.0 / np.cos(SWING), 15)),
+        "slot": tuple(np.linspace(TRACK, FARTHEST, 18)),
+    }
+    places = [0.0, SPAN, *lines["other slot"], *lines["slot"]]
+    matrix = MatrixCompliance("lever", ("R", "C"), cantilevers(places), lines)
+    one, other, alone = (
+        swung(linkage, compliance, push=push)
+        for compliance, push in ((matrix, -2e4), (as_beam(), -2e4), (as_beam(), 0.0))
+    )
+    at = np.linspace(0.05, 0.55, 11)
+    found, expected, none = (
+        np.interp(at, cycle.positions, cycle.efforts["work"]) for cycle in (one, other, alone)
+    )
+    assert np.abs(expected / none - 1).min() > 0.1
+    assert_allclose(found, expected, rtol=3e-4)
 
 
 def turned(vector, angle):

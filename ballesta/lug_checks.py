@@ -1,0 +1,216 @@
+"""Lugs by formula: mean pressure of the pin in its hole, and the pin tearing out behind it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ballesta.design_data import Design, Part
+from ballesta.part_loads import PartLoads
+from fem.lugs import ball_ligament, bearing_pressure, shear_out
+from geometry.mesh import FloatArray, Mesh, boundary_facets
+from geometry.parts import Pin, PlateLink, SlottedLever, ToggleBar, TubeRod
+from geometry.parts.step_part import StepPart
+from reports.verdict import Check
+
+_ROUND = ("bore", "journal")
+_SECTOR = np.cos(np.radians(40.0))  # how far beside the force's direction a hole may tear out
+_DIRECTIONS = 72
+
+
+@dataclass(frozen=True)
+class Ligament:
+    """Material behind a hole: mm2 in one shear plane, and what stands at its other side.
+
+    direction  unit vector in the part's axes in which a force on the part tears it; None: any,
+               and `area` is then that of 72 directions from +x on, counter-clockwise
+    """
+
+    direction: tuple[float, float] | None
+    area: tuple[float, ...]
+    until: str
+
+
+@dataclass(frozen=True)
+class _Lug:
+    """A hole: pin's or bush's diameter and the loaded width, mm; of what, in words."""
+
+    interface: str
+    diameter: float
+    width: float
+    note: str
+
+
+def lug_checks(design: Design, part: Part, loads: PartLoads, mesh: Mesh) -> list[Check]:
+    """Pressure in the holes of a part and shear behind them, each where it is worst."""
+    if isinstance(part.geometry, Pin):
+        return []
+    lugs = _lugs(design, part, mesh)
+    if not lugs:
+        return []
+    bores = [lug for lug in lugs if mesh.interfaces[lug.interface].kind == "bore"]
+    torn = _shear_out(design, part, loads, mesh, bores) if bores else None
+    return [_bearing(design, part, loads, lugs), *([torn] if torn else [])]
+
+
+def _lugs(design: Design, part: Part, mesh: Mesh) -> list[_Lug]:
+    lugs = []
+    for name, interface in mesh.interfaces.items():
+        if interface.kind not in _ROUND or name not in part.interfaces:
+            continue
+        hole = 2 * interface.radius
+        pressed, note = hole, ""
+        if interface.kind == "bore":
+            pin = _bare_pin(design, part, part.interfaces[name])
+            if pin is not None and pin < hole:
+                pressed, note = pin, f"pin of {pin:g} mm in a hole of {hole:g} mm"
+        lugs.append(_Lug(name, pressed, interface.length, note))
+    return lugs
+
+
+def _bare_pin(design: Design, part: Part, point: str) -> float | None:
+    """Diameter of the pin that presses here without a bush, mm, if the design has its part."""
+    for other in design.parts.values():
+        if not isinstance(other.geometry, Pin) or other.joint != point:
+            continue
+        for entry in other.stack:
+            if entry.body == part.body and entry.bush is None:
+                return entry.diameter or other.geometry.diameter
+    return None
+
+
+def _bearing(design: Design, part: Part, loads: PartLoads, lugs: Sequence[_Lug]) -> Check:
+    found = []
+    for lug in lugs:
+        force = loads.resultant(lug.interface)
+        worst = int(force.argmax())
+        pressure = bearing_pressure(float(force[worst]), lug.diameter, lug.width)
+        found.append((pressure, worst, float(force[worst]), lug))
+    value, worst, force_there, lug = max(found, key=lambda entry: entry[0])
+    others = ", ".join(f"{entry[3].interface} {entry[0]:.3g}" for entry in found if entry[3] != lug)
+    return Check(
+        part=part.name,
+        kind="bearing",
+        quantity="mean pressure of the pin F/(d t)",
+        value=value,
+        unit="MPa",
+        numerical=0.0,
+        model=0.0,
+        limit=part.material.yield_stress,
+        required=design.require.static,
+        cycle=loads.cycle_names[worst],
+        position=loads.labels[worst],
+        place=f"{lug.interface}, {lug.diameter:g} x {lug.width:g} mm",
+        method="formula",
+        basis="yield stress on the projected area: EN 1993-1-8 table 3.10 allows 1.5 f_y where "
+        "nothing moves, 0.6 f_y under service loads for a pin that is to come out again",
+        note="; ".join(
+            text
+            for text in (
+                f"F = {force_there:.0f} N",
+                lug.note,
+                f"other holes, MPa: {others}" if others else "",
+            )
+            if text
+        ),
+    )
+
+
+def _shear_out(
+    design: Design, part: Part, loads: PartLoads, mesh: Mesh, lugs: Sequence[_Lug]
+) -> Check | None:
+    """Check the ligament that is sheared most; None where no pin pulls at one."""
+    found = []
+    for lug in lugs:
+        wrench = loads.wrenches[lug.interface]
+        for ligament in ligaments(part, mesh, lug.interface):
+            pull, area = _pull(wrench, ligament)
+            stress = shear_out(pull, area)
+            worst = int(stress.argmax())
+            found.append((stress[worst], worst, pull[worst], area[worst], lug, ligament))
+    if not found or not max(entry[0] for entry in found) > 0:
+        return None
+    value, worst, force, plane, lug, ligament = max(found, key=lambda entry: entry[0])
+    return Check(
+        part=part.name,
+        kind="shear-out",
+        quantity="mean shear stress behind the pin F/(2 A)",
+        value=float(value),
+        unit="MPa",
+        numerical=0.0,
+        model=0.0,
+        limit=part.material.yield_stress / float(np.sqrt(3)),
+        required=design.require.static,
+        cycle=loads.cycle_names[worst],
+        position=loads.labels[worst],
+        place=f"{lug.interface}, towards {ligament.until}",
+        method="formula",
+        basis="yield stress over sqrt 3",
+        note=f"F = {force:.0f} N that way, A = {plane:.4g} mm2 in each of two planes",
+    )
+
+
+def _pull(wrench: FloatArray, ligament: Ligament) -> tuple[FloatArray, FloatArray]:
+    """Force (n,) that tears a ligament, N, and the area (n,) of one plane, mm2."""
+    if ligament.direction is not None:
+        pull = np.maximum(wrench[:, :2] @ np.array(ligament.direction), 0.0)
+        return pull, np.full(len(pull), ligament.area[0])
+    angle = np.arctan2(wrench[:, 1], wrench[:, 0])
+    sector = np.round(angle / (2 * np.pi) * _DIRECTIONS).astype(int) % _DIRECTIONS
+    return np.hypot(wrench[:, 0], wrench[:, 1]), np.array(ligament.area)[sector]
+
+
+def ligaments(part: Part, mesh: Mesh, interface: str) -> list[Ligament]:
+    """What a pin can tear out of a hole: towards the part's end, or into a slot beside the hole.
+
+    A boss is left out of it. Of a part from CAD the ligament is looked for in all directions.
+    """
+    shape = part.geometry
+    length = getattr(shape, "length", 0.0)
+    outward = (-1.0, 0.0) if interface == part.geometry.interfaces[0] else (1.0, 0.0)
+    end = f"the end at x {'< 0' if outward[0] < 0 else f'> {length:g} mm'}"
+    if isinstance(shape, ToggleBar):
+        return [Ligament(outward, (2 * shape.wall * (shape.overhang - shape.hole / 2),), end)]
+    if isinstance(shape, PlateLink):
+        hole = 2 * mesh.interfaces[interface].radius
+        return [Ligament(outward, (shape.thickness * (shape.width - hole) / 2,), end)]
+    if isinstance(shape, TubeRod):
+        area = ball_ligament(shape.eye_diameter, shape.eye_width, shape.hole)
+        return [Ligament(outward, (area,), end)]
+    if isinstance(shape, SlottedLever):
+        beyond = shape.width / 2 if shape.overhang is None else shape.overhang
+        inner = shape.slot_from if interface == "pivot" else shape.length - shape.slot_to
+        inward = (-outward[0], 0.0)
+        return [
+            Ligament(outward, (shape.thickness * (beyond - shape.hole / 2),), end),
+            Ligament(inward, (shape.thickness * (inner - shape.hole / 2),), "the slot"),
+        ]
+    if isinstance(shape, StepPart):
+        return [ligament_all_round(mesh, interface)]
+    return []
+
+
+def ligament_all_round(mesh: Mesh, name: str) -> Ligament:
+    """The ligament of a hole in every direction, from the walls that face away from its axis.
+
+    Walls within 40 degrees of the direction count, at their nearest node.
+    """
+    interface = mesh.interfaces[name]
+    facets = boundary_facets(mesh.elements)
+    corners = mesh.nodes[facets[:, :3]]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    arm = corners.mean(axis=1)[:, :2] - interface.centre[:2]
+    distance = np.hypot(arm[:, 0], arm[:, 1])
+    faces = np.abs((normal[:, :2] * arm).sum(axis=1)) > 0.5 * distance
+    outer = faces & ((normal[:, :2] * arm).sum(axis=1) > 0)
+    nodes = mesh.nodes[np.unique(facets[outer])][:, :2] - interface.centre[:2]
+    reach = np.hypot(nodes[:, 0], nodes[:, 1])
+    areas: list[float] = []
+    for turn in range(_DIRECTIONS):
+        angle = 2 * np.pi * turn / _DIRECTIONS
+        along = nodes @ np.array([np.cos(angle), np.sin(angle)])
+        near = reach[along >= _SECTOR * reach]
+        clear = float(near.min()) - interface.radius if len(near) else np.inf
+        areas.append(interface.length * clear)
+    return Ligament(None, tuple(areas), "the nearest wall")

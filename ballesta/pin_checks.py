@@ -1,0 +1,237 @@
+"""Bending and shear along a pin from the lugs of its stack, as a designer draws the diagrams.
+
+Every lug presses in one of two ways: all at its mid-plane, or evenly over its width. A real lug,
+which gives way at its edges, is between them. A couple that closes a pin with lugs on one side is
+taken by the lug that the pin is fixed in: as it is at its mid-plane (by a pair: as two forces), or
+as a pressure that grows along the lug.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from ballesta.design_data import Design, Part
+from ballesta.part_loads import PartLoads
+from fem.lugs import round_bending, round_shear
+from geometry.mesh import FloatArray
+from geometry.parts import Pin, Seat
+from reports.verdict import Check
+
+_INSIDE = 16  # sections between two changes of load or diameter
+_ANGLES = np.radians(np.arange(0, 180, 5))
+_COUNTS = 1.01  # times bending or shear alone, from which their sum is a check of its own
+
+
+@dataclass(frozen=True, eq=False)
+class PinDiagram:
+    """Shear and bending along a pin.
+
+    places    (m,) mm; two sections share a place where load or diameter changes
+    diameter  (m,) mm
+    shear     (n, m, 2) N, along x and y
+    moment    (n, m, 2) N mm, in the planes of x and y with z
+    """
+
+    places: FloatArray
+    diameter: FloatArray
+    shear: FloatArray
+    moment: FloatArray
+
+    @property
+    def bending_stress(self) -> FloatArray:
+        """Largest bending stress (n, m), MPa."""
+        return round_bending(np.hypot(self.moment[..., 0], self.moment[..., 1]), self.diameter)
+
+    @property
+    def shear_stress(self) -> FloatArray:
+        """Largest shear stress (n, m), MPa."""
+        return round_shear(np.hypot(self.shear[..., 0], self.shear[..., 1]), self.diameter)
+
+    @property
+    def equivalent_stress(self) -> FloatArray:
+        """Largest von Mises stress of bending with shear (n, m), MPa.
+
+        At the angle a of the rim bending is cos(a - a_M) of its largest and shear, the same all
+        across (Jourawski), sin^2(a - a_V); inside the section bending is less and shear the same.
+        """
+        bending, shear = self.bending_stress, self.shear_stress
+        result = np.sqrt(3) * shear  # in the middle, where nothing is bent
+        along_m = np.arctan2(self.moment[..., 1], self.moment[..., 0])
+        along_v = np.arctan2(self.shear[..., 1], self.shear[..., 0])
+        for turn in _ANGLES:
+            angle = along_m + turn
+            bent = bending * np.cos(turn)
+            sheared = shear * np.sin(angle - along_v) ** 2
+            result = np.maximum(result, np.sqrt(bent**2 + 3 * sheared**2))
+        return np.asarray(result)
+
+
+def pin_diagram(shape: Pin, wrenches: dict[str, FloatArray], *, spread: bool) -> PinDiagram:
+    """Shear and bending along a pin under the wrenches (n, 6) of its seats.
+
+    spread  each lug presses evenly over its width, and not at its mid-plane
+    """
+    points, diameters = _stations(shape)
+    n = len(next(iter(wrenches.values())))
+    shear, moment = np.zeros((n, len(points), 2)), np.zeros((n, len(points), 2))
+    # a section at the lower end of a stretch has passed what acts at its place
+    passed = np.tile([True] + [False] * _INSIDE, len(points) // (_INSIDE + 1))
+    for seat in shape.seats:
+        wrench = wrenches[seat.name]
+        force = wrench[:, None, :2] / len(seat.places)
+        dipole = np.stack([wrench[:, 4], -wrench[:, 3]], axis=1)[:, None, :]
+        own = _pressed(seat, points) if spread else _pushed(seat, points, passed)
+        for share, lever, turned, pulled in own:
+            shear += force * share[None, :, None] + dipole * pulled[None, :, None]
+            moment += force * lever[None, :, None] + dipole * turned[None, :, None]
+    return PinDiagram(points, diameters, shear, moment)
+
+
+_Part = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
+
+
+def _pushed(seat: Seat, points: FloatArray, passed: np.ndarray) -> list[_Part]:
+    """Per lug: shear and moment of 1 N at its mid-plane; moment and shear of the seat's dipole.
+
+    The moment of forces at heights z is sum z F; a couple (M_x, M_y) is the dipole (M_y, -M_x).
+    """
+    parts = []
+    for place in seat.places:
+        beyond = (points > place + 1e-9) | ((np.abs(points - place) <= 1e-9) & passed)
+        step, lever = beyond.astype(float), np.maximum(points - place, 0.0)
+        if seat.paired:  # +-C / (2 at) at +-at
+            share = np.sign(place) / (2 * seat.at)
+            parts.append((step, lever, share * lever, share * step))
+        else:
+            parts.append((step, lever, -step, np.zeros_like(points)))
+    return parts
+
+
+def _pressed(seat: Seat, points: FloatArray) -> list[_Part]:
+    """Per lug: as `_pushed`, under an even pressure, and one that grows along z for the dipole."""
+    half = seat.width / 2
+    centre = 0.0 if seat.paired else seat.at
+    second = sum(seat.width**3 / 12 + seat.width * (z - centre) ** 2 for z in seat.places)
+    parts = []
+    for place in seat.places:
+        low = place - half
+        inside = np.clip(points - low, 0.0, seat.width)  # of the lug, below the section
+        after = np.maximum(points - place - half, 0.0)  # of the pin, beyond the lug
+        share = inside / seat.width
+        lever = inside**2 / (2 * seat.width) + after
+        # q = s / J, s = z - centre: its integral is the shear, once more the moment
+        start = low - centre
+        pulled = (start * inside + inside**2 / 2) / second
+        turned = (start * inside**2 / 2 + inside**3 / 6) / second + pulled * after
+        parts.append((share, lever, turned, pulled))
+    return parts
+
+
+def _stations(shape: Pin) -> tuple[FloatArray, FloatArray]:
+    """Sections along a pin, mm, from stretch to stretch of equal load and diameter."""
+    seated = shape.seated()
+    necks = [(low, high, seat.diameter or shape.diameter) for seat, low, high in seated]
+    cuts = {shape.ends[0], shape.ends[1]}
+    for low, high, _ in necks:
+        cuts |= {low, (low + high) / 2, high}
+    edges = sorted(cuts)
+    points, diameters = [], []
+    for start, stop in pairwise(edges):
+        middle = (start + stop) / 2
+        own = next((d for low, high, d in necks if low < middle < high), shape.diameter)
+        points.append(np.linspace(start, stop, _INSIDE + 1))
+        diameters.append(np.full(_INSIDE + 1, own))
+    return np.concatenate(points), np.concatenate(diameters)
+
+
+def pin_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
+    """Nominal bending and shear of a pin over its stack; their sum where it is more than either."""
+    if not isinstance(part.geometry, Pin):
+        return []
+    wrenches = dict(loads.wrenches)
+    pushed = pin_diagram(part.geometry, wrenches, spread=False)
+    pressed = pin_diagram(part.geometry, wrenches, spread=True)
+    pressures = _pressures(part.geometry, loads)
+    bending = _check(
+        design,
+        part,
+        loads,
+        (pushed.bending_stress, pressed.bending_stress),
+        pushed,
+        "pin bending",
+        "nominal bending stress 32 M/(pi d^3)",
+        pressures,
+    )
+    shear = _check(
+        design,
+        part,
+        loads,
+        (pushed.shear_stress, pressed.shear_stress),
+        pushed,
+        "pin shear",
+        "nominal shear stress 4/3 of 4 V/(pi d^2)",
+        "",
+    )
+    both = (pushed.equivalent_stress, pressed.equivalent_stress)
+    alone = max(bending.value, np.sqrt(3) * shear.value)
+    if both[0].max() <= _COUNTS * alone:
+        return [bending, shear]
+    name = "bending with shear, von Mises"
+    return [bending, shear, _check(design, part, loads, both, pushed, "pin bending", name, "")]
+
+
+def _check(
+    design: Design,
+    part: Part,
+    loads: PartLoads,
+    stresses: tuple[FloatArray, FloatArray],
+    diagram: PinDiagram,
+    kind: str,
+    quantity: str,
+    more: str,
+) -> Check:
+    """Check the worst section; the model band reaches to what lugs with even pressure give."""
+    stress, other = stresses
+    position, section = (int(k) for k in np.unravel_index(int(stress.argmax()), stress.shape))
+    value, even = float(stress[position, section]), float(other.max())
+    diameter = float(diagram.diameter[section])
+    if kind == "pin shear":
+        limit, rule = part.material.yield_stress / np.sqrt(3), "yield stress over sqrt 3"
+        size = float(np.hypot(*diagram.shear[position, section]))
+        acts = f"V = {size:.0f} N"
+    else:
+        limit, rule = part.material.yield_stress, "yield stress"
+        size = float(np.hypot(*diagram.moment[position, section]))
+        acts = f"M = {size / 1e3:.1f} N m"
+    note = (
+        f"{acts}, d = {diameter:g} mm; every lug at its mid-plane; pressing evenly over their "
+        f"widths: {even:.4g} MPa"
+    )
+    return Check(
+        part=part.name,
+        kind=kind,
+        quantity=quantity,
+        value=value,
+        unit="MPa",
+        numerical=0.0,
+        model=max(0.0, even - value),
+        model_below=max(0.0, value - even),
+        limit=float(limit),
+        required=design.require.static,
+        cycle=loads.cycle_names[position],
+        position=loads.labels[position],
+        place=f"z = {round(float(diagram.places[section]), 2) + 0.0:g} mm",
+        method="formula",
+        basis=f"{rule}, guaranteed minimum ({part.material.source}); nominal, without steps' peaks",
+        note="; ".join(text for text in (note, more) if text),
+    )
+
+
+def _pressures(shape: Pin, loads: PartLoads) -> str:
+    """The largest mean pressure F/(d w) in each seat, in words."""
+    told = []
+    for seat in shape.seats:
+        area = (seat.diameter or shape.diameter) * seat.width * len(seat.places)
+        told.append(f"{seat.name} {loads.resultant(seat.name).max() / area:.3g}")
+    return "mean pressure F/(d w), MPa: " + ", ".join(told)

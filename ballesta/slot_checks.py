@@ -1,0 +1,107 @@
+"""Sliding contacts by formula: Hertz pressure of a pin or roller, mean pressure of a block."""
+
+from math import inf
+
+import numpy as np
+
+from ballesta.design_data import Design, Part, Roller
+from ballesta.errors import DesignError
+from ballesta.part_loads import PartLoads
+from fem.contact import HertzBody, HertzError, line_contact
+from geometry.mesh import Interface, Mesh
+from reports.verdict import Check
+
+# Johnson, Contact Mechanics, 1985, 4.2(c) and 6.1(a): the largest shear under a line contact is
+# 0.300283 p0, and Tresca's yield begins where it is half the yield stress: p0 = 1.67 Sy.
+FIRST_YIELD = 0.5 / 0.300283
+
+
+def slot_checks(design: Design, part: Part, loads: PartLoads, mesh: Mesh) -> list[Check]:
+    """Pressure of every sliding contact of a part at its worst position; raises DesignError."""
+    checks = []
+    for name, interface in mesh.interfaces.items():
+        if interface.kind != "slide":
+            continue
+        roller = part.contacts.get(name)
+        if roller is None:
+            checks.append(_flat(design, part, loads, interface))
+            continue
+        try:
+            check = _round(design, part, loads, interface, roller)
+        except HertzError as error:
+            key = f"parts.{part.name}.contacts.{name}.radius"
+            raise DesignError(design.file, key, str(error)) from error
+        if check is not None:
+            checks.append(check)
+    return checks
+
+
+def _round(
+    design: Design, part: Part, loads: PartLoads, interface: Interface, roller: Roller
+) -> Check | None:
+    """Check a pin or roller on the flat flank; None where nothing ever presses."""
+    force = np.abs(loads.wrenches[interface.name][:, 1])
+    worst = int(force.argmax())
+    if not force[worst] > 0:
+        return None
+    own, other = part.material, roller.material
+    modulus, ratio = (210e3, 0.3) if other is None else (other.youngs_modulus, other.poisson_ratio)
+    found = line_contact(
+        float(force[worst]) / interface.length,
+        HertzBody(inf, own.youngs_modulus, own.poisson_ratio),
+        HertzBody(roller.radius, modulus, ratio),
+    )
+    softer = own if other is None or own.yield_stress <= other.yield_stress else other
+    return Check(
+        part=part.name,
+        kind="contact",
+        quantity=f"Hertz pressure at {interface.name}",
+        value=found.peak_pressure,
+        unit="MPa",
+        numerical=0.0,
+        model=0.0,
+        limit=FIRST_YIELD * softer.yield_stress,
+        required=design.require.static,
+        cycle=loads.cycle_names[worst],
+        position=loads.labels[worst],
+        place=f"{interface.name}, radius {roller.radius:g} mm on a flat {interface.length:g} mm "
+        "wide",
+        method="formula",
+        basis=f"{FIRST_YIELD:.2f} times the yield stress of {softer.name}: where yield begins "
+        "below the surface (Johnson 1985)",
+        note=f"N = {force[worst]:.0f} N, {2 * found.half_width:.3g} mm wide; largest shear "
+        f"{found.shear:.3g} MPa at {found.shear_depth:.2g} mm depth; even along the line, contact "
+        "fatigue not checked",
+    )
+
+
+def _flat(design: Design, part: Part, loads: PartLoads, interface: Interface) -> Check:
+    """Check a flat block: mean pressure, and what a couple on the block adds at its end."""
+    wrench = loads.wrenches[interface.name]
+    reach = loads.reaches.get(interface.name, np.zeros(len(wrench)))
+    force = np.abs(wrench[:, 1])
+    couple = np.abs(wrench[:, 5] - reach * wrench[:, 1])
+    length, width = 2 * interface.patch, interface.length
+    pressure = force / (length * width) + 6 * couple / (width * length**2)
+    worst = int(pressure.argmax())
+    turned = couple[worst] > 1e-6 * force[worst] * length
+    return Check(
+        part=part.name,
+        kind="contact",
+        quantity=f"mean pressure at {interface.name}",
+        value=float(pressure[worst]),
+        unit="MPa",
+        numerical=0.0,
+        model=0.0,
+        limit=part.material.yield_stress,
+        required=design.require.static,
+        cycle=loads.cycle_names[worst],
+        position=loads.labels[worst],
+        place=f"{interface.name}, block of {length:g} x {width:g} mm",
+        method="formula",
+        basis=f"yield stress, guaranteed minimum ({part.material.source})",
+        note=f"N = {force[worst]:.0f} N"
+        + (f", couple {couple[worst] / 1e3:.3g} N m in it" if turned else "")
+        + "; a flat block, whose sharp edges press without a bound: they are not modelled; "
+        f"state contacts.{interface.name}.radius for a pin or roller",
+    )

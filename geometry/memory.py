@@ -1,0 +1,94 @@
+"""The memory that a part's solve will take, told from the number of unknowns, and what there is.
+
+Measured with CHOLMOD on quadratic tetrahedra: assembly takes a fixed number of bytes per unknown,
+the factor of nested dissection grows like n^(4/3) in three dimensions (George 1973; Gilbert and
+Tarjan 1987), and with the cross-section that cuts the part in two: a cube fills up most, a plate
+or a rod less. PARDISO and SuperLU keep the same factor or larger ones.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from geometry.mesh import FloatArray, TooManyElementsError
+
+# Bytes per unknown, fitted to solves from 15 000 to 811 000 unknowns (docs/extremes.md), which it
+# tells to 25 %: assembly; factor, for a cube of one unknown; each load's vectors.
+_ASSEMBLY, _FILL, _COLUMN = 2500.0, 216.0, 64.0
+_FLATTENED = 0.65  # exponent of the compactness
+_GIBIBYTE = 2.0**30
+_CGROUPS = Path("/sys/fs/cgroup")
+_OWN_GROUP = Path("/proc/self/cgroup")
+_MEMINFO = Path("/proc/meminfo")
+
+
+class TooLargeError(TooManyElementsError):
+    """A mesh whose solve would need more memory than there is."""
+
+
+def solve_bytes(unknowns: int, columns: int, compactness: float = 1.0) -> float:
+    """Memory to assemble, factorise and solve a solid's equations, bytes.
+
+    columns      right-hand sides
+    compactness  cube root of the volume over the greatest extent: 1 for a cube, less for others
+    """
+    fill = _FILL * min(compactness, 1.0) ** _FLATTENED * unknowns ** (1 / 3)
+    return unknowns * (_ASSEMBLY + fill + _COLUMN * columns)
+
+
+def compactness_of(nodes: FloatArray, volume: float) -> float:
+    """Cube root of a part's volume, mm3, over its greatest extent; nodes (n, 3) or corners, mm."""
+    return float(np.cbrt(volume) / np.ptp(nodes, axis=0).max())
+
+
+def available_bytes() -> float:
+    """Memory that a process can still take: the machine's, or less if its control groups have less.
+
+    Infinite where the system does not tell. Linux: /proc/meminfo(5), cgroups(7); a group's file
+    cache that is not in use counts as free, as the machine's does.
+    """
+    found = [np.inf]
+    if _MEMINFO.exists():
+        found.append(1024.0 * _entry(_MEMINFO.read_text(), "MemAvailable:"))
+    for group, names in _groups():
+        most, used, cache = names
+        limit = (group / most).read_text().strip()
+        if limit != "max":
+            taken = float((group / used).read_text())
+            unused = _entry((group / "memory.stat").read_text(), cache)
+            found.append(float(limit) - taken + unused)
+    return max(min(found), 0.0)
+
+
+_SECOND = ("memory.max", "memory.current", "inactive_file")
+_FIRST = ("memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file")
+
+
+def _groups() -> list[tuple[Path, tuple[str, str, str]]]:
+    """Folders of the control groups that bound this process, and the names of their files."""
+    own = _OWN_GROUP.read_text().splitlines() if _OWN_GROUP.exists() else []
+    paths = [Path(line.removeprefix("0::/")) for line in own if line.startswith("0::/")]
+    folders = [_CGROUPS / part for path in paths or [Path()] for part in (path, *path.parents)]
+    groups = [(folder, _SECOND) for folder in folders]
+    return [
+        (folder, names)
+        for folder, names in [*groups, (_CGROUPS / "memory", _FIRST)]
+        if all((folder / name).exists() for name in (*names[:2], "memory.stat"))
+    ]
+
+
+def _entry(text: str, name: str) -> float:
+    """The number behind a name at the start of a line; 0 where there is none."""
+    lines = (line.split() for line in text.splitlines())
+    return next((float(words[1]) for words in lines if words[0] == name), 0.0)
+
+
+def check_memory(unknowns: int, columns: int, compactness: float = 1.0) -> None:
+    """Raise TooLargeError if a solve would need more memory than there is; see solve_bytes."""
+    needed, there = solve_bytes(unknowns, columns, compactness), available_bytes()
+    if needed > there:
+        raise TooLargeError(
+            f"solving about {unknowns:.2g} unknowns with {columns} loads would need "
+            f"{needed / _GIBIBYTE:.3g} GiB of memory and {there / _GIBIBYTE:.3g} GiB are free; "
+            "lower mesh.fineness or mesh.most_unknowns, or take a machine with more"
+        )
