@@ -98,6 +98,34 @@ def plan(design: OneDesign, overrides: Overrides = None) -> None:
 
 
 @app.command()
+def export(
+    design: OneDesign,
+    part: Annotated[str, typer.Option("--part", metavar="NAME", help="the part to write")],
+    at: Annotated[
+        str, typer.Option("--at", metavar="POSITION", help="worst, or a position as shown")
+    ] = "worst",
+    inp: Annotated[
+        bool, typer.Option("--inp", help="as an input deck of CalculiX, the only kind there is")
+    ] = True,
+    cycle: Annotated[
+        str | None, typer.Option("--cycle", metavar="NAME", help="the cycle of the position")
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="FILE", help="the deck; else out/DESIGN/PART.inp"),
+    ] = None,
+    overrides: Overrides = None,
+) -> None:
+    """Write mesh, supports and loads of a part at one position for CalculiX and PrePoMax.
+
+    Exit code 0: written; 2: an input is wrong; 3: the numerics gave up.
+    """
+    from ballesta.export import run_export
+
+    raise typer.Exit(run_export(design, part, at, cycle=cycle, out=out, overrides=overrides or []))
+
+
+@app.command()
 def new(
     template: Annotated[str, typer.Argument(help="name of the machine to start from")] = "",
     file: Annotated[

@@ -1,5 +1,7 @@
 """What the ties of a stack carry across its faces: where they pull, the real leaves would part."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from fem.unit_solutions import UnitSolutions
@@ -9,10 +11,16 @@ _YY = 1  # of the components xx, yy, zz, xy, yz, zx
 _CHUNK = 2000
 
 
-def tie_tension(solutions: UnitSolutions, coefficients: FloatArray) -> tuple[float, float]:
+def tie_tension(
+    solutions: UnitSolutions,
+    coefficients: FloatArray,
+    clamped: Sequence[tuple[float, float]] = (),
+) -> tuple[float, float]:
     """Largest tension and largest compression along y between the bodies of a stack, MPa.
 
     coefficients  (n_basis,) of one position or (n_basis, n) of several
+    clamped       mm, lowest and highest x of stretches where tension is not looked for: a clamp
+                  presses the bodies together there, which is in no load
 
     The stress is that recovered at the nodes tied along y, which is the normal of the faces where
     the bodies lie on each other, as the mean of both sides. Each is 0 where there is none of it.
@@ -30,6 +38,10 @@ def tie_tension(solutions: UnitSolutions, coefficients: FloatArray) -> tuple[flo
     for start in range(0, len(points), _CHUNK):
         basis = solutions.basis[points[start : start + _CHUNK], _YY]  # (p, 2, n_basis)
         stress = basis.mean(axis=1) @ coefficients
-        tension = max(tension, float(stress.max()))
+        x = solutions.mesh.nodes[nodes[start : start + _CHUNK, 0], 0]
+        free = np.ones(len(x), dtype=bool)
+        for low, high in clamped:
+            free &= (x < low) | (x > high)
+        tension = max(tension, float(stress[free].max(initial=0.0)))
         compression = max(compression, float(-stress.min()))
     return tension, compression

@@ -129,6 +129,7 @@ class UnitSolutions:
         by a rigid-body acceleration field, returned as (a_x, a_y, alpha) for the report. Nothing
         balances forces along z and couples about x and y: they must vanish in sum.
         """
+        self._check_names(wrenches)
         columns = []
         for loads in self.interfaces:
             name = loads.interface.name
@@ -154,6 +155,16 @@ class UnitSolutions:
                 return [first + loads.names.index(couple) for couple in ("M_x", "M_y")]
             first += len(loads.names)
         return []
+
+    def _check_names(self, wrenches: Mapping[str, FloatArray]) -> None:
+        """ValueError unless every interface has its load, and every load its interface."""
+        own = [unit.interface.name for unit in self.interfaces]
+        for name in own:
+            if name not in wrenches:
+                raise ValueError(f"no load is given at interface {name!r} of {', '.join(own)}")
+        for name in wrenches:
+            if name not in own:
+                raise ValueError(f"a load at {name!r}, but the part's interfaces are {own}")
 
     def _check_out_of_plane(
         self, wrenches: Mapping[str, FloatArray], coefficients: FloatArray, first: int

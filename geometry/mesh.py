@@ -15,6 +15,7 @@ IntArray = npt.NDArray[np.int64]
 
 # Corner pairs of the mid-side nodes 4..9 of a ten-node tetrahedron, in VTK's order.
 TET_EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
+_FARTHEST = 1e7  # sizes: stress keeps six digits there (docs/extremes.md)
 
 
 class MeshError(ValueError):
@@ -122,6 +123,12 @@ class Mesh:
         used[self.elements] = True
         if not used.all():
             raise MeshError(f"{np.count_nonzero(~used)} nodes belong to no element")
+        away = float(np.abs(self.nodes).max() / np.ptp(self.nodes, axis=0).max())
+        if away > _FARTHEST:
+            raise MeshError(
+                f"the part stands {away:.1e} times its size from the origin of its axes (limit "
+                f"{_FARTHEST:.0e}): its coordinates lose their digits; move it closer"
+            )
         self._check_overlap()
         worst = self.jacobian_minimum
         if not worst > 0:

@@ -47,7 +47,6 @@ _MESHERS = (("HXT", 10), ("Delaunay, because HXT folded an element", 1))
 _STAYED_BAD = ("Failed to reach critical value", "Optimization failed")
 _MOST_ELEMENTS = 1_000_000
 _UNKNOWNS, _LOADS = 4.3, 8  # unknowns per element of a compact mesh; unit loads of a pin
-_FASTEST_GROWTH = 2.0  # of sizes with distance: a hole of a tenth of the width folds beyond it
 _FROM_GMSH_TO_VTK = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
 
 
@@ -214,13 +213,11 @@ def _set_sizes(gmsh: Any, body: Body, fineness: float, sizes: SizeField | None) 
                 field.setNumbers(distance, key, tags)
         field.setNumber(distance, "Sampling", 40)
         threshold = field.add("Threshold")
-        near = 0.1 * region.reach
         field.setNumber(threshold, "InField", distance)
         field.setNumber(threshold, "SizeMin", region.size / fineness)
         field.setNumber(threshold, "SizeMax", body.size / fineness)
-        field.setNumber(threshold, "DistMin", near)
-        room = (body.size - region.size) / _FASTEST_GROWTH
-        field.setNumber(threshold, "DistMax", max(region.reach, near + room))
+        field.setNumber(threshold, "DistMin", 0.1 * region.reach)
+        field.setNumber(threshold, "DistMax", region.reach)
         thresholds.append(threshold)
     if sizes is not None:
         thresholds.append(sizes.to_gmsh(gmsh))

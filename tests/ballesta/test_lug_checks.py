@@ -131,7 +131,7 @@ def test_every_shape_knows_the_ligaments_behind_its_holes(shape, interface, area
 
 
 def test_an_eye_is_torn_through_less_than_its_middle_plane_suggests():
-    """A ball of 30 mm cut to 20 mm about a hole of 16 mm: below 20 x 7 mm2, above the flats' share."""
+    """A ball of 30 mm cut to 20 mm about a hole of 16 mm: under 20 x 7 mm2, over the flats'."""
     shape = TubeRod(length=200, tube_diameter=20, eye_diameter=30, eye_width=20, hole=16)
     (found,) = ligaments(Of(shape), Of(shape), "first")
     flats = 20 * ((225 - 100) ** 0.5 - 8)
@@ -169,4 +169,4 @@ def test_a_part_from_cad_is_judged_in_the_direction_that_the_pin_pulls(tmp_path)
 
     across, along = torn(0, 2000), torn(2000, 0)
     assert_allclose(across.value, 2000 / (2 * 8 * 14), rtol=0.02)
-    assert along.value != across.value
+    assert along.value < 0.65 * across.value
