@@ -84,10 +84,6 @@ def check_design(
         timings["loads"] = perf_counter() - start
     except loads.LinkageError as error:
         raise DesignError(design.file, "linkage", str(error)) from error
-    except MeshError as error:
-        raise NumericsError(
-            str(error), str(design.file), "check the part's dimensions, or change mesh.fineness"
-        ) from error
 
     start = perf_counter()
     before = sum(models.seconds.values())
@@ -155,6 +151,8 @@ def part_masses(
             mesh = models.mesh(part.geometry, FIRST * part.fineness)
         except TooManyElementsError as error:
             raise DesignError(design.file, f"parts.{part.name}", str(error)) from error
+        except MeshError as error:
+            raise _gave_up(design, part, error) from error
         first, second = (mesh.interfaces[name].centre for name in part.geometry.interfaces[:2])
         built = float(np.linalg.norm((second - first)[:2]))
         asked = interface_distance(design, part)
@@ -165,6 +163,15 @@ def part_masses(
         properties = mesh.mass_properties(part.material.density)
         masses[part.body] = part_placing(design, part).to_body(properties)
     return masses
+
+
+def _gave_up(design: Design, part: Part, error: Exception) -> NumericsError:
+    """What a mesher or a solver said, with the part it said it of."""
+    return NumericsError(
+        str(error),
+        f"{design.file}: parts.{part.name}",
+        "check the part's dimensions, or change mesh.fineness",
+    )
 
 
 def solve_cycles(
@@ -206,11 +213,7 @@ def _check_part(
     except TooManyElementsError as error:
         raise DesignError(design.file, f"parts.{part.name}", str(error)) from error
     except (MeshError, SolverError) as error:
-        raise NumericsError(
-            str(error),
-            f"{design.file}: parts.{part.name}",
-            "check the part's dimensions, or change mesh.fineness",
-        ) from error
+        raise _gave_up(design, part, error) from error
     formulas = [
         *pin_checks(design, part, part_loads),
         *lug_checks(design, part, part_loads, mesh),

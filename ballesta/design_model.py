@@ -113,7 +113,7 @@ class PartEntry(Table):
         "hot_rolled", description="surface finish, for the endurance limit"
     )
     bearing_arc: BearingArc = Field(
-        "120 deg",
+        "90 deg",
         validate_default=True,
         description="narrowest arc on which a pin may press; the model band runs to 180 deg",
     )
@@ -140,8 +140,8 @@ class BodyPartEntry(PartEntry):
 
     body: str = Field(description="the body that this part is")
     interfaces: dict[str, str] = Field(
-        description="interface of the shape = point of the body that it sits at, or the name of the "
-        "slot or guide that slides on it"
+        description="interface of the shape = point of the body that it sits at, or the name of "
+        "the slot or guide that slides on it"
     )
     offsets: dict[str, Length] = Field(
         default_factory=dict,

@@ -160,7 +160,14 @@ def _sits_in_body(
             problems.add(here, no_such(kind, interface, wanted))
             right = False
         elif interface in sliding:
-            if point not in lines:
+            joint = file.joints.get(point)
+            if (
+                joint
+                and joint.kind != "fixed"
+                and (point not in slides or joint.on not in file.bodies)
+            ):
+                right = False  # what is wrong with the joint was told there
+            elif point not in lines:
                 problems.add(here, no_such(f"slot or guide on body {entry.body}", point, lines))
                 right = False
         elif point not in pins:

@@ -65,15 +65,16 @@ def link_hand_checks(shape: PlateLink | TubeRod, loads: PartLoads, level: Level)
 def lever_hand_checks(shape: SlottedLever, loads: PartLoads, level: Level) -> list[HandCheck]:
     """Mean stress in the strips beside the slot, and the peak beside the pivot's hole if it pulls.
 
-    Between the block and the slot's far end the two strips bend as a frame: together by their axial
-    forces, and each by itself, which vanishes about half-way, and in the mean of a strip's edges.
+    Between the block and the slot's far end the two strips bend together, as the section with the
+    slot in it, and each by itself by its share of the shear, which vanishes about half-way and in
+    the mean of a strip's edges.
     """
     tip = loads.wrenches["tip"]
     block = loads.reaches.get("slot", np.zeros(len(tip)))
     place = (block + shape.slot_to - shape.slot_width / 2) / 2
     strip = (shape.width - shape.slot_width) / 2
-    area = strip * shape.thickness
-    own = _own(level, 2 * area, place, shape.length, place)[1]
+    inertia = shape.thickness * (shape.width**3 - shape.slot_width**3) / 12
+    own = _own(level, 2 * strip * shape.thickness, place, shape.length, place)[1]
     moment = tip[:, 5] + (shape.length - place) * tip[:, 1] + own
     apart = shape.width - strip
     worst = int(np.abs(moment).argmax())
@@ -87,11 +88,12 @@ def lever_hand_checks(shape: SlottedLever, loads: PartLoads, level: Level) -> li
     return [
         HandCheck(
             "mean stress by bending in the strips beside the slot",
-            float(np.abs(moment[worst])) / (apart * area),
+            float(np.abs(moment[worst])) * apart / (2 * inertia),
             abs(mean[0] - mean[1]) / 2,
             "MPa",
-            f"M/(a A), M = {abs(moment[worst]) / 1e3:.3g} N m at x = {place[worst]:.1f} mm, "
-            f"half-way between block and slot's end, strips of {area:.4g} mm2, {apart:g} mm apart",
+            f"M a/(2 I), M = {abs(moment[worst]) / 1e3:.3g} N m at x = {place[worst]:.1f} mm, "
+            f"half-way between block and slot's end, strips {apart:g} mm apart, I = {inertia:.5g} "
+            "mm4 of both",
         ),
         *_pulled_lug("pivot", shape.width, shape.thickness, loads, level),
     ]

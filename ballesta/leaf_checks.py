@@ -19,6 +19,7 @@ from ballesta.machine import cycle_of
 from ballesta.part_loads import PartLoads, loads_on
 from ballesta.solid import FIRST, elastic_of, endurance_of
 from fem.tie_tension import tie_tension
+from geometry.mesh import FloatArray
 from geometry.parts import LeafPack
 from reports.verdict import Check, Gate, PartResult
 
@@ -42,10 +43,10 @@ def with_leaf_checks(
     if not isinstance(shape, LeafPack) or shape.leaves == 1:
         return result
     free = _level(design, part, part_loads, models)
-    bonded = _bonded(design, part, shape, free, solved, models)
+    stiffer = _stiffer(design, part, shape, free, part_loads, solved, models)
     return replace(
         result,
-        checks=[_banded(check, bonded) for check in result.checks],
+        checks=[_banded(check, stiffer) for check in result.checks],
         gates=[*result.gates, gap_gate(part, shape, free)],
     )
 
@@ -53,14 +54,22 @@ def with_leaf_checks(
 def gap_gate(part: Part, shape: LeafPack, level: Level) -> Gate:
     """How far the ties between leaves pull beside the clamps, over how far they press.
 
-    Inside a clamp the leaves are squeezed together, which is in no load. Beside it a little tension
-    comes with bending near a load; where it is more than the compression the ties carry the pack.
+    Inside a clamp the leaves are squeezed together, which is in no load. Beside it leaves that bend
+    alike need no force between them; where the ties pull as hard as they press, the pack rests on
+    what leaves cannot do. Forces count over two thicknesses to either side, about as far as a leaf
+    spreads them.
     """
     clamps = [
         (centre - length / 2, centre + length / 2)
         for centre, length in ((0.0, shape.clamp_length), (shape.length, shape.rod_length))
     ]
-    tension, compression = tie_tension(level.solutions, level.coefficients, clamps)
+    beside = shape.contact_from - shape.clamp_length / 2  # above 0; three windows fit in
+    tension, compression = tie_tension(
+        level.solutions,
+        level.coefficients,
+        clamps,
+        window=min(2 * shape.thickness, beside / 3),
+    )
     share = tension / compression if compression else (inf if tension else 0.0)
     return Gate(
         f"{part.name}: gaps between leaves",
@@ -74,49 +83,83 @@ def gap_gate(part: Part, shape: LeafPack, level: Level) -> Gate:
 
 
 @dataclass(frozen=True)
-class _Bonded:
-    """Stress of the bonded pack over that of the separate leaves, and under what.
+class _Stiffer:
+    """Stresses of a pack with friction between its leaves over those of leaves that slide freely.
 
-    static, fatigue  1; infinite if the bonded pack's loads could not be found
+    most, least  (static, fatigue)  of the bonded pack; at the least with any friction
     """
 
-    static: float
-    fatigue: float
+    most: tuple[float, float]
+    least: tuple[float, float]
     words: str
 
 
-def _bonded(
-    design: Design, part: Part, shape: LeafPack, free: Level, solved: Solved, models: Models
-) -> _Bonded:
-    """Stress of a bonded pack under its own loads, those of an n^2 times stiffer body."""
+def _stiffer(
+    design: Design,
+    part: Part,
+    shape: LeafPack,
+    free: Level,
+    part_loads: PartLoads,
+    solved: Solved,
+    models: Models,
+) -> _Stiffer:
+    """Stress of a bonded pack under its own loads, and the least of any pack between.
+
+    With friction every position's stress is between both packs'. Some fall and some grow, so the
+    least is that of a history made of the smaller one at every position.
+    """
     count = shape.leaves
     stiffer = [
         name
         for name, cycle in solved.items()
         if isinstance(cycle, loads.CycleLoads) and _gives(part, cycle)
     ]
+    relieved = (1 / count, 1 / count)
     if not stiffer:
-        return _Bonded(
-            1 / count,
-            1 / count,
-            f"forces are imposed on it, so a bonded pack has 1/{count} of the stress",
-        )
+        words = f"forces are imposed on it, so a bonded pack has 1/{count} of the stress"
+        return _Stiffer(relieved, relieved, words)
     try:
         other = dict(solved) | {
             name: _stiffened(design, part, solved[name], count**2) for name in stiffer
         }
-        again = _level(design, part, loads_on(design, part, other), models)
+        other_loads = loads_on(design, part, other)
+        again = _level(design, part, other_loads, models)
     except loads.LinkageError as error:
-        return _Bonded(inf, inf, f"a bonded pack's loads cannot be found: {error}")
-    static = again.peak.value / free.peak.value / count if free.peak.value else 1.0
-    fatigue = static
-    if free.fatigue is not None and again.fatigue is not None and free.fatigue.value:
-        fatigue = again.fatigue.value / free.fatigue.value / count
-    return _Bonded(
-        static,
-        fatigue,
+        words = f"a bonded pack's loads cannot be found: {error}"
+        return _Stiffer((inf, inf), relieved, words)
+    share = np.ones(len(part_loads.labels))
+    for name, columns in part_loads.cycles.items():
+        own, bonded = free.peaks_by_position[columns], again.peaks_by_position
+        bonded = bonded[other_loads.cycles[name]] / count
+        if name in stiffer:
+            times, other_times = solved[name].times, other[name].times
+            assert times is not None
+            assert other_times is not None
+            bonded = np.interp(times, other_times, bonded)
+        share[columns] = np.minimum(1.0, bonded / np.where(own > 0, own, 1.0))
+    least = _level(design, part, _weakened(part_loads, share), models)
+    return _Stiffer(
+        _ratios(again, free, 1 / count),
+        _ratios(least, free),
         f"contacts impose a deflection on it in {', '.join(stiffer)}, solved again with {count**2} "
         "times its bending stiffness",
+    )
+
+
+def _ratios(level: Level, free: Level, factor: float = 1.0) -> tuple[float, float]:
+    """Static and fatigue stress of a level over those of another; the static for no fatigue."""
+    static = factor * level.peak.value / free.peak.value if free.peak.value else 1.0
+    if free.fatigue is None or level.fatigue is None or not free.fatigue.value:
+        return static, static
+    return static, factor * level.fatigue.value / free.fatigue.value
+
+
+def _weakened(part_loads: PartLoads, share: FloatArray) -> PartLoads:
+    """The same loads times a share (n,) of their own at every position."""
+    return replace(
+        part_loads,
+        wrenches={name: share[:, None] * w for name, w in part_loads.wrenches.items()},
+        accelerations=share[:, None] * part_loads.accelerations,
     )
 
 
@@ -163,17 +206,19 @@ def _level(design: Design, part: Part, part_loads: PartLoads, models: Models) ->
     )
 
 
-def _banded(check: Check, bonded: _Bonded) -> Check:
-    """Widen the model band of a stress check to the bonded pack's stress."""
+def _banded(check: Check, stiffer: _Stiffer) -> Check:
+    """Widen the model band of a stress check to what friction between the leaves can make of it."""
     if check.kind not in ("static", "fatigue"):
         return check
-    ratio = bonded.static if check.kind == "static" else bonded.fatigue
-    above = max(0.0, ratio - 1) * check.value
-    below = max(0.0, 1 - ratio) * check.value if np.isfinite(ratio) else 0.0
-    told = f"bonded {ratio * check.value:.4g} MPa" if np.isfinite(ratio) else "bonded: unknown"
+    index = 0 if check.kind == "static" else 1
+    most, least = stiffer.most[index], stiffer.least[index]
+    told = f"bonded {most * check.value:.4g} MPa" if np.isfinite(most) else "bonded: unknown"
+    if least < min(1.0, most):
+        told += f", with less friction {least * check.value:.4g} MPa or more"
     return replace(
         check,
-        model=check.model + above,
-        model_below=check.below + below,
-        note=f"{check.note}{'; ' if check.note else ''}leaves slide freely; {told}: {bonded.words}",
+        model=check.model + max(0.0, most - 1) * check.value,
+        model_below=check.below + max(0.0, 1 - least) * check.value,
+        note=f"{check.note}{'; ' if check.note else ''}leaves slide freely; {told}: "
+        f"{stiffer.words}",
     )

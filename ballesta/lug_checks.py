@@ -1,14 +1,16 @@
 """Lugs by formula: mean pressure of the pin in its hole, and the pin tearing out behind it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ballesta.design_data import Design, Part
+from ballesta.design_model import StackEntry
+from ballesta.materials import Material
 from ballesta.part_loads import PartLoads
 from fem.lugs import ball_ligament, bearing_pressure, shear_out
-from geometry.mesh import FloatArray, Mesh, boundary_facets
+from geometry.mesh import FloatArray, Interface, Mesh, boundary_facets
 from geometry.parts import Pin, PlateLink, SlottedLever, ToggleBar, TubeRod
 from geometry.parts.step_part import StepPart
 from reports.verdict import Check
@@ -33,11 +35,16 @@ class Ligament:
 
 @dataclass(frozen=True)
 class _Lug:
-    """A hole: pin's or bush's diameter and the loaded width, mm; of what, in words."""
+    """A hole: what presses in it, mm, and the weaker of both.
+
+    diameter, width  of the pin where it bears in the hole itself, else of the hole and its bush
+    softer           the part's material, or the bare pin's if that yields first
+    """
 
     interface: str
     diameter: float
     width: float
+    softer: Material
     note: str
 
 
@@ -54,39 +61,60 @@ def lug_checks(design: Design, part: Part, loads: PartLoads, mesh: Mesh) -> list
 
 
 def _lugs(design: Design, part: Part, mesh: Mesh) -> list[_Lug]:
-    lugs = []
-    for name, interface in mesh.interfaces.items():
-        if interface.kind not in _ROUND or name not in part.interfaces:
-            continue
-        hole = 2 * interface.radius
-        pressed, note = hole, ""
-        if interface.kind == "bore":
-            pin = _bare_pin(design, part, part.interfaces[name])
-            if pin is not None and pin < hole:
-                pressed, note = pin, f"pin of {pin:g} mm in a hole of {hole:g} mm"
-        lugs.append(_Lug(name, pressed, interface.length, note))
-    return lugs
+    return [
+        _lug(design, part, interface)
+        for name, interface in mesh.interfaces.items()
+        if interface.kind in _ROUND and name in part.interfaces
+    ]
 
 
-def _bare_pin(design: Design, part: Part, point: str) -> float | None:
-    """Diameter of the pin that presses here without a bush, mm, if the design has its part."""
+def _lug(design: Design, part: Part, interface: Interface) -> _Lug:
+    """A hole or journal, and in a hole the pin of the design that is in it, if it has its part."""
+    whole = _Lug(interface.name, 2 * interface.radius, interface.length, part.material, "")
+    pin = _pin_in(design, part, part.interfaces[interface.name])
+    if interface.kind != "bore" or pin is None:
+        return whole
+    shape, entry = pin.geometry, _entry(pin, part)
+    assert isinstance(shape, Pin)
+    count = 2 if entry.at and not entry.single else 1
+    if entry.bush is not None:
+        return replace(whole, width=min(whole.width, count * entry.bush.length))
+    diameter = min(whole.diameter, entry.diameter or shape.diameter)
+    softer = min(part.material, pin.material, key=lambda material: material.yield_stress)
+    told = f"pin of {diameter:g} mm in a hole of {whole.diameter:g} mm"
+    return replace(
+        whole,
+        diameter=diameter,
+        width=min(whole.width, count * entry.width),
+        softer=softer,
+        note=told if diameter < whole.diameter else "",
+    )
+
+
+def _pin_in(design: Design, part: Part, point: str) -> Part | None:
+    """The part of the pin at a point of a part, if the design has it and the part a lug on it."""
     for other in design.parts.values():
-        if not isinstance(other.geometry, Pin) or other.joint != point:
-            continue
-        for entry in other.stack:
-            if entry.body == part.body and entry.bush is None:
-                return entry.diameter or other.geometry.diameter
+        lugs = {entry.body for entry in other.stack}
+        if isinstance(other.geometry, Pin) and other.joint == point and part.body in lugs:
+            return other
     return None
 
 
+def _entry(pin: Part, part: Part) -> StackEntry:
+    return next(entry for entry in pin.stack if entry.body == part.body)
+
+
 def _bearing(design: Design, part: Part, loads: PartLoads, lugs: Sequence[_Lug]) -> Check:
+    """Check the hole whose pressure is the largest share of what the softer of both may bear."""
     found = []
     for lug in lugs:
         force = loads.resultant(lug.interface)
         worst = int(force.argmax())
         pressure = bearing_pressure(float(force[worst]), lug.diameter, lug.width)
         found.append((pressure, worst, float(force[worst]), lug))
-    value, worst, force_there, lug = max(found, key=lambda entry: entry[0])
+    value, worst, force_there, lug = max(
+        found, key=lambda entry: entry[0] / entry[3].softer.yield_stress
+    )
     others = ", ".join(f"{entry[3].interface} {entry[0]:.3g}" for entry in found if entry[3] != lug)
     return Check(
         part=part.name,
@@ -96,14 +124,15 @@ def _bearing(design: Design, part: Part, loads: PartLoads, lugs: Sequence[_Lug])
         unit="MPa",
         numerical=0.0,
         model=0.0,
-        limit=part.material.yield_stress,
+        limit=lug.softer.yield_stress,
         required=design.require.static,
         cycle=loads.cycle_names[worst],
         position=loads.labels[worst],
         place=f"{lug.interface}, {lug.diameter:g} x {lug.width:g} mm",
         method="formula",
-        basis="yield stress on the projected area: EN 1993-1-8 table 3.10 allows 1.5 f_y where "
-        "nothing moves, 0.6 f_y under service loads for a pin that is to come out again",
+        basis=f"yield stress of {lug.softer.name}, the weaker of pin and hole, on the projected "
+        "area: EN 1993-1-8 table 3.10 allows 1.5 f_y where nothing moves, 0.6 f_y under service "
+        "loads for a pin that is to come out again",
         note="; ".join(
             text
             for text in (

@@ -11,7 +11,6 @@ from pydantic import BaseModel, ConfigDict, Field
 from ballesta.units import Density, Stress
 from geometry.parameters import ParameterError, check_above
 
-
 _STEEL = (180e3, 230e3)  # MPa, Young's modulus of what takes steel's endurance limit
 
 

@@ -1,4 +1,4 @@
-"""Bending and shear along a pin from the lugs of its stack, as a designer draws the diagrams.
+"""Bending, shear and twist along a pin from the lugs of its stack, as a designer draws them.
 
 Every lug presses in one of two ways: all at its mid-plane, or evenly over its width. A real lug,
 which gives way at its edges, is between them. A couple that closes a pin with lugs on one side is
@@ -13,7 +13,7 @@ import numpy as np
 
 from ballesta.design_data import Design, Part
 from ballesta.part_loads import PartLoads
-from fem.lugs import round_bending, round_shear
+from fem.lugs import round_bending, round_shear, round_torsion
 from geometry.mesh import FloatArray
 from geometry.parts import Pin, Seat
 from reports.verdict import Check
@@ -25,18 +25,20 @@ _COUNTS = 1.01  # times bending or shear alone, from which their sum is a check 
 
 @dataclass(frozen=True, eq=False)
 class PinDiagram:
-    """Shear and bending along a pin.
+    """Shear, bending and twist along a pin.
 
     places    (m,) mm; two sections share a place where load or diameter changes
     diameter  (m,) mm
     shear     (n, m, 2) N, along x and y
     moment    (n, m, 2) N mm, in the planes of x and y with z
+    torque    (n, m) N mm, by friction in the lugs
     """
 
     places: FloatArray
     diameter: FloatArray
     shear: FloatArray
     moment: FloatArray
+    torque: FloatArray
 
     @property
     def bending_stress(self) -> FloatArray:
@@ -45,24 +47,33 @@ class PinDiagram:
 
     @property
     def shear_stress(self) -> FloatArray:
-        """Largest shear stress (n, m), MPa."""
-        return round_shear(np.hypot(self.shear[..., 0], self.shear[..., 1]), self.diameter)
+        """Largest shear stress (n, m), MPa: at a rim where shear and twist run the same way."""
+        return round_shear(np.hypot(self.shear[..., 0], self.shear[..., 1]), self.diameter) + (
+            self.twist_stress
+        )
+
+    @property
+    def twist_stress(self) -> FloatArray:
+        """Largest shear stress by the torque alone (n, m), MPa."""
+        return round_torsion(np.abs(self.torque), self.diameter)
 
     @property
     def equivalent_stress(self) -> FloatArray:
-        """Largest von Mises stress of bending with shear (n, m), MPa.
+        """Largest von Mises stress of bending with shear and twist (n, m), MPa.
 
         At the angle a of the rim bending is cos(a - a_M) of its largest and shear, the same all
         across (Jourawski), sin^2(a - a_V); inside the section bending is less and shear the same.
+        The twist runs with the shear on one of two opposite rims, which are bent alike.
         """
-        bending, shear = self.bending_stress, self.shear_stress
-        result = np.sqrt(3) * shear  # in the middle, where nothing is bent
+        bending, twist = self.bending_stress, self.twist_stress
+        shear = self.shear_stress - twist
+        result = np.sqrt(3) * (shear + twist)  # in the middle, where nothing is bent
         along_m = np.arctan2(self.moment[..., 1], self.moment[..., 0])
         along_v = np.arctan2(self.shear[..., 1], self.shear[..., 0])
         for turn in _ANGLES:
             angle = along_m + turn
             bent = bending * np.cos(turn)
-            sheared = shear * np.sin(angle - along_v) ** 2
+            sheared = shear * np.sin(angle - along_v) ** 2 + twist
             result = np.maximum(result, np.sqrt(bent**2 + 3 * sheared**2))
         return np.asarray(result)
 
@@ -75,6 +86,7 @@ def pin_diagram(shape: Pin, wrenches: dict[str, FloatArray], *, spread: bool) ->
     points, diameters = _stations(shape)
     n = len(next(iter(wrenches.values())))
     shear, moment = np.zeros((n, len(points), 2)), np.zeros((n, len(points), 2))
+    torque = np.zeros((n, len(points)))
     # a section at the lower end of a stretch has passed what acts at its place
     passed = np.tile([True] + [False] * _INSIDE, len(points) // (_INSIDE + 1))
     for seat in shape.seats:
@@ -85,7 +97,8 @@ def pin_diagram(shape: Pin, wrenches: dict[str, FloatArray], *, spread: bool) ->
         for share, lever, turned, pulled in own:
             shear += force * share[None, :, None] + dipole * pulled[None, :, None]
             moment += force * lever[None, :, None] + dipole * turned[None, :, None]
-    return PinDiagram(points, diameters, shear, moment)
+            torque += wrench[:, 5:] / len(seat.places) * share
+    return PinDiagram(points, diameters, shear, moment, torque)
 
 
 _Part = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
@@ -200,6 +213,9 @@ def _check(
         limit, rule = part.material.yield_stress / np.sqrt(3), "yield stress over sqrt 3"
         size = float(np.hypot(*diagram.shear[position, section]))
         acts = f"V = {size:.0f} N"
+        torque = abs(float(diagram.torque[position, section]))
+        if torque:
+            acts += f", T = {torque / 1e3:.3g} N m by friction: 16 T/(pi d^3) more"
     else:
         limit, rule = part.material.yield_stress, "yield stress"
         size = float(np.hypot(*diagram.moment[position, section]))

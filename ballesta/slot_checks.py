@@ -8,12 +8,13 @@ from ballesta.design_data import Design, Part, Roller
 from ballesta.errors import DesignError
 from ballesta.part_loads import PartLoads
 from fem.contact import HertzBody, HertzError, line_contact
-from geometry.mesh import Interface, Mesh
+from geometry.mesh import FloatArray, Interface, Mesh
 from reports.verdict import Check
 
 # Johnson, Contact Mechanics, 1985, 4.2(c) and 6.1(a): the largest shear under a line contact is
 # 0.300283 p0, and Tresca's yield begins where it is half the yield stress: p0 = 1.67 Sy.
 FIRST_YIELD = 0.5 / 0.300283
+_TURNED = 1e-6  # of force times length: a couple that is more than round-off
 
 
 def slot_checks(design: Design, part: Part, loads: PartLoads, mesh: Mesh) -> list[Check]:
@@ -44,6 +45,15 @@ def _round(
     worst = int(force.argmax())
     if not force[worst] > 0:
         return None
+    most = float(_couple(loads, interface).max())
+    if most > _TURNED * force[worst] * 2 * roller.radius:
+        key = f"parts.{part.name}.contacts.{interface.name}.radius"
+        raise DesignError(
+            design.file,
+            key,
+            f"a pin or roller takes no couple, but up to {most / 1e3:.3g} N m act here: the block "
+            "turns with this part; leave the radius out, or make the joint a slot",
+        )
     own, other = part.material, roller.material
     modulus, ratio = (210e3, 0.3) if other is None else (other.youngs_modulus, other.poisson_ratio)
     found = line_contact(
@@ -77,14 +87,12 @@ def _round(
 
 def _flat(design: Design, part: Part, loads: PartLoads, interface: Interface) -> Check:
     """Check a flat block: mean pressure, and what a couple on the block adds at its end."""
-    wrench = loads.wrenches[interface.name]
-    reach = loads.reaches.get(interface.name, np.zeros(len(wrench)))
-    force = np.abs(wrench[:, 1])
-    couple = np.abs(wrench[:, 5] - reach * wrench[:, 1])
+    force = np.abs(loads.wrenches[interface.name][:, 1])
+    couple = _couple(loads, interface)
     length, width = 2 * interface.patch, interface.length
     pressure = force / (length * width) + 6 * couple / (width * length**2)
     worst = int(pressure.argmax())
-    turned = couple[worst] > 1e-6 * force[worst] * length
+    turned = couple[worst] > _TURNED * force[worst] * length
     return Check(
         part=part.name,
         kind="contact",
@@ -105,3 +113,10 @@ def _flat(design: Design, part: Part, loads: PartLoads, interface: Interface) ->
         + "; a flat block, whose sharp edges press without a bound: they are not modelled; "
         f"state contacts.{interface.name}.radius for a pin or roller",
     )
+
+
+def _couple(loads: PartLoads, interface: Interface) -> FloatArray:
+    """Couple (n,) on a sliding contact about where it touches, N mm."""
+    wrench = loads.wrenches[interface.name]
+    reach = loads.reaches.get(interface.name, np.zeros(len(wrench)))
+    return np.asarray(np.abs(wrench[:, 5] - reach * wrench[:, 1]))

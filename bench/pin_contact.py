@@ -1,122 +1,39 @@
 """Pins in holes: CalculiX's contact against the cosine pressures on arcs that the checks use.
 
-`python -m bench.pin_contact` prints the tables of "Pins in holes" in bench/validation_notes.md: an
-eye or cheek of each scene with clearance 0 and 0.1 mm, and the same shapes over the load parameter.
-It needs CalculiX, `ccx` in the path. Plane halves of six-node triangles, mesh and stress of both
-solutions are the same; only the pressure differs.
+`python -m bench.pin_contact` prints the table of "Pins in holes" in bench/validation_notes.md, an
+eye or cheek of each scene with clearance 0 and 0.1 mm; with `--sweep` also the same shapes over the
+parameter E* dR t/F, and where they leave the band. It needs CalculiX, `ccx` in the path. Plane
+halves of six-node triangles, mesh and stress of both solutions are the same; only the pressure
+differs.
 """
 
 import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
+from bench.pin_models import EYES, Eye, Grid, deck
 from fem.frd_file import read_frd
-from fem.plane import Kind, PlaneModel, PlaneSolution
+from fem.plane import Given, PlaneModel, PlaneSolution
+from fem.plane_recovery import von_mises_plane
 from geometry.mesh import FloatArray
-from geometry.plane_mesh import PlaneMesh
-from tests.validation.plane.domains import geometric, mapped
 
-STEEL = (210e3, 0.3)
 ARCS = (180.0, 150.0, 120.0)  # degrees: what the model band of a check is made of
-PENALTY = 2e7  # MPa/mm: 200 MPa sink in by 1e-5 mm
-LAYER = 1e-2  # mm, so thin that CalculiX's plane stress has no shear out of the plane
-
-
-@dataclass(frozen=True)
-class Eye:
-    """One end of a part around its hole, in a plane; the pin pushes along +x.
-
-    reach      angle -> distance of the outer edge from the middle of the hole, mm
-    corners    rad, where the outer edge has corners
-    held       mm, x of the end that is held
-    force      N, on the whole eye of `thickness` mm
-    elastic    Young's modulus, MPa, and Poisson's ratio; the pin is of steel
-    """
-
-    name: str
-    hole: float
-    thickness: float
-    force: float
-    reach: Callable[[FloatArray], FloatArray]
-    corners: tuple[float, ...]
-    held: float
-    kind: Kind = "stress"
-    elastic: tuple[float, float] = STEEL
-
-    @property
-    def compliance(self) -> float:
-        """1/E* = (1 - nu^2)/E of both bodies in plane strain, 1/E in plane stress, 1/MPa."""
-        strain = self.kind == "strain"
-        return sum((1 - strain * nu**2) / young for young, nu in (self.elastic, STEEL))
-
-    def parameter(self, clearance: float) -> float:
-        """E* dR t / F of a clearance on diameter, mm."""
-        return clearance / 2 * self.thickness / self.force / self.compliance
-
-    def clearance(self, parameter: float) -> float:
-        """The clearance on diameter, mm, of a value of E* dR t / F."""
-        return 2 * parameter * self.force * self.compliance / self.thickness
-
-
-def box(back: float, side: float, front: float) -> tuple[Callable, tuple[float, ...]]:
-    """Outer edge x = -back, y = side, x = front, and its corners."""
-
-    def reach(angle: FloatArray) -> FloatArray:
-        x, y = np.cos(angle), np.sin(angle)
-        with np.errstate(divide="ignore"):
-            return np.minimum(np.where(x > 0, front, back) / np.abs(x), side / np.abs(y))
-
-    return reach, (np.arctan2(side, front), np.arctan2(side, -back))
-
-
-def rounded(side: float, back: float) -> tuple[Callable, tuple[float, ...]]:
-    """A rounded end of radius `side` on a shank as wide that ends at x = -back."""
-    shank, corners = box(back, side, side)
-
-    def reach(angle: FloatArray) -> FloatArray:
-        return np.where(angle < np.pi / 2, side, shank(angle))
-
-    return reach, (np.pi / 2, corners[1])
-
-
-def ring_eye(radius: float, side: float, fillet: float, back: float):
-    """A round eye on a narrower shank, with a fillet between them."""
-    up = side + fillet
-    centre = np.array([-np.sqrt((radius + fillet) ** 2 - up**2), up])
-    starts = np.arctan2(centre[1], centre[0]), np.arctan2(side, centre[0])
-    shank, corners = box(back, side, radius)
-
-    def reach(angle: FloatArray) -> FloatArray:
-        along = centre[0] * np.cos(angle) + centre[1] * np.sin(angle)
-        depth = np.maximum(along**2 - centre @ centre + fillet**2, 0.0)
-        curve = np.where(angle < starts[1], along - np.sqrt(depth), shank(angle))
-        return np.where(angle < starts[0], radius, curve)
-
-    return reach, (*starts, corners[1])
-
-
-EYES = (
-    Eye("toggle bar, cheek", 44, 6.3, 30.8e3, *box(40, 40, 120), held=120),
-    Eye("slider-crank, rod", 10, 10, 350, *rounded(10, 40), held=-40, elastic=(70e3, 0.33)),
-    Eye("quick return, rod", 8, 6, 300, *rounded(8, 32), held=-32),
-    Eye("hammer, rod", 16, 21, 600, *ring_eye(14.25, 10, 6, 50), held=-50, kind="strain"),
-)
+CLEARANCES = (0.0, 0.1)  # mm, on diameter
+SWEEP = (0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 64.0)  # E* dR t / F
 
 
 def persson_parameter(half_arc: float) -> float:
     """E* dR t / F at which a pin of the plate's material touches +-half_arc (rad).
 
-    An infinite plate, frictionless: Persson, thesis, Gothenburg 1964; Ciavarella and Decuzzi, Int. J.
-    Solids Struct. 38 (2001) 4507, without elastic mismatch. Half of their E dR/F: E* = E/2 here.
+    An infinite plate, frictionless: Persson, thesis, Gothenburg 1964; Ciavarella and Decuzzi, Int.
+    J. Solids Struct. 38 (2001) 4507, without elastic mismatch. Half of their E dR/F: E* = E/2 here.
     """
     b = np.tan(half_arc / 2)
     root = np.sqrt(b * b + 1)
@@ -135,143 +52,195 @@ def persson_half_arc(parameter: float) -> float:
     return float(brentq(lambda half: persson_parameter(half) - parameter, 1e-3, np.pi / 2))
 
 
-@dataclass(frozen=True, eq=False)
-class Grid:
-    """The meshes of an eye and of its pin, fine where they touch.
+def persson_pressure(half_arc: float, angle: float = 0.0) -> float:
+    """Pressure over F/(R t) at an angle from the force, same theory; Hertz's in small arcs."""
+    b, y = np.tan(half_arc / 2), np.tan(angle / 2)
+    root, c = np.sqrt(b * b + 1), np.sqrt(b * b - y * y)
+    even = 2 * c / (np.pi * root * (1 + y * y))
+    return float(even + np.log((root + c) / (root - c)) / (2 * np.pi * b * b * root**2))
 
-    half_arc  rad, expected
-    fineness  elements per length, over those of the table
+
+@dataclass(frozen=True)
+class Reading:
+    """What a pin does to the edge of a hole: MPa and degrees from the force.
+
+    arc      that the pin touches, up to 1 % of the largest pressure
+    mises    largest von Mises stress of the edge, and where
+    hoop     largest stress along the edge, where, and 90 degrees from the force
+    carried  share of the force that the pressure on the hole amounts to, 1
     """
 
+    arc: float
+    pressure: float
+    mises: float
+    mises_at: float
+    hoop: float
+    hoop_at: float
+    hoop_across: float
+    carried: float
+
+
+def model(grid: Grid) -> PlaneModel:
+    """The eye, 1 mm thick."""
+    return PlaneModel(grid.plate, *grid.eye.elastic, grid.eye.kind)
+
+
+def read(grid: Grid, stress: FloatArray) -> Reading:
+    """Read the edge of the hole; stress (n_nodes, 4), MPa."""
+    nodes = grid.plate.edge_nodes("hole")
+    x, y = grid.plate.nodes[nodes].T / grid.inner
+    order = np.argsort(np.arctan2(y, x))
+    x, y, edge = x[order], y[order], stress[nodes[order]]
+    angles = np.arctan2(y, x)
+    xx, yy, _, xy = edge.T
+    pressure = -(xx * x * x + yy * y * y + 2 * xy * x * y)
+    hoop = xx * y * y + yy * x * x - 2 * xy * x * y
+    mises = von_mises_plane(edge)
+    most = pressure.argmax()  # in thin eyes not at 0
+    last = most + (pressure[most:] > 0.01 * pressure.max()).argmin() - 1
+    eye = grid.eye
+    carried = 2 * grid.inner * np.trapezoid(pressure * x, angles) / (eye.force / eye.thickness)
+    top, pulled = mises.argmax(), hoop.argmax()
+    return Reading(
+        2 * np.degrees(angles[last]),
+        pressure.max(),
+        mises[top],
+        np.degrees(angles[top]),
+        hoop[pulled],
+        np.degrees(angles[pulled]),
+        np.interp(np.pi / 2, angles, hoop),
+        carried,
+    )
+
+
+def cosine(grid: Grid, arc: float) -> Reading:
+    """The pressure p cos(pi angle/arc) of a check; arc in degrees."""
+    plate, eye, beta = model(grid), grid.eye, np.radians(arc)
+    unit = quad(lambda a: np.cos(np.pi * a / beta) * np.cos(a), -beta / 2, beta / 2)[0]
+    size = eye.force / eye.thickness / grid.inner / unit
+
+    def traction(points: FloatArray, normals: FloatArray) -> FloatArray:
+        angle = np.arctan2(points[..., 1], points[..., 0])
+        inside = np.abs(angle) < beta / 2
+        pressure = size * np.cos(np.pi * angle / beta) * inside
+        return np.asarray(-normals * pressure[..., None])
+
+    supports: dict[str | int, tuple[Given, Given]] = {"ahead": (None, 0.0), "behind": (None, 0.0)}
+    held = np.flatnonzero(np.abs(grid.plate.nodes[:, 0] - eye.held) < 1e-9)
+    supports |= {int(node): (0.0, None) for node in held}
+    solution = plate.solve(dirichlet=supports, tractions={"hole": traction})
+    return read(grid, solution.stress)
+
+
+def contact(grid: Grid) -> Reading:
+    """CalculiX's contact; the stress of its displacements is recovered as that of `cosine`."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "pin.inp")
+        path.write_text(deck(grid), encoding="ascii")
+        done = subprocess.run(["ccx", "pin"], cwd=folder, capture_output=True, text=True)
+        if "Job finished" not in done.stdout:
+            raise RuntimeError(f"ccx did not finish {grid.eye.name!r}:\n{done.stdout[-2000:]}")
+        last = read_frd(path.with_suffix(".frd"))[-1]
+    if last.time != 1:
+        raise RuntimeError(f"ccx stopped {grid.eye.name!r} at {last.time} of the force")
+    count = len(grid.plate.nodes)
+    displacement = last.fields["DISP"][:count, :2]
+    plate = model(grid)
+    found = read(grid, PlaneSolution(plate, displacement, np.zeros((count, 2)), 0.0).stress)
+    if abs(found.carried - 1) > 0.01:
+        raise RuntimeError(f"{grid.eye.name!r}: the hole carries {found.carried:.3f} of the force")
+    return found
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A pin's contact beside what cosine pressures on ARCS make of the same mesh."""
+
     eye: Eye
-    half_arc: float
     clearance: float
-    fineness: float = 1.0
+    found: Reading
+    cosines: tuple[Reading, ...]
 
-    @cached_property
-    def angles(self) -> FloatArray:
-        """Limits of the elements along the edge of the hole, rad."""
-        breaks = np.unique(np.r_[0, np.pi, np.pi / 2, np.pi / 3, 5 * np.pi / 12, self.eye.corners])
-        fine = self.finest
-        pieces = [np.zeros(1)]
-        for start, end in zip(breaks[:-1], breaks[1:], strict=True):
-            at = np.linspace(start, end, 2001)
-            away = np.maximum(at - 1.3 * self.half_arc, 0.0)
-            size = np.minimum(fine + 0.15 * away, np.radians(3) / self.fineness)
-            counted = np.r_[0, np.cumsum(np.diff(at) * (1 / size[1:] + 1 / size[:-1]) / 2)]
-            steps = np.linspace(0, counted[-1], max(1, round(counted[-1])) + 1)
-            pieces.append(np.interp(steps, counted, at)[1:])
-        return np.concatenate(pieces)
+    def band(self, quantity: str) -> tuple[float, float]:
+        """The least and the largest of the cosines, MPa."""
+        values = [getattr(reading, quantity) for reading in self.cosines]
+        return min(values), max(values)
 
-    @property
-    def finest(self) -> float:
-        """Size of an element under the pin, rad."""
-        return min(self.half_arc / 16, np.radians(2.5)) / self.fineness
-
-    @property
-    def inner(self) -> float:
-        """Radius of the hole, mm."""
-        return self.eye.hole / 2
-
-    def _depths(self, depth: float) -> FloatArray:
-        """Limits from 0 to 1 of cells that grow from the size along the hole to its tenfold."""
-        first, count, growth = self.inner * self.finest / depth, 3, 1 + 0.25 / self.fineness
-        while geometric(count, growth)[1] > first:
-            count += 1
-        return geometric(count, growth)
-
-    @cached_property
-    def plate(self) -> PlaneMesh:
-        """The eye: edges "hole", "outer", "ahead" (0 degrees) and "behind"."""
-        wall = self.eye.reach(self.angles).min() - self.inner
-        middle = self.inner + 0.6 * wall
-        near = self._depths(0.6 * wall)
-        far = np.linspace(0, 1, 1 + max(3, round(5 * self.fineness)))
-        columns = np.r_[near / 2, 0.5 + far[1:] / 2]
-
-        def mapping(s: FloatArray, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-            angle, outer = np.pi * t, self.eye.reach(np.pi * t)
-            inside = self.inner + (middle - self.inner) * 2 * s
-            radius = np.where(s <= 0.5, inside, middle + (outer - middle) * (2 * s - 1))
-            return radius * np.cos(angle), radius * np.sin(angle)
-
-        mesh = mapped(columns, self.angles / np.pi, mapping)
-        return _renamed(mesh, left="hole", right="outer", bottom="ahead", top="behind")
-
-    @cached_property
-    def pin(self) -> PlaneMesh:
-        """The pin, touching at 0 degrees, with a small hole on its axis."""
-        radius = self.inner - self.clearance / 2
-        core = 0.08 * radius
-        columns = 1 - self._depths(radius - core)[::-1]
-
-        def mapping(s: FloatArray, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-            r = core + (radius - core) * s
-            return r * np.cos(np.pi * t) + self.clearance / 2, r * np.sin(np.pi * t)
-
-        mesh = mapped(columns, self.angles / np.pi, mapping)
-        return _renamed(mesh, left="core", right="surface", bottom="ahead", top="behind")
+    def beyond(self, quantity: str) -> float:
+        """How far the contact lies above (+) or below (-) the band, over the nearer limit."""
+        low, high = self.band(quantity)
+        value = getattr(self.found, quantity)
+        return float(max(value / high - 1, 0.0) + min(value / low - 1, 0.0))
 
 
-def _renamed(mesh: PlaneMesh, **names: str) -> PlaneMesh:
-    return replace(mesh, edges={names[old]: edge for old, edge in mesh.edges.items()})
+def compare(
+    eye: Eye, clearance: float, fineness: float = 1.0, arcs: tuple[float, ...] = ARCS
+) -> Comparison:
+    """Solve one eye with one clearance on diameter, mm; the cosines' arcs in degrees."""
+    grid = Grid(eye, persson_half_arc(eye.parameter(clearance)), clearance, fineness)
+    return Comparison(eye, clearance, contact(grid), tuple(cosine(grid, arc) for arc in arcs))
 
 
-def deck(grid: Grid) -> str:
-    """The CalculiX deck of an eye and its pin, LAYER mm thick."""
-    eye, plate, pin = grid.eye, grid.plate, grid.pin
-    shift = len(plate.nodes)
-    kind = "CPE6" if eye.kind == "strain" else "CPS6"
-    lines = ["*NODE, NSET=ALL"]
-    lines += [
-        f"{i}, {x:.12g}, {y:.12g}, 0" for i, (x, y) in enumerate([*plate.nodes, *pin.nodes], 1)
+def table(rows: list[Comparison]) -> str:
+    """Return the Markdown table; in brackets Persson's arc and pressure, and the cosines' band."""
+    lines = [
+        "| Part | Clearance, mm | E\\* ΔR t/F | Arc, deg (Persson) | Pressure (Persson) | "
+        "Von Mises (band) | Hoop (band) | Hoop at 90° (band) |",
+        "| --- | --- | --- | --- | --- | --- | --- | --- |",
     ]
-    for name, mesh, first, elastic in (
-        ("PLATE", plate, 0, eye.elastic),
-        ("PIN", pin, shift, STEEL),
-    ):
-        start = len(plate.elements) if first else 0
-        lines.append(f"*ELEMENT, TYPE={kind}, ELSET={name}")
-        lines += [
-            ", ".join(map(str, (start + i, *(row + first + 1))))
-            for i, row in enumerate(mesh.elements, 1)
+    for row in rows:
+        eye, found, parameter = row.eye, row.found, row.eye.parameter(row.clearance)
+        half = persson_half_arc(parameter)
+        theory = persson_pressure(half) * eye.force / eye.thickness / (eye.hole / 2)
+        cells = [
+            eye.name,
+            f"{row.clearance:g}",
+            f"{parameter:.3g}",
+            f"{found.arc:.0f} ({2 * np.degrees(half):.0f})",
+            f"{found.pressure:.3g} ({theory:.3g})",
         ]
-        lines += [f"*MATERIAL, NAME={name}", "*ELASTIC", f"{elastic[0]}, {elastic[1]}"]
-        lines += [f"*SOLID SECTION, ELSET={name}, MATERIAL={name}", f"{LAYER}"]
-        cut = np.unique(np.r_[mesh.edge_nodes("ahead"), mesh.edge_nodes("behind")])
-        lines += [f"*NSET, NSET={name}_CUT", *map(str, cut + first + 1)]
-    held = np.flatnonzero(np.abs(plate.nodes[:, 0] - eye.held) < 1e-9)
-    lines += ["*NSET, NSET=HELD", *map(str, held + 1)]
-    for name, mesh, edge, start in (
-        ("HOLE", plate, "hole", 0),
-        ("ROUND", pin, "surface", len(plate.elements)),
-    ):
-        lines.append(f"*SURFACE, NAME={name}")
-        lines += [f"{start + e + 1}, S{side}" for e, side in _sides(mesh, edge)]
-    spring = len(plate.elements) + len(pin.elements) + 1
-    end = shift + 1 + pin.nearest_node(*pin.nodes[pin.edge_nodes("core")].max(axis=0))
-    load = PlaneModel(pin, *STEEL, "strain").loads(body=lambda p: np.broadcast_to([1.0, 0], p.shape))
-    load *= eye.force / 2 / eye.thickness * LAYER / load.sum()
-    lines += [
-        f"*ELEMENT, TYPE=SPRING1, ELSET=SOFT\n{spring}, {end}",
-        f"*SPRING, ELSET=SOFT\n1\n{1e-5 * STEEL[0] * LAYER}",
-        "*SURFACE INTERACTION, NAME=SMOOTH",
-        f"*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{PENALTY}",
-        "*CONTACT PAIR, INTERACTION=SMOOTH, TYPE=SURFACE TO SURFACE\nHOLE, ROUND",
-        "*BOUNDARY\nPLATE_CUT, 2, 2\nPIN_CUT, 2, 2\nHELD, 1, 1",
-        "*STEP, INC=200\n*STATIC\n0.25, 1",
-        "*CLOAD",
+        for quantity in ("mises", "hoop"):
+            value, at = getattr(found, quantity), getattr(found, quantity + "_at")
+            low, high = row.band(quantity)
+            away = row.beyond(quantity)
+            mark = f" **{100 * away:+.0f} %**" if away else ""
+            cells.append(f"{value:.3g} at {at:.0f}° ({low:.3g} to {high:.3g}){mark}")
+        low, high = row.band("hoop_across")
+        cells.append(f"{found.hoop_across:.3g} ({low:.3g} to {high:.3g})")
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def sweep(eye: Eye) -> str:
+    """Return where over E* dR t/F one shape stands to the band; a line for each value."""
+    rows = []
+    for value in SWEEP:  # the last arc is the small one of the rule, Hertz's of that parameter
+        narrow = np.degrees(np.sqrt(16 / (np.pi * value))) if value else ARCS[-1]
+        rows.append(compare(eye, eye.clearance(value), 0.6, (*ARCS, min(narrow, ARCS[-1]))))
+    lines = [
+        f"{eye.name}: E* dR t/F, arc, pressure, von Mises and hoop, beyond the band by, "
+        "and beyond the band down to Hertz's arc by"
     ]
-    lines += [f"{shift + 1 + i}, 1, {f:.12g}" for i, f in enumerate(load[::2]) if f]
-    lines += ["*NODE FILE, OUTPUT=2D\nU, RF", "*EL FILE, OUTPUT=2D\nS", "*CONTACT FILE\nCDIS, CSTR"]
-    return "\n".join([*lines, "*END STEP", ""])
+    for value, wide in zip(SWEEP, rows, strict=True):
+        band = replace(wide, cosines=wide.cosines[:-1])
+        found = wide.found
+        away = [100 * row.beyond(q) for row in (band, wide) for q in ("mises", "hoop")]
+        lines.append(
+            f"{value:6g} {found.arc:5.0f} {found.pressure:8.3g} {found.mises:8.3g} "
+            f"{found.hoop:8.3g} " + " ".join(f"{percent:+6.1f} %" for percent in away)
+        )
+    return "\n".join(lines)
 
 
-def _sides(mesh: PlaneMesh, edge: str) -> list[tuple[int, int]]:
-    """Element and side number 1 to 3 of the pieces of an edge."""
-    owner = {
-        int(node): (e, side)
-        for e, row in enumerate(mesh.elements)
-        for side, node in enumerate(row[3:], 1)
-    }
-    return [owner[int(node)] for node in mesh.edges[edge][:, 2]]
+def main() -> None:
+    """Measure and print."""
+    if shutil.which("ccx") is None:
+        sys.exit("bench.pin_contact compares with CalculiX, and there is no `ccx` in the path")
+    print(table([compare(eye, clearance) for eye in EYES for clearance in CLEARANCES]))
+    if "--sweep" in sys.argv:
+        for eye in EYES:
+            print(f"\n{sweep(eye)}", flush=True)
+
+
+if __name__ == "__main__":
+    main()

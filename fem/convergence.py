@@ -2,11 +2,11 @@
 
 Richardson: quadratic elements recover stress with order 2, so of a step between meshes whose
 elements there are r times smaller, 1/(r^2 - 1) is left. The bar is 1.5 times that, not less than
-0.45 of the scatter of the elements that meet at the point, plus 0.25 % of the value, by which a peak
-repeats from one unstructured mesh to another. These three numbers are calibrated: over the public
-validation cases the reference lies inside in at least nine of ten, and the median bar is at most
-three times the median error (docs/validation.md, measured by bench/error_bars.py). Added in the worst
-combination: the truncation of the bearing series, measured against a direct solution.
+0.45 of the scatter of the elements that meet at the point, plus 0.25 % of the value, by which a
+peak repeats from one unstructured mesh to another. These three numbers are calibrated: over the
+public validation cases the reference lies inside in at least nine of ten, and the median bar is at
+most three times the median error (docs/validation.md, measured by bench/error_bars.py). Added in
+the worst combination: the truncation of the bearing series, measured against a direct solution.
 
 Roache's grid convergence index (J. Fluids Eng. 116 (1994) 405) has the same form with a factor of
 3 and no scatter; on the same cases it holds 4 of 5 references with a wider bar.

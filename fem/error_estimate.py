@@ -46,6 +46,7 @@ def stress_error(recovery: Recovery, displacement: FloatArray) -> StressError:
     at_nodes = np.matmul(continuation, raw) * volumes[:, None, None]
     np.add.at(total, nodes, at_nodes)
     np.add.at(weight, nodes, volumes[:, None])
+    total[elements.mesh.cut_nodes, 4:] = 0.0  # as with the mirrored elements of the other half
     smooth = np.matmul(elements.values, (total / weight[:, None])[nodes])
     away = von_mises(smooth - raw) ** 2
     error = np.sqrt((away * elements.weights).sum(axis=1) / volumes)
@@ -100,4 +101,5 @@ def refined_sizes(
     while (np.minimum(factor * relax, 1.0) ** -3.0).sum() > most_elements and relax < 1e3:
         relax *= 1.05
     factor = np.minimum(factor * relax, 1.0)
-    return size_field(mesh, now * factor), float(1 / factor[deciding].max(initial=0.0)) if deciding.any() else 1.0
+    refinement = float(1 / factor[deciding].max()) if deciding.any() else 1.0
+    return size_field(mesh, now * factor), refinement

@@ -62,3 +62,8 @@ def round_bending(moment: FloatArray, diameter: FloatArray) -> FloatArray:
 def round_shear(force: FloatArray, diameter: FloatArray) -> FloatArray:
     """Largest shear stress of a round bar, MPa: 4/3 of V / A, in the middle (Jourawski)."""
     return 16 * force / (3 * pi * diameter**2)
+
+
+def round_torsion(torque: FloatArray, diameter: FloatArray) -> FloatArray:
+    """Largest shear stress of a twisted round bar, MPa: 16 T / (pi d^3)."""
+    return 16 * torque / (pi * diameter**3)

@@ -12,8 +12,8 @@ import numpy as np
 
 from geometry.mesh import FloatArray, TooManyElementsError
 
-# Bytes per unknown, fitted to solves from 15 000 to 811 000 unknowns (docs/extremes.md), which it
-# tells to 25 %: assembly; factor, for a cube of one unknown; each load's vectors.
+# Bytes per unknown, fitted to solves of cubes, plates and rods (docs/extremes.md), which it tells
+# to 30 %: assembly; factor, for a cube of one unknown; each load's vectors.
 _ASSEMBLY, _FILL, _COLUMN = 2500.0, 216.0, 64.0
 _FLATTENED = 0.65  # exponent of the compactness
 _GIBIBYTE = 2.0**30
@@ -32,7 +32,7 @@ def solve_bytes(unknowns: int, columns: int, compactness: float = 1.0) -> float:
     columns      right-hand sides
     compactness  cube root of the volume over the greatest extent: 1 for a cube, less for others
     """
-    fill = _FILL * min(compactness, 1.0) ** _FLATTENED * unknowns ** (1 / 3)
+    fill = float(_FILL * min(compactness, 1.0) ** _FLATTENED * np.cbrt(unknowns))
     return unknowns * (_ASSEMBLY + fill + _COLUMN * columns)
 
 

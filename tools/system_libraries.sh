@@ -1,6 +1,8 @@
 #!/usr/bin/env bash
 # Make sure that the system libraries are there which Python packages cannot bring along.
 # Installs them where it may (root, or sudo without a password); else names them with their cure.
+# With "peers" as the second argument: the programs that tests compare ballesta with. Tests skip
+# what is missing, so these are named and never an error.
 set -euo pipefail
 python=${1:-python3}
 
@@ -12,6 +14,12 @@ wanted=(libgl1 libegl1 libglu1-mesa libxft2 libxcursor1 libxinerama1 libgomp1   
 import os, sys, sysconfig
 sys.exit(not os.path.exists(os.path.join(sysconfig.get_path("include"), "Python.h")))
 PY
+
+need=2
+if [ "${2:-}" = peers ]; then
+  wanted=(calculix-ccx)
+  need=0
+fi
 
 if ! command -v dpkg-query >/dev/null; then
   echo "ballesta: not a Debian or Ubuntu system; it needs the equivalents of: ${wanted[*]}" >&2
@@ -31,10 +39,12 @@ if [ "$(id -u)" -eq 0 ]; then
 elif command -v sudo >/dev/null && sudo -n true 2>/dev/null; then
   sudo=(sudo -n)
 else
-  echo "ballesta: system libraries are missing; cure: sudo $cure" >&2
-  exit 2
+  echo "ballesta: system packages are missing; cure: sudo $cure" >&2
+  exit $need
 fi
-echo "installing system libraries: ${missing[*]}"
+echo "installing system packages: ${missing[*]}"
 export DEBIAN_FRONTEND=noninteractive
-"${sudo[@]}" apt-get update -qq
-"${sudo[@]}" $cure >/dev/null
+if ! { "${sudo[@]}" apt-get update -qq && "${sudo[@]}" $cure >/dev/null; }; then
+  echo "ballesta: this failed: $cure" >&2
+  exit $need
+fi

@@ -1,18 +1,21 @@
 """Bushes: mean pressure, and pressure times sliding speed over the cycle."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 from ballesta.bushes import bush_checks, bushes_not_checked
+from ballesta.design import read_design
 from ballesta.errors import DesignError
 from ballesta.part_loads import loads_on
 from reports.verdict import Status
 
 from .small_machine import machine, solved
 
+DESIGNS = Path(__file__).parents[2] / "designs"
 PIN = """
 [parts.pin_A]
 joint = "A"
@@ -88,6 +91,16 @@ def test_one_lug_beside_the_middle_carries_the_whole_force(tmp_path):
     assert beside.model == 0
 
 
+def test_the_bushes_of_a_fork_carry_half_each_and_5_percent_for_what_is_out_of_square(tmp_path):
+    crank, rod = ('body = "crank", at = ', 'body = "rod", at = ')
+    fork = {f'{crank}"12 mm"': f'{crank}"0 mm"', f'{rod}"0 mm"': f'{rod}"10 mm"'}
+    one = bush_checks(*_arguments(bushes(tmp_path)))
+    two = bush_checks(*_arguments(bushes(tmp_path, **fork)))
+    for alone, shared in zip(one, two, strict=True):
+        assert_allclose(shared.value, alone.value / 2, rtol=1e-9)
+        assert_allclose(shared.model, 0.05 * shared.value, rtol=1e-9)
+
+
 def test_a_pressure_speed_is_written_with_its_unit(tmp_path):
     """1 MPa m/s is 1 W/mm2; a pressure alone is refused by name."""
     design, *_ = bushes(tmp_path, ', pv = "1.5 W/mm2"')
@@ -105,3 +118,40 @@ def test_runs_that_were_measured_are_said_not_to_be_in_it(tmp_path):
     both = replace(loads, cycles={**loads.cycles, "run": slice(0, 3)})
     assert len(bush_checks(design, part, both, {**cycles, **measured})) == 2
     assert len(bush_checks(design, part, both, measured)) == 1
+
+
+def test_the_eye_of_a_force_turns_with_the_line_that_the_force_acts_along():
+    """The cylinder's swing from its ends' places by differences in time, less the lower bar's.
+
+    601 positions over two strokes from rest to rest: 2 % in the peak.
+    """
+    bush = '{length="43 mm", allowable="140 MPa", pv="1 MPa m/s"}'
+    lugs = [
+        '{body="upper", at="42.95 mm", width="6.3 mm"}',
+        '{body="lower", at="32.65 mm", width="6.3 mm"}',
+        f'{{force="cylinder", at="0 mm", width="43 mm", bush={bush}}}',
+    ]
+    masses = [
+        f"bodies.{body}.{key}"
+        for body in ("lower", "upper")
+        for key in ('mass="4 kg"', 'inertia="0.02 kg m2"', 'centre="125, 0 mm"')
+    ]
+    stack = f"parts.pin_B.stack=[{', '.join(lugs)}]"
+    more = [stack, "cycles.press.positions=601", *masses]
+    design = read_design(DESIGNS / "toggle_press.toml", more)
+    cycles = solved(design)
+    part = design.parts["pin_B"]
+    loads = loads_on(design, part, cycles)
+    product = bush_checks(design, part, loads, cycles)[-1]
+    assert product.quantity == "p v of the bush of cylinder"
+    ends, by_hand = design.forces["cylinder"].between, []
+    for name, cycle in cycles.items():
+        times, first = np.unique(cycle.times, return_index=True)  # phases share their ends
+        reach = (cycle.point(*ends[0]) - cycle.point(*ends[1]))[first]
+        own = cycle.poses[first, cycle.body_index("lower"), 2]
+        turned = np.unwrap(np.arctan2(reach[:, 1], reach[:, 0])) - own
+        speed = np.abs(np.gradient(turned, times)) * 20.0
+        force = loads.resultant("cylinder")[loads.cycles[name]][first]
+        by_hand.append((force / (40 * 43) * speed / 1e3).max())
+    assert 0.03 < max(by_hand) < 0.07  # 11 kN on 1720 mm2, 0.1 m/s on 250 mm, 20 mm: 0.05
+    assert_allclose(product.value, max(by_hand), rtol=0.02)

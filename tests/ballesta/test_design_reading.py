@@ -80,7 +80,7 @@ def test_points_are_told_in_the_frame_of_their_body():
 def test_what_the_file_does_not_state_and_what_it_assumes_is_listed():
     design = read_design(PRESS)
     assert ("gravity", "0, -9810 mm/s2") in design.defaults_used
-    assert ("parts.pin_B.bearing_arc", "120 deg") in design.defaults_used
+    assert ("parts.pin_B.bearing_arc", "90 deg") in design.defaults_used
     assert "parts.bar_upper.bearing_arc" not in dict(design.defaults_used)
     assert {"cycles.press.stop", "parts.bar_upper.hole"} <= set(dict(design.assumed))
 

@@ -64,6 +64,43 @@ def test_a_pin_thinner_than_its_hole_bears_on_its_own_diameter(tmp_path):
     assert_allclose(checks_of(machine(tmp_path, PLATE + bushed), wrenches)[0].value, 5000 / 96)
 
 
+STRONG = PLATE.replace("S275", "S355")
+
+
+def test_the_softer_of_pin_and_hole_limits_the_pressure_between_them(tmp_path):
+    """A pin of S275 in a link of S355; through a bush the pin does not press on the link."""
+    wrenches = {"first": [(5000, 0, 0)], "second": [(-5000, 0, 0)]}
+    found = checks_of(machine(tmp_path, STRONG + PIN), wrenches)[0]
+    assert found.limit == 275
+    assert "yield stress of S275" in found.basis
+    hard = PIN.replace("S275", "42CrMo4")
+    assert checks_of(machine(tmp_path, STRONG + hard), wrenches)[0].limit == 355
+    bushed = PIN.replace(
+        'body = "rod", at = "0 mm"',
+        'body = "rod", bush = { length = "8 mm", allowable = "20 MPa" }, at = "0 mm"',
+    )
+    assert checks_of(machine(tmp_path, STRONG + bushed), wrenches)[0].limit == 355
+
+
+def test_the_hole_that_is_nearest_to_its_limit_is_told_not_the_one_with_most_pressure(tmp_path):
+    """50 of 275 MPa by the softer pin at the first hole, against 52.1 of 355 MPa at the second."""
+    wrenches = {"first": [(4000, 0, 0)], "second": [(-5000, 0, 0)]}
+    found = checks_of(machine(tmp_path, STRONG + PIN), wrenches)[0]
+    assert_allclose(found.value, 50.0)
+    assert "other holes, MPa: second 52.1" in found.note
+
+
+def test_a_lug_or_bush_that_is_narrower_than_the_hole_bears_on_its_own_width(tmp_path):
+    wrenches = {"first": [(5000, 0, 0)], "second": [(-5000, 0, 0)]}
+    narrow = PIN.replace('at = "0 mm", width = "8 mm"', 'at = "0 mm", width = "5 mm"')
+    assert_allclose(checks_of(machine(tmp_path, PLATE + narrow), wrenches)[0].value, 5000 / 50)
+    bushed = PIN.replace(
+        'body = "rod", at = "0 mm"',
+        'body = "rod", bush = { length = "6 mm", allowable = "20 MPa" }, at = "0 mm"',
+    )
+    assert_allclose(checks_of(machine(tmp_path, PLATE + bushed), wrenches)[0].value, 5000 / 72)
+
+
 def test_only_what_pulls_towards_the_end_tears_a_pin_out(tmp_path):
     """3000 N towards x < 0 at the first hole: F / (2 t (W - d)/2) = 3000 / (2 x 72 mm2)."""
     wrenches = {

@@ -153,7 +153,8 @@ def test_the_offset_of_plates_side_by_side_bends_their_pin_in_proportion():
 
 
 def section(shear, moment):
-    return PinDiagram(np.array([0.0]), np.array([20.0]), np.array([[shear]]), np.array([[moment]]))
+    places, diameter, none = np.array([0.0]), np.array([20.0]), np.zeros((1, 1))
+    return PinDiagram(places, diameter, np.array([[shear]]), np.array([[moment]]), none)
 
 
 def test_shear_in_the_plane_of_bending_adds_nothing_to_the_larger_of_both():
@@ -169,3 +170,25 @@ def test_shear_across_the_plane_of_bending_adds_in_full():
     both = section([0.0, 5e4], [4e5, 0.0])
     by_hand = np.hypot(32 * 4e5 / (np.pi * 8000), 3**0.5 * 16 * 5e4 / (3 * np.pi * 400))
     assert_allclose(both.equivalent_stress[0, 0], by_hand, rtol=1e-9)
+
+
+@pytest.mark.parametrize("spread", [False, True])
+def test_friction_in_the_lugs_twists_a_pin_between_them(spread):
+    """A pair and a lug between with 6 N m of friction: 3 N m on either side, against the shear."""
+    pin = Pin(
+        seats=(Seat("pair", at=20.0, width=4.0), Seat("mid", at=0.0, width=8.0)), diameter=10.0
+    )
+    force, couple = 500.0, 6e3
+    wrenches = {"pair": wrench(x=-force), "mid": wrench(x=force)}
+    straight = pin_diagram(pin, {k: v.copy() for k, v in wrenches.items()}, spread=spread)
+    wrenches["pair"][0, 5], wrenches["mid"][0, 5] = -couple, couple
+    twisted = pin_diagram(pin, wrenches, spread=spread)
+    assert_allclose(np.abs(twisted.torque).max(), 3e3)
+    assert_allclose(twisted.torque[0, [0, -1]], 0, atol=1e-9)
+    more = twisted.shear_stress.max() - straight.shear_stress.max()
+    assert_allclose(more, 16 * 3e3 / (np.pi * 1000), rtol=1e-12)
+    # half of it is bent by 5 N m at most: sigma^2 + 3 tau^2 at a rim without shear
+    between = np.abs(twisted.places - 10.0).argmin()
+    bent = straight.bending_stress[0, between]
+    twist = twisted.twist_stress[0, between]
+    assert twisted.equivalent_stress[0, between] >= np.hypot(bent, 3**0.5 * twist)

@@ -7,10 +7,11 @@ import pytest
 from numpy.testing import assert_allclose
 
 from ballesta.errors import DesignError
+from ballesta.part_loads import loads_on
 from ballesta.slot_checks import FIRST_YIELD, slot_checks
 from geometry.mesh import Interface
 
-from .small_machine import loads_of, machine
+from .small_machine import loads_of, machine, solved
 
 # a block on the slider's pin slides in a slot of the lever
 LEVER = """
@@ -40,10 +41,10 @@ SLIDE = Interface("slot", "slide", np.zeros(3), length=8.0, travel=(40.0, 180.0)
 MESH = SimpleNamespace(interfaces={"slot": SLIDE})
 
 
-def lever(folder, contacts=""):
+def lever(folder, contacts="", *overrides):
     text = LEVER.replace('"10 mm"\n', f'"10 mm"\n{contacts}\n')
     points = ['points.P="144, -120 mm"', 'points.T="144, 100 mm"', 'ground=["O", "P"]']
-    return machine(folder, text, *points)
+    return machine(folder, text, *points, *overrides)
 
 
 def checks_of(design, force, couple=0.0):
@@ -106,6 +107,26 @@ def test_a_roller_that_its_load_would_flatten_is_refused(tmp_path):
     design = lever(tmp_path, 'contacts = { slot = { radius = "0.001 mm" } }')
     with pytest.raises(DesignError, match=r"parts\.lever\.contacts\.slot\.radius: .*Hertz"):
         checks_of(design, 8000.0)
+
+
+def test_a_roller_cannot_take_a_couple(tmp_path):
+    design = lever(tmp_path, 'contacts = { slot = { radius = "6 mm" } }')
+    with pytest.raises(DesignError, match="takes no couple, but up to 1 N m act here"):
+        checks_of(design, 800.0, 1000.0)
+
+
+def test_friction_in_a_slot_is_no_couple_on_its_roller(tmp_path):
+    """It acts along the line through the pin; the loads are the linkage's own."""
+    text = 'contacts = { slot = { radius = "6 mm" } }'
+    heavy = ['mass="3 kg"', 'inertia="0.02 kg m2"', 'centre="100, 0 mm"']
+    rubs = "friction={slots={coefficient=0.3}}"
+    design = lever(tmp_path, text, rubs, *(f"bodies.lever.{key}" for key in heavy))
+    cycles = solved(design)
+    loads = loads_on(design, design.parts["lever"], cycles)
+    along, across = np.abs(loads.wrenches["slot"][:, :2]).max(axis=0)
+    assert_allclose(along, 0.3 * across, rtol=1e-6)
+    (found,) = slot_checks(design, design.parts["lever"], loads, MESH)
+    assert found.value > 0
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ from fem.lugs import (
     lug_factor,
     round_bending,
     round_shear,
+    round_torsion,
     shear_out,
 )
 
@@ -39,7 +40,8 @@ def test_the_lug_factor_is_petersons_fit_and_ends_where_the_fit_does():
 
 @pytest.mark.parametrize("diameter", [10.0, 40.0])
 def test_a_round_bars_stresses_are_moment_and_force_over_its_section(diameter):
-    """I = pi d^4 / 64, A = pi d^2 / 4, and Q = d^3 / 12 of the half circle (Jourawski)."""
+    """I = pi d^4 / 64, J = 2 I, A = pi d^2 / 4, and Q = d^3 / 12 of the half circle (Jourawski)."""
     second, first, breadth = np.pi * diameter**4 / 64, diameter**3 / 12, diameter
     assert_allclose(round_bending(np.array(1e5), np.array(diameter)), 1e5 * diameter / 2 / second)
     assert_allclose(round_shear(np.array(1e4), np.array(diameter)), 1e4 * first / second / breadth)
+    assert_allclose(round_torsion(np.array(1e5), np.array(diameter)), 1e5 * diameter / 4 / second)

@@ -49,16 +49,20 @@ SYMMETRY = {"left": (0.0, None), "bottom": (None, 0.0)}
 
 @pytest.mark.parametrize("aspect", [1, 1000])
 def test_a_pulled_strip_is_uniform_whatever_its_elements_look_like(aspect):
-    """70 MPa: stress and Poisson's contraction to round-off; no patch test has an aspect limit."""
+    """70 MPa: stress and Poisson's contraction to round-off; no patch test has an aspect limit.
+
+    The stiffness' condition, and the round-off with it, grows with the square of the aspect.
+    """
+    round_off = 1e-11 + 1e-14 * aspect**2
     size = (8.0 * aspect, 3.0)
     solution = PlaneModel(strip(3, 2, size, distortion=0.2), *STEEL, thickness=2.0).solve(
         dirichlet=SYMMETRY, tractions={"right": lambda _points, normals: 70 * normals}
     )
-    assert_allclose(solution.stress - [70, 0, 0, 0], 0, atol=1e-9 * 70)
+    assert_allclose(solution.stress - [70, 0, 0, 0], 0, atol=round_off * 70)
     far = solution.displacement[solution.model.mesh.nearest_node(*size)]
-    assert_allclose(far, 70 / 210e3 * np.array([size[0], -0.3 * 3]), rtol=1e-9)
-    assert solution.scatter.max() < 1e-9 * 70
-    assert_allclose(solution.energy, 70**2 / 210e3 / 2 * np.prod(size) * 2, rtol=1e-9)
+    assert_allclose(far, 70 / 210e3 * np.array([size[0], -0.3 * 3]), rtol=round_off)
+    assert solution.scatter.max() < round_off * 70
+    assert_allclose(solution.energy, 70**2 / 210e3 / 2 * np.prod(size) * 2, rtol=round_off)
     assert_allclose(solution.reactions[:, 0].sum(), -70 * 3 * 2, rtol=1e-8)
     assert solution.backward_error < 1e-12
 

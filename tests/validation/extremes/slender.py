@@ -31,12 +31,14 @@ class Bent(NamedTuple):
     stress    largest error of the von Mises stress at the surface over its largest value
     turn      error of the angle between the ends over the angle
     reaction  largest support reaction over couple / height
+    gate      largest support reaction over the force of a clamped bar under one across its tip
     residual  backward error of the solve
     """
 
     stress: float
     turn: float
     reaction: float
+    gate: float
     residual: float
 
 
@@ -81,6 +83,9 @@ def bent(ratio):
     coefficients, _ = solved.coefficients(
         {"start": wrench(mz=-COUPLE), "end": wrench(mz=COUPLE)}, np.zeros((1, 4))
     )
+    across, _ = solved.coefficients(
+        {"start": wrench(fy=-FORCE, mz=-FORCE * length), "end": wrench(fy=FORCE)}, np.zeros((1, 4))
+    )
     inertia = HEIGHT**4 / 12
     y = mesh.nodes[solved.recovery.points, 1]
     found = von_mises(solved.basis @ coefficients[:, 0])
@@ -91,6 +96,7 @@ def bent(ratio):
         float(np.abs(found - exact).max() / exact.max()),
         float((turns[1] - turns[0]) / (COUPLE * length / (E * inertia)) - 1),
         float(np.abs(solved.reactions(coefficients)).max() / (COUPLE / HEIGHT)),
+        float(np.abs(solved.reactions(across)).max() / FORCE),
         solved.residual,
     )
 
@@ -106,7 +112,8 @@ def cantilever(ratio, count):
 
     Both ends carry what the exact field asks for (Timoshenko and Goodier, Theory of Elasticity,
     section 21, with nu = 0), so that no length is too short for it:
-    u_x = -F/(E I) (L x - x^2/2) y - F/(6 I G) y^3, u_y = F/(E I) (L x^2/2 - x^3/6) + F c^2 x/(2 I G)
+    u_x = -F/(E I) (L x - x^2/2) y - F/(6 I G) y^3,
+    u_y = F/(E I) (L x^2/2 - x^3/6) + F c^2 x/(2 I G)
     """
     length, c, inertia, shear = ratio * HEIGHT, HEIGHT / 2, HEIGHT**4 / 12, E / 2
     mesh = block((count, 2, 2), (length, HEIGHT, HEIGHT), start=(0, -5, -5))
@@ -128,5 +135,5 @@ def cantilever(ratio, count):
     return Cantilever(
         tip / exact - 1,
         length / count / (HEIGHT / 2),
-        float(np.abs(carried + [0, FORCE, 0]).max() / np.abs(solution.reactions).max()),
+        float(np.abs(carried + np.array([0, FORCE, 0])).max() / np.abs(solution.reactions).max()),
     )

@@ -1,0 +1,189 @@
+"""Write docs/speed.md and its plot from bench/results.json: `python -m bench.speed_page`."""
+
+import json
+import re
+import textwrap
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).parent.parent
+RESULTS = ROOT / "bench" / "results.json"
+PAGE = ROOT / "docs" / "speed.md"
+PLOT = PAGE.parent / "speed" / "cost.svg"
+# The ratios that are promised, in the order of the page: name in results.json, what it says.
+RATIOS = {
+    "solid: unit loads over CalculiX's step": (
+        "assembly, factorisation, all unit loads and the stress basis of the surface, over one "
+        "static step of CalculiX"
+    ),
+    "solid: whole cycle over CalculiX's step": (
+        "the same and 720 positions with von Mises and Goodman at every surface node, over one "
+        "static step of CalculiX"
+    ),
+    "solid: process over CalculiX's step": "the whole process, imports and reading of the mesh too",
+    "solid: unit loads over CalculiX's unit steps": (
+        "unit loads and stress basis, over one CalculiX run with all unit loads as steps, which "
+        "factorises once: the fair rival"
+    ),
+    "solid: memory over CalculiX's": "peak memory of both processes",
+    "solid: assembly over scikit-fem's": (
+        "assembly, over scikit-fem's `linear_elasticity` on the same basis, three runs each"
+    ),
+}
+STAGES = (
+    "assembly",
+    "unit load vectors",
+    "factorisation",
+    "solves",
+    "stress basis",
+    "von Mises",
+    "Goodman",
+)
+
+
+def read() -> dict[str, dict[str, Any]]:
+    """The rows of bench/results.json by their names."""
+    return {row["name"]: row for row in json.loads(RESULTS.read_text(encoding="utf-8"))}
+
+
+def costs(rows: dict[str, dict[str, Any]]) -> dict[str, dict[int, float]]:
+    """Seconds of every stage, and GiB, against the number of unknowns."""
+    found: dict[str, dict[int, float]] = {}
+    for name, row in rows.items():
+        match = re.fullmatch(r"solid: (\d+) unknowns, (.+)", name)
+        if match:
+            found.setdefault(match[2], {})[int(match[1])] = row["value"]
+    return found
+
+
+def page(rows: dict[str, dict[str, Any]]) -> str:
+    """The text of docs/speed.md."""
+
+    def value(name: str, digits: int = 2) -> str:
+        return f"{rows[name]['value']:.{digits}f}"
+
+    def paragraph(text: str) -> str:
+        return textwrap.fill(" ".join(text.split()), 100, break_long_words=False)
+
+    table = costs(rows)
+    unknowns = sorted(table["factorisation"])
+    lines = [
+        "# Speed and memory",
+        "",
+        paragraph(
+            "Written by `python bench/run.py` (`make bench`), which measures everything; "
+            "`python -m bench.speed_page` writes this page again from bench/results.json. "
+            f"Machine: {rows['solid: unit loads and stress basis']['machine']}."
+        ),
+        "",
+        "## Beside CalculiX",
+        "",
+        paragraph(
+            "The bar of the toggle press as a mesh of "
+            f"{rows['solid: unknowns']['value']:.0f} unknowns, handed to both. CalculiX is "
+            "`ccx` of Debian's calculix-ccx with its solver SPOOLES, two threads as ballesta "
+            "has. Ratios are medians of five pairs run in turns; a target is the most that a "
+            "ratio may be."
+        ),
+        "",
+        "| Ratio | Value | Target | |",
+        "| --- | --- | --- | --- |",
+    ]
+    for name, meaning in RATIOS.items():
+        row = rows[name]
+        target = "" if row["target"] is None else f"{row['target']:.3g}"
+        verdict = {None: "", True: "holds", False: "**missed**"}[row["holds"]]
+        lines.append(f"| {meaning} | {row['value']:.3g} | {target} | {verdict} |")
+    steps = next(name for name in rows if re.fullmatch(r"solid: CalculiX, \d+ unit steps", name))
+    lines += [
+        "",
+        paragraph(
+            f"Seconds: unit loads and stress basis {value('solid: unit loads and stress basis')}, "
+            f"whole cycle {value('solid: whole cycle')}, CalculiX's one step "
+            f"{value('solid: CalculiX, one step')}, CalculiX's "
+            f"{steps.removeprefix('solid: CalculiX, ')} {value(steps)}. Peak memory "
+            f"{value('solid: peak memory')} GiB."
+        ),
+        "",
+        "## The solvers",
+        "",
+        paragraph(
+            "Factorisation and solves of all unit loads, in seconds. The first that can be loaded "
+            "is taken, and the result names it: CHOLMOD (scikit-sparse on Debian's SuiteSparse, "
+            "always installed), PARDISO (the extra `pardiso`), SciPy's SuperLU, told to be slow."
+        ),
+        "",
+        "| Solver | Small mesh | Large mesh |",
+        "| --- | --- | --- |",
+    ]
+    for solver in ("CHOLMOD", "PARDISO", "SuperLU"):
+        cells = [
+            value(name) if (name := f"solid: {solver}, {size} mesh") in rows else "not run"
+            for size in ("small", "large")
+        ]
+        lines.append(f"| {solver} | {cells[0]} | {cells[1]} |")
+    lines += [
+        "",
+        "## Cost against size",
+        "",
+        "![Seconds and GiB against the number of unknowns](speed/cost.svg)",
+        "",
+        "Seconds per stage, and the exponent of the unknowns that fits them best.",
+        "",
+        "| Unknowns | " + " | ".join(f"{n}" for n in unknowns) + " | Exponent |",
+        "| --- |" + " --- |" * (len(unknowns) + 1),
+    ]
+    for stage in STAGES:
+        exponent = value(f"solid: exponent over unknowns, {stage}")
+        cells = " | ".join(f"{table[stage][n]:.2f}" for n in unknowns)
+        lines.append(f"| {stage} | {cells} | {exponent} |")
+    exponent = value("solid: exponent over unknowns, memory")
+    cells = " | ".join(f"{table['peak memory'][n]:.2f}" for n in unknowns)
+    lines.append(f"| peak memory, GiB | {cells} | {exponent} |")
+    press = value("toggle press: whole check", 0)
+    lines += [
+        "",
+        "## A whole check",
+        "",
+        paragraph(
+            f"`ballesta check designs/toggle_press.toml` takes {press} s, with meshing, "
+            "refinement, buckling, report and pictures."
+        ),
+        "",
+    ]
+    return "\n".join(lines)
+
+
+def plot(rows: dict[str, dict[str, Any]], path: Path) -> None:
+    """Seconds of the stages, and GiB, against the number of unknowns, both logarithmic."""
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    import matplotlib.pyplot as plt
+
+    table = costs(rows)
+    with mpl.rc_context({"svg.hashsalt": "ballesta", "svg.fonttype": "none", "font.size": 9}):
+        figure, axes = plt.subplots(figsize=(7, 4.2), layout="constrained")
+        for stage in (*STAGES, "peak memory"):
+            unknowns = sorted(table[stage])
+            style = "k--" if stage == "peak memory" else "o-"
+            label = "peak memory, GiB" if stage == "peak memory" else stage
+            axes.loglog(unknowns, [table[stage][n] for n in unknowns], style, ms=3, label=label)
+        axes.set_xlabel("unknowns")
+        axes.set_ylabel("s, GiB")
+        axes.grid(alpha=0.3)
+        axes.legend(loc="upper left", fontsize=8, frameon=False)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        figure.savefig(path, format="svg", metadata={"Date": None, "Creator": None})
+        plt.close(figure)
+
+
+def main() -> None:
+    """Write page and plot."""
+    rows = read()
+    PAGE.write_text(page(rows), encoding="utf-8")
+    plot(rows, PLOT)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,60 @@
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.integrate import quad
+
+from bench.pin_contact import compare, contact, cosine, persson_half_arc, persson_pressure
+from bench.pin_models import EYES, Grid
+from tests.fem.calculix import needs_calculix
+
+
+@pytest.mark.parametrize("degrees", [5, 30, 84])
+def test_perssons_pressure_carries_the_force(degrees):
+    """Quadrature to 1e-9; the formulas have no other error."""
+    half = np.radians(degrees)
+    carried, _ = quad(lambda a: persson_pressure(half, a) * np.cos(a), -half, half)
+    assert_allclose(carried, 1, rtol=1e-8)
+
+
+def test_small_arcs_are_those_of_hertz():
+    """Half arc sqrt(4/(pi p)) and pressure sqrt(p/pi); Persson differs by O(half arc squared)."""
+    parameter = 1e3
+    half = persson_half_arc(parameter)
+    assert_allclose(half, np.sqrt(4 / (np.pi * parameter)), rtol=half**2)
+    assert_allclose(persson_pressure(half), np.sqrt(parameter / np.pi), rtol=half**2)
+
+
+@pytest.mark.parametrize("eye", EYES, ids=lambda eye: eye.name)
+@pytest.mark.parametrize("arc", [120, 180])
+def test_cosine_pressures_carry_the_force_and_end_where_they_should(eye, arc):
+    """Read from recovered stress on elements of 4 degrees: 0.3 %, and one element at each end."""
+    reading = cosine(Grid(eye, 1.2, 0.0, 0.6), arc)
+    assert_allclose(reading.carried, 1, atol=3e-3)
+    assert_allclose(reading.arc, arc, atol=2 * 4.2)
+
+
+def test_the_eye_takes_its_clearance_back_from_the_parameter():
+    for eye in EYES:
+        assert_allclose(eye.clearance(eye.parameter(0.1)), 0.1)
+
+
+@needs_calculix
+@pytest.mark.slow
+def test_contact_in_the_wide_cheek_is_near_perssons_theory():
+    """8 degrees and 10 %: the cheek is no infinite plate and coarse here."""
+    eye, half = EYES[0], persson_half_arc(4.0)
+    reading = contact(Grid(eye, half, eye.clearance(4.0), 0.6))
+    theory = persson_pressure(half) * eye.force / eye.thickness / (eye.hole / 2)
+    assert_allclose(reading.arc, 2 * np.degrees(half), atol=8)
+    assert_allclose(reading.pressure, theory, rtol=0.1)
+
+
+@needs_calculix
+@pytest.mark.slow
+def test_the_band_holds_the_peaks_at_a_parameter_of_2_and_not_at_8():
+    """The rule of "Pins in holes" in bench/validation_notes.md."""
+    eye = EYES[2]
+    inside, outside = (compare(eye, eye.clearance(value), 0.6) for value in (2.0, 8.0))
+    for quantity in ("mises", "hoop"):
+        assert inside.beyond(quantity) == 0
+        assert 0.03 < outside.beyond(quantity) < 0.15
