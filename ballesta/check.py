@@ -23,8 +23,9 @@ from ballesta.leaf_checks import with_leaf_checks
 from ballesta.levels import Models
 from ballesta.lug_checks import lug_checks
 from ballesta.machine import cycle_of, interface_distance, linkage_of, part_placing
-from ballesta.part_loads import is_loaded, loads_on, shown_of
+from ballesta.part_loads import check_reach, is_loaded, loads_on, shown_of
 from ballesta.pin_checks import pin_checks
+from ballesta.side_by_side import offset_gates
 from ballesta.slot_checks import slot_checks
 from ballesta.solid import FIRST, check_solid
 from ballesta.warnings_of import claim_warnings, design_warnings
@@ -40,6 +41,7 @@ NOT_CHECKED = (
     "impact and any speed change within a cycle",
     "contact fatigue, wear and lubrication of pins and bushes",
     "welds, screws, circlips and other fasteners",
+    "keys, splines and press fits that bring a couple into a bore",
     "frame, guides, cylinder and mould",
     "lateral loads, clearances, crookedness and eccentricity of bars",
     "vibration, resonance and elastic deflection of the linkage",
@@ -205,6 +207,7 @@ def _check_part(
 ) -> PartResult:
     try:
         part_loads = loads_on(design, part, solved)
+        check_reach(design, part, part_loads, models.mesh(part.geometry, FIRST * part.fineness))
         result = check_solid(design, part, part_loads, models, say)
         result = with_leaf_checks(design, part, result, part_loads, solved, models)
         mesh = models.mesh(part.geometry, FIRST * part.fineness)
@@ -223,6 +226,7 @@ def _check_part(
     return replace(
         result,
         checks=[*result.checks, *formulas],
+        gates=[*result.gates, *offset_gates(design, part, solved)],
         assumed=[*result.assumed, *bushes_not_checked(part, solved)],
     )
 

@@ -99,6 +99,12 @@ def _rollers(
         elif contact.material is not None and contact.material not in materials:
             known = no_such("material", contact.material, materials)
             problems.add(f"{key}.contacts.{name}.material", known)
+        elif 2 * contact.radius > (room := getattr(entry, "slot_width", math.inf)):
+            problems.add(
+                f"{key}.contacts.{name}.radius",
+                f"a roller of radius {contact.radius:g} mm cannot stand in a slot of {room:g} mm; "
+                f"it must be at most {room / 2:g} mm; is {contact.radius:g} mm its diameter?",
+            )
         else:
             own = None if contact.material is None else materials[contact.material]
             rollers[name] = Roller(contact.radius, own)

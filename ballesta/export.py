@@ -1,5 +1,6 @@
 """A part under the loads of one position, for another finite-element program: `ballesta export`."""
 
+import re
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,11 +23,15 @@ from ballesta.solid import elastic_of
 from fem.deck import write_deck
 from fem.recovery import von_mises
 from fem.solvers import SolverError
-from geometry.mesh import MeshError, TooManyElementsError
+from geometry.mesh import FloatArray, IntArray, MeshError, TooManyElementsError
 from reports.files import replacing
 
 FINENESS = 1.0  # of the exported mesh, times the part's own
 WORST = "worst"
+_POSITION = re.compile(
+    r"(?:(?P<name>[^=]*[^=\s])\s*=\s*)?"
+    r"(?P<value>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(?P<words>.*)"
+)
 
 Runs = dict[str, loads.CycleLoads | loads.MeasuredLoads]
 
@@ -75,9 +80,10 @@ def export_part(
 ) -> Exported:
     """Write a part with the nodal forces of one position as an input deck of CalculiX.
 
-    at     "worst", the position of the largest von Mises stress, or a position as reports show it
-           (the nearest one is taken)
-    cycle  the only cycle or run that is looked at; needed for a number if there are several
+    at     "worst", the position of the largest von Mises stress, or a position as reports show it:
+           "x = 2 mm return", "x = 2 mm", "2 mm" or "2" (the nearest one is taken, of the phase if
+           one is named)
+    cycle  the only cycle or run that is looked at; needed where several have such a position
     out    file; without it out/DESIGN/PART.inp
 
     Raises DesignError for an input that is wrong, NumericsError where the numerics gave up.
@@ -178,33 +184,76 @@ def _candidates(
     if at == WORST:
         slices = [part_loads.cycles[name] for name in names]
         return np.concatenate([np.arange(part.start, part.stop) for part in slices])
-    try:
-        wanted = float(at)
-    except ValueError:
-        wanted = np.nan
-    if not np.isfinite(wanted):
-        raise DesignError(
-            design.file, "--at", f"must be {WORST!r} or a position as reports show it, got {at!r}"
+    ways = {name: _Shown(solved[name], *shown_of(design, name, solved[name])) for name in names}
+    read = {name: found for name, way in ways.items() if (found := way.read(at)) is not None}
+    if not read:
+        known = " or ".join(
+            way.example() + (f" (cycle {name})" if len(ways) > 1 else "")
+            for name, way in ways.items()
         )
-    if len(names) > 1:
         raise DesignError(
             design.file,
             "--at",
-            f"say with --cycle of which cycle {at} is a position: {', '.join(names)}",
+            f"must be {WORST!r} or a position as reports show it, {known}; got {at!r}",
         )
-    shown, unit, values = shown_of(design, names[0], solved[names[0]])
-    values = np.asarray(values, dtype=np.float64)
+    if len(read) > 1:
+        raise DesignError(
+            design.file,
+            "--at",
+            f"say with --cycle of which cycle {at} is a position: {', '.join(read)}",
+        )
+    ((name, (wanted, phase)),) = read.items()
+    way = ways[name]
+    among = way.of_phase(phase)
+    values = way.values[among]
     low, high = float(values.min()), float(values.max())
     step = float(np.abs(np.diff(values)).max(initial=0.0))
     if not low - step <= wanted <= high + step:
+        where = f"cycle {name!r}" if phase is None else f"phase {phase!r} of cycle {name!r}"
         raise DesignError(
             design.file,
             "--at",
-            f"{shown} runs from {low:.6g} to {high:.6g} {unit} in cycle {names[0]!r}, got {at}",
+            f"{way.shown} runs from {low:.6g} to {high:.6g} {way.unit} in {where}, got {at}",
         )
     away = np.abs(values - wanted)
-    nearest = np.flatnonzero(away <= away.min() + 1e-9 * max(abs(low), abs(high), 1.0))
-    return np.asarray(nearest + part_loads.cycles[names[0]].start)
+    nearest = among[away <= away.min() + 1e-9 * max(abs(low), abs(high), 1.0)]
+    return np.asarray(nearest + part_loads.cycles[name].start)
+
+
+@dataclass(frozen=True, eq=False)
+class _Shown:
+    """How the positions of a cycle are shown: a name, a unit, and the values (n,) in it."""
+
+    history: loads.CycleLoads | loads.MeasuredLoads
+    shown: str
+    unit: str
+    values: FloatArray
+
+    def read(self, at: str) -> tuple[float, str | None] | None:
+        """Value and phase of a position such as "x = 2 mm return"; None: it is not one of these."""
+        found = _POSITION.fullmatch(at.strip())
+        if found is None or found["name"] not in (None, self.shown):
+            return None
+        value, words = float(found["value"]), found["words"].split()
+        if words[:1] == [self.unit]:
+            words = words[1:]
+        if len(words) > 1 or not set(words) <= set(self.history.phases) or not np.isfinite(value):
+            return None
+        return value, words[0] if words else None
+
+    def of_phase(self, phase: str | None) -> IntArray:
+        """Indices of the positions in a phase, or of all."""
+        if phase is None:
+            return np.arange(len(self.values))
+        return np.flatnonzero(self.history.phase_of == self.history.phases.index(phase))
+
+    def example(self) -> str:
+        """What can be asked for."""
+        low, high = float(self.values.min()), float(self.values.max())
+        return (
+            f"such as {self.values[len(self.values) // 2] + 0.0:.4g}, in {self.unit}, from "
+            f"{low + 0.0:.6g} to {high + 0.0:.6g}; phases: {', '.join(self.history.phases)}"
+        )
 
 
 def _write(exported: Exported, design: Design, level: Level, position: int) -> None:

@@ -22,6 +22,8 @@ from fem.recovery import von_mises
 from fem.singularity import singular_exponent
 from geometry.mesh import FloatArray
 
+_UNRESOLVED = 0.05  # error that elements make in a notch, over the peak
+
 
 @dataclass(frozen=True)
 class Bars:
@@ -147,15 +149,18 @@ def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float
     value = judged.value(finest)
     by_arc = {arc: judged.direct(finest, arc) for arc in arcs_of(part, finest)}
     values = [judged.value(level) for level in levels]
-    sizes = [level.size_at(judged.point(level)) for level in levels]
+    sizes = sizes_at_peak(judged, levels)
     angle, exponent = _singular_edge(judged, levels)
-    grows = 0.0 if exponent else growth_exponent(values, sizes)
+    notch = finest.notch_error(judged.point(finest))
+    # a notch that the mesh does not follow yet grows, too; its own error is in the bar
+    grows = 0.0 if exponent or notch > _UNRESOLVED else growth_exponent(values, sizes)
     bar = ErrorBar(
         discretisation_error(values, sizes),
         judged.scatter(finest),
         abs(by_arc[pi] - value) if by_arc else 0.0,
         abs(value),
         exponent or grows,
+        notch * abs(value),
     )
     notes = []
     if exponent:
@@ -172,6 +177,7 @@ def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float
     elif bar.value > accuracy * abs(value):
         notes.append(
             f"numerical error {100 * bar.value / abs(value):.2g} %, asked for {100 * accuracy:g} %"
+            + (": elements too large for the notch at the peak" if bar.notch_decides else "")
         )
     if by_arc:
         by = ", ".join(f"{degrees(a):.0f} deg {v:.4g}" for a, v in by_arc.items())
@@ -184,12 +190,19 @@ def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float
 def mesh_bar(judged: Judged, levels: Sequence[Level]) -> float:
     """The part of the numerical bar that a finer mesh makes smaller, over the value."""
     values = [judged.value(level) for level in levels]
-    if not values[-1]:
+    finest, value = levels[-1], abs(values[-1])
+    if not value:
         return 0.0
-    sizes = [level.size_at(judged.point(level)) for level in levels]
-    scatter = judged.scatter(levels[-1])
-    bar = ErrorBar(discretisation_error(values, sizes), scatter, 0.0, abs(values[-1]))
-    return bar.mesh / abs(values[-1])
+    left = discretisation_error(values, sizes_at_peak(judged, levels))
+    notch = finest.notch_error(judged.point(finest)) * value
+    return ErrorBar(left, judged.scatter(finest), 0.0, value, 0.0, notch).mesh / value
+
+
+def sizes_at_peak(judged: Judged, levels: Sequence[Level]) -> list[float]:
+    """Size of the elements of every mesh where the last one has its peak, mm."""
+    finest = levels[-1]
+    place = finest.history.points[judged.point(finest)]
+    return [level.size_at(level.nearest(place)) for level in levels]
 
 
 def arcs_of(part: Part, level: Level) -> list[float]:

@@ -9,12 +9,14 @@ import numpy as np
 
 from ballesta.part_loads import PartLoads
 from fatigue import FatigueResult, goodman
+from fem.notch_resolution import concave_curvature, notch_error
 from fem.recovery import von_mises
 from fem.singularity import reentrant_edges
 from fem.stress_history import StressHistory
 from fem.unit_loads import ACCELERATIONS, resultants
 from fem.unit_solutions import Elastic, UnitSolutions, solve_unit_loads
-from geometry.mesh import FloatArray, IntArray, Mesh
+from geometry.halves import Half
+from geometry.mesh import SYMMETRY, FloatArray, IntArray, Mesh
 from geometry.meshing import Buildable, mesh_shape
 from geometry.sizing import SizeField, element_sizes
 
@@ -57,8 +59,13 @@ class Models:
 
     def keep_only(self, shapes: Set[Buildable]) -> None:
         """Let go of the meshes and factors of all other shapes: a factor takes up to a GiB."""
-        self._meshes = {key: mesh for key, mesh in self._meshes.items() if key[0] in shapes}
-        self._solutions = {key: done for key, done in self._solutions.items() if key[0] in shapes}
+        self._meshes = {k: mesh for k, mesh in self._meshes.items() if _whole(k[0]) in shapes}
+        self._solutions = {k: done for k, done in self._solutions.items() if _whole(k[0]) in shapes}
+
+
+def _whole(shape: Buildable) -> Buildable:
+    """The shape itself, or the one whose half it is."""
+    return shape.whole if isinstance(shape, Half) else shape
 
 
 @dataclass(frozen=True)
@@ -105,6 +112,11 @@ class Level:
     fatigue_results: Mapping[str, FatigueResult]
 
     @property
+    def half(self) -> bool:
+        """Whether the mesh is half of the part."""
+        return self.solutions.mesh.half
+
+    @property
     def unknowns(self) -> int:
         """Number of unknowns of the mesh."""
         return 3 * len(self.solutions.mesh.nodes)
@@ -124,11 +136,24 @@ class Level:
         meet = (self.solutions.mesh.elements == self.history.nodes[point]).any(axis=1)
         return float(self._sizes[meet].mean())
 
+    def nearest(self, place: FloatArray) -> int:
+        """Return the surface point nearest to a place (3,); half of a part has that at z >= 0."""
+        if self.half:
+            place = np.array([place[0], place[1], abs(place[2])])
+        return int(((self.history.points - place) ** 2).sum(axis=1).argmin())
+
+    def notch_error(self, point: int) -> float:
+        """Error of the stress at a surface point in a notch, as a share of it."""
+        curvature = concave_curvature(self.solutions.mesh, int(self.history.nodes[point]))
+        return notch_error(self.size_at(point), curvature)
+
     def place(self, point: int) -> str:
         """Where a point is, in words."""
         node = self.history.nodes[point]
         names = [
-            name for name, facets in self.solutions.mesh.surfaces.items() if np.any(facets == node)
+            name
+            for name, facets in self.solutions.mesh.surfaces.items()
+            if name != SYMMETRY and np.any(facets == node)
         ]
         x, y, z = self.history.points[point]
         return f"{'/'.join(names) or 'surface'} ({_tenth(x)}, {_tenth(y)}, {_tenth(z)})"
@@ -136,7 +161,8 @@ class Level:
     def load_residual(self, loads: PartLoads) -> float:
         """Force and moment that reached the mesh less those asked for, over the largest force.
 
-        Per interface and position; moments over the interface's radius or the part's size.
+        Per interface and position; moments over the interface's radius or the part's size. Of half
+        of a part, twice what reached it in its plane.
         """
         worst, column = 0.0, 0
         size = float(np.ptp(self.solutions.mesh.nodes, axis=0).max())
@@ -147,7 +173,10 @@ class Level:
                 resultants(self.solutions.elements, unit.vectors, unit.interface.centre)
                 @ self.coefficients[columns]
             )
+            reached /= self.solutions.mesh.share
             missing = np.abs(reached - loads.wrenches[unit.interface.name].T)
+            if self.half:
+                missing[2:5] = 0.0  # the cut balances them
             if unit.interface.name == loads.tilt_held_at:
                 missing[3:5] = 0.0  # it takes what inertia leaves, too; reactions tell if enough
             missing[3:] /= unit.interface.radius or size

@@ -9,14 +9,14 @@ from ballesta.design_data import Design, Part
 from ballesta.design_model import StackEntry
 from ballesta.materials import Material
 from ballesta.part_loads import PartLoads
+from ballesta.tear_planes import tear_lengths
 from fem.lugs import ball_ligament, bearing_pressure, shear_out
-from geometry.mesh import FloatArray, Interface, Mesh, boundary_facets
+from geometry.mesh import FloatArray, Interface, Mesh
 from geometry.parts import Pin, PlateLink, SlottedLever, ToggleBar, TubeRod
 from geometry.parts.step_part import StepPart
 from reports.verdict import Check
 
 _ROUND = ("bore", "journal")
-_SECTOR = np.cos(np.radians(40.0))  # how far beside the force's direction a hole may tear out
 _DIRECTIONS = 72
 
 
@@ -25,7 +25,8 @@ class Ligament:
     """Material behind a hole: mm2 in one shear plane, and what stands at its other side.
 
     direction  unit vector in the part's axes in which a force on the part tears it; None: any,
-               and `area` is then that of 72 directions from +x on, counter-clockwise
+               and `area` is then that of 72 directions from +x on, counter-clockwise; infinite
+               where nothing tears
     """
 
     direction: tuple[float, float] | None
@@ -220,26 +221,7 @@ def ligaments(part: Part, mesh: Mesh, interface: str) -> list[Ligament]:
 
 
 def ligament_all_round(mesh: Mesh, name: str) -> Ligament:
-    """The ligament of a hole in every direction, from the walls that face away from its axis.
-
-    Walls within 40 degrees of the direction count, at their nearest node.
-    """
-    interface = mesh.interfaces[name]
-    facets = boundary_facets(mesh.elements)
-    corners = mesh.nodes[facets[:, :3]]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normal /= np.linalg.norm(normal, axis=1)[:, None]
-    arm = corners.mean(axis=1)[:, :2] - interface.centre[:2]
-    distance = np.hypot(arm[:, 0], arm[:, 1])
-    faces = np.abs((normal[:, :2] * arm).sum(axis=1)) > 0.5 * distance
-    outer = faces & ((normal[:, :2] * arm).sum(axis=1) > 0)
-    nodes = mesh.nodes[np.unique(facets[outer])][:, :2] - interface.centre[:2]
-    reach = np.hypot(nodes[:, 0], nodes[:, 1])
-    areas: list[float] = []
-    for turn in range(_DIRECTIONS):
-        angle = 2 * np.pi * turn / _DIRECTIONS
-        along = nodes @ np.array([np.cos(angle), np.sin(angle)])
-        near = reach[along >= _SECTOR * reach]
-        clear = float(near.min()) - interface.radius if len(near) else np.inf
-        areas.append(interface.length * clear)
-    return Ligament(None, tuple(areas), "the nearest wall")
+    """The ligament of a hole in every direction, as the shear planes are on the mesh."""
+    angles = 2 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
+    areas = mesh.interfaces[name].length * tear_lengths(mesh, name, angles.tolist())
+    return Ligament(None, tuple(areas.tolist()), "the wall that the force points at")

@@ -1,4 +1,4 @@
-"""What is told of a part besides its checks: gates, meshes, facts, charts, fields, assumptions."""
+"""What is told of a part besides its checks: gates, meshes, facts, charts, assumptions."""
 
 from collections.abc import Sequence
 from math import degrees
@@ -13,10 +13,12 @@ from fem.direct import has_bearings
 from fem.near_incompressible import LARGEST_RATIO, MEANING
 from fem.recovery import von_mises
 from fem.solvers import BACKWARD_LIMIT
-from geometry.mesh import boundary_facets
-from reports.verdict import Gate, Surface
+from geometry.mesh import Interface, Mesh
+from reports.verdict import Gate
 
 _LOAD_LIMIT, _RAW_LIMIT = 1e-6, 1e-3
+_NO_COUPLE = 1e-9  # of the largest force times the part's size
+_ROUND = ("bore", "journal")
 
 # Largest displacement over size. Linear theory leaves out that a bent beam's ends draw together:
 # its moments are too large by 0.6 (w/L)^2 for a cantilever and, as its half is one, by 2.4 (w/L)^2
@@ -103,7 +105,7 @@ def mesh_row(level: Level) -> dict[str, float | int | str]:
 def facts_of(
     part: Part, loads: PartLoads, level: Level, limit: fatigue.EnduranceLimit
 ) -> dict[str, float | str]:
-    """Mass properties, strengths and largest forces, by name."""
+    """Mass properties, strengths, largest forces and, where there are any, couples, by name."""
     mass = level.solutions.mesh.mass_properties(part.material.density)
     facts: dict[str, float | str] = {
         "mass [kg]": mass.mass * 1e3,
@@ -116,8 +118,14 @@ def facts_of(
         f"{limit.load:.3f}, temperature {limit.temperature:.3f}, reliability "
         f"{limit.reliability:.3f} on {limit.uncorrected:.4g} MPa",
     }
-    for name in loads.wrenches:
+    least = (
+        _NO_COUPLE * loads.largest_force * float(np.ptp(level.solutions.mesh.nodes, axis=0).max())
+    )
+    for name, wrench in loads.wrenches.items():
         facts[f"largest force at {name} [N]"] = float(loads.resultant(name).max())
+        couple = float(np.abs(wrench[:, 5]).max())
+        if couple > least:
+            facts[f"largest couple at {name} [N m]"] = couple * 1e-3
     return facts
 
 
@@ -154,30 +162,19 @@ def charts_of(
     }
 
 
-def surface_of(loads: PartLoads, level: Level) -> Surface:
-    """Stress at the worst position and utilisation, on six-node facets split in four."""
-    nodes = level.history.nodes
-    facets = boundary_facets(level.solutions.mesh.elements)
-    split = facets[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]]].reshape(-1, 3)
-    triangles = np.searchsorted(nodes, split)
-    state = level.coefficients[:, level.peak.position]
-    displacement = (level.solutions.displacement @ state).reshape(-1, 3)[nodes]
-    fields = {"von Mises [MPa]": von_mises(level.history.at(level.peak.position))}
-    if level.fatigue is not None:
-        result = level.fatigue_results[level.fatigue.cycle]
-        fields["Goodman utilisation"] = np.asarray(result.utilisation)
-    for axis, name in enumerate("xyz"):
-        fields[f"displacement {name} [mm]"] = displacement[:, axis]
-    return Surface(level.history.points, triangles, fields, level.peak.point)
-
-
 def assumed_of(design: Design, part: Part, level: Level) -> list[str]:
     """What the model assumes, in words."""
     said = []
     if has_bearings(level.solutions):
         said.append(
             "pins press with a cosine pressure, even along their length, on "
-            f"{degrees(part.bearing_arc):.0f} to 180 deg; both cheeks carry the same share"
+            f"{degrees(part.bearing_arc):.0f} to 180 deg"
+            + ("; both cheeks carry the same share" if _has_cheeks(level.solutions.mesh) else "")
+        )
+    if _has_couples(level):
+        said.append(
+            "a couple about a bore's axis enters as an even tangential traction; keys, splines and "
+            "press fits are not modelled"
         )
     stated = _stated_mass(design, part)
     if stated:
@@ -195,6 +192,37 @@ def assumed_of(design: Design, part: Part, level: Level) -> list[str]:
             f"stress there; {float(stress.max()):.3g} MPa on this mesh"
         )
     return said
+
+
+def _has_cheeks(mesh: Mesh) -> bool:
+    """Whether a bore or journal is in two pieces, one above the other."""
+    return any(
+        _in_pieces(mesh, interface)
+        for interface in mesh.interfaces.values()
+        if interface.kind in _ROUND
+    )
+
+
+def _in_pieces(mesh: Mesh, interface: Interface) -> bool:
+    """Whether there is a height at which an interface has nothing; half of it ends at z = 0."""
+    heights = mesh.nodes[mesh.surfaces[interface.name], 2]
+    order = heights.min(axis=1).argsort()
+    low, high = heights.min(axis=1)[order], np.maximum.accumulate(heights.max(axis=1)[order])
+    gaps = np.r_[low[1:] - high[:-1], low[0] if mesh.half else 0.0]
+    return bool(gaps.max() > 1e-6 * interface.length)
+
+
+def _has_couples(level: Level) -> bool:
+    """Whether a couple about its axis acts on a bore or journal."""
+    forces, couples = [0.0], [0.0]
+    names = [name for unit in level.solutions.interfaces for name in unit.names]
+    for name, acting in zip(names, np.abs(level.coefficients), strict=False):  # then inertia's
+        if name == "couple":
+            couples.append(float(acting.max()))
+        elif not name.startswith("M_"):
+            forces.append(float(acting.max()))
+    size = float(np.ptp(level.solutions.mesh.nodes, axis=0).max())
+    return max(couples) > _NO_COUPLE * max(forces) * size
 
 
 def _stated_mass(design: Design, part: Part) -> str:

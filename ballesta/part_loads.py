@@ -1,5 +1,6 @@
 """The loads of one part over every cycle of a design, one behind the other, in its own axes."""
 
+import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -7,8 +8,9 @@ import numpy as np
 
 import loads
 from ballesta.design_data import Cycle, Design, Part
+from ballesta.errors import DesignError
 from ballesta.machine import part_placing
-from geometry.mesh import FloatArray
+from geometry.mesh import FloatArray, Mesh
 from geometry.parts import Pin
 
 
@@ -132,6 +134,32 @@ def loads_on(
         _tilt(part, together),
         part.tilt_held_at,
     )
+
+
+def check_reach(design: Design, part: Part, part_loads: PartLoads, mesh: Mesh) -> None:
+    """Raise DesignError where a contact slides off the stretch that the part has for it."""
+    for name, reach in part_loads.reaches.items():
+        interface = mesh.interfaces[name]
+        low, high = interface.travel
+        slack = 1e-6 * (high - low)
+        first, last = float(reach.min()), float(reach.max())
+        if first >= low - slack and last <= high + slack:
+            continue
+        worst = int(np.argmax(np.maximum(low - reach, reach - high)))
+        zero = float(interface.centre[0])
+        stated = [
+            field.name
+            for field in dataclasses.fields(part.geometry)
+            if field.name.startswith(("travel_", "contact_", "slot_"))
+        ]
+        raise DesignError(
+            design.file,
+            f"parts.{part.name}.interfaces.{name}",
+            f"the contact slides from x = {zero + first:.4g} to {zero + last:.4g} mm along the "
+            f"part, which has it from {zero + low:.4g} to {zero + high:.4g} mm; at "
+            f"{part_loads.cycle_names[worst]}, {part_loads.labels[worst]} it leaves that; change "
+            f"{', '.join(stated)}",
+        )
 
 
 def _tilt(part: Part, wrenches: Mapping[str, FloatArray]) -> float:

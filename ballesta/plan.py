@@ -11,11 +11,12 @@ from ballesta.design import read_design
 from ballesta.design_data import Design, Part
 from ballesta.elastic_parts import compliances_of
 from ballesta.errors import DesignError, NumericsError
+from ballesta.halves import half_of
 from ballesta.levels import Models
-from ballesta.part_loads import loads_on
+from ballesta.part_loads import check_reach, loads_on
 from ballesta.sketch import joints_in_words, sketch
-from ballesta.solid import FIRST
-from geometry.mesh import MeshError
+from ballesta.solid import FIRST, check_first_mesh
+from geometry.mesh import MeshError, TooManyElementsError
 
 # Measured on a machine with 2 cores (bench/results.json): 137 628 unknowns with 20 unit loads take
 # 8 s and 1.3 GiB; both grow somewhat faster than the unknowns do.
@@ -26,10 +27,14 @@ _TIME_EXPONENT, _MEMORY_EXPONENT = 1.3, 1.2
 
 @dataclass(frozen=True)
 class PlannedPart:
-    """One part as it would be modelled; forces in N by interface, time in s, memory in GiB."""
+    """One part as it would be modelled; forces in N by interface, time in s, memory in GiB.
+
+    halved  whether the second mesh is of half of it
+    """
 
     part: Part
     unknowns: tuple[int, ...]
+    halved: bool
     forces: dict[str, float]
     seconds: float
     gibibytes: float
@@ -52,8 +57,12 @@ def plan(design: Design) -> list[PlannedPart]:
         seen = set()
         for part in design.parts.values():
             first = 3 * len(models.mesh(part.geometry, FIRST * part.fineness).nodes)
-            unknowns = (first, min(int(_SECOND_MESH * first), part.most_unknowns))
             part_loads = loads_on(design, part, solved)
+            halved = half_of(part, part_loads) is not None
+            second = int(_SECOND_MESH * first / (2 if halved else 1))
+            check_first_mesh(part, first)
+            check_reach(design, part, part_loads, models.mesh(part.geometry, FIRST * part.fineness))
+            unknowns = (first, min(second, part.most_unknowns))
             shared = (part.geometry, part.material, part.fineness) in seen
             seen.add((part.geometry, part.material, part.fineness))
             seconds = 0.0 if shared else sum(map(solve_seconds, unknowns))
@@ -61,6 +70,7 @@ def plan(design: Design) -> list[PlannedPart]:
                 PlannedPart(
                     part,
                     unknowns,
+                    halved,
                     {name: float(part_loads.resultant(name).max()) for name in part_loads.wrenches},
                     seconds,
                     max(map(solve_gibibytes, unknowns)),
@@ -68,6 +78,8 @@ def plan(design: Design) -> list[PlannedPart]:
             )
     except loads.LinkageError as error:
         raise DesignError(design.file, "linkage", str(error)) from error
+    except TooManyElementsError as error:
+        raise DesignError(design.file, "parts", str(error)) from error
     except MeshError as error:
         raise NumericsError(
             str(error), str(design.file), "check the part's dimensions, or change mesh.fineness"
@@ -116,7 +128,8 @@ def plan_text(path: str | Path, overrides: Sequence[str] = ()) -> str:
         cost = f"about {entry.seconds:.0f} s" if entry.seconds else "solved with its like"
         lines.append(
             f"  {part.name}: {part.shape}, {part.material.name}, solid on two meshes of {unknowns} "
-            f"unknowns, {cost}, {entry.gibibytes:.1f} GiB"
+            f"unknowns{' (of half of it)' if entry.halved else ''}, {cost}, "
+            f"{entry.gibibytes:.1f} GiB"
         )
         for name, point in part.interfaces.items():
             lines.append(

@@ -5,15 +5,18 @@ from dataclasses import dataclass, replace
 
 import fatigue
 from ballesta.design_data import Design, Part
+from ballesta.halves import MEANING, half_of, shown_surface
 from ballesta.hand import hand_checks
 from ballesta.judged import Bars, GoodmanPeak, Judged, StaticPeak, bars_of, mesh_bar
 from ballesta.levels import Level, Models, solve_level
-from ballesta.part_facts import assumed_of, charts_of, facts_of, gates_of, mesh_row, surface_of
+from ballesta.part_facts import assumed_of, charts_of, facts_of, gates_of, mesh_row
 from ballesta.part_loads import PartLoads
 from ballesta.stability import axial_compression, column_checks, eigenvalue_check
 from fem.error_estimate import refined_sizes, stress_error
-from fem.unit_solutions import Elastic
-from reports.verdict import Check, PartResult
+from fem.unit_solutions import Elastic, UnitSolutions
+from geometry.mesh import FloatArray, TooManyElementsError
+from geometry.sizing import SizeField
+from reports.verdict import Check, PartResult, Status
 
 FIRST = 0.7  # fineness of the first mesh; where the stress decides, later ones are finer
 _MOST_MESHES = 5
@@ -29,13 +32,14 @@ def check_solid(
 
     After the first mesh each is finer where the last one was uncertain, until the numerical error
     of what is judged is within the accuracy asked for, or the mesh would have more unknowns than
-    allowed. Raises MeshError and SolverError.
+    allowed. The finer ones are halves where shape and loads allow it: the first gives the masses,
+    and its buckling may be sideways. Raises MeshError and SolverError.
     """
     limit = endurance_of(part)
     judged: list[Judged] = [StaticPeak(loads)]
     if any(name in loads.cycles for name in design.duty.cycles):
         judged.append(GoodmanPeak(loads, limit.value, part.material.ultimate_stress))
-    levels, stopped = _levels(design, part, loads, models, judged, limit.value, say)
+    levels, sizes, stopped = solve_levels(design, part, loads, models, judged, limit.value, say)
     finest = levels[-1]
     checks = [
         _stress_check(
@@ -51,10 +55,14 @@ def check_solid(
             for check in checks
         ]
     checks += column_checks(design, part, loads)
-    eigen = eigenvalue_check(
-        design, part, loads, [(level.solutions, level.coefficients) for level in levels]
-    )
+    whole = [(level.solutions, level.coefficients) for level in levels if not level.half]
+    eigen = eigenvalue_check(design, part, loads, whole)
+    if eigen and eigen[0].status is Status.UNDECIDED and finest.half:
+        whole.append(_whole_again(part, loads, models, finest, sizes))
+        eigen = eigenvalue_check(design, part, loads, whole)
     assumed = assumed_of(design, part, finest)
+    if finest.half:
+        assumed.append(MEANING)
     if eigen:
         checks.append(eigen[0])
     elif part.geometry.sections and axial_compression(part, loads).max() > 0:
@@ -69,15 +77,15 @@ def check_solid(
         checks=checks,
         gates=gates_of(design, part, loads, levels),
         hand_checks=hand_checks(part, loads, finest),
-        meshes=[mesh_row(level) for level in levels],
+        meshes=[{"body": "half" if lv.half else "whole", **mesh_row(lv)} for lv in levels],
         facts=facts_of(part, loads, finest, limit),
         charts=charts_of(part, loads, finest, limit.value),
-        surface=surface_of(loads, finest),
+        surface=shown_surface(loads, finest),
         assumed=assumed,
     )
 
 
-def _levels(
+def solve_levels(
     design: Design,
     part: Part,
     loads: PartLoads,
@@ -85,13 +93,23 @@ def _levels(
     judged: Sequence[Judged],
     limit: float,
     say: Say,
-) -> tuple[list[Level], str]:
-    """Solve a part on finer and finer meshes; why it stopped short of the accuracy, or nothing."""
+) -> tuple[list[Level], SizeField | None, str]:
+    """Solve a part on finer and finer meshes.
+
+    Returns the last one's sizes too, and why it stopped short of the accuracy, or nothing.
+    """
     material, base = elastic_of(part), FIRST * part.fineness
+    finer = half_of(part, loads) or part.geometry
     levels: list[Level] = []
     sizes = None
+    check_first_mesh(part, 3 * len(models.mesh(part.geometry, base).nodes))
     while True:
-        solutions = models.solutions(part.geometry, base, material, sizes)
+        try:
+            solutions = models.solutions(finer if levels else part.geometry, base, material, sizes)
+        except TooManyElementsError as error:
+            if len(levels) < 2:  # one mesh has no error bar
+                raise
+            return levels, sizes, f"a finer mesh was not solved: {error}"
         unknowns = 3 * len(solutions.mesh.nodes)
         say(f"{part.name}: {unknowns} unknowns, {solutions.factor.solver}; superposing the cycle")
         level = solve_level(
@@ -105,21 +123,48 @@ def _levels(
         )
         levels.append(level)
         if len(levels) > 1 and all(mesh_bar(what, levels) <= design.accuracy for what in judged):
-            return levels, ""
+            return levels, sizes, ""
         if len(levels) == _MOST_MESHES:
-            return levels, f"given up after {_MOST_MESHES} meshes"
+            return levels, sizes, f"given up after {_MOST_MESHES} meshes"
         most = part.most_unknowns * len(solutions.mesh.elements) / unknowns
+        if finer is not part.geometry and not level.half:
+            most *= 2  # the next mesh has half of the elements that are estimated on this one
         errors = [
             stress_error(solutions.recovery, solutions.displacement @ state)
             for what in judged
             for state in what.states(level)
         ]
-        sizes, step = refined_sizes(solutions.recovery, errors, design.accuracy, most)
+        sharp = level.history.nodes[level.edges[0]]
+        wanted, step = refined_sizes(solutions.recovery, errors, design.accuracy, most, sharp)
         if step < _LEAST_STEP and len(levels) > 1:
-            return levels, (
+            return (
+                levels,
+                sizes,
                 f"{unknowns} unknowns taken, at most {part.most_unknowns} allowed "
-                "(mesh.most_unknowns)"
+                "(mesh.most_unknowns)",
             )
+        sizes = wanted
+
+
+def check_first_mesh(part: Part, unknowns: int) -> None:
+    """Raise TooManyElementsError if the first mesh of a part is more than it may have."""
+    if unknowns > part.most_unknowns:
+        raise TooManyElementsError(
+            f"mesh.most_unknowns is {part.most_unknowns}, but the first mesh of mesh.fineness "
+            f"{part.fineness:g} has {unknowns} unknowns; allow at least twice as many, or lower "
+            "mesh.fineness"
+        )
+
+
+def _whole_again(
+    part: Part, loads: PartLoads, models: Models, finest: Level, sizes: SizeField | None
+) -> tuple[UnitSolutions, FloatArray]:
+    """Solutions and coefficients of the whole part with the element sizes of a half."""
+    solutions = models.solutions(part.geometry, finest.fineness, elastic_of(part), sizes)
+    coefficients, _ = solutions.coefficients(
+        loads.wrenches, loads.accelerations, loads.reaches, loads.tilt_held_at
+    )
+    return solutions, coefficients
 
 
 def elastic_of(part: Part) -> Elastic:

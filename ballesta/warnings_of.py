@@ -15,6 +15,7 @@ from reports.verdict import PartResult
 from reports.words import quantity_unit
 
 _STATED = 1e-3  # mm, how exactly points are usually stated
+_FAR = 3.0  # diameters of its hole that a plate beside another may stand away
 _RESERVE = 0.10  # of a drive's available force; less is worth a warning
 
 
@@ -126,6 +127,7 @@ def _assembly(
     """Say what cannot be put together, or is modelled elsewhere than it stands."""
     warnings = []
     for part in design.parts.values():
+        warnings += _far_offsets(part)
         if isinstance(part.geometry, Pin):
             warnings += _necks(part.name, part.geometry)
             for entry in part.stack:
@@ -171,6 +173,17 @@ def _necks(name: str, pin: Pin) -> list[str]:
                 f"{neck:g} mm seat of {seat.name!r} cannot be put through that bore"
             ]
     return []
+
+
+def _far_offsets(part: Part) -> list[str]:
+    """Name forces far beside a part: a length in the wrong unit does not look wrong."""
+    hole = float(getattr(part.geometry, "hole", 0.0))
+    return [
+        f"{part.name}: its force at {name} acts {offset:g} mm beside its middle plane, "
+        f"{abs(offset) / hole:.3g} times its hole of {hole:g} mm; columns are checked without it"
+        for name, offset in part.offsets.items()
+        if hole and abs(offset) > _FAR * hole
+    ]
 
 
 def _cheek_offset(design: Design, pin: str, body: str | None, at: float) -> list[str]:

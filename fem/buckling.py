@@ -52,8 +52,9 @@ def buckling_modes(
                   buckle if its loads turned round) are left out, so a part in tension has none
 
     Raises SolverError if the eigenvalues do not converge, ValueError for the tied bodies of a
-    stack, whose leaves buckle by themselves.
+    stack, whose leaves buckle by themselves, and for half of a part.
     """
+    solutions.mesh.check_whole("buckling, which may be sideways,")
     if solutions.ties is not None:
         raise ValueError(
             "buckling is computed for parts of one body; this one is a stack of tied bodies that "

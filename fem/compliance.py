@@ -28,8 +28,9 @@ def compliance(solutions: UnitSolutions, places: Sequence[str | tuple[str, float
     Displacements x, y and turn of every place for forces x, y and couple at every place, in the
     part's axes, against a frame that moves with the part as a whole. A bore or journal is loaded by
     the first harmonic of a pin's pressure, a sliding contact half on each of its two surfaces.
-    Raises ValueError for a place that the part does not have, or a part without mass.
+    Raises ValueError for a place that the part does not have, a part without mass, or half of one.
     """
+    solutions.mesh.check_whole("a compliance")
     if not solutions.material.density > 0:
         raise ValueError("a compliance needs a density above 0: inertia balances its unit loads")
     columns = np.concatenate([_unit_forces(solutions, place) for place in places], axis=1)

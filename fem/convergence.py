@@ -5,8 +5,10 @@ elements there are r times smaller, 1/(r^2 - 1) is left. The bar is 1.5 times th
 0.45 of the scatter of the elements that meet at the point, plus 0.25 % of the value, by which a
 peak repeats from one unstructured mesh to another. These three numbers are calibrated: over the
 public validation cases the reference lies inside in at least nine of ten, and the median bar is at
-most three times the median error (docs/validation.md, measured by bench/error_bars.py). Added in
-the worst combination: the truncation of the bearing series, measured against a direct solution.
+most three times the median error (docs/validation.md, measured by bench/error_bars.py). A first
+mesh may be too coarse for any order to hold: never less than a third of the step is taken, nor
+less than what elements of this size must miss in a notch of its radius (`notch_resolution`). Added
+in the worst combination: the truncation of the bearing series, measured against a direct solution.
 
 Roache's grid convergence index (J. Fluids Eng. 116 (1994) 405) has the same form with a factor of
 3 and no scatter; on the same cases it holds 4 of 5 references with a wider bar.
@@ -20,6 +22,7 @@ import numpy as np
 _ORDER = 2.0  # of recovered stress with quadratic elements
 _FINER = 1.1  # times smaller elements make a mesh finer at some point
 _SAFETY = 1.5  # times what is left of the last step
+_LEAST = 1 / 3  # of the last step, however much smaller the elements became
 _SCATTER = 0.45  # of the elements' scatter
 _REPEATS = 0.0025  # of the value, from mesh to mesh
 _GROWTH = 0.08  # the smallest exponent that counts; 0.46 is that of a square corner
@@ -34,6 +37,7 @@ class ErrorBar:
     truncation      of the bearing series
     size            of the value
     singular        exponent of a singularity at the point, 0 if there is none
+    notch           what elements of this size miss in the notch at the point
     """
 
     discretisation: float
@@ -41,11 +45,18 @@ class ErrorBar:
     truncation: float
     size: float = 0.0
     singular: float = 0.0
+    notch: float = 0.0
 
     @property
     def mesh(self) -> float:
         """What a finer mesh makes smaller."""
-        return max(self.discretisation, _SCATTER * self.scatter) + _REPEATS * self.size
+        largest = max(self.discretisation, _SCATTER * self.scatter, self.notch)
+        return largest + _REPEATS * self.size
+
+    @property
+    def notch_decides(self) -> bool:
+        """Whether the bar is what elements of this size miss in the notch."""
+        return self.notch > max(self.discretisation, _SCATTER * self.scatter)
 
     @property
     def value(self) -> float:
@@ -61,16 +72,16 @@ def discretisation_error(values: Sequence[float], sizes: Sequence[float]) -> flo
     if len(values) < 2:
         raise ValueError("an error bar needs at least two meshes")
     ratio = max(sizes[-2] / sizes[-1], _FINER)
-    return float(_SAFETY * abs(values[-1] - values[-2]) / (ratio**_ORDER - 1))
+    return float(max(_SAFETY / (ratio**_ORDER - 1), _LEAST) * abs(values[-1] - values[-2]))
 
 
 def moves_like_singular(values: Sequence[float], sizes: Sequence[float], exponent: float) -> bool:
     """Whether the stress on a sharp re-entrant edge moves with the mesh as a singular one does.
 
     True when it changes from any mesh to the next, up or down, by more than a twentieth of what
-    stress ~ size^-exponent predicts. Coarse meshes scatter about the growth, so the sign tells
-    nothing; but an edge that carries a uniform stress (a tube's inner corner under axial force)
-    does not move at all.
+    stress ~ size^-exponent predicts, and by more than meshes repeat. Coarse meshes scatter about
+    the growth, so the sign tells nothing; but an edge that carries a uniform stress (a tube's inner
+    corner under axial force) does not move at all.
     """
     if exponent <= 0 or len(values) < 2:
         return False
@@ -78,7 +89,7 @@ def moves_like_singular(values: Sequence[float], sizes: Sequence[float], exponen
         if coarse < _FINER * fine:  # two meshes that are alike there tell nothing
             continue
         predicted = (coarse / fine) ** exponent - 1
-        if abs(after - before) / max(abs(before), 1e-300) > predicted / 20:
+        if abs(after - before) / max(abs(before), 1e-300) > max(predicted / 20, 2 * _REPEATS):
             return True
     return False
 
@@ -88,16 +99,21 @@ def growth_exponent(values: Sequence[float], sizes: Sequence[float]) -> float:
 
     A singular stress ~ size^-exponent keeps its exponent from mesh to mesh; of a peak that
     converges with any order the growth dies away. So the last two steps of three meshes must both
-    grow, the later one with at least 0.8 times the exponent of the earlier.
+    grow, the later one with at least 0.8 times the exponent of the earlier; or three steps in a
+    row, each with twice the exponent that counts.
     """
-    if len(values) < 3 or not min(values[-3:]) > 0:
+    if len(values) < 3 or not min(values) > 0:
         return 0.0
     exponents = []
-    for k in (-2, -1):
+    for k in range(1, len(values)):
         if sizes[k - 1] < _FINER * sizes[k]:
-            return 0.0
-        exponents.append(np.log(values[k] / values[k - 1]) / np.log(sizes[k - 1] / sizes[k]))
-    earlier, later = exponents
+            exponents.append(0.0)
+        else:
+            step = np.log(values[k] / values[k - 1]) / np.log(sizes[k - 1] / sizes[k])
+            exponents.append(float(step))
+    earlier, later = exponents[-2:]
+    if len(exponents) > 2 and min(exponents[-3:]) > 2 * _GROWTH:
+        return later
     if earlier > _GROWTH and later > _GROWTH and later > 0.8 * earlier:
         return float(later)
     return 0.0

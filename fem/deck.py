@@ -44,8 +44,9 @@ def write_deck(
     printed      also have all displacements, and stress at the integration points, written to the
                  .dat file, which has seven digits where the .frd file has six
 
-    Each tie becomes equations between unknowns (*EQUATION).
+    Each tie becomes equations between unknowns (*EQUATION). Raises ValueError for half of a part.
     """
+    mesh.check_whole("an input deck")
     columns = np.asarray(nodal_loads, dtype=np.float64).reshape(len(nodal_loads), -1)
     if len(columns) != 3 * len(mesh.nodes):
         raise ValueError(

@@ -11,10 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.recovery import Recovery, von_mises
-from geometry.mesh import FloatArray
+from geometry.mesh import FloatArray, IntArray
 from geometry.sizing import SizeField, element_sizes, size_field
 
 _HOT = 0.8  # share of the peak from which on an element is taken to decide it
+_HOT_EDGE = 0.5  # the same on a sharp re-entrant edge
 _NEAR = 0.5  # of the accuracy asked for that the estimate may reach in such an element
 _FAR = 2.0  # and in all others, as a share of the peak too
 _STEP = 1.6  # how much smaller deciding elements become at least, so that two meshes tell something
@@ -74,11 +75,13 @@ def refined_sizes(
     states: Sequence[StressError],
     accuracy: float,
     most_elements: float,
+    sharp: IntArray | None = None,
 ) -> tuple[SizeField, float]:
     """Return the sizes that bring every state's peak to an accuracy, and how far they go.
 
     accuracy       1, wanted error of the peak over the peak
     most_elements  what the mesh may have at most, as estimated: sizes are raised to fit
+    sharp          nodes on sharp re-entrant edges: their stress may grow past today's peak
 
     The elements that decide a peak become smaller in any case. The second value is the least by
     which those of any state do: below _STEP the limit on the elements was in the way.
@@ -86,11 +89,12 @@ def refined_sizes(
     mesh = recovery.elements.mesh
     now = element_sizes(mesh)
     factor, deciding = np.ones(len(now)), np.zeros(len(now), dtype=bool)
+    at_edge = np.isin(mesh.elements, [] if sharp is None else sharp).any(axis=1)
     for state in states:
         peak = float(state.stress.max())
         if not peak > 0:
             continue
-        hot = state.stress >= _HOT * peak
+        hot = state.stress >= np.where(at_edge, _HOT_EDGE, _HOT) * peak
         allowed = np.where(hot, _NEAR, _FAR) * accuracy * peak
         with np.errstate(divide="ignore"):
             wanted = (allowed / state.error) ** (1 / _ORDER)

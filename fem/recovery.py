@@ -103,7 +103,9 @@ class Recovery:
             stress = self.quadrature_stress(columns, part)
             total += self._averaging(part) @ stress.reshape(-1, total.shape[1])
         total /= self._weight[:, None]
-        return total.reshape(len(self.points), 6, -1)
+        stress = total.reshape(len(self.points), 6, -1)
+        stress[np.isin(self.points, self.elements.mesh.cut_nodes), 4:] = 0.0  # the mirror's cancel
+        return stress
 
     def scatter(self, displacement: FloatArray) -> FloatArray:
         """Von Mises size (n_points,) of the elements' scatter about the recovered stress, MPa.

@@ -11,9 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
+from fem.notch_resolution import facet_normals
 from geometry.mesh import FloatArray, IntArray, Mesh, boundary_facets
 
-_SHARP = np.radians(35)  # a turn of the surface that no smooth, meshed fillet shows along one edge
+_SHARP = np.radians(12)  # a turn of the surface beyond what curved facets leave between them
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,24 +30,28 @@ class ReentrantEdges:
 
 
 def reentrant_edges(mesh: Mesh) -> ReentrantEdges:
-    """Find edges where two boundary facets meet at an interior angle well above 180 degrees.
+    """Find edges where two boundary facets meet at an interior angle above 192 degrees.
 
-    The facets' normals are those of the curved facets at the edge's mid-side node, so a fillet
-    does not look sharp unless its elements are as large as itself.
+    The facets' normals are those of the curved facets at the edge's mid-side node. A parabola
+    through three points of a circle does not meet it at the right angle; twice what the facets' own
+    turn lets expect of that is not taken for an edge.
     """
     facets = boundary_facets(mesh.elements)
     edges = facets[:, [[0, 1, 3], [1, 2, 4], [2, 0, 5]]].reshape(-1, 3)
-    normals = np.stack([_normal_at_middle(mesh.nodes[facets], side) for side in range(3)], axis=1)
+    corners = mesh.nodes[facets]
+    normals = np.stack([facet_normals(corners, *_MIDDLES[side]) for side in range(3)], axis=1)
+    far = np.stack([facet_normals(corners, *_OPPOSITE[side]) for side in range(3)], axis=1)
+    slack = 2 * _parabola_error(_angle(normals, far)).reshape(-1)
     normals = normals.reshape(-1, 3)
     opposite = facets[:, [2, 0, 1]].reshape(-1)
     order = np.argsort(edges[:, 2], kind="stable")  # a mid-side node names its edge
     first, second = order[0::2], order[1::2]
     if not np.array_equal(edges[first, 2], edges[second, 2]):
         raise AssertionError("the boundary of the mesh is not closed")
-    turn = np.arccos(np.clip(np.einsum("ex,ex->e", normals[first], normals[second]), -1, 1))
+    turn = _angle(normals[first], normals[second])
     inward = mesh.nodes[opposite[second]] - mesh.nodes[edges[second, 2]]
     concave = np.einsum("ex,ex->e", normals[first], inward) > 0
-    sharp = concave & (turn > _SHARP)
+    sharp = concave & (turn > _SHARP + slack[first] + slack[second])
     nodes = edges[first[sharp]]
     found = np.unique(nodes)
     angles = np.zeros(len(mesh.nodes))
@@ -68,11 +73,18 @@ def singular_exponent(interior_angle: float) -> float:
     return float(1 - root)
 
 
-def _normal_at_middle(corners: FloatArray, side: int) -> FloatArray:
-    """Return unit outward normals of six-node facets (n, 6, 3) at the middle of one side."""
-    r, s = ((0.5, 0.0), (0.5, 0.5), (0.0, 0.5))[side]
-    t = 1 - r - s
-    by_r = np.array([1 - 4 * t, 4 * r - 1, 0, 4 * (t - r), 4 * s, -4 * s])
-    by_s = np.array([1 - 4 * t, 0, 4 * s - 1, -4 * r, 4 * r, 4 * (t - s)])
-    normal = np.cross(np.einsum("a,nax->nx", by_r, corners), np.einsum("a,nax->nx", by_s, corners))
-    return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))
+def _angle(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Angles (...) between unit vectors (..., 3), rad."""
+    return np.asarray(np.arccos(np.clip((first * second).sum(axis=-1), -1, 1)))
+
+
+def _parabola_error(turn: FloatArray) -> FloatArray:
+    """Angle by which a parabola through the ends and the middle of an arc misses its end's slope.
+
+    turn  rad, by which the arc turns; a chord c of it rises by c tan(turn/4)/2 at the middle
+    """
+    return np.asarray(turn / 2 - np.arctan(2 * np.tan(turn / 4)))
+
+
+_MIDDLES = ((0.5, 0.0), (0.5, 0.5), (0.0, 0.5))  # of a facet's sides, in its local coordinates
+_OPPOSITE = ((0.0, 1.0), (0.0, 0.0), (1.0, 0.0))  # the corner that a side does not have

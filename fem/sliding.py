@@ -59,13 +59,14 @@ def sliding_loads(elements: Elements, interface: Interface) -> InterfaceLoads:
     lines = lines + interface.centre[0]
     plus, minus = (cut_along_x(elements.mesh, name, lines) for name in interface.surfaces)
     friction = _shares(interface, *levels)
+    part = elements.mesh.share  # half a part takes half of each force
     columns, deviations = [], []
     for place in places:
         centre = interface.centre + np.array([place, 0.0, 0.0])
         hats = [_Hat(elements, strips, centre, spacing) for strips in (plus, minus)]
-        up = hats[0].force(1) / hats[0].size
-        down = hats[1].force(1) / hats[1].size
-        along = sum(
+        up = part * hats[0].force(1) / hats[0].size
+        down = part * hats[1].force(1) / hats[1].size
+        along = part * sum(
             share * hat.force(0) / hat.size for share, hat in zip(friction, hats, strict=True)
         )
         for load, axis, sign, smooth in (

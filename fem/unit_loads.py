@@ -14,6 +14,9 @@ others have none. A facetted bore gets this wrong by some 1e-5, which is measure
 A bore whose pin tilts (plates side by side) also takes couples about x and y: a pressure that
 grows linearly along the pin, z cos(theta) and z sin(theta). Contacts that slide are in
 fem/sliding.py.
+
+On half of a part, cut at z = 0, the same tractions act, all even in z: half of each resultant in
+the plane. What they leave out of it the cut carries.
 """
 
 from collections.abc import Callable
@@ -27,8 +30,11 @@ from geometry.mesh import FloatArray, Interface, MeshError
 HARMONICS = (0, 1, 2, 4)
 ACCELERATIONS = ("a_x", "a_y", "alpha", "omega2")
 _RAW_LIMIT = 1e-3
+_IN_PLANE = [0, 1, 5]
 
 Traction = Callable[[FloatArray], FloatArray]
+# Unit tractions by name, their resultants (6, n), and what may close a gap: even in z, and odd.
+_Patterns = tuple[dict[str, Traction], FloatArray, list[Traction], list[Traction]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +96,8 @@ def interface_loads(elements: Elements, interface: Interface) -> InterfaceLoads:
             f"are known for {', '.join(_BUILDERS)}"
         )
     surface = elements.surface(interface.name)
-    patterns, targets, smooth = builder(surface, interface)
+    patterns, targets, even, odd = builder(surface, interface, elements.mesh.share)
+    smooth = even if elements.mesh.half else [*even, *odd]
     vectors = np.stack([_nodal(elements, surface, p) for p in patterns.values()], axis=1)
     smooth_vectors = np.stack([_nodal(elements, surface, p) for p in smooth], axis=1)
     reach = interface.radius or float(np.ptp(surface.points.reshape(-1, 3), axis=0).max())
@@ -112,23 +119,26 @@ def with_resultants(
     """Return nodal forces that have their resultants exactly, and how far off they were.
 
     vectors  (3 n_nodes, m) raw loads, which must be right to 1e-3
-    targets  (6, m)         the forces N and moments N mm about `centre` that they stand for
+    targets  (6, m)         the forces N and moments N mm about `centre` that they stand for; half
+                            a part takes half of them, in its plane only
     smooth   (3 n_nodes, k) loads of which the smallest sum that closes the gap is added
     reach    mm, by which moments are compared with forces
     """
-    scale = np.r_[np.ones(3), np.full(3, 1 / reach)][:, None]
-    error = (targets - resultants(elements, vectors, centre)) * scale
+    rows = _IN_PLANE if elements.mesh.half else list(range(6))
+    scale = np.r_[np.ones(3), np.full(3, 1 / reach)][rows, None] / elements.mesh.share
+    wanted = elements.mesh.share * targets[rows]
+    error = (wanted - resultants(elements, vectors, centre)[rows]) * scale
     raw = float(np.abs(error).max())
     if raw > _RAW_LIMIT:
         raise MeshError(
             f"loads on {name!r} miss their resultant by {raw:.1e} on this mesh "
             f"(limit {_RAW_LIMIT:.0e}): it needs more elements around the interface"
         )
-    available = resultants(elements, smooth, centre) * scale
+    available = resultants(elements, smooth, centre)[rows] * scale
     for _ in range(2):  # the second step removes the round-off of the first
         correction, *_ = np.linalg.lstsq(available, error, rcond=1e-9)
         vectors = vectors + smooth @ correction
-        error = (targets - resultants(elements, vectors, centre)) * scale
+        error = (wanted - resultants(elements, vectors, centre)[rows]) * scale
     left = float(np.abs(error).max())
     if left > 1e-9:
         raise MeshError(f"loads on {name!r} keep an unbalanced {left:.1e}")
@@ -140,13 +150,14 @@ def direct_bearing(
 ) -> FloatArray:
     """Nodal forces (3 n_nodes,) of one cosine pressure on an arc, without a series.
 
-    force  (3,) F_x, F_y in N and M_z in N mm
+    force  (3,) F_x, F_y in N and M_z in N mm; half a part takes half of it
     arc    rad, the full angle on which the pressure acts: p0 cos(pi t / arc), |t| < arc/2
 
     The pressure pattern ends inside elements, so its raw resultant is off by the quadrature, which
     is fine (degree 19), and scaled to be exact.
     """
     inward = interface.kind == "journal"
+    force = elements.mesh.share * np.asarray(force)
     surface = elements.surface(interface.name, degree=19)
     direction = np.arctan2(force[1], force[0]) + (np.pi if inward else 0.0)
 
@@ -167,9 +178,8 @@ def direct_bearing(
     correct = _nodal(elements, surface, _round_harmonic(interface, 1, np.sin))
     correct_x = _nodal(elements, surface, _round_harmonic(interface, 1, np.cos))
     smooth = np.stack([correct_x, correct, couple], axis=1)
-    rows = [0, 1, 5]
-    missing = np.asarray(force) - resultants(elements, vector[:, None], interface.centre)[rows, 0]
-    share = np.linalg.solve(resultants(elements, smooth, interface.centre)[rows], missing)
+    missing = force - resultants(elements, vector[:, None], interface.centre)[_IN_PLANE, 0]
+    share = np.linalg.solve(resultants(elements, smooth, interface.centre)[_IN_PLANE], missing)
     return np.asarray(vector + smooth @ share)
 
 
@@ -247,9 +257,7 @@ def _couple(interface: Interface) -> Traction:
     return traction
 
 
-def _round_patterns(
-    surface: FacetQuadrature, interface: Interface
-) -> tuple[dict[str, Traction], FloatArray, list[Traction]]:
+def _round_patterns(surface: FacetQuadrature, interface: Interface, _share: float) -> _Patterns:
     patterns: dict[str, Traction] = {}
     for n in HARMONICS:
         patterns[f"cos {n}"] = _round_harmonic(interface, n, np.cos)
@@ -264,12 +272,10 @@ def _round_patterns(
     targets[5, names.index("couple")] = 1.0
     along_cos = _round_harmonic(interface, 1, np.cos, along=True)
     along_sin = _round_harmonic(interface, 1, np.sin, along=True)
-    smooth = [
+    even = [
         _round_harmonic(interface, 1, np.cos),
         _round_harmonic(interface, 1, np.sin),
         _couple(interface),
-        along_cos,
-        along_sin,
     ]
     if interface.tilts:
         # the pattern z cos(theta) / r of _round_harmonic turns about y by the integral of
@@ -279,7 +285,7 @@ def _round_patterns(
         size = sign * 2 * np.pi * interface.radius**2 * interface.length / second
         patterns["M_x"], patterns["M_y"] = _times(-size, along_sin), _times(size, along_cos)
         targets = np.column_stack([targets, np.eye(6)[:, [3, 4]]])
-    return patterns, targets, smooth
+    return patterns, targets, even, [along_cos, along_sin]
 
 
 def _times(factor: float, traction: Traction) -> Traction:
@@ -312,12 +318,11 @@ def _planar_targets() -> FloatArray:
     return targets
 
 
-def _face_patterns(
-    surface: FacetQuadrature, interface: Interface
-) -> tuple[dict[str, Traction], FloatArray, list[Traction]]:
-    area = float(surface.weights.sum())
+def _face_patterns(surface: FacetQuadrature, interface: Interface, share: float) -> _Patterns:
+    weights = surface.weights / share
+    area = float(weights.sum())
     arm = surface.points - interface.centre
-    second = {axis: float((surface.weights * arm[..., axis] ** 2).sum()) for axis in (1, 2)}
+    second = {axis: float((weights * arm[..., axis] ** 2).sum()) for axis in (1, 2)}
 
     def twist(points: FloatArray) -> FloatArray:
         field, lever = np.zeros(points.shape), points - interface.centre
@@ -328,26 +333,23 @@ def _face_patterns(
     bending = [_linear(0, axis, interface, -second[axis]) for axis in (1, 2)]
     patterns = {"F_x": forces[0], "F_y": forces[1], "M_z": bending[0]}
     # an uneven mesh puts the centre of its weights beside the centre: a shear then twists a little
-    return patterns, _planar_targets(), [*forces, *bending, twist]
+    return patterns, _planar_targets(), [*forces[:2], bending[0]], [forces[2], bending[1], twist]
 
 
-def _clamp_patterns(
-    surface: FacetQuadrature, interface: Interface
-) -> tuple[dict[str, Traction], FloatArray, list[Traction]]:
+def _clamp_patterns(surface: FacetQuadrature, interface: Interface, share: float) -> _Patterns:
     """Friction along x, and a pressure along y that is even or grows with x, on both faces."""
-    area = float(surface.weights.sum())
+    weights = surface.weights / share
+    area = float(weights.sum())
     arm = surface.points - interface.centre
-    second = [float((surface.weights * arm[..., axis] ** 2).sum()) for axis in range(3)]
+    second = [float((weights * arm[..., axis] ** 2).sum()) for axis in range(3)]
     friction, pressure = _uniform(0, area), _uniform(1, area)
     couple = _linear(1, 0, interface, second[0])
     patterns = {"F_x": friction, "F_y": pressure, "M_z": couple}
     across = [_linear(axis, 2, interface, second[2]) for axis in (0, 1)]
-    return patterns, _planar_targets(), [friction, pressure, couple, *across]
+    return patterns, _planar_targets(), [friction, pressure, couple], across
 
 
-_Builder = Callable[
-    [FacetQuadrature, Interface], tuple[dict[str, Traction], FloatArray, list[Traction]]
-]
+_Builder = Callable[[FacetQuadrature, Interface, float], _Patterns]
 _BUILDERS: dict[str, _Builder] = {
     "bore": _round_patterns,
     "journal": _round_patterns,

@@ -4,6 +4,9 @@ Unit loads of every interface and of four rigid-body accelerations, one factoris
 stress basis at the surface nodes. The part is held at six displacements that just stop it from
 moving as a rigid body; loads in equilibrium need no reaction there, which is checked for every
 position of the cycle. The bodies of a stack are solved with the unknowns that its ties leave.
+
+Half of a part (geometry/halves.py) takes half of each load. It is held along z all over its cut,
+which stands for the other half, and at three displacements in its plane.
 """
 
 from collections.abc import Mapping
@@ -67,7 +70,7 @@ class UnitSolutions:
     interfaces    unit loads per interface, in the order of their columns
     loads         (3 n_nodes, n_basis)  N per unit
     displacement  (3 n_nodes, n_basis)  mm per unit
-    held          (6,) unknowns held still; of tied ones the first
+    held          (n_held,) unknowns held still, 6 of a whole part; of tied ones the first
     factor        of the stiffness matrix without the held unknowns
     stiffness     upper triangle of the whole stiffness matrix, without ties
     residual      largest backward error of the solves
@@ -91,6 +94,11 @@ class UnitSolutions:
         """The part's mesh."""
         return self.elements.mesh
 
+    @property
+    def supports(self) -> IntArray:
+        """The held unknowns without those of a half's cut: loads in balance need none of them."""
+        return np.setdiff1d(self.held, _cut_unknowns(self.mesh))
+
     @cached_property
     def recovery(self) -> Recovery:
         """The rule that turns displacements into stress at surface nodes."""
@@ -108,7 +116,10 @@ class UnitSolutions:
 
     @cached_property
     def unit_resultants(self) -> FloatArray:
-        """Force and moment about the frame origin of every unit load, (6, n_basis)."""
+        """Force and moment about the frame origin of every unit load, (6, n_basis).
+
+        As they act on the mesh: on half of a part half of them, and what its cut balances.
+        """
         return resultants(self.elements, self.loads, np.zeros(3))
 
     def coefficients(
@@ -127,14 +138,15 @@ class UnitSolutions:
 
         Loads that come with other mass properties than the mesh's leave a residual; it is balanced
         by a rigid-body acceleration field, returned as (a_x, a_y, alpha) for the report. Nothing
-        balances forces along z and couples about x and y: they must vanish in sum.
+        balances forces along z and couples about x and y: they must vanish in sum. Half of a part
+        takes the wrenches on the whole, which must have none at any interface.
         """
         self._check_names(wrenches)
         columns = []
         for loads in self.interfaces:
             name = loads.interface.name
             reach = None if reaches is None else reaches.get(name)
-            columns.append(_columns(loads, np.asarray(wrenches[name]), reach))
+            columns.append(_columns(loads, np.asarray(wrenches[name]), reach, half=self.mesh.half))
         columns.append(np.asarray(accelerations))
         coefficients = np.concatenate(columns, axis=1).T
         balance = self.unit_resultants[_IN_PLANE]
@@ -144,7 +156,8 @@ class UnitSolutions:
         held = self._tilt_columns(tilt_held_at)
         if held:
             coefficients[held] -= self.unit_resultants[[3, 4]] @ coefficients
-        self._check_out_of_plane(wrenches, coefficients, first)
+        if not self.mesh.half:
+            self._check_out_of_plane(wrenches, coefficients, first)
         return coefficients, np.asarray(added.T, dtype=np.float64)
 
     def _tilt_columns(self, name: str | None) -> list[int]:
@@ -195,17 +208,18 @@ class UnitSolutions:
                 )
 
     def reactions(self, coefficients: FloatArray) -> FloatArray:
-        """Support reactions (6, n) at the held unknowns, N; of tied unknowns their sum."""
+        """Reactions (n_supports, n) at the supports, N; of tied unknowns their sum."""
+        supports = self.supports
         if self.ties is None:
-            unknowns = place = self.held
+            unknowns = place = supports
         else:
-            unknowns = np.flatnonzero(np.isin(self.ties.number, self.ties.number[self.held]))
+            unknowns = np.flatnonzero(np.isin(self.ties.number, self.ties.number[supports]))
             place = self.ties.first[self.ties.number[unknowns]]
         rows = self.stiffness[unknowns] + self.stiffness.T.tocsr()[unknowns]
         diagonal = self.stiffness.diagonal()[unknowns]
         internal = rows @ self.displacement - diagonal[:, None] * self.displacement[unknowns]
-        needed = np.zeros((len(self.held), self.loads.shape[1]))
-        np.add.at(needed, np.searchsorted(self.held, place), internal - self.loads[unknowns])
+        needed = np.zeros((len(supports), self.loads.shape[1]))
+        np.add.at(needed, np.searchsorted(supports, place), internal - self.loads[unknowns])
         return np.asarray(needed @ coefficients)
 
     def solve(self, loads: FloatArray) -> FloatArray:
@@ -226,11 +240,11 @@ def solve_unit_loads(mesh: Mesh, material: Elastic) -> UnitSolutions:
     )
     inertia = acceleration_loads(elements, material.density)
     loads = np.concatenate([*(i.vectors for i in interfaces), inertia], axis=1)
-    check_memory(*loads.shape, compactness_of(mesh.nodes, mesh.volume))
+    check_memory(len(loads), loads.shape[1], compactness_of(mesh.nodes, mesh.volume))
     pattern = Pattern(elements)
     upper = stiffness(pattern, material.youngs_modulus, material.poisson_ratio)
     ties = ties_of(mesh)
-    held = determinate_hold(mesh.nodes, ties)
+    held = _half_hold(mesh) if mesh.half else determinate_hold(mesh.nodes, ties)
     matrix = upper if ties is None else ties.collect_upper(upper)
     free = _free(matrix.shape[0], held, ties)
     factor = factorize(matrix[free][:, free].tocsr())
@@ -270,7 +284,22 @@ def determinate_hold(nodes: FloatArray, ties: Ties | None = None) -> IntArray:
     return np.sort(candidates[order[:6]])
 
 
-def _columns(loads: InterfaceLoads, wrench: FloatArray, reach: FloatArray | None) -> FloatArray:
+def _half_hold(mesh: Mesh) -> IntArray:
+    """Unknowns that hold half of a part: along z on its cut, and three in its plane."""
+    modes = rigid_modes(mesh.nodes)[:, _IN_PLANE]
+    modes[:, 2] /= np.abs(mesh.nodes - mesh.nodes.mean(axis=0)).max()
+    *_, order = scipy.linalg.qr(modes.T, mode="economic", pivoting=True)
+    return np.union1d(order[:3], _cut_unknowns(mesh))
+
+
+def _cut_unknowns(mesh: Mesh) -> IntArray:
+    """Displacements along z where a half was cut."""
+    return 3 * mesh.cut_nodes + 2
+
+
+def _columns(
+    loads: InterfaceLoads, wrench: FloatArray, reach: FloatArray | None, *, half: bool
+) -> FloatArray:
     """Coefficients (n, n_columns) of one interface's unit loads for its wrench (n, 6)."""
     interface = loads.interface
     refused = [2] if interface.tilts else [2, 3, 4]
@@ -278,8 +307,8 @@ def _columns(loads: InterfaceLoads, wrench: FloatArray, reach: FloatArray | None
     if other > 1e-9 * max(np.abs(wrench).max(initial=0.0), 1e-300):
         what = "forces along z" if interface.tilts else "forces along z or moments about x or y"
         raise ValueError(
-            f"interface {interface.name!r} carries {what} up to {other:.3g}; this model has no "
-            "unit load for them"
+            f"interface {interface.name!r} carries {what} up to {other:.3g}; this model"
+            f"{' of half of the part' if half else ''} has no unit load for them"
         )
     planar = wrench[:, _IN_PLANE]
     if interface.kind == "slide":

@@ -16,6 +16,7 @@ IntArray = npt.NDArray[np.int64]
 # Corner pairs of the mid-side nodes 4..9 of a ten-node tetrahedron, in VTK's order.
 TET_EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
 _FARTHEST = 1e7  # sizes: stress keeps six digits there (docs/extremes.md)
+SYMMETRY = "symmetry"  # the surface at which a half ends, z = 0
 
 
 class MeshError(ValueError):
@@ -100,6 +101,8 @@ class Mesh:
     volume_cad  mm3, of the CAD body the mesh stands for
     mesher      what made the volume mesh
     ties        between the bodies of a stack, such as the leaves of a spring
+    half        whether it is the half at z >= 0 of a part that is its own mirror image about z = 0;
+                it ends at the surface SYMMETRY, and its interfaces are those of the whole part
     """
 
     nodes: FloatArray
@@ -109,6 +112,7 @@ class Mesh:
     volume_cad: float
     mesher: str = "HXT"
     ties: tuple[Tie, ...] = ()
+    half: bool = False
 
     def __post_init__(self) -> None:
         if self.nodes.ndim != 2 or self.nodes.shape[1] != 3:
@@ -130,6 +134,7 @@ class Mesh:
                 f"{_FARTHEST:.0e}): its coordinates lose their digits; move it closer"
             )
         self._check_overlap()
+        self._check_half()
         worst = self.jacobian_minimum
         if not worst > 0:
             raise FoldedElementError(
@@ -146,16 +151,40 @@ class Mesh:
             )
 
     def _check_overlap(self) -> None:
-        """MeshError where a facet belongs to two interfaces, or an interface has none."""
+        """MeshError where a facet belongs to two interfaces, or an interface has none.
+
+        A sliding contact may run over a face that carries another interface: it presses on a
+        patch of its surface alone.
+        """
         owner: dict[tuple[int, ...], str] = {}
         for name, face in self.interfaces.items():
             facets = np.concatenate([self.surfaces[surface] for surface in face.surfaces])
             if not len(facets):
                 raise MeshError(f"interface {name!r} has no facets on the mesh")
+            if face.kind == "slide":
+                continue
             corners = {tuple(row) for row in np.sort(facets[:, :3], axis=1).tolist()}
             for other in sorted({owner[row] for row in corners if row in owner}):
                 raise MeshError(f"interfaces {other!r} and {name!r} overlap: they share a face")
             owner |= dict.fromkeys(corners, name)
+
+    def _check_half(self) -> None:
+        """MeshError where a half has no cut, or is not all on one side of it."""
+        if not self.half:
+            return
+        if not len(self.surfaces.get(SYMMETRY, ())):
+            raise MeshError(f"half of a part needs the surface {SYMMETRY!r} at which it was cut")
+        low = float(self.nodes[:, 2].min())
+        if low < 0 or self.nodes[self.cut_nodes, 2].any():
+            raise MeshError(f"half of a part must end at z = 0, it reaches down to {low:.3g} mm")
+
+    def check_whole(self, what: str) -> None:
+        """MeshError if the mesh is half of a part: `what` needs all of it."""
+        if self.half:
+            raise MeshError(
+                f"{what} needs the whole part; this mesh is the half at z >= 0, for loads without "
+                "a part out of the plane"
+            )
 
     def _check_touching(self) -> None:
         """MeshError where the body touches itself along a line, as beside a hole tangent to it."""
@@ -206,6 +235,22 @@ class Mesh:
         return boundary_facets(self.elements)
 
     @cached_property
+    def cut_nodes(self) -> IntArray:
+        """Indices of the nodes in the plane at which a half ends, ascending; none of a whole."""
+        return np.unique(self.surfaces[SYMMETRY]) if self.half else np.zeros(0, dtype=np.int64)
+
+    @property
+    def share(self) -> float:
+        """How much of the part the mesh is: 1, or 1/2."""
+        return 0.5 if self.half else 1.0
+
+    @cached_property
+    def boundary(self) -> IntArray:
+        """Facets of the part's own surface, (n, 6): without the cut of a half."""
+        cut = np.isin(self._boundary[:, :3], self.cut_nodes).all(axis=1)
+        return np.asarray(self._boundary[~cut])
+
+    @cached_property
     def volume(self) -> float:
         """Volume of the curved elements, mm3."""
         return float(self._weights.sum())
@@ -218,17 +263,22 @@ class Mesh:
 
     @cached_property
     def surface_nodes(self) -> IntArray:
-        """Indices of the nodes on the boundary, ascending."""
-        return np.unique(self._boundary)
+        """Indices of the nodes on the part's own surface, ascending."""
+        return np.unique(self.boundary)
 
     def mass_properties(self, density: float) -> MassProperties:
-        """Mass, centre and moment of inertia about z, by quadrature on the curved elements."""
+        """Mass, centre and moment of inertia about z, by quadrature on the curved elements.
+
+        Of the whole part, also where the mesh is half of it.
+        """
         points = np.einsum("qa,eax->eqx", _shape(_QUADRATURE_POINTS), self.nodes[self.elements])
         mass = density * self._weights.sum()
         centre = density * np.einsum("eq,eqx->x", self._weights, points) / mass
         arm = points[..., :2] - centre[:2]
         inertia = density * np.einsum("eq,eqx,eqx->", self._weights, arm, arm)
-        return MassProperties(float(mass), centre, float(inertia))
+        if self.half:
+            centre[2] = 0.0
+        return MassProperties(float(mass / self.share), centre, float(inertia / self.share))
 
 
 def _place(point: FloatArray) -> str:

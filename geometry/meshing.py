@@ -4,6 +4,7 @@ Nodes, elements and groups are read from gmsh's API straight into arrays: a deto
 file loses the names of surfaces on second-order meshes.
 """
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ import numpy as np
 
 from geometry.memory import check_memory, compactness_of
 from geometry.mesh import (
+    FloatArray,
     FoldedElementError,
     IntArray,
     Interface,
@@ -33,6 +35,7 @@ _OPTIONS = {
     "Mesh.ElementOrder": 2,
     "Mesh.SecondOrderLinear": 0,
     "Mesh.HighOrderOptimize": 1,  # a curved element on a small fillet folds without it
+    "Mesh.HighOrderIterMax": 20,  # more do not mend more, and turn round-off into 1e-3 mm
     "Mesh.HighOrderNumLayers": 2,  # of elements moved around a bad one; 6 takes twice as long
     "Mesh.MeshSizeExtendFromBoundary": 0,
     "Mesh.MeshSizeFromPoints": 0,
@@ -47,6 +50,7 @@ _MESHERS = (("HXT", 10), ("Delaunay, because HXT folded an element", 1))
 _STAYED_BAD = ("Failed to reach critical value", "Optimization failed")
 _MOST_ELEMENTS = 1_000_000
 _UNKNOWNS, _LOADS = 4.3, 8  # unknowns per element of a compact mesh; unit loads of a pin
+_IN_PLANE = 1e-7  # mm: how far the nodes of a half may be beside its cut, by gmsh's round-off
 _FROM_GMSH_TO_VTK = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
 
 
@@ -75,6 +79,7 @@ class Body:
     stacked     whether it is several solids that share faces normal to y (made conformal in gmsh);
                 they keep nodes of their own there, with equal displacement along y
     bolted_at   mm, x of the plane in which a stack's solids do not slide on each other either
+    half        whether it is the half at z >= 0 of a part (geometry/halves.py)
     """
 
     surfaces: Mapping[str, Sequence[int]]
@@ -83,6 +88,7 @@ class Body:
     regions: Sequence[Region]
     stacked: bool = False
     bolted_at: float | None = None
+    half: bool = False
 
 
 class Buildable(Protocol):
@@ -227,6 +233,15 @@ def _set_sizes(gmsh: Any, body: Body, fineness: float, sizes: SizeField | None) 
     gmsh.option.setNumber("Mesh.MeshSizeMax", body.size / fineness)
 
 
+def _rounded(nodes: FloatArray) -> FloatArray:
+    """Nodes to 1e-10 of the part's size, so that a part has one mesh.
+
+    Where gmsh mends an element by moving its nodes, their last bits depend on addresses in memory.
+    """
+    digits = 10 - math.ceil(math.log10(float(np.ptp(nodes, axis=0).max())))
+    return np.asarray(np.round(nodes, digits))
+
+
 def _read_mesh(gmsh: Any, body: Body, mesher: str) -> Mesh:
     volumes = [tag for _, tag in gmsh.model.getEntities(3)]
     if len(volumes) != 1 and not (body.stacked and volumes):
@@ -234,8 +249,7 @@ def _read_mesh(gmsh: Any, body: Body, mesher: str) -> Mesh:
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     index = np.full(int(tags.max()) + 1, -1, dtype=np.int64)
     index[tags] = np.arange(len(tags))
-    # The last bits of a node that was moved to mend its element depend on addresses in memory.
-    nodes = np.round(np.asarray(coordinates, dtype=float), 10).reshape(-1, 3)
+    nodes = _rounded(np.asarray(coordinates, dtype=float).reshape(-1, 3))
 
     solids = [_elements(gmsh, index, 11, tag, 10)[:, _FROM_GMSH_TO_VTK] for tag in volumes]
     split = split_bodies(nodes, solids)
@@ -255,14 +269,18 @@ def _read_mesh(gmsh: Any, body: Body, mesher: str) -> Mesh:
     used = np.unique(elements)
     renumber = np.full(len(split.nodes), -1, dtype=np.int64)
     renumber[used] = np.arange(len(used))
+    placed = split.nodes[used]
+    if body.half:
+        placed[np.abs(placed[:, 2]) <= _IN_PLANE, 2] = 0.0
     return Mesh(
-        nodes=split.nodes[used],
+        nodes=placed,
         elements=renumber[elements],
         surfaces={name: renumber[facets] for name, facets in surfaces.items()},
         interfaces={interface.name: interface for interface in body.interfaces},
         volume_cad=float(sum(gmsh.model.occ.getMass(3, tag) for tag in volumes)),
         mesher=mesher,
-        ties=ties_of(split.nodes[used], renumber[split.pairs], body.bolted_at),
+        ties=ties_of(placed, renumber[split.pairs], body.bolted_at),
+        half=body.half,
     )
 
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from geometry.mesh import FloatArray, IntArray, Mesh
 
+_STEPS = 100.0  # a size is one of so many within a factor of e
 _GROWTH = 0.5  # sizes grow by at most this share of the distance from a smaller one
 _EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
 
@@ -54,8 +55,10 @@ def size_field(mesh: Mesh, wanted: FloatArray) -> SizeField:
     """Return the field of wanted sizes (n_elements,), smoothed so that neighbours fit together.
 
     A corner takes the smallest size of its elements; sizes then grow with distance at most as fast
-    as a mesh can.
+    as a mesh can. Sizes come in steps of 1 %, so that the round-off of the stress that they follow
+    does not change the mesh.
     """
+    wanted = np.exp(np.round(np.log(wanted) * _STEPS) / _STEPS)
     corners = mesh.elements[:, :4]
     sizes = np.full(len(mesh.nodes), np.inf)
     np.minimum.at(sizes, corners, wanted[:, None])

@@ -197,7 +197,7 @@ def reason(check: Check) -> str:
     if not isfinite(check.model):
         return f"{has}; its model error bar is infinite (unknown): no mesh settles it"
     cure = (
-        "a finer mesh can settle it"
+        "a finer mesh can settle it (accuracy, mesh.most_unknowns)"
         if check.settled_by_mesh
         else "the model's own bar holds the limit, so a finer mesh cannot settle it"
     )

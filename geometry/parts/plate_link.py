@@ -22,6 +22,7 @@ class PlateLink:
     """
 
     stressed_evenly: ClassVar[bool] = False
+    middle_plane: ClassVar[bool] = True
     interfaces: ClassVar[tuple[str, ...]] = ("first", "second")
 
     length: float = a_length("distance between the pin axes", given_by=GIVEN_BY_LINKAGE)
@@ -76,6 +77,11 @@ class PlateLink:
         ]
         occ.cut([(3, plate)], tools)
         occ.synchronize()
+        return self.named(gmsh)
+
+    def named(self, gmsh: Any) -> Body:
+        """Say what stands where, of the whole part or its half at z >= 0."""
+        places = {"first": 0.0, "second": self.length}
         bores = {name: bore_at(gmsh, places[name], hole) for name, hole in self._holes.items()}
         return Body(
             surfaces=bores,

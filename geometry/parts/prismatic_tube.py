@@ -18,6 +18,7 @@ class PrismaticTube:
     """Square tube along x from x = 0 (interface "start") to x = `length` (interface "end")."""
 
     stressed_evenly: ClassVar[bool] = True
+    middle_plane: ClassVar[bool] = True
     interfaces: ClassVar[tuple[str, ...]] = ("start", "end")
 
     length: float = a_length("distance between the pin axes", given_by=GIVEN_BY_LINKAGE)
@@ -47,6 +48,10 @@ class PrismaticTube:
         """Build the tube in gmsh's current model."""
         square_tube(gmsh, 0.0, self.length, self.width, self.wall, self.inner_radius)
         gmsh.model.occ.synchronize()
+        return self.named(gmsh)
+
+    def named(self, gmsh: Any) -> Body:
+        """Say what stands where, of the whole part or its half at z >= 0."""
         places = {"start": 0.0, "end": self.length}
         ends = {name: faces_where(gmsh, self._at(x)) for name, x in places.items()}
         return Body(

@@ -30,6 +30,7 @@ class SlottedLever:
     """
 
     stressed_evenly: ClassVar[bool] = False
+    middle_plane: ClassVar[bool] = True
     interfaces: ClassVar[tuple[str, ...]] = ("pivot", "tip", "slot")
 
     length: float = a_length(
@@ -180,7 +181,7 @@ class SlottedLever:
         slot = stadium(gmsh, self.slot_from, self.slot_to, self.slot_width, 2 * depth)
         occ.cut([(3, solid)], [*tools, (3, slot)])
         occ.synchronize()
-        return self._named(gmsh)
+        return self.named(gmsh)
 
     def _plate(self, gmsh: Any) -> int:
         if self.overhang is None:
@@ -210,7 +211,8 @@ class SlottedLever:
         rounded = occ.fillet([solid], feet, [self.boss_fillet])
         return int(rounded[0][1])
 
-    def _named(self, gmsh: Any) -> Body:
+    def named(self, gmsh: Any) -> Body:
+        """Say what stands where, of the whole part or its half at z >= 0."""
         bores = {
             name: bore_at(gmsh, x, self.hole) for name, x in (("pivot", 0.0), ("tip", self.length))
         }

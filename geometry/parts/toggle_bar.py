@@ -28,6 +28,7 @@ class ToggleBar:
     """
 
     stressed_evenly: ClassVar[bool] = False
+    middle_plane: ClassVar[bool] = True
     interfaces: ClassVar[tuple[str, ...]] = ("knee", "end")
 
     length: float = a_length("distance between the pin axes", given_by=GIVEN_BY_LINKAGE)
@@ -121,7 +122,7 @@ class ToggleBar:
         occ.cut([(3, tube)], tools)
         occ.remove(occ.getEntities(2))
         occ.synchronize()
-        return self._named(gmsh)
+        return self.named(gmsh)
 
     def _cut_out(self, occ: Any) -> tuple[int, int]:
         """Prism along y that removes the side walls from the knee's end up to the cut-out's end."""
@@ -140,7 +141,8 @@ class ToggleBar:
         extruded = occ.extrude([(2, profile)], 0, -2 * self.width, 0)
         return 3, next(int(tag) for dimension, tag in extruded if dimension == 3)
 
-    def _named(self, gmsh: Any) -> Body:
+    def named(self, gmsh: Any) -> Body:
+        """Say what stands where, of the whole part or its half at z >= 0."""
         radius = self.hole / 2
         tolerance = 1e-4 * self.width
         cut_end = self.cutout_length - self.overhang

@@ -32,6 +32,7 @@ class TubeRod:
     """
 
     stressed_evenly: ClassVar[bool] = False
+    middle_plane: ClassVar[bool] = True
     interfaces: ClassVar[tuple[str, ...]] = ("first", "second")
 
     length: float = a_length("distance between the pin axes", given_by=GIVEN_BY_LINKAGE)
@@ -115,7 +116,7 @@ class TubeRod:
             tools.append((3, bore))
         occ.cut(solids, tools)
         occ.synchronize()
-        return self._named(gmsh)
+        return self.named(gmsh)
 
     def _outside(self) -> Outline:
         """Ball, fillet, tube, fillet, ball, along the axis of revolution."""
@@ -141,7 +142,8 @@ class TubeRod:
         outline.arc_to(0.0, self.length - start, (0.0, self.length - start - radius))
         return outline
 
-    def _named(self, gmsh: Any) -> Body:
+    def named(self, gmsh: Any) -> Body:
+        """Say what stands where, of the whole part or its half at z >= 0."""
         places = {"first": 0.0, "second": self.length}
         bores = {name: bore_at(gmsh, x, self.hole) for name, x in places.items()}
         fillets = faces_where(gmsh, lambda _, kind: kind == "Torus")

@@ -133,11 +133,11 @@ def test_the_knee_pin_is_bent_as_the_hand_formula_says(press):
 
 
 def test_a_plain_pin_of_40_mm_is_bent_with_56_mpa():
-    """(35/40)^3 of the stepped pin's 83 MPa."""
+    """(35/40)^3 of the stepped pin's 83 MPa; 60.24 MPa if the lugs pressed at their mid-planes."""
     result = pin_alone(PLAIN_PIN, "parts.pin_B.mesh.fineness=0.8")
     hand = hand_of(result, "mid-plane")
     assert_allclose(hand.hand, 55.6, atol=0.3)
-    assert_allclose(hand.model, hand.hand, rtol=0.06)
+    assert hand.hand < hand.model < 60.24
 
 
 def test_every_validity_gate_of_the_press_holds(press):

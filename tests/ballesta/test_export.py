@@ -101,6 +101,43 @@ def test_a_position_of_a_later_cycle_is_that_cycle_s(tmp_path):
     assert done.peak > 200
 
 
+@pytest.mark.parametrize(
+    ("at", "phase"),
+    [("x = 7 mm return", "return"), ("7 mm return", "return"), ("x=7mm approach", "approach")],
+)
+def test_a_position_can_be_copied_from_a_report(tmp_path, at, phase):
+    """The press passes x = 7 mm in three phases; only the word chooses one of them."""
+    done = export_part(PRESS, "bar_upper", at, out=tmp_path / "bar.inp", overrides=COARSE)
+    shown = re.fullmatch(rf"x = (\S+) mm {phase} \(cycle press\)", done.position)
+    assert shown, done.position
+    assert abs(float(shown[1]) - 7) < 10
+
+
+def test_the_short_forms_of_a_position_mean_the_same(tmp_path):
+    told = {
+        export_part(
+            PRESS, "bar_upper", at, cycle="capacity", out=tmp_path / "bar.inp", overrides=COARSE
+        ).position
+        for at in ("x = 4 mm full_pull", "x = 4 mm", "4 mm", "4", " 4.0 full_pull ")
+    }
+    assert len(told) == 1
+
+
+def test_a_position_that_cannot_be_read_is_exit_code_2_with_an_example(tmp_path, capsys):
+    out = tmp_path / "no.inp"
+    code = run_export(
+        PRESS, "bar_upper", "x = 2 mm retrun", cycle="press", out=out, overrides=COARSE
+    )
+    assert code == 2
+    told = " ".join(capsys.readouterr().err.split())
+    example = re.search(
+        r"such as (\S+), in mm, from 2 to 200; phases: approach, press, return; got", told
+    )
+    assert example, told
+    assert 2 <= float(example[1]) <= 200
+    assert not out.exists()
+
+
 def test_the_command_tells_what_it_wrote(tmp_path, capsys):
     out = tmp_path / "bar.inp"
     code = run_export(PRESS, "bar_upper", cycle="press", out=out, overrides=COARSE)
@@ -123,6 +160,14 @@ def test_the_command_tells_what_it_wrote(tmp_path, capsys):
             {"at": "3"},
             "--at: say with --cycle of which cycle 3 is a position: press, ",
         ),
+        (
+            "bar_upper",
+            {"at": "2 deg", "cycle": "press"},
+            "in mm, from 2 to 200; phases: approach, ",
+        ),
+        ("bar_upper", {"at": "y = 2 mm", "cycle": "press"}, "--at: must be 'worst' or a position"),
+        ("bar_upper", {"at": "150 mm press"}, " mm in phase 'press' of cycle 'press', got 150 mm"),
+        ("bar_upper", {"at": "1,5"}, "; phases: full_pull (cycle capacity); got '1,5'"),
         ("bar_upper", {"at": "900", "cycle": "press"}, "x runs from 2 to 200 mm in cycle 'press'"),
         ("bar_upper", {"cycle": "pres"}, "is named 'pres', did you mean press?"),
     ],

@@ -42,8 +42,8 @@ def checked(folder, text, capsys):
 def test_a_part_too_large_for_the_memory_ends_with_exit_code_2_and_both_numbers(
     tmp_path, capsys, small_memory
 ):
-    """160 x 30 x 8 mm of elements of 8 / 0.35 mm, refined at the holes, take some 100 MiB."""
-    code, said = checked(tmp_path, PLATE, capsys)
+    """160 x 30 x 8 mm of elements of 8 / 0.7 mm, refined at the holes, take some 100 MiB."""
+    code, said = checked(tmp_path, PLATE.replace("fineness = 0.5", "fineness = 1"), capsys)
     assert code == 2
     found = re.search(
         r"machine.toml: parts.rod: solving about (\S+) unknowns with 2\d loads would need "

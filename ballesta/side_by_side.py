@@ -1,0 +1,74 @@
+"""Plates that stand side by side on a pin: whether the part's model has the couple of it.
+
+A pin that is fixed in one lug hands it, beside their force, the couple of all other lugs that press
+on the pin beside its middle: the sum of (z_k - z) F_k. In the part's own model that couple comes
+from `offsets`; stack and offsets are stated apart and must say the same. The other lugs' pins turn
+in them and give no couple.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+import loads
+from ballesta.design_data import Design, Part
+from ballesta.part_loads import is_loaded, loads_on
+from geometry.parts import Pin
+from reports.verdict import Gate
+
+_APART = 0.1  # mm, between where a force acts and where the model has it
+
+
+def offset_gates(
+    design: Design, part: Part, solved: Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
+) -> list[Gate]:
+    """Return a gate for every pin of a part: the lever arm, mm, that its model leaves out."""
+    if part.body is None:
+        return []
+    gates = []
+    for pin in design.parts.values():
+        if not isinstance(pin.geometry, Pin) or part.body not in {lug.body for lug in pin.stack}:
+            continue
+        interface = next((name for name, at in part.interfaces.items() if at == pin.joint), None)
+        if interface is None or not any(is_loaded(pin, cycle) for cycle in solved.values()):
+            continue
+        offset = part.offsets.get(interface, 0.0)
+        arm, wanted = _missing_arm(pin, part.body, offset, loads_on(design, pin, solved).wrenches)
+        cure = (
+            f'; state offsets = {{ {interface} = "{wanted:g} mm" }}'
+            if wanted is not None and abs(wanted - offset) > _APART
+            else "; give the part's offsets the couple of its neighbours on the pin"
+        )
+        gates.append(
+            Gate(
+                f"{part.name}: lever arm of {pin.name} left out, mm",
+                arm,
+                _APART,
+                f"the stack of {pin.name} has lugs beside {part.name}, whose couple its offsets "
+                f"do not have{cure}"
+                if arm > _APART
+                else "couple of the lugs beside it on the pin less that of offsets, over the force",
+            )
+        )
+    return gates
+
+
+def _missing_arm(
+    pin: Part, body: str, offset: float, wrenches: Mapping[str, np.ndarray]
+) -> tuple[float, float | None]:
+    """Largest couple that is left out over the largest force, mm, and the right offset if there is.
+
+    Raises no error where nothing presses: the arm is 0 then.
+    """
+    assert isinstance(pin.geometry, Pin)
+    heights = {seat.name: seat.at if seat.single else 0.0 for seat in pin.geometry.seats}
+    others = [name for name in wrenches if name != body]
+    forces = np.stack([wrenches[name][:, :2] for name in others])
+    largest = float(np.hypot(forces[..., 0], forces[..., 1]).max(initial=0.0))
+    if not largest:
+        return 0.0, None
+    fixed = pin.fixed_to == body
+    arms = [heights[name] - heights[body] if fixed else 0.0 for name in others]
+    left = np.einsum("k,knx->nx", np.array(arms) - offset, forces)
+    same = len(set(arms)) == 1
+    return float(np.hypot(left[:, 0], left[:, 1]).max()) / largest, arms[0] if same else None

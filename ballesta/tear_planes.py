@@ -1,0 +1,105 @@
+"""Shear planes behind a hole, measured on a mesh: of parts whose ends are not known as numbers."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from geometry.mesh import FloatArray, IntArray, Mesh
+
+FAR = 3.0  # hole diameters of material behind which nothing tears (docs/theory/fits.md)
+_SECTOR = np.radians(np.linspace(-40.0, 40.0, 9))  # where on the hole's edge a plane may begin
+_LEVELS = 9  # sections over the length of the hole
+_SPLIT = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]]  # a six-node facet, in four
+
+
+@dataclass(frozen=True, eq=False)
+class _Outline:
+    """What a plane z = const cuts of the body's surface: m straight pieces.
+
+    starts, ends  (m, 2) mm, from the hole's axis
+    outward       (m, 2) normals, not of unit length
+    pinned        (m,) whether a piece is of another bore
+    """
+
+    starts: FloatArray
+    ends: FloatArray
+    outward: FloatArray
+    pinned: npt.NDArray[np.bool_]
+
+    def shortest(self, radius: float, angle: float) -> float:
+        """Shortest way through material, mm, of the rays behind the hole; infinite: it is held."""
+        along = np.array([np.cos(angle), np.sin(angle)])
+        across = np.array([-along[1], along[0]])
+        side = radius * np.sin(_SECTOR)[:, None]
+        a, b = self.starts @ across, self.ends @ across
+        met = (a > side) != (b > side)
+        share = (side - a) / np.where(a == b, 1.0, b - a)
+        ways = self.starts @ along + share * ((self.ends - self.starts) @ along)
+        ways = ways - radius * np.cos(_SECTOR)[:, None]
+        met &= ways > 0
+        leaves = self.outward @ along > 0
+        out = np.where(met & leaves, ways, np.inf)
+        first = out.min(axis=1)
+        into = np.where(met & ~leaves & (ways < first[:, None]), ways, 0.0).max(axis=1)
+        held = self.pinned[out.argmin(axis=1)]
+        return float(np.where(held, np.inf, first - into).min())
+
+
+def tear_lengths(mesh: Mesh, name: str, angles: Sequence[float]) -> FloatArray:
+    """Length (n,), mm, of the shortest shear plane behind a bore for forces at some angles, rad.
+
+    A plane begins at the hole's edge, at most 40 degrees from the force's direction, runs parallel
+    to it and ends where it first leaves the material. It is infinite where nothing tears: behind
+    FAR diameters of material, and towards another bore, whose pin is in the way. Of sections over
+    the length of the bore the worst counts.
+    """
+    radius = mesh.interfaces[name].radius
+    outlines = [_outline(mesh, name, level) for level in _levels(mesh, name)]
+    lengths = np.array(
+        [min(cut.shortest(radius, angle) for cut in outlines) for angle in angles], dtype=np.float64
+    )
+    lengths[lengths > FAR * 2 * radius] = np.inf
+    return lengths
+
+
+def _levels(mesh: Mesh, name: str) -> FloatArray:
+    """Heights z, mm, that are inside the bore, in each cheek of a fork."""
+    middles = mesh.nodes[mesh.surfaces[name][:, :3], 2].mean(axis=1)
+    shares = (np.arange(_LEVELS) + 0.5) / _LEVELS
+    return np.asarray(np.quantile(middles, shares, method="closest_observation"))
+
+
+def _outline(mesh: Mesh, name: str, level: float) -> _Outline:
+    facets = mesh.boundary
+    low, high = (pick(mesh.nodes[facets, 2], axis=1) for pick in (np.min, np.max))
+    facets = facets[(low <= level) & (high > level)]
+    triangles = facets[:, _SPLIT].reshape(-1, 3)
+    pinned = np.repeat(_of_other_bores(mesh, name, facets), len(_SPLIT))
+    corners = mesh.nodes[triangles] - np.r_[mesh.interfaces[name].centre[:2], level]
+    above = corners[:, :, 2] > 0
+    cut = above.any(axis=1) & ~above.all(axis=1)
+    corners, above, pinned = corners[cut], above[cut], pinned[cut]
+    alone = np.where(above.sum(axis=1) == 1, above.argmax(axis=1), above.argmin(axis=1))
+    rows = np.arange(len(corners))
+    apex, *others = (corners[rows, (alone + k) % 3] for k in range(3))
+    starts, ends = (
+        (apex - apex[:, 2:] / (apex[:, 2:] - other[:, 2:]) * (apex - other))[:, :2]
+        for other in others
+    )
+    outward = np.cross(others[0] - apex, others[1] - apex)[:, :2]
+    return _Outline(starts, ends, outward, pinned)
+
+
+def _of_other_bores(mesh: Mesh, name: str, facets: IntArray) -> npt.NDArray[np.bool_]:
+    """Whether facets (n, 6) belong to a bore besides the named one."""
+    others = [
+        mesh.surfaces[other]
+        for other, interface in mesh.interfaces.items()
+        if other != name and interface.kind == "bore"
+    ]
+    if not others:
+        return np.zeros(len(facets), dtype=bool)
+    # mid-side nodes belong to the facets of one surface only, but for those at its edges
+    return np.asarray(np.isin(facets[:, 3:], np.concatenate(others)).all(axis=1))

@@ -1,0 +1,120 @@
+"""Plates side by side: pins' stacks against the offsets of the parts, and what cannot be meant."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ballesta.errors import DesignError
+from ballesta.part_loads import check_reach, loads_on
+from ballesta.plan import plan
+from ballesta.side_by_side import offset_gates
+from ballesta.warnings_of import design_warnings
+from geometry.mesh import Interface, TooManyElementsError
+
+from .small_machine import PLATE, machine, solved
+from .test_slot_checks import MESH, lever
+
+CRANK = (
+    PLATE.replace("[parts.rod]", "[parts.crank]")
+    .replace('"rod"', '"crank"')
+    .replace('first = "A", second = "B"', 'first = "O", second = "A"')
+)
+PIN = """
+[parts.pin_A]
+joint = "A"
+shape = "pin"
+fixed_to = "crank"
+material = "S275"
+diameter = "12 mm"
+stack = [
+  { body = "crank", at = "0 mm", width = "8 mm", single = true },
+  { body = "rod", at = "10.5 mm", width = "8 mm", single = true },
+]
+"""
+
+
+def gates(folder, *overrides):
+    design = machine(folder, PLATE + CRANK + PIN, *overrides)
+    runs = solved(design)
+    return {
+        part: {gate.name: gate for gate in offset_gates(design, design.parts[part], runs)}
+        for part in ("crank", "rod", "pin_A")
+    }
+
+
+def test_a_forgotten_offset_breaks_a_gate_that_tells_the_right_one(tmp_path):
+    found = gates(tmp_path)
+    gate = found["crank"]["crank: lever arm of pin_A left out, mm"]
+    assert gate.binding
+    assert not gate.holds
+    assert gate.value == pytest.approx(10.5)
+    assert 'state offsets = { second = "10.5 mm" }' in gate.meaning
+    (rod,) = found["rod"].values()
+    assert rod.value == 0
+    assert not found["pin_A"]
+
+
+@pytest.mark.parametrize(
+    ("crank", "rod", "arms"),
+    [("10.5 mm", "0 mm", (0, 0)), ("-3 mm", "0 mm", (13.5, 0)), ("10.5 mm", "4 mm", (0, 4))],
+)
+def test_offsets_that_the_stack_contradicts_break_it_too(tmp_path, crank, rod, arms):
+    found = gates(
+        tmp_path,
+        f'parts.crank.offsets={{second="{crank}"}}',
+        f'parts.rod.offsets={{first="{rod}"}}',
+    )
+    values = [next(iter(found[part].values())).value for part in ("crank", "rod")]
+    assert values == pytest.approx(arms, abs=1e-9)
+
+
+def test_a_fork_has_no_arm(tmp_path):
+    stack = (
+        'parts.pin_A.stack=[{body="crank",at="0 mm",width="8 mm"},'
+        '{body="rod",at="10 mm",width="8 mm"}]'
+    )
+    (gate,) = gates(tmp_path, stack)["crank"].values()
+    assert gate.value == 0
+
+
+def test_an_offset_in_the_wrong_unit_is_told(tmp_path):
+    design = machine(tmp_path, PLATE, 'parts.rod.offsets={second="5 m"}')
+    warnings = design_warnings(design, {}, solved(design))
+    assert any("417 times its hole of 12 mm" in warning for warning in warnings)
+    near = machine(tmp_path, PLATE, 'parts.rod.offsets={second="10 mm"}')
+    assert not any("times its hole" in text for text in design_warnings(near, {}, solved(near)))
+
+
+def test_a_roller_wider_than_its_slot_is_refused(tmp_path):
+    with pytest.raises(DesignError) as caught:
+        lever(tmp_path, 'contacts = { slot = { radius = "7 mm" } }')
+    assert caught.value.key == "parts.lever.contacts.slot.radius"
+    assert "at most 6 mm; is 7 mm its diameter?" in str(caught.value)
+    lever(tmp_path, 'contacts = { slot = { radius = "6 mm" } }')
+
+
+def test_a_contact_that_leaves_its_stretch_is_refused_with_both(tmp_path):
+    design = lever(tmp_path)
+    part = design.parts["lever"]
+    loads = loads_on(design, part, solved(design))
+    reach = loads.reaches["slot"]
+    low, high = float(reach.min()), float(reach.max())
+
+    def with_travel(*travel):
+        slide = replace(MESH.interfaces["slot"], travel=travel, centre=np.array([3.0, 0, 0]))
+        return type(MESH)(interfaces={"slot": slide})
+
+    check_reach(design, part, loads, with_travel(low, high))
+    for travel in ((low + 0.1, high), (low, high - 0.1)):
+        with pytest.raises(DesignError) as caught:
+            check_reach(design, part, loads, with_travel(*travel))
+        assert caught.value.key == "parts.lever.interfaces.slot"
+        assert f"slides from x = {low + 3:.4g} to {high + 3:.4g} mm" in caught.value.problem
+        assert "travel_from, travel_to" in caught.value.problem
+    assert isinstance(MESH.interfaces["slot"], Interface)
+
+
+def test_a_first_mesh_larger_than_allowed_is_refused(tmp_path):
+    with pytest.raises((DesignError, TooManyElementsError), match=r"most_unknowns is 100, but"):
+        plan(machine(tmp_path, PLATE, "parts.rod.mesh.most_unknowns=100"))

@@ -1,0 +1,31 @@
+"""How large elements are against the notch in which a peak sits."""
+
+import numpy as np
+import pytest
+
+from fem.notch_resolution import concave_curvature, notch_error
+from geometry.meshing import mesh_shape
+from geometry.parts import PlateLink
+
+
+@pytest.fixture(scope="module")
+def link():
+    return mesh_shape(PlateLink(length=60, width=30, thickness=6, hole=10), fineness=1.0)
+
+
+def at(mesh, *place):
+    return int(((mesh.nodes - np.array(place)) ** 2).sum(axis=1).argmin())
+
+
+def test_a_hole_is_as_concave_as_its_radius(link):
+    assert concave_curvature(link, at(link, 0, 5, 0)) == pytest.approx(1 / 5, rel=0.03)
+
+
+def test_flat_and_convex_surfaces_are_no_notch(link):
+    for place in ((30, 15, 0), (-15, 0, 0)):
+        assert concave_curvature(link, at(link, *place)) < 1e-6
+
+
+def test_half_the_size_misses_a_quarter():
+    assert notch_error(0.5, 1.0) == pytest.approx(0.0425)
+    assert notch_error(0.25, 1.0) == pytest.approx(0.0425 / 4)
