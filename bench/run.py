@@ -2,7 +2,7 @@
 
 Each measurement runs in a process of its own. Times are medians of the stated number of runs and
 belong to the machine named beside them; nothing here is asserted in a test. docs/speed.md is
-written from the results.
+written from the results. `python bench/run.py solid` runs that one and keeps the other rows.
 """
 
 import json
@@ -11,6 +11,7 @@ import platform
 import statistics
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -61,10 +62,11 @@ def help_time() -> list[dict[str, Any]]:
 def press_check() -> list[dict[str, Any]]:
     """The check of the toggle press, stage by stage, with report and files."""
     done = subprocess.run(
-        [sys.executable, str(HERE / "press.py"), str(PRESS)],
+        [sys.executable, "-m", "bench.press", str(PRESS)],
         check=True,
         capture_output=True,
         text=True,
+        cwd=HERE.parent,
     )
     measured = json.loads(done.stdout.splitlines()[-1])
     rows = [
@@ -165,13 +167,24 @@ def solid_and_its_peer() -> list[dict[str, Any]]:
     return rows
 
 
-def main() -> None:
-    """Run everything."""
-    results = []
-    for benchmark in (help_time, loads_of_machines, solid_and_its_peer, press_check):
-        print(f"running {benchmark.__name__}", file=sys.stderr)
-        results += benchmark()
-    (HERE / "results.json").write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
+# Every benchmark by the first word of its rows.
+BENCHMARKS = {
+    "ballesta": help_time,
+    "loads": loads_of_machines,
+    "solid": solid_and_its_peer,
+    "toggle": press_check,
+}
+
+
+def main(wanted: Sequence[str]) -> None:
+    """Run the benchmarks named, or all, and keep the rows of the others; saved after each."""
+    path = HERE / "results.json"
+    results = json.loads(path.read_text(encoding="utf-8")) if path.exists() else []
+    for word in wanted or BENCHMARKS:
+        print(f"running {word}", file=sys.stderr)
+        rows = BENCHMARKS[word]()
+        results = [row for row in results if row["name"].split()[0].strip(":,") != word] + rows
+        path.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
     if any(row["name"] == "solid: unknowns" for row in results):
         subprocess.run([sys.executable, "-m", "bench.speed_page"], check=True, cwd=HERE.parent)
     else:
@@ -182,4 +195,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])
