@@ -45,7 +45,7 @@ def test_the_part_from_cad_in_the_readme_is_read(tmp_path):
     design.write_text(press.replace(lower, shown), encoding="utf-8")
     part = read_design(design).parts["bracket"]
     assert part.geometry.length == pytest.approx(250, rel=1e-9)
-    assert part.geometry.found["knee"].centre == pytest.approx([0, 0, 10], abs=1e-6)
+    assert part.geometry.found["knee"].centre == pytest.approx([0, 0, 0], abs=1e-6)
 
 
 def console(number):
