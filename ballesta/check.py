@@ -29,6 +29,7 @@ from ballesta.side_by_side import offset_gates
 from ballesta.slot_checks import slot_checks
 from ballesta.solid import FIRST, check_solid
 from ballesta.warnings_of import claim_warnings, design_warnings
+from fem.allocation import keep_freed_memory
 from fem.solvers import SolverError
 from geometry.mesh import MeshError, TooManyElementsError
 from geometry.parts.step_part import StepPart
@@ -70,6 +71,7 @@ def check_design(
         raise DesignError(
             design.file, "parts", "nothing to check: there are none; ballesta loads tells the loads"
         )
+    keep_freed_memory()
     models = Models()
     timings = {"read": reading}
     try:

@@ -69,8 +69,7 @@ class Pattern:
         summed = summing @ blocks.reshape(-1, 9)
         rows, columns = pairs // n, pairs % n
         pointers = np.searchsorted(rows, np.arange(n + 1))
-        whole = sp.bsr_array((summed.reshape(-1, 3, 3), columns, pointers), shape=(3 * n, 3 * n))
-        return _without_lower(whole.tocsr())
+        return _from_blocks(summed, rows, columns, pointers)
 
     def upper_scalar(self, values: FloatArray) -> sp.csr_array:
         """Sum multiples of the 3 x 3 identity, values (n_elements, 55), in the same way."""
@@ -133,16 +132,31 @@ def _ordered_gradients(pattern: Pattern, part: slice) -> FloatArray:
     return np.asarray(pattern.elements.gradients[part][each, at, order[:, None, :]])
 
 
-def _without_lower(whole: sp.csr_array) -> sp.csr_array:
-    """Upper triangle of a matrix whose rows of 3 x 3 blocks begin on the diagonal.
+def _from_blocks(
+    blocks: FloatArray, rows: IntArray, columns: IntArray, pointers: IntArray
+) -> sp.csr_array:
+    """Upper triangle of a matrix of 3 x 3 blocks, each row of blocks beginning on the diagonal.
 
     Three entries are left out per diagonal block, whatever their value, so the pattern depends on
-    the mesh alone.
+    the mesh alone. blocks (n, 9) and their columns (n,) of blocks, by rows.
     """
-    starts = whole.indptr
-    keep = np.ones(whole.nnz, dtype=bool)
-    for entry in (starts[1:-1:3], starts[2:-1:3], starts[2:-1:3] + 1):
-        keep[entry] = False
-    dropped = np.r_[0, np.cumsum(np.tile([0, 1, 2], (len(starts) - 1) // 3))]
-    pointers = (starts - dropped).astype(starts.dtype)
-    return sp.csr_array((whole.data[keep], whole.indices[keep], pointers), shape=whole.shape)
+    n = len(pointers) - 1
+    inside = 3 * (
+        np.arange(len(blocks)) - pointers[:-1][rows]
+    )  # of the row, where the block begins
+    wide = 3 * np.diff(pointers)
+    # a row of blocks is three rows of `wide`, `wide` - 1 and `wide` - 2 entries
+    starts = 9 * pointers[:-1, None] + wide[:, None] * np.arange(3) - 3 * np.arange(n)[:, None]
+    starts[:, 2] -= 1
+    size = 9 * len(blocks) - 3 * n
+    data, indices = np.empty(size), np.empty(size, dtype=np.int32)
+    on_diagonal = inside == 0
+    for i in range(3):
+        begin = starts[rows, i] + inside - i
+        for j in range(3):
+            kept = slice(None) if j >= i else ~on_diagonal
+            at = (begin + j)[kept]
+            data[at] = blocks[kept, 3 * i + j]
+            indices[at] = 3 * columns[kept] + j
+    ends = np.append(starts.ravel(), size).astype(np.int32)
+    return sp.csr_array((data, indices, ends), shape=(3 * n, 3 * n))

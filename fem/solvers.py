@@ -9,7 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from fem.ordering import dissection, permuted
-from geometry.mesh import FloatArray
+from geometry.mesh import FloatArray, IntArray
 
 BACKWARD_LIMIT = 1e-12
 _INDEFINITE = "the stiffness matrix is not positive definite"
@@ -79,10 +79,14 @@ class Factor:
         return float(np.max(sizes(residual) / np.where(scale > 0, scale, 1.0), initial=0.0))
 
 
-def factorize(upper: sp.csr_array, solver: str | None = None) -> Factor:
+def factorize(
+    upper: sp.csr_array, solver: str | None = None, *, place: IntArray | None = None
+) -> Factor:
     """Factorise the symmetric positive definite matrix whose upper triangle is given.
 
     solver  one of SOLVERS; without it the first that can be loaded
+    place   (n,) where each unknown stands in a good order of elimination, if it is known already;
+            for CHOLMOD, equal places in the order of the unknowns
 
     CHOLMOD if scikit-sparse is there, else PARDISO if pypardiso is, else SciPy's SuperLU, which is
     ten times slower or more; the factor's name says which, and why not the ones before it. Raises
@@ -95,7 +99,7 @@ def factorize(upper: sp.csr_array, solver: str | None = None) -> Factor:
     missing = []
     for name in SOLVERS if solver is None else (solver,):
         try:
-            apply = SOLVERS[name](upper)
+            apply = SOLVERS[name](upper, place)
         except ImportError as error:
             missing.append(f"{name} cannot be loaded: {error}")
         else:
@@ -104,10 +108,10 @@ def factorize(upper: sp.csr_array, solver: str | None = None) -> Factor:
     raise SolverError("; ".join(missing))
 
 
-def _cholmod(upper: sp.csr_array) -> Apply:
+def _cholmod(upper: sp.csr_array, place: IntArray | None) -> Apply:
     from sksparse import cholmod
 
-    order = dissection(upper, cholmod)
+    order = dissection(upper, cholmod) if place is None else np.argsort(place, kind="stable")
     try:
         factor = cholmod.cholesky(
             permuted(upper, order), mode="supernodal", ordering_method="natural"
@@ -123,7 +127,7 @@ def _cholmod(upper: sp.csr_array) -> Apply:
     return apply
 
 
-def _pardiso(upper: sp.csr_array) -> Apply:
+def _pardiso(upper: sp.csr_array, _: IntArray | None) -> Apply:
     from pypardiso import PyPardisoSolver
     from pypardiso.pardiso_wrapper import PyPardisoError
 
@@ -143,7 +147,7 @@ def _pardiso(upper: sp.csr_array) -> Apply:
     return apply
 
 
-def _superlu(upper: sp.csr_array) -> Apply:
+def _superlu(upper: sp.csr_array, _: IntArray | None) -> Apply:
     from scipy.sparse.linalg import splu
 
     lu = splu(
@@ -162,7 +166,7 @@ def _superlu(upper: sp.csr_array) -> Apply:
 
 
 # The best first: time of factorisation and solves, measured in bench/solid.py.
-SOLVERS: dict[str, Callable[[sp.csr_array], Apply]] = {
+SOLVERS: dict[str, Callable[[sp.csr_array, IntArray | None], Apply]] = {
     "CHOLMOD": _cholmod,
     "PARDISO": _pardiso,
     "SuperLU": _superlu,

@@ -19,6 +19,7 @@ import scipy.sparse as sp
 
 from fem.assembly import Pattern, stiffness
 from fem.elements import Elements
+from fem.ordering import node_dissection
 from fem.recovery import Recovery
 from fem.sliding import sliding_coefficients, sliding_loads
 from fem.solvers import Factor, factorize
@@ -247,7 +248,10 @@ def solve_unit_loads(mesh: Mesh, material: Elastic) -> UnitSolutions:
     held = _half_hold(mesh) if mesh.half else determinate_hold(mesh.nodes, ties)
     matrix = upper if ties is None else ties.collect_upper(upper)
     free = _free(matrix.shape[0], held, ties)
-    factor = factorize(matrix[free][:, free].tocsr())
+    by_node = node_dissection(mesh.elements) if ties is None else None
+    factor = factorize(
+        matrix[free][:, free].tocsr(), place=None if by_node is None else by_node[free // 3]
+    )
     displacement, residual = _solve_held(factor, held, loads, ties)
     return UnitSolutions(
         elements=elements,

@@ -4,9 +4,15 @@ import os
 import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
+
+from ballesta.design import read_design
+from geometry.parts import PlateLink
+
+from .geometry.step_files import write_step
 
 ROOT = Path(__file__).parent.parent
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -24,8 +30,22 @@ def without_times(text):
 
 
 def test_the_design_in_the_readme_is_the_design_file():
-    (shown,) = blocks("toml")
+    shown = blocks("toml")[0]
     assert shown == (ROOT / "designs" / "toggle_press.toml").read_text(encoding="utf-8")
+
+
+def test_the_part_from_cad_in_the_readme_is_read(tmp_path):
+    """In place of the press' lower bar, with a plate of 250 mm between its holes."""
+    press, shown = blocks("toml")
+    bracket = tomllib.loads(shown)["parts"]["bracket"]
+    plate = PlateLink(length=250.0, width=90.0, thickness=20.0, hole=44.0, second_hole=40.0)
+    write_step(tmp_path / bracket["shape"]["step"], plate.build)
+    lower = re.search(r"\[parts\.bar_lower\]\n(.+\n)+", press)[0]
+    design = tmp_path / "press.toml"
+    design.write_text(press.replace(lower, shown), encoding="utf-8")
+    part = read_design(design).parts["bracket"]
+    assert part.geometry.length == pytest.approx(250, rel=1e-9)
+    assert part.geometry.found["knee"].centre == pytest.approx([0, 0, 0], abs=1e-6)
 
 
 def console(number):

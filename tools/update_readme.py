@@ -1,6 +1,6 @@
 """Put the design file and the commands' real output into README.md.
 
-The toml block becomes the toggle press; a console block keeps its `$` line and gets what that
+The first toml block becomes the toggle press; a console block keeps its `$` line and gets what that
 command prints.
 """
 
@@ -24,7 +24,7 @@ def design_text() -> str:
 def main() -> None:
     """Rewrite README.md."""
     text = README.read_text(encoding="utf-8")
-    text = TOML.sub(lambda found: found[1] + design_text() + found[3], text)
+    text = TOML.sub(lambda found: found[1] + design_text() + found[3], text, count=1)
     for found in CONSOLE.findall(text):
         done = subprocess.run(
             [sys.executable, "-m", "ballesta.cli", *found[1].split()],
