@@ -32,7 +32,14 @@ def duty_of(file: DesignFile, problems: Problems) -> Duty:
     for name in file.duty.cycles:
         if name not in known:
             problems.add(f"duty.cycles.{name}", no_such("cycle", name, known))
-    return Duty(dict(file.duty.cycles), file.duty.rate)
+    duty = file.duty
+    if duty.damage_so_far >= duty.allowed_damage:
+        problems.add(
+            "duty.damage_so_far",
+            f"{duty.damage_so_far:g} leaves nothing of the allowed damage of "
+            f"{duty.allowed_damage:g}",
+        )
+    return Duty(dict(duty.cycles), duty.rate, duty.life, duty.allowed_damage, duty.damage_so_far)
 
 
 def _cycle(

@@ -244,10 +244,18 @@ class MeasuredRun:
 
 @dataclass(frozen=True)
 class Duty:
-    """How often each cycle runs in the machine's life; rate in 1/s."""
+    """How often each cycle runs in the machine's life; rate in 1/s.
+
+    life            "infinite": no cycle may exceed the endurance limit; "finite": Miner's sum
+    allowed_damage  Miner's sum at which a part counts as used up
+    damage_so_far   what of it earlier use has taken
+    """
 
     cycles: Mapping[str, float]
     rate: float | None
+    life: str = "infinite"
+    allowed_damage: float = 0.3
+    damage_so_far: float = 0.0
 
 
 @dataclass(frozen=True)

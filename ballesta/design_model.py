@@ -63,6 +63,17 @@ class DutyEntry(Table):
         default_factory=dict, description="number of runs by the cycle's name"
     )
     rate: Rate | None = Field(None, description="runs per time the machine is to reach")
+    life: Literal["infinite", "finite"] = Field(
+        "infinite",
+        description="infinite: no cycle exceeds the endurance limit; finite: Miner's sum of these "
+        "runs is allowed",
+    )
+    allowed_damage: Positive = Field(
+        0.3, description="Miner's sum at failure: 0.3 is the FKM guideline's least, 1 Miner's own"
+    )
+    damage_so_far: Annotated[float, Field(strict=True, ge=0, allow_inf_nan=False)] = Field(
+        0.0, description="what of it earlier use has taken"
+    )
 
 
 class Column(Table):

@@ -46,9 +46,8 @@ def shown_surface(loads: PartLoads, level: Level) -> Surface:
     state = level.coefficients[:, level.peak.position]
     displacement = (level.solutions.displacement @ state).reshape(-1, 3)[nodes]
     fields = {"von Mises [MPa]": von_mises(level.history.at(level.peak.position))}
-    if level.fatigue is not None:
-        result = level.fatigue_results[level.fatigue.cycle]
-        fields["Goodman utilisation"] = np.asarray(result.utilisation)
+    if level.duty is not None:
+        fields["fatigue utilisation"] = level.duty.utilisation_at(np.arange(len(nodes)))
     for axis, name in enumerate("xyz"):
         fields[f"displacement {name} [mm]"] = displacement[:, axis]
     surface = Surface(level.history.points, triangles, fields, level.peak.point)

@@ -2,14 +2,17 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
-from math import degrees, pi
+from dataclasses import dataclass, field
+from math import degrees, isfinite, pi
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
 import fatigue
 from ballesta.design_data import Part
-from ballesta.levels import FatiguePeak, Level, peak_of
+from ballesta.duty_verdict import WHOLE_DUTY, FatiguePeak
+from ballesta.finite_life import DutyLife, LifeTask, lives_of, shortest_life
+from ballesta.levels import Level, peak_of
 from ballesta.part_loads import PartLoads
 from fem.convergence import (
     ErrorBar,
@@ -20,7 +23,7 @@ from fem.convergence import (
 from fem.direct import direct_stress, has_bearings
 from fem.recovery import von_mises
 from fem.singularity import singular_exponent
-from geometry.mesh import FloatArray
+from geometry.mesh import FloatArray, IntArray
 
 _UNRESOLVED = 0.05  # error that elements make in a notch, over the peak
 
@@ -47,8 +50,8 @@ class Judged(ABC):
         """Index of the surface point that carries it."""
 
     @abstractmethod
-    def field(self, level: Level) -> FloatArray:
-        """The quantity at all surface points (n_points,), MPa."""
+    def at(self, level: Level, points: IntArray) -> FloatArray:
+        """The quantity at some surface points (n,), MPa."""
 
     @abstractmethod
     def scatter(self, level: Level) -> float:
@@ -77,9 +80,9 @@ class StaticPeak(Judged):
         """Index of the surface point that carries it."""
         return level.peak.point
 
-    def field(self, level: Level) -> FloatArray:
-        """Von Mises stress at all surface points at the position of the peak."""
-        return von_mises(level.history.at(level.peak.position))
+    def at(self, level: Level, points: IntArray) -> FloatArray:
+        """Von Mises stress at some surface points (n,) at the position of the peak, MPa."""
+        return von_mises(level.history.at(level.peak.position)[points])
 
     def states(self, level: Level) -> list[FloatArray]:
         """The load state of the peak."""
@@ -95,11 +98,14 @@ class StaticPeak(Judged):
 
 
 @dataclass(frozen=True, eq=False)
-class GoodmanPeak(Judged):
-    """The largest Goodman utilisation over the cycles of the duty, times the endurance limit.
+class FatigueUse(Judged):
+    """The largest fatigue utilisation over the duty, times the endurance limit.
 
     limit     MPa, endurance limit away from notches
     ultimate  MPa
+
+    Goodman's or Findley's, whichever is worse. Its bars are those of the pair of positions that
+    decides, as Goodman judges it, in proportion.
     """
 
     loads: PartLoads
@@ -119,10 +125,10 @@ class GoodmanPeak(Judged):
         """Index of the surface point that carries it."""
         return self.worst(level).point
 
-    def field(self, level: Level) -> FloatArray:
-        """Equivalent amplitude at all surface points over the cycle that decides."""
-        result = level.fatigue_results[self.worst(level).cycle]
-        return np.asarray(result.utilisation * self.limit)
+    def at(self, level: Level, points: IntArray) -> FloatArray:
+        """Equivalent amplitude at some surface points (n,) on the path that decides, MPa."""
+        assert level.duty is not None
+        return level.duty.utilisation_at(points) * self.limit
 
     def states(self, level: Level) -> list[FloatArray]:
         """Half the swing, and the middle, of the pair of positions."""
@@ -134,13 +140,63 @@ class GoodmanPeak(Judged):
         point = self.point(level)
         swing, middle = (level.scatter(state, point) for state in self.states(level))
         factor = self.limit / float(level.limits[point])
-        return factor * swing + middle * self.limit / self.ultimate
+        return self._over_pair(level) * (factor * swing + middle * self.limit / self.ultimate)
 
     def direct(self, level: Level, arc: float) -> float:
         """The quantity between the same two positions under pressures as they are."""
         pair = [_direct(self.loads, level, k, arc) for k in self.worst(level).pair]
-        result = fatigue.goodman(np.stack(pair, axis=2), np.eye(2), level.limits, self.ultimate)
+        stress = np.stack(pair, axis=2)
+        return self._over_pair(level) * self._of_pair(stress, level.limits)
+
+    def safety_missed(self, level: Level) -> float:
+        """How far from 1 the safety is that all loads times the safety leave."""
+        assert level.duty is not None
+        return level.duty.safety_missed()
+
+    def _of_pair(self, stress: FloatArray, limits: FloatArray) -> float:
+        """Goodman's equivalent amplitude of two states, stress (n, 6, 2), at the worst point."""
+        result = fatigue.goodman(stress, np.eye(2), limits, self.ultimate)
         return float(result.utilisation.max()) * self.limit
+
+    def _over_pair(self, level: Level) -> float:
+        """The quantity over Goodman's for the deciding pair at its point: 1 where he decides."""
+        point = [self.point(level)]
+        pair = level.coefficients[:, list(self.worst(level).pair)]
+        judged = self._of_pair(level.history.basis[point] @ pair, level.limits[point])
+        return self.value(level) / judged if judged else 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class LifeUse(FatigueUse):
+    """The endurance limit over the safety that a finite life leaves: Miner's sum over the duty.
+
+    task  what the life is asked of
+    """
+
+    task: LifeTask
+    _lives: WeakKeyDictionary[Level, DutyLife] = field(default_factory=WeakKeyDictionary)
+
+    def life(self, level: Level) -> DutyLife:
+        """Life of the worst point of a level, sought once."""
+        assert level.duty is not None
+        if level not in self._lives:
+            self._lives[level] = shortest_life(level.duty, self.task)
+        return self._lives[level]
+
+    def worst(self, level: Level) -> FatiguePeak:
+        """The point that lasts the shortest, and the ends of the longest chord of its path."""
+        life = self.life(level)
+        value = self.limit / life.safety
+        return FatiguePeak(value, life.point, WHOLE_DUTY, life.pair, "Miner")
+
+    def safety_missed(self, level: Level) -> float:
+        """How far from 1 the safety is that all loads times the safety leave, counted again."""
+        life = self.life(level)
+        if not isfinite(life.safety):
+            return 0.0
+        assert level.duty is not None
+        (again,) = lives_of(level.duty, self.task, np.array([life.point]), life.safety)
+        return abs(again.safety - 1.0)
 
 
 def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float) -> Bars:
@@ -228,9 +284,10 @@ def _singular_edge(judged: Judged, levels: Sequence[Level]) -> tuple[float, floa
         return 0.0, 0.0
     values, sizes, worst = [], [], 0
     for level in levels:
-        on_edge, field = level.edges[0], judged.field(level)
-        worst = int(on_edge[field[on_edge].argmax()])
-        values.append(float(field[worst]))
+        on_edge = level.edges[0]
+        found = judged.at(level, on_edge)
+        worst = int(on_edge[found.argmax()])
+        values.append(float(found.max()))
         sizes.append(level.size_at(worst))
     points, angles = levels[-1].edges
     angle = float(angles[points == worst][0])

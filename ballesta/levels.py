@@ -7,8 +7,8 @@ from time import perf_counter
 
 import numpy as np
 
+from ballesta.duty_verdict import DutyVerdict, FatiguePeak, duty_runs, duty_verdict
 from ballesta.part_loads import PartLoads
-from fatigue import FatigueResult, goodman
 from fem.notch_resolution import concave_curvature, notch_error
 from fem.recovery import von_mises
 from fem.singularity import reentrant_edges
@@ -77,20 +77,6 @@ class Peak:
     position: int
 
 
-@dataclass(frozen=True)
-class FatiguePeak:
-    """The largest Goodman utilisation over the cycles of the duty.
-
-    value  MPa, equivalent amplitude: utilisation times the endurance limit
-    pair   positions of the longest chord
-    """
-
-    value: float
-    point: int
-    cycle: str
-    pair: tuple[int, int]
-
-
 @dataclass(frozen=True, eq=False)
 class Level:
     """A part on one mesh.
@@ -98,6 +84,7 @@ class Level:
     limits        (n_points,) MPa, endurance limit at the surface points, notches included
     coefficients  (n_basis, n) of the unit loads over all cycles
     added         (n, 3) rigid-body acceleration field that balances foreign mass properties
+    duty          fatigue over the cycles of the duty, None without one
     """
 
     fineness: float
@@ -108,8 +95,12 @@ class Level:
     history: StressHistory
     peak: Peak
     peaks_by_position: FloatArray
-    fatigue: FatiguePeak | None
-    fatigue_results: Mapping[str, FatigueResult]
+    duty: DutyVerdict | None
+
+    @cached_property
+    def fatigue(self) -> FatiguePeak | None:
+        """What decides fatigue over the duty; None without one."""
+        return None if self.duty is None else self.duty.peak
 
     @property
     def half(self) -> bool:
@@ -232,25 +223,10 @@ def solve_level(
     for surface, factor in (notch_factors or {}).items():
         notched = np.isin(nodes, solutions.mesh.surfaces[surface])
         limits[notched] = np.minimum(limits[notched], endurance_limit / factor)
-    results = {
-        name: goodman(
-            history.basis,
-            np.ascontiguousarray(coefficients[:, loads.cycles[name]]),
-            limits,
-            ultimate_stress,
-            cycle=name,
-        )
-        for name in duty
-        if name in loads.cycles
-    }
-    worst, most = None, -1.0
-    for name, result in results.items():
-        point = int(result.critical)
-        used = float(result.utilisation[point])
-        if used > most:
-            most, start = used, loads.cycles[name].start
-            first, second = (int(k) + start for k in result.pair[point])
-            worst = FatiguePeak(used * endurance_limit, point, name, (first, second))
+    runs = duty_runs(loads.cycles, duty)
+    verdict = duty_verdict(
+        history.basis, coefficients, limits, endurance_limit, ultimate_stress, runs
+    )
     return Level(
         fineness,
         solutions,
@@ -260,8 +236,7 @@ def solve_level(
         history,
         peak,
         by_position,
-        worst,
-        results,
+        verdict,
     )
 
 

@@ -9,6 +9,7 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field
 
 from ballesta.units import Density, Stress
+from fatigue import FKM_GROUPS
 from geometry.parameters import ParameterError, check_above
 
 _STEEL = (180e3, 230e3)  # MPa, Young's modulus of what takes steel's endurance limit
@@ -16,7 +17,11 @@ _STEEL = (180e3, 230e3)  # MPa, Young's modulus of what takes steel's endurance 
 
 @dataclass(frozen=True)
 class Material:
-    """An isotropic metal; stresses in MPa, density in tonne/mm3."""
+    """An isotropic material; stresses in MPa, density in tonne/mm3.
+
+    endurance_ratio  of a polished bar, of the ultimate strength; None: steel's 0.5, or brittle
+    fkm_group        one of `fatigue.FKM_GROUPS`; None: the guideline's chain cannot be used
+    """
 
     name: str
     youngs_modulus: float
@@ -26,7 +31,8 @@ class Material:
     ultimate_stress: float
     ductile: bool
     source: str
-    endurance_ratio: float | None = None  # of the ultimate strength; None for steel's 0.5
+    endurance_ratio: float | None = None
+    fkm_group: str | None = None
 
     def __post_init__(self) -> None:
         check_above("youngs_modulus", self.youngs_modulus, 0, "MPa")
@@ -43,7 +49,7 @@ class Material:
                 f"got {self.ultimate_stress:g} MPa",
             )
         ratio = self.endurance_ratio
-        if ratio is None and not _STEEL[0] <= self.youngs_modulus <= _STEEL[1]:
+        if ratio is None and self.ductile and not _STEEL[0] <= self.youngs_modulus <= _STEEL[1]:
             raise ParameterError(
                 "endurance_ratio",
                 f"must be stated: Young's modulus of {self.youngs_modulus / 1e3:g} GPa is not "
@@ -52,6 +58,21 @@ class Material:
             )
         if ratio is not None and not 0 < ratio < 1:
             raise ParameterError("endurance_ratio", f"must be between 0 and 1, got {ratio:g}")
+        if self.fkm_group is not None and self.fkm_group not in FKM_GROUPS:
+            raise ParameterError(
+                "fkm_group", f"must be one of {', '.join(FKM_GROUPS)}, got {self.fkm_group!r}"
+            )
+
+    @property
+    def why_not_goodman(self) -> str | None:
+        """Why the Goodman rule and von Mises cannot judge the material, None if they can."""
+        if self.ductile:
+            return None
+        return (
+            f"{self.name} is brittle: it breaks from its largest flaw under the largest tension, "
+            "without yielding, so von Mises is not safe for it, its strength falls with the "
+            "stressed volume, and it has no endurance limit for a Goodman line"
+        )
 
 
 class MaterialEntry(BaseModel):
@@ -74,6 +95,9 @@ class MaterialEntry(BaseModel):
         None,
         description="endurance limit of a polished bar over the tensile strength; without it 0.5, "
         "for steel only",
+    )
+    fkm_group: str | None = Field(
+        None, description="material group of the FKM guideline; without it that chain is not used"
     )
 
     def named(self, name: str) -> Material:

@@ -7,6 +7,8 @@ import numpy as np
 
 import fatigue
 from ballesta.design_data import Design, Part
+from ballesta.duty_verdict import FatiguePeak
+from ballesta.fatigue_facts import haigh_of
 from ballesta.levels import Level
 from ballesta.part_loads import PartLoads
 from fem.direct import has_bearings
@@ -130,36 +132,16 @@ def facts_of(
 
 
 def charts_of(
-    part: Part, loads: PartLoads, level: Level, endurance: float
+    part: Part, loads: PartLoads, level: Level, peak: FatiguePeak | None
 ) -> dict[str, dict[str, object]]:
-    """Plain data of the part's charts."""
+    """Plain data of the part's charts; the peak is that of fatigue."""
     charts: dict[str, dict[str, object]] = {
         "peaks": {
             name: level.peaks_by_position[columns].tolist()
             for name, columns in loads.cycles.items()
         }
     }
-    worst = level.fatigue
-    if worst is None:
-        return charts
-    result = level.fatigue_results[worst.cycle]
-    path = result.critical_path(
-        level.history.basis,
-        np.ascontiguousarray(level.coefficients[:, loads.cycles[worst.cycle]]),
-    )
-    most_used = np.argsort(-result.utilisation)[:300]
-    return charts | {
-        "haigh": {
-            "cycle": worst.cycle,
-            "along": [float(v) for v in path.along],
-            "mean": float(result.mean[worst.point]),
-            "amplitude": float(result.amplitude[worst.point]),
-            "endurance": endurance,
-            "ultimate": part.material.ultimate_stress,
-            "yield": part.material.yield_stress,
-            "cloud": [[float(result.mean[k]), float(result.amplitude[k])] for k in most_used],
-        }
-    }
+    return charts if peak is None else charts | {"haigh": haigh_of(part, level, peak)}
 
 
 def assumed_of(design: Design, part: Part, level: Level) -> list[str]:

@@ -5,9 +5,19 @@ from dataclasses import dataclass, replace
 
 import fatigue
 from ballesta.design_data import Design, Part
+from ballesta.fatigue_facts import chord_at, fatigue_facts
+from ballesta.finite_life import LifeTask
 from ballesta.halves import MEANING, half_of, shown_surface
 from ballesta.hand import hand_checks
-from ballesta.judged import Bars, GoodmanPeak, Judged, StaticPeak, bars_of, mesh_bar
+from ballesta.judged import (
+    Bars,
+    FatigueUse,
+    Judged,
+    LifeUse,
+    StaticPeak,
+    bars_of,
+    mesh_bar,
+)
 from ballesta.levels import Level, Models, solve_level
 from ballesta.part_facts import assumed_of, charts_of, facts_of, gates_of, mesh_row
 from ballesta.part_loads import PartLoads
@@ -16,10 +26,11 @@ from fem.error_estimate import refined_sizes, stress_error
 from fem.unit_solutions import Elastic, UnitSolutions
 from geometry.mesh import FloatArray, TooManyElementsError
 from geometry.sizing import SizeField
-from reports.verdict import Check, PartResult, Status
+from reports.verdict import Check, Gate, PartResult, Status
 
 FIRST = 0.7  # fineness of the first mesh; where the stress decides, later ones are finer
 _MOST_MESHES = 5
+_RESCALED = 1e-6
 _LEAST_STEP = 1.15  # elements that decide must become smaller by this, or a mesh is not worth it
 
 Say = Callable[[str], None]
@@ -37,8 +48,9 @@ def check_solid(
     """
     limit = endurance_of(part)
     judged: list[Judged] = [StaticPeak(loads)]
-    if any(name in loads.cycles for name in design.duty.cycles):
-        judged.append(GoodmanPeak(loads, limit.value, part.material.ultimate_stress))
+    use = _fatigue_use(design, part, loads, limit.value)
+    if use is not None:
+        judged.append(use)
     levels, sizes, stopped = solve_levels(design, part, loads, models, judged, limit.value, say)
     finest = levels[-1]
     checks = [
@@ -63,6 +75,21 @@ def check_solid(
     assumed = assumed_of(design, part, finest)
     if finest.half:
         assumed.append(MEANING)
+    gates = gates_of(design, part, loads, levels)
+    facts = facts_of(part, loads, finest, limit)
+    peak = None
+    if use is not None:
+        peak = use.worst(finest)
+        gates.append(
+            Gate(
+                f"{part.name}: fatigue safety",
+                use.safety_missed(finest),
+                _RESCALED,
+                "how far from 1 the fatigue safety is when all loads are multiplied by it and "
+                "judged again",
+            )
+        )
+        facts |= fatigue_facts(part, finest, peak, life_task(design, part))
     if eigen:
         checks.append(eigen[0])
     elif part.geometry.sections and axial_compression(part, loads).max() > 0:
@@ -75,11 +102,11 @@ def check_solid(
         shape=part.shape,
         material=part.material.name,
         checks=checks,
-        gates=gates_of(design, part, loads, levels),
+        gates=gates,
         hand_checks=hand_checks(part, loads, finest),
         meshes=[{"body": "half" if lv.half else "whole", **mesh_row(lv)} for lv in levels],
-        facts=facts_of(part, loads, finest, limit),
-        charts=charts_of(part, loads, finest, limit.value),
+        facts=facts,
+        charts=charts_of(part, loads, finest, peak),
         surface=shown_surface(loads, finest),
         assumed=assumed,
     )
@@ -206,11 +233,34 @@ def endurance_of(part: Part) -> fatigue.EnduranceLimit:
     )
 
 
+def life_task(design: Design, part: Part) -> LifeTask:
+    """What a finite life of a part is asked of."""
+    duty = design.duty
+    return LifeTask(
+        duty.cycles,
+        part.material,
+        part.geometry.stressed_evenly,
+        duty.allowed_damage - duty.damage_so_far,
+    )
+
+
+def _fatigue_use(design: Design, part: Part, loads: PartLoads, limit: float) -> FatigueUse | None:
+    """How the part's fatigue is judged, None where no cycle of the duty loads it."""
+    if not any(name in loads.cycles for name in design.duty.cycles):
+        return None
+    ultimate = part.material.ultimate_stress
+    if design.duty.life == "finite":
+        return LifeUse(loads, limit, ultimate, life_task(design, part))
+    return FatigueUse(loads, limit, ultimate)
+
+
 def _stress_check(
     design: Design, part: Part, loads: PartLoads, level: Level, judged: Judged, bars: Bars
 ) -> Check:
-    words = _static_words if isinstance(judged, StaticPeak) else _fatigue_words
-    said = words(design, part, loads, level)
+    if isinstance(judged, FatigueUse):
+        said = _fatigue_words(design, part, loads, level, judged)
+    else:
+        said = _static_words(design, part, loads, level)
     return Check(
         part=part.name,
         kind=said.kind,
@@ -257,23 +307,33 @@ def _static_words(design: Design, part: Part, loads: PartLoads, level: Level) ->
     )
 
 
-def _fatigue_words(design: Design, part: Part, loads: PartLoads, level: Level) -> _Words:
-    worst = level.fatigue
-    assert worst is not None
+def _fatigue_words(
+    design: Design, part: Part, loads: PartLoads, level: Level, use: FatigueUse
+) -> _Words:
+    worst = use.worst(level)
     first, second = worst.pair
-    result = level.fatigue_results[worst.cycle]
     limit = endurance_of(part).value
     factor = limit / float(level.limits[worst.point])
     notch = f", fatigue notch factor {factor:.3g}" if factor > 1 else ""
+    amplitude, mean, _ = chord_at(level, worst)
+    life = "infinite life"
+    if isinstance(use, LifeUse):
+        life = (
+            f"finite life: Miner's sum {use.life(level).damage:.3g} of {use.task.allowed_damage:g}"
+        )
     return _Words(
         "fatigue",
-        "Goodman equivalent amplitude",
+        f"{worst.criterion} equivalent amplitude",
         limit,
         design.require.fatigue,
         worst.cycle,
-        f"{loads.labels[first]} to {loads.labels[second]}",
-        f"endurance limit, Marin: {part.surface}, "
-        f"{100 * part.reliability:g} % survival; infinite life",
-        f"amplitude {result.amplitude[worst.point]:.4g} MPa, "
-        f"mean {result.mean[worst.point]:.4g} MPa{notch}",
+        " to ".join(_position(loads, k, worst.cycle) for k in (first, second)),
+        f"endurance limit, Marin: {part.surface}, {100 * part.reliability:g} % survival; {life}",
+        f"amplitude {amplitude:.4g} MPa, mean {mean:.4g} MPa{notch}",
     )
+
+
+def _position(loads: PartLoads, position: int, cycle: str) -> str:
+    """Where in the duty, with the cycle's name where the pair may be of two."""
+    label = loads.labels[position]
+    return label if cycle in loads.cycles else f"{loads.cycle_names[position]} {label}"

@@ -1,11 +1,88 @@
 """How long a part lasts: Goodman on the stress path of each point, endurance limits by Marin."""
 
+from fatigue.counting import (
+    Cycles,
+    count_closed_cycles,
+    count_cycles,
+)
+from fatigue.duty import (
+    duty_cycles,
+)
+from fatigue.fkm import (
+    CAST_ROUGHNESS,
+    ComponentLimit,
+    FkmMaterial,
+    component_limit,
+    fkm_curve,
+    fkm_utilisation,
+    roughness_factor,
+)
+from fatigue.fkm_groups import (
+    FKM_GROUPS,
+    GREY_IRON_BENDING,
+    FkmGroup,
+    fkm_temperature_factor,
+)
 from fatigue.goodman import ChordPath, FatigueResult, chord_path, goodman, goodman_utilisation
+from fatigue.invariants import (
+    ComparedCriteria,
+    compared_criteria,
+)
+from fatigue.life import (
+    LifeVerdict,
+    damage_equivalent_amplitude,
+    fkm_damage_sum,
+    life_verdict,
+    miner_damage,
+    overstressed_curve,
+    remaining_duties,
+)
 from fatigue.marin import (
     EnduranceLimit,
     endurance_limit,
     rectangle_equivalent_diameter,
     round_equivalent_diameter,
+)
+from fatigue.mean_stress import (
+    FKM_SENSITIVITIES,
+    RULES,
+    MeanStressMaterial,
+    equivalent_amplitude,
+    fkm_factor,
+    fkm_sensitivity,
+    gerber_langer_corner,
+    mean_limit,
+    mean_stress_band,
+    mean_stress_utilisation,
+    yield_mean_limit,
+    yield_utilisation,
+)
+from fatigue.notch_support import (
+    SupportNumber,
+    fkm_2012_support,
+    neuber_notch_factor,
+    stieler_support,
+    surface_notch_factor,
+)
+from fatigue.proportionality import (
+    PathBounds,
+    path_bounds,
+)
+from fatigue.shear_planes import (
+    CriticalPlane,
+    FindleyCriterion,
+    critical_plane,
+    findley_criterion,
+)
+from fatigue.smallest_circle import (
+    smallest_ball,
+    smallest_circles,
+)
+from fatigue.sn_curve import (
+    SNCurve,
+    basquin_curve,
+    low_cycle_fraction,
+    scatter_of_range,
 )
 from fatigue.stress_path import (
     COMPONENTS,
@@ -14,20 +91,79 @@ from fatigue.stress_path import (
     von_mises,
     von_mises_peaks,
 )
+from fatigue.verdict import (
+    Verdict,
+    ductile_verdict,
+)
 
 __all__ = [
+    "CAST_ROUGHNESS",
     "COMPONENTS",
+    "FKM_GROUPS",
+    "FKM_SENSITIVITIES",
+    "GREY_IRON_BENDING",
+    "RULES",
     "ChordPath",
+    "ComparedCriteria",
+    "ComponentLimit",
+    "CriticalPlane",
+    "Cycles",
     "EnduranceLimit",
     "FatigueResult",
+    "FindleyCriterion",
+    "FkmGroup",
+    "FkmMaterial",
+    "LifeVerdict",
+    "MeanStressMaterial",
+    "PathBounds",
+    "SNCurve",
+    "SupportNumber",
+    "Verdict",
+    "basquin_curve",
     "chord_path",
+    "compared_criteria",
+    "component_limit",
+    "count_closed_cycles",
+    "count_cycles",
+    "critical_plane",
+    "damage_equivalent_amplitude",
+    "ductile_verdict",
+    "duty_cycles",
     "endurance_limit",
+    "equivalent_amplitude",
+    "findley_criterion",
+    "fkm_2012_support",
+    "fkm_curve",
+    "fkm_damage_sum",
+    "fkm_factor",
+    "fkm_sensitivity",
+    "fkm_temperature_factor",
+    "fkm_utilisation",
+    "gerber_langer_corner",
     "goodman",
     "goodman_utilisation",
+    "life_verdict",
+    "low_cycle_fraction",
+    "mean_limit",
+    "mean_stress_band",
+    "mean_stress_utilisation",
+    "miner_damage",
+    "neuber_notch_factor",
+    "overstressed_curve",
+    "path_bounds",
     "principal_extremes",
     "principal_stresses",
     "rectangle_equivalent_diameter",
+    "remaining_duties",
+    "roughness_factor",
     "round_equivalent_diameter",
+    "scatter_of_range",
+    "smallest_ball",
+    "smallest_circles",
+    "stieler_support",
+    "surface_notch_factor",
     "von_mises",
     "von_mises_peaks",
+    "yield_mean_limit",
+    "yield_utilisation",
 ]

@@ -3,7 +3,8 @@
 Source: Budynas and Nisbett, Shigley's Mechanical Engineering Design, 9th edition, chapter 6:
 specimen limit eq. (6-8), Marin's equation (6-18), surface (6-19) and table 6-2, size (6-20) and
 (6-21), equivalent diameters (6-24) and (6-25), load (6-26), temperature (6-27), reliability (6-29)
-and table 6-5. The power law of table 6-2 lies several per cent off charts of the same data.
+and table 6-5; fretting as a miscellaneous effect, section 6-9. The power law of table 6-2
+lies several per cent off charts of the same data.
 """
 
 from __future__ import annotations
@@ -32,10 +33,11 @@ HOTTEST = 537.8  # deg C, 1000 deg F: end of eq. (6-27)
 class EnduranceLimit:
     """The fully reversed stress amplitude that a part endures without end, and how it came about.
 
-    value        MPa, uncorrected times the five factors
+    value        MPa, uncorrected times the six factors
     uncorrected  MPa, of the polished rotating-beam specimen, 7.62 mm in diameter
     surface, size, load, temperature, reliability    Marin's factors k_a to k_e, each at most 1
     notes        what a reader of the number should know: caps, ranges left, assumptions
+    fretting     k_f, at most 1, where a clamp or a press fit rubs
     """
 
     value: float
@@ -46,9 +48,13 @@ class EnduranceLimit:
     temperature: float
     reliability: float
     notes: tuple[str, ...] = ()
+    fretting: float = 1.0
 
     def __post_init__(self) -> None:
-        factors = (self.surface, self.size, self.load, self.temperature, self.reliability)
+        factors = (
+            *(self.surface, self.size, self.load),
+            *(self.temperature, self.reliability, self.fretting),
+        )
         if not all(0.0 < factor <= 1.0 for factor in factors):
             raise ValueError(f"Marin factors must lie above 0 and at most at 1, got {factors}")
         product = self.uncorrected * prod(factors)
@@ -68,13 +74,15 @@ def endurance_limit(
     temperature: float = 20.0,
     reliability: float = 0.5,
     specimen_limit: float | None = None,
+    fretting: float = 1.0,
 ) -> EnduranceLimit:
     """Return the endurance limit of a steel part.
 
     ultimate_strength in MPa; surface one of SURFACES; equivalent_diameter in mm (see the
     `*_equivalent_diameter` functions), None for no size effect; load one of LOADS; temperature in
     deg C; reliability the share of parts that survive, 0.5 to 0.999999; specimen_limit in MPa
-    where it was measured, instead of half the ultimate strength.
+    where it was measured, instead of half the ultimate strength; fretting the factor, at least 1,
+    by which a clamp or press fit lowers the limit, see `fretting_factor`.
     """
     notes: list[str] = []
     uncorrected = _uncorrected(ultimate_strength, specimen_limit, notes)
@@ -95,7 +103,15 @@ def endurance_limit(
         notes.append(
             f"temperature: {temperature:g} deg C is below room temperature, check brittle fracture"
         )
-    return EnduranceLimit(uncorrected * prod(factors), uncorrected, *factors, tuple(notes))
+    if temperature > 20.0 and specimen_limit is not None:
+        notes.append(
+            f"temperature: the factor at {temperature:g} deg C is that of steel, and the stated "
+            "limit must be one at room temperature"
+        )
+    rubbed = fretting_factor(fretting)
+    return EnduranceLimit(
+        uncorrected * prod(factors) * rubbed, uncorrected, *factors, tuple(notes), rubbed
+    )
 
 
 def _uncorrected(ultimate_strength: float, specimen_limit: float | None, notes: list[str]) -> float:
@@ -209,6 +225,20 @@ def reliability_factor(reliability: float) -> float:
     if not 0.5 <= reliability <= 0.999999:
         raise ValueError(f"the reliability must lie between 0.5 and 0.999999, got {reliability:g}")
     return 1.0 - 0.08 * NormalDist().inv_cdf(reliability)
+
+
+def fretting_factor(fretting: float) -> float:
+    """Return k_f = 1/fretting, of the factor by which fretting lowers the limit, at least 1.
+
+    Shigley, 9th ed., section 6-9, gives k_f from 0.24 to 0.90 by the pair of materials, so 1.1 to
+    4.2; clamped leaves of springs have 1.2 to 1.8. What a part has must be stated, not computed.
+    """
+    if not (isfinite(fretting) and fretting >= 1.0):
+        raise ValueError(
+            f"the fretting factor, by which the limit is divided, must be at least 1, "
+            f"got {fretting:g}"
+        )
+    return 1.0 / fretting
 
 
 def _above_zero(what: str, value: float, unit: str) -> None:

@@ -1,0 +1,84 @@
+"""Multiaxial fatigue criteria against tests: a table and a plot of predicted over measured.
+
+`python -m bench.multiaxial` prints the table in Markdown; `--write` also draws
+docs/validation/multiaxial.svg. The verdict is the worse of the columns Goodman and Findley, which
+here have the limits of the tests.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from fatigue import compared_criteria, critical_plane, findley_criterion, goodman
+from tests.fatigue.multiaxial_cases import (
+    BENDING_LIMIT,
+    CRITERIA,
+    NISHIHARA_KAWAMOTO,
+    TORSION_LIMIT,
+    BendingTorsion,
+    bending_and_torsion,
+)
+
+PLOT = Path(__file__).parent.parent / "docs" / "validation" / "multiaxial.svg"
+COLUMNS = ("Goodman", *CRITERIA)
+
+
+def predicted(test: BendingTorsion) -> tuple[float, ...]:
+    """Each criterion of COLUMNS over its limit at the stated amplitudes; above 1 is safe.
+
+    The test amplitudes are at the measured limit, so predicted over measured damage is this number,
+    and the predicted limit over the measured one its reciprocal.
+    """
+    stress = bending_and_torsion(test.bending, test.torsion, test.phase)
+    ratio = TORSION_LIMIT / BENDING_LIMIT
+    findley = findley_criterion(ratio)
+    plane = critical_plane(stress, findley.k).value / (findley.limit_ratio * BENDING_LIMIT)
+    # no mean in these tests: any ultimate strength gives the same, as long as it is finite
+    chord = goodman(np.eye(6)[None], stress, BENDING_LIMIT, 1e12).utilisation[0]
+    others = compared_criteria(stress, BENDING_LIMIT, TORSION_LIMIT)
+    return (float(chord), plane, others.dang_van, others.crossland, others.papadopoulos)
+
+
+def table() -> str:
+    head = ["Bending, MPa", "Torsion, MPa", "Phase, deg", *COLUMNS]
+    lines = ["| " + " | ".join(head) + " |", "| --- " * len(head) + "|"]
+    for test in NISHIHARA_KAWAMOTO:
+        values = [f"{value:.3f}" for value in predicted(test)]
+        stated = [f"{test.bending:g}", f"{test.torsion:g}", f"{test.phase:g}"]
+        lines.append("| " + " | ".join(stated + values) + " |")
+    return "\n".join(lines)
+
+
+def draw(path: Path) -> None:
+    """One group of marks per test; the axis says that the tests' amplitudes are unconfirmed."""
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    import matplotlib.pyplot as plt
+
+    settings = {"svg.hashsalt": "ballesta", "svg.fonttype": "none", "font.size": 9}
+    with mpl.rc_context(settings):
+        figure, axes = plt.subplots(figsize=(6.4, 3.6), layout="constrained")
+        places = np.arange(len(NISHIHARA_KAWAMOTO))
+        values = np.array([predicted(test) for test in NISHIHARA_KAWAMOTO])
+        for number, (name, mark) in enumerate(zip(COLUMNS, "xosD^", strict=True)):
+            shift = 0.12 * (number - 2)
+            hollow = {} if mark == "x" else {"markerfacecolor": "none"}
+            axes.plot(places + shift, values[:, number], mark, label=name, **hollow)
+        axes.axhline(1.0, color="0.4", linewidth=0.8)
+        labels = [f"{t.bending:g}/{t.torsion:g}\n{t.phase:g}°" for t in NISHIHARA_KAWAMOTO]
+        axes.set_xticks(places, labels)
+        axes.set_xlabel("bending/torsion, MPa, and phase; amplitudes unconfirmed")
+        axes.set_ylabel("predicted over measured\n(below 1: unsafe)")
+        axes.legend(ncols=3, fontsize=8, loc="lower left")
+        axes.set_ylim(0.82, 1.1)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        figure.savefig(path, format="svg", metadata={"Date": None, "Creator": None})
+        plt.close(figure)
+
+
+if __name__ == "__main__":
+    print(table())
+    if "--write" in sys.argv[1:]:
+        draw(PLOT)

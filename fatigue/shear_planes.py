@@ -1,0 +1,252 @@
+"""Findley's shear-plane criterion: the critical plane of one stress path, with a proven bound.
+
+    parameter    F(n) = tau_a + k sigma_n   of the plane with normal n; the largest over all planes
+    tau_a        radius of the smallest circle around the path of the resolved shear stress
+    sigma_n      largest normal stress of the cycle
+    utilisation  F / f, linear in the load
+
+Findley, J. Eng. Ind. 81 (1959) 301; with circle and calibration as in Papadopoulos et al., Int. J.
+Fatigue 19 (1997) 219. k and f follow from the limits in reversed bending and in reversed torsion:
+
+    k / sqrt(1 + k^2) = 2 t/b - 1,    f = t sqrt(1 + k^2) = b/2 (k + sqrt(1 + k^2))
+
+so both reversed tests give 1. **Compression earns no credit** unless `credit` is set: the mean of
+the normal stress on each plane counts as not less than 0, sigma_n = max(largest, half the range).
+
+The search (proofs in docs/theory/multiaxial.md): along any great circle F is an upper envelope of
+functions whose second derivative is at least -M, M = 4/sqrt(3) (R + k Q), R the radius of a ball
+around the path and Q the largest stress, both von Mises. So on a triangle of planes with longest
+edge e, F is at most its largest corner + M e^2/4. Triangles that cannot reach the best plane found
+are dropped, the others divided; what is left encloses the critical plane, and no local maximum is
+mistaken for the global one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite, sqrt
+
+import numpy as np
+
+from fatigue.plane_grid import divided, half_sphere, longest_edges, middles
+from fatigue.smallest_circle import smallest_circles
+from fatigue.stress_path import FloatArray, IntArray, deviatoric_basis
+
+DUCTILE = 1.0 / sqrt(3.0)  # torsion limit over bending limit, distortion energy
+
+_START = 2  # divisions of the first grid: 93 normals, edges of 18 to 18.7 degrees
+_CERTIFIED = 1e-4  # of the scale of F: how far the best plane may lie below the bound
+_MOST_CELLS = 4096  # circles of equally bad planes keep many; then the bound stays as it is
+_BEAM = 16  # triangles kept when the certified search is over and the best plane is polished
+_FINEST = 1e-6  # rad
+
+
+@dataclass(frozen=True)
+class FindleyCriterion:
+    """k and the limit of Findley's parameter as a fraction of the limit in reversed bending.
+
+    k               weight of the normal stress
+    limit_ratio     f / bending limit
+    """
+
+    k: float
+    limit_ratio: float
+
+
+def findley_criterion(torsion_ratio: float = DUCTILE) -> FindleyCriterion:
+    """Return k and f/b from the reversed limits' ratio, torsion over bending, 0.5 up to below 1.
+
+    >>> round(findley_criterion(196.2 / 313.9).k, 10)
+    0.2582866314
+    """
+    if not (isfinite(torsion_ratio) and 0.5 <= torsion_ratio < 1.0):
+        raise ValueError(
+            "Findley's criterion needs a torsion limit of 0.5 to below 1 times the bending limit, "
+            f"got {torsion_ratio:g}"
+        )
+    sine = 2.0 * torsion_ratio - 1.0
+    k = sine / sqrt(1.0 - sine**2)
+    return FindleyCriterion(k, torsion_ratio * sqrt(1.0 + k**2))
+
+
+@dataclass(frozen=True, eq=False)
+class CriticalPlane:
+    """The worst plane of one stress path.
+
+    value            MPa, tau_a + k sigma_n
+    bound            MPa, proven: no plane of any direction has more
+    normal           (3,)  unit vector
+    shear_amplitude  MPa, tau_a
+    normal_stress    MPa, sigma_n as the criterion counts it
+    largest_normal   MPa, largest normal stress of the cycle, also where it is below sigma_n
+    pair             two positions that the circle rests on, the farthest apart of these
+    angle_error      rad, edge of the last triangles of the search
+    n_planes         planes evaluated
+    """
+
+    value: float
+    bound: float
+    normal: FloatArray
+    shear_amplitude: float
+    normal_stress: float
+    largest_normal: float
+    pair: tuple[int, int]
+    angle_error: float
+    n_planes: int
+
+
+def critical_plane(
+    stress: FloatArray, k: float, *, credit: bool = False, floor: float = -np.inf
+) -> CriticalPlane:
+    """Return Findley's worst plane of a path, stress (6, n_positions).
+
+    `floor`, MPa: planes below it are of no interest. Where the bound shows that none reaches it the
+    search ends early, with a bound not above the floor and any plane as its value.
+    """
+    stress = np.asarray(stress, dtype=np.float64)
+    if stress.ndim != 2 or stress.shape[0] != 6 or stress.shape[1] == 0:
+        raise ValueError(f"a stress path must be (6, n_positions), got {stress.shape}")
+    if not np.isfinite(stress).all():
+        bad = np.flatnonzero(~np.isfinite(stress).all(axis=0))
+        raise ValueError(f"the stress path is not finite at position {bad[0]}")
+    if not (isfinite(k) and k >= 0.0):
+        raise ValueError(f"the weight of the normal stress must not be below 0, got {k:g}")
+    return _Search(stress, k, credit, floor).result()
+
+
+class _Search:
+    """Normals evaluated so far, upper bounds of F at each, and the best plane among them."""
+
+    def __init__(self, stress: FloatArray, k: float, credit: bool, floor: float) -> None:
+        self.k, self.credit, self.floor = k, credit, floor
+        path = deviatoric_basis(stress)
+        away = ((path - path.mean(axis=1)[:, None]) ** 2).sum(axis=0)
+        first = int(away.argmax())
+        other = int(((path - path[:, [first]]) ** 2).sum(axis=0).argmax())
+        middle = (path[:, first] + path[:, other]) / 2.0
+        radius = float(np.sqrt(((path - middle[:, None]) ** 2).sum(axis=0).max()))
+        largest = float(np.sqrt((path**2).sum(axis=0).max()))
+        self.stress = stress
+        self.swing = stress - (stress[:, first] + stress[:, other])[:, None] / 2.0
+        self.scale = (radius + k * max(largest, radius)) / sqrt(3.0)  # M/4
+        self.normals = np.empty((0, 3))
+        self.upper = np.empty(0)
+        self.exact = np.empty(0, dtype=bool)
+        self.best, self.best_at = -np.inf, 0
+
+    def result(self) -> CriticalPlane:
+        normals, cells = half_sphere(_START)
+        self._add(normals)
+        ceiling = -np.inf
+        while True:
+            self._sharpen(np.array([self.upper.argmax()]))
+            edges = longest_edges(self.normals, cells)
+            slack = self.scale * edges**2  # M e^2/4
+            tops = self.upper[cells].max(axis=1) + slack
+            hopeful = tops > max(self.floor, self.best)
+            corners = np.unique(cells[hopeful])
+            doubtful = ~self.exact[corners] & (self.upper[corners] > self.best)
+            if doubtful.any():  # their upper bounds may be all that keeps these triangles
+                self._sharpen(corners[doubtful])
+                tops = self.upper[cells].max(axis=1) + slack
+                hopeful = tops > max(self.floor, self.best)
+            ceiling = max(ceiling, float(tops[~hopeful].max(initial=-np.inf)))
+            top = float(tops[hopeful].max(initial=-np.inf))
+            cells = cells[hopeful]
+            settled = top - self.best <= _CERTIFIED * self.scale
+            if not len(cells) or settled or len(cells) > _MOST_CELLS:
+                break
+            cells = self._divide(cells)
+        bound = max(self.best, top, ceiling)
+        finest = float(edges.max())
+        if self.best > self.floor and len(cells):
+            finest = self._polish(cells)
+            bound = max(bound, self.best)
+        return self._plane(bound, finest)
+
+    def _polish(self, cells: IntArray) -> float:
+        """Divide the most promising triangles down to _FINEST and return their longest edge."""
+        finest = np.inf
+        while finest > _FINEST:
+            cells = self._divide(cells[np.argsort(-self.upper[cells].max(axis=1))[:_BEAM]])
+            new = np.unique(cells)
+            self._sharpen(new[~self.exact[new] & (self.upper[new] > self.best)])
+            finest = float(longest_edges(self.normals, cells).max())
+        return finest
+
+    def _divide(self, cells: IntArray) -> IntArray:
+        edges, four = divided(len(self.normals), cells)
+        self._add(middles(self.normals, edges))
+        return four
+
+    def _add(self, normals: FloatArray) -> None:
+        """Evaluate an upper bound of F: the circle around the middle of a long chord."""
+        shear, normal = self._resolved(normals)
+        radii = np.sqrt((shear**2).sum(axis=1).max(axis=1))
+        self.normals = np.concatenate([self.normals, normals])
+        self.upper = np.concatenate([self.upper, radii + self.k * normal])
+        self.exact = np.concatenate([self.exact, np.zeros(len(normals), dtype=bool)])
+
+    def _sharpen(self, which: IntArray) -> None:
+        """Replace upper bounds by F itself."""
+        which = which[~self.exact[which]]
+        if not len(which):
+            return
+        shear, normal = self._resolved(self.normals[which])
+        values = smallest_circles(shear)[1] + self.k * normal
+        self.upper[which], self.exact[which] = values, True
+        most = int(values.argmax())
+        if values[most] > self.best:
+            self.best, self.best_at = float(values[most]), int(which[most])
+
+    def _resolved(self, normals: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the resolved shear path (n, 2, n_positions) and sigma_n (n,) of each plane."""
+        shear = resolved_shear(normals, self.swing)
+        normal = _component(normals, normals) @ self.stress
+        largest = normal.max(axis=1)
+        if not self.credit:
+            largest = np.maximum(largest, (largest - normal.min(axis=1)) / 2.0)
+        return shear, largest
+
+    def _plane(self, bound: float, finest: float) -> CriticalPlane:
+        normal = self.normals[self.best_at]
+        shear, counted = self._resolved(normal[None])
+        _, radius, carriers = smallest_circles(shear)
+        three = carriers[0]
+        corners = shear[0][:, three]
+        apart = ((corners[:, :, None] - corners[:, None, :]) ** 2).sum(axis=0)
+        first, second = np.unravel_index(apart.argmax(), apart.shape)
+        pair = sorted((int(three[first]), int(three[second])))
+        largest = float((_component(normal, normal) @ self.stress).max())
+        return CriticalPlane(
+            value=self.best,
+            bound=bound,
+            normal=normal,
+            shear_amplitude=float(radius[0]),
+            normal_stress=float(counted[0]),
+            largest_normal=largest,
+            pair=(pair[0], pair[1]),
+            angle_error=finest,
+            n_planes=len(self.normals),
+        )
+
+
+def resolved_shear(normals: FloatArray, stress: FloatArray) -> FloatArray:
+    """Return the shear stress (n, 2, n_positions) in planes with normals (n, 3), in some axes."""
+    along, across = _plane_axes(normals)
+    rows = np.stack([_component(normals, along), _component(normals, across)], axis=1)
+    return np.asarray((rows.reshape(-1, 6) @ stress).reshape(len(normals), 2, -1))
+
+
+def _plane_axes(normals: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return two unit vectors (n, 3) in each plane, at right angles to each other."""
+    least = np.eye(3)[np.abs(normals).argmin(axis=1)]
+    along = np.cross(normals, least)
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    return along, np.cross(normals, along)
+
+
+def _component(n: FloatArray, m: FloatArray) -> FloatArray:
+    """Return rows (..., 6) that give n . stress m of the six components."""
+    (a, b, c), (x, y, z) = np.moveaxis(n, -1, 0), np.moveaxis(m, -1, 0)
+    return np.stack([a * x, b * y, c * z, a * y + b * x, b * z + c * y, c * x + a * z], axis=-1)

@@ -1,0 +1,201 @@
+"""The S-N curve: how many cycles a fully reversed stress amplitude is endured.
+
+    N = N_D (S/S_D)**-k   from the knee (S_D, N_D) up, N_D (S/S_D)**-k' below it
+
+An amplitude at the knee belongs to the upper branch. Below it k' is infinite (an endurance limit:
+Miner's rule in its original form), k (elementary) or 2 k - 1 (Haibach, Betriebsfestigkeit, 3rd ed.,
+2006, section 3.2.2).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import isfinite, log10
+from statistics import NormalDist
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from fatigue.refusal import refuse
+from fatigue.stress_path import FloatArray
+
+Variant = Literal["original", "elementary", "haibach"]
+
+LOW_CYCLE = 1e3  # cycles, where Shigley's high-cycle line begins
+
+_TEN_TO_NINETY = 2.0 * NormalDist().inv_cdf(0.9)  # standard deviations between 10 % and 90 %
+
+
+@dataclass(frozen=True, eq=False)
+class SNCurve:
+    """Cycles endured over fully reversed stress amplitude, at one probability of survival.
+
+    knee_amplitude     MPa   S_D
+    knee_cycles              N_D
+    slope                    k above the knee
+    slope_below              k' below the knee, not less than k; infinite: endured without end
+    scatter                  standard deviation of log10(S), the same along the curve
+    survival                 the share of parts that survive the curve
+    ultimate_strength  MPa   if given, the curve bends at 1e3 cycles to reach it in the first cycle
+
+    The knee and the slopes may be arrays (n_points,); the last axis of amplitudes then is that of
+    the cycles, (n_points, n_cycles), or (n_cycles,) for all points alike.
+
+    >>> curve = SNCurve(knee_amplitude=200.0, knee_cycles=1e6, slope=5.0)
+    >>> float(curve.cycles_to_failure(400.0))
+    31250.0
+    """
+
+    knee_amplitude: float | FloatArray
+    knee_cycles: float | FloatArray
+    slope: float | FloatArray
+    slope_below: float | FloatArray = float("inf")
+    scatter: float = 0.0
+    survival: float = 0.5
+    ultimate_strength: float | None = None
+
+    def __post_init__(self) -> None:
+        for name, least in (("knee_amplitude", 0.0), ("knee_cycles", 0.0), ("slope", 1.0)):
+            value = np.asarray(getattr(self, name), dtype=np.float64)
+            if value.ndim > 1:
+                raise ValueError(
+                    f"the {name.replace('_', ' ')} of an S-N curve must be one number or one per "
+                    f"point, (n_points,), got {value.shape}"
+                )
+            problem = f"the {name.replace('_', ' ')} of an S-N curve must be above {least:g}"
+            refuse(~(np.isfinite(value) & (value > least)), problem, value, "point")
+        below = np.asarray(self.slope_below, dtype=np.float64)
+        problem = "the slope below the knee of an S-N curve must not be less than that above"
+        bad = ~(below >= np.asarray(self.slope))
+        refuse(bad, problem, np.broadcast_to(below, bad.shape), "point")
+        if not (isfinite(self.scatter) and self.scatter >= 0.0):
+            raise ValueError(
+                f"the scatter of log10 stress must be at least 0, got {self.scatter:g}"
+            )
+        _check_survival(self.survival)
+        strength = self.ultimate_strength
+        if strength is not None and not (isfinite(strength) and strength > 0.0):
+            raise ValueError(f"the ultimate strength must be above 0 MPa, got {strength:g}")
+
+    def damage_per_cycle(self, amplitude: npt.ArrayLike) -> FloatArray:
+        """Return 1/N of amplitudes in MPa; infinite ones are allowed."""
+        amplitude = np.asarray(amplitude, dtype=np.float64)
+        refuse(~(amplitude >= 0.0), "the amplitude must be at least 0 MPa", amplitude)
+        ratio = amplitude / _column(self.knee_amplitude)
+        exponent = np.where(ratio >= 1.0, _column(self.slope), _column(self.slope_below))
+        with np.errstate(over="ignore"):
+            damage = ratio**exponent / _column(self.knee_cycles)
+            if self.ultimate_strength is not None:
+                damage = self._static(amplitude, damage, self.ultimate_strength)
+        return np.asarray(damage)
+
+    def _static(self, amplitude: FloatArray, damage: FloatArray, strength: float) -> FloatArray:
+        """Bend the curve so that the ultimate strength breaks the part in the first cycle."""
+        start = self._low_cycle_amplitude()
+        # where the line itself passes the ultimate strength before 1e3 cycles, there is no bend
+        decades = np.log10(strength / np.minimum(start, np.nextafter(strength, 0.0)))
+        static = (amplitude / strength) ** (log10(LOW_CYCLE) / decades)
+        damage = np.where((amplitude > start) & (start < strength), static, damage)
+        return np.where(amplitude >= strength, np.maximum(damage, 1.0), damage)
+
+    def _low_cycle_amplitude(self) -> FloatArray:
+        decades = _column(self.knee_cycles) / LOW_CYCLE
+        return np.asarray(_column(self.knee_amplitude) * decades ** (1.0 / _column(self.slope)))
+
+    def cycles_to_failure(self, amplitude: npt.ArrayLike) -> FloatArray:
+        """Return N of amplitudes in MPa; infinite below an endurance limit."""
+        damage = self.damage_per_cycle(amplitude)
+        with np.errstate(divide="ignore", over="ignore"):
+            return np.asarray(1.0 / damage)
+
+    def below_knee(self, variant: Variant) -> SNCurve:
+        """Return this curve with an endurance limit, or continued as Miner's variants do."""
+        slopes = {
+            "original": float("inf"),
+            "elementary": self.slope,
+            "haibach": 2.0 * self.slope - 1.0,
+        }
+        if variant not in slopes:
+            raise ValueError(f"Miner's variant {variant!r} is unknown; one of {', '.join(slopes)}")
+        return replace(self, slope_below=slopes[variant])
+
+    def for_survival(self, survival: float) -> SNCurve:
+        """Return the curve that another share of parts survives: S_D 10**(-z scatter).
+
+        z is the difference of the normal variates; amplitudes are log-normal with the same scatter
+        at every life, so the curve moves parallel and the knee stays at its cycles.
+        """
+        _check_survival(survival)
+        if self.scatter == 0.0 and survival != self.survival:
+            raise ValueError(
+                f"an S-N curve without scatter cannot be moved from {self.survival:g} to "
+                f"{survival:g} survival"
+            )
+        steps = NormalDist().inv_cdf(survival) - NormalDist().inv_cdf(self.survival)
+        knee = np.asarray(self.knee_amplitude) * 10.0 ** (-steps * self.scatter)
+        return replace(self, knee_amplitude=knee, survival=survival)
+
+
+def basquin_curve(
+    ultimate_strength: float,
+    endurance_limit: npt.ArrayLike,
+    fraction: float | None = None,
+    *,
+    knee_cycles: float = 1e6,
+) -> SNCurve:
+    """Return the line through (1e3, fraction * ultimate strength) and (1e6, endurance limit).
+
+    Shigley, 9th ed., eqs. (6-13) to (6-15); below 1e3 cycles (6-17), straight to the ultimate
+    strength at the first cycle. The fraction, None for `low_cycle_fraction`, is that of steel.
+    """
+    if fraction is None:
+        fraction = low_cycle_fraction(ultimate_strength)
+    if not 0.0 < fraction <= 1.0:
+        raise ValueError(f"the fraction at 1e3 cycles must be above 0, at most 1, got {fraction:g}")
+    if not (isfinite(knee_cycles) and knee_cycles > LOW_CYCLE):
+        raise ValueError(f"the knee must lie above 1e3 cycles, got {knee_cycles:g}")
+    limit = np.asarray(endurance_limit, dtype=np.float64)
+    start = fraction * ultimate_strength
+    problem = f"the endurance limit must be above 0 and below {start:g} MPa, endured 1e3 times"
+    refuse(~((limit > 0.0) & (limit < start)), problem, limit, "point")
+    slope = log10(knee_cycles / LOW_CYCLE) / np.log10(start / limit)
+    return SNCurve(limit, knee_cycles, slope, ultimate_strength=ultimate_strength)
+
+
+def low_cycle_fraction(ultimate_strength: float) -> float:
+    """Return f, the share of the ultimate strength in MPa that steel endures 1e3 times.
+
+    f = s_F'/S_u (2e3)**b with s_F' = S_u + 345 MPa, b = -lg(s_F'/S_e')/lg(2e6), S_e' = S_u/2 but
+    not above 700 MPa: Shigley, 9th ed., eqs. (6-8) to (6-12), figure 6-18. The book gives no more
+    than 0.9, at 482 MPa, and says to use that below.
+
+    >>> round(low_cycle_fraction(690.0), 3)
+    0.844
+    """
+    if not (isfinite(ultimate_strength) and ultimate_strength > 0.0):
+        raise ValueError(f"the ultimate strength must be above 0 MPa, got {ultimate_strength:g}")
+    first = ultimate_strength + 345.0
+    exponent = -log10(first / min(0.5 * ultimate_strength, 700.0)) / log10(2e6)
+    return min(0.9, float(first / ultimate_strength * 2e3**exponent))
+
+
+def scatter_of_range(stress_range_ratio: float) -> float:
+    """Return the standard deviation of log10 stress of T_S = S(10 %) / S(90 % survival) >= 1.
+
+    DIN 50100:2016: s = lg(T_S) / 2.5631.
+    """
+    if not (isfinite(stress_range_ratio) and stress_range_ratio >= 1.0):
+        raise ValueError(f"the scatter range T_S must be at least 1, got {stress_range_ratio:g}")
+    return log10(stress_range_ratio) / _TEN_TO_NINETY
+
+
+def _column(value: float | FloatArray) -> FloatArray:
+    """Return a number per point as a column, so that it goes with (n_points, n_cycles)."""
+    value = np.asarray(value, dtype=np.float64)
+    return value[:, None] if value.ndim == 1 else value
+
+
+def _check_survival(survival: float) -> None:
+    if not 0.0 < survival < 1.0:
+        raise ValueError(f"the survival probability must lie between 0 and 1, got {survival:g}")
