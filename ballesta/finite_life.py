@@ -33,9 +33,9 @@ from fatigue import (
     goodman,
     life_verdict,
     low_cycle_fraction,
-    point_blocks,
     von_mises_peaks,
 )
+from fatigue.stress_path import point_blocks
 from geometry.mesh import FloatArray, IntArray
 
 _TOGETHER = 32  # points that are counted before the bound is asked again
