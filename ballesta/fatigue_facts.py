@@ -61,11 +61,13 @@ def fatigue_facts(
     facts |= _multiaxial(level)
     (life,) = lives_of(level.duty, task, np.array([peak.point]))
     facts["Miner's sum of the duty at the critical point"] = (
-        f"{life.damage:.3g} of {task.allowed_damage:.3g} that are allowed or left; "
-        f"{life.cycles.cycle_counts.sum():.4g} cycles, safety for this life "
-        f"{_safety(1 / life.safety)}"
-        if isfinite(life.safety)
-        else "0"
+        (
+            f"{life.damage:.3g} of {task.allowed_damage:.3g} that are allowed or left"
+            if life.damage
+            else "0, no cycle exceeds the endurance limit"
+        )
+        + f"; {life.cycles.cycle_counts.sum():.4g} cycles, safety for this life "
+        + _safety(1.0 / life.safety)
     )
     return facts
 

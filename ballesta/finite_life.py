@@ -14,6 +14,9 @@ do at most the damage of `total` cycles at n u of the endurance limit, so the sa
     c/u,   c = min(1, (allowed damage N_D / total)**(1/k'))     k' the slope below the knee
 
 and the count ends where that is not below the worst safety found.
+
+Below the endurance limit damage is Haibach's, but only where a larger cycle has begun it: where
+none exceeds the limit the life is infinite, and the safety is at least that against the limit.
 """
 
 from collections.abc import Mapping
@@ -51,7 +54,7 @@ class DutyLife:
 
     point     surface point
     safety    factor on all loads with which the life's cycles do just the allowed damage
-    damage    Miner's sum of the life's cycles
+    damage    Miner's sum of the life's cycles; 0 where none exceeds the endurance limit
     pair      positions at the ends of its longest chord, of all positions of all cycles
     cycles    counted at the point, (n_cycles,), the largest first
     """
@@ -133,11 +136,14 @@ def lives_of(
         MeanStressMaterial(task.material.ultimate_stress, task.material.yield_stress),
         allowed_damage=task.allowed_damage,
     )
+    endless = life.infinite_utilisation <= 1.0
+    with np.errstate(divide="ignore"):
+        safety = np.maximum(life.safety, 1.0 / life.infinite_utilisation)
     return [
         DutyLife(
             int(point),
-            float(life.safety[row]),
-            float(life.damage[row]),
+            float(safety[row]),
+            0.0 if endless[row] else float(life.damage[row]),
             (int(joined[pairs[row, 0]]), int(joined[pairs[row, 1]])),
             _used(cycles, row),
         )

@@ -142,11 +142,25 @@ def test_loads_times_the_finite_life_safety_do_the_allowed_damage():
     assert_allclose(again.damage, 0.3, rtol=1e-6)
 
 
+def test_a_life_without_a_cycle_above_the_limit_is_infinite_however_often_it_runs():
+    """0 to 120 MPa: 60/150 + 60/470; 420 MPa a thousand times begins damage."""
+    verdict = verdict_on(*uniaxial([0.0, 120.0], [0.0, 420.0]))
+    often = task({"a": 1e9, "b": 1e3})
+    (alone,) = lives_of(verdict_on(*uniaxial([0.0, 120.0])), often, np.array([0]))
+    assert alone.damage == 0.0
+    assert_allclose(alone.safety, 1 / (60 / LIMIT + 60 / 470), rtol=1e-9)
+    (both,) = lives_of(verdict, often, np.array([0]))
+    assert_allclose(both.damage, 1e3 / cycles_by_hand(210, 210) + 1e9 / cycles_by_hand(60, 60))
+    assert 1e9 / cycles_by_hand(60, 60) > 0.05
+
+
 def test_more_runs_in_a_life_leave_less_safety():
     verdict = verdict_on(*out_of_phase(3), {"a": slice(0, 24)})
-    safeties = [shortest_life(verdict, task({"a": n})).safety for n in (1e2, 1e4, 1e6, 1e9)]
+    safeties = [shortest_life(verdict, task({"a": n})).safety for n in (1e2, 1e3, 1e4, 1e5)]
     assert safeties == sorted(safeties, reverse=True)
     assert len(set(safeties)) == 4
+    endless = shortest_life(verdict, task({"a": 1e12})).safety
+    assert_allclose(endless, verdict.worst.safety, rtol=0.05)  # rainflow's means, chord's means
 
 
 def test_axial_force_starts_lower_at_a_thousand_cycles():
