@@ -55,12 +55,8 @@ def parts_of(
         # a material with a problem of its own is told once, at the material
         if entry.material not in materials and entry.material not in file.materials:
             problems.add(f"{key}.material", no_such("material", entry.material, materials))
-        elif entry.material in materials and not materials[entry.material].ductile:
-            problems.add(
-                f"{key}.material",
-                f"{entry.material} is brittle, and only ductile metals can be checked yet: von "
-                "Mises, Johnson and the Goodman rule used here are not safe for it",
-            )
+        elif entry.material in materials and (why := materials[entry.material].why_not_goodman):
+            problems.add(f"{key}.material", f"{why}; only ductile metals can be checked")
         if isinstance(entry, BodyPartEntry):
             sits = _sits_in_body(key, entry, file, slides, problems)
             rollers = _rollers(key, entry, materials, problems)

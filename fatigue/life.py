@@ -81,7 +81,8 @@ def miner_damage(
     per_cycle = curve.damage_per_cycle(stress_amplitude)
     if np.isfinite(per_cycle).all():
         return np.asarray(np.einsum("...c,...c->...", per_cycle, counts))
-    return np.asarray((np.where(counts > 0.0, per_cycle, 0.0) * counts).sum(axis=-1))
+    with np.errstate(over="ignore"):
+        return np.asarray((np.where(counts > 0.0, per_cycle, 0.0) * counts).sum(axis=-1))
 
 
 def life_verdict(
