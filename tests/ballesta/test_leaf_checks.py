@@ -163,10 +163,10 @@ phases = [{{ name = "down", to = "1 deg", forces = {{ workpiece = "{force} N" }}
 [duty]"""
     text = ROCKER.replace("[duty]", hold).replace("press = 1e6", "press = 1e6, hold = 1e6")
     checks, _ = widened(rocker(tmp_path, models, TOUCHES, elastic, text), models)
-    assert_allclose(checks["static"].model, 2.0 + 100.0 * (3 / 1.5 - 1), rtol=0.02)
-    assert_allclose(checks["static"].below, 3.0 + 100.0 * (1 - 1 / 1.5), rtol=0.02)
-    # the steady force tires nothing
-    assert_allclose((checks["fatigue"].model, checks["fatigue"].below), (202.0, 3.0), rtol=0.02)
+    # the steady force tires nothing by itself, but from nothing to it is a range of the duty
+    for kind in ("static", "fatigue"):
+        assert_allclose(checks[kind].model, 2.0 + 100.0 * (3 / 1.5 - 1), rtol=0.02)
+        assert_allclose(checks[kind].below, 3.0 + 100.0 * (1 - 1 / 1.5), rtol=0.02)
     assert "with less friction 66." in checks["static"].note
 
 
