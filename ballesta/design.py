@@ -26,6 +26,7 @@ from ballesta.design_linkage import bodies_of, check_points
 from ballesta.design_model import DesignFile
 from ballesta.design_parts import materials_of, parts_of
 from ballesta.design_problems import tell_problems
+from ballesta.design_strength import strength_defaults
 from ballesta.errors import Problems
 from ballesta.measured import measured_of
 from ballesta.names import nearest, no_such
@@ -92,8 +93,16 @@ def _assembled(
         measured = measured_of(model, bodies, sources, problems)
     duty = duty_of(model, problems)
     parts = parts_of(model, bodies, joints, slides, materials, sources, problems)
+    for name, part in parts.items():
+        if part.fkm is not None and duty.life == "finite":
+            problems.add(
+                f"parts.{name}.strength",
+                'must be "marin" where duty.life is "finite", got "fkm": a finite life is judged '
+                "by Marin's chain only",
+            )
     problems.raise_if_any()
-    defaults = [*_defaults(model, "")]
+    by_key: dict[str, str | None] = {**dict(_defaults(model, "")), **dict(strength_defaults(model))}
+    defaults = [(key, value) for key, value in by_key.items() if value is not None]
     for name, force in model.forces.items():
         ends = design_forces[name].between
         if ends is not None and force.on is None:
@@ -124,6 +133,7 @@ def _assembled(
         friction=friction,
         elastic_joints=elastic_joints,
         irregularity=model.drive.irregularity,
+        dynamics=model.dynamics,
         cycles=cycles,
         measured=measured,
         duty=duty,

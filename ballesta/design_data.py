@@ -5,6 +5,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ballesta.design_model import Column, Requirements, StackEntry
+from ballesta.design_strength import FkmStrength
+from ballesta.design_tables import DynamicsEntry
 from ballesta.materials import Material
 from geometry.parts import Pin, PrismaticTube, ToggleBar
 from loads import MeasuredLoads
@@ -288,6 +290,7 @@ class Part:
     fineness: float
     most_unknowns: int
     contacts: Mapping[str, Roller] = field(default_factory=dict)  # by sliding interface
+    fkm: FkmStrength | None = None  # None: Marin's chain
 
 
 @dataclass(frozen=True)
@@ -303,6 +306,7 @@ class Design:
     friction         joint (point, name of the slot or guide, or "guide:<body>") -> its friction
     elastic_joints   joint, named as for friction -> its stiffness, N/mm
     irregularity     largest share by which the drive's speed may vary to count as even
+    dynamics         how the vibration of the linkage is judged
     defaults_used    (key, value) that the file does not state and ballesta took
     assumed          (key, reason) that the file marks as an assumption
     claims           (part, kind of check) -> the claimed safety and who claims it
@@ -328,6 +332,7 @@ class Design:
     friction: Mapping[str, Friction]
     elastic_joints: Mapping[str, float]
     irregularity: float
+    dynamics: DynamicsEntry
     cycles: Mapping[str, Cycle]
     measured: Mapping[str, MeasuredRun]
     duty: Duty

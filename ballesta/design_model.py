@@ -15,6 +15,7 @@ from ballesta.design_tables import (
     BodyEntry,
     CycleEntry,
     DriveEntry,
+    DynamicsEntry,
     ElasticJoints,
     ForceEntry,
     FrictionEntry,
@@ -30,11 +31,14 @@ from ballesta.units import (
     BearingArc,
     Fraction,
     Length,
+    OffsetLength,
     Point2,
     PositiveLength,
     PositivePressureSpeed,
     PositiveStress,
+    PositiveTurning,
     Rate,
+    Roughness,
 )
 from geometry.parameters import GIVEN_BY_DESIGN
 from geometry.parts import SHAPES, Pin
@@ -77,10 +81,34 @@ class DutyEntry(Table):
 
 
 class Column(Table):
-    """Effective lengths against buckling, where they are not the distance of the pins."""
+    """What is known of the part as a column; lengths where they are not the pins' distance."""
 
-    in_plane: PositiveLength | None = Field(None, description="in the plane of the linkage")
-    out_of_plane: PositiveLength | None = Field(None, description="out of that plane")
+    in_plane: PositiveLength | None = Field(
+        None, description="effective length in the plane of the linkage"
+    )
+    out_of_plane: PositiveLength | None = Field(
+        None, description="effective length out of that plane"
+    )
+    fork_stiffness: PositiveTurning | None = Field(
+        None,
+        description="of each end's fork against tilting out of the plane; without it the ends "
+        "count as hinged",
+    )
+    curve: Literal["a0", "a", "b", "c", "d"] | None = Field(
+        None,
+        description="column curve of Eurocode 3 that decides instead of yield, Johnson and Euler",
+    )
+    crookedness: PositiveLength | None = Field(
+        None,
+        description="largest initial deflection; without it 1/1000 of the effective length, or "
+        "what Eurocode 3 has for the curve",
+    )
+    eccentricity: OffsetLength = Field(
+        "0 mm",
+        validate_default=True,
+        description="by how much the force may pass beside the middle of both ends, such as half "
+        "the clearance of the pins",
+    )
 
 
 class MeshEntry(Table):
@@ -131,7 +159,15 @@ class PartEntry(Table):
     reliability: Fraction = Field(
         "99 %",
         validate_default=True,
-        description="share of parts that must survive",
+        description="share of parts that must survive; of Marin's chain only",
+    )
+    strength: Literal["marin", "fkm"] = Field(
+        "marin",
+        description="chain that the fatigue strength comes from: Marin's factors, or the FKM "
+        "guideline with the support of the stress gradient; never both",
+    )
+    roughness: Roughness | None = Field(
+        None, description="Rz, of FKM's chain only; without it that of the surface"
     )
     column: Column = Field(default=Column.model_validate({}))
     mesh: MeshEntry = Field(default=MeshEntry.model_validate({}))
@@ -288,6 +324,7 @@ class DesignFile(Table):
     )
     duty: DutyEntry = Field(default=DutyEntry.model_validate({}))
     drive: DriveEntry = Field(default=DriveEntry.model_validate({}))
+    dynamics: DynamicsEntry = Field(default=DynamicsEntry.model_validate({}))
     materials: dict[Name, MaterialEntry] = Field(default_factory=dict)
     parts: dict[Name, _union()] = Field(default_factory=dict)  # type: ignore[valid-type]
     claims: dict[Name, dict[Literal["static", "buckling", "fatigue", "bush"], Claim]] = Field(

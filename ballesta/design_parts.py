@@ -8,6 +8,7 @@ from typing import Any
 from ballesta.design_data import Body, Part, Roller, SlidingJoint
 from ballesta.design_files import Sources
 from ballesta.design_model import BodyPartEntry, DesignFile, StepPartEntry
+from ballesta.design_strength import FkmStrength, fkm_of
 from ballesta.errors import DesignError, Problems
 from ballesta.materials import Material, known_materials
 from ballesta.names import listed, no_such
@@ -77,7 +78,9 @@ def parts_of(
             field = "stack" + error.field[5:] if error.field.startswith("seats") else error.field
             problems.add(f"{key}.{field}", error.problem)
             continue
-        parts[name] = _part(name, entry, geometry, materials[entry.material], rollers)
+        material = materials[entry.material]
+        fkm = fkm_of(key, entry, material, geometry, problems) if material.ductile else None
+        parts[name] = _part(name, entry, geometry, material, rollers, fkm)
     _check_that_pins_pass(parts, problems)
     return parts
 
@@ -108,7 +111,12 @@ def _rollers(
 
 
 def _part(
-    name: str, entry: Any, geometry: Any, material: Material, rollers: Mapping[str, Roller]
+    name: str,
+    entry: Any,
+    geometry: Any,
+    material: Material,
+    rollers: Mapping[str, Roller],
+    fkm: FkmStrength | None,
 ) -> Part:
     is_body = isinstance(entry, BodyPartEntry)
     stack = () if is_body else tuple(entry.stack)
@@ -133,6 +141,7 @@ def _part(
         fineness=entry.mesh.fineness,
         most_unknowns=entry.mesh.most_unknowns,
         contacts=rollers,
+        fkm=fkm,
     )
 
 

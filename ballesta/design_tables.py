@@ -34,6 +34,7 @@ Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_][A-Za-z0-9_-]*$")
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
 Coefficient = Annotated[Number, Field(ge=0)]
+Damping = Annotated[Number, Field(gt=0, lt=1)]
 # by these pydantic names which of several forms a value has; messages leave them out
 TAGS = ("<value>", "<table>", "<contact>")
 Ends = Annotated[list[Length], Field(min_length=2, max_length=2)]
@@ -311,4 +312,20 @@ class DriveEntry(Table):
     irregularity: Positive = Field(
         0.1,
         description="largest share by which the speed may vary over a turn for it to count as even",
+    )
+
+
+class DynamicsEntry(Table):
+    """How the vibration of the linkage is judged."""
+
+    damping: Damping = Field(
+        0.02, description="damping ratio of every mode: 0.01 welded steel to 0.05 bolted joints"
+    )
+    rise: PositiveTime | None = Field(
+        None,
+        description="time in which loads really rise that jump from one phase to the next; without "
+        "it so slowly that they excite nothing",
+    )
+    apply: bool = Field(
+        False, strict=True, description="whether what vibration adds is put on the loads"
     )

@@ -29,12 +29,15 @@ _RULES = {
 
 
 def chord_at(level: Level, peak: FatiguePeak) -> tuple[float, float, float]:
-    """Amplitude, mean as Goodman counts it, and mean with its sign, MPa, of the deciding pair."""
-    point, pair = [peak.point], list(peak.pair)
-    stress = level.history.basis[point] @ level.coefficients[:, pair]
-    result = fatigue.goodman(stress, np.eye(2), level.limits[point], 1.0)
-    middle = fatigue.principal_stresses(stress[0].mean(axis=1))[2]
-    return float(result.amplitude[0]), float(result.mean[0]), float(middle)
+    """Amplitude, mean as Goodman counts it, and mean along the chord with its sign, MPa.
+
+    Of the deciding pair. The mean along the chord is an equivalent stress, below 0 in compression,
+    where the largest principal stress is 0 at a free surface.
+    """
+    point, pair = peak.point, list(peak.pair)
+    path = np.ascontiguousarray(level.coefficients[:, pair])
+    chord = fatigue.chord_path(level.history.basis[point], path, (0, 1))
+    return chord.amplitude, chord.mean, float(chord.along.mean())
 
 
 def fatigue_facts(
@@ -43,7 +46,8 @@ def fatigue_facts(
     """Facts of the critical point, by name; safeties are on all loads."""
     assert level.duty is not None
     material, limit = part.material, float(level.limits[peak.point])
-    amplitude, mean, signed = chord_at(level, peak)
+    amplitude, mean, along = chord_at(level, peak)
+    signed = mean if mean > 0.0 else min(along, 0.0)
     rules = _mean_stress_material(part)
     facts: dict[str, float | str] = {
         "fatigue amplitude [MPa]": amplitude,
@@ -53,9 +57,11 @@ def fatigue_facts(
     if signed < 0.0:
         credited = fatigue.mean_stress_utilisation(amplitude, signed, limit, rules, credit=True)
         facts["fatigue safety with credit for compression"] = (
-            f"{_safety(float(credited))}: mean {signed:.4g} MPa, counted as 0"
+            f"{_safety(float(credited))}: mean {signed:.4g} MPa along the chord, counted as 0"
         )
-    yielding = float(fatigue.yield_utilisation(amplitude, signed, material.yield_stress))
+    yielding = float(
+        fatigue.yield_utilisation(amplitude, max(mean, abs(along)), material.yield_stress)
+    )
     facts["first-cycle yield at the critical point (Langer), safety"] = _safety(yielding)
     facts["fatigue safety by survival of the parts"] = _by_survival(part, amplitude, mean, limit)
     facts |= _multiaxial(level)

@@ -105,9 +105,12 @@ def mesh_row(level: Level) -> dict[str, float | int | str]:
 
 
 def facts_of(
-    part: Part, loads: PartLoads, level: Level, limit: fatigue.EnduranceLimit
+    part: Part, loads: PartLoads, level: Level, limit: fatigue.EnduranceLimit | None
 ) -> dict[str, float | str]:
-    """Mass properties, strengths, largest forces and, where there are any, couples, by name."""
+    """Mass properties, strengths, largest forces and, where there are any, couples, by name.
+
+    limit  by Marin's chain; None for a part of the other chain
+    """
     mass = level.solutions.mesh.mass_properties(part.material.density)
     facts: dict[str, float | str] = {
         "mass [kg]": mass.mass * 1e3,
@@ -115,11 +118,14 @@ def facts_of(
         "inertia about the centre [kg m2]": mass.inertia * 1e-3,
         "yield stress [MPa]": part.material.yield_stress,
         "ultimate stress [MPa]": part.material.ultimate_stress,
-        "endurance limit [MPa]": limit.value,
-        "Marin factors": f"surface {limit.surface:.3f}, size {limit.size:.3f}, load "
-        f"{limit.load:.3f}, temperature {limit.temperature:.3f}, reliability "
-        f"{limit.reliability:.3f} on {limit.uncorrected:.4g} MPa",
     }
+    if limit is not None:
+        facts["endurance limit [MPa]"] = limit.value
+        facts["Marin factors"] = (
+            f"surface {limit.surface:.3f}, size {limit.size:.3f}, load {limit.load:.3f}, "
+            f"temperature {limit.temperature:.3f}, reliability {limit.reliability:.3f} on "
+            f"{limit.uncorrected:.4g} MPa"
+        )
     least = (
         _NO_COUPLE * loads.largest_force * float(np.ptp(level.solutions.mesh.nodes, axis=0).max())
     )

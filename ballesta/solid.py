@@ -9,15 +9,8 @@ from ballesta.fatigue_facts import chord_at, fatigue_facts
 from ballesta.finite_life import LifeTask
 from ballesta.halves import MEANING, half_of, shown_surface
 from ballesta.hand import hand_checks
-from ballesta.judged import (
-    Bars,
-    FatigueUse,
-    Judged,
-    LifeUse,
-    StaticPeak,
-    bars_of,
-    mesh_bar,
-)
+from ballesta.judged import Bars, Judged, StaticPeak, bars_of, mesh_bar
+from ballesta.judged_fatigue import FatigueUse, FkmUse, LifeUse
 from ballesta.levels import Level, Models, solve_level
 from ballesta.part_facts import assumed_of, charts_of, facts_of, gates_of, mesh_row
 from ballesta.part_loads import PartLoads
@@ -48,7 +41,7 @@ def check_solid(
     """
     limit = endurance_of(part)
     judged: list[Judged] = [StaticPeak(loads)]
-    use = _fatigue_use(design, part, loads, limit.value)
+    use = fatigue_use(design, part, loads)
     if use is not None:
         judged.append(use)
     levels, sizes, stopped = solve_levels(design, part, loads, models, judged, limit.value, say)
@@ -76,7 +69,7 @@ def check_solid(
     if finest.half:
         assumed.append(MEANING)
     gates = gates_of(design, part, loads, levels)
-    facts = facts_of(part, loads, finest, limit)
+    facts = facts_of(part, loads, finest, None if part.fkm else limit)
     peak = None
     if use is not None:
         peak = use.worst(finest)
@@ -89,7 +82,11 @@ def check_solid(
                 "judged again",
             )
         )
-        facts |= fatigue_facts(part, finest, peak, life_task(design, part))
+        if isinstance(use, FkmUse):  # no fact of the other chain
+            facts |= use.found(finest).facts()
+            peak = None
+        else:
+            facts |= fatigue_facts(part, finest, peak, life_task(design, part))
     if eigen:
         checks.append(eigen[0])
     elif part.geometry.sections and axial_compression(part, loads).max() > 0:
@@ -244,11 +241,14 @@ def life_task(design: Design, part: Part) -> LifeTask:
     )
 
 
-def _fatigue_use(design: Design, part: Part, loads: PartLoads, limit: float) -> FatigueUse | None:
+def fatigue_use(design: Design, part: Part, loads: PartLoads) -> FatigueUse | None:
     """How the part's fatigue is judged, None where no cycle of the duty loads it."""
     if not any(name in loads.cycles for name in design.duty.cycles):
         return None
     ultimate = part.material.ultimate_stress
+    if part.fkm is not None:
+        return FkmUse(loads, part.fkm.reference, ultimate, part.fkm)
+    limit = endurance_of(part).value
     if design.duty.life == "finite":
         return LifeUse(loads, limit, ultimate, life_task(design, part))
     return FatigueUse(loads, limit, ultimate)
@@ -311,25 +311,40 @@ def _fatigue_words(
     design: Design, part: Part, loads: PartLoads, level: Level, use: FatigueUse
 ) -> _Words:
     worst = use.worst(level)
-    first, second = worst.pair
-    limit = endurance_of(part).value
-    factor = limit / float(level.limits[worst.point])
-    notch = f", fatigue notch factor {factor:.3g}" if factor > 1 else ""
-    amplitude, mean, _ = chord_at(level, worst)
-    life = "infinite life"
-    if isinstance(use, LifeUse):
-        life = (
-            f"finite life: Miner's sum {use.life(level).damage:.3g} of {use.task.allowed_damage:g}"
+    if isinstance(use, FkmUse):
+        found = use.found(level)
+        amplitude, mean = found.amplitude, found.mean
+        note = f"support {float(found.limit.support):.3f}, K_AK {found.mean_factor:.3f}"
+        basis = (
+            f"FKM guideline, {use.strength.material.group}, Rz {use.strength.roughness:g} um: even "
+            "reversed stress; infinite life"
+        )
+    else:
+        amplitude, mean, _ = chord_at(level, worst)
+        factor = use.limit / float(level.limits[worst.point])
+        note = f"fatigue notch factor {factor:.3g}" if factor > 1 else ""
+        life = "infinite life"
+        if isinstance(use, LifeUse):
+            life = (
+                f"finite life: Miner's sum {use.life(level).damage:.3g} of "
+                f"{use.task.allowed_damage:g}"
+            )
+        basis = (
+            f"endurance limit, Marin: {part.surface}, {100 * part.reliability:g} % survival; {life}"
         )
     return _Words(
         "fatigue",
         f"{worst.criterion} equivalent amplitude",
-        limit,
+        use.limit,
         design.require.fatigue,
         worst.cycle,
-        " to ".join(_position(loads, k, worst.cycle) for k in (first, second)),
-        f"endurance limit, Marin: {part.surface}, {100 * part.reliability:g} % survival; {life}",
-        f"amplitude {amplitude:.4g} MPa, mean {mean:.4g} MPa{notch}",
+        " to ".join(_position(loads, k, worst.cycle) for k in worst.pair),
+        basis,
+        ", ".join(
+            text
+            for text in (f"amplitude {amplitude:.4g} MPa", f"mean {mean:.4g} MPa", note)
+            if text
+        ),
     )
 
 

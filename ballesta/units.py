@@ -47,10 +47,12 @@ DIMENSIONS = {
     "fraction": Dimension("a share", "", "5 %"),
     "time": Dimension("a time", "s", "1.5 s"),
     "moment": Dimension("a moment", "N mm", "12 N m"),
+    "turning stiffness": Dimension("a stiffness against turning", "N mm/rad", "20 kN m/rad"),
     "stiffness": Dimension("a stiffness", "N/mm", "80 kN/mm"),
     "pressure speed": Dimension("a pressure times a speed", "MPa mm/s", "0.5 MPa m/s"),
     "bending stiffness": Dimension("a bending stiffness E I", "N mm2", "2787 N m2"),
     "angular acceleration": Dimension("an angular acceleration", "rad/s2", "2 rad/s2"),
+    "roughness": Dimension("a roughness Rz", "mm", "25 um"),
 }
 # only to name what was found where another dimension was expected
 _OTHER_TITLES = {
@@ -285,6 +287,8 @@ class Vector:
 Length = Annotated[float, Quantity(("length",))]
 PositiveLength = Annotated[float, Quantity(("length",), above=0.0)]
 OffsetLength = Annotated[float, Quantity(("length",), at_least=0.0)]
+# the skin left by rolling, forging or casting is the roughest that the FKM guideline knows
+Roughness = Annotated[float, Quantity(("roughness",), above=0.0, at_most=0.2 * (1 + 1e-9))]
 Force = Annotated[float, Quantity(("force",))]
 PositiveForce = Annotated[float, Quantity(("force",), above=0.0)]
 Mass = Annotated[float, Quantity(("mass",), at_least=0.0)]
@@ -314,6 +318,7 @@ SweepAcceleration = Annotated[
 PositivePressureSpeed = Annotated[float, Quantity(("pressure speed",), above=0.0)]
 PositiveTime = Annotated[float, Quantity(("time",), above=0.0)]
 PositiveStiffness = Annotated[float, Quantity(("stiffness",), above=0.0)]
+PositiveTurning = Annotated[float, Quantity(("turning stiffness",), above=0.0)]
 PositiveBending = Annotated[float, Quantity(("bending stiffness",), above=0.0)]
 ForceOrMoment = Annotated[Measured, Quantity(("force", "moment"), keep_dimension=True)]
 PositiveForceOrMoment = Annotated[

@@ -80,7 +80,7 @@ def test_a_part_of_alumina_is_refused(tmp_path):
     assert text.count('material = "42CrMo4"\n') == 1
     design = tmp_path / "ceramic.toml"
     design.write_text(text.replace('material = "42CrMo4"\n', 'material = "alumina"\n'))
-    with pytest.raises(DesignError, match="alumina is brittle: it breaks .*; only ductile metals"):
+    with pytest.raises(DesignError, match=r"alumina is brittle: it breaks .*; only ductile metals"):
         read_design(design)
 
 

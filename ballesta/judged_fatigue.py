@@ -1,0 +1,178 @@
+"""How a part's fatigue is judged: Goodman and Findley, a finite life, or the FKM guideline."""
+
+from dataclasses import dataclass, field
+from math import isfinite
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+import fatigue
+from ballesta.design_strength import FkmStrength
+from ballesta.duty_verdict import WHOLE_DUTY, FatiguePeak
+from ballesta.finite_life import DutyLife, LifeTask, lives_of, shortest_life
+from ballesta.fkm_strength import FkmJudgement, fkm_judgement, fkm_points, slopes_of
+from ballesta.judged import Judged, direct_under
+from ballesta.levels import Level
+from ballesta.part_loads import PartLoads
+from geometry.mesh import FloatArray, IntArray
+
+
+@dataclass(frozen=True, eq=False)
+class FatigueUse(Judged):
+    """The largest fatigue utilisation over the duty, times the endurance limit.
+
+    limit     MPa, endurance limit away from notches
+    ultimate  MPa
+
+    Goodman's or Findley's, whichever is worse. Its bars are those of the pair of positions that
+    decides, as Goodman judges it, in proportion.
+    """
+
+    loads: PartLoads
+    limit: float
+    ultimate: float
+
+    def worst(self, level: Level) -> FatiguePeak:
+        """The point and the pair of positions."""
+        assert level.fatigue is not None
+        return level.fatigue
+
+    def value(self, level: Level) -> float:
+        """The quantity on one mesh, MPa."""
+        return self.worst(level).value
+
+    def point(self, level: Level) -> int:
+        """Index of the surface point that carries it."""
+        return self.worst(level).point
+
+    def at(self, level: Level, points: IntArray) -> FloatArray:
+        """Equivalent amplitude at some surface points (n,) on the path that decides, MPa."""
+        assert level.duty is not None
+        return level.duty.utilisation_at(points) * self.limit
+
+    def states(self, level: Level) -> list[FloatArray]:
+        """Half the swing, and the middle, of the pair of positions."""
+        first, second = (level.coefficients[:, k] for k in self.worst(level).pair)
+        return [(first - second) / 2, (first + second) / 2]
+
+    def scatter(self, level: Level) -> float:
+        """Scatter of amplitude and mean, as they enter the quantity, MPa."""
+        point = self.point(level)
+        swing, middle = (level.scatter(state, point) for state in self.states(level))
+        factor = self.limit / float(level.limits[point])
+        return self._over_pair(level) * (factor * swing + middle * self.limit / self.ultimate)
+
+    def direct(self, level: Level, arc: float) -> float:
+        """The quantity between the same two positions under pressures as they are."""
+        pair = [direct_under(self.loads, level, k, arc) for k in self.worst(level).pair]
+        stress = np.stack(pair, axis=2)
+        return self._over_pair(level) * self._of_pair(stress, level.limits)
+
+    def safety_missed(self, level: Level) -> float:
+        """How far from 1 the safety is that all loads times the safety leave."""
+        assert level.duty is not None
+        return level.duty.safety_missed()
+
+    def _of_pair(self, stress: FloatArray, limits: FloatArray) -> float:
+        """Goodman's equivalent amplitude of two states, stress (n, 6, 2), at the worst point."""
+        result = fatigue.goodman(stress, np.eye(2), limits, self.ultimate)
+        return float(result.utilisation.max()) * self.limit
+
+    def _over_pair(self, level: Level) -> float:
+        """The quantity over Goodman's for the deciding pair at its point: 1 where he decides."""
+        point = [self.point(level)]
+        pair = level.coefficients[:, list(self.worst(level).pair)]
+        judged = self._of_pair(level.history.basis[point] @ pair, level.limits[point])
+        return self.value(level) / judged if judged else 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class LifeUse(FatigueUse):
+    """The endurance limit over the safety that a finite life leaves: Miner's sum over the duty.
+
+    task  what the life is asked of
+    """
+
+    task: LifeTask
+    _lives: WeakKeyDictionary[Level, DutyLife] = field(default_factory=WeakKeyDictionary)
+
+    def life(self, level: Level) -> DutyLife:
+        """Life of the worst point of a level, sought once."""
+        assert level.duty is not None
+        if level not in self._lives:
+            self._lives[level] = shortest_life(level.duty, self.task)
+        return self._lives[level]
+
+    def worst(self, level: Level) -> FatiguePeak:
+        """The point that lasts the shortest, and the ends of the longest chord of its path."""
+        life = self.life(level)
+        value = self.limit / life.safety
+        return FatiguePeak(value, life.point, WHOLE_DUTY, life.pair, "Miner")
+
+    def safety_missed(self, level: Level) -> float:
+        """How far from 1 the safety is that all loads times the safety leave, counted again."""
+        life = self.life(level)
+        if not isfinite(life.safety):
+            return 0.0
+        assert level.duty is not None
+        (again,) = lives_of(level.duty, self.task, np.array([life.point]), life.safety)
+        return abs(again.safety - 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class FkmUse(FatigueUse):
+    """The largest utilisation by the FKM guideline's chain, times its reference strength.
+
+    strength  of the part; `limit` is its reference
+    """
+
+    strength: FkmStrength
+    _judged: WeakKeyDictionary[Level, FkmJudgement] = field(default_factory=WeakKeyDictionary)
+
+    def judgement(self, level: Level, factor: float = 1.0) -> FkmJudgement:
+        """The worst point of a level, all loads multiplied by a factor."""
+        assert level.duty is not None
+        duty = level.duty
+        slopes = slopes_of(level.solutions)
+        return fkm_judgement(
+            self.strength, duty.basis, factor * duty.coefficients, duty.runs, slopes
+        )
+
+    def found(self, level: Level) -> FkmJudgement:
+        """The worst point of a level, sought once."""
+        if level not in self._judged:
+            self._judged[level] = self.judgement(level)
+        return self._judged[level]
+
+    def worst(self, level: Level) -> FatiguePeak:
+        """The point and the pair of positions."""
+        found = self.found(level)
+        return FatiguePeak(found.demand, found.point, found.run, found.pair, "FKM")
+
+    def at(self, level: Level, points: IntArray) -> FloatArray:
+        """Equivalent amplitude at some surface points (n,) on the path that decides, MPa."""
+        assert level.duty is not None
+        duty = level.duty
+        path = np.ascontiguousarray(duty.coefficients[:, duty.runs[self.found(level).run]])
+        slopes = slopes_of(level.solutions)
+        used = fkm_points(self.strength, duty.basis, path, points, slopes).utilisation
+        return np.asarray(used * self.strength.reference)
+
+    def scatter(self, level: Level) -> float:
+        """Scatter of amplitude and mean, as they enter the quantity, MPa."""
+        found = self.found(level)
+        swing, middle = (level.scatter(state, found.point) for state in self.states(level))
+        more = found.utilisation_with(found.amplitude + swing, found.mean + middle)
+        return (more - found.utilisation) * self.strength.reference
+
+    def direct(self, level: Level, arc: float) -> float:
+        """The quantity between the same two positions under pressures as they are."""
+        found = self.found(level)
+        pair = [direct_under(self.loads, level, k, arc) for k in found.pair]
+        used = found.utilisation_between(np.stack(pair, axis=2))
+        return float(used.max()) * self.strength.reference
+
+    def safety_missed(self, level: Level) -> float:
+        """How far from 1 the safety is that all loads times the safety leave."""
+        safety = self.found(level).safety
+        return abs(self.judgement(level, safety).safety - 1.0) if isfinite(safety) else 0.0
