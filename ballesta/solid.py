@@ -14,7 +14,13 @@ from ballesta.judged_fatigue import FatigueUse, FkmUse, LifeUse
 from ballesta.levels import Level, Models, solve_level
 from ballesta.part_facts import assumed_of, charts_of, facts_of, gates_of, mesh_row
 from ballesta.part_loads import PartLoads
-from ballesta.stability import axial_compression, column_checks, eigenvalue_check
+from ballesta.stability import (
+    axial_compression,
+    column_checks,
+    column_facts,
+    column_told,
+    eigenvalue_check,
+)
 from fem.error_estimate import refined_sizes, stress_error
 from fem.unit_solutions import Elastic, UnitSolutions
 from geometry.mesh import FloatArray, TooManyElementsError
@@ -70,6 +76,10 @@ def check_solid(
         assumed.append(MEANING)
     gates = gates_of(design, part, loads, levels)
     facts = facts_of(part, loads, finest, None if part.fkm else limit)
+    facts |= column_facts(design, part, loads)
+    told = column_told(part, loads)
+    if told:
+        assumed.append(told)
     peak = None
     if use is not None:
         peak = use.worst(finest)

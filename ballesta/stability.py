@@ -1,14 +1,14 @@
 """Buckling of a part at its worst position: column formulas in both planes, and eigenvalues."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
-import numpy as np
-
+from ballesta.column_limits import UNKNOWN_CURVE, ColumnCase, Plane, cases_of, planes_of
+from ballesta.column_moments import axial_compression as axial_compression
+from ballesta.column_moments import crooked_checks
 from ballesta.design_data import Design, Part
-from ballesta.machine import interface_distance
 from ballesta.part_loads import PartLoads
 from fem.buckling import BucklingMode, buckling_modes
-from fem.columns import column_strength
 from fem.unit_solutions import UnitSolutions
 from geometry.mesh import FloatArray
 from reports.verdict import Check, Status
@@ -16,85 +16,166 @@ from reports.verdict import Check, Status
 # Half-width of the bar while only the coarse mesh has been asked. Between the two meshes the factor
 # changes by 1.4 % for the toggle bar and by 13 % for the local mode of a thin-walled tube.
 _ONE_MESH_BAR = 0.25
+_SAME = 1e-9  # of a safety
 _FAR = 3.0  # times the required safety: beyond it the stiffer fork's bound is not computed
 
 
-def axial_compression(part: Part, loads: PartLoads) -> FloatArray:
-    """Compressive force (n,) at that of a part's two ends where it is larger, N; < 0 is tension.
-
-    The ends differ by the part's weight and inertia.
-    """
-    first, second = part.geometry.interfaces[:2]
-    return np.asarray(np.maximum(loads.wrenches[first][:, 0], -loads.wrenches[second][:, 0]))
-
-
 def column_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
-    """One check per plane: the section with the least safety by yield, Johnson or Euler."""
-    if not part.geometry.sections:
+    """Return a check per plane of the section with the least safety, and the crooked column's.
+
+    What decides is the least of yield, Johnson and Euler, or the Eurocode 3 curve that the part's
+    column states, over all positions; the other limits stand in the note. The required safety is
+    that of buckling either way: no partial factor is mixed into it.
+    """
+    worst = _worst(part, loads)
+    if worst is None:
         return []
-    force = axial_compression(part, loads)
-    worst = int(force.argmax())
-    if not force[worst] > 0:
-        return []
-    own = interface_distance(design, part)
-    planes = (
-        ("in plane", "inertia_in_plane", "length", part.column.in_plane or own),
-        (
-            "out of plane",
-            "inertia_out_of_plane",
-            "length_out_of_plane",
-            part.column.out_of_plane or own,
-        ),
-    )
     checks = []
-    for plane, inertia, effective, whole in planes:
-        found = []
-        for section in part.geometry.sections:
-            length = getattr(section, effective) or whole
-            strength = column_strength(
-                section.area,
-                getattr(section, inertia),
-                length,
-                part.material.yield_stress,
-                part.material.youngs_modulus,
-            )
-            stress = force[worst] / section.area
-            found.append((strength.critical / stress, section, stress, strength, length))
-        _, section, stress, strength, length = min(found, key=lambda entry: entry[0])
-        shorter = column_strength(
-            section.area,
-            getattr(section, inertia),
-            min(length, own),
-            part.material.yield_stress,
-            part.material.youngs_modulus,
-        ).critical
-        others = "; ".join(
-            f"{s.name}: {value:.2f} ({st.governs}, slenderness {st.slenderness:.1f})"
-            for value, s, _, st, _ in found
-            if s is not section
-        )
+    for plane in planes_of(design, part):
+        judged = _judged(part, plane, float(axial_compression(part, loads)[worst]))
+        case, stress, safety = judged.deciding
+        limit = safety * stress
         checks.append(
             Check(
                 part=part.name,
                 kind="buckling",
-                quantity=f"column {plane}",
-                value=float(stress),
+                quantity=f"column {plane.name}",
+                value=stress,
                 unit="MPa",
                 numerical=0.0,
                 model=0.0,
-                model_below=float(stress * (1 - strength.critical / shorter)),
-                limit=strength.critical,
+                model_below=stress * (1 - safety / judged.stiffest) if judged.between else 0.0,
+                limit=limit,
                 required=design.require.buckling,
                 cycle=loads.cycle_names[worst],
                 position=loads.labels[worst],
-                place=section.name,
+                place=case.section.name,
                 method="formula",
-                basis=f"{strength.governs}; slenderness {strength.slenderness:.1f} over "
-                f"{length:.4g} mm; Euler {strength.euler:.4g} MPa; value is axial stress",
-                note=f"other sections, safety: {others}" if others else "",
+                basis=f"{_law(part, case)}; slenderness {case.strength.slenderness:.1f} over "
+                f"{_length(case)}; Euler {case.strength.euler:.4g} MPa; value is axial stress",
+                note=judged.told(part),
             )
         )
-    return checks
+    return [*checks, *crooked_checks(design, part, loads)]
+
+
+def column_facts(design: Design, part: Part, loads: PartLoads) -> dict[str, float | str]:
+    """All column limits of a part side by side: safeties by section and plane, effective lengths.
+
+    Empty for a part that is never compressed or has no sections.
+    """
+    worst = _worst(part, loads)
+    if worst is None:
+        return {}
+    force = float(axial_compression(part, loads)[worst])
+    where = f"{loads.cycle_names[worst]}, {loads.labels[worst]}"
+    facts: dict[str, float | str] = {
+        "largest compression [N]": force,
+        "largest compression at": where,
+    }
+    for plane in planes_of(design, part):
+        for case in cases_of(part, plane):
+            safeties = case.safeties(force / case.section.area, part.material.yield_stress)
+            name = f"column {plane.name}, {case.section.name}{'' if case.whole else ', by itself'}"
+            facts[f"{name}: safety"] = ", ".join(f"{k} {v:.3g}" for k, v in safeties.items())
+            facts[f"{name}: effective length [mm]"] = case.length
+            facts[f"{name}: slenderness"] = case.strength.slenderness
+    return facts
+
+
+def column_told(part: Part, loads: PartLoads) -> str | None:
+    """Why a part that has sections is not judged as a column, in words; None where it is."""
+    if not part.geometry.sections:
+        return None
+    largest = float(axial_compression(part, loads).max())
+    if largest > 0:
+        return None
+    return (
+        "it is pulled at every position: there is no column to be checked"
+        if largest < 0
+        else "it is never compressed: there is no column to be checked"
+    )
+
+
+@dataclass(frozen=True)
+class _Judged:
+    """A plane's columns under one force.
+
+    found     (case, axial stress, safety), the least safety first
+    stiffest  the least safety with the stiffest ends
+    """
+
+    found: tuple[tuple[ColumnCase, float, float], ...]
+    stiffest: float
+
+    @property
+    def deciding(self) -> tuple[ColumnCase, float, float]:
+        """What has the least safety."""
+        return self.found[0]
+
+    @property
+    def between(self) -> bool:
+        """Whether stiffer ends would make a difference."""
+        return self.stiffest > self.deciding[2] * (1 + _SAME)
+
+    def told(self, part: Part) -> str:
+        """All limits of the deciding column, and what the others have."""
+        (case, stress, _), *others = self.found
+        safeties = case.safeties(stress, part.material.yield_stress)
+        shown = {UNKNOWN_CURVE, part.column.curve or UNKNOWN_CURVE}
+        texts = [
+            f"{name} {value:.3g}"
+            for name, value in safeties.items()
+            if not name.startswith("Eurocode") or name.split()[-1] in shown
+        ]
+        told = f"safety by {', '.join(texts)}"
+        if self.between:
+            told += f"; with the stiffest ends {self.stiffest:.3g}"
+        if others:
+            told += "; other sections, safety: " + "; ".join(
+                f"{c.section.name}{'' if c.whole else ' by itself'}: {value:.2f} "
+                f"({_law(part, c)}, slenderness {c.strength.slenderness:.1f})"
+                for c, _, value in others
+            )
+        return told
+
+
+def _judged(part: Part, plane: Plane, force: float) -> _Judged:
+    curve = part.column.curve
+    found = []
+    for case in cases_of(part, plane):
+        stress = force / case.section.area
+        found.append((case, stress, case.limit(curve) / stress))
+    stiffest = min(
+        case.limit(curve) * case.section.area / force
+        for case in cases_of(part, plane, stiffest=True)
+    )
+    return _Judged(tuple(sorted(found, key=lambda entry: entry[2])), stiffest)
+
+
+def _worst(part: Part, loads: PartLoads) -> int | None:
+    """Position of the largest compression; None without sections or compression.
+
+    A column's limits do not depend on the position, so that it is the worst of all of them.
+    """
+    if not part.geometry.sections:
+        return None
+    force = axial_compression(part, loads)
+    worst = int(force.argmax())
+    return worst if force[worst] > 0 else None
+
+
+def _law(part: Part, case: ColumnCase) -> str:
+    """Which limit a section is judged by."""
+    curve = part.column.curve
+    return case.strength.governs if curve is None else f"Eurocode 3 curve {curve}"
+
+
+def _length(case: ColumnCase) -> str:
+    """Effective length, in words."""
+    if not case.whole:
+        return f"{case.length:.4g} mm of its own"
+    return f"{case.length:.4g} mm{' as the stepped column' if case.stepped else ''}"
 
 
 def eigenvalue_check(

@@ -1,7 +1,7 @@
 """A toggle bar: square tube with a hole through both cheeks at each end, cut open at the knee."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -95,9 +95,15 @@ class ToggleBar:
     def sections(self) -> tuple[Section, ...]:
         """The tube, and the two cheeks that alone carry the load beside the cut-out."""
         free = self.cutout_length - self.overhang
-        cheeks = plate_pair_section("cheeks", self.width, self.wall, free)
         tube = square_tube_section("tube", self.width, self.wall, self.inner_radius)
-        return (tube, cheeks) if free > 0 else (tube,)
+        if not free > 0:
+            return (tube,)
+        apart = self.width - self.wall
+        cheeks = plate_pair_section("cheeks", self.width, self.wall, free, apart)
+        if free < self.length:
+            tube = replace(tube, stretch=(free, self.length))
+            cheeks = replace(cheeks, stretch=(0.0, free))
+        return tube, cheeks
 
     @property
     def notch_factors(self) -> Mapping[str, float]:

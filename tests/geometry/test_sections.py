@@ -1,5 +1,7 @@
 """Cross-sections against hand values of square tubes."""
 
+from dataclasses import replace
+
 import pytest
 from numpy.testing import assert_allclose
 
@@ -28,8 +30,21 @@ def test_inner_fillets_add_the_spandrels_of_four_quarter_circles():
 
 
 def test_two_plates_bend_each_on_its_own():
-    section = plate_pair_section("cheeks", 80, 6.3, 16)
+    section = plate_pair_section("cheeks", 80, 6.3, 16, 73.7)
     assert_allclose(section.area, 1008)
     assert_allclose(section.inertia_in_plane, 1008 * 80**2 / 12)
     assert_allclose(section.inertia_out_of_plane, 1008 * 6.3**2 / 12)
     assert section.length == 16
+
+
+def test_two_plates_carry_the_columns_moment_by_pushing_and_pulling():
+    """80 (80^3 - 67.4^3)/12 = 1 372 081 mm4; 2 x 3 E I/a^3 x a with I = 1667 mm4 over 16 mm."""
+    section = plate_pair_section("cheeks", 80, 6.3, 16, 73.7)
+    assert_allclose(section.inertia_built_up, 80 * (80**3 - 67.4**3) / 12)
+    assert_allclose(section.racking_area, 6 * 80 * 6.3**3 / 12 / 256)
+    assert section.depth_out_of_plane == 80
+
+
+def test_a_stretch_that_ends_before_it_starts_is_refused():
+    with pytest.raises(ValueError, match="'tube' stretches from 9 mm, to 3 mm"):
+        replace(square_tube_section("tube", 30, 1.6, 0.0), stretch=(9.0, 3.0))

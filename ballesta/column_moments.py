@@ -1,0 +1,281 @@
+"""A crooked column that is bent besides: how far all loads may be raised until its edge yields.
+
+First-order moments (couples at the pins with their friction, weight and inertia, offsets of the
+force) grow with the axial force F, and so does what a crooked or eccentric column adds to them.
+With a moment's sine series b_n over the length, r = F/F_cr and hinged ends (Timoshenko and Gere,
+Theory of Elastic Stability, 2nd ed., 1.11)
+
+    M(x) = M_1(x) + sum b_n r/(n^2 - r) sin(n pi x/L)
+
+which for a crookedness e sin(pi x/L) is F e/(1 - r) and for equal end moments the secant formula.
+The stress F/A + M/W rises faster than the load: the safety is the factor on all loads at which it
+reaches yield, never the ratio of stresses.
+"""
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+from scipy.optimize import brentq
+
+from ballesta.column_limits import Plane, is_stepped, planes_of, whole_force
+from ballesta.design_data import Design, Part
+from ballesta.part_loads import PartLoads
+from fem.column_curves import BOW
+from geometry.mesh import FloatArray, IntArray
+from geometry.sections import Section
+from reports.verdict import Check
+
+STRAIGHTNESS = 1000.0  # L/e of a bar without a stated curve or crookedness
+_GRID = 129  # places along the part at which moments are computed
+_TERMS = 9  # of the moments' sine series
+_CLOSE = 1e-9  # of the load factor
+_NO_MOMENT = 1e-9  # of the largest force times the length
+
+
+def axial_compression(part: Part, loads: PartLoads) -> FloatArray:
+    """Compressive force (n,) at that of a part's two ends where it is larger, N; < 0 is tension.
+
+    The ends differ by the part's weight and inertia.
+    """
+    first, second = part.geometry.interfaces[:2]
+    return np.asarray(np.maximum(loads.wrenches[first][:, 0], -loads.wrenches[second][:, 0]))
+
+
+def first_order_moments(
+    part: Part, loads: PartLoads, length: float
+) -> tuple[FloatArray, FloatArray]:
+    """Moments about z and y (n, 129) of the undeformed part at even places between its pins, N mm.
+
+    From both ends towards the other, each in its share: what the part has beyond its pins, which
+    the sections do not know, leaves no step.
+    """
+    first, second = (loads.wrenches[name] for name in part.geometry.interfaces[:2])
+    x = np.linspace(0.0, length, _GRID)
+    a_y, alpha = loads.accelerations[:, 1, None], loads.accelerations[:, 2, None]
+    line = -part.material.density * _areas(part, x)
+    force = _cumulated(line * (a_y + alpha * x), x)
+    lever = _cumulated(line * (a_y + alpha * x) * x, x)
+    share = x / length
+    found = []
+    for couple, across, own in ((5, 1, True), (4, 2, False)):
+        sign = 1.0 if own else -1.0  # about z a force along y, about y one along -z has a lever
+        left = -(first[:, couple, None] - sign * x * first[:, across, None])
+        right = second[:, couple, None] + sign * (length - x) * second[:, across, None]
+        if own:
+            left = left - (lever - x * force)
+            right = right + (lever[:, -1:] - lever) - x * (force[:, -1:] - force)
+        found.append(np.asarray((1 - share) * left + share * right))
+    return found[0], found[1]
+
+
+@dataclass(frozen=True, eq=False)
+class CrookedColumn:
+    """A part's sections under all positions at which it is compressed, one plane crooked.
+
+    force       (n,)     N, compression
+    places      (k,)     share of the length
+    areas       (k,)     mm2
+    moduli      (2, k)   mm3, W in the crooked plane and in the other
+    moments     (2, n, k)  N mm, first order
+    series      (2, n, m)  N mm, their sine series
+    critical    (2,)     N, Euler's force in both planes; infinite for a plane without moments
+    bow         (k,)     mm, crookedness
+    beside      mm, eccentricity
+    """
+
+    force: FloatArray
+    places: FloatArray
+    areas: FloatArray
+    moduli: FloatArray
+    moments: FloatArray
+    series: FloatArray
+    critical: FloatArray
+    bow: FloatArray
+    beside: float
+
+    def stress(self, factor: float, rows: slice = slice(None)) -> FloatArray:
+        """Largest compressive stress (n, k), MPa, under all loads times `factor`."""
+        force = factor * self.force[rows, None]
+        total = force / self.areas
+        order = np.arange(1, _TERMS + 1)
+        waves = np.sin(pi * order[:, None] * self.places)
+        even = 4 / (pi * order) * (order % 2)
+        for plane in (0, 1):
+            ratio = force / self.critical[plane]
+            grown = ratio / (order**2 - ratio)
+            series = factor * self.series[plane][rows]
+            moment = np.abs(factor * self.moments[plane][rows]) + np.abs((grown * series) @ waves)
+            if plane == 0:
+                moment += force * (self.bow / (1 - ratio))
+                moment += force * self.beside * (1 + (grown * even) @ waves)
+            total = total + moment / self.moduli[plane]
+        return np.asarray(total)
+
+    def load_factor(self, yield_stress: float) -> tuple[float, int, int]:
+        """Least factor on all loads at which an edge yields, and at which position and place."""
+        largest = float((self.force / self.critical.min()).max())
+        factor = min(1.0, 0.5 / largest)
+        row, place = self._worst_at(factor)
+        best = (np.inf, row, place)
+        while True:
+            found = self._factor_at(row, place, yield_stress)
+            if not found < best[0] * (1 - _CLOSE):
+                return best
+            best = (found, row, place)
+            if found * largest >= 1:  # another position is beyond its critical force there
+                row = int(self.force.argmax())
+                place = int(self._near_critical(row).argmax())
+                continue
+            row, place = self._worst_at(found)
+
+    def _worst_at(self, factor: float) -> tuple[int, int]:
+        row, place = divmod(int(self.stress(factor).argmax()), len(self.places))
+        return row, place
+
+    def _near_critical(self, row: int) -> FloatArray:
+        factor = 0.999 * float(self.critical.min() / self.force[row])
+        return np.asarray(self.stress(factor, slice(row, row + 1))[0])
+
+    def _factor_at(self, row: int, place: int, yield_stress: float) -> float:
+        force = float(self.force[row])
+        most = min(float(self.critical.min()) / force, yield_stress * self.areas[place] / force)
+
+        def over(share: float) -> float:
+            stress = self.stress(share * most, slice(row, row + 1))
+            return float(stress[0, place] / yield_stress - 1)
+
+        top = 1 - 1e-12
+        if over(top) <= 0:
+            return float(most)
+        return float(most * brentq(over, 0.0, top, xtol=1e-15, rtol=1e-13))
+
+
+def crooked_column(
+    part: Part, loads: PartLoads, plane: Plane, other: Plane
+) -> tuple[CrookedColumn, list[Section], IntArray]:
+    """The part crooked in `plane`, its sections by place, and which positions (n,) compress it."""
+    force = axial_compression(part, loads)
+    pressed = np.flatnonzero(force > 0)
+    length = plane.own
+    grid = np.linspace(0.0, 1.0, _GRID)
+    by_plane = dict(
+        zip(("in plane", "out of plane"), first_order_moments(part, loads, length), strict=True)
+    )
+    order = np.arange(1, _TERMS + 1)
+    waves = np.sin(pi * order[:, None] * grid)
+    weights = np.full(_GRID, 1 / (_GRID - 1))
+    weights[[0, -1]] /= 2
+    places, sections = _stations(part, length)
+    moments, series, moduli, critical = [], [], [], []
+    for side in (plane, other):
+        moment = by_plane[side.name][pressed]
+        series.append(2 * (moment * weights) @ waves.T)
+        moments.append(np.stack([np.interp(places, grid, row) for row in moment]))
+        moduli.append([inertia / half for inertia, half in map(side.built_up, sections)])
+        carried = min(whole_force(part, side, section) for section in set(sections))
+        bent = np.abs(moment).max() > _NO_MOMENT * length * force.max()
+        critical.append(carried if side is plane or bent else np.inf)  # its own check judges it
+    bow = crookedness(part, plane) * np.sin(pi * places)
+    column = CrookedColumn(
+        force[pressed],
+        places,
+        np.array([section.area for section in sections]),
+        np.array(moduli),
+        np.array(moments),
+        np.array(series),
+        np.array(critical),
+        bow,
+        part.column.eccentricity,
+    )
+    return column, sections, pressed
+
+
+def crookedness(part: Part, plane: Plane) -> float:
+    """Largest initial deflection, mm: as stated, as Eurocode 3 has it for the curve, or L/1000."""
+    column = part.column
+    if column.crookedness is not None:
+        return column.crookedness
+    return plane.length / (STRAIGHTNESS if column.curve is None else BOW[column.curve])
+
+
+def crooked_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
+    """Return a check per plane of the crooked column's edge against yield, over all positions.
+
+    The value is the yield stress over the load factor, so that the safety is the load factor.
+    """
+    if not part.geometry.sections or not axial_compression(part, loads).max() > 0:
+        return []
+    planes = planes_of(design, part)
+    checks = []
+    for plane, other in (planes, planes[::-1]):
+        column, sections, pressed = crooked_column(part, loads, plane, other)
+        strength = part.material.yield_stress
+        factor, row, place = column.load_factor(strength)
+        position = int(pressed[row])
+        force = float(column.force[row])
+        ratio = force / float(column.critical[0])
+        said = "beyond what the column carries: no state of rest under the load itself"
+        if force < column.critical.min():
+            stress = column.stress(1.0, slice(row, row + 1))[0, place]
+            said = f"{stress:.4g} MPa under the load itself"
+        beside = f", {column.beside:.3g} mm beside the middle" if column.beside else ""
+        checks.append(
+            Check(
+                part=part.name,
+                kind="buckling",
+                quantity=f"crooked column, {plane.name}: yield stress over load factor",
+                value=strength / factor,
+                unit="MPa",
+                numerical=0.0,
+                model=0.0,
+                limit=strength,
+                required=design.require.static,
+                cycle=loads.cycle_names[position],
+                position=loads.labels[position],
+                place=f"{sections[place].name} at {plane.own * column.places[place]:.4g} mm",
+                method="formula",
+                basis=f"F/A + M/W with moments grown by 1/(1 - F/F_cr), F_cr = "
+                f"{column.critical[0]:.4g} N; the edge yields under all loads times {factor:.4g}",
+                note=f"{said}; axial {force / column.areas[place]:.4g} MPa, F/F_cr {ratio:.3g}, "
+                f"crooked by {crookedness(part, plane):.3g} mm ({_source(part)}){beside}",
+            )
+        )
+    return checks
+
+
+def _source(part: Part) -> str:
+    if part.column.crookedness is not None:
+        return "stated"
+    if part.column.curve is not None:
+        return f"Eurocode 3, curve {part.column.curve}"
+    return "L/1000, assumed"
+
+
+def _stations(part: Part, length: float) -> tuple[FloatArray, list[Section]]:
+    """Places, as shares of the length, at which each section is judged."""
+    places, sections = [], []
+    for section in part.geometry.sections:
+        start, stop = (0.0, length) if section.stretch is None else section.stretch
+        found = np.linspace(start / length, stop / length, 33)
+        places.append(found)
+        sections += [section] * len(found)
+    return np.concatenate(places), sections
+
+
+def _areas(part: Part, x: FloatArray) -> FloatArray:
+    """Area of the section at each place, mm2; the largest where stretches are not told."""
+    sections = part.geometry.sections
+    if not is_stepped(part):
+        return np.full(len(x), max(section.area for section in sections))
+    areas = np.zeros(len(x))
+    for section in sections:
+        assert section.stretch is not None
+        areas[(x >= section.stretch[0]) & (x <= section.stretch[1])] = section.area
+    return areas
+
+
+def _cumulated(values: FloatArray, x: FloatArray) -> FloatArray:
+    """Integral (n, k) from the first place to each, by trapezoids."""
+    pieces = (values[:, 1:] + values[:, :-1]) / 2 * np.diff(x)
+    return np.concatenate([np.zeros((len(values), 1)), np.cumsum(pieces, axis=1)], axis=1)
