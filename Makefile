@@ -2,7 +2,7 @@
 # make test   sets everything up and runs the tests
 # make lint   types, style and the direction of imports
 # make bench  runs the benchmarks, writes bench/results.json
-# make documents  compares the documents' published values, writes docs/documents.md
+# make documents  compares the documents' published values, writes docs/documents.md, docs/hammer_leaf.md
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
@@ -50,6 +50,7 @@ bench: $(PEERS)
 
 documents: $(READY)
 	@$(BIN)/python tools/compare_documents.py
+	@$(BIN)/python tools/hammer_leaf.py
 
 clean:
 	rm -rf $(VENV) out build *.egg-info .mypy_cache .ruff_cache .pytest_cache

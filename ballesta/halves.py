@@ -8,6 +8,7 @@ from ballesta.levels import Level
 from ballesta.part_loads import PartLoads
 from fem.recovery import von_mises
 from geometry.halves import Half, has_middle_plane
+from geometry.mesh import FloatArray, IntArray, Mesh
 from reports.verdict import Surface
 
 _NOTHING = 1e-12  # of the largest force, and of force times length
@@ -40,9 +41,7 @@ def shown_surface(loads: PartLoads, level: Level) -> Surface:
     Of the whole part, also where a half was solved.
     """
     nodes = level.history.nodes
-    facets = level.solutions.mesh.boundary
-    split = facets[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]]].reshape(-1, 3)
-    triangles = np.searchsorted(nodes, split)
+    triangles = _triangles(level.solutions.mesh, nodes)
     state = level.coefficients[:, level.peak.position]
     displacement = (level.solutions.displacement @ state).reshape(-1, 3)[nodes]
     fields = {"von Mises [MPa]": von_mises(level.history.at(level.peak.position))}
@@ -54,6 +53,22 @@ def shown_surface(loads: PartLoads, level: Level) -> Surface:
     if not level.half:
         return surface
     return _mirrored(surface, np.isin(nodes, level.solutions.mesh.cut_nodes))
+
+
+def mode_surface(mesh: Mesh, nodes: IntArray, moved: FloatArray, size: FloatArray) -> Surface:
+    """The surface of a whole part as a mode displaces it.
+
+    nodes (n,) on the surface; moved (n_nodes, 3) mm and size (n_nodes,) of the whole mesh
+    """
+    places = mesh.nodes[nodes] + moved[nodes]
+    fields = {"buckling mode": size[nodes]}
+    return Surface(places, _triangles(mesh, nodes), fields, int(size[nodes].argmax()))
+
+
+def _triangles(mesh: Mesh, nodes: IntArray) -> IntArray:
+    """Six-node facets of the boundary split in four, (n, 3) indices of the surface nodes."""
+    split = mesh.boundary[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]]].reshape(-1, 3)
+    return np.searchsorted(nodes, split)
 
 
 def _mirrored(surface: Surface, on_cut: npt.NDArray[np.bool_]) -> Surface:

@@ -3,11 +3,13 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 import fatigue
 from ballesta.design_data import Design, Part
 from ballesta.fatigue_facts import chord_at, fatigue_facts
 from ballesta.finite_life import LifeTask
-from ballesta.halves import MEANING, half_of, shown_surface
+from ballesta.halves import MEANING, half_of, mode_surface, shown_surface
 from ballesta.hand import hand_checks
 from ballesta.judged import Bars, Judged, StaticPeak, bars_of, mesh_bar
 from ballesta.judged_fatigue import FatigueUse, FkmUse, LifeUse
@@ -21,15 +23,17 @@ from ballesta.stability import (
     column_told,
     eigenvalue_check,
 )
+from fem.buckling import BucklingMode
 from fem.error_estimate import refined_sizes, stress_error
 from fem.unit_solutions import Elastic, UnitSolutions
 from geometry.mesh import FloatArray, TooManyElementsError
 from geometry.sizing import SizeField
-from reports.verdict import Check, Gate, PartResult, Status
+from reports.verdict import Check, Gate, PartResult, Status, Surface
 
 FIRST = 0.7  # fineness of the first mesh; where the stress decides, later ones are finer
 _MOST_MESHES = 5
 _RESCALED = 1e-6
+_EXAGGERATED = 0.1  # of the part's size: the largest displacement of a mode as it is drawn
 _LEAST_STEP = 1.15  # elements that decide must become smaller by this, or a mesh is not worth it
 
 Say = Callable[[str], None]
@@ -116,7 +120,21 @@ def check_solid(
         charts=charts_of(part, loads, finest, peak),
         surface=shown_surface(loads, finest),
         assumed=assumed,
+        mode=None if eigen is None else _mode_of(whole, eigen[1]),
     )
+
+
+def _mode_of(
+    whole: Sequence[tuple[UnitSolutions, FloatArray]], mode: BucklingMode
+) -> Surface | None:
+    """The surface of the mesh that a mode was found on, displaced by a part of its size."""
+    for solutions, _ in whole:
+        mesh = solutions.mesh
+        if len(mesh.nodes) == len(mode.shape):
+            moved = _EXAGGERATED * float(np.ptp(mesh.nodes, axis=0).max()) * mode.shape
+            size = np.linalg.norm(mode.shape, axis=1)
+            return mode_surface(mesh, solutions.recovery.points, moved, size / size.max())
+    return None
 
 
 def solve_levels(

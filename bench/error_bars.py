@@ -1,6 +1,7 @@
 """How well the error bars are calibrated: every catalogued reading against its reference.
 
-``python -m bench.error_bars`` prints the table; with ``--write`` it becomes docs/validation.md.
+``python -m bench.error_bars`` prints the table; with ``--write`` it becomes docs/validation.md,
+together with the multiaxial criteria of bench/multiaxial.py.
 The readings are those of tests/validation: stresses and peaks with exact or converged references,
 on meshes as a user would make them: the last mesh of the pair 0.7, 1 and of the pair 1, 1.4.
 """
@@ -11,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from bench import multiaxial
 from fem.convergence import ErrorBar, discretisation_error
 from tests.validation.plane.catalogue import CASES as PLANE
 from tests.validation.solids.catalogue import CASES as SOLIDS
@@ -138,8 +140,16 @@ def main() -> None:
     print(summary(pairs))
     if "--write" in sys.argv:
         notes = PARTS.read_text(encoding="utf-8")
-        text = notes.replace("{{summary}}", summary(pairs)).replace("{{table}}", table(pairs))
-        PAGE.write_text(text, encoding="utf-8")
+        parts = {
+            "summary": summary(pairs),
+            "table": table(pairs),
+            "multiaxial": multiaxial.table(),
+            "multiaxial_ranges": multiaxial.ranges(),
+        }
+        for name, part in parts.items():
+            notes = notes.replace("{{" + name + "}}", part)
+        PAGE.write_text(notes, encoding="utf-8")
+        multiaxial.draw(multiaxial.PLOT)
     else:
         print(table(pairs))
 

@@ -1,8 +1,9 @@
 """Multiaxial fatigue criteria against tests: a table and a plot of predicted over measured.
 
-`python -m bench.multiaxial` prints the table in Markdown; `--write` also draws
-docs/validation/multiaxial.svg. The verdict is the worse of the columns Goodman and Findley, which
-here have the limits of the tests.
+`python -m bench.multiaxial` prints the tables in Markdown; `--write` also draws
+docs/validation/multiaxial.svg, as `python -m bench.error_bars --write` does for the page that shows
+both. The verdict is the worse of the columns Goodman and Findley, which here have the limits of the
+tests.
 """
 
 import sys
@@ -27,8 +28,8 @@ COLUMNS = ("Goodman", *CRITERIA)
 def predicted(test: BendingTorsion) -> tuple[float, ...]:
     """Each criterion of COLUMNS over its limit at the stated amplitudes; above 1 is safe.
 
-    The test amplitudes are at the measured limit, so predicted over measured damage is this number,
-    and the predicted limit over the measured one its reciprocal.
+    The stated amplitudes are at the measured limit, so the predicted limit over the measured one is
+    the reciprocal.
     """
     stress = bending_and_torsion(test.bending, test.torsion, test.phase)
     ratio = TORSION_LIMIT / BENDING_LIMIT
@@ -48,6 +49,24 @@ def table() -> str:
         stated = [f"{test.bending:g}", f"{test.torsion:g}", f"{test.phase:g}"]
         lines.append("| " + " | ".join(stated + values) + " |")
     return "\n".join(lines)
+
+
+def ranges() -> str:
+    """Return the limit that each criterion predicts over the measured one, in and out of phase."""
+    lines = [
+        "| Predicted limit over measured limit | Tests | " + " | ".join(COLUMNS) + " |",
+        "| --- " * (len(COLUMNS) + 2) + "|",
+    ]
+    for words, phased in (("in phase", False), ("60° out of phase", True)):
+        tests = [test for test in NISHIHARA_KAWAMOTO if (test.phase != 0.0) == phased]
+        limits = 1.0 / np.array([predicted(test) for test in tests])
+        cells = [f"{low:.3f} … {high:.3f}" for low, high in zip(*_ends(limits), strict=True)]
+        lines.append("| " + " | ".join([words, str(len(tests)), *cells]) + " |")
+    return "\n".join(lines)
+
+
+def _ends(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    return values.min(axis=0), values.max(axis=0)
 
 
 def draw(path: Path) -> None:
@@ -70,7 +89,7 @@ def draw(path: Path) -> None:
         labels = [f"{t.bending:g}/{t.torsion:g}\n{t.phase:g}°" for t in NISHIHARA_KAWAMOTO]
         axes.set_xticks(places, labels)
         axes.set_xlabel("bending/torsion, MPa, and phase; amplitudes unconfirmed")
-        axes.set_ylabel("predicted over measured\n(below 1: unsafe)")
+        axes.set_ylabel("criterion over its limit where the\ntest failed (below 1: unsafe)")
         axes.legend(ncols=3, fontsize=8, loc="lower left")
         axes.set_ylim(0.82, 1.1)
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -79,6 +98,6 @@ def draw(path: Path) -> None:
 
 
 if __name__ == "__main__":
-    print(table())
+    print(table(), ranges(), sep="\n\n")
     if "--write" in sys.argv[1:]:
         draw(PLOT)

@@ -63,6 +63,22 @@ def report_html(result: DesignResult, pictures: Pictures | None = None) -> str:
     return text
 
 
+# What a picture shows: before and after the part's name for who cannot see it, and below it.
+_CAPTIONS = {
+    "whole": ("The whole part", "coloured by stress", "The whole part"),
+    "peak": (
+        "Surroundings of the peak",
+        "coloured by stress",
+        "Around the peak, which the dot marks",
+    ),
+    "mode": (
+        "Lowest buckling mode",
+        "coloured by displacement",
+        "The lowest buckling mode, exaggerated, on the first mesh; the dot moves most",
+    ),
+}
+
+
 def _part(part: PartResult, result: DesignResult, pictures: Pictures) -> dict[str, Any]:
     """Collect what the template needs of one part beside the part itself."""
     columns = list(dict.fromkeys(key for mesh in part.meshes for key in mesh))
@@ -71,6 +87,7 @@ def _part(part: PartResult, result: DesignResult, pictures: Pictures) -> dict[st
         "part": part,
         "titled": list(zip(part.checks, check_titles(part.checks), strict=True)),
         "images": [(view, b64encode(image).decode()) for view, image in images.items()],
+        "captions": _CAPTIONS,
         "columns": columns,
         "haigh": Markup(haigh_chart(part, result.cycles)),
     }

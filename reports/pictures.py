@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from reports.verdict import PartResult, Surface
 from reports.words import clean
 
 VIEWS = ("whole", "peak")
+MODE = "mode"
 _CURE = "apt-get install libgl1 libegl1 libglu1-mesa libxft2 libxcursor1 libxinerama1 libgomp1"
 _WORKER = (sys.executable, "-m", "reports.pictures_worker")
 
@@ -24,7 +26,7 @@ _WORKER = (sys.executable, "-m", "reports.pictures_worker")
 class Pictures:
     """What could be drawn, and why the rest could not.
 
-    images  part name -> view ("whole", "peak") -> PNG
+    images  part name -> view ("whole", "peak", and "mode" where one was found) -> PNG
     reason  what went wrong and its cure; "" when everything was drawn
     """
 
@@ -35,7 +37,7 @@ class Pictures:
 def render_stills(
     parts: Sequence[PartResult], timeout: float = 180.0, worker: Sequence[str] = _WORKER
 ) -> Pictures:
-    """Two stills of each part: all of it, and the surroundings of its peak stress.
+    """Stills of each part: all of it, the surroundings of its peak stress, its buckling mode.
 
     One worker process draws them all, for at most `timeout` seconds. Its failure is a reason in
     the result, never an exception, and what it had drawn until then is kept.
@@ -44,26 +46,30 @@ def render_stills(
         return Pictures()
     with TemporaryDirectory(prefix="ballesta-") as name:
         folder = Path(name)
-        jobs = []
+        jobs: list[dict[str, Any]] = []
         for index, part in enumerate(parts):
-            field_name = stress_field(part.surface)
-            np.savez(
-                folder / f"part_{index}.npz",
-                nodes=np.asarray(part.surface.nodes, dtype=float),
-                triangles=np.asarray(part.surface.triangles, dtype=np.int64),
-                values=np.asarray(part.surface.fields[field_name], dtype=float),
-                peak=np.int64(part.surface.peak),
-            )
-            jobs.append({"field": clean(field_name)})
+            for surface, views in _shown(part):
+                field_name = stress_field(surface)
+                np.savez(
+                    folder / f"part_{len(jobs)}.npz",
+                    nodes=np.asarray(surface.nodes, dtype=float),
+                    triangles=np.asarray(surface.triangles, dtype=np.int64),
+                    values=np.asarray(surface.fields[field_name], dtype=float),
+                    peak=np.int64(surface.peak),
+                )
+                jobs.append({"field": clean(field_name), "views": list(views), "part": index})
         (folder / "jobs.json").write_text(json.dumps(jobs), encoding="utf-8")
         problem = _run([*worker, name], folder, timeout)
-        images = {part.name: _collected(folder, index) for index, part in enumerate(parts)}
-    missing = sum(len(VIEWS) - len(views) for views in images.values())
+        images: dict[str, dict[str, bytes]] = {part.name: {} for part in parts}
+        for index, job in enumerate(jobs):
+            images[parts[job["part"]].name] |= _collected(folder, index, job["views"])
+    asked = sum(len(job["views"]) for job in jobs)
+    missing = asked - sum(len(views) for views in images.values())
     if missing and not problem:
         problem = "the worker ended well but left pictures out"
     if not problem:
         return Pictures(images)
-    lack = f"{missing} of {len(VIEWS) * len(parts)} pictures are missing"
+    lack = f"{missing} of {asked} pictures are missing"
     cure = f"Where GL libraries are missing: {_CURE}"
     return Pictures(images, f"{lack}: {problem}. {cure}")
 
@@ -76,8 +82,14 @@ def stress_field(surface: Surface) -> str:
     return next((name for name in names if name.startswith("von Mises")), names[0])
 
 
-def _collected(folder: Path, index: int) -> dict[str, bytes]:
-    files = {view: folder / f"part_{index}_{view}.png" for view in VIEWS}
+def _shown(part: PartResult) -> list[tuple[Surface, Sequence[str]]]:
+    """Surfaces of a part, and the views of each."""
+    shown: list[tuple[Surface, Sequence[str]]] = [(part.surface, VIEWS)]
+    return shown if part.mode is None else [*shown, (part.mode, (MODE,))]
+
+
+def _collected(folder: Path, index: int, views: Sequence[str]) -> dict[str, bytes]:
+    files = {view: folder / f"part_{index}_{view}.png" for view in views}
     return {view: file.read_bytes() for view, file in files.items() if file.is_file()}
 
 

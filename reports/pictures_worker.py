@@ -1,7 +1,7 @@
 """Draws the stills of `reports.pictures`: python -m reports.pictures_worker FOLDER.
 
-The folder holds jobs.json and part_<i>.npz (nodes, triangles, values, peak), and receives
-part_<i>_whole.png and part_<i>_peak.png.
+The folder holds jobs.json (field, views) and part_<i>.npz (nodes, triangles, values, peak), and
+receives part_<i>_<view>.png: "peak" from near, any other view of the whole surface.
 """
 
 import json
@@ -27,7 +27,7 @@ def main(folder: Path) -> None:
     for index, job in enumerate(json.loads((folder / "jobs.json").read_text(encoding="utf-8"))):
         with np.load(folder / f"part_{index}.npz", allow_pickle=False) as arrays:
             data = {name: arrays[name] for name in arrays.files}
-        for view in ("whole", "peak"):
+        for view in job["views"]:
             temporary = folder / f"part_{index}_{view}.tmp"
             temporary.write_bytes(still(data, job["field"], view))
             temporary.replace(folder / f"part_{index}_{view}.png")
@@ -92,11 +92,12 @@ def _place_camera(
     plotter: Any, nodes: FloatArray, peak: int, direction: FloatArray, view: str
 ) -> None:
     diagonal = float(np.linalg.norm(np.ptp(nodes, axis=0)))
-    centre = (nodes.max(axis=0) + nodes.min(axis=0)) / 2 if view == "whole" else nodes[peak]
+    middle = (nodes.max(axis=0) + nodes.min(axis=0)) / 2
+    centre = nodes[peak] if view == "peak" else middle
     up = (0.0, 0.0, 1.0) if abs(direction[2]) < 0.95 else (0.0, 1.0, 0.0)
     plotter.camera_position = [centre + 2 * diagonal * direction, centre, up]
     plotter.enable_parallel_projection()
-    if view == "whole":
+    if view != "peak":
         # As large as the corners of the bounding box allow.
         corners = np.array(np.meshgrid(*zip(nodes.min(axis=0), nodes.max(axis=0), strict=True)))
         offset = corners.reshape(3, -1).T - centre

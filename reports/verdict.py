@@ -174,6 +174,7 @@ class PartResult:
 
     meshes   one dict per mesh that was solved: unknowns, elements, peak stress, ...
     charts   plain data of the part's charts (Haigh path)
+    mode     the lowest buckling mode: nodes as displaced, exaggerated; one field, its size
     """
 
     name: str
@@ -187,6 +188,7 @@ class PartResult:
     charts: Mapping[str, Any]
     surface: Surface
     assumed: Sequence[str] = ()
+    mode: Surface | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """The result as plain data, without fields on the surface."""

@@ -47,6 +47,17 @@ def test_a_still_shows_the_part_its_colours_and_the_marker_on_white(drawn):
     assert 0.3 * SIZE[1] < rows.mean() < 0.7 * SIZE[1]
 
 
+def test_a_buckling_mode_is_drawn_as_it_displaces_the_part():
+    part = results.mixed().parts[0]
+    moved = np.asarray(part.surface.nodes) * [1.0, 1.0, 2.0]
+    size = np.linspace(0.0, 1.0, len(moved))
+    mode = replace(part.surface, nodes=moved, fields={"buckling mode": size}, peak=len(moved) - 1)
+    pictures = render_stills([replace(part, mode=mode)])
+    assert pictures.reason == ""
+    assert list(pictures.images[part.name]) == ["whole", "peak", "mode"]
+    assert pictures.images[part.name]["mode"] != pictures.images[part.name]["whole"]
+
+
 def test_hostile_names_are_drawn():
     hostile = results.hostile()
     pictures = render_stills(hostile.parts[:1])
