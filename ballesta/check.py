@@ -25,6 +25,12 @@ from ballesta.lug_checks import lug_checks
 from ballesta.machine import cycle_of, interface_distance, linkage_of, part_placing
 from ballesta.part_loads import check_reach, is_loaded, loads_on, shown_of
 from ballesta.pin_checks import pin_checks
+from ballesta.quasi_static import (
+    assumptions_of,
+    quasi_static_gates,
+    vibration_of,
+    with_dynamics,
+)
 from ballesta.side_by_side import offset_gates
 from ballesta.slot_checks import slot_checks
 from ballesta.solid import FIRST, check_solid
@@ -44,8 +50,8 @@ NOT_CHECKED = (
     "welds, screws, circlips and other fasteners",
     "keys, splines and press fits that bring a couple into a bore",
     "frame, guides, cylinder and mould",
-    "lateral loads, clearances, crookedness and eccentricity of bars",
-    "vibration, resonance and elastic deflection of the linkage",
+    "lateral loads, and clearances that no column states as its eccentricity",
+    "vibration out of the plane, of drive and frame, and after an impact",
     "corrosion, temperature, residual stress and manufacturing defects",
 )
 
@@ -83,6 +89,8 @@ def check_design(
         start = perf_counter()
         say("loads: solving the cycles")
         solved = solve_cycles(design, masses, compliances)
+        vibration = vibration_of(design, solved)
+        solved = with_dynamics(design, solved, vibration)
         measured = measured_loads(design, masses)
         runs: dict[str, loads.CycleLoads | loads.MeasuredLoads] = {**solved, **measured}
         timings["loads"] = perf_counter() - start
@@ -107,10 +115,14 @@ def check_design(
         overrides=design.overrides,
         parts=results,
         cycles=_cycle_data(design, runs, results),
-        gates=[*load_gates(design, solved), *balance_gates(design, measured)],
+        gates=[
+            *load_gates(design, solved),
+            *quasi_static_gates(design, vibration),
+            *balance_gates(design, measured),
+        ],
         warnings=[*claim_warnings(design, results), *design_warnings(design, masses, runs)],
         not_checked=(*NOT_CHECKED, *_not_checked_here(design), *not_measured(design)),
-        assumed=(*design.assumed, *_assumed_here(design)),
+        assumed=(*design.assumed, *_assumed_here(design), *assumptions_of(design, vibration)),
         defaults=design.defaults_used,
         inputs=list(design.inputs),
         source=_all_sources(design),

@@ -70,7 +70,7 @@ def deflection(
                 total += _beam(kinematics, poses, compliance, unit, real)
             case MatrixCompliance():
                 ours, theirs = (
-                    _wrenches(kinematics, poses, compliance, state) for state in (unit, real)
+                    wrenches_on(kinematics, poses, compliance, state) for state in (unit, real)
                 )
                 total += np.einsum("ni,ij,nj->n", ours, compliance.matrix, theirs)
     return total
@@ -166,7 +166,7 @@ def _shares(body: str, source: str, places: Sequence[float], travel: FloatArray)
     return np.stack([np.interp(travel, places, row) for row in np.eye(len(places))], axis=1)
 
 
-def _wrenches(
+def wrenches_on(
     kinematics: Kinematics, poses: FloatArray, compliance: MatrixCompliance, state: LoadState
 ) -> FloatArray:
     """Return the loads on a body at the places of its compliance, in its own axes (n, 3 k)."""
@@ -184,12 +184,12 @@ def _beam(
     real: LoadState,
 ) -> FloatArray:
     """Return the integral of M M' / E I + N N' / E A along a body's x axis (n,) [mm N]."""
-    places, ours = _beam_loads(kinematics, poses, beam.body, unit)
-    _, theirs = _beam_loads(kinematics, poses, beam.body, real)
+    places, ours = beam_loads(kinematics, poses, beam.body, unit)
+    _, theirs = beam_loads(kinematics, poses, beam.body, real)
     order = np.argsort(places, axis=1)
     lengths = np.diff(np.take_along_axis(places, order, axis=1), axis=1)
     (force, start, end), (other_force, other_start, other_end) = (
-        _sections(loads, order, lengths) for loads in (ours, theirs)
+        section_forces(loads, order, lengths) for loads in (ours, theirs)
     )
     result = np.zeros(len(poses))
     if beam.bending is not None:
@@ -205,7 +205,7 @@ def _beam(
     return result
 
 
-def _sections(
+def section_forces(
     loads: FloatArray, order: IntArray, lengths: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return normal force, and bending moment at both ends, of each stretch (n, k - 1).
@@ -224,7 +224,7 @@ def _sections(
     return normal, start, end
 
 
-def _beam_loads(
+def beam_loads(
     kinematics: Kinematics, poses: FloatArray, body: str, state: LoadState
 ) -> tuple[FloatArray, FloatArray]:
     """Return places along the body's x axis (n, k) and loads there (n, k, 3), its weight last.
@@ -280,12 +280,12 @@ def beam_displacements(
     """Return what the loads on a beam move, by their source, against its leftmost load.
 
     Shift (n, 2) mm and turn (n,) in the body's axes, and the place along its axis (n, 2) mm that is
-    moved. E I v'' = M and E A u' = -N, with M and N as `_sections` has them.
+    moved. E I v'' = M and E A u' = -N, with M and N as `section_forces` has them.
     """
-    places, loads = _beam_loads(kinematics, poses, beam.body, state)
+    places, loads = beam_loads(kinematics, poses, beam.body, state)
     order = np.argsort(places, axis=1)
     lengths = np.diff(np.take_along_axis(places, order, axis=1), axis=1)
-    normal, start, end = _sections(loads, order, lengths)
+    normal, start, end = section_forces(loads, order, lengths)
     n, k = places.shape
     along, across, turn = (np.zeros((n, k)) for _ in range(3))
     for i in range(k - 1):
@@ -313,7 +313,7 @@ def matrix_displacements(
     kinematics: Kinematics, poses: FloatArray, compliance: MatrixCompliance, state: LoadState
 ) -> Displacements:
     """Return what the loads on a body move, by their source: as `beam_displacements`."""
-    wrenches = _wrenches(kinematics, poses, compliance, state)
+    wrenches = wrenches_on(kinematics, poses, compliance, state)
     moved = (wrenches @ np.asarray(compliance.matrix, dtype=float)).reshape(len(poses), -1, 3)
     result: Displacements = {}
     for load in _entering(kinematics, poses, compliance, state):
