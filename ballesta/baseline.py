@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,17 +14,13 @@ BAND = 1e-4
 
 def baseline_of(result: Mapping[str, Any]) -> dict[str, Any]:
     """The numbers of a result, as plain data (`DesignResult.to_dict`), that a baseline keeps."""
-    parts = {}
-    for part in result["parts"]:
-        checks = {
-            f"{check['kind']}: {check['quantity']}": {
-                "value": check["value"],
-                "limit": check["limit"],
-                "status": check["status"],
-            }
-            for check in part["checks"]
+    parts = {
+        part["name"]: {
+            "mass [kg]": part["facts"]["mass [kg]"],
+            "checks": _checks(part["checks"]),
         }
-        parts[part["name"]] = {"mass [kg]": part["facts"]["mass [kg]"], "checks": checks}
+        for part in result["parts"]
+    }
     return {
         "format": "ballesta-baseline/1",
         "design": result["name"],
@@ -35,6 +31,19 @@ def baseline_of(result: Mapping[str, Any]) -> dict[str, Any]:
             for name, cycle in result["cycles"].items()
         },
         "parts": parts,
+        "linkage": _checks(result["linkage"]),
+    }
+
+
+def _checks(checks: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Value, limit and status of checks by kind and quantity."""
+    return {
+        f"{check['kind']}: {check['quantity']}": {
+            "value": check["value"],
+            "limit": check["limit"],
+            "status": check["status"],
+        }
+        for check in checks
     }
 
 

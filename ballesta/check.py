@@ -21,6 +21,7 @@ from ballesta.errors import DesignError, NumericsError
 from ballesta.gates import load_gates
 from ballesta.leaf_checks import with_leaf_checks
 from ballesta.levels import Models
+from ballesta.linkage_frame import linkage_check, worst_mode
 from ballesta.lug_checks import lug_checks
 from ballesta.machine import cycle_of, interface_distance, linkage_of, part_placing
 from ballesta.part_loads import check_reach, is_loaded, loads_on, shown_of
@@ -93,6 +94,7 @@ def check_design(
         solved = with_dynamics(design, solved, vibration)
         measured = measured_loads(design, masses)
         runs: dict[str, loads.CycleLoads | loads.MeasuredLoads] = {**solved, **measured}
+        mode = worst_mode(design, runs)
         timings["loads"] = perf_counter() - start
     except loads.LinkageError as error:
         raise DesignError(design.file, "linkage", str(error)) from error
@@ -131,6 +133,7 @@ def check_design(
             ["ballesta check", str(design.file), *(f"--set {o!r}" for o in design.overrides)]
         ),
         timings=timings,
+        linkage=[] if mode is None else [linkage_check(design, mode)],
     )
 
 

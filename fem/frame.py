@@ -24,14 +24,14 @@ from geometry.mesh import FloatArray, IntArray
 
 FORCES = ("N", "V_y", "V_z", "T", "M_y", "M_z")
 _COUNT = 6  # Gauss points along a member
-_POINTS, _WEIGHTS = (np.polynomial.legendre.leggauss(_COUNT)[k] for k in (0, 1))
-_POINTS, _WEIGHTS = (_POINTS + 1) / 2, _WEIGHTS / 2
+POINTS, WEIGHTS = (np.polynomial.legendre.leggauss(_COUNT)[k] for k in (0, 1))
+POINTS, WEIGHTS = (POINTS + 1) / 2, WEIGHTS / 2
 
 
 def gauss_points(nodes: FloatArray, members: IntArray) -> FloatArray:
     """Where sections and distributed loads are given along each member, (m, 6, 3), mm."""
     start, end = nodes[members[:, 0]], nodes[members[:, 1]]
-    return np.asarray(start[:, None] + _POINTS[:, None] * (end - start)[:, None])
+    return np.asarray(start[:, None] + POINTS[:, None] * (end - start)[:, None])
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +118,7 @@ class Frame:
         return np.stack([along, np.cross(side, along), side], axis=1)
 
     @cached_property
-    def _compliance(self) -> FloatArray:
+    def compliance(self) -> FloatArray:
         """Strains of a section per section force, the diagonal (m, 6 points, 6)."""
         young = self.material.youngs_modulus
         shear = young / (2 * (1 + self.material.poisson_ratio))
@@ -128,16 +128,16 @@ class Frame:
         return np.asarray(1 / np.stack(stiff, axis=-1))
 
     @cached_property
-    def _flexibility(self) -> FloatArray:
+    def flexibility(self) -> FloatArray:
         """Motion of a member's end per force there, its start held, (m, 6, 6)."""
-        carry = _carried(self.lengths[:, None] * (1 - _POINTS))
-        weights = _WEIGHTS * self.lengths[:, None]
+        carry = _carried(self.lengths[:, None] * (1 - POINTS))
+        weights = WEIGHTS * self.lengths[:, None]
         return np.asarray(
-            np.einsum("mg,mgik,mgi,mgil->mkl", weights, carry, self._compliance, carry)
+            np.einsum("mg,mgik,mgi,mgil->mkl", weights, carry, self.compliance, carry)
         )
 
     @cached_property
-    def _deformation(self) -> FloatArray:
+    def deformation(self) -> FloatArray:
         """Local motion of the end against the start, per global unknown, (m, 6, 12)."""
         count = len(self.members)
         local = np.zeros((count, 6, 12))
@@ -156,8 +156,8 @@ class Frame:
     @cached_property
     def stiffness(self) -> sp.csr_array:
         """The whole stiffness matrix, N/mm, N, N mm."""
-        blocks = np.swapaxes(self._deformation, 1, 2) @ np.linalg.solve(
-            self._flexibility, self._deformation
+        blocks = np.swapaxes(self.deformation, 1, 2) @ np.linalg.solve(
+            self.flexibility, self.deformation
         )
         blocks = (blocks + np.swapaxes(blocks, 1, 2)) / 2
         rows = np.repeat(self.unknowns, 12, axis=1).ravel()
@@ -204,9 +204,7 @@ class Frame:
     def resultants(self, loads: FrameLoads) -> FloatArray:
         """Force and moment about the origin of each case, (6, c)."""
         nodal = loads.nodal.reshape(len(self.nodes), 2, 3, -1)
-        force = np.einsum(
-            "g,m,mgic->mgic", _WEIGHTS, self.lengths, loads.distributed, optimize=True
-        )
+        force = np.einsum("g,m,mgic->mgic", WEIGHTS, self.lengths, loads.distributed, optimize=True)
         turn = np.cross(self.nodes[:, :, None], nodal[:, 0], axis=1).sum(axis=0)
         turn += nodal[:, 1].sum(axis=0)
         turn += np.cross(self.points[..., None], force, axis=2).sum(axis=(0, 1))
@@ -292,14 +290,14 @@ class HeldFrame:
         """Solve all load cases."""
         frame = self.frame
         local = np.einsum("mji,mgic->mgjc", frame.axes, loads.distributed)
-        beyond = _beyond(local, np.r_[0.0, _POINTS], frame.lengths)  # (m, 1 + g, 6, c)
-        carry = _carried(frame.lengths[:, None] * (1 - _POINTS))
-        weights = _WEIGHTS * frame.lengths[:, None]
+        beyond = _beyond(local, np.r_[0.0, POINTS], frame.lengths)  # (m, 1 + g, 6, c)
+        carry = _carried(frame.lengths[:, None] * (1 - POINTS))
+        weights = WEIGHTS * frame.lengths[:, None]
         moved = np.einsum(
-            "mg,mgik,mgi,mgic->mkc", weights, carry, frame._compliance, beyond[:, 1:], optimize=True
+            "mg,mgik,mgi,mgic->mkc", weights, carry, frame.compliance, beyond[:, 1:], optimize=True
         )
-        clamping = np.linalg.solve(frame._flexibility, moved)
-        nodal = np.einsum("mku,mkc->muc", frame._deformation, clamping)
+        clamping = np.linalg.solve(frame.flexibility, moved)
+        nodal = np.einsum("mku,mkc->muc", frame.deformation, clamping)
         whole = beyond[:, 0].reshape(len(frame.members), 2, 3, -1)
         nodal[:, :6] += np.einsum("mji,mfjc->mfic", frame.axes, whole).reshape(*nodal[:, :6].shape)
         right = loads.nodal.copy()
@@ -307,8 +305,8 @@ class HeldFrame:
         displacement = np.zeros_like(right)
         displacement[self._free], residual = self._factor.solve(right[self._free])
         reactions = (frame.stiffness @ displacement - right)[self.held]
-        deformed = np.einsum("mku,muc->mkc", frame._deformation, displacement[frame.unknowns])
-        ends = np.linalg.solve(frame._flexibility, deformed) - clamping
+        deformed = np.einsum("mku,muc->mkc", frame.deformation, displacement[frame.unknowns])
+        ends = np.linalg.solve(frame.flexibility, deformed) - clamping
         return FrameSolution(frame, displacement, reactions, ends, local, residual)
 
 
@@ -355,12 +353,12 @@ def _beyond(distributed: FloatArray, stations: FloatArray, lengths: FloatArray) 
     The load is the polynomial through its values at the Gauss points.
     """
     reach = 1 - stations
-    inner = stations[:, None] + reach[:, None] * _POINTS  # (s, g)
-    powers = np.vander(_POINTS, _COUNT)
+    inner = stations[:, None] + reach[:, None] * POINTS  # (s, g)
+    powers = np.vander(POINTS, _COUNT)
     shapes = np.linalg.solve(powers.T, np.vander(inner.ravel(), _COUNT).T).T
     shapes = shapes.reshape(len(stations), _COUNT, _COUNT)  # (s, point, load point)
-    total = reach[:, None] * np.einsum("g,sgh->sh", _WEIGHTS, shapes)
-    first = reach[:, None] ** 2 * np.einsum("g,sgh->sh", _WEIGHTS * _POINTS, shapes)
+    total = reach[:, None] * np.einsum("g,sgh->sh", WEIGHTS, shapes)
+    first = reach[:, None] ** 2 * np.einsum("g,sgh->sh", WEIGHTS * POINTS, shapes)
     force = np.einsum("sh,m,mhic->msic", total, lengths, distributed)
     moment = np.einsum("sh,m,mhic->msic", first, lengths**2, distributed)
     zero = np.zeros_like(force[:, :, 0])

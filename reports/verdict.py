@@ -212,6 +212,7 @@ class DesignResult:
 
     cycles    name -> plain data over the cycle: shown position, forces, efforts
     gates     of the loads
+    linkage   checks of the linkage as a whole
     timings   stage -> s
     inputs    every input as (key, value); `defaults` those that the file did not state
     """
@@ -232,11 +233,12 @@ class DesignResult:
     versions: Mapping[str, str]
     command: str
     timings: Mapping[str, float] = field(default_factory=dict)
+    linkage: Sequence[Check] = ()
 
     @property
     def checks(self) -> list[Check]:
-        """All checks of all parts, in order."""
-        return [check for part in self.parts for check in part.checks]
+        """All checks of all parts, in order, then those of the linkage."""
+        return [*(check for part in self.parts for check in part.checks), *self.linkage]
 
     @property
     def status(self) -> Status:
@@ -286,6 +288,7 @@ class DesignResult:
             if self.checks
             else None,
             "parts": [part.to_dict() for part in self.parts],
+            "linkage": [check.to_dict() for check in self.linkage],
             "cycles": {name: dict(cycle) for name, cycle in self.cycles.items()},
             "gates": [gate.to_dict() for gate in self.gates],
             "warnings": list(self.warnings),

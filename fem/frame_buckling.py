@@ -1,0 +1,175 @@
+"""Linear buckling of frames: geometric stiffness of members, factors, proof of their count.
+
+The work of the axial force on the slope of the deflection, 1/2 integral N (v'^2 + w'^2 + r^2 t'^2),
+is taken with the member's own exact deflection: curvature and shear strain follow from its end
+forces, so the slope is that of an unloaded Timoshenko member, v' = turn + shear strain. A prismatic
+pinned column then tends to Engesser's load Pe / (1 + Pe / k G A), and to Euler's without shear.
+t' is the twist and r^2 = (I_y + I_z) / A (Wagner; Timoshenko and Gere, Theory of Elastic Stability,
+2nd ed., 5.3 and 2.17). What bending moments do to twist (lateral buckling of beams) is not in it.
+
+Every assumed deflection is a possible one, so factors come from above and fall with h^4.
+"""
+
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+import scipy.linalg
+
+from fem.frame import POINTS, WEIGHTS, Frame
+from fem.solvers import SolverError
+from geometry.mesh import FloatArray, IntArray
+
+_NONE = 1e-9  # of the largest factor's inverse: below it, round-off
+_BESIDE = 1e-6  # of a factor: how far from it the modes are counted
+_MECHANISM = 1e-13  # of the largest: stiffness below it is none, in unknowns of equal stiffness
+
+
+@dataclass(frozen=True, eq=False)
+class FrameModes:
+    """Buckling modes of one load state, lowest first.
+
+    factors    (k,) load factors above 0
+    shapes     (n, k) unknowns, without a scale of their own
+    reversed   the factor of the loads turned round, > 0, that buckles first; None: none does
+    """
+
+    factors: FloatArray
+    shapes: FloatArray
+    reversed: float | None
+
+
+def integration_matrix() -> FloatArray:
+    """Integrals from 0 to each Gauss point of the polynomial through values there, (6, 6)."""
+    powers = np.arange(6.0)
+    primitive = POINTS[:, None] ** (powers + 1) / (powers + 1)
+    return np.asarray(np.linalg.solve((POINTS[:, None] ** powers).T, primitive.T).T)
+
+
+def work_of_axial_force(frame: Frame) -> FloatArray:
+    """Geometric stiffness per unit of axial force at each Gauss point, (m, 6, 12, 12).
+
+    In global axes and the order of `frame.unknowns`; each is symmetric and positive semidefinite.
+    """
+    ends = np.linalg.solve(frame.flexibility, frame.deformation)  # (m, 6, 12)
+    reach = frame.lengths[:, None] * (1 - POINTS)
+    compliance = frame.compliance
+    force = np.repeat(ends[:, None], 6, axis=1)  # (m, g, 6, 12)
+    force[:, :, 5] += reach[..., None] * ends[:, None, 1]
+    force[:, :, 4] -= reach[..., None] * ends[:, None, 2]
+    strain = compliance[..., None] * force
+    turned = np.einsum("gh,m,mhiu->mgiu", integration_matrix(), frame.lengths, strain[:, :, 4:])
+    start = np.zeros((len(frame.members), 3, 12))
+    start[:, :, 3:6] = frame.axes  # local turns of the start
+    slope_y = start[:, None, 2] + turned[:, :, 1] + strain[:, :, 1]
+    slope_z = -start[:, None, 1] - turned[:, :, 0] + strain[:, :, 2]
+    s = frame.sections.broadcast((len(frame.members), 6))
+    twist = np.sqrt((s.inertia_y + s.inertia_z) / s.area)[..., None] * strain[:, :, 3]
+    rows = np.stack([slope_y, slope_z, twist], axis=2)
+    weight = WEIGHTS * frame.lengths[:, None]
+    return np.asarray(np.einsum("mg,mgku,mgkv->mguv", weight, rows, rows, optimize=True))
+
+
+def geometric_stiffness(frame: Frame, axial: FloatArray) -> FloatArray:
+    """Geometric stiffness (6 n, 6 n) of axial forces (m,) or (m, 6 points), N, tension above 0."""
+    forces = np.asarray(axial, dtype=float)
+    count = len(frame.members)
+    if forces.shape not in ((count,), (count, 6)) or not np.isfinite(forces).all():
+        raise ValueError(
+            f"axial forces of {count} members must be finite, of shape ({count},) or ({count}, 6), "
+            f"got {forces.shape}"
+        )
+    forces = np.broadcast_to(forces.reshape(count, -1), (count, 6))
+    blocks = np.einsum("mg,mguv->muv", forces, work_of_axial_force(frame))
+    result = np.zeros((6 * len(frame.nodes),) * 2)
+    np.add.at(result, (frame.unknowns[:, :, None], frame.unknowns[:, None, :]), blocks)
+    return result
+
+
+def frame_buckling(
+    frame: Frame, axial: FloatArray, held: IntArray, *, count: int = 1
+) -> FrameModes:
+    """Lowest buckling factors of a frame with unknowns `held` still; shapes (6 n, k).
+
+    axial  (m,) or (m, 6 points)  N, tension above 0
+
+    Raises ValueError if the frame can move as a rigid body.
+    """
+    fixed = frame.held(held).held
+    free = np.setdiff1d(np.arange(6 * len(frame.nodes)), fixed)
+    inside = np.ix_(free, free)
+    found = buckling_modes(
+        frame.stiffness.toarray()[inside], geometric_stiffness(frame, axial)[inside], count=count
+    )
+    shapes = np.zeros((6 * len(frame.nodes), found.shapes.shape[1]))
+    shapes[free] = found.shapes
+    return FrameModes(found.factors, shapes, found.reversed)
+
+
+def buckling_modes(stiffness: FloatArray, geometric: FloatArray, *, count: int = 1) -> FrameModes:
+    """Lowest factors f > 0 at which (K + f K_s) x = 0, by the largest mu of -K_s x = mu K x.
+
+    The loads' size drops out; those in tension or without load give none. That none was skipped is
+    proven by the number of negative eigenvalues of K + f K_s just below the first and just above
+    the last factor (Sylvester). Raises ValueError if something moves without strain.
+    """
+    scaled, scale = _scaled(stiffness)
+    size = float(np.abs(geometric).max(initial=0.0))
+    nothing = FrameModes(np.zeros(0), np.zeros((len(stiffness), 0)), None)
+    if not size > 0:
+        return nothing
+    lower = np.linalg.cholesky(scaled)
+    load = -scale[:, None] * (geometric / size) * scale
+    half = scipy.linalg.solve_triangular(lower, load, lower=True)
+    reduced = scipy.linalg.solve_triangular(lower, half.T, lower=True)
+    values, vectors = np.linalg.eigh((reduced + reduced.T) / 2)
+    least = _NONE * np.abs(values).max()
+    opposite = 1 / (-values[0] * size) if values[0] < -least else None
+    order = np.flatnonzero(values > least)[::-1]
+    if not len(order):
+        return FrameModes(nothing.factors, nothing.shapes, opposite)
+    positive = 1 / values[order]
+    factors = positive[:count]
+    for factor in (factors[0] * (1 - _BESIDE), factors[-1] * (1 + _BESIDE)):
+        wanted = int((positive < factor).sum())
+        found = _negative(scaled - factor * load)
+        if found != wanted:
+            raise SolverError(
+                f"{found} buckling modes of a frame stand below the factor {factor / size:.6g}, "
+                f"{wanted} were found"
+            )
+    shapes = scipy.linalg.solve_triangular(lower.T, vectors[:, order[:count]], lower=False)
+    return FrameModes(factors / size, scale[:, None] * shapes, opposite)
+
+
+def whitening(stiffness: FloatArray) -> FloatArray:
+    """Combinations X (n, n) with X' K X = 1; ValueError if something moves without strain."""
+    scaled, scale = _scaled(stiffness)
+    lower = np.linalg.cholesky(scaled)
+    inverse = scipy.linalg.solve_triangular(lower, np.eye(len(lower)), lower=True)
+    return np.asarray(scale[:, None] * inverse.T)
+
+
+def modes_below(stiffness: FloatArray, geometric: FloatArray, factor: float) -> int:
+    """How many buckling factors stand between 0 and `factor`: negative values of K + f K_s."""
+    scaled, scale = _scaled(stiffness)
+    return _negative(scaled + factor * scale[:, None] * geometric * scale)
+
+
+def _scaled(stiffness: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The stiffness with ones on its diagonal, and by what unknowns were multiplied for it."""
+    diagonal = np.diag(stiffness)
+    if not (diagonal > 0).all():
+        raise ValueError("the frame can move: an unknown has no stiffness")
+    scale = 1 / np.sqrt(diagonal)
+    scaled = scale[:, None] * stiffness * scale
+    values = np.linalg.eigvalsh(scaled)
+    if values[0] < _MECHANISM * values[-1]:
+        raise ValueError("the frame can move without strain")
+    return scaled, scale
+
+
+def _negative(matrix: FloatArray) -> int:
+    """Number of negative eigenvalues, from the blocks of L D L' (Sylvester's law of inertia)."""
+    _, blocks, _ = scipy.linalg.ldl(matrix)
+    return int((np.linalg.eigvalsh(cast(FloatArray, blocks)) < 0).sum())
