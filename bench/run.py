@@ -167,9 +167,99 @@ def solid_and_its_peer() -> list[dict[str, Any]]:
     return rows
 
 
+def fatigue_verdict() -> list[dict[str, Any]]:
+    """The fatigue verdict of the lug bar over 720 positions, and FKM and Miner beside pyLife's.
+
+    Ratios are medians over five turns in one process, with two threads; those of the first pass
+    over products of one thread each. ``out of phase``: each unit load a quarter of the cycle after
+    the one before, so that hardly any path is straight.
+    """
+    done = subprocess.run(
+        [sys.executable, "-m", "bench.fatigue"],
+        check=True,
+        capture_output=True,
+        text=True,
+        cwd=HERE.parent,
+    )
+    measured = json.loads(done.stdout.splitlines()[-1])
+    points = measured["points"]
+    ratio = "over factorisation and solves"
+    search = measured["apart searched"] / measured["apart search"]
+    rows = [
+        entry("fatigue: surface points", points, "1"),
+        entry("fatigue: factorisation and unit-load solves", measured["solution"], "s"),
+        entry("fatigue: verdict, both passes", measured["verdict"], "s"),
+        entry(f"fatigue: verdict {ratio}", measured["verdict over solution"], "1", 0.25),
+        entry("fatigue: Goodman at every point too", measured["every point"], "s"),
+        entry(f"fatigue: every point {ratio}", measured["every point over solution"], "1"),
+        entry("fatigue: planes searched at", measured["searched"], "points"),
+        entry("fatigue: memory of the verdict", measured["cycle memory"], "GiB", 2.0),
+        entry("fatigue: first pass", measured["first pass"], "s"),
+        entry("fatigue: first pass, points", points / measured["first pass"], "1/s"),
+        entry("fatigue: first pass, one thread", measured["bounds"], "s"),
+    ]
+    for way in ("by point", "by block"):
+        over = measured[f"first pass over {way}"]
+        rows += [
+            entry(f"fatigue: histories, one product {way}", measured[way], "s"),
+            entry(f"fatigue: first pass over product {way}", over, "1", 3.0),
+        ]
+    rows += [
+        entry("fatigue: out of phase, verdict", measured["apart"], "s"),
+        entry(f"fatigue: out of phase {ratio}", measured["apart over solution"], "1"),
+        entry("fatigue: out of phase, planes searched at", measured["apart searched"], "points"),
+        entry("fatigue: out of phase, second pass, points", search, "1/s"),
+        entry("fatigue: out of phase, memory", measured["apart memory"], "GiB", 2.0),
+    ]
+    peer = measured["pylife"]
+    if peer:
+        rows += [
+            entry("fatigue: FKM line and Miner, ours", 1e3 * peer["ours"], "ms"),
+            entry("fatigue: FKM line and Miner, pyLife", 1e3 * peer["theirs"], "ms"),
+            entry("fatigue: FKM line and Miner over pyLife's", peer["ours over theirs"], "1", 1.0),
+        ]
+    return rows
+
+
+def buckling_modes() -> list[dict[str, Any]]:
+    """Four modes of a lug bar of 150 000 unknowns, and CalculiX's *BUCKLE on its mesh.
+
+    Medians of three runs in turns, both with one thread. CalculiX's time is its process', ours
+    from the mesh in memory through factorisation and unit loads to the proven modes.
+    """
+    done = subprocess.run(
+        [sys.executable, "-m", "bench.buckling"],
+        check=True,
+        capture_output=True,
+        text=True,
+        cwd=HERE.parent,
+    )
+    measured = json.loads(done.stdout.splitlines()[-1])
+    before = "over factorisation and unit loads"
+    rows = [
+        entry("buckling: unknowns", measured["unknowns"], "1"),
+        entry("buckling: factorisation and unit loads", measured["unit"], "s"),
+        entry("buckling: four modes", measured["modes"], "s"),
+        entry("buckling: four modes and the proof", measured["proven"], "s"),
+        entry(f"buckling: modes {before}", measured["modes over unit"], "1", 1.0),
+        entry(f"buckling: modes and proof {before}", measured["proven over unit"], "1", 2.0),
+    ]
+    if "calculix" in measured:
+        apart = 1e6 * measured["apart"]
+        rows += [
+            entry("buckling: CalculiX", measured["calculix"], "s"),
+            entry("buckling: all over CalculiX", measured["over calculix"], "1", 1.0),
+            entry("buckling: factors apart", apart, "1e-6"),
+            entry("buckling: factors compared", measured["compared"], "1"),
+        ]
+    return rows
+
+
 # Every benchmark by the first word of its rows.
 BENCHMARKS = {
     "ballesta": help_time,
+    "buckling": buckling_modes,
+    "fatigue": fatigue_verdict,
     "loads": loads_of_machines,
     "solid": solid_and_its_peer,
     "toggle": press_check,

@@ -1,5 +1,7 @@
 """Peaks and principal stresses over the cycle."""
 
+from inspect import ismodule
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -10,8 +12,9 @@ from fatigue.stress_path import deviatoric_basis
 
 
 def test_the_front_door_lists_what_is_there():
-    assert len(set(fatigue.__all__)) == len(fatigue.__all__)
-    assert all(hasattr(fatigue, name) for name in fatigue.__all__)
+    """Whatever its order: the formatter's puts constants first."""
+    here = {name for name, value in vars(fatigue).items() if not ismodule(value)}
+    assert sorted(fatigue.__all__) == sorted(name for name in here if not name.startswith("_"))
 
 
 def test_the_order_of_the_components_is_stated():
