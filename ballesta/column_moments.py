@@ -224,7 +224,7 @@ def crooked_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
             Check(
                 part=part.name,
                 kind="buckling",
-                quantity=f"crooked column {plane.name}",
+                quantity=f"crooked bar {plane.name}",
                 value=strength / factor,
                 unit="MPa",
                 numerical=0.0,
@@ -236,8 +236,8 @@ def crooked_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
                 place=f"{sections[place].name} at {plane.own * column.places[place]:.4g} mm",
                 method="formula",
                 basis=f"F/A + M/W with moments grown by 1/(1 - F/F_cr), F_cr = "
-                f"{column.critical[0]:.4g} N; the edge yields under all loads times {factor:.4g}, the value "
-                "is the yield stress over that",
+                f"{column.critical[0]:.4g} N; value is the yield stress over "
+                f"the factor {factor:.4g} on all loads at which the edge yields",
                 note=f"{said}; axial {force / column.areas[place]:.4g} MPa, F/F_cr {ratio:.3g}, "
                 f"crooked by {crookedness(part, plane):.3g} mm ({_source(part)}){beside}",
             )

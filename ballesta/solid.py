@@ -105,8 +105,8 @@ def check_solid(
         checks.append(eigen[0])
     elif part.geometry.sections and axial_compression(part, loads).max() > 0:
         assumed.append(
-            "compression does not buckle the solid: none of its 12 factors of smallest size is "
-            "positive"
+            "compression does not buckle the solid: it has no positive factor before its stress "
+            "is as large as Young's modulus"
         )
     return PartResult(
         name=part.name,

@@ -8,7 +8,7 @@ from ballesta.column_moments import axial_compression as axial_compression
 from ballesta.column_moments import crooked_checks
 from ballesta.design_data import Design, Part
 from ballesta.part_loads import PartLoads
-from fem.buckling import BucklingMode, buckling_modes
+from fem.buckling import BucklingMode, part_buckling
 from fem.unit_solutions import UnitSolutions
 from geometry.mesh import FloatArray
 from reports.verdict import Check, Status
@@ -198,15 +198,17 @@ def eigenvalue_check(
     if not force[worst] > 0:
         return None
     solutions, coefficients = levels[0]
-    modes = buckling_modes(solutions, coefficients[:, worst], tilt_held=False)
-    if not modes:  # large negative ones may stand before it
-        modes = buckling_modes(solutions, coefficients[:, worst], tilt_held=False, count=12)
+    found = part_buckling(solutions, coefficients[:, worst], tilt_held=False)
+    modes = found.modes
     if not modes:
         return None
     forks = "higher"
     if modes[0].factor < _FAR * design.require.buckling:
-        held = buckling_modes(solutions, coefficients[:, worst], tilt_held=True)
+        held = part_buckling(solutions, coefficients[:, worst], tilt_held=True, count=1).modes
         forks = f"{held[0].factor:.3g}" if held else "none"
+    turned = ""
+    if found.reversed is not None and found.reversed < modes[0].factor:
+        turned = f"; with all loads turned round it would buckle at {found.reversed:.3g} times them"
     by_plane = {mode.plane: mode.factor for mode in reversed(modes)}
     planes = ", ".join(f"{factor:.3g} {plane}" for plane, factor in by_plane.items())
 
@@ -226,13 +228,14 @@ def eigenvalue_check(
             place=f"{mode.plane} mode",
             method=f"solid ({meshes})",
             basis="linear eigenvalue, both ends held sideways: knows neither yield nor crookedness",
-            note=f"lowest factors {planes}; with forks that hold the ends against tilting: {forks}",
+            note=f"lowest factors {planes}, counted: none is lower; with forks that hold the ends "
+            f"against tilting: {forks}{turned}",
         )
 
     check = checked(modes[0], _ONE_MESH_BAR, "one mesh")
     if check.status is Status.UNDECIDED and len(levels) > 1:
         solutions, coefficients = levels[-1]
-        finer = buckling_modes(solutions, coefficients[:, worst], tilt_held=False)
+        finer = part_buckling(solutions, coefficients[:, worst], tilt_held=False).modes
         if finer:
             bar = abs(finer[0].factor / modes[0].factor - 1)
             return checked(finer[0], bar, "two meshes"), finer[0]

@@ -80,7 +80,7 @@ def test_the_13_mm_tube_fails_by_johnson_and_stands_even_above_eulers_stress():
     assert within.basis.startswith("Johnson; slenderness 53.2 over 250 mm; Euler 732.4 MPa")
     assert within.value > 732.4
     assert "yield 0.421, Johnson 0.37, Euler 0.868" in within.note
-    crooked = check_of(checks, "crooked column in plane")
+    crooked = check_of(checks, "crooked bar in plane")
     assert "no state of rest under the load itself" in crooked.note
     assert crooked.status is Status.FAIL
 
@@ -102,7 +102,7 @@ def test_the_30_mm_tube_yields_when_it_is_crooked_by_a_quarter_millimetre():
         for key in ('mass="0.3567 kg"', 'inertia="0.001858 kg m2"')
     ]
     found = column_checks(*press("toggle_press_30x30", *own))
-    crooked = check_of(found, "crooked column in plane")
+    crooked = check_of(found, "crooked bar in plane")
     assert "348.9 MPa under the load itself" in crooked.note
     assert_allclose(crooked.safety, 1.0174, atol=1e-3)
     assert crooked.status is Status.FAIL
@@ -313,7 +313,7 @@ def test_any_slenderness_has_all_its_limits_in_order(tmp_path, slenderness):
     assert 0 < case.curves["d"] <= case.curves["a0"] <= least
     assert 0 < case.perry < least
     assert case.strength.critical <= least
-    crooked = check_of(checks, "crooked column out of plane")
+    crooked = check_of(checks, "crooked bar out of plane")
     assert 0 < crooked.safety < least * 240 / 1e3
 
 

@@ -24,7 +24,7 @@ def euler_of(part, inertia):
 
 
 def crooked(design, part, loads, plane):
-    return check_of(crooked_checks(design, part, loads), f"crooked column {plane}")
+    return check_of(crooked_checks(design, part, loads), f"crooked bar {plane}")
 
 
 @pytest.mark.parametrize("force", [1.0, 1e4, 4e4, 1e7])
@@ -82,7 +82,7 @@ def test_the_press_with_friction_has_its_pins_couples():
         for key in ('mass="4.14134 kg"', 'inertia="0.0215695 kg m2"', 'centre="125, 0 mm"')
     ]
     found = of_design("toggle_press_friction", "bar_upper", "cycles.press.positions=61", *masses)
-    check = check_of(crooked_checks(*found), "crooked column in plane")
+    check = check_of(crooked_checks(*found), "crooked bar in plane")
     assert check.place == "cheeks at 0 mm"
     assert_allclose(check.value, 59.61, rtol=2e-3)
     assert check.status is Status.PASS

@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.buckling import buckling_modes
+import fem.lowest_modes
+from fem.buckling import buckling_modes, effective_length, part_buckling
 from fem.columns import column_strength
 from fem.unit_solutions import Elastic, solve_unit_loads
 from geometry.meshing import mesh_shape
 
-from .blocks import TUBE, wrench
+from .blocks import TUBE, block, wrench
 
 STEEL = Elastic(210e3, 0.3, 7.85e-9)
 FORCE = 61400.0
@@ -56,23 +57,69 @@ def test_forks_that_hold_the_ends_against_tilting_make_the_tube_four_times_as_st
     assert 3.6 < held[1].factor / free[0].factor < 4
 
 
-def test_the_load_at_which_a_tube_buckles_does_not_depend_on_the_load_applied(tube):
-    """Factor times load is constant over twelve decades, to the eigensolver's 1e-6."""
-    base = state(tube, FORCE)
-    loads = [
-        buckling_modes(tube, base * size, tilt_held=False)[0].factor * size
-        for size in (1e-6, 1.0, 1e6)
-    ]
-    assert_allclose(loads, loads[1], rtol=1e-6)
+@pytest.mark.parametrize("sign", [1, -1])
+def test_the_load_at_which_a_tube_buckles_does_not_depend_on_the_load_applied(tube, sign):
+    """Factor times load over twelve decades and more, pushed or turned round: to 1e-10."""
+    base = sign * state(tube, FORCE)
+    loads = []
+    for size in (1e-9, 1e-6, 1.0, 3e3, 1e6, 1e9):
+        found = part_buckling(tube, base * size, tilt_held=False)
+        factors = [mode.factor for mode in found.modes] if sign > 0 else [found.reversed]
+        loads.append([factor * size for factor in factors])
+    assert_allclose(loads, np.broadcast_to(loads[2], np.shape(loads)), rtol=1e-10)
 
 
-def test_a_tube_in_tension_does_not_buckle(tube):
-    assert buckling_modes(tube, state(tube, -FORCE), tilt_held=False) == []
-    assert buckling_modes(tube, state(tube, -FORCE), tilt_held=True) == []
+def test_modes_are_found_again_with_any_start(tube, monkeypatch):
+    """Another random start, another block: the values agree to 1e-9, pairs among them."""
+    coefficients = state(tube, FORCE)
+    first = part_buckling(tube, coefficients, tilt_held=False, count=4)
+    monkeypatch.setattr(fem.lowest_modes, "_BLOCK", 3)
+    other = part_buckling(tube, coefficients, tilt_held=False, count=4)
+    factors = [[mode.factor for mode in found.modes] for found in (first, other)]
+    assert_allclose(*factors, rtol=1e-9)
+
+
+def test_a_tube_in_tension_does_not_buckle_and_says_when_it_would_turned_round(tube):
+    """No factor up to the limit, which the count proves; the reversed one is that of the push."""
+    for tilt_held in (False, True):
+        pushed = part_buckling(tube, state(tube, FORCE), tilt_held=tilt_held)
+        pulled = part_buckling(tube, state(tube, -FORCE), tilt_held=tilt_held)
+        assert pulled.modes == ()
+        assert pulled.proven == pulled.limit
+        assert_allclose(pulled.reversed, pushed.modes[0].factor, rtol=1e-8)
+        assert pushed.reversed is None
+        assert buckling_modes(tube, state(tube, -FORCE), tilt_held=tilt_held) == []
+
+
+def test_the_count_covers_the_modes_and_a_little_more(tube):
+    """Both of a pair are below `proven`, the next ones are not."""
+    found = part_buckling(tube, state(tube, FORCE), tilt_held=False, count=2)
+    assert found.modes[1].factor < found.proven < 1.05 * found.modes[1].factor
+    quick = part_buckling(tube, state(tube, FORCE), tilt_held=False, count=2, prove=False)
+    assert quick.proven == 0.0
+    assert [m.factor for m in quick.modes] == [m.factor for m in found.modes]
+
+
+def test_one_mode_of_a_pair_is_proven_with_its_twin(tube):
+    """The twin 3e-5 above is below what is proven: the field says that it equals the last."""
+    found = part_buckling(tube, state(tube, FORCE), tilt_held=False, count=1)
+    pair = part_buckling(tube, state(tube, FORCE), tilt_held=False, count=2)
+    assert len(found.modes) == 1
+    assert_allclose(found.modes[0].factor, pair.modes[0].factor, rtol=1e-9)
+    assert found.proven > pair.modes[1].factor
 
 
 def test_a_tube_without_load_has_no_factor(tube):
-    assert buckling_modes(tube, 0 * state(tube, FORCE), tilt_held=False) == []
+    found = part_buckling(tube, 0 * state(tube, FORCE), tilt_held=False)
+    assert (found.modes, found.reversed, found.proven) == ((), None, np.inf)
+
+
+def test_the_effective_length_of_a_clamped_column_is_half_its_length(tube):
+    """Of Euler's own loads: exact."""
+    euler = np.pi**2 * 210e3 * 1611.443 / 250**2
+    assert_allclose(effective_length(4 * euler, 210e3, 1611.443), 125.0, rtol=1e-12)
+    with pytest.raises(ValueError, match="force above 0"):
+        effective_length(0.0, 210e3, 1.0)
 
 
 @pytest.mark.parametrize(
@@ -119,3 +166,16 @@ def test_a_column_without_section_or_strength_is_refused(bad):
     area, inertia, yield_stress = bad
     with pytest.raises(ValueError, match="must be above 0"):
         column_strength(area, inertia, 250.0, yield_stress, 210e3)
+
+
+def test_a_slender_column_has_the_same_factors_from_any_start(monkeypatch):
+    """Slenderness 500: 3e-14 is left; 6e-9 if the energy is x' K x by matrix."""
+    column = solve_unit_loads(block((60, 2, 2), (1443.0, 10.0, 10.0)), STEEL)
+    ends = {"start": wrench(1.0), "end": wrench(-1.0)}
+    coefficients = column.coefficients(ends, np.zeros((1, 4)))[0][:, 0]
+    found = []
+    for block_size in (4, 3, 5):
+        monkeypatch.setattr(fem.lowest_modes, "_BLOCK", block_size)
+        modes = part_buckling(column, coefficients, tilt_held=False, count=4).modes
+        found.append([mode.factor for mode in modes])
+    assert_allclose(found, np.broadcast_to(found[0], np.shape(found)), rtol=1e-10)

@@ -1,0 +1,217 @@
+"""Supports under which a solid's modes are sought, on the factor of its stress analysis.
+
+Some unknowns may be fixed for good; any other condition is a row of C in C u = 0. With the rigid
+modes R of a part that nothing fixes, K u + C' m = f, C u = 0 needs only solves with the held
+stiffness and a dense system as small as C (docs/theory/buckling.md).
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sp
+
+from fem.assembly import Pattern, stiffness
+from fem.elements import Elements
+from fem.ordering import node_dissection
+from fem.solvers import Factor, factorize
+from fem.unit_solutions import Elastic, UnitSolutions, rigid_modes
+from geometry.mesh import FloatArray, IntArray, Mesh
+
+
+@dataclass(frozen=True, eq=False)
+class SupportedSolid:
+    """A solid, its stiffness and its supports.
+
+    stiffness  upper triangle of the whole matrix, N/mm
+    fixed      (k,) unknowns that never move
+    rows       (c, 3 n_nodes) conditions rows @ u = 0, independent of each other
+    held       (h,) unknowns left out of the factor: the fixed ones, or six if none is fixed
+    factor     of the stiffness without the held unknowns
+    """
+
+    elements: Elements
+    pattern: Pattern
+    material: Elastic
+    stiffness: sp.csr_array
+    fixed: IntArray
+    rows: FloatArray
+    held: IntArray
+    factor: Factor
+
+    def __post_init__(self) -> None:
+        size = self.stiffness.shape[0]
+        if self.rows.ndim != 2 or self.rows.shape[1] != size:
+            raise ValueError(f"conditions must have shape (c, {size}), got {self.rows.shape}")
+        if len(self.fixed) and not np.array_equal(np.sort(self.fixed), np.sort(self.held)):
+            raise ValueError("a solid with fixed unknowns must be held at these and no others")
+        known = np.linalg.matrix_rank(self.rows @ self.rows.T) if len(self.rows) else 0
+        if known < len(self.rows):
+            raise ValueError(f"of {len(self.rows)} conditions only {known} are independent")
+        if not len(self.fixed) and len(self.rows) < 6:
+            raise ValueError(f"{len(self.rows)} conditions cannot stop six rigid motions")
+
+    @cached_property
+    def free(self) -> IntArray:
+        """Unknowns that may move."""
+        return np.setdiff1d(np.arange(self.stiffness.shape[0]), self.fixed)
+
+    @cached_property
+    def place(self) -> IntArray | None:
+        """Where each unknown stands in the order of elimination, None without CHOLMOD."""
+        by_node = node_dissection(self.elements.mesh.elements)
+        return None if by_node is None else np.repeat(by_node, 3)
+
+    def inverse(self, forces: FloatArray) -> FloatArray:
+        """Displacement (3 n_nodes, m) under forces (3 n_nodes, m), where the supports hold."""
+        response = self._held_solve(forces)
+        if not len(self.rows):
+            return response
+        modes, back, bordered = self._border
+        right = np.concatenate([self._sparse_rows @ response, modes.T @ forces])
+        response += back @ np.linalg.solve(bordered, right)
+        return response
+
+    @property
+    def answers(self) -> FloatArray:
+        """Displacement (3 n_nodes, c) of the held part under each condition's force."""
+        return -self._border[1][:, : len(self.rows)]
+
+    @cached_property
+    def _border(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Rigid modes R (n, 6 or 0), [-K_h^-1 C', R] (n, c + 6 or c), and the dense system."""
+        modes = rigid_modes(self.elements.mesh.nodes)
+        if len(self.fixed):
+            modes = modes[:, :0]
+        else:
+            modes[:, 3:] /= np.abs(modes[:, 3:]).max()
+        responses = self._held_solve(self.rows.T.copy())
+        count, size = len(self.rows), len(self.rows) + modes.shape[1]
+        bordered = np.zeros((size, size))
+        bordered[:count, :count] = self.rows @ responses
+        bordered[:count, count:] = -self.rows @ modes
+        bordered[count:, :count] = modes.T @ self.rows.T
+        return modes, np.hstack([-responses, modes]), bordered
+
+    @cached_property
+    def _sparse_rows(self) -> sp.csr_array:
+        """The conditions, of which those of a link touch its interfaces only."""
+        return sp.csr_array(self.rows)
+
+    def _held_solve(self, forces: FloatArray) -> FloatArray:
+        response = np.zeros(forces.shape)
+        response[self._solved] = self.factor.apply(forces[self._solved])
+        return response
+
+    @cached_property
+    def _solved(self) -> IntArray:
+        return np.setdiff1d(np.arange(self.stiffness.shape[0]), self.held)
+
+
+def fixed_solid(
+    mesh: Mesh, material: Elastic, fixed: IntArray, rows: FloatArray | None = None
+) -> SupportedSolid:
+    """Return a solid with some unknowns fixed, as in `fem.boundary_value`, and further conditions.
+
+    fixed  (k,) unknowns 3 n + i of component i of node n; they stop all rigid motions
+    rows   (c, 3 n_nodes) conditions rows @ u = 0, zero at the fixed unknowns
+
+    Raises SolverError if the part can still move.
+    """
+    _check_one_body(mesh)
+    elements = Elements(mesh)
+    pattern = Pattern(elements)
+    upper = stiffness(pattern, material.youngs_modulus, material.poisson_ratio)
+    free = np.setdiff1d(np.arange(upper.shape[0]), fixed)
+    if not 0 < len(free) <= upper.shape[0] - 6:
+        raise ValueError(f"{upper.shape[0] - len(free)} fixed unknowns; at least six are needed")
+    rows = np.zeros((0, upper.shape[0])) if rows is None else np.array(rows, dtype=float)
+    rows[:, fixed] = 0.0
+    by_node = node_dissection(mesh.elements)
+    factor = factorize(
+        upper[free][:, free].tocsr(), place=None if by_node is None else by_node[free // 3]
+    )
+    return SupportedSolid(
+        elements, pattern, material, upper, np.unique(fixed), rows, np.unique(fixed), factor
+    )
+
+
+def link_solid(solutions: UnitSolutions, *, tilt_held: bool, what: str) -> SupportedSolid:
+    """Return a part held at its first two interfaces as pins hold a link.
+
+    tilt_held  whether the forks hold the ends against tilting out of the plane
+    what       is asked, for the message
+
+    At each interface the mean displacement is held, along the part at the first only; about the
+    pins both ends may turn, about its own axis the part may not at the first. Raises ValueError for
+    a stack of tied bodies and MeshError for half of a part.
+    """
+    _check_whole(solutions, what)
+    return _solved(solutions, end_conditions(solutions, tilt_held=tilt_held))
+
+
+def loose_solid(solutions: UnitSolutions, momentum: FloatArray, what: str) -> SupportedSolid:
+    """Return a part that floats freely, its rigid motions left out.
+
+    momentum  (3 n_nodes, 6) mass matrix times the rigid modes: elastic motion has none
+    """
+    _check_whole(solutions, what)
+    return _solved(solutions, (momentum / np.linalg.norm(momentum, axis=0)).T.copy())
+
+
+def end_conditions(solutions: UnitSolutions, *, tilt_held: bool) -> FloatArray:
+    """Rows (n_rows, 3 n_nodes) of mean displacements and rotations held to zero."""
+    nodes = solutions.mesh.nodes
+    rows = []
+    for number, loads in enumerate(solutions.interfaces[:2]):
+        weights = surface_weights(solutions.elements, loads.interface.name)
+        arm = nodes - loads.interface.centre
+
+        def mean(axis: int, factor: FloatArray, weights: FloatArray = weights) -> FloatArray:
+            row = np.zeros((len(weights), 3))
+            row[:, axis] = weights * factor
+            return row.ravel()
+
+        one = np.ones(len(weights))
+        rows += [mean(axis, one) for axis in ((0, 1, 2) if number == 0 else (1, 2))]
+        if number == 0:  # no turning about the part's own axis
+            rows.append(mean(2, arm[:, 1]) - mean(1, arm[:, 2]))
+        if tilt_held:
+            rows.append(mean(0, arm[:, 2]) - mean(2, arm[:, 0]))
+    return np.array([row / np.linalg.norm(row) for row in rows])
+
+
+def surface_weights(elements: Elements, name: str) -> FloatArray:
+    """Shares (n_nodes,) of the nodes in the mean over a named surface; their sum is 1."""
+    surface = elements.surface(name)
+    weights = np.zeros(len(elements.mesh.nodes))
+    np.add.at(weights, surface.nodes, np.einsum("aq,fq->fa", surface.shape, surface.weights))
+    return np.asarray(weights / weights.sum())
+
+
+def _solved(solutions: UnitSolutions, rows: FloatArray) -> SupportedSolid:
+    return SupportedSolid(
+        elements=solutions.elements,
+        pattern=solutions.pattern,
+        material=solutions.material,
+        stiffness=solutions.stiffness,
+        fixed=np.zeros(0, dtype=np.int64),
+        rows=rows,
+        held=solutions.held,
+        factor=solutions.factor,
+    )
+
+
+def _check_whole(solutions: UnitSolutions, what: str) -> None:
+    solutions.mesh.check_whole(f"{what}, which may be sideways,")
+    if solutions.ties is not None:
+        raise ValueError(
+            f"{what} is computed for parts of one body; this one is a stack of tied bodies that "
+            "slide on each other"
+        )
+
+
+def _check_one_body(mesh: Mesh) -> None:
+    mesh.check_whole("a solid's mode")
+    if mesh.ties:
+        raise ValueError("modes are computed for one body; this mesh has tied ones")

@@ -1,0 +1,234 @@
+"""The lowest modes of K x = lambda B x where a solid's supports hold, refined and counted.
+
+Block Lanczos steps u = K^-1 B x with full orthogonalisation in the inner product of K find the
+largest 1 / lambda of both signs; a random block keeps modes of equal value apart. K appears in no
+product: of every vector the force that gives it is kept beside it. The last step is one inverse
+iteration and a Rayleigh-Ritz step with energies summed at the integration points, whose round-off
+grows with the slenderness, where that of x' K x grows with its square or worse.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+import scipy.sparse as sp
+
+from fem.end_conditions import SupportedSolid
+from fem.mode_count import count_below
+from fem.solvers import SolverError
+from geometry.mesh import FloatArray
+
+_TOLERANCE = 1e-5  # a mode's residual in the norm of energy; the value's error is its square
+_BLOCK = 4  # vectors: solves in blocks cost half as much each
+_STEPS = 60  # blocks
+_GAP = 1e-3  # relative: values nearer to each other are told apart by no count
+_LOST = 1e-11  # relative: what orthogonalisation leaves below this is round-off
+_CANCELLED = 1e-2  # relative: what is left below this is made orthogonal once more
+_NEARLY = 1e-3  # residual of the mode after the last, and of the negative one
+_FIRST_STEPS = 3
+_AROUND = 3.0  # times the highest mode: modes that the count is told of
+_BEYOND = 0.02  # relative: how far above the highest mode the count is made at most
+
+Times = Callable[[FloatArray], FloatArray]
+Energies = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
+
+
+@dataclass(frozen=True, eq=False)
+class Modes:
+    """The lowest positive modes.
+
+    values    (k,) ascending
+    shapes    (3 n_nodes, k), each with x' K x = 1
+    proven    all values in (0, proven) are among `values` or follow the last of them in steps
+              below 0.2 %: a count by inertia says so; 0 if no count was asked for
+    negative  the negative value nearest to zero, None if there is none within the limit
+    """
+
+    values: FloatArray
+    shapes: FloatArray
+    proven: float
+    negative: float | None
+
+
+def lowest_modes(
+    solid: SupportedSolid,
+    matrix: sp.csr_array,
+    times: Times,
+    energies: Energies,
+    count: int,
+    *,
+    limit: float = np.inf,
+    prove: bool = True,
+) -> Modes:
+    """Return the lowest positive values of K x = lambda B x and their shapes.
+
+    matrix    upper triangle of B, with the pattern of the stiffness
+    times     x (3 n_nodes, m) to B x
+    energies  x (3 n_nodes, m) to x' K x and x' B x, (m, m) each
+    limit     values above it are not wanted
+    prove     whether no value is skipped is proven by a count
+
+    Raises SolverError if the modes do not converge or the count finds others.
+    """
+    if count < 1:
+        raise ValueError(f"the number of modes must be at least 1, got {count}")
+    block = _BLOCK
+    for seed in range(3):
+        found = _search(solid, times, count, limit, block, seed)
+        values, shapes = _refined(solid, times, energies, found.shapes)
+        inside = values < limit
+        values, shapes = values[inside], shapes[:, inside]
+        if not prove:
+            return Modes(values[:count], shapes[:, :count], 0.0, found.negative)
+        cut = _cut(values, found.following, limit)
+        counted = count_below(solid, matrix, cut, found.around)
+        if counted == np.count_nonzero(values < cut):
+            return Modes(values[:count], shapes[:, :count], cut, found.negative)
+        block *= 2
+    raise SolverError(
+        f"{counted} modes lie below {cut:.6g}, but only {np.count_nonzero(values < cut)} were found"
+    )
+
+
+def _cut(values: FloatArray, following: float, limit: float) -> float:
+    """Where to count: above the last of some modes, below the one that follows."""
+    if not len(values):
+        return limit
+    gap = max(following / values[-1] - 1, 0.0)
+    return float(min(values[-1] * (1 + min(gap / 2, _BEYOND)), limit))
+
+
+def _refined(
+    solid: SupportedSolid, times: Times, energies: Energies, shapes: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """One inverse iteration and a Rayleigh-Ritz step: values ascending, shapes."""
+    if not shapes.shape[1]:
+        return np.zeros(0), shapes
+    shapes = solid.inverse(times(shapes))
+    shapes /= np.abs(shapes).max(axis=0)
+    stiff, other = energies(shapes)
+    inverse_values, mix = scipy.linalg.eigh(other, stiff)
+    return 1 / inverse_values[::-1], np.asarray(shapes @ mix[:, ::-1])
+
+
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """Ritz vectors of the wanted modes, an estimate of the next value, the negative one.
+
+    around  (3 n_nodes, m) all that the space knows of the modes up to _AROUND times the last
+    """
+
+    shapes: FloatArray
+    around: FloatArray
+    following: float
+    negative: float | None
+
+
+class _Krylov:
+    """A space of displacements, orthonormal in energy, that grows by blocks of K^-1 B.
+
+    small    (done, done) B within the space
+    leaving  (.., width) what K^-1 B of the newest block has outside of the space
+    """
+
+    def __init__(self, solid: SupportedSolid, times: Times, width: int, seed: int) -> None:
+        self._solid, self._times = solid, times
+        size = solid.stiffness.shape[0]
+        self.room = min((_STEPS + 1) * width, len(solid.free) - len(solid.rows))
+        self._vectors = np.empty((size, self.room), order="F")
+        self._forces = np.empty((size, self.room), order="F")
+        self._small = np.zeros((self.room, self.room))
+        self.done = self._last = 0
+        force = np.random.default_rng(seed).standard_normal((size, width))
+        force[solid.fixed] = 0.0
+        self._next(force)
+
+    def grow(self) -> bool:
+        """Take the next block in; False if there is none, for the space is whole."""
+        wide = min(self._new.shape[1], self.room - self.done)
+        if not wide:
+            return False
+        self._last, self.done = self.done, self.done + wide
+        block = slice(self._last, self.done)
+        self._vectors[:, block] = self._new[:, :wide]
+        self._forces[:, block] = self._force[:, :wide]
+        self._next(self._times(self._vectors[:, block]))
+        return True
+
+    def ritz(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """1 / lambda in descending order, mixes (done, done), and residuals in energy."""
+        values, mix = np.linalg.eigh(self._small[: self.done, : self.done])
+        values, mix = values[::-1], mix[:, ::-1]
+        return values, mix, np.linalg.norm(self._leaving @ mix[self._last :], axis=0)
+
+    def combined(self, mix: FloatArray) -> FloatArray:
+        """Displacements of some mixes (done, k)."""
+        return np.asarray(self._vectors[:, : self.done] @ mix)
+
+    def _next(self, force: FloatArray) -> None:
+        """Solve for the next block and make it orthonormal."""
+        new = self._solid.inverse(force)
+        vectors, forces = self._vectors[:, : self.done], self._forces[:, : self.done]
+        before = np.sqrt(np.abs(np.einsum("nj,nj->j", new, force)).max())
+        inside = forces.T @ new
+        if self.done:  # V' K K^-1 B V of the newest block is V' B V
+            self._small[: self.done, self._last : self.done] = inside
+            self._small[self._last : self.done, : self.done] = inside.T
+        new -= vectors @ inside
+        force = force - forces @ inside
+        after = np.sqrt(np.abs(np.einsum("nj,nj->j", new, force)).min())
+        if after < _CANCELLED * before:  # twice is enough (Parlett, 6.9)
+            inside = forces.T @ new
+            new -= vectors @ inside
+            force = force - forces @ inside
+        gram = new.T @ force
+        squares, turn = np.linalg.eigh((gram + gram.T) / 2)
+        kept = squares > (_LOST * before) ** 2
+        sizes, turn = np.sqrt(squares[kept]), turn[:, kept]
+        self._leaving = sizes[:, None] * turn.T
+        self._new, self._force = new @ (turn / sizes), force @ (turn / sizes)
+
+
+def _search(
+    solid: SupportedSolid, times: Times, count: int, limit: float, width: int, seed: int
+) -> _Found:
+    """Grow the space until the wanted modes, and the first negative one, have converged."""
+    space = _Krylov(solid, times, width, seed)
+    for step in range(_STEPS):
+        whole = not space.grow()
+        values, mix, residuals = space.ritz()
+        if whole:
+            residuals = np.zeros_like(residuals)
+        wanted = _wanted(values, count, limit)
+        errors = residuals / np.maximum(np.abs(values), 1e-300)
+        positive = np.count_nonzero(values > 0)
+        settled = (errors[:wanted] < _TOLERANCE).all()
+        settled &= (errors[wanted : min(wanted + 1, positive)] < _NEARLY).all() or wanted < count
+        backwards = -values[-1] > 1 / limit
+        settled &= not backwards or errors[-1] < _NEARLY
+        if whole or (settled and step >= _FIRST_STEPS * (seed + 1)):
+            following = 1 / values[wanted] if wanted < positive else np.inf
+            negative = float(1 / values[-1]) if backwards else None
+            around = _around(values, wanted, limit)
+            fields = space.combined(mix[:, :around])
+            return _Found(fields[:, :wanted], fields, float(following), negative)
+    raise SolverError(
+        f"the modes did not converge in {_STEPS} blocks of {width} vectors: residuals "
+        f"{np.array2string(errors[:wanted], precision=1)} of the first {wanted}"
+    )
+
+
+def _around(values: FloatArray, wanted: int, limit: float) -> int:
+    """How many of 1 / lambda (descending) belong to modes not far above the last wanted."""
+    least = (values[wanted - 1] if wanted else 1 / limit) / _AROUND
+    return max(int(np.count_nonzero(values > least)), wanted)
+
+
+def _wanted(values: FloatArray, count: int, limit: float) -> int:
+    """How many of 1 / lambda (descending) to find: `count`, and those equal to the last of them."""
+    inside = int(np.count_nonzero(values > 1 / limit))
+    wanted = min(count, inside)
+    while 0 < wanted < inside and values[wanted] > (1 - 2 * _GAP) * values[wanted - 1]:
+        wanted += 1
+    return wanted

@@ -1,0 +1,82 @@
+"""Energies of displacement fields, summed at the integration points, and the mass matrix.
+
+x' K x by matrix loses the square of (displacement over strain times element size) to round-off,
+the sum of strains at the points only its first power: what slender parts need.
+"""
+
+import numpy as np
+import scipy.sparse as sp
+import skfem
+
+from fem.assembly import Pattern
+from fem.elements import Elements
+from fem.unit_solutions import Elastic
+from geometry.mesh import FloatArray
+
+_CHUNK = 2000  # elements at a time: bounds memory
+_UPPER = np.triu_indices(10)
+_MASS_DEGREE = 4  # of two quadratic shape functions
+
+
+def elastic_and_geometric_energy(
+    elements: Elements, material: Elastic, stress: FloatArray, fields: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Bilinear forms (m, m) of stiffness and geometric stiffness on fields (3 n_nodes, m), N mm.
+
+    stress (n_elements, n_q, 3, 3), MPa, of the geometric stiffness
+
+    sum w (lambda div u div v + 2 mu e(u):e(v)) and sum w sigma_ij u_k,i v_k,j.
+    """
+    young, poisson = material.youngs_modulus, material.poisson_ratio
+    lame = young * poisson / ((1 + poisson) * (1 - 2 * poisson))
+    shear = young / (2 * (1 + poisson))
+    count = fields.shape[1]
+    elastic, geometric = np.zeros((count, count)), np.zeros((count, count))
+    for start in range(0, len(elements.mesh.elements), _CHUNK):
+        part = slice(start, start + _CHUNK)
+        slope = _slopes(elements, part, fields)  # (e, q, i, k, m): d u_k / d x_i
+        weights = elements.weights[part][:, :, None]
+        size = slope.shape[0] * slope.shape[1]
+        pushed = np.matmul(stress[part], slope.reshape(*slope.shape[:3], -1)).reshape(slope.shape)
+        pushed *= weights[..., None, None]
+        geometric += pushed.reshape(-1, count).T @ slope.reshape(-1, count)
+        strain = (slope + slope.swapaxes(2, 3)) / 2
+        volume = np.einsum("eqiim->eqm", strain)
+        weighted = strain * (2 * shear * weights[..., None, None])
+        elastic += weighted.reshape(-1, count).T @ strain.reshape(-1, count)
+        elastic += (lame * weights * volume).reshape(size, count).T @ volume.reshape(size, count)
+    return elastic, geometric
+
+
+def mass(pattern: Pattern, density: float) -> sp.csr_array:
+    """Upper triangle of the consistent mass matrix, t.
+
+    The block of nodes a and b is delta_ij sum_q w density N_a N_b, by a rule of degree 4: exact in
+    elements with straight edges.
+    """
+    points, weights = skfem.quadrature.get_quadrature(skfem.refdom.RefTet, _MASS_DEGREE)
+    element = skfem.ElementTetP2()
+    both = [element.lbasis(points, node) for node in range(10)]
+    values = np.stack([value for value, _ in both])  # (10, n_q)
+    slopes = np.stack([slope for _, slope in both])  # (10, 3, n_q)
+    mesh = pattern.elements.mesh
+    products = (values[:, None] * values[None, :] * weights).reshape(100, -1)
+    blocks = np.empty((len(mesh.elements), 55))
+    for start in range(0, len(mesh.elements), _CHUNK):
+        part = slice(start, start + _CHUNK)
+        corners = mesh.nodes[mesh.elements[part]]  # (e, 10, 3)
+        jacobian = np.einsum("eax,akq->eqxk", corners, slopes, optimize=True)
+        local = (np.abs(np.linalg.det(jacobian)) @ products.T).reshape(-1, 10, 10)
+        order = pattern.order[part]
+        each = np.arange(len(order))[:, None]
+        blocks[part] = density * local[each, order[:, _UPPER[0]], order[:, _UPPER[1]]]
+    return pattern.upper_scalar(blocks)
+
+
+def _slopes(elements: Elements, part: slice, fields: FloatArray) -> FloatArray:
+    """Slopes (n_elements, n_q, 3, 3, m) of fields, d u_k / d x_i at [i, k]."""
+    nodes = elements.mesh.elements[part]
+    local = fields.reshape(len(elements.mesh.nodes), -1)[nodes]  # (e, 10, 3 m)
+    gradients = elements.gradients[part].swapaxes(2, 3)  # (e, q, 3, 10)
+    slope = np.matmul(gradients.reshape(len(nodes), -1, 10), local)
+    return np.asarray(slope.reshape(*gradients.shape[:3], 3, -1))

@@ -1,0 +1,94 @@
+"""Natural frequencies of a solid: afloat, on the pins of a link, or with fixed unknowns.
+
+K x = omega^2 M x with the consistent mass matrix, by the method of fem/lowest_modes.py: solves on
+the factor of the stress analysis, values refined, and a count that proves that no lower frequency
+was skipped (docs/theory/vibration.md).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from fem.assembly import full
+from fem.end_conditions import SupportedSolid, link_solid, loose_solid
+from fem.lowest_modes import lowest_modes
+from fem.mode_energies import elastic_and_geometric_energy, mass
+from fem.unit_solutions import UnitSolutions, rigid_modes
+from geometry.mesh import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Vibration:
+    """The lowest natural frequencies; rigid motions are not among them.
+
+    angular  (k,) rad/s, ascending
+    shapes   (k, n_nodes, 3), largest displacement 1
+    proven   rad/s: every frequency below it is among these, or follows the last of them in steps
+             below 0.1 %: a count by inertia says so; 0 if no count was asked for
+    """
+
+    angular: FloatArray
+    shapes: FloatArray
+    proven: float
+
+    @property
+    def hertz(self) -> FloatArray:
+        """(k,) Hz, ascending."""
+        return np.asarray(self.angular / (2 * np.pi))
+
+
+def free_vibration(solutions: UnitSolutions, *, count: int = 4, prove: bool = True) -> Vibration:
+    """Return the elastic vibration of a part afloat; its six rigid motions are left out.
+
+    Raises SolverError if the modes do not converge or cannot be proven, ValueError for a stack of
+    tied bodies, half of a part and a part without mass.
+    """
+    upper = _mass(solutions)
+    momentum = full(upper) @ rigid_modes(solutions.mesh.nodes)
+    return _vibration(loose_solid(solutions, momentum, "vibration"), upper, count, prove)
+
+
+def link_vibration(
+    solutions: UnitSolutions, *, tilt_held: bool, count: int = 4, prove: bool = True
+) -> Vibration:
+    """Return the vibration of a part whose pins stand still, as buckling holds it.
+
+    tilt_held  whether the forks hold the ends against tilting out of the plane
+    """
+    solid = link_solid(solutions, tilt_held=tilt_held, what="vibration")
+    return _vibration(solid, _mass(solutions), count, prove)
+
+
+def solid_vibration(solid: SupportedSolid, *, count: int = 4, prove: bool = True) -> Vibration:
+    """Return the vibration of a supported solid."""
+    _check_mass(solid.material.density)
+    return _vibration(solid, mass(solid.pattern, solid.material.density), count, prove)
+
+
+def _mass(solutions: UnitSolutions) -> sp.csr_array:
+    _check_mass(solutions.material.density)
+    return mass(solutions.pattern, solutions.material.density)
+
+
+def _check_mass(density: float) -> None:
+    if not density > 0:
+        raise ValueError(f"frequencies need a density above 0 t/mm3, got {density}")
+
+
+def _vibration(solid: SupportedSolid, upper: sp.csr_array, count: int, prove: bool) -> Vibration:
+    by_node = full(upper[::3][:, ::3].tocsr())  # the blocks are multiples of the identity
+
+    def times(fields: FloatArray) -> FloatArray:
+        return np.asarray(by_node @ fields.reshape(by_node.shape[0], -1)).reshape(fields.shape)
+
+    def energies(fields: FloatArray) -> tuple[FloatArray, FloatArray]:
+        elements = solid.elements
+        none = np.zeros((*elements.weights.shape, 3, 3))
+        elastic, _ = elastic_and_geometric_energy(elements, solid.material, none, fields)
+        return elastic, fields.T @ times(fields)
+
+    found = lowest_modes(solid, upper, times, energies, count, prove=prove)
+    shapes = found.shapes.T.reshape(len(found.values), -1, 3)
+    shapes = shapes / np.abs(shapes).max(axis=(1, 2), keepdims=True)
+    return Vibration(np.sqrt(found.values), shapes, float(np.sqrt(found.proven)))
