@@ -33,7 +33,12 @@ def duty_of(file: DesignFile, problems: Problems) -> Duty:
         if name not in known:
             problems.add(f"duty.cycles.{name}", no_such("cycle", name, known))
     duty = file.duty
-    if duty.damage_so_far >= duty.allowed_damage:
+    if duty.damage_so_far and duty.life != "finite":
+        problems.add(
+            "duty.damage_so_far",
+            'is of a finite life only; state life = "finite", or leave it out',
+        )
+    elif duty.damage_so_far >= duty.allowed_damage:
         problems.add(
             "duty.damage_so_far",
             f"{duty.damage_so_far:g} leaves nothing of the allowed damage of "

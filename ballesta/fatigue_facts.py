@@ -4,17 +4,19 @@ None of it decides: Goodman (and Findley where the path is not proportional) is 
 these numbers say what other rules and another survival would have said of the same point.
 """
 
+from dataclasses import replace
 from math import inf, isfinite
 
 import numpy as np
 
 import fatigue
 from ballesta.design_data import Part
-from ballesta.duty_verdict import FatiguePeak
-from ballesta.finite_life import LifeTask, lives_of
+from ballesta.duty_verdict import JOINED, FatiguePeak
+from ballesta.finite_life import LifeTask, lives_of, why_no_curve
 from ballesta.levels import Level
 from fatigue.marin import reliability_factor
-from geometry.mesh import FloatArray
+from fatigue.proportionality import PROPORTIONAL
+from geometry.mesh import FloatArray, IntArray
 
 _SURVIVALS = (0.5, 0.9, 0.99, 0.999)
 _RULES = {
@@ -28,16 +30,47 @@ _RULES = {
 }
 
 
+def path_of(level: Level, peak: FatiguePeak) -> IntArray:
+    """Positions of the path that decides; of a finite life those of all cycles."""
+    assert level.duty is not None
+    runs = level.duty.runs
+    if peak.cycle in runs:
+        return runs[peak.cycle]
+    return runs.get(JOINED, next(iter(runs.values())))
+
+
 def chord_at(level: Level, peak: FatiguePeak) -> tuple[float, float, float]:
     """Amplitude, mean as Goodman counts it, and mean along the chord with its sign, MPa.
 
-    Of the deciding pair. The mean along the chord is an equivalent stress, below 0 in compression,
-    where the largest principal stress is 0 at a free surface.
+    Of the deciding pair; where Findley's plane decides, of the longest chord. The mean along the
+    chord is an equivalent stress, below 0 in compression, where the largest principal stress is 0
+    at a free surface.
     """
     point, pair = peak.point, list(peak.pair)
+    if peak.criterion == "Findley":
+        run = path_of(level, peak)
+        path = np.ascontiguousarray(level.coefficients[:, run])
+        chords = fatigue.goodman(level.history.basis[[point]], path, 1.0, 1.0)
+        pair = [int(run[k]) for k in chords.pair[0]]
     path = np.ascontiguousarray(level.coefficients[:, pair])
     chord = fatigue.chord_path(level.history.basis[point], path, (0, 1))
     return chord.amplitude, chord.mean, float(chord.along.mean())
+
+
+def plane_at(level: Level, peak: FatiguePeak) -> str:
+    """Findley's critical plane of the critical point, in words."""
+    plane = fatigue.critical_plane(_stress(level, peak), fatigue.findley_criterion().k)
+    x, y, z = plane.normal
+    return (
+        f"on the plane with normal ({x:.3f}, {y:.3f}, {z:.3f}) shear amplitude "
+        f"{plane.shear_amplitude:.4g} MPa, normal stress {plane.normal_stress:.4g} MPa"
+    )
+
+
+def _stress(level: Level, peak: FatiguePeak) -> FloatArray:
+    """Stress (6, n) of the critical point over the path that decides, MPa."""
+    path = np.ascontiguousarray(level.coefficients[:, path_of(level, peak)])
+    return np.asarray(level.history.basis[peak.point] @ path)
 
 
 def fatigue_facts(
@@ -52,19 +85,23 @@ def fatigue_facts(
     facts: dict[str, float | str] = {
         "fatigue amplitude [MPa]": amplitude,
         "fatigue mean stress [MPa]": mean,
-        "fatigue safety by other rules of mean stress": _by_rule(amplitude, mean, limit, rules),
+        "safety for infinite life by other rules of mean stress": _by_rule(
+            amplitude, mean, limit, rules
+        ),
     }
     if signed < 0.0:
         credited = fatigue.mean_stress_utilisation(amplitude, signed, limit, rules, credit=True)
-        facts["fatigue safety with credit for compression"] = (
+        facts["safety for infinite life with credit for compression"] = (
             f"{_safety(float(credited))}: mean {signed:.4g} MPa along the chord, counted as 0"
         )
     yielding = float(
         fatigue.yield_utilisation(amplitude, max(mean, abs(along)), material.yield_stress)
     )
     facts["first-cycle yield at the critical point (Langer), safety"] = _safety(yielding)
-    facts["fatigue safety by survival of the parts"] = _by_survival(part, amplitude, mean, limit)
-    facts |= _multiaxial(level)
+    facts["fatigue safety by survival of the parts"] = _by_survival(part, level, peak, task)
+    facts |= _multiaxial(level, peak)
+    if why_no_curve(material, limit, axial=task.axial):
+        return facts
     (life,) = lives_of(level.duty, task, np.array([peak.point]))
     facts["Miner's sum of the duty at the critical point"] = (
         (
@@ -106,38 +143,50 @@ def _by_rule(amplitude: float, mean: float, limit: float, rules: fatigue.MeanStr
     )
 
 
-def _by_survival(part: Part, amplitude: float, mean: float, limit: float) -> str:
-    """Goodman's safety by the share of parts that survive: scatter of the endurance limit alone."""
+def _by_survival(part: Part, level: Level, peak: FatiguePeak, task: LifeTask) -> str:
+    """The verdict's safety by the share of parts that survive: scatter of the limit alone."""
+    assert level.duty is not None
+    duty, ultimate = level.duty, part.material.ultimate_stress
+    amplitude, mean, _ = chord_at(level, peak)
     own = reliability_factor(part.reliability)
     said = []
     for share in _SURVIVALS:
-        scaled = limit * reliability_factor(share) / own
-        used = amplitude / scaled + mean / part.material.ultimate_stress
+        factor = reliability_factor(share) / own
+        if peak.criterion == "Miner":
+            other = replace(duty, limits=factor * duty.limits)
+            if why_no_curve(part.material, float(other.limits.max()), axial=task.axial):
+                continue
+            (life,) = lives_of(other, task, np.array([peak.point]))
+            used = 1.0 / life.safety
+        elif peak.criterion == "Findley":
+            used = peak.value / duty.limit / factor
+        else:
+            used = amplitude / (factor * float(level.limits[peak.point])) + mean / ultimate
         said.append(f"{100 * share:g} % {_safety(used)}")
     return ", ".join(said)
 
 
-def _multiaxial(level: Level) -> dict[str, float | str]:
-    """The path of the critical point of the deciding cycle, and criteria that stand beside."""
-    assert level.duty is not None
-    verdict = level.duty.worst
-    width = float(verdict.bounds.width[verdict.critical])
-    facts: dict[str, float | str] = {
-        "stress path at the critical point": "proportional: Goodman alone decides"
-        if verdict.proportional[verdict.critical]
-        else f"not proportional, {width:.2g} as wide as long; {verdict.n_searched} points searched "
-        "for their critical plane"
-    }
-    if verdict.plane is not None:
-        plane = verdict.plane
-        x, y, z = plane.normal
-        used = float(verdict.plane_utilisation[verdict.critical])
-        facts["Findley's critical plane"] = (
-            f"normal ({x:.3f}, {y:.3f}, {z:.3f}), shear amplitude {plane.shear_amplitude:.4g} MPa, "
-            f"normal stress {plane.normal_stress:.4g} MPa, safety {_safety(used)}"
+def _multiaxial(level: Level, peak: FatiguePeak) -> dict[str, float | str]:
+    """The path of the critical point, and criteria that stand beside."""
+    limit = float(level.limits[peak.point])
+    criterion = fatigue.findley_criterion()
+    path = np.ascontiguousarray(level.coefficients[:, path_of(level, peak)])
+    bounds = fatigue.path_bounds(level.history.basis[[peak.point]], path, criterion.k)
+    stress = _stress(level, peak)
+    width = float(bounds.width[0])
+    facts: dict[str, float | str] = {}
+    if width <= PROPORTIONAL:
+        facts["stress path at the critical point"] = "proportional: Goodman alone decides"
+    else:
+        facts["stress path at the critical point"] = (
+            f"not proportional, {width:.2g} as wide as long"
         )
-    compared = verdict.compared
-    facts["fatigue safety by other multiaxial criteria"] = (
+        used = fatigue.critical_plane(stress, criterion.k).value / (criterion.limit_ratio * limit)
+        facts["Findley's critical plane"] = (
+            f"{plane_at(level, peak)}; safety for infinite life {_safety(used)}"
+        )
+    compared = fatigue.compared_criteria(stress, limit)
+    facts["safety for infinite life by other multiaxial criteria"] = (
         f"Crossland {_safety(compared.crossland)}, Dang Van {_safety(compared.dang_van)}, "
         f"Papadopoulos {_safety(compared.papadopoulos)}"
     )
@@ -174,11 +223,7 @@ def haigh_of(
 
 def _along(level: Level, peak: FatiguePeak) -> FloatArray:
     """Stress of the critical point along the chord of its deciding pair, over the deciding path."""
-    assert level.duty is not None
-    duty = level.duty
-    run = duty.runs.get(peak.cycle)
-    if run is None:
-        run = np.concatenate([duty.runs[name] for name in duty.runs])
+    run = path_of(level, peak)
     first, second = (int(np.flatnonzero(run == k)[0]) for k in peak.pair)
     path = np.ascontiguousarray(level.coefficients[:, run])
     return fatigue.chord_path(level.history.basis[peak.point], path, (first, second)).along

@@ -1,11 +1,9 @@
 """Finite life of a part on one mesh: the cycles of its duty counted point by point, Miner's sum.
 
-At each point the stress path is read along the longest chord of the duty, as an equivalent stress
-with a sign (von Mises), and its cycles are counted by rainflow, those between the cycles of the
-duty among them (`fatigue.duty_cycles`). The mean of a counted cycle is that of the normal stress at
-its peak and its valley, in the direction of the largest principal stress in the middle of the
-longest chord: for the longest chord itself, Goodman's. Where Findley's criterion is worse than
-Goodman's on the duty, amplitudes and means are raised by the ratio of their worst utilisations.
+Each point is read along several chords (`ballesta.readings`); the cycles of each reading, those
+between the cycles of the duty among them, are counted by rainflow (`fatigue.duty_cycles`), and the
+reading with the smallest safety decides. Where Findley's criterion is worse than Goodman's on a
+path, the cycles read along its chord are raised by the ratio of both at that point.
 
 The points are counted in the order of a bound on their utilisation u, amplitude and highest
 principal stress of the whole path together: no cycle of a point exceeds it. Loads n times as large
@@ -16,33 +14,42 @@ do at most the damage of `total` cycles at n u of the endurance limit, so the sa
 and the count ends where that is not below the worst safety found.
 
 Below the endurance limit damage is Haibach's, but only where a larger cycle has begun it: where
-none exceeds the limit the life is infinite, and the safety is at least that against the limit.
+none exceeds the limit the life is infinite, and the safety is at least that against the limit. That
+needs an endurance limit, which aluminium has not, and a part that nothing has used before.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ballesta.duty_verdict import JOINED, DutyVerdict
 from ballesta.materials import Material
+from ballesta.readings import (
+    Readings,
+    counted,
+    cycles_of,
+    joined,
+    raised_exactly,
+    readings_of,
+)
 from fatigue import (
     Cycles,
     MeanStressMaterial,
     SNCurve,
     basquin_curve,
-    chord_path,
-    duty_cycles,
+    equivalent_amplitude,
     goodman,
     life_verdict,
     low_cycle_fraction,
     von_mises_peaks,
 )
+from fatigue.proportionality import PROPORTIONAL
 from fatigue.stress_path import point_blocks
 from geometry.mesh import FloatArray, IntArray
 
 _TOGETHER = 32  # points that are counted before the bound is asked again
-_SAME = 1e-9  # of the range: values along the chord that count as equal
+_ROUND_OFF = 1e-9  # of a bound
 _AXIAL = 0.75  # of the ultimate strength, what 1e3 cycles of axial force leave
 _ALUMINIUM = 0.9  # the same in bending, of metals other than steel
 _NO_KNEE = 5e8  # cycles at which the strength of metals without an endurance limit is stated
@@ -55,14 +62,16 @@ class DutyLife:
     point     surface point
     safety    factor on all loads with which the life's cycles do just the allowed damage
     damage    Miner's sum of the life's cycles; 0 where none exceeds the endurance limit
-    pair      positions at the ends of its longest chord, of all positions of all cycles
-    cycles    counted at the point, (n_cycles,), the largest first
+    pair      valley and peak of the cycle that does most damage, of all positions of all cycles
+    run       the path whose longest chord the cycles were read along
+    cycles    counted on that reading, (n_cycles,), the largest first
     """
 
     point: int
     safety: float
     damage: float
     pair: tuple[int, int]
+    run: str
     cycles: Cycles
 
 
@@ -73,12 +82,19 @@ class LifeTask:
     counts          of a life, by the duty's cycles
     axial           whether the whole section is stressed alike
     allowed_damage  Miner's sum that is left
+    begun           whether earlier use has done damage, which then goes on below the limit
     """
 
     counts: Mapping[str, float]
     material: Material
     axial: bool
     allowed_damage: float
+    begun: bool = False
+
+    @property
+    def endless(self) -> bool:
+        """Whether a life without a cycle above the endurance limit is infinite."""
+        return not self.begun and self.material.endurance_ratio is None
 
 
 def life_curve(material: Material, limits: FloatArray, *, axial: bool) -> SNCurve:
@@ -89,31 +105,43 @@ def life_curve(material: Material, limits: FloatArray, *, axial: bool) -> SNCurv
     (Norton, Machine Design, 5th ed., section 6.6). Below the knee the slope is Haibach's 2 k - 1:
     cycles under the endurance limit do damage where larger ones have begun it.
     """
+    fraction, knee = _start_and_knee(material, axial=axial)
     ultimate = material.ultimate_stress
-    steel = material.endurance_ratio is None
-    fraction = low_cycle_fraction(ultimate) if steel else _ALUMINIUM
-    if axial:
-        fraction = min(fraction, _AXIAL)
-    knee = 1e6 if steel else _NO_KNEE
     return basquin_curve(ultimate, limits, fraction, knee_cycles=knee).below_knee("haibach")
+
+
+def why_no_curve(material: Material, limit: float, *, axial: bool) -> str | None:
+    """Why there is no S-N curve through an endurance limit, MPa; None where there is one."""
+    fraction, _ = _start_and_knee(material, axial=axial)
+    start = fraction * material.ultimate_stress
+    if limit < start:
+        return None
+    return (
+        f"no S-N line: the endurance limit of {limit:.4g} MPa is not below the {start:.4g} MPa "
+        f"that {material.name} endures 1000 times; lower its endurance_ratio"
+    )
+
+
+def _start_and_knee(material: Material, *, axial: bool) -> tuple[float, float]:
+    """Share of the ultimate strength endured 1e3 times, and the cycles of the knee."""
+    steel = material.endurance_ratio is None
+    fraction = low_cycle_fraction(material.ultimate_stress) if steel else _ALUMINIUM
+    return min(fraction, _AXIAL) if axial else fraction, 1e6 if steel else _NO_KNEE
 
 
 def shortest_life(verdict: DutyVerdict, task: LifeTask) -> DutyLife:
     """Return the life of the point with the smallest safety; of equal ones the first found."""
-    bound = _raised_by(verdict) * _bound(verdict, _joined(verdict)[1])
-    runs = _cycles_of(verdict)
-    most = sum(task.counts[name] * len(run) / 2 for name, run in runs.items())
+    bound = _bound(verdict)
+    most = sum(task.counts[name] * len(run) / 2 for name, run in cycles_of(verdict).items())
     curve = life_curve(task.material, verdict.limits, axial=task.axial)
     least = _least_share(curve, most, task.allowed_damage)
     order = np.argsort(-bound, kind="stable")
     best: DutyLife | None = None
-    counted = 0
-    while counted < len(order) and (
-        best is None or least < best.safety * float(bound[order[counted]])
-    ):
-        points = order[counted : counted + _TOGETHER]
-        counted += len(points)
-        for life in lives_of(verdict, task, points):
+    done = 0
+    while done < len(order) and (best is None or least < best.safety * float(bound[order[done]])):
+        points = order[done : done + _TOGETHER]
+        done += len(points)
+        for life in lives_of(verdict, task, points, below=np.inf if best is None else best.safety):
             if best is None or life.safety < best.safety:
                 best = life
     assert best is not None
@@ -121,70 +149,76 @@ def shortest_life(verdict: DutyVerdict, task: LifeTask) -> DutyLife:
 
 
 def lives_of(
-    verdict: DutyVerdict, task: LifeTask, points: IntArray, factor: float = 1.0
+    verdict: DutyVerdict,
+    task: LifeTask,
+    points: IntArray,
+    factor: float = 1.0,
+    below: float = np.inf,
 ) -> list[DutyLife]:
-    """Return the lives of some points, all loads multiplied by a factor."""
-    joined, path = _joined(verdict)
-    runs = _cycles_of(verdict)
-    ends = np.cumsum([len(run) for run in runs.values()])[:-1]
-    pairs, along, normal = _histories(verdict, factor * path, points)
-    cycles = duty_cycles(np.split(along, ends, axis=1), [task.counts[name] for name in runs])
-    cycles = _with_means(cycles, along, normal, _raised_by(verdict))
-    life = life_verdict(
-        cycles,
-        life_curve(task.material, verdict.limits[points], axial=task.axial),
-        MeanStressMaterial(task.material.ultimate_stress, task.material.yield_stress),
-        allowed_damage=task.allowed_damage,
-    )
-    endless = life.infinite_utilisation <= 1.0
-    with np.errstate(divide="ignore"):
-        safety = np.maximum(life.safety, 1.0 / life.infinite_utilisation)
+    """Return the lives of some points, all loads multiplied by a factor.
+
+    Points whose safety is not below `below` may be left with a bound of it: Findley's plane is
+    searched only where the bound says that it can matter.
+    """
+    readings = readings_of(verdict, points, factor)
+    lives = _lives(verdict, task, readings)
+    rows = [row for row, life in enumerate(lives) if life.safety < below]
+    raised = readings.raised.copy()
+    for row in rows:
+        if raised[row] > 1.0:
+            raised[row] = raised_exactly(verdict, readings.runs[row], lives[row].point)
+    if (raised != readings.raised).any():
+        readings = replace(readings, raised=raised)
+        lives = _lives(verdict, task, readings)
     return [
-        DutyLife(
-            int(point),
-            float(safety[row]),
-            0.0 if endless[row] else float(life.damage[row]),
-            (int(joined[pairs[row, 0]]), int(joined[pairs[row, 1]])),
-            _used(cycles, row),
-        )
-        for row, point in enumerate(points)
+        min((life for life in lives if life.point == point), key=lambda life: life.safety)
+        for point in points
     ]
 
 
-def _used(cycles: Cycles, row: int) -> Cycles:
-    """The cycles of one point, without the zeros behind its last."""
-    used = cycles.cycle_counts[row] > 0.0
-    return Cycles(
-        cycles.stress_amplitude[row][used],
-        cycles.mean_stress[row][used],
-        cycles.cycle_counts[row][used],
+def _lives(verdict: DutyVerdict, task: LifeTask, readings: Readings) -> list[DutyLife]:
+    """The life by every reading."""
+    found = counted(verdict, readings, task.counts)
+    cycles = found.cycles
+    curve = life_curve(task.material, verdict.limits[readings.points], axial=task.axial)
+    strength = MeanStressMaterial(task.material.ultimate_stress, task.material.yield_stress)
+    life = life_verdict(cycles, curve, strength, allowed_damage=task.allowed_damage)
+    per_cycle = curve.damage_per_cycle(
+        equivalent_amplitude(cycles.stress_amplitude, cycles.mean_stress, strength)
     )
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+        endless = 1.0 / life.infinite_utilisation if task.endless else np.zeros(len(life.safety))
+        harm = np.where(cycles.cycle_counts > 0.0, per_cycle * cycles.cycle_counts, -1.0)
+    whole = joined(verdict)
+    lives = []
+    for row, point in enumerate(readings.points):
+        used = cycles.cycle_counts[row] > 0.0
+        worst = int(harm[row].argmax()) if life.damage[row] > 0.0 else 0  # else the largest
+        ends = whole[[found.peak[row, worst], found.valley[row, worst]]]
+        lives.append(
+            DutyLife(
+                int(point),
+                float(max(life.safety[row], endless[row])),
+                0.0 if endless[row] >= 1.0 else float(life.damage[row]),
+                (int(ends.min()), int(ends.max())),
+                readings.runs[row],
+                Cycles(
+                    cycles.stress_amplitude[row][used],
+                    cycles.mean_stress[row][used],
+                    cycles.cycle_counts[row][used],
+                ),
+            )
+        )
+    return lives
 
 
-def _cycles_of(verdict: DutyVerdict) -> dict[str, IntArray]:
-    """Positions of the cycles of the duty, without the path that joins them."""
-    return {name: run for name, run in verdict.runs.items() if name != JOINED}
-
-
-def _joined(verdict: DutyVerdict) -> tuple[IntArray, FloatArray]:
-    """Positions (n,) of all cycles behind one another, and their coefficients (n_basis, n)."""
-    joined = np.concatenate(list(_cycles_of(verdict).values()))
-    return joined, np.ascontiguousarray(verdict.coefficients[:, joined])
-
-
-def _raised_by(verdict: DutyVerdict) -> float:
-    """Worst utilisation of the duty over Goodman's worst: above 1 where Findley decides."""
-    worst = float(verdict.worst.utilisation.max())
-    by_chord = max(float(v.goodman.utilisation.max()) for v in verdict.verdicts.values())
-    return max(1.0, worst / by_chord) if by_chord > 0.0 else 1.0
-
-
-def _bound(verdict: DutyVerdict, path: FloatArray) -> FloatArray:
-    """Utilisation (n_points,) that no cycle of a point exceeds.
+def _bound(verdict: DutyVerdict) -> FloatArray:
+    """Utilisation (n_points,) that no cycle of a point exceeds, as it is read and raised.
 
     Half the longest chord is at most the largest amplitude over all paths; no normal stress is
     above p + 2/3 of the von Mises stress, p the hydrostatic stress: both at their largest.
     """
+    path = np.ascontiguousarray(verdict.coefficients[:, joined(verdict)])
     widest = verdict.verdicts.get(JOINED, verdict.worst).bounds
     equivalent, _ = von_mises_peaks(verdict.basis, path)
     pressure = np.empty(len(verdict.basis))
@@ -193,7 +227,23 @@ def _bound(verdict: DutyVerdict, path: FloatArray) -> FloatArray:
         pressure[block] = (trace[block] @ path).max(axis=1)
     tension = np.maximum(pressure + 2.0 / 3.0 * equivalent, 0.0)
     used = widest.amplitude / verdict.limits + tension / verdict.ultimate
-    return np.asarray(used * (1.0 + _SAME))
+    return np.asarray(used * _raised(verdict) * (1.0 + _ROUND_OFF))
+
+
+def _raised(verdict: DutyVerdict) -> FloatArray:
+    """By how much Findley may raise the cycles of each point at most, (n_points,)."""
+    raised = np.ones(len(verdict.basis))
+    for name, run in verdict.runs.items():
+        single = verdict.verdicts[name]
+        points = np.flatnonzero((single.bounds.width > PROPORTIONAL) & (single.plane_bound > 0.0))
+        if len(points):
+            own = np.ascontiguousarray(verdict.coefficients[:, run])
+            limits = verdict.limits[points]
+            chords = goodman(verdict.basis[points], own, limits, verdict.ultimate)
+            with np.errstate(divide="ignore"):
+                ratio = single.plane_bound[points] / chords.utilisation
+            raised[points] = np.maximum(raised[points], ratio)
+    return raised
 
 
 def _least_share(curve: SNCurve, most_cycles: float, allowed_damage: float) -> float:
@@ -201,42 +251,3 @@ def _least_share(curve: SNCurve, most_cycles: float, allowed_damage: float) -> f
     slope = float(np.min(curve.slope_below))
     at_limit = allowed_damage * float(np.min(curve.knee_cycles)) / most_cycles
     return float(min(1.0, at_limit ** (1.0 / slope)))
-
-
-def _histories(
-    verdict: DutyVerdict, path: FloatArray, points: IntArray
-) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Ends (n, 2) of the longest chord of some points over the whole duty, and two histories.
-
-    Stress along the chord, and normal stress as the mean takes it, both (n, n_positions), MPa.
-    """
-    chords = goodman(verdict.basis[points], path, verdict.limits[points], verdict.ultimate)
-    along = np.empty((len(points), path.shape[1]))
-    normal = np.empty_like(along)
-    for row, point in enumerate(points):
-        first, second = (int(k) for k in chords.pair[row])
-        along[row] = chord_path(verdict.basis[point], path, (first, second)).along
-        stress = verdict.basis[point] @ path
-        xx, yy, zz, xy, yz, zx = (stress[:, first] + stress[:, second]) / 2.0
-        middle = np.array([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]])
-        x, y, z = np.linalg.eigh(middle)[1][:, 2]
-        weights = np.array([x * x, y * y, z * z, 2 * x * y, 2 * y * z, 2 * z * x])
-        normal[row] = weights @ stress
-    return chords.pair, along, normal
-
-
-def _with_means(cycles: Cycles, along: FloatArray, normal: FloatArray, ratio: float) -> Cycles:
-    """The cycles with the mean of the normal stress at their peak and valley, raised by a ratio.
-
-    Peak and valley are found again by their value along the chord; of positions with equal values
-    the one with the higher normal stress counts.
-    """
-    mean = np.zeros_like(cycles.mean_stress)
-    for row, (values, stress) in enumerate(zip(along, normal, strict=True)):
-        slack = _SAME * max(float(np.abs(values).max()), 1e-300)
-        used = cycles.cycle_counts[row] > 0.0
-        for ends in (cycles.peak[row][used], cycles.valley[row][used]):
-            near = np.abs(values - ends[:, None])
-            same = near <= near.min(axis=1, keepdims=True) + slack
-            mean[row, used] += np.where(same, stress, -np.inf).max(axis=1) / 2.0
-    return Cycles(ratio * cycles.stress_amplitude, ratio * mean, cycles.cycle_counts)

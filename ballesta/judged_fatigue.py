@@ -14,6 +14,7 @@ from ballesta.fkm_strength import FkmJudgement, fkm_judgement, fkm_points, slope
 from ballesta.judged import Judged, direct_under
 from ballesta.levels import Level
 from ballesta.part_loads import PartLoads
+from fatigue.proportionality import PROPORTIONAL
 from geometry.mesh import FloatArray, IntArray
 
 
@@ -67,6 +68,14 @@ class FatigueUse(Judged):
         pair = [direct_under(self.loads, level, k, arc) for k in self.worst(level).pair]
         stress = np.stack(pair, axis=2)
         return self._over_pair(level) * self._of_pair(stress, level.limits)
+
+    def band(self, level: Level) -> tuple[float, str]:
+        """How far another criterion of the same strength lies above, MPa, and what is said of it.
+
+        Nothing where both criteria have been asked.
+        """
+        assert level.duty is not None
+        return 0.0, ""
 
     def safety_missed(self, level: Level) -> float:
         """How far from 1 the safety is that all loads times the safety leave."""
@@ -157,6 +166,24 @@ class FkmUse(FatigueUse):
         slopes = slopes_of(level.solutions)
         used = fkm_points(self.strength, duty.basis, path, points, slopes).utilisation
         return np.asarray(used * self.strength.reference)
+
+    def band(self, level: Level) -> tuple[float, str]:
+        """How far Findley's criterion with the same component strength lies above, MPa.
+
+        The guideline's chain judges the longest chord of a path only.
+        """
+        found = self.found(level)
+        if found.width <= PROPORTIONAL:
+            return 0.0, ""
+        assert level.duty is not None
+        duty = level.duty
+        criterion = fatigue.findley_criterion()
+        path = np.ascontiguousarray(duty.coefficients[:, duty.runs[found.run]])
+        plane = fatigue.critical_plane(duty.basis[found.point] @ path, criterion.k)
+        strength = float(found.limit.limit) * self.strength.endurance_share
+        by_plane = plane.value / (criterion.limit_ratio * strength) * self.strength.reference
+        said = "the path is not proportional, FKM judges its longest chord only: by Findley's plane"
+        return max(0.0, by_plane - found.demand), f"{said} {by_plane:.4g} MPa"
 
     def scatter(self, level: Level) -> float:
         """Scatter of amplitude and mean, as they enter the quantity, MPa."""

@@ -7,8 +7,9 @@ import numpy as np
 
 import fatigue
 from ballesta.design_data import Design, Part
-from ballesta.fatigue_facts import chord_at, fatigue_facts
-from ballesta.finite_life import LifeTask
+from ballesta.errors import DesignError
+from ballesta.fatigue_facts import chord_at, fatigue_facts, plane_at
+from ballesta.finite_life import LifeTask, why_no_curve
 from ballesta.halves import MEANING, half_of, mode_surface, shown_surface
 from ballesta.hand import hand_checks
 from ballesta.judged import Bars, Judged, StaticPeak, bars_of, mesh_bar
@@ -266,6 +267,7 @@ def life_task(design: Design, part: Part) -> LifeTask:
         part.material,
         part.geometry.stressed_evenly,
         duty.allowed_damage - duty.damage_so_far,
+        begun=duty.damage_so_far > 0,
     )
 
 
@@ -278,6 +280,9 @@ def fatigue_use(design: Design, part: Part, loads: PartLoads) -> FatigueUse | No
         return FkmUse(loads, part.fkm.reference, ultimate, part.fkm)
     limit = endurance_of(part).value
     if design.duty.life == "finite":
+        why = why_no_curve(part.material, limit, axial=part.geometry.stressed_evenly)
+        if why:
+            raise DesignError(design.file, f"parts.{part.name}.material", why)
         return LifeUse(loads, limit, ultimate, life_task(design, part))
     return FatigueUse(loads, limit, ultimate)
 
@@ -285,8 +290,10 @@ def fatigue_use(design: Design, part: Part, loads: PartLoads) -> FatigueUse | No
 def _stress_check(
     design: Design, part: Part, loads: PartLoads, level: Level, judged: Judged, bars: Bars
 ) -> Check:
+    more, why = 0.0, ""
     if isinstance(judged, FatigueUse):
         said = _fatigue_words(design, part, loads, level, judged)
+        more, why = judged.band(level)
     else:
         said = _static_words(design, part, loads, level)
     return Check(
@@ -296,7 +303,7 @@ def _stress_check(
         value=judged.value(level),
         unit="MPa",
         numerical=bars.numerical.value,
-        model=bars.above,
+        model=bars.above + more,
         model_below=bars.below,
         limit=said.limit,
         required=said.required,
@@ -305,7 +312,7 @@ def _stress_check(
         place=level.place(judged.point(level)),
         method="solid",
         basis=said.basis,
-        note=". ".join(text for text in (said.note, bars.note) if text),
+        note=". ".join(text for text in (said.note, why, bars.note) if text),
     )
 
 
@@ -351,6 +358,10 @@ def _fatigue_words(
         amplitude, mean, _ = chord_at(level, worst)
         factor = use.limit / float(level.limits[worst.point])
         note = f"fatigue notch factor {factor:.3g}" if factor > 1 else ""
+        if worst.criterion == "Findley":
+            note = ", ".join(
+                text for text in (f"longest chord; {plane_at(level, worst)}", note) if text
+            )
         life = "infinite life"
         if isinstance(use, LifeUse):
             life = (

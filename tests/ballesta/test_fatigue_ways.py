@@ -44,10 +44,13 @@ def test_goodman_is_the_verdict_and_other_rules_stand_beside(tmp_path, models):
     limit = facts["endurance limit [MPa]"]
     assert_allclose(check.safety, 1 / (amplitude / limit + mean / 410), rtol=1e-9)
     soderberg = 1 / (amplitude / limit + mean / 275)
-    assert f"Soderberg {soderberg:.3g}" in facts["fatigue safety by other rules of mean stress"]
+    assert (
+        f"Soderberg {soderberg:.3g}"
+        in facts["safety for infinite life by other rules of mean stress"]
+    )
     assert f"99 % {check.safety:.3g}" in facts["fatigue safety by survival of the parts"]
     assert facts["stress path at the critical point"].startswith(("proportional", "not propor"))
-    assert "Crossland" in facts["fatigue safety by other multiaxial criteria"]
+    assert "Crossland" in facts["safety for infinite life by other multiaxial criteria"]
     assert result.charts["haigh"]["amplitude"] == amplitude
 
 
@@ -102,7 +105,11 @@ def test_a_pull_and_a_push_in_two_cycles_of_a_duty_are_one_range(tmp_path, model
     ("overrides", "key"),
     [
         (('parts.rod.strength="fkm"', 'duty.life="finite"'), r"parts\.rod\.strength"),
-        (("duty.damage_so_far=0.3",), r"duty\.damage_so_far: 0\.3 leaves nothing"),
+        (
+            ("duty.damage_so_far=0.3", 'duty.life="finite"'),
+            r"duty\.damage_so_far: 0\.3 leaves nothing",
+        ),
+        (("duty.damage_so_far=0.1",), r"duty\.damage_so_far: is of a finite life only"),
         (("duty.allowed_damage=0",), r"duty\.allowed_damage"),
         (('duty.life="endless"',), r"duty\.life: must be 'infinite' or 'finite'"),
     ],
