@@ -17,6 +17,7 @@ from ballesta.judged_fatigue import FatigueUse, FkmUse, LifeUse
 from ballesta.levels import Level, Models, solve_level
 from ballesta.part_facts import assumed_of, charts_of, facts_of, gates_of, mesh_row
 from ballesta.part_loads import PartLoads
+from ballesta.part_vibration import frequency_facts
 from ballesta.stability import (
     axial_compression,
     column_checks,
@@ -82,6 +83,7 @@ def check_solid(
     gates = gates_of(design, part, loads, levels)
     facts = facts_of(part, loads, finest, None if part.fkm else limit)
     facts |= column_facts(design, part, loads)
+    facts |= frequency_facts(part, levels[0].solutions)
     told = column_told(part, loads)
     if told:
         assumed.append(told)
