@@ -19,7 +19,6 @@ from ballesta.part_facts import assumed_of, charts_of, facts_of, gates_of, mesh_
 from ballesta.part_loads import PartLoads
 from ballesta.part_vibration import frequency_facts
 from ballesta.stability import (
-    axial_compression,
     column_checks,
     column_facts,
     column_told,
@@ -73,10 +72,10 @@ def check_solid(
         ]
     checks += column_checks(design, part, loads)
     whole = [(level.solutions, level.coefficients) for level in levels if not level.half]
-    eigen = eigenvalue_check(design, part, loads, whole)
+    eigen = eigenvalue_check(design, part, loads, whole, finest.peak.position)
     if eigen and eigen[0].status is Status.UNDECIDED and finest.half:
         whole.append(_whole_again(part, loads, models, finest, sizes))
-        eigen = eigenvalue_check(design, part, loads, whole)
+        eigen = eigenvalue_check(design, part, loads, whole, finest.peak.position)
     assumed = assumed_of(design, part, finest)
     if finest.half:
         assumed.append(MEANING)
@@ -106,10 +105,12 @@ def check_solid(
             facts |= fatigue_facts(part, finest, peak, life_task(design, part))
     if eigen:
         checks.append(eigen[0])
-    elif part.geometry.sections and axial_compression(part, loads).max() > 0:
+    elif levels[0].solutions.ties is not None:
+        assumed.append("buckling of a stack of bodies that slide on each other is not computed")
+    elif part.body is not None:
         assumed.append(
-            "compression does not buckle the solid: it has no positive factor before its stress "
-            "is as large as Young's modulus"
+            "the solid does not buckle at the positions asked: no factor is positive before its "
+            "stress is as large as Young's modulus"
         )
     return PartResult(
         name=part.name,

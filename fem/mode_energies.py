@@ -48,6 +48,31 @@ def elastic_and_geometric_energy(
     return elastic, geometric
 
 
+def geometric_forms(elements: Elements, stress: FloatArray, fields: FloatArray) -> FloatArray:
+    """Forms (n_basis, m, m) of the geometric stiffness of several stresses on fields, N mm.
+
+    stress (n_elements, n_q, 6, n_basis), MPa, components xx, yy, zz, xy, yz, zx; fields
+    (3 n_nodes, m)
+    """
+    count = fields.shape[1]
+    first, second = np.triu_indices(count)
+    total = np.zeros((stress.shape[-1], len(first)))
+    for start in range(0, len(elements.mesh.elements), _CHUNK):
+        part = slice(start, start + _CHUNK)
+        slope = _slopes(elements, part, fields)  # (e, q, i, k, m)
+        one, two = slope[..., first], slope[..., second]
+        products = np.empty((*slope.shape[:2], 6, len(first)))
+        for row, (i, j) in enumerate(((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))):
+            products[:, :, row] = (one[:, :, i] * two[:, :, j]).sum(axis=2)
+            if i != j:
+                products[:, :, row] += (one[:, :, j] * two[:, :, i]).sum(axis=2)
+        products *= elements.weights[part][:, :, None, None]
+        total += stress[part].reshape(-1, len(total)).T @ products.reshape(-1, len(first))
+    forms = np.empty((len(total), count, count))
+    forms[:, first, second] = forms[:, second, first] = total
+    return forms
+
+
 def mass(pattern: Pattern, density: float) -> sp.csr_array:
     """Upper triangle of the consistent mass matrix, t.
 

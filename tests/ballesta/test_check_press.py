@@ -244,6 +244,7 @@ def test_the_longer_column_out_of_plane_is_the_weaker_one(thirty):
         assert across.safety < within.safety
 
 
+@pytest.mark.slow
 def test_a_sharp_step_is_never_a_pass():
     """The peak sits in a 270 degree corner and grows with the mesh: no number, no verdict."""
     result = pin_alone('parts.pin_B.step_fillet="0 mm"', "parts.pin_B.mesh.fineness=0.7")
