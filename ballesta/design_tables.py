@@ -324,7 +324,8 @@ class DynamicsEntry(Table):
     rise: PositiveTime | None = Field(
         None,
         description="time in which loads really rise that jump from one phase to the next; without "
-        "it so slowly that they excite nothing",
+        "it four periods of the mode, a tenth of the time between jumps or 5 % of the cycle, "
+        "whichever is least",
     )
     apply: bool = Field(
         False, strict=True, description="whether what vibration adds is put on the loads"

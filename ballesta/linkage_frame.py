@@ -63,6 +63,7 @@ class LinkageMode:
     body              the bar in compression with the largest share, None if none is compressed
     compression       of that body, N
     effective_length  mm, of a hinged column of its section at mid-length with that factor
+    rigid             bodies that are no bars
     slots_hold        whether slots hold sideways even with soft forks, as something is loose else
     shape             body -> (n, 3) mm, largest displacement 1, at `places` (n, 2) mm; ground axes
     """
@@ -79,6 +80,7 @@ class LinkageMode:
     body: str | None
     compression: float
     effective_length: float | None
+    rigid: tuple[str, ...]
     slots_hold: bool
     places: Mapping[str, FloatArray]
     shape: Mapping[str, FloatArray]
@@ -121,7 +123,8 @@ def worst_mode(design: Design, solved: Solved) -> LinkageMode | None:
 def linkage_check(design: Design, mode: LinkageMode) -> Check:
     """Return the verdict's line about the assembly, value 1/factor with soft forks."""
     value = 1 / mode.factor
-    below = 0.0 if mode.stiff_factor is None else max(value - 1 / mode.stiff_factor, 0.0)
+    # without a mode of stiff forks nothing of the value is certain
+    below = value if mode.stiff_factor is None else max(value - 1 / mode.stiff_factor, 0.0)
     stiff = "none" if mode.stiff_factor is None else f"{mode.stiff_factor:.3g}"
     other = "in plane" if mode.plane == "out of plane" else "out of plane"
     beside = "none" if mode.other_plane is None else f"{mode.other_plane:.3g}"
@@ -131,6 +134,7 @@ def linkage_check(design: Design, mode: LinkageMode) -> Check:
             f"; {mode.body} with {mode.compression:.4g} N is as a hinged column of "
             f"{mode.effective_length:.4g} mm"
         )
+    rigid = f"; taken as rigid: {', '.join(mode.rigid)}" if mode.rigid else ""
     slots = "; slots hold sideways, else something were loose" if mode.slots_hold else ""
     shares = ", ".join(f"{name} {share:.0%}" for name, share in mode.shares.items() if share > 5e-3)
     return Check(
@@ -151,7 +155,7 @@ def linkage_check(design: Design, mode: LinkageMode) -> Check:
         basis="linear eigenvalue of all bars and rigid bodies together, drive held: knows neither "
         "yield nor crookedness nor snapping through",
         note=f"lowest factor {mode.factor:.3g} {mode.plane}, {beside} {other}; with forks that "
-        f"share all tilts: {stiff}; strain energy: {shares}{column}{slots}",
+        f"share all tilts: {stiff}; strain energy: {shares}{column}{slots}{rigid}",
     )
 
 
@@ -296,6 +300,9 @@ class _Search:
             body=body,
             compression=compression,
             effective_length=length,
+            rigid=tuple(
+                link.name for n, link in enumerate(placed.links) if n not in self.model.bars
+            ),
             slots_hold=self.slots_hold,
             places=places,
             shape=moved,

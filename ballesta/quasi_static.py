@@ -16,7 +16,8 @@ from reports.words import number
 
 VALID = 1.05  # largest response with vibration over that without, which needs no word
 _LIMIT = 1.2
-_SHARE = 0.05  # of the linkage's deformation: modes below it do not count
+_SHARE = 0.05  # of the linkage's deformation: modes below it count by their share only
+_TOLD_SUM = 1.01  # over the worst deviation: less is not told to be a sum
 _PLACES = 12  # positions whose frequencies are told
 _ON_AXIS = 1e-2  # of a body's length
 
@@ -50,13 +51,37 @@ class Vibration:
 
     @property
     def worst(self) -> ModeResponse | None:
-        """The telling mode whose response differs most."""
-        return max(self.telling, key=lambda mode: mode.deviation, default=None)
+        """The telling mode that differs most, or the one that adds most to a `summed` above it."""
+        if self.response is None:
+            return None
+        own = max(self.telling, key=lambda mode: mode.deviation, default=None)
+        if own is not None and own.deviation >= self.summed:
+            return own
+        return max(self.response.responses, key=_counted, default=None)
+
+    @property
+    def summed(self) -> float:
+        """Deviations of all modes, each times its share of the linkage's deformation."""
+        return 0.0 if self.response is None else sum(map(_counted, self.response.responses))
+
+    @property
+    def deviation(self) -> float:
+        """How far off the loads are that ignore vibration.
+
+        The deviation of the worst telling mode, or `summed` where that is more: in resonance a
+        mode of little share can deform as much as all the others.
+        """
+        return max([self.summed, *(mode.deviation for mode in self.telling)])
+
+
+def _counted(mode: ModeResponse) -> float:
+    return mode.share * mode.deviation
 
 
 def vibration_of(design: Design, solved: Mapping[str, loads.CycleLoads]) -> dict[str, Vibration]:
     """Return what is known of the vibration of every cycle that something elastic moves in.
 
+    Where its modes cannot be followed through a cycle, `unasked` says so.
     Bodies without stated elasticity give way by the least section of their part, all along it.
     """
     result = {}
@@ -79,7 +104,10 @@ def _vibration(
     response, unasked = None, ""
     if closes(cycle):
         dynamics = design.dynamics
-        response = cycle_response(cycle, dynamics.damping, dynamics.rise, modes)
+        try:
+            response = cycle_response(cycle, dynamics.damping, dynamics.rise, modes)
+        except loads.LinkageError as error:
+            unasked = f"{error}; more positions may help"
     else:
         unasked = "it does not end where it starts, so it has no speed to compare with"
     even = np.linspace(cycle.times[0], cycle.times[-1], _PLACES + 1)[:_PLACES]
@@ -186,9 +214,9 @@ def quasi_static_gates(design: Design, found: Mapping[str, Vibration]) -> list[G
         gates.append(
             Gate(
                 f"{name}: quasi-static loads",
-                1.0 + worst.deviation,
+                1.0 + vibration.deviation,
                 _LIMIT,
-                f"{verdict_words(worst)}. {_meaning(design, vibration, worst)}"
+                f"{verdict_words(1.0 + vibration.deviation)}. {_meaning(design, vibration, worst)}"
                 + (" What it adds is in the loads." if applied else ""),
                 binding=not applied,
             )
@@ -196,9 +224,8 @@ def quasi_static_gates(design: Design, found: Mapping[str, Vibration]) -> list[G
     return gates
 
 
-def verdict_words(worst: ModeResponse) -> str:
+def verdict_words(factor: float) -> str:
     """Return `valid`, `amplification 1.08` or `not valid`."""
-    factor = 1.0 + worst.deviation
     if factor <= VALID:
         return "valid"
     return f"amplification {factor:.3g}" if factor <= _LIMIT else "not valid"
@@ -213,13 +240,25 @@ def _meaning(design: Design, vibration: Vibration, worst: ModeResponse) -> str:
         contact = " The contact counts as a load, not as a support."
     if worst.jump > VALID - 1.0:
         jump = f" Its load jumps by {worst.jump:.0%} at once, which " + (
-            "is taken to rise slowly: a sudden one would add as much again (dynamics.rise)."
+            f"is taken to rise in {number(worst.rise)} s (dynamics.rise): a single sudden jump "
+            "adds up to as much again, repeated ones more where they come before it has died out."
             if design.dynamics.rise is None
             else f"rises in {number(design.dynamics.rise)} s."
         )
+    if vibration.deviation > _TOLD_SUM * worst.deviation or worst not in vibration.telling:
+        words = (
+            "1 + sum over all modes of the largest difference that vibration makes at any time, "
+            "over the largest response of the mode, times its share of the linkage's deformation; "
+            f"most of it by mode {worst.mode}, share {worst.share:.2g}, difference "
+            f"{number(worst.deviation)}"
+        )
+    else:
+        words = (
+            "1 + largest difference that vibration makes at any time, over the largest response "
+            "of the mode that differs most"
+        )
     return (
-        "1 + largest difference that vibration makes at any time, over the largest response of the "
-        f"mode that differs most: {number(worst.lowest)} to {number(worst.highest)} Hz over the "
+        f"{words}: {number(worst.lowest)} to {number(worst.highest)} Hz over the "
         f"cycle of {number(rate)} 1/s, the drive held, damping {design.dynamics.damping:g}; at the "
         f"worst frequency of this range, {number(worst.worst)} Hz, the largest response itself is "
         f"{number(worst.amplification)} times as large. Harmonics, half range x factor: {told}."
@@ -242,7 +281,10 @@ def assumptions_of(design: Design, found: Mapping[str, Vibration]) -> list[tuple
             words = f"rigid in vibration: {', '.join(vibration.rigid)}"
             result["dynamics", words] = None
         if vibration.unasked:
-            result[f"cycles.{name}", f"quasi-static: not asked, {vibration.unasked}"] = None
+            words = f"quasi-static: not asked, {vibration.unasked}"
+            if design.dynamics.apply:
+                words += "; vibration is not put on its loads"
+            result[f"cycles.{name}", words] = None
         if design.dynamics.apply and design.cycles[name].has_contact:
             words = "vibration is not put on its loads: it would change the force of its contact"
             result[f"cycles.{name}", words] = None

@@ -26,7 +26,9 @@ ComplexArray = np.typing.NDArray[np.complex128]
 SAMPLES = 4096  # of a period
 _BETWEEN = 41  # frequencies tried between the lowest and the highest of a mode
 _NEAR = 8  # strongest harmonics in that range, each tried in resonance
-_SLOW = 4.0  # periods of a mode in which a jump that has no stated time is taken to rise
+_SLOW = 4.0  # periods of a mode in which a jump that has no stated time is taken to rise, but
+_OF_GAP, _OF_PERIOD = 0.1, 0.05  # never more of the least time between two, and of the cycle
+_JUMPS = 0.01  # of a mode's largest response: steps below it are no jumps
 _MODES = 6
 _TOLD = 8  # harmonics of a mode that are told, the strongest
 
@@ -63,6 +65,7 @@ class ModeResponse:
     lowest, highest  Hz, of its frequency over the cycle
     share          its largest response over that of the whole linkage: square roots of energy
     jump           largest step of its response, over its largest response
+    rise           s, in which its jumps are taken to go
     worst          Hz, frequency in its range at which the deviation is largest
     amplification  largest response with vibration over largest without, there
     deviation      largest difference of the two at any time, over the largest without, there
@@ -75,6 +78,7 @@ class ModeResponse:
     highest: float
     share: float
     jump: float
+    rise: float
     worst: float
     amplification: float
     deviation: float
@@ -107,7 +111,7 @@ def cycle_response(
 ) -> CycleResponse:
     """Return what vibration makes of a solved cycle that closes.
 
-    rise   s, in which loads that jump really change; None: so slowly that it does not matter
+    rise   s, in which loads that jump really change; None: as `rise_of` has it
     modes  of this cycle, if they are known (`cycle_modes`)
 
     The linkage is held at the coordinate of its pace. A contact counts as a load, not as a support.
@@ -156,9 +160,9 @@ def _response(
 ) -> ModeResponse:
     lowest, highest = float(frequency.min()), float(frequency.max())
     period = float(times[-1])
-    ramp = _SLOW / lowest if rise is None else rise
     if back < 0.0:  # the shape comes back reversed: it repeats after two cycles
         times, values = np.concatenate([times, times + period]), np.concatenate([values, -values])
+    ramp = rise_of(times, values, lowest, period) if rise is None else rise
     at, slow, jump = sampled(times, values, ramp)
     top = float(np.abs(slow).max()) or 1.0
     coefficients = np.fft.rfft(slow)
@@ -185,6 +189,7 @@ def _response(
         highest=highest,
         share=float(np.abs(values).max()) / (largest or 1.0),
         jump=jump / top,
+        rise=ramp,
         worst=float(tried[worst]),
         amplification=float(np.abs(responses[worst]).max()) / top,
         deviation=float(deviations[worst]),
@@ -207,6 +212,28 @@ def _frequencies(lowest: float, highest: float, rate: float, sizes: FloatArray) 
     return np.concatenate([np.linspace(lowest, highest, _BETWEEN), chosen * rate])
 
 
+def rise_of(times: FloatArray, values: FloatArray, frequency: float, period: float) -> float:
+    """Return the time in s that jumps are taken to rise in where none is stated.
+
+    Four periods of the mode hardly excite it, but a rise as long as the load stays would take away
+    the load itself: so no more than a tenth of the least time between two jumps, and 5 % of the
+    cycle's `period`. The signal (n,), times as for `sampled`, may be longer than a cycle.
+    """
+    at, jumps = _jumps_of(times, values)
+    at = at[np.abs(jumps) > _JUMPS * np.abs(values).max()]
+    length = float(times[-1])
+    gaps = np.diff(at, append=at[:1] + length)
+    least = float(gaps.min(initial=length))
+    return min(_SLOW / frequency, _OF_GAP * least, _OF_PERIOD * period)
+
+
+def _jumps_of(times: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return when a periodic signal is stated twice, its end last, and by what it steps there."""
+    inside = np.flatnonzero(np.diff(times) <= 1e-12 * float(times[-1]))
+    at = np.append(times[inside], times[-1])
+    return at, np.append(values[inside + 1] - values[inside], values[0] - values[-1])
+
+
 def sampled(
     times: FloatArray, values: FloatArray, rise: float
 ) -> tuple[FloatArray, FloatArray, float]:
@@ -217,17 +244,18 @@ def sampled(
     rise   s, in which jumps go by a half wave of a cosine, centred where they are
     """
     period = float(times[-1])
-    inside = np.flatnonzero(np.diff(times) <= 1e-12 * period)
-    at = np.append(times[inside], period)
-    jumps = np.append(values[inside + 1] - values[inside], values[0] - values[-1])
+    at, jumps = _jumps_of(times, values)
     even = np.arange(SAMPLES) * period / SAMPLES
     # without its jumps the signal is continuous, and the order of equal times does not matter
     steps = np.zeros(len(times))
-    steps[inside + 1] = jumps[:-1]
+    steps[1:][np.diff(times) <= 1e-12 * period] = jumps[:-1]
     result = np.interp(even, times, values - np.cumsum(steps))
+    # the same jump of the cycles before and after, as far as its rise reaches
+    turns = max(1, int(np.ceil(rise / (2.0 * period))))
+    others = period * np.arange(-turns, turns + 1)
     for where, jump in zip(at, jumps, strict=True):
-        shift = even[:, None] - where - period * np.array([-1.0, 0.0, 1.0])
-        result += jump * (_ramp(shift, rise).sum(axis=1) - 1.0)
+        shift = even[:, None] - where - others
+        result += jump * (_ramp(shift, rise).sum(axis=1) - turns)
     return even, result, float(np.abs(jumps).max())
 
 

@@ -204,3 +204,20 @@ def test_a_crank_whose_block_nothing_else_holds_sideways_is_held_by_the_slot():
     assert mode.slots_hold
     assert "slots hold sideways" in linkage_check(design, mode).note
     assert mode.body == "rod"
+
+
+def test_without_a_mode_of_stiff_forks_nothing_of_the_load_share_is_certain(tmp_path):
+    """What stiff forks hold altogether may hold: a share of 2 with soft ones is no failure yet."""
+    design = machine(tmp_path, BAR)
+    mode = replace(worst_mode(design, solved(design)), factor=0.5, stiff_factor=0.6, error=0.01)
+    assert linkage_check(design, mode).status is Status.FAIL
+    open_ended = linkage_check(design, replace(mode, stiff_factor=None))
+    assert open_ended.below == open_ended.value == 2.0
+    assert open_ended.status is Status.UNDECIDED
+
+
+def test_bodies_that_are_no_bars_are_named_as_rigid(tmp_path):
+    design = machine(tmp_path, BAR)
+    mode = worst_mode(design, solved(design))
+    assert mode.rigid == ("crank", "slider")
+    assert linkage_check(design, mode).note.endswith("; taken as rigid: crank, slider")

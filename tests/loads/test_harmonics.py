@@ -14,6 +14,7 @@ from loads.harmonics import (
     _response,
     cycle_response,
     dynamic_factor,
+    rise_of,
     sampled,
     with_vibration,
 )
@@ -222,3 +223,55 @@ def test_a_mode_that_comes_back_reversed_has_half_harmonics():
     assert_allclose(found.amplification, abs(dynamic_factor(0.1, 0.02)), rtol=1e-3)
     assert_allclose((found.times[-1], found.slow[-1]), (2.0, -1.0), atol=1e-4)
     assert_allclose(_response(1, times, values, frequency, 0.02, 0.0, 1.0, 1.0).jump, 2.0)
+
+
+def on_and_off(time):
+    """A load that is on for the second half of a cycle."""
+    return np.array([0.0, time / 2, time / 2, time]), np.array([0.0, 0.0, 1.0, 1.0])
+
+
+def test_jumps_without_a_stated_rise_do_not_smooth_away_a_load_in_resonance():
+    """Half range of the first harmonic 2/pi, times 1/(2 zeta), at a mode of the cycle's own rate.
+
+    A rise of four periods of the mode, 0.4 s of a cycle of 0.1 s, left nothing of the load.
+    """
+    times, values = on_and_off(0.1)
+    frequency = np.full(4, 10.0)
+    default = _response(1, times, values, frequency, 0.02, None, 1.0, 1.0)
+    assert default.rise == pytest.approx(0.005)
+    assert_allclose(np.ptp(default.slow), 1.0)
+    assert_allclose(default.deviation, 2 / np.pi / 0.04, rtol=0.03)
+
+
+def test_the_rise_that_is_taken_is_short_against_mode_cycle_and_time_between_jumps():
+    times, values = on_and_off(10.0)
+    assert rise_of(times, values, 10.0, 10.0) == 0.4
+    assert rise_of(times, values, 1.0, 10.0) == 0.5
+    one_jump = np.array([0.0, 10.0]), np.array([0.0, 1.0])
+    assert rise_of(*one_jump, 1.0, 10.0) == 0.5
+    times, values = np.array([0.0, 9.0, 9.0, 9.2, 9.2, 10.0]), np.array([0, 0, 1, 1, 0, 0.0])
+    assert rise_of(times, values, 10.0, 10.0) == pytest.approx(0.02)
+    over_the_end = np.array([0.0, 0.3, 0.3, 10.0]), np.array([1.0, 1.0, 0.0, 0.0])
+    assert rise_of(*over_the_end, 10.0, 10.0) == pytest.approx(0.03)
+    values = np.array([0.0, 0.0, 1e-3, 1e-3, 0.0, 1.0])  # phases that end, and hardly a jump
+    assert rise_of(times, values, 10.0, 10.0) == 0.4
+
+
+@pytest.mark.parametrize("rise", [0.6, 1.6, 2.6, 7.3])
+def test_a_rise_of_any_length_goes_through_the_cycles_before_and_after(rise):
+    """Harmonics 2/(pi h) of the load, times cos(pi h r)/(1 - 4 h2 r2) of the half wave's slope."""
+    _, samples, _ = sampled(*on_and_off(1.0), rise)
+    h = np.array([1, 3, 5])
+    found = 2 * np.abs(np.fft.rfft(samples)[h]) / SAMPLES
+    expected = 2 / np.pi / h * np.abs(np.cos(np.pi * h * rise) / (1 - 4 * h**2 * rise**2))
+    assert_allclose(found, expected, atol=1e-6)
+    assert_allclose(samples.mean(), 0.5, atol=1e-3)
+
+
+def test_a_resonance_inside_the_range_is_found_however_sharp_it_is():
+    """Third harmonic at 10.025 Hz, between two even steps of 9 to 11 Hz; 1/(2 zeta) wide 0.01."""
+    times = np.linspace(0.0, 3 / 10.025, 2001)
+    values = np.cos(2 * np.pi * 10.025 * times)
+    found = _response(1, times, values, np.linspace(9.0, 11.0, 2001), 5e-4, 0.0, 1.0, 1.0)
+    assert_allclose(found.worst, 10.025, rtol=1e-9)
+    assert_allclose(found.amplification, 1000.0, rtol=1e-3)
