@@ -75,6 +75,24 @@ def test_utilisation_at_points_is_that_of_the_worst_point_there():
     assert_allclose(used.max() * LIMIT, verdict.peak.value)
 
 
+def test_the_pair_is_of_all_positions_of_all_cycles():
+    verdict = verdict_on(*uniaxial([0.0, 10.0], [0.0, 5.0, 300.0]))
+    assert verdict.peak.cycle == "b"
+    assert verdict.peak.pair == (2, 4)
+
+
+def test_on_a_circle_of_bending_and_torsion_findley_decides_here_too():
+    turn = 2 * np.pi * np.arange(48) / 48
+    basis = np.zeros((2, 6, 2))
+    basis[:, 0, 0], basis[:, 3, 1] = 1.0, 3**-0.5
+    basis[1] *= 0.5
+    verdict = verdict_on(basis, 100 * np.stack([np.cos(turn), np.sin(turn)]), {"a": slice(0, 48)})
+    assert verdict.peak.criterion == "Findley"
+    by_chord = float(verdict.worst.goodman.utilisation.max())
+    assert verdict.utilisation_at(np.array([0]))[0] * LIMIT == pytest.approx(verdict.peak.value)
+    assert verdict.peak.value > 1.1 * by_chord * LIMIT
+
+
 def task(counts, **changes):
     stated = {"material": STEEL, "axial": False, "allowed_damage": 1.0} | changes
     return LifeTask(counts, **stated)
