@@ -14,7 +14,7 @@ from geometry.mesh import FloatArray, TooManyElementsError
 
 # Bytes per unknown, fitted to solves of cubes, plates and rods (docs/extremes.md), which it tells
 # to 30 %: assembly; factor, for a cube of one unknown; each load's vectors.
-_ASSEMBLY, _FILL, _COLUMN = 2500.0, 216.0, 64.0
+_ASSEMBLY, _FILL, _COLUMN = 2000.0, 216.0, 64.0
 _FLATTENED = 0.65  # exponent of the compactness
 _GIBIBYTE = 2.0**30
 _CGROUPS = Path("/sys/fs/cgroup")
