@@ -83,7 +83,7 @@ def test_this_machine_tells_a_number():
 
 def test_ten_times_the_unknowns_fill_up_twenty_one_times():
     """n^(4/3) once assembly and loads are taken off."""
-    linear = 2500 + 64 * 20
+    linear = 2000 + 64 * 20
     fill = [solve_bytes(n, 20) - linear * n for n in (10**4, 10**5)]
     assert fill[1] / fill[0] == pytest.approx(10 ** (4 / 3), rel=1e-9)
 
@@ -96,9 +96,9 @@ def test_a_plate_needs_less_than_a_cube_of_as_many_unknowns():
 
 
 def test_the_refusal_tells_what_is_needed_and_what_there_is(system):
-    """1e6 (2500 + 216 * 100 + 64 * 20) bytes are 23.6 GiB."""
+    """1e6 (2000 + 216 * 100 + 64 * 20) bytes are 23.2 GiB."""
     said = (
-        r"solving about 1e\+06 unknowns with 20 loads would need 23\.6 GiB of memory and 8 GiB are "
+        r"solving about 1e\+06 unknowns with 20 loads would need 23\.2 GiB of memory and 8 GiB are "
         r"free; lower mesh\.fineness or mesh\.most_unknowns"
     )
     with pytest.raises(TooLargeError, match=said):
