@@ -10,9 +10,9 @@ from ballesta.column_moments import axial_compression as axial_compression
 from ballesta.column_moments import crooked_checks
 from ballesta.design_data import Design, Part
 from ballesta.part_loads import PartLoads
-from fem.buckling import BucklingMode, part_buckling
+from fem.buckling import BucklingMode
 from fem.unit_solutions import UnitSolutions
-from fem.worst_position import worst_buckling
+from fem.worst_position import buckling_at, worst_buckling
 from geometry.mesh import FloatArray
 from reports.verdict import Check, Status
 
@@ -210,12 +210,13 @@ def eigenvalue_check(
     stiff: float | None = None
     forks = "not asked"
     if modes[0].factor < _FAR * design.require.buckling:
-        held = part_buckling(solutions, coefficients[:, worst], tilt_held=True, count=1).modes
+        held = buckling_at(solutions, coefficients[:, worst], tilt_held=True).modes
         stiff = held[0].factor if held else np.inf
         forks = f"{stiff:.3g}" if held else "none"
     turned = ""
     if buckling.reversed is not None and buckling.reversed < modes[0].factor:
         turned = f"; with all loads turned round it would buckle at {buckling.reversed:.3g} of them"
+    proof = "counted: none is lower" if buckling.proven > 0 else "not proved to be the lowest"
     by_plane = {mode.plane: mode.factor for mode in reversed(modes)}
     planes = ", ".join(f"{factor:.3g} {plane}" for plane, factor in by_plane.items())
 
@@ -237,14 +238,14 @@ def eigenvalue_check(
             place=f"{mode.plane} mode",
             method=f"solid ({meshes})",
             basis="linear eigenvalue, both ends held sideways: knows neither yield nor crookedness",
-            note=f"lowest factors {planes}, counted: none is lower at this position, the worst of "
-            f"all that was found; with forks that hold the ends against tilting: {forks}{turned}",
+            note=f"lowest factors {planes}, {proof} at this position, the worst of all that was "
+            f"found; with forks that hold the ends against tilting: {forks}{turned}",
         )
 
     check = checked(modes[0], _ONE_MESH_BAR / part.fineness, "one mesh")
     if check.status is Status.UNDECIDED and len(levels) > 1:
         solutions, coefficients = levels[-1]
-        finer = part_buckling(solutions, coefficients[:, worst], tilt_held=False).modes
+        finer = buckling_at(solutions, coefficients[:, worst], tilt_held=False).modes
         if finer:
             bar = abs(finer[0].factor / modes[0].factor - 1)
             return checked(finer[0], bar, "two meshes"), finer[0]

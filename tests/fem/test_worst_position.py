@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+import fem.worst_position
 from fem.buckling import part_buckling
 from fem.mode_energies import elastic_and_geometric_energy, geometric_forms
 from fem.recovery import tensor
+from fem.solvers import SolverError
 from fem.unit_solutions import Elastic, solve_unit_loads
 from fem.worst_position import worst_buckling
 from geometry.meshing import mesh_shape
@@ -82,3 +84,19 @@ def test_forms_of_the_unit_loads_add_up_to_that_of_their_sum(plate):
         plate.elements, STEEL, tensor(stress @ weights), fields
     )
     assert_allclose(np.tensordot(weights, forms, axes=1), expected, rtol=1e-9)
+
+
+def test_modes_that_cannot_be_proven_are_told_without_proof_and_stop_nothing(plate, monkeypatch):
+    """As of a pulled rod, whose modes lie far beyond its strength."""
+
+    def unprovable(*given, prove=True, **named):
+        if prove:
+            raise SolverError("1 modes lie below 210000, but only 0 were found")
+        return part_buckling(*given, prove=False, **named)
+
+    monkeypatch.setattr(fem.worst_position, "part_buckling", unprovable)
+    coefficients = states(plate, np.array([-100.0, 20.0]), np.zeros(2))
+    position, found = worst_buckling(plate, coefficients, [0, 1], tilt_held=False)
+    assert position == 0
+    assert found.proven == 0.0
+    assert_allclose(found.modes[0].factor, lowest(plate, coefficients)[0], rtol=1e-6)
