@@ -8,6 +8,7 @@ import loads
 from ballesta.design_data import Design, Part
 from ballesta.design_model import StackEntry
 from ballesta.part_loads import PartLoads
+from ballesta.ties import first_largest
 from geometry.mesh import FloatArray
 from geometry.parts import Pin
 from reports.verdict import Check
@@ -53,7 +54,7 @@ def _pressure_check(design: Design, part: Part, part_loads: PartLoads, entry: St
     assert entry.bush is not None
     name = _name(entry)
     pressure = _pressure(part, part_loads, entry)
-    worst = int(np.argmax(pressure))
+    (worst,) = first_largest(pressure)
     value = float(pressure[worst])
     diameter, length = _diameter(part, entry), entry.bush.length
     force = value * diameter * length
@@ -95,7 +96,7 @@ def _pv_check(
         product = pressure[columns] * speeds
         spans = np.diff(cycle.times)
         mean = float(np.sum((product[:-1] + product[1:]) / 2 * spans) / spans.sum())
-        at = int(product.argmax())
+        (at,) = first_largest(product)
         found.append((float(product[at]), columns.start + at, name, mean, float(speeds[at])))
     if not found:
         return []

@@ -21,6 +21,7 @@ from scipy.optimize import brentq
 from ballesta.column_limits import Plane, is_stepped, planes_of, whole_force
 from ballesta.design_data import Design, Part
 from ballesta.part_loads import PartLoads
+from ballesta.ties import first_largest
 from fem.column_curves import BOW
 from geometry.mesh import FloatArray, IntArray
 from geometry.sections import Section
@@ -124,13 +125,13 @@ class CrookedColumn:
                 return best
             best = (found, row, place)
             if found * largest >= 1:  # another position is beyond its critical force there
-                row = int(self.force.argmax())
-                place = int(self._near_critical(row).argmax())
+                (row,) = first_largest(self.force)
+                (place,) = first_largest(self._near_critical(row))
                 continue
             row, place = self._worst_at(found)
 
     def _worst_at(self, factor: float) -> tuple[int, int]:
-        row, place = divmod(int(self.stress(factor).argmax()), len(self.places))
+        row, place = first_largest(self.stress(factor))
         return row, place
 
     def _near_critical(self, row: int) -> FloatArray:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ballesta.ties import first_largest
 from fatigue import Verdict, ductile_verdict, goodman
 from geometry.mesh import FloatArray, IntArray
 
@@ -56,7 +57,9 @@ class DutyVerdict:
     @property
     def worst_run(self) -> str:
         """The path that decides; of equal ones the first, so a cycle before all of them."""
-        return max(self.verdicts, key=lambda name: float(self.verdicts[name].utilisation.max()))
+        names = list(self.verdicts)
+        used = np.array([self.verdicts[name].utilisation.max() for name in names])
+        return names[first_largest(used)[0]]
 
     @property
     def worst(self) -> Verdict:

@@ -28,6 +28,7 @@ import numpy as np
 
 import fatigue
 from ballesta.design_strength import FkmStrength
+from ballesta.ties import first_largest
 from fatigue.fkm import SURVIVAL
 from fatigue.proportionality import PROPORTIONAL
 from fem.gradient import SurfaceSlopes, inward_normals, related_gradient
@@ -200,7 +201,7 @@ def fkm_judgement(
         floor = -inf if worst is None else worst.utilisation
         for found in _governing(strength, basis, path, slopes, bound, floor):
             judged += len(found.points)
-            row = int(found.utilisation.argmax())
+            (row,) = first_largest(found.utilisation)
             if worst is not None and found.utilisation[row] <= worst.utilisation:
                 continue
             first, second = (int(run[k]) for k in found.pair[row])

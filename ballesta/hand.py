@@ -10,6 +10,7 @@ from ballesta.levels import Level
 from ballesta.part_loads import PartLoads
 from ballesta.pin_checks import pin_diagram
 from ballesta.stability import axial_compression
+from ballesta.ties import first_largest
 from geometry.mesh import FloatArray
 from geometry.parts import (
     LeafPack,
@@ -38,7 +39,7 @@ def hand_checks(part: Part, loads: PartLoads, level: Level) -> list[HandCheck]:
     if not isinstance(shape, ToggleBar | PrismaticTube):
         return []
     force = axial_compression(part, loads)
-    worst = int(np.abs(force).argmax())
+    (worst,) = first_largest(np.abs(force))
     stress = level.history.at(worst)
     checks = [_axial(shape, float(force[worst]), level, stress)]
     if isinstance(shape, ToggleBar):
@@ -125,7 +126,7 @@ def _pin_bending(shape: Pin, loads: PartLoads, level: Level) -> HandCheck:
         if not seat.at:
             diameter = seat.diameter or shape.diameter
     size = np.hypot(moment[:, 0], moment[:, 1])
-    worst = int(size.argmax())
+    (worst,) = first_largest(size)
     stress = level.history.at(worst)
     near = np.abs(level.history.points[:, 2]) < 0.06 * shape.diameter
     return HandCheck(
@@ -145,7 +146,7 @@ def _one_sided_pin(shape: Pin, loads: PartLoads, level: Level) -> HandCheck:
     """
     diagram = pin_diagram(shape, dict(loads.wrenches), spread=True)
     bending = diagram.bending_stress
-    worst, section = (int(k) for k in np.unravel_index(int(bending.argmax()), bending.shape))
+    worst, section = first_largest(bending)
     place = float(diagram.places[section])
     near = np.abs(level.history.points[:, 2] - place) < 0.06 * shape.diameter
     stress = level.history.at(worst)[near]

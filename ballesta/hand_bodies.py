@@ -4,6 +4,7 @@ import numpy as np
 
 from ballesta.levels import Level
 from ballesta.part_loads import PartLoads
+from ballesta.ties import first_largest
 from fem.lugs import lug_factor
 from fem.recovery import von_mises
 from fem.unit_loads import ACCELERATIONS
@@ -33,7 +34,7 @@ def link_hand_checks(shape: PlateLink | TubeRod, loads: PartLoads, level: Level)
     size = height / 4
     checks = []
     if by_axial.max() > _SMALL * by_moment.max():
-        worst = int(by_axial.argmax())
+        (worst,) = first_largest(by_axial)
         mean, _ = _beam_stress(level, worst, middle, size)
         checks.append(
             HandCheck(
@@ -45,7 +46,7 @@ def link_hand_checks(shape: PlateLink | TubeRod, loads: PartLoads, level: Level)
             )
         )
     if by_moment.max() > _SMALL * by_axial.max():
-        worst = int(by_moment.argmax())
+        (worst,) = first_largest(by_moment)
         _, slope = _beam_stress(level, worst, middle, size)
         checks.append(
             HandCheck(
@@ -77,7 +78,7 @@ def lever_hand_checks(shape: SlottedLever, loads: PartLoads, level: Level) -> li
     own = _own(level, 2 * strip * shape.thickness, place, shape.length, place)[1]
     moment = tip[:, 5] + (shape.length - place) * tip[:, 1] + own
     apart = shape.width - strip
-    worst = int(np.abs(moment).argmax())
+    (worst,) = first_largest(np.abs(moment))
     mean = [
         sum(_edge_stress(level, worst, float(place[worst]), y, strip) for y in edges) / 2
         for edges in (
@@ -108,7 +109,7 @@ def leaf_hand_checks(shape: LeafPack, loads: PartLoads, level: Level) -> list[Ha
     force = loads.wrenches["contact"][:, 1]
     reach = loads.reaches.get("contact", np.zeros(len(force)))
     moment = force * reach
-    worst = int(np.abs(moment).argmax())
+    (worst,) = first_largest(np.abs(moment))
     modulus = shape.inertia_separate / (shape.thickness / 2)
     half = shape.clamp_length / 2
     middle = _leaf_bending(shape, level, worst, 0.0)
@@ -214,7 +215,7 @@ def _pulled_lug(
     hole, at = 2 * interface.radius, interface.centre
     outward = -1.0 if at[0] == 0 else 1.0
     pull = outward * loads.wrenches[name][:, 0]
-    worst, factor = int(pull.argmax()), lug_factor(hole, width)
+    (worst,), factor = first_largest(pull), lug_factor(hole, width)
     besides = np.abs(loads.wrenches[name][worst, 1:]) / np.array([1, 1, width, width, width])
     if factor is None or not besides.max() < _STRAIGHT * pull[worst]:
         return []

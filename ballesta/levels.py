@@ -9,6 +9,7 @@ import numpy as np
 
 from ballesta.duty_verdict import DutyVerdict, FatiguePeak, duty_runs, duty_verdict
 from ballesta.part_loads import PartLoads
+from ballesta.ties import first_largest
 from fem.notch_resolution import concave_curvature, notch_error
 from fem.recovery import von_mises
 from fem.singularity import reentrant_edges
@@ -217,7 +218,7 @@ def solve_level(
     nodes = solutions.recovery.points
     history = StressHistory(nodes, solutions.mesh.nodes[nodes], solutions.basis, coefficients)
     by_position, where = history.peaks_by_position()
-    position = int(by_position.argmax())
+    (position,) = first_largest(by_position)
     peak = Peak(float(by_position[position]), int(where[position]), position)
     limits = np.full(len(nodes), endurance_limit)
     for surface, factor in (notch_factors or {}).items():

@@ -10,6 +10,7 @@ from ballesta.design_model import StackEntry
 from ballesta.materials import Material
 from ballesta.part_loads import PartLoads
 from ballesta.tear_planes import tear_lengths
+from ballesta.ties import first_largest
 from fem.lugs import ball_ligament, bearing_pressure, shear_out
 from geometry.mesh import FloatArray, Interface, Mesh
 from geometry.parts import Pin, PlateLink, SlottedLever, ToggleBar, TubeRod
@@ -110,12 +111,11 @@ def _bearing(design: Design, part: Part, loads: PartLoads, lugs: Sequence[_Lug])
     found = []
     for lug in lugs:
         force = loads.resultant(lug.interface)
-        worst = int(force.argmax())
+        (worst,) = first_largest(force)
         pressure = bearing_pressure(float(force[worst]), lug.diameter, lug.width)
         found.append((pressure, worst, float(force[worst]), lug))
-    value, worst, force_there, lug = max(
-        found, key=lambda entry: entry[0] / entry[3].softer.yield_stress
-    )
+    (row,) = first_largest(np.array([entry[0] / entry[3].softer.yield_stress for entry in found]))
+    value, worst, force_there, lug = found[row]
     others = ", ".join(f"{entry[3].interface} {entry[0]:.3g}" for entry in found if entry[3] != lug)
     return Check(
         part=part.name,
@@ -156,11 +156,12 @@ def _shear_out(
         for ligament in ligaments(part, mesh, lug.interface):
             pull, area = _pull(wrench, ligament)
             stress = shear_out(pull, area)
-            worst = int(stress.argmax())
+            (worst,) = first_largest(stress)
             found.append((stress[worst], worst, pull[worst], area[worst], lug, ligament))
     if not found or not max(entry[0] for entry in found) > 0:
         return None
-    value, worst, force, plane, lug, ligament = max(found, key=lambda entry: entry[0])
+    (row,) = first_largest(np.array([entry[0] for entry in found]))
+    value, worst, force, plane, lug, ligament = found[row]
     return Check(
         part=part.name,
         kind="shear-out",

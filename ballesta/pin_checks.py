@@ -13,6 +13,7 @@ import numpy as np
 
 from ballesta.design_data import Design, Part
 from ballesta.part_loads import PartLoads
+from ballesta.ties import first_largest
 from fem.lugs import round_bending, round_shear, round_torsion
 from geometry.mesh import FloatArray
 from geometry.parts import Pin, Seat
@@ -206,7 +207,7 @@ def _check(
 ) -> Check:
     """Check the worst section; the model band reaches to what lugs with even pressure give."""
     stress, other = stresses
-    position, section = (int(k) for k in np.unravel_index(int(stress.argmax()), stress.shape))
+    position, section = first_largest(stress)
     value, even = float(stress[position, section]), float(other.max())
     diameter = float(diagram.diameter[section])
     if kind == "pin shear":

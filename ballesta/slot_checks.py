@@ -7,6 +7,7 @@ import numpy as np
 from ballesta.design_data import Design, Part, Roller
 from ballesta.errors import DesignError
 from ballesta.part_loads import PartLoads
+from ballesta.ties import first_largest
 from fem.contact import HertzBody, HertzError, line_contact
 from geometry.mesh import FloatArray, Interface, Mesh
 from reports.verdict import Check
@@ -42,7 +43,7 @@ def _round(
 ) -> Check | None:
     """Check a pin or roller on the flat flank; None where nothing ever presses."""
     force = np.abs(loads.wrenches[interface.name][:, 1])
-    worst = int(force.argmax())
+    (worst,) = first_largest(force)
     if not force[worst] > 0:
         return None
     most = float(_couple(loads, interface).max())
@@ -91,7 +92,7 @@ def _flat(design: Design, part: Part, loads: PartLoads, interface: Interface) ->
     couple = _couple(loads, interface)
     length, width = 2 * interface.patch, interface.length
     pressure = force / (length * width) + 6 * couple / (width * length**2)
-    worst = int(pressure.argmax())
+    (worst,) = first_largest(pressure)
     turned = couple[worst] > _TURNED * force[worst] * length
     return Check(
         part=part.name,

@@ -10,6 +10,7 @@ from ballesta.column_moments import axial_compression as axial_compression
 from ballesta.column_moments import crooked_checks
 from ballesta.design_data import Design, Part
 from ballesta.part_loads import PartLoads
+from ballesta.ties import first_largest
 from fem.buckling import BucklingMode
 from fem.unit_solutions import UnitSolutions
 from fem.worst_position import buckling_at, worst_buckling
@@ -165,7 +166,7 @@ def _worst(part: Part, loads: PartLoads) -> int | None:
     if not part.geometry.sections:
         return None
     force = axial_compression(part, loads)
-    worst = int(force.argmax())
+    (worst,) = first_largest(force)
     return worst if force[worst] > 0 else None
 
 
@@ -201,7 +202,7 @@ def eigenvalue_check(
     solutions, coefficients = levels[0]
     if part.body is None or solutions.ties is not None or len(solutions.interfaces) < 2:
         return None
-    starts = [int(axial_compression(part, loads).argmax()), peak]
+    starts = [*first_largest(axial_compression(part, loads)), peak]
     found = worst_buckling(solutions, coefficients, starts, tilt_held=False)
     if found is None:
         return None

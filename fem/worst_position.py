@@ -19,6 +19,7 @@ from fem.unit_solutions import UnitSolutions
 from geometry.mesh import FloatArray
 
 _MOST = 6  # positions that are solved
+_TIE = 1e-6  # factors that are closer are equal: the first position is named
 _CLOSE = 0.98  # of the lowest factor: an estimate above that asks for no further position
 _PATTERNS = 4  # load states whose modes are taken to begin with
 _SMALL = 0.1  # of the largest stress: what is left of all states counts as known
@@ -57,7 +58,8 @@ def worst_buckling(
     buckling = {k: one for k, one in solved.items() if one.modes}
     if not buckling:
         return None
-    worst = min(buckling, key=lambda k: buckling[k].modes[0].factor)
+    lowest = min(one.modes[0].factor for one in buckling.values())
+    worst = min(k for k, one in buckling.items() if one.modes[0].factor <= (1.0 + _TIE) * lowest)
     return worst, buckling[worst]
 
 
