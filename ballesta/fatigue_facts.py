@@ -13,7 +13,7 @@ import fatigue
 from ballesta.design_data import Part
 from ballesta.duty_verdict import JOINED, FatiguePeak
 from ballesta.finite_life import LifeTask, lives_of, why_no_curve
-from ballesta.levels import Level
+from ballesta.stressed import Stressed
 from fatigue.marin import reliability_factor
 from fatigue.proportionality import PROPORTIONAL
 from geometry.mesh import FloatArray, IntArray
@@ -30,7 +30,7 @@ _RULES = {
 }
 
 
-def path_of(level: Level, peak: FatiguePeak) -> IntArray:
+def path_of(level: Stressed, peak: FatiguePeak) -> IntArray:
     """Positions of the path that decides; of a finite life those of all cycles."""
     assert level.duty is not None
     runs = level.duty.runs
@@ -39,7 +39,7 @@ def path_of(level: Level, peak: FatiguePeak) -> IntArray:
     return runs.get(JOINED, next(iter(runs.values())))
 
 
-def chord_at(level: Level, peak: FatiguePeak) -> tuple[float, float, float]:
+def chord_at(level: Stressed, peak: FatiguePeak) -> tuple[float, float, float]:
     """Amplitude, mean as Goodman counts it, and mean along the chord with its sign, MPa.
 
     Of the deciding pair; where Findley's plane decides, of the longest chord. The mean along the
@@ -57,7 +57,7 @@ def chord_at(level: Level, peak: FatiguePeak) -> tuple[float, float, float]:
     return chord.amplitude, chord.mean, float(chord.along.mean())
 
 
-def plane_at(level: Level, peak: FatiguePeak) -> str:
+def plane_at(level: Stressed, peak: FatiguePeak) -> str:
     """Findley's critical plane of the critical point, in words."""
     plane = fatigue.critical_plane(_stress(level, peak), fatigue.findley_criterion().k)
     x, y, z = plane.normal
@@ -67,14 +67,14 @@ def plane_at(level: Level, peak: FatiguePeak) -> str:
     )
 
 
-def _stress(level: Level, peak: FatiguePeak) -> FloatArray:
+def _stress(level: Stressed, peak: FatiguePeak) -> FloatArray:
     """Stress (6, n) of the critical point over the path that decides, MPa."""
     path = np.ascontiguousarray(level.coefficients[:, path_of(level, peak)])
     return np.asarray(level.history.basis[peak.point] @ path)
 
 
 def fatigue_facts(
-    part: Part, level: Level, peak: FatiguePeak, task: LifeTask
+    part: Part, level: Stressed, peak: FatiguePeak, task: LifeTask
 ) -> dict[str, float | str]:
     """Facts of the critical point, by name; safeties are on all loads."""
     assert level.duty is not None
@@ -143,7 +143,7 @@ def _by_rule(amplitude: float, mean: float, limit: float, rules: fatigue.MeanStr
     )
 
 
-def _by_survival(part: Part, level: Level, peak: FatiguePeak, task: LifeTask) -> str:
+def _by_survival(part: Part, level: Stressed, peak: FatiguePeak, task: LifeTask) -> str:
     """The verdict's safety by the share of parts that survive: scatter of the limit alone."""
     assert level.duty is not None
     duty, ultimate = level.duty, part.material.ultimate_stress
@@ -166,7 +166,7 @@ def _by_survival(part: Part, level: Level, peak: FatiguePeak, task: LifeTask) ->
     return ", ".join(said)
 
 
-def _multiaxial(level: Level, peak: FatiguePeak) -> dict[str, float | str]:
+def _multiaxial(level: Stressed, peak: FatiguePeak) -> dict[str, float | str]:
     """The path of the critical point, and criteria that stand beside."""
     limit = float(level.limits[peak.point])
     criterion = fatigue.findley_criterion()
@@ -194,7 +194,7 @@ def _multiaxial(level: Level, peak: FatiguePeak) -> dict[str, float | str]:
 
 
 def haigh_of(
-    part: Part, level: Level, peak: FatiguePeak, most_used: int = 300
+    part: Part, level: Stressed, peak: FatiguePeak, most_used: int = 300
 ) -> dict[str, object]:
     """Plain data of the Haigh diagram: the critical point, its path, and the most used points."""
     assert level.duty is not None
@@ -221,7 +221,7 @@ def haigh_of(
     }
 
 
-def _along(level: Level, peak: FatiguePeak) -> FloatArray:
+def _along(level: Stressed, peak: FatiguePeak) -> FloatArray:
     """Stress of the critical point along the chord of its deciding pair, over the deciding path."""
     run = path_of(level, peak)
     first, second = (int(np.flatnonzero(run == k)[0]) for k in peak.pair)

@@ -8,6 +8,7 @@ from math import degrees, pi
 from ballesta.design_data import Part
 from ballesta.levels import Level, peak_of
 from ballesta.part_loads import PartLoads
+from ballesta.stressed import Stressed
 from fem.convergence import (
     ErrorBar,
     discretisation_error,
@@ -36,15 +37,15 @@ class Judged(ABC):
     """A quantity of a part that is judged at its worst point."""
 
     @abstractmethod
-    def value(self, level: Level) -> float:
+    def value(self, level: Stressed) -> float:
         """The quantity on one mesh, MPa."""
 
     @abstractmethod
-    def point(self, level: Level) -> int:
+    def point(self, level: Stressed) -> int:
         """Index of the surface point that carries it."""
 
     @abstractmethod
-    def at(self, level: Level, points: IntArray) -> FloatArray:
+    def at(self, level: Stressed, points: IntArray) -> FloatArray:
         """The quantity at some surface points (n,), MPa."""
 
     @abstractmethod
@@ -52,7 +53,7 @@ class Judged(ABC):
         """Scatter of the elements that meet at the point, in the quantity, MPa."""
 
     @abstractmethod
-    def states(self, level: Level) -> list[FloatArray]:
+    def states(self, level: Stressed) -> list[FloatArray]:
         """Coefficients (n_basis,) of the load states whose stress it is made of."""
 
     @abstractmethod
@@ -66,19 +67,19 @@ class StaticPeak(Judged):
 
     loads: PartLoads
 
-    def value(self, level: Level) -> float:
+    def value(self, level: Stressed) -> float:
         """The quantity on one mesh, MPa."""
         return level.peak.value
 
-    def point(self, level: Level) -> int:
+    def point(self, level: Stressed) -> int:
         """Index of the surface point that carries it."""
         return level.peak.point
 
-    def at(self, level: Level, points: IntArray) -> FloatArray:
+    def at(self, level: Stressed, points: IntArray) -> FloatArray:
         """Von Mises stress at some surface points (n,) at the position of the peak, MPa."""
         return von_mises(level.history.at(level.peak.position)[points])
 
-    def states(self, level: Level) -> list[FloatArray]:
+    def states(self, level: Stressed) -> list[FloatArray]:
         """The load state of the peak."""
         return [level.coefficients[:, level.peak.position]]
 

@@ -14,6 +14,7 @@ from ballesta.fkm_strength import FkmJudgement, fkm_judgement, fkm_points, slope
 from ballesta.judged import Judged, direct_under
 from ballesta.levels import Level
 from ballesta.part_loads import PartLoads
+from ballesta.stressed import Stressed
 from fatigue.proportionality import PROPORTIONAL
 from geometry.mesh import FloatArray, IntArray
 
@@ -33,25 +34,25 @@ class FatigueUse(Judged):
     limit: float
     ultimate: float
 
-    def worst(self, level: Level) -> FatiguePeak:
+    def worst(self, level: Stressed) -> FatiguePeak:
         """The point and the pair of positions."""
         assert level.fatigue is not None
         return level.fatigue
 
-    def value(self, level: Level) -> float:
+    def value(self, level: Stressed) -> float:
         """The quantity on one mesh, MPa."""
         return self.worst(level).value
 
-    def point(self, level: Level) -> int:
+    def point(self, level: Stressed) -> int:
         """Index of the surface point that carries it."""
         return self.worst(level).point
 
-    def at(self, level: Level, points: IntArray) -> FloatArray:
+    def at(self, level: Stressed, points: IntArray) -> FloatArray:
         """Equivalent amplitude at some surface points (n,) on the path that decides, MPa."""
         assert level.duty is not None
         return level.duty.utilisation_at(points) * self.limit
 
-    def states(self, level: Level) -> list[FloatArray]:
+    def states(self, level: Stressed) -> list[FloatArray]:
         """Half the swing, and the middle, of the pair of positions."""
         first, second = (level.coefficients[:, k] for k in self.worst(level).pair)
         return [(first - second) / 2, (first + second) / 2]
@@ -69,7 +70,7 @@ class FatigueUse(Judged):
         stress = np.stack(pair, axis=2)
         return self._over_pair(level) * self._of_pair(stress, level.limits)
 
-    def band(self, level: Level) -> tuple[float, str]:
+    def band(self, level: Stressed) -> tuple[float, str]:
         """How far another criterion of the same strength lies above, MPa, and what is said of it.
 
         Nothing where both criteria have been asked.
@@ -77,7 +78,7 @@ class FatigueUse(Judged):
         assert level.duty is not None
         return 0.0, ""
 
-    def safety_missed(self, level: Level) -> float:
+    def safety_missed(self, level: Stressed) -> float:
         """How far from 1 the safety is that all loads times the safety leave."""
         assert level.duty is not None
         return level.duty.safety_missed()
@@ -87,7 +88,7 @@ class FatigueUse(Judged):
         result = fatigue.goodman(stress, np.eye(2), limits, self.ultimate)
         return float(result.utilisation.max()) * self.limit
 
-    def _over_pair(self, level: Level) -> float:
+    def _over_pair(self, level: Stressed) -> float:
         """The quantity over Goodman's for the deciding pair at its point: 1 where he decides."""
         point = [self.point(level)]
         pair = level.coefficients[:, list(self.worst(level).pair)]
@@ -103,22 +104,22 @@ class LifeUse(FatigueUse):
     """
 
     task: LifeTask
-    _lives: WeakKeyDictionary[Level, DutyLife] = field(default_factory=WeakKeyDictionary)
+    _lives: WeakKeyDictionary[Stressed, DutyLife] = field(default_factory=WeakKeyDictionary)
 
-    def life(self, level: Level) -> DutyLife:
+    def life(self, level: Stressed) -> DutyLife:
         """Life of the worst point of a level, sought once."""
         assert level.duty is not None
         if level not in self._lives:
             self._lives[level] = shortest_life(level.duty, self.task)
         return self._lives[level]
 
-    def worst(self, level: Level) -> FatiguePeak:
+    def worst(self, level: Stressed) -> FatiguePeak:
         """The point that lasts the shortest, and the ends of the longest chord of its path."""
         life = self.life(level)
         value = self.limit / life.safety
         return FatiguePeak(value, life.point, WHOLE_DUTY, life.pair, "Miner")
 
-    def safety_missed(self, level: Level) -> float:
+    def safety_missed(self, level: Stressed) -> float:
         """How far from 1 the safety is that all loads times the safety leave, counted again."""
         life = self.life(level)
         if not isfinite(life.safety):
@@ -136,38 +137,38 @@ class FkmUse(FatigueUse):
     """
 
     strength: FkmStrength
-    _judged: WeakKeyDictionary[Level, FkmJudgement] = field(default_factory=WeakKeyDictionary)
+    _judged: WeakKeyDictionary[Stressed, FkmJudgement] = field(default_factory=WeakKeyDictionary)
 
-    def judgement(self, level: Level, factor: float = 1.0) -> FkmJudgement:
+    def judgement(self, level: Stressed, factor: float = 1.0) -> FkmJudgement:
         """The worst point of a level, all loads multiplied by a factor."""
         assert level.duty is not None
         duty = level.duty
-        slopes = slopes_of(level.solutions)
+        slopes = slopes_of(_solid(level).solutions)
         return fkm_judgement(
             self.strength, duty.basis, factor * duty.coefficients, duty.runs, slopes
         )
 
-    def found(self, level: Level) -> FkmJudgement:
+    def found(self, level: Stressed) -> FkmJudgement:
         """The worst point of a level, sought once."""
         if level not in self._judged:
             self._judged[level] = self.judgement(level)
         return self._judged[level]
 
-    def worst(self, level: Level) -> FatiguePeak:
+    def worst(self, level: Stressed) -> FatiguePeak:
         """The point and the pair of positions."""
         found = self.found(level)
         return FatiguePeak(found.demand, found.point, found.run, found.pair, "FKM")
 
-    def at(self, level: Level, points: IntArray) -> FloatArray:
+    def at(self, level: Stressed, points: IntArray) -> FloatArray:
         """Equivalent amplitude at some surface points (n,) on the path that decides, MPa."""
         assert level.duty is not None
         duty = level.duty
         path = np.ascontiguousarray(duty.coefficients[:, duty.runs[self.found(level).run]])
-        slopes = slopes_of(level.solutions)
+        slopes = slopes_of(_solid(level).solutions)
         used = fkm_points(self.strength, duty.basis, path, points, slopes).utilisation
         return np.asarray(used * self.strength.reference)
 
-    def band(self, level: Level) -> tuple[float, str]:
+    def band(self, level: Stressed) -> tuple[float, str]:
         """How far Findley's criterion with the same component strength lies above, MPa.
 
         The guideline's chain judges the longest chord of a path only.
@@ -199,7 +200,14 @@ class FkmUse(FatigueUse):
         used = found.utilisation_between(np.stack(pair, axis=2))
         return float(used.max()) * self.strength.reference
 
-    def safety_missed(self, level: Level) -> float:
+    def safety_missed(self, level: Stressed) -> float:
         """How far from 1 the safety is that all loads times the safety leave."""
         safety = self.found(level).safety
         return abs(self.judgement(level, safety).safety - 1.0) if isfinite(safety) else 0.0
+
+
+def _solid(level: Stressed) -> Level:
+    """A level that is a solid: FKM's support needs the stress below the surface."""
+    if not isinstance(level, Level):
+        raise TypeError("the FKM guideline's notch support needs a solid's stress gradient")
+    return level

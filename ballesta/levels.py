@@ -7,9 +7,8 @@ from time import perf_counter
 
 import numpy as np
 
-from ballesta.duty_verdict import DutyVerdict, FatiguePeak, duty_runs, duty_verdict
 from ballesta.part_loads import PartLoads
-from ballesta.ties import first_largest
+from ballesta.stressed import Stressed, judge
 from fem.notch_resolution import concave_curvature, notch_error
 from fem.recovery import von_mises
 from fem.singularity import reentrant_edges
@@ -69,39 +68,17 @@ def _whole(shape: Buildable) -> Buildable:
     return shape.whole if isinstance(shape, Half) else shape
 
 
-@dataclass(frozen=True)
-class Peak:
-    """The largest von Mises stress over all cycles: MPa, point index, position index."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Level(Stressed):
+    """A part as a solid on one mesh.
 
-    value: float
-    point: int
-    position: int
-
-
-@dataclass(frozen=True, eq=False)
-class Level:
-    """A part on one mesh.
-
-    limits        (n_points,) MPa, endurance limit at the surface points, notches included
-    coefficients  (n_basis, n) of the unit loads over all cycles
-    added         (n, 3) rigid-body acceleration field that balances foreign mass properties
-    duty          fatigue over the cycles of the duty, None without one
+    limits  at the surface points, notches included
+    added   (n, 3) rigid-body acceleration field that balances foreign mass properties
     """
 
     fineness: float
     solutions: UnitSolutions
-    limits: FloatArray
-    coefficients: FloatArray
     added: FloatArray
-    history: StressHistory
-    peak: Peak
-    peaks_by_position: FloatArray
-    duty: DutyVerdict | None
-
-    @cached_property
-    def fatigue(self) -> FatiguePeak | None:
-        """What decides fatigue over the duty; None without one."""
-        return None if self.duty is None else self.duty.peak
 
     @property
     def half(self) -> bool:
@@ -217,27 +194,20 @@ def solve_level(
     )
     nodes = solutions.recovery.points
     history = StressHistory(nodes, solutions.mesh.nodes[nodes], solutions.basis, coefficients)
-    by_position, where = history.peaks_by_position()
-    (position,) = first_largest(by_position)
-    peak = Peak(float(by_position[position]), int(where[position]), position)
     limits = np.full(len(nodes), endurance_limit)
     for surface, factor in (notch_factors or {}).items():
         notched = np.isin(nodes, solutions.mesh.surfaces[surface])
         limits[notched] = np.minimum(limits[notched], endurance_limit / factor)
-    runs = duty_runs(loads.cycles, duty)
-    verdict = duty_verdict(
-        history.basis, coefficients, limits, endurance_limit, ultimate_stress, runs
-    )
+    judged = judge(history, limits, endurance_limit, ultimate_stress, loads, duty)
     return Level(
-        fineness,
-        solutions,
-        limits,
-        coefficients,
-        added,
-        history,
-        peak,
-        by_position,
-        verdict,
+        fineness=fineness,
+        solutions=solutions,
+        added=added,
+        history=history,
+        limits=limits,
+        peak=judged.peak,
+        peaks_by_position=judged.peaks_by_position,
+        duty=judged.duty,
     )
 
 

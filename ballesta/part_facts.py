@@ -11,6 +11,7 @@ from ballesta.duty_verdict import FatiguePeak
 from ballesta.fatigue_facts import haigh_of
 from ballesta.levels import Level
 from ballesta.part_loads import PartLoads
+from ballesta.stressed import Stressed
 from fem.direct import has_bearings
 from fem.near_incompressible import LARGEST_RATIO, MEANING
 from fem.recovery import von_mises
@@ -138,7 +139,7 @@ def facts_of(
 
 
 def charts_of(
-    part: Part, loads: PartLoads, level: Level, peak: FatiguePeak | None
+    part: Part, loads: PartLoads, level: Stressed, peak: FatiguePeak | None
 ) -> dict[str, dict[str, object]]:
     """Plain data of the part's charts; the peak is that of fatigue."""
     charts: dict[str, dict[str, object]] = {

@@ -24,6 +24,7 @@ from ballesta.stability import (
     column_told,
     eigenvalue_check,
 )
+from ballesta.stressed import Stressed
 from fem.buckling import BucklingMode
 from fem.error_estimate import refined_sizes, stress_error
 from fem.unit_solutions import Elastic, UnitSolutions
@@ -333,7 +334,7 @@ class _Words:
     note: str = ""
 
 
-def _static_words(design: Design, part: Part, loads: PartLoads, level: Level) -> _Words:
+def _static_words(design: Design, part: Part, loads: PartLoads, level: Stressed) -> _Words:
     return _Words(
         "static",
         "peak von Mises stress",
@@ -346,7 +347,7 @@ def _static_words(design: Design, part: Part, loads: PartLoads, level: Level) ->
 
 
 def _fatigue_words(
-    design: Design, part: Part, loads: PartLoads, level: Level, use: FatigueUse
+    design: Design, part: Part, loads: PartLoads, level: Stressed, use: FatigueUse
 ) -> _Words:
     worst = use.worst(level)
     if isinstance(use, FkmUse):

@@ -1,0 +1,75 @@
+"""What every rung below the solid says of a part: its stress over the cycle, by the same history.
+
+A rung's points are the places where such a part can be stressed most: bores all round, fibres of
+its sections, fillets. Its basis need not be one of unit loads of an elastic body: coefficients may
+be any function of the link loads, as long as basis times coefficients is the stress.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from ballesta.stressed import Stressed
+from fem.stress_history import StressHistory
+from geometry.mesh import FloatArray
+
+
+@dataclass(frozen=True)
+class ElasticLoad:
+    """The largest share that a position's load is of the part's elastic buckling load.
+
+    share     0 where nothing presses or bends; 1 is buckling
+    position  at which it is largest
+    words     how it buckles, and by which formula
+    """
+
+    share: float
+    position: int
+    words: str
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RungModel:
+    """A part's stress by a rung, before it is judged.
+
+    rung        "formula", "beam" or "plane"
+    history     of the stress at the rung's points; their places in the part's frame, mm
+    places      (n_points,) what stands at each point, such as "bore knee" or "tube, mid-length"
+    fretting    (n_points,) factor by which fretting lowers the endurance limit, 1 elsewhere
+    numerical   largest numerical error of the rung's own solution, as a share of its peak; 0 of a
+                formula
+    residual    what is left of the part's balance, or did not reach it, over the largest force
+    deflection  mm, largest displacement over the cycles, estimated; infinite if unknown
+    buckling    largest share of the elastic buckling load, None where the rung has no answer
+    scales      name -> number without unit that calibration must have covered ("hole / width")
+    neglects    what the rung leaves out, in words
+    unknowns    number of unknowns that were solved, 0 of a formula
+    """
+
+    rung: str
+    history: StressHistory
+    places: Sequence[str]
+    fretting: FloatArray
+    numerical: float
+    residual: float
+    deflection: float
+    buckling: ElasticLoad | None
+    scales: Mapping[str, float]
+    neglects: str
+    unknowns: int = 0
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RungLevel(Stressed):
+    """A rung's stress, judged."""
+
+    model: RungModel = field()
+
+    def place(self, point: int) -> str:
+        """Where a point is, in words."""
+        x, y, z = self.history.points[point]
+        return f"{self.model.places[point]} ({_tenth(x)}, {_tenth(y)}, {_tenth(z)})"
+
+
+def _tenth(value: float) -> str:
+    """A coordinate to a tenth, without a negative zero."""
+    return f"{round(float(value), 1) + 0.0:.1f}"

@@ -1,0 +1,89 @@
+"""What converged solids say of the variations that the rungs are calibrated on.
+
+    python -m bench.rung_truth [--scene design/part]...   resumes; writes bench/rungs/truth.jsonl
+
+One line of JSON for each variation: the checks that a mesh decides, with their bars.
+"""
+
+import argparse
+import json
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from ballesta.levels import Models
+from ballesta.solid import check_solid
+from bench.rung_variations import SCENES, Machines, Variation
+from fem.solvers import SolverError
+from geometry.mesh import MeshError
+
+ACCURACY = 0.02
+FILE = Path(__file__).parent / "rungs" / "truth.jsonl"
+
+
+def known(file: Path = FILE) -> dict[str, dict[str, Any]]:
+    """The lines of the file, by variation."""
+    if not file.exists():
+        return {}
+    lines = (json.loads(line) for line in file.read_text().splitlines() if line)
+    return {line["variation"]: line for line in lines}
+
+
+def truth_of(variation: Variation) -> dict[str, Any]:
+    """Check a variation as a solid to the accuracy asked for here."""
+    design = replace(variation.design, accuracy=ACCURACY)
+    start = perf_counter()
+    line: dict[str, Any] = {"variation": variation.name, "factors": variation.factors}
+    try:
+        result = check_solid(design, variation.part, variation.loads, Models())
+    except (MeshError, SolverError) as error:
+        return line | {"gave up": str(error), "seconds": perf_counter() - start}
+    checks = [check for check in result.checks if check.method.startswith("solid")]
+    return line | {
+        "seconds": perf_counter() - start,
+        "shape": variation.part.shape,
+        "unknowns": [mesh["unknowns"] for mesh in result.meshes],
+        "checks": {
+            f"{check.kind}: {check.quantity}": {
+                "kind": check.kind,
+                "value": check.value,
+                "numerical": check.numerical,
+                "above": check.model,
+                "below": check.below,
+                "limit": check.limit,
+                "place": check.place,
+                "position": check.position,
+                "note": check.note,
+            }
+            for check in checks
+        },
+    }
+
+
+def _wanted(machines: Machines, scenes: list[str]) -> Iterator[Variation]:
+    for scene in SCENES:
+        if not scenes or scene.name in scenes:
+            yield from machines.variations(scene)
+
+
+def main() -> None:
+    """Add what is missing."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--scene", action="append", default=[])
+    parser.add_argument("--out", type=Path, default=FILE)
+    options = parser.parse_args()
+    done = known(options.out)
+    options.out.parent.mkdir(exist_ok=True)
+    for variation in _wanted(Machines(), options.scene):
+        if variation.name in done:
+            continue
+        line = truth_of(variation)
+        with options.out.open("a") as file:
+            file.write(json.dumps(line) + "\n")
+        print(f"{variation.name}: {line['seconds']:.1f} s", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,225 @@
+"""Variations of the machines' parts on which the rungs of the ladder are compared.
+
+Each scene is a part of one of the designs under that design's own loads. Its dimensions are
+multiplied by factors drawn from a Sobol sequence between stated bounds; what the part's shape
+refuses, and what no longer fits its loads, is passed over, so that a scene's variations are those
+of the first draws that fit.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields, replace
+from math import exp, log
+from typing import Any
+
+import numpy as np
+from scipy.stats import qmc
+
+from ballesta.check import part_masses, solve_cycles
+from ballesta.design import read_design
+from ballesta.design_data import Design, Part
+from ballesta.elastic_parts import compliances_of
+from ballesta.errors import DesignError
+from ballesta.levels import Models
+from ballesta.part_loads import PartLoads, check_reach, loads_on
+from geometry.mesh import MeshError
+from geometry.parameters import ParameterError
+from geometry.parts import Pin
+
+SEED = 20261121
+_DRAWS = 8  # at most this many times as many as are wanted
+
+Range = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A part of a design, how many variations of it, and bounds of the factors on its dimensions.
+
+    count   variations besides the part as it is
+    bounds  dimension -> smallest and largest factor
+    """
+
+    design: str
+    part: str
+    count: int
+    bounds: Mapping[str, Range]
+
+    @property
+    def name(self) -> str:
+        """Design and part, as `design/part`."""
+        return f"{self.design}/{self.part}"
+
+
+_LINK: Mapping[str, Range] = {
+    "width": (0.8, 1.6),
+    "thickness": (0.6, 1.8),
+    "hole": (0.6, 1.25),
+    "second_hole": (0.6, 1.25),
+}
+_PIN: Mapping[str, Range] = {
+    "diameter": (0.75, 1.4),
+    "step_fillet": (0.5, 1.8),
+    "seat width": (0.6, 1.0),
+}
+SCENES = (
+    Scene(
+        "toggle_press",
+        "bar_upper",
+        36,
+        {
+            "width": (0.75, 1.5),
+            "wall": (0.6, 1.6),
+            "hole": (0.6, 1.2),
+            "overhang": (0.8, 1.4),
+            "inner_radius": (0.6, 1.6),
+            "cutout_length": (0.8, 1.8),
+            "cutout_corner": (0.6, 2.0),
+        },
+    ),
+    Scene("toggle_press_30x30", "bar_upper", 7, {"width": (0.7, 1.8), "wall": (0.6, 2.0)}),
+    Scene("toggle_press", "pin_B", 20, _PIN),
+    Scene("slider_crank", "crank", 20, _LINK),
+    Scene("slider_crank", "rod", 14, _LINK),
+    Scene("slider_crank", "pin_A", 14, _PIN),
+    Scene("quick_return", "crank", 16, _LINK),
+    Scene("quick_return", "rod", 12, _LINK),
+    Scene(
+        "quick_return",
+        "lever",
+        22,
+        {
+            "width": (0.85, 1.6),
+            "thickness": (0.6, 1.8),
+            "hole": (0.7, 1.3),
+            "slot_width": (0.6, 1.15),
+            "boss_diameter": (0.8, 1.1),
+            "boss_height": (0.6, 1.4),
+            "boss_fillet": (0.6, 1.6),
+        },
+    ),
+    Scene("quick_return", "pin_B", 10, _PIN),
+    Scene(
+        "spring_hammer",
+        "rod",
+        16,
+        {
+            "tube_diameter": (0.7, 1.03),
+            "wall": (0.6, 1.8),
+            "eye_diameter": (0.9, 1.3),
+            "eye_width": (0.9, 1.2),
+            "hole": (0.6, 1.1),
+            "fillet": (0.5, 2.0),
+        },
+    ),
+    Scene("spring_hammer", "pin_B", 9, _PIN),
+    Scene("spring_hammer", "pin_C", 9, _PIN),
+    Scene("spring_hammer", "pin_R", 9, _PIN),
+    Scene(
+        "spring_hammer",
+        "leaves",
+        12,
+        {
+            "width": (0.7, 1.6),
+            "thickness": (0.7, 1.4),
+            "clamp_length": (0.6, 1.5),
+            "contact_length": (0.7, 1.5),
+        },
+    ),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Variation:
+    """One variation of a scene: number 0 is the part as it is.
+
+    factors  dimension -> factor on it
+    """
+
+    scene: Scene
+    number: int
+    factors: Mapping[str, float]
+    design: Design
+    part: Part
+    loads: PartLoads
+
+    @property
+    def name(self) -> str:
+        """`design/part/number`."""
+        return f"{self.scene.name}/{self.number}"
+
+
+class Machines:
+    """The designs of the scenes with their cycles, each solved once."""
+
+    def __init__(self, folder: str = "designs") -> None:
+        self._folder = folder
+        self._solved: dict[str, tuple[Design, Any]] = {}
+
+    def solved(self, name: str) -> tuple[Design, Any]:
+        """A design and its solved cycles."""
+        if name not in self._solved:
+            design = read_design(f"{self._folder}/{name}.toml")
+            models = Models()
+            masses = part_masses(design, models)
+            cycles = solve_cycles(design, masses, compliances_of(design, models))
+            self._solved[name] = design, cycles
+        return self._solved[name]
+
+    def variations(self, scene: Scene) -> Iterator[Variation]:
+        """The part of a scene as it is, then its variations."""
+        design, cycles = self.solved(scene.design)
+        part = design.parts[scene.part]
+        loads = loads_on(design, part, cycles)
+        yield Variation(scene, 0, {}, design, part, loads)
+        made = 0
+        for factors in _factors(scene, part):
+            if made == scene.count:
+                return
+            try:
+                changed = replace(part, geometry=varied(part.geometry, factors))
+                mesh = Models().mesh(changed.geometry, 0.5)
+                check_reach(design, changed, loads, mesh)
+            except (ParameterError, MeshError, DesignError):
+                continue
+            made += 1
+            yield Variation(scene, made, factors, design, changed, loads)
+
+
+def _factors(scene: Scene, part: Part) -> Iterator[Mapping[str, float]]:
+    """Factors on the dimensions that the part has and that are not 0."""
+    names = [name for name in scene.bounds if _has(part.geometry, name)]
+    low = np.log([scene.bounds[name][0] for name in names])
+    high = np.log([scene.bounds[name][1] for name in names])
+    draws = qmc.Sobol(len(names), seed=SEED)
+    for _ in range(_DRAWS * scene.count):
+        drawn = np.exp(low + (high - low) * draws.random()[0])
+        yield dict(zip(names, (float(value) for value in drawn), strict=True))
+
+
+def _has(shape: Any, name: str) -> bool:
+    return name == "seat width" or bool(getattr(shape, name, None))
+
+
+def varied(shape: Any, factors: Mapping[str, float]) -> Any:
+    """A shape with some of its dimensions multiplied; raises ParameterError where it refuses.
+
+    A pin's `diameter` takes the diameters of its seats along, `seat width` means all of them.
+    """
+    known = {field.name for field in fields(shape)}
+    changes = {n: f * getattr(shape, n) for n, f in factors.items() if n in known}
+    if isinstance(shape, Pin):
+        wide, thick = factors.get("seat width", 1.0), factors.get("diameter", 1.0)
+        changes["seats"] = tuple(
+            replace(
+                seat,
+                width=wide * seat.width,
+                diameter=None if seat.diameter is None else thick * seat.diameter,
+            )
+            for seat in shape.seats
+        )
+    return replace(shape, **changes)
+
+
+def log_middle(bounds: Range) -> float:
+    """The factor in the middle of its bounds, as they are drawn."""
+    return exp((log(bounds[0]) + log(bounds[1])) / 2)
