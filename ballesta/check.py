@@ -163,21 +163,21 @@ def part_masses(
     for part in design.parts.values():
         if part.body is None:
             continue
-        say(f"{part.name}: meshing")
+        say(f"{part.name}: building")
         try:
-            mesh = models.mesh(part.geometry, FIRST * part.fineness)
+            body = models.body(part.geometry)
         except TooManyElementsError as error:
             raise DesignError(design.file, f"parts.{part.name}", str(error)) from error
         except MeshError as error:
             raise _gave_up(design, part, error) from error
-        first, second = (mesh.interfaces[name].centre for name in part.geometry.interfaces[:2])
+        first, second = (body.interfaces[name].centre for name in part.geometry.interfaces[:2])
         built = float(np.linalg.norm((second - first)[:2]))
         asked = interface_distance(design, part)
         if isinstance(part.geometry, StepPart):
             asked = part.geometry.length  # the door has compared it with the linkage's
         if abs(built - asked) > 1e-9 * built:
             raise AssertionError(f"{part.name} was built {built} mm long")
-        properties = mesh.mass_properties(part.material.density)
+        properties = body.mass_properties(part.material.density)
         masses[part.body] = part_placing(design, part).to_body(properties)
     return masses
 
@@ -222,7 +222,8 @@ def _check_part(
 ) -> PartResult:
     try:
         part_loads = loads_on(design, part, solved)
-        check_reach(design, part, part_loads, models.mesh(part.geometry, FIRST * part.fineness))
+        interfaces = models.body(part.geometry).interfaces
+        check_reach(design, part, part_loads, interfaces)
         result = check_solid(design, part, part_loads, models, say)
         result = with_leaf_checks(design, part, result, part_loads, solved, models)
         mesh = models.mesh(part.geometry, FIRST * part.fineness)
@@ -235,7 +236,7 @@ def _check_part(
     formulas = [
         *pin_checks(design, part, part_loads),
         *lug_checks(design, part, part_loads, mesh),
-        *slot_checks(design, part, part_loads, mesh),
+        *slot_checks(design, part, part_loads, interfaces),
         *bush_checks(design, part, part_loads, solved),
     ]
     return replace(

@@ -13,10 +13,11 @@ from fem.notch_resolution import concave_curvature, notch_error
 from fem.recovery import von_mises
 from fem.singularity import reentrant_edges
 from fem.stress_history import StressHistory
-from fem.unit_loads import ACCELERATIONS, resultants
+from fem.unit_loads import ACCELERATIONS, IN_PLANE, inertia_of, resultants
 from fem.unit_solutions import Elastic, UnitSolutions, solve_unit_loads
+from geometry.cad_body import CadBody, cad_body
 from geometry.halves import Half
-from geometry.mesh import SYMMETRY, FloatArray, IntArray, Mesh
+from geometry.mesh import SYMMETRY, FloatArray, IntArray, MassProperties, Mesh
 from geometry.meshing import Buildable, mesh_shape
 from geometry.sizing import SizeField, element_sizes
 
@@ -29,7 +30,16 @@ class Models:
         self._solutions: dict[
             tuple[Buildable, float, SizeField | None, Elastic], UnitSolutions
         ] = {}
+        self._bodies: dict[Buildable, CadBody] = {}
         self.seconds: dict[str, float] = {"mesh": 0.0, "solve": 0.0}
+
+    def body(self, shape: Buildable) -> CadBody:
+        """Return what the CAD kernel knows of a shape, without a mesh of it."""
+        if shape not in self._bodies:
+            start = perf_counter()
+            self._bodies[shape] = cad_body(shape)
+            self.seconds["mesh"] += perf_counter() - start
+        return self._bodies[shape]
 
     def mesh(self, shape: Buildable, fineness: float, sizes: SizeField | None = None) -> Mesh:
         """Return the mesh of a shape; `sizes` asks for smaller elements in places."""
@@ -152,16 +162,19 @@ class Level(Stressed):
             worst = max(worst, float(missing.max()))
         return worst / loads.largest_force if loads.largest_force else worst
 
-    def balance_residual(self, loads: PartLoads) -> float:
+    def balance_residual(self, loads: PartLoads, properties: MassProperties) -> float:
         """Resultant of the loads before the added field closed it, over the largest force.
 
-        Interface loads and inertia of the part's own mass properties balance by themselves: this
-        is the test of everything between the linkage and the mesh.
+        Interface loads and the inertia of the mass properties that the linkage was solved with
+        balance by themselves; what the mesh's own differ from these by is taken off. This is the
+        test of everything between the linkage and the mesh.
         """
         first = len(self.coefficients) - len(ACCELERATIONS)
-        closing = self.solutions.unit_resultants[:, first : first + 3]
-        left = np.abs(closing @ self.added.T)
-        left[3:] /= float(np.ptp(self.solutions.mesh.nodes, axis=0).max())
+        units = self.solutions.unit_resultants[IN_PLANE, first:]
+        left = units[:, :3] @ self.added.T
+        left += (units - inertia_of(properties)) @ loads.accelerations.T
+        left[2] /= float(np.ptp(self.solutions.mesh.nodes, axis=0).max())
+        left = np.abs(left)
         return float(left.max()) / (loads.largest_force or 1.0)
 
     def reaction_residual(self, loads: PartLoads) -> float:

@@ -12,6 +12,7 @@ from ballesta.part_loads import PartLoads
 from ballesta.tear_planes import tear_lengths
 from ballesta.ties import first_largest
 from fem.lugs import ball_ligament, bearing_pressure, shear_out
+from geometry.cad_body import CadBody
 from geometry.mesh import FloatArray, Interface, Mesh
 from geometry.parts import Pin, PlateLink, SlottedLever, ToggleBar, TubeRod
 from geometry.parts.step_part import StepPart
@@ -50,22 +51,22 @@ class _Lug:
     note: str
 
 
-def lug_checks(design: Design, part: Part, loads: PartLoads, mesh: Mesh) -> list[Check]:
+def lug_checks(design: Design, part: Part, loads: PartLoads, body: Mesh | CadBody) -> list[Check]:
     """Pressure in the holes of a part and shear behind them, each where it is worst."""
     if isinstance(part.geometry, Pin):
         return []
-    lugs = _lugs(design, part, mesh)
+    lugs = _lugs(design, part, body)
     if not lugs:
         return []
-    bores = [lug for lug in lugs if mesh.interfaces[lug.interface].kind == "bore"]
-    torn = _shear_out(design, part, loads, mesh, bores) if bores else None
+    bores = [lug for lug in lugs if body.interfaces[lug.interface].kind == "bore"]
+    torn = _shear_out(design, part, loads, body, bores) if bores else None
     return [_bearing(design, part, loads, lugs), *([torn] if torn else [])]
 
 
-def _lugs(design: Design, part: Part, mesh: Mesh) -> list[_Lug]:
+def _lugs(design: Design, part: Part, body: Mesh | CadBody) -> list[_Lug]:
     return [
         _lug(design, part, interface)
-        for name, interface in mesh.interfaces.items()
+        for name, interface in body.interfaces.items()
         if interface.kind in _ROUND and name in part.interfaces
     ]
 
@@ -147,13 +148,13 @@ def _bearing(design: Design, part: Part, loads: PartLoads, lugs: Sequence[_Lug])
 
 
 def _shear_out(
-    design: Design, part: Part, loads: PartLoads, mesh: Mesh, lugs: Sequence[_Lug]
+    design: Design, part: Part, loads: PartLoads, body: Mesh | CadBody, lugs: Sequence[_Lug]
 ) -> Check | None:
     """Check the ligament that is sheared most; None where no pin pulls at one."""
     found = []
     for lug in lugs:
         wrench = loads.wrenches[lug.interface]
-        for ligament in ligaments(part, mesh, lug.interface):
+        for ligament in ligaments(part, body, lug.interface):
             pull, area = _pull(wrench, ligament)
             stress = shear_out(pull, area)
             (worst,) = first_largest(stress)
@@ -191,7 +192,7 @@ def _pull(wrench: FloatArray, ligament: Ligament) -> tuple[FloatArray, FloatArra
     return np.hypot(wrench[:, 0], wrench[:, 1]), np.array(ligament.area)[sector]
 
 
-def ligaments(part: Part, mesh: Mesh, interface: str) -> list[Ligament]:
+def ligaments(part: Part, body: Mesh | CadBody, interface: str) -> list[Ligament]:
     """What a pin can tear out of a hole: towards the part's end, or into a slot beside the hole.
 
     A boss is left out of it. Of a part from CAD the ligament is looked for in all directions.
@@ -203,7 +204,7 @@ def ligaments(part: Part, mesh: Mesh, interface: str) -> list[Ligament]:
     if isinstance(shape, ToggleBar):
         return [Ligament(outward, (2 * shape.wall * (shape.overhang - shape.hole / 2),), end)]
     if isinstance(shape, PlateLink):
-        hole = 2 * mesh.interfaces[interface].radius
+        hole = 2 * body.interfaces[interface].radius
         return [Ligament(outward, (shape.thickness * (shape.width - hole) / 2,), end)]
     if isinstance(shape, TubeRod):
         area = ball_ligament(shape.eye_diameter, shape.eye_width, shape.hole)
@@ -217,7 +218,9 @@ def ligaments(part: Part, mesh: Mesh, interface: str) -> list[Ligament]:
             Ligament(inward, (shape.thickness * (inner - shape.hole / 2),), "the slot"),
         ]
     if isinstance(shape, StepPart):
-        return [ligament_all_round(mesh, interface)]
+        if not isinstance(body, Mesh):
+            raise TypeError("the ligaments of a CAD part are measured on its mesh")
+        return [ligament_all_round(body, interface)]
     return []
 
 

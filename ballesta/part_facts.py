@@ -16,7 +16,7 @@ from fem.direct import has_bearings
 from fem.near_incompressible import LARGEST_RATIO, MEANING
 from fem.recovery import von_mises
 from fem.solvers import BACKWARD_LIMIT
-from geometry.mesh import Interface, Mesh
+from geometry.mesh import Interface, MassProperties, Mesh
 from reports.verdict import Gate
 
 _LOAD_LIMIT, _RAW_LIMIT = 1e-6, 1e-3
@@ -30,19 +30,28 @@ _ROUND = ("bore", "journal")
 SMALL_DISPLACEMENT = 0.03
 
 
-def gates_of(design: Design, part: Part, loads: PartLoads, levels: Sequence[Level]) -> list[Gate]:
-    """Measured numbers that must stay below their limits for the part's result to be valid."""
+def gates_of(
+    design: Design,
+    part: Part,
+    loads: PartLoads,
+    levels: Sequence[Level],
+    properties: MassProperties,
+) -> list[Gate]:
+    """Measured numbers that must stay below their limits for the part's result to be valid.
+
+    properties  of the part, with which the linkage was solved
+    """
     level = levels[-1]
     solutions = level.solutions
     slender = np.abs(solutions.displacement @ level.coefficients[:, level.peak.position]).max()
     size = float(np.ptp(solutions.mesh.nodes, axis=0).max())
     gates = []
     if not _stated_mass(design, part):
-        driving = levels[0]  # whose mass properties the linkage was solved with
+        driving = levels[0]  # the whole part
         gates.append(
             Gate(
                 f"{part.name}: balance",
-                driving.balance_residual(loads),
+                driving.balance_residual(loads, properties),
                 _LOAD_LIMIT,
                 "resultant of the loads with the part's own inertia, over the largest pin force",
             )

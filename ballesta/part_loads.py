@@ -10,7 +10,7 @@ import loads
 from ballesta.design_data import Cycle, Design, Part
 from ballesta.errors import DesignError
 from ballesta.machine import part_placing
-from geometry.mesh import FloatArray, Mesh
+from geometry.mesh import FloatArray, Interface
 from geometry.parts import Pin
 
 
@@ -136,10 +136,12 @@ def loads_on(
     )
 
 
-def check_reach(design: Design, part: Part, part_loads: PartLoads, mesh: Mesh) -> None:
+def check_reach(
+    design: Design, part: Part, part_loads: PartLoads, interfaces: Mapping[str, Interface]
+) -> None:
     """Raise DesignError where a contact slides off the stretch that the part has for it."""
     for name, reach in part_loads.reaches.items():
-        interface = mesh.interfaces[name]
+        interface = interfaces[name]
         low, high = interface.travel
         slack = 1e-6 * (high - low)
         first, last = float(reach.min()), float(reach.max())

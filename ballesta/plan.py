@@ -61,7 +61,7 @@ def plan(design: Design) -> list[PlannedPart]:
             halved = half_of(part, part_loads) is not None
             second = int(_SECOND_MESH * first / (2 if halved else 1))
             check_first_mesh(part, first)
-            check_reach(design, part, part_loads, models.mesh(part.geometry, FIRST * part.fineness))
+            check_reach(design, part, part_loads, models.body(part.geometry).interfaces)
             unknowns = (first, min(second, part.most_unknowns))
             shared = (part.geometry, part.material, part.fineness) in seen
             seen.add((part.geometry, part.material, part.fineness))

@@ -1,5 +1,6 @@
 """Sliding contacts by formula: Hertz pressure of a pin or roller, mean pressure of a block."""
 
+from collections.abc import Mapping
 from math import inf
 
 import numpy as np
@@ -9,7 +10,7 @@ from ballesta.errors import DesignError
 from ballesta.part_loads import PartLoads
 from ballesta.ties import first_largest
 from fem.contact import HertzBody, HertzError, line_contact
-from geometry.mesh import FloatArray, Interface, Mesh
+from geometry.mesh import FloatArray, Interface
 from reports.verdict import Check
 
 # Johnson, Contact Mechanics, 1985, 4.2(c) and 6.1(a): the largest shear under a line contact is
@@ -18,10 +19,12 @@ FIRST_YIELD = 0.5 / 0.300283
 _TURNED = 1e-6  # of force times length: a couple that is more than round-off
 
 
-def slot_checks(design: Design, part: Part, loads: PartLoads, mesh: Mesh) -> list[Check]:
+def slot_checks(
+    design: Design, part: Part, loads: PartLoads, interfaces: Mapping[str, Interface]
+) -> list[Check]:
     """Pressure of every sliding contact of a part at its worst position; raises DesignError."""
     checks = []
-    for name, interface in mesh.interfaces.items():
+    for name, interface in interfaces.items():
         if interface.kind != "slide":
             continue
         roller = part.contacts.get(name)

@@ -80,7 +80,8 @@ def check_solid(
     assumed = assumed_of(design, part, finest)
     if finest.half:
         assumed.append(MEANING)
-    gates = gates_of(design, part, loads, levels)
+    properties = models.body(part.geometry).mass_properties(part.material.density)
+    gates = gates_of(design, part, loads, levels, properties)
     facts = facts_of(part, loads, finest, None if part.fkm else limit)
     facts |= column_facts(design, part, loads)
     facts |= frequency_facts(part, levels[0].solutions)

@@ -21,6 +21,7 @@ from ballesta.elastic_parts import compliances_of
 from ballesta.errors import DesignError
 from ballesta.levels import Models
 from ballesta.part_loads import PartLoads, check_reach, loads_on
+from geometry.cad_body import cad_body
 from geometry.mesh import MeshError
 from geometry.parameters import ParameterError
 from geometry.parts import Pin
@@ -177,8 +178,7 @@ class Machines:
                 return
             try:
                 changed = replace(part, geometry=varied(part.geometry, factors))
-                mesh = Models().mesh(changed.geometry, 0.5)
-                check_reach(design, changed, loads, mesh)
+                check_reach(design, changed, loads, cad_body(changed.geometry).interfaces)
             except (ParameterError, MeshError, DesignError):
                 continue
             made += 1

@@ -25,12 +25,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.elements import Elements, FacetQuadrature
-from geometry.mesh import FloatArray, Interface, MeshError
+from geometry.mesh import FloatArray, Interface, MassProperties, MeshError
 
 HARMONICS = (0, 1, 2, 4)
 ACCELERATIONS = ("a_x", "a_y", "alpha", "omega2")
 _RAW_LIMIT = 1e-3
-_IN_PLANE = [0, 1, 5]
+IN_PLANE = [0, 1, 5]  # force along x and y, moment about z
 
 Traction = Callable[[FloatArray], FloatArray]
 # Unit tractions by name, their resultants (6, n), and what may close a gap: even in z, and odd.
@@ -124,7 +124,7 @@ def with_resultants(
     smooth   (3 n_nodes, k) loads of which the smallest sum that closes the gap is added
     reach    mm, by which moments are compared with forces
     """
-    rows = _IN_PLANE if elements.mesh.half else list(range(6))
+    rows = IN_PLANE if elements.mesh.half else list(range(6))
     scale = np.r_[np.ones(3), np.full(3, 1 / reach)][rows, None] / elements.mesh.share
     wanted = elements.mesh.share * targets[rows]
     error = (wanted - resultants(elements, vectors, centre)[rows]) * scale
@@ -178,8 +178,8 @@ def direct_bearing(
     correct = _nodal(elements, surface, _round_harmonic(interface, 1, np.sin))
     correct_x = _nodal(elements, surface, _round_harmonic(interface, 1, np.cos))
     smooth = np.stack([correct_x, correct, couple], axis=1)
-    missing = force - resultants(elements, vector[:, None], interface.centre)[_IN_PLANE, 0]
-    share = np.linalg.solve(resultants(elements, smooth, interface.centre)[_IN_PLANE], missing)
+    missing = force - resultants(elements, vector[:, None], interface.centre)[IN_PLANE, 0]
+    share = np.linalg.solve(resultants(elements, smooth, interface.centre)[IN_PLANE], missing)
     return np.asarray(vector + smooth @ share)
 
 
@@ -356,3 +356,19 @@ _BUILDERS: dict[str, _Builder] = {
     "face": _face_patterns,
     "clamp": _clamp_patterns,
 }
+
+
+def inertia_of(properties: MassProperties) -> FloatArray:
+    """Forces along x and y and moment about the origin of a rigid body's inertia, (3, 4).
+
+    A column for each of ACCELERATIONS at 1: -m a, and -I alpha - r x m a about the origin.
+    """
+    mass, (x, y) = properties.mass, properties.centre[:2]
+    about_origin = properties.inertia + mass * (x * x + y * y)
+    return np.array(
+        [
+            [-mass, 0.0, mass * y, mass * x],
+            [0.0, -mass, -mass * x, mass * y],
+            [mass * y, -mass * x, -about_origin, 0.0],
+        ]
+    )

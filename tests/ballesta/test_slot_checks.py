@@ -51,7 +51,7 @@ def checks_of(design, force, couple=0.0):
     reach = np.array([60.0, 120.0])
     rows = [(0.0, 0.1 * force, 0.1 * force * 60.0), (0.0, force, 120.0 * force + couple)]
     return slot_checks(
-        design, design.parts["lever"], loads_of({"slot": rows}, {"slot": reach}), MESH
+        design, design.parts["lever"], loads_of({"slot": rows}, {"slot": reach}), MESH.interfaces
     )
 
 
@@ -125,7 +125,7 @@ def test_friction_in_a_slot_is_no_couple_on_its_roller(tmp_path):
     loads = loads_on(design, design.parts["lever"], cycles)
     along, across = np.abs(loads.wrenches["slot"][:, :2]).max(axis=0)
     assert_allclose(along, 0.3 * across, rtol=1e-6)
-    (found,) = slot_checks(design, design.parts["lever"], loads, MESH)
+    (found,) = slot_checks(design, design.parts["lever"], loads, MESH.interfaces)
     assert found.value > 0
 
 
