@@ -30,6 +30,7 @@ from ballesta.quasi_static import (
     assumptions_of,
     quasi_static_gates,
     vibration_of,
+    vibration_warnings,
     with_dynamics,
 )
 from ballesta.side_by_side import offset_gates
@@ -91,6 +92,7 @@ def check_design(
         say("loads: solving the cycles")
         solved = solve_cycles(design, masses, compliances)
         vibration = vibration_of(design, solved)
+        shaken = vibration_warnings(design, solved, vibration)
         solved = with_dynamics(design, solved, vibration)
         measured = measured_loads(design, masses)
         runs: dict[str, loads.CycleLoads | loads.MeasuredLoads] = {**solved, **measured}
@@ -122,7 +124,11 @@ def check_design(
             *quasi_static_gates(design, vibration),
             *balance_gates(design, measured),
         ],
-        warnings=[*claim_warnings(design, results), *design_warnings(design, masses, runs)],
+        warnings=[
+            *claim_warnings(design, results),
+            *shaken,
+            *design_warnings(design, masses, runs),
+        ],
         not_checked=(*NOT_CHECKED, *_not_checked_here(design), *not_measured(design)),
         assumed=(*design.assumed, *_assumed_here(design), *assumptions_of(design, vibration)),
         defaults=design.defaults_used,

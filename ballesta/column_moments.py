@@ -44,17 +44,22 @@ def axial_compression(part: Part, loads: PartLoads) -> FloatArray:
 
 
 def first_order_moments(
-    part: Part, loads: PartLoads, length: float
+    part: Part, loads: PartLoads, length: float, mass: float | None = None
 ) -> tuple[FloatArray, FloatArray]:
     """Moments about z and y (n, 129) of the undeformed part at even places between its pins, N mm.
 
     From both ends towards the other, each in its share: what the part has beyond its pins, which
-    the sections do not know, leaves no step.
+    the sections do not know, leaves no step. A stated `mass` of the body, t, is spread as the
+    sections' is.
     """
     first, second = (loads.wrenches[name] for name in part.geometry.interfaces[:2])
     x = np.linspace(0.0, length, _GRID)
     a_y, alpha = loads.accelerations[:, 1, None], loads.accelerations[:, 2, None]
-    line = -part.material.density * _areas(part, x)
+    areas = _areas(part, x)
+    density = (
+        part.material.density if mass is None else mass / float(_cumulated(areas[None], x)[0, -1])
+    )
+    line = -density * areas
     force = _cumulated(line * (a_y + alpha * x), x)
     lever = _cumulated(line * (a_y + alpha * x) * x, x)
     share = x / length
@@ -153,16 +158,15 @@ class CrookedColumn:
 
 
 def crooked_column(
-    part: Part, loads: PartLoads, plane: Plane, other: Plane
+    part: Part, loads: PartLoads, plane: Plane, other: Plane, mass: float | None = None
 ) -> tuple[CrookedColumn, list[Section], IntArray]:
     """The part crooked in `plane`, its sections by place, and which positions (n,) compress it."""
     force = axial_compression(part, loads)
     pressed = np.flatnonzero(force > 0)
     length = plane.own
     grid = np.linspace(0.0, 1.0, _GRID)
-    by_plane = dict(
-        zip(("in plane", "out of plane"), first_order_moments(part, loads, length), strict=True)
-    )
+    moments_of = first_order_moments(part, loads, length, mass)
+    by_plane = dict(zip(("in plane", "out of plane"), moments_of, strict=True))
     order = np.arange(1, _TERMS + 1)
     waves = np.sin(pi * order[:, None] * grid)
     weights = np.full(_GRID, 1 / (_GRID - 1))
@@ -208,9 +212,10 @@ def crooked_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
     if not part.geometry.sections or not axial_compression(part, loads).max() > 0:
         return []
     planes = planes_of(design, part)
+    mass = None if part.body is None else design.bodies[part.body].mass
     checks = []
     for plane, other in (planes, planes[::-1]):
-        column, sections, pressed = crooked_column(part, loads, plane, other)
+        column, sections, pressed = crooked_column(part, loads, plane, other, mass)
         strength = part.material.yield_stress
         factor, row, place = column.load_factor(strength)
         position = int(pressed[row])

@@ -78,6 +78,13 @@ def parts_of(
             field = "stack" + error.field[5:] if error.field.startswith("seats") else error.field
             problems.add(f"{key}.{field}", error.problem)
             continue
+        stated = sorted(entry.column.model_fields_set)
+        if stated and not geometry.sections:
+            problems.add(
+                f"{key}.column.{stated[0]}",
+                "the part is no column: it has no section that is compressed along its length; "
+                "leave it out",
+            )
         material = materials[entry.material]
         fkm = fkm_of(key, entry, material, geometry, problems) if material.ductile else None
         parts[name] = _part(name, entry, geometry, material, rollers, fkm)

@@ -64,6 +64,7 @@ class DutyLife:
     damage    Miner's sum of the life's cycles; 0 where none exceeds the endurance limit
     pair      valley and peak of the cycle that does most damage, of all positions of all cycles
     run       the path whose longest chord the cycles were read along
+    raised    by how much Findley's plane raised them, at least 1
     cycles    counted on that reading, (n_cycles,), the largest first
     """
 
@@ -72,6 +73,7 @@ class DutyLife:
     damage: float
     pair: tuple[int, int]
     run: str
+    raised: float
     cycles: Cycles
 
 
@@ -202,6 +204,7 @@ def _lives(verdict: DutyVerdict, task: LifeTask, readings: Readings) -> list[Dut
                 0.0 if endless[row] >= 1.0 else float(life.damage[row]),
                 (int(ends.min()), int(ends.max())),
                 readings.runs[row],
+                float(readings.raised[row]),
                 Cycles(
                     cycles.stress_amplitude[row][used],
                     cycles.mean_stress[row][used],

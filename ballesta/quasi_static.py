@@ -291,6 +291,38 @@ def assumptions_of(design: Design, found: Mapping[str, Vibration]) -> list[tuple
     return list(result)
 
 
+def vibration_warnings(
+    design: Design, solved: Mapping[str, loads.CycleLoads], found: Mapping[str, Vibration]
+) -> list[str]:
+    """Whether vibration is on the loads of each cycle, where the design asks for it.
+
+    solved  the cycles without vibration
+    """
+    if not design.dynamics.apply:
+        return []
+    warnings = []
+    for name, vibration in found.items():
+        if design.cycles[name].has_contact:
+            why = "it would change the force of the cycle's contact"
+        elif vibration.response is None:
+            why = vibration.unasked
+        else:
+            vibrating = with_vibration(solved[name], vibration.response)
+            most = [_largest_force(cycle) for cycle in (solved[name], vibrating)]
+            warnings.append(
+                f"{name}: vibration is on its loads: the largest joint force is {most[1]:.4g} N, "
+                f"{most[0]:.4g} N without it"
+            )
+            continue
+        warnings.append(f"{name}: vibration is NOT on its loads, though dynamics.apply asks: {why}")
+    return warnings
+
+
+def _largest_force(cycle: loads.CycleLoads) -> float:
+    sizes = (np.hypot(*load.force.T).max() for load in cycle.reactions.values())
+    return float(max(sizes, default=0.0))
+
+
 def with_dynamics(
     design: Design, solved: Mapping[str, loads.CycleLoads], found: Mapping[str, Vibration]
 ) -> dict[str, loads.CycleLoads]:

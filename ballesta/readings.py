@@ -78,7 +78,9 @@ def readings_of(verdict: DutyVerdict, points: IntArray, factor: float = 1.0) -> 
             chord = chords[name]
             first, second = (int(place[run[k]]) for k in chord.pair[row])
             along = chord_path(verdict.basis[point], path, (first, second)).along
-            raised = raised_at_most(verdict, name, int(point), float(chord.utilisation[row]))
+            raised = raised_at_most(
+                verdict, name, int(point), float(chord.utilisation[row]) / factor
+            )
             size = float(np.abs(along).max())
             same = [k for k in kept if np.abs(along - k).max() <= _PARALLEL * size]
             if (same and raised == 1.0) or (kept and not chord.amplitude[row] > 0.0):
@@ -95,7 +97,10 @@ def readings_of(verdict: DutyVerdict, points: IntArray, factor: float = 1.0) -> 
 
 
 def raised_at_most(verdict: DutyVerdict, run: str, point: int, by_chord: float) -> float:
-    """Bound of Findley's utilisation of a point on a path over Goodman's, at least 1."""
+    """Bound of Findley's utilisation of a point on a path over Goodman's, at least 1.
+
+    by_chord  Goodman's, of the loads as they are
+    """
     bound = float(verdict.verdicts[run].plane_bound[point])
     return max(1.0, bound / by_chord) if by_chord > 0.0 else 1.0
 

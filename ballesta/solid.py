@@ -28,7 +28,7 @@ from ballesta.stressed import Stressed
 from fem.buckling import BucklingMode
 from fem.error_estimate import refined_sizes, stress_error
 from fem.unit_solutions import Elastic, UnitSolutions
-from geometry.mesh import FloatArray, TooManyElementsError
+from geometry.mesh import FloatArray, MeshError, TooManyElementsError
 from geometry.sizing import SizeField
 from reports.verdict import Check, Gate, PartResult, Status, Surface
 
@@ -36,6 +36,7 @@ FIRST = 0.7  # fineness of the first mesh; where the stress decides, later ones 
 _MOST_MESHES = 5
 _RESCALED = 1e-6
 _EXAGGERATED = 0.1  # of the part's size: the largest displacement of a mode as it is drawn
+_FINER = 1.3  # general elements, where a mesh with small ones in places is not usable
 _LEAST_STEP = 1.15  # elements that decide must become smaller by this, or a mesh is not worth it
 
 Say = Callable[[str], None]
@@ -168,6 +169,11 @@ def solve_levels(
             if len(levels) < 2:  # one mesh has no error bar
                 raise
             return levels, sizes, f"a finer mesh was not solved: {error}"
+        except MeshError:
+            if not levels or base > _FINER * FIRST * part.fineness:
+                raise
+            base *= _FINER  # sizes between two places may leave a round face too coarse
+            continue
         unknowns = 3 * len(solutions.mesh.nodes)
         say(f"{part.name}: {unknowns} unknowns, {solutions.factor.solver}; superposing the cycle")
         level = solve_level(
@@ -369,10 +375,11 @@ def _fatigue_words(
             )
         life = "infinite life"
         if isinstance(use, LifeUse):
-            life = (
-                f"finite life: Miner's sum {use.life(level).damage:.3g} of "
-                f"{use.task.allowed_damage:g}"
-            )
+            lasts = use.life(level)
+            life = f"finite life: Miner's sum {lasts.damage:.3g} of {use.task.allowed_damage:g}"
+            if lasts.raised > 1.0:
+                raised = f"cycles raised by {lasts.raised:.4g}, Findley's plane over the chord"
+                note = ", ".join(text for text in (raised, note) if text)
         basis = (
             f"endurance limit, Marin: {part.surface}, {100 * part.reliability:g} % survival; {life}"
         )

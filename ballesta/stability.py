@@ -217,12 +217,15 @@ def eigenvalue_check(
     turned = ""
     if buckling.reversed is not None and buckling.reversed < modes[0].factor:
         turned = f"; with all loads turned round it would buckle at {buckling.reversed:.3g} of them"
+    stated = part.column.fork_stiffness is not None
+    unused = " (the stated fork_stiffness is the column formulas' only)" if stated else ""
     proof = "counted: none is lower" if buckling.proven > 0 else "not proved to be the lowest"
     by_plane = {mode.plane: mode.factor for mode in reversed(modes)}
     planes = ", ".join(f"{factor:.3g} {plane}" for plane, factor in by_plane.items())
 
     def checked(mode: BucklingMode, bar: float, meshes: str) -> Check:
         below = 0.0 if stiff is None else max(0.0, 1 - modes[0].factor / stiff) / mode.factor
+        below *= max(0.0, 1 - bar)  # the stiffer forks' factor is as uncertain
         return Check(
             part=part.name,
             kind="buckling",
@@ -240,7 +243,7 @@ def eigenvalue_check(
             method=f"solid ({meshes})",
             basis="linear eigenvalue, both ends held sideways: knows neither yield nor crookedness",
             note=f"lowest factors {planes}, {proof} at this position, the worst of all that was "
-            f"found; with forks that hold the ends against tilting: {forks}{turned}",
+            f"found; with forks that hold the ends against tilting: {forks}{unused}{turned}",
         )
 
     check = checked(modes[0], _ONE_MESH_BAR / part.fineness, "one mesh")

@@ -6,7 +6,7 @@ import numpy as np
 
 import loads
 from ballesta.design_data import Design, Part
-from ballesta.machine import linkage_of
+from ballesta.machine import interface_distance, linkage_of
 from ballesta.part_loads import is_loaded
 from ballesta.shown_loads import shown_cycle
 from ballesta.stops import dead_centre_warnings, stop_warnings
@@ -16,6 +16,7 @@ from reports.words import quantity_unit
 
 _STATED = 1e-3  # mm, how exactly points are usually stated
 _FAR = 3.0  # diameters of its hole that a plate beside another may stand away
+_ROUND_OFF = 1e-6
 _RESERVE = 0.10  # of a drive's available force; less is worth a warning
 
 
@@ -34,7 +35,26 @@ def design_warnings(
         ),
         *load_warnings(design, masses, computed),
         *_assembly(design, solved),
+        *_short_columns(design),
     ]
+
+
+def _short_columns(design: Design) -> list[str]:
+    """Effective lengths below what any ends give that only hold the part sideways."""
+    warnings = []
+    for part in design.parts.values():
+        if part.body is None or not part.geometry.sections:
+            continue
+        least = interface_distance(design, part) / 2
+        for plane in ("in_plane", "out_of_plane"):
+            length = getattr(part.column, plane)
+            if length is not None and length < (1 - _ROUND_OFF) * least:
+                warnings.append(
+                    f"{part.name}: column.{plane} = {length:.4g} mm is less than half the distance "
+                    f"between its pins, {least:.4g} mm, which even clamped ends have: is it guided "
+                    "in between?"
+                )
+    return warnings
 
 
 def load_warnings(

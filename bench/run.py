@@ -59,16 +59,21 @@ def help_time() -> list[dict[str, Any]]:
     return [entry("ballesta --help", statistics.median(times), "s", 0.5)]
 
 
-def press_check() -> list[dict[str, Any]]:
-    """The check of the toggle press, stage by stage, with report and files."""
+def measured_by(module: str, *arguments: str) -> dict[str, Any]:
+    """What a benchmark of its own process prints as its last line, JSON."""
     done = subprocess.run(
-        [sys.executable, "-m", "bench.press", str(PRESS)],
+        [sys.executable, "-m", module, *arguments],
         check=True,
         capture_output=True,
         text=True,
         cwd=HERE.parent,
     )
-    measured = json.loads(done.stdout.splitlines()[-1])
+    return dict(json.loads(done.stdout.splitlines()[-1]))
+
+
+def press_check() -> list[dict[str, Any]]:
+    """The check of the toggle press, stage by stage, with report and files."""
+    measured = measured_by("bench.press", str(PRESS))
     rows = [
         entry("toggle press: whole check", measured["seconds"], "s", 60.0),
         entry("toggle press: peak memory", measured["memory"], "GiB"),
@@ -86,14 +91,7 @@ def loads_of_machines() -> list[dict[str, Any]]:
     ``arrays``: same functions as ours; ``jacobian``: these with analytic slopes; ``floats``: the
     constraints written out in floats, the quickest script. A target of 0.1 is ten times as fast.
     """
-    done = subprocess.run(
-        [sys.executable, "-m", "bench.loads"],
-        check=True,
-        capture_output=True,
-        text=True,
-        cwd=HERE.parent,
-    )
-    measured = json.loads(done.stdout.splitlines()[-1])
+    measured = measured_by("bench.loads")
     rows = []
     for name, row in measured["machines"].items():
         rows.append(entry(f"loads, {name}: 720 positions", row["together"], "s"))
@@ -119,14 +117,7 @@ def solid_and_its_peer() -> list[dict[str, Any]]:
     Ratios are medians over five pairs run in turns, both with two threads. ``process`` counts from
     the start of the interpreter, as CalculiX's time does; the rest from the mesh in memory.
     """
-    done = subprocess.run(
-        [sys.executable, "-m", "bench.solid"],
-        check=True,
-        capture_output=True,
-        text=True,
-        cwd=HERE.parent,
-    )
-    measured = json.loads(done.stdout.splitlines()[-1])
+    measured = measured_by("bench.solid")
     stock = measured["stock"]
     rows = [
         entry("solid: assembly, scikit-fem's form", stock["theirs"], "s"),
@@ -174,14 +165,7 @@ def fatigue_verdict() -> list[dict[str, Any]]:
     over products of one thread each. ``out of phase``: each unit load a quarter of the cycle after
     the one before, so that hardly any path is straight.
     """
-    done = subprocess.run(
-        [sys.executable, "-m", "bench.fatigue"],
-        check=True,
-        capture_output=True,
-        text=True,
-        cwd=HERE.parent,
-    )
-    measured = json.loads(done.stdout.splitlines()[-1])
+    measured = measured_by("bench.fatigue")
     points = measured["points"]
     ratio = "over factorisation and solves"
     search = measured["apart searched"] / measured["apart search"]
@@ -227,14 +211,7 @@ def buckling_modes() -> list[dict[str, Any]]:
     Medians of three runs in turns, both with one thread. CalculiX's time is its process', ours
     from the mesh in memory through factorisation and unit loads to the proven modes.
     """
-    done = subprocess.run(
-        [sys.executable, "-m", "bench.buckling"],
-        check=True,
-        capture_output=True,
-        text=True,
-        cwd=HERE.parent,
-    )
-    measured = json.loads(done.stdout.splitlines()[-1])
+    measured = measured_by("bench.buckling")
     before = "over factorisation and unit loads"
     rows = [
         entry("buckling: unknowns", measured["unknowns"], "1"),

@@ -280,7 +280,7 @@ def with_vibration(cycle: CycleLoads, response: CycleResponse) -> CycleLoads:
 
 
 def _ramp(times: FloatArray, rise: float) -> FloatArray:
-    """Return 0 before and 1 after a rise about 0, half a cosine wave between; 1/2 at a step."""
+    """Return 0 before and 1 after a rise about 0, half a cosine wave between; a step is 1 at 0."""
     if rise <= 0.0:
         return np.heaviside(times, 1.0)
     share = np.clip(times / rise, -0.5, 0.5)

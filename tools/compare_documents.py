@@ -4,7 +4,6 @@
 what ballesta finds and the documents' own formulae are functions of documents_<machine>.py.
 """
 
-import argparse
 import re
 import sys
 import tomllib
@@ -19,6 +18,7 @@ import documents_slider_crank
 import documents_toggle
 import documents_toggle_parts
 import numpy as np
+from written_page import write_or_check
 
 ROOT = Path(__file__).parent.parent
 PAGE = ROOT / "docs" / "documents.md"
@@ -254,17 +254,7 @@ def page() -> str:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Write the page, or say whether it is up to date."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--check", action="store_true", help="exit 1 if the page would change")
-    check = parser.parse_args(arguments).check
-    text = page()
-    if check:
-        current = PAGE.read_text(encoding="utf-8") if PAGE.exists() else ""
-        if text != current:
-            print(f"{PAGE.relative_to(ROOT)} is out of date: run make documents", file=sys.stderr)
-        return int(text != current)
-    PAGE.write_text(text, encoding="utf-8")
-    return 0
+    return write_or_check(PAGE, page(), "make documents", __doc__, arguments)
 
 
 if __name__ == "__main__":

@@ -4,7 +4,6 @@
 from the loads of the rigid linkage; the solid's side stands in hammer_leaf_solid.py.
 """
 
-import argparse
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from documents_designs import Floats, crossed, design, run
 from documents_hammer import FINE, MODULUS, TOUCH, R, law_stress
+from written_page import write_or_check
 
 import fatigue
 from ballesta.design_data import Part
@@ -258,20 +258,7 @@ def page() -> str:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Write the page, or say whether it is up to date."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--check", action="store_true", help="exit 1 if the page would change")
-    check = parser.parse_args(arguments).check
-    text = page()
-    if check:
-        current = PAGE.read_text(encoding="utf-8") if PAGE.exists() else ""
-        if text != current:
-            print(
-                f"{PAGE.relative_to(ROOT)} is out of date: run tools/hammer_leaf.py",
-                file=sys.stderr,
-            )
-        return int(text != current)
-    PAGE.write_text(text, encoding="utf-8")
-    return 0
+    return write_or_check(PAGE, page(), "tools/hammer_leaf.py", __doc__, arguments)
 
 
 if __name__ == "__main__":

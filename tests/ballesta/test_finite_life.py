@@ -161,3 +161,15 @@ def test_the_worst_of_many_points_is_found_where_tension_and_planes_decide(seed)
     each = [lives_of(verdict, task, np.array([k]))[0].safety for k in range(count)]
     assert_allclose(found.safety, min(each), rtol=1e-9)
     assert found.point == int(np.argmin(each))
+
+
+@pytest.mark.parametrize("factor", [0.5, 1.2, 3.0])
+def test_findleys_plane_raises_cycles_by_the_same_share_whatever_the_size_of_the_loads(factor):
+    """The proof of the safety multiplies all loads by it: their path keeps its shape."""
+    verdict, task = duty_of(circle(200.0), counts=[1e5])
+    at_all = np.array([0])
+    (life,) = lives_of(verdict, task, at_all)
+    assert life.raised > 1.05
+    (scaled,) = lives_of(verdict, task, at_all, factor)
+    assert_allclose(scaled.raised, life.raised, rtol=1e-9)
+    assert_allclose(scaled.safety * factor, life.safety, rtol=1e-6)

@@ -14,6 +14,7 @@ from ballesta.plan import plan
 from ballesta.run import check_all
 from ballesta.solid import check_solid
 from geometry import memory
+from geometry.mesh import MeshError
 from geometry.meshing import mesh_shape
 
 from ..geometry.step_files import hole, plate_with, write_step
@@ -152,3 +153,25 @@ def test_nearly_coincident_holes_are_meshed_with_their_ridges(tmp_path):
     assert_allclose(mesh.volume_cad, 8 * (SIZE[0] * 40 - 3 * 36 * np.pi - 0.12), rtol=1e-7)
     assert_allclose(mesh.volume, mesh.volume_cad, rtol=1e-4)
     assert mesh.jacobian_minimum > 0.05
+
+
+def test_a_refined_mesh_that_is_not_usable_is_made_again_with_finer_general_elements(
+    tmp_path, monkeypatch
+):
+    """Sizes between two places may leave a round face too coarse; the next mesh is finer there."""
+    design = machine(tmp_path, PLATE)
+    part = design.parts["rod"]
+    loads = loads_on(design, part, solved(design))
+    models, asked = Models(), []
+    solutions = models.solutions
+
+    def refuses_once(shape, fineness, material, sizes=None):
+        asked.append(fineness)
+        if len(asked) == 2:
+            raise MeshError("the mesh has 1 mm3 and the body 2 mm3")
+        return solutions(shape, fineness, material, sizes)
+
+    monkeypatch.setattr(models, "solutions", refuses_once)
+    result = check_solid(design, part, loads, models)
+    assert asked[0] == asked[1] < asked[2]
+    assert len(result.meshes) == len(asked) - 1

@@ -14,6 +14,7 @@ from ballesta.quasi_static import (
     assumptions_of,
     quasi_static_gates,
     vibration_of,
+    vibration_warnings,
     with_dynamics,
     with_sections,
 )
@@ -173,6 +174,10 @@ def test_vibration_is_put_on_the_loads_only_where_the_design_asks_for_it():
     assert "not put on its loads" in told["cycles.at_10_work_10"]
     pushes = [np.hypot(*c["at_10"].reactions["R"].force.T).max() for c in (cycles, after)]
     assert pushes[1] > 1.3 * pushes[0]
+    assert vibration_warnings(design, cycles, found) == []
+    on, off = vibration_warnings(asking, cycles, found)
+    assert on.startswith("at_10: vibration is on its loads")
+    assert off.startswith("at_10_work_10: vibration is NOT on its loads")
     free, touching = quasi_static_gates(asking, found)
     assert not free.binding
     assert "What it adds is in the loads." in free.meaning

@@ -11,8 +11,10 @@ from numpy.testing import assert_allclose
 from ballesta.check import solve_cycles
 from ballesta.column_limits import cases_of, planes_of, whole_force
 from ballesta.design import read_design
+from ballesta.errors import DesignError
 from ballesta.part_loads import loads_on
 from ballesta.stability import column_checks, column_facts, column_told
+from ballesta.warnings_of import design_warnings
 from fem.column_curves import eurocode_stress, perry_robertson
 from fem.tapered_columns import CLAMPED, ColumnEnd, ColumnShape, critical_force
 from reports.verdict import Status
@@ -336,3 +338,18 @@ def test_the_position_of_the_largest_compression_is_named(tmp_path):
         assert check.position == "k = 2"
         assert_allclose(check.value, 300 / 240)
     assert column_facts(design, part, loads)["largest compression at"] == "turn, k = 2"
+
+
+def test_an_effective_length_that_ends_cannot_give_is_told(tmp_path):
+    """Clamped ends leave half of 161 mm; less needs a guide in between."""
+    short, _ = rod(tmp_path, 'parts.rod.column.out_of_plane="20 mm"')
+    (said,) = [text for text in design_warnings(short, {}, {}) if "column" in text]
+    assert "rod: column.out_of_plane = 20 mm" in said
+    assert "80.5 mm" in said
+    clamped, _ = rod(tmp_path, f'parts.rod.column.out_of_plane="{LENGTH / 2} mm"')
+    assert not [text for text in design_warnings(clamped, {}, {}) if "column" in text]
+
+
+def test_a_pin_has_no_column_and_refuses_its_keys():
+    with pytest.raises(DesignError, match=r"parts\.pin_B\.column\.curve: the part is no column"):
+        press("toggle_press", 'parts.pin_B.column.curve="c"')

@@ -218,3 +218,24 @@ def test_what_is_stated_of_a_column_must_make_sense(tmp_path):
     ):
         with pytest.raises(Exception, match=words):
             rod(tmp_path, f'parts.rod.column.{key}="{value}"')
+
+
+def test_the_crooked_columns_check_takes_the_bodys_stated_mass(tmp_path):
+    """m a L/8 at mid-length of a bar that is swung sideways, of its own and of 20 kg.
+
+    At the load factor at which the light one yields its force is 4 % of the critical one.
+    """
+    heavy = [
+        f"bodies.rod.{key}"
+        for key in ('mass="20 kg"', 'inertia="0.05 kg m2"', 'centre="80.5, 0 mm"')
+    ]
+    for stated in ([], heavy):
+        design, part = rod(tmp_path, STRAIGHT, *stated)
+        mass = 20e-3 if stated else part.material.density * AREA * LENGTH
+        swing = 1e5
+        half = mass * swing / 2
+        loads = loads_of({"first": [(1e3, half, 0)], "second": [(-1e3, half, 0)]})
+        loads.accelerations[:, 1] = swing
+        check = crooked(design, part, loads, "in plane")
+        alone = 1e3 / AREA + mass * swing * LENGTH / 8 / WITHIN
+        assert_allclose(part.material.yield_stress / check.safety, alone, rtol=0.05)
