@@ -3,7 +3,6 @@
 import platform
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 from time import perf_counter
@@ -13,19 +12,16 @@ import numpy as np
 
 import loads
 from ballesta.balance import balance_gates, measured_loads, not_measured
-from ballesta.bushes import bush_checks, bushes_not_checked
 from ballesta.design import read_design
-from ballesta.design_data import Design, Part
+from ballesta.design_data import Design
 from ballesta.elastic_parts import compliances_of, without_unknown_contacts
-from ballesta.errors import DesignError, NumericsError
+from ballesta.errors import DesignError
 from ballesta.gates import load_gates
-from ballesta.leaf_checks import with_leaf_checks
 from ballesta.levels import Models
 from ballesta.linkage_frame import linkage_check, worst_mode
-from ballesta.lug_checks import lug_checks
 from ballesta.machine import cycle_of, interface_distance, linkage_of, part_placing
-from ballesta.part_loads import check_reach, is_loaded, loads_on, shown_of
-from ballesta.pin_checks import pin_checks
+from ballesta.part_ladder import DEFAULT_EFFORT, Effort, check_parts, gave_up, time_warnings
+from ballesta.part_loads import is_loaded, loads_on, shown_of
 from ballesta.quasi_static import (
     assumptions_of,
     quasi_static_gates,
@@ -33,12 +29,8 @@ from ballesta.quasi_static import (
     vibration_warnings,
     with_dynamics,
 )
-from ballesta.side_by_side import offset_gates
-from ballesta.slot_checks import slot_checks
-from ballesta.solid import FIRST, check_solid
 from ballesta.warnings_of import claim_warnings, design_warnings
 from fem.allocation import keep_freed_memory
-from fem.solvers import SolverError
 from geometry.mesh import MeshError, TooManyElementsError
 from geometry.parts.step_part import StepPart
 from reports.verdict import DesignResult, PartResult
@@ -59,7 +51,11 @@ NOT_CHECKED = (
 
 
 def check_file(
-    path: str | Path, overrides: Sequence[str] = (), *, say: Say = lambda _: None
+    path: str | Path,
+    overrides: Sequence[str] = (),
+    *,
+    effort: Effort = DEFAULT_EFFORT,
+    say: Say = lambda _: None,
 ) -> DesignResult:
     """Read and check one design file.
 
@@ -68,13 +64,21 @@ def check_file(
     """
     start = perf_counter()
     design = read_design(path, overrides)
-    return check_design(design, say=say, reading=perf_counter() - start)
+    return check_design(design, effort=effort, say=say, reading=perf_counter() - start)
 
 
 def check_design(
-    design: Design, *, say: Say = lambda _: None, reading: float = 0.0
+    design: Design,
+    *,
+    effort: Effort = DEFAULT_EFFORT,
+    say: Say = lambda _: None,
+    reading: float = 0.0,
 ) -> DesignResult:
-    """Check all parts of a design over all its cycles; raises DesignError and NumericsError."""
+    """Check all parts of a design over all its cycles; raises DesignError and NumericsError.
+
+    effort  which models may be used, and how long it may take
+    """
+    begun = perf_counter() - reading
     if not design.parts:
         raise DesignError(
             design.file, "parts", "nothing to check: there are none; ballesta loads tells the loads"
@@ -103,12 +107,7 @@ def check_design(
 
     start = perf_counter()
     before = sum(models.seconds.values())
-    results = []
-    for part in design.parts.values():
-        say(f"{part.name}: solving")
-        results.append(_check_part(design, part, runs, models, say))
-        later = list(design.parts.values())[len(results) :]
-        models.keep_only({other.geometry for other in later})
+    results = check_parts(design, runs, models, effort, begun, say)
     spent = sum(models.seconds.values()) - before
     timings |= models.seconds
     timings["cycle, fatigue, buckling"] = perf_counter() - start - spent
@@ -125,6 +124,7 @@ def check_design(
             *balance_gates(design, measured),
         ],
         warnings=[
+            *time_warnings(results),
             *claim_warnings(design, results),
             *shaken,
             *design_warnings(design, masses, runs),
@@ -136,7 +136,12 @@ def check_design(
         source=_all_sources(design),
         versions=versions(),
         command=" ".join(
-            ["ballesta check", str(design.file), *(f"--set {o!r}" for o in design.overrides)]
+            [
+                "ballesta check",
+                str(design.file),
+                *effort.options,
+                *(f"--set {o!r}" for o in design.overrides),
+            ]
         ),
         timings=timings,
         linkage=[] if mode is None else [linkage_check(design, mode)],
@@ -175,7 +180,7 @@ def part_masses(
         except TooManyElementsError as error:
             raise DesignError(design.file, f"parts.{part.name}", str(error)) from error
         except MeshError as error:
-            raise _gave_up(design, part, error) from error
+            raise gave_up(design, part, error) from error
         first, second = (body.interfaces[name].centre for name in part.geometry.interfaces[:2])
         built = float(np.linalg.norm((second - first)[:2]))
         asked = interface_distance(design, part)
@@ -186,15 +191,6 @@ def part_masses(
         properties = body.mass_properties(part.material.density)
         masses[part.body] = part_placing(design, part).to_body(properties)
     return masses
-
-
-def _gave_up(design: Design, part: Part, error: Exception) -> NumericsError:
-    """What a mesher or a solver said, with the part it said it of."""
-    return NumericsError(
-        str(error),
-        f"{design.file}: parts.{part.name}",
-        "check the part's dimensions, or change mesh.fineness",
-    )
 
 
 def solve_cycles(
@@ -217,40 +213,6 @@ def solve_cycles(
         except loads.LinkageError as error:
             raise DesignError(design.file, f"cycles.{name}", str(error)) from error
     return solved
-
-
-def _check_part(
-    design: Design,
-    part: Part,
-    solved: Mapping[str, loads.CycleLoads | loads.MeasuredLoads],
-    models: Models,
-    say: Say,
-) -> PartResult:
-    try:
-        part_loads = loads_on(design, part, solved)
-        interfaces = models.body(part.geometry).interfaces
-        check_reach(design, part, part_loads, interfaces)
-        result = check_solid(design, part, part_loads, models, say)
-        result = with_leaf_checks(design, part, result, part_loads, solved, models)
-        mesh = models.mesh(part.geometry, FIRST * part.fineness)
-    except loads.LinkageError as error:
-        raise DesignError(design.file, f"parts.{part.name}", str(error)) from error
-    except TooManyElementsError as error:
-        raise DesignError(design.file, f"parts.{part.name}", str(error)) from error
-    except (MeshError, SolverError) as error:
-        raise _gave_up(design, part, error) from error
-    formulas = [
-        *pin_checks(design, part, part_loads),
-        *lug_checks(design, part, part_loads, mesh),
-        *slot_checks(design, part, part_loads, interfaces),
-        *bush_checks(design, part, part_loads, solved),
-    ]
-    return replace(
-        result,
-        checks=[*result.checks, *formulas],
-        gates=[*result.gates, *offset_gates(design, part, solved)],
-        assumed=[*result.assumed, *bushes_not_checked(part, solved)],
-    )
 
 
 def _cycle_data(

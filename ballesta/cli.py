@@ -40,6 +40,20 @@ def check(
             "--accuracy", help="numerical error to refine to, such as 5%; else the file's"
         ),
     ] = None,
+    fidelity: Annotated[
+        str,
+        typer.Option(
+            "--fidelity",
+            metavar="RUNG",
+            help="formula, beam, plane, solid, or auto: the cheapest that settles each part",
+        ),
+    ] = "auto",
+    within: Annotated[
+        str | None,
+        typer.Option(
+            "--within", metavar="TIME", help="begin no solid that would take longer, e.g. 60s"
+        ),
+    ] = None,
     baseline: Annotated[
         bool,
         typer.Option("--write-baseline", help="write NAME.baseline.json beside each design"),
@@ -54,7 +68,16 @@ def check(
 
     wanted = [] if accuracy is None else [f"accuracy={accuracy}"]
     wanted = [*(overrides or []), *wanted]
-    raise typer.Exit(check_all(designs, out=out, as_json=json, overrides=wanted, baseline=baseline))
+    code = check_all(
+        designs,
+        out=out,
+        as_json=json,
+        overrides=wanted,
+        baseline=baseline,
+        fidelity=fidelity,
+        within=within,
+    )
+    raise typer.Exit(code)
 
 
 @app.command()

@@ -13,7 +13,8 @@ from ballesta.errors import DesignError, NumericsError
 from ballesta.levels import Models
 from ballesta.machine import part_placing
 from ballesta.part_loads import interface_heights
-from ballesta.solid import FIRST, elastic_of
+from ballesta.part_strength import elastic_of
+from ballesta.solid import FIRST
 from fem.compliance import compliance
 from fem.sliding import stations
 from fem.solvers import SolverError

@@ -18,8 +18,8 @@ from ballesta.errors import DesignError, NumericsError
 from ballesta.levels import Level, Models, solve_level
 from ballesta.names import no_such
 from ballesta.part_loads import PartLoads, loads_on, shown_of
+from ballesta.part_strength import elastic_of
 from ballesta.run import Say, guarded
-from ballesta.solid import elastic_of
 from fem.deck import write_deck
 from fem.recovery import von_mises
 from fem.solvers import SolverError

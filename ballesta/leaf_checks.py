@@ -6,7 +6,7 @@ under an equal bending moment with 1/n of the stress, M (n t/2) / (n^3 I) agains
 Where a deflection is imposed the moment is n^2 times as large, and so the stress n times.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from math import inf
 
@@ -17,7 +17,9 @@ from ballesta.design_data import Design, Part
 from ballesta.levels import Level, Models, solve_level
 from ballesta.machine import cycle_of
 from ballesta.part_loads import PartLoads, loads_on
-from ballesta.solid import FIRST, elastic_of, endurance_of
+from ballesta.part_strength import elastic_of, endurance_of
+from ballesta.solid import FIRST
+from ballesta.stressed import Stressed
 from fem.tie_tension import tie_tension
 from geometry.mesh import FloatArray
 from geometry.parts import LeafPack
@@ -42,13 +44,33 @@ def with_leaf_checks(
     shape = part.geometry
     if not isinstance(shape, LeafPack) or shape.leaves == 1:
         return result
-    free = _level(design, part, part_loads, models)
-    stiffer = _stiffer(design, part, shape, free, part_loads, solved, models)
+    free = pack_level(design, part, part_loads, models)
+    band = leaf_band(
+        design, part, part_loads, solved, lambda other: pack_level(design, part, other, models)
+    )
     return replace(
         result,
-        checks=[_banded(check, stiffer) for check in result.checks],
+        checks=[band(check) for check in result.checks],
         gates=[*result.gates, gap_gate(part, shape, free)],
     )
+
+
+def leaf_band(
+    design: Design,
+    part: Part,
+    part_loads: PartLoads,
+    solved: Solved,
+    level_of: Callable[[PartLoads], Stressed],
+) -> Callable[[Check], Check]:
+    """What widens a pack's stress checks to what friction between its leaves can make of them.
+
+    level_of  the stress of leaves that slide freely under some loads, by any model
+    """
+    shape = part.geometry
+    if not isinstance(shape, LeafPack) or shape.leaves == 1:
+        return lambda check: check
+    stiffer = _stiffer(design, part, shape, part_loads, solved, level_of)
+    return lambda check: _banded(check, stiffer)
 
 
 def gap_gate(part: Part, shape: LeafPack, level: Level) -> Gate:
@@ -98,10 +120,9 @@ def _stiffer(
     design: Design,
     part: Part,
     shape: LeafPack,
-    free: Level,
     part_loads: PartLoads,
     solved: Solved,
-    models: Models,
+    level_of: Callable[[PartLoads], Stressed],
 ) -> _Stiffer:
     """Stress of a bonded pack under its own loads, and the least of any pack between.
 
@@ -123,7 +144,7 @@ def _stiffer(
             name: _stiffened(design, part, solved[name], count**2) for name in stiffer
         }
         other_loads = loads_on(design, part, other)
-        again = _level(design, part, other_loads, models)
+        free, again = level_of(part_loads), level_of(other_loads)
     except loads.LinkageError as error:
         words = f"a bonded pack's loads cannot be found: {error}"
         return _Stiffer((inf, inf), relieved, words)
@@ -137,7 +158,7 @@ def _stiffer(
             assert other_times is not None
             bonded = np.interp(times, other_times, bonded)
         share[columns] = np.minimum(1.0, bonded / np.where(own > 0, own, 1.0))
-    least = _level(design, part, _weakened(part_loads, share), models)
+    least = level_of(_weakened(part_loads, share))
     return _Stiffer(
         _ratios(again, free, 1 / count),
         _ratios(least, free),
@@ -146,7 +167,7 @@ def _stiffer(
     )
 
 
-def _ratios(level: Level, free: Level, factor: float = 1.0) -> tuple[float, float]:
+def _ratios(level: Stressed, free: Stressed, factor: float = 1.0) -> tuple[float, float]:
     """Static and fatigue stress of a level over those of another; the static for no fatigue."""
     static = factor * level.peak.value / free.peak.value if free.peak.value else 1.0
     if free.fatigue is None or level.fatigue is None or not free.fatigue.value:
@@ -191,7 +212,7 @@ def _stiffened(
     return loads.run_cycle(linkage, cycle_of(design, design.cycles[cycle.name]))
 
 
-def _level(design: Design, part: Part, part_loads: PartLoads, models: Models) -> Level:
+def pack_level(design: Design, part: Part, part_loads: PartLoads, models: Models) -> Level:
     """Solve a part on its first mesh under some loads."""
     fineness = FIRST * part.fineness
     solutions = models.solutions(part.geometry, fineness, elastic_of(part))

@@ -170,7 +170,7 @@ class Level(Stressed):
         test of everything between the linkage and the mesh.
         """
         first = len(self.coefficients) - len(ACCELERATIONS)
-        units = self.solutions.unit_resultants[IN_PLANE, first:]
+        units = self.solutions.unit_resultants[IN_PLANE, first:] / self.solutions.mesh.share
         left = units[:, :3] @ self.added.T
         left += (units - inertia_of(properties)) @ loads.accelerations.T
         left[2] /= float(np.ptp(self.solutions.mesh.nodes, axis=0).max())

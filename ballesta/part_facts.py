@@ -115,13 +115,17 @@ def mesh_row(level: Level) -> dict[str, float | int | str]:
 
 
 def facts_of(
-    part: Part, loads: PartLoads, level: Level, limit: fatigue.EnduranceLimit | None
+    part: Part,
+    loads: PartLoads,
+    mass: MassProperties,
+    size: float,
+    limit: fatigue.EnduranceLimit | None,
 ) -> dict[str, float | str]:
     """Mass properties, strengths, largest forces and, where there are any, couples, by name.
 
+    size   mm, of the part
     limit  by Marin's chain; None for a part of the other chain
     """
-    mass = level.solutions.mesh.mass_properties(part.material.density)
     facts: dict[str, float | str] = {
         "mass [kg]": mass.mass * 1e3,
         "centre of mass x [mm]": float(mass.centre[0]),
@@ -136,9 +140,7 @@ def facts_of(
             f"temperature {limit.temperature:.3f}, reliability {limit.reliability:.3f} on "
             f"{limit.uncorrected:.4g} MPa"
         )
-    least = (
-        _NO_COUPLE * loads.largest_force * float(np.ptp(level.solutions.mesh.nodes, axis=0).max())
-    )
+    least = _NO_COUPLE * loads.largest_force * size
     for name, wrench in loads.wrenches.items():
         facts[f"largest force at {name} [N]"] = float(loads.resultant(name).max())
         couple = float(np.abs(wrench[:, 5]).max())

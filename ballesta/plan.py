@@ -7,6 +7,7 @@ from pathlib import Path
 import loads
 from ballesta.balance import measured_loads
 from ballesta.check import part_masses, solve_cycles
+from ballesta.cost import SECOND_MESH, solve_gibibytes, solve_seconds
 from ballesta.design import read_design
 from ballesta.design_data import Design, Part
 from ballesta.elastic_parts import compliances_of
@@ -17,12 +18,6 @@ from ballesta.part_loads import check_reach, loads_on
 from ballesta.sketch import joints_in_words, sketch
 from ballesta.solid import FIRST, check_first_mesh
 from geometry.mesh import MeshError, TooManyElementsError
-
-# Measured on a machine with 2 cores (bench/results.json): 137 628 unknowns with 20 unit loads take
-# 8 s and 1.3 GiB; both grow somewhat faster than the unknowns do.
-_UNKNOWNS, _SECONDS, _GIBIBYTES = 137_628, 8.0, 1.3
-_SECOND_MESH = 1.8  # times the unknowns of the first, as parts of the press need them
-_TIME_EXPONENT, _MEMORY_EXPONENT = 1.3, 1.2
 
 
 @dataclass(frozen=True)
@@ -59,7 +54,7 @@ def plan(design: Design) -> list[PlannedPart]:
             first = 3 * len(models.mesh(part.geometry, FIRST * part.fineness).nodes)
             part_loads = loads_on(design, part, solved)
             halved = half_of(part, part_loads) is not None
-            second = int(_SECOND_MESH * first / (2 if halved else 1))
+            second = int(SECOND_MESH * first / (2 if halved else 1))
             check_first_mesh(part, first)
             check_reach(design, part, part_loads, models.body(part.geometry).interfaces)
             unknowns = (first, min(second, part.most_unknowns))
@@ -85,16 +80,6 @@ def plan(design: Design) -> list[PlannedPart]:
             str(error), str(design.file), "check the part's dimensions, or change mesh.fineness"
         ) from error
     return planned
-
-
-def solve_seconds(unknowns: int) -> float:
-    """Estimated time to solve a part's unit loads, s."""
-    return float(_SECONDS * (unknowns / _UNKNOWNS) ** _TIME_EXPONENT)
-
-
-def solve_gibibytes(unknowns: int) -> float:
-    """Estimated memory to solve a part's unit loads, GiB."""
-    return float(_GIBIBYTES * (unknowns / _UNKNOWNS) ** _MEMORY_EXPONENT)
 
 
 def plan_text(path: str | Path, overrides: Sequence[str] = ()) -> str:

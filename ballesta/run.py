@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from ballesta.errors import DesignError, NumericsError
 
 if TYPE_CHECKING:
+    from ballesta.part_ladder import Effort
     from reports.verdict import DesignResult
 
 Say = Callable[[str], None]
@@ -26,6 +27,8 @@ def check_all(
     as_json: bool = False,
     overrides: Sequence[str] = (),
     baseline: bool = False,
+    fidelity: str = "auto",
+    within: str | None = None,
 ) -> int:
     """Check designs one after the other and write their results; returns the exit code.
 
@@ -36,7 +39,8 @@ def check_all(
     for path, folder in zip(designs, folders, strict=True):
 
         def one(path: Path = path, folder: Path = folder) -> int:
-            result = check_to_folder(path, folder, overrides, baseline=baseline)
+            effort = effort_of(fidelity, within)
+            result = check_to_folder(path, folder, overrides, baseline=baseline, effort=effort)
             results.append(result.to_dict() | {"report": str(folder / "report.html")})
             if not as_json:
                 from reports.terminal import verdict_text
@@ -50,8 +54,34 @@ def check_all(
     return max(codes, default=0)
 
 
+def effort_of(fidelity: str, within: str | None) -> "Effort":
+    """What the options of the command line ask for; raises DesignError."""
+    from ballesta.names import no_such
+    from ballesta.part_ladder import Effort
+    from ballesta.rungs.climb import FIDELITIES
+    from ballesta.units import measure
+
+    here = Path("command line")
+    if fidelity not in FIDELITIES:
+        raise DesignError(here, "--fidelity", no_such("rung", fidelity, FIDELITIES))
+    if within is None:
+        return Effort(fidelity)
+    try:
+        seconds = measure(within, "time").value
+    except ValueError as error:
+        raise DesignError(here, "--within", str(error)) from error
+    if not seconds > 0:
+        raise DesignError(here, "--within", f'must be above 0 s, got "{within}"')
+    return Effort(fidelity, seconds)
+
+
 def check_to_folder(
-    path: Path, folder: Path, overrides: Sequence[str] = (), *, baseline: bool = False
+    path: Path,
+    folder: Path,
+    overrides: Sequence[str] = (),
+    *,
+    baseline: bool = False,
+    effort: "Effort | None" = None,
 ) -> "DesignResult":
     """Check one design and write its folder: report.html, result.json, <part>.vtu.
 
@@ -59,6 +89,7 @@ def check_to_folder(
     """
     from ballesta.check import check_design
     from ballesta.design import read_design
+    from ballesta.part_ladder import DEFAULT_EFFORT
     from reports.files import write_json, write_vtu
     from reports.page import write_report
     from reports.pictures import render_stills
@@ -71,7 +102,7 @@ def check_to_folder(
     except OSError as error:
         raise DesignError(folder, "--out", f"cannot be written: {error.strerror}") from error
     with progress(path, len(design.parts)) as say:
-        result = check_design(design, say=say, reading=reading)
+        result = check_design(design, effort=effort or DEFAULT_EFFORT, say=say, reading=reading)
         start = perf_counter()
         say("writing the report")
         pictures = render_stills(result.parts)

@@ -2,21 +2,21 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from math import inf
+from time import perf_counter
 
 import numpy as np
 
-import fatigue
 from ballesta.design_data import Design, Part
-from ballesta.errors import DesignError
-from ballesta.fatigue_facts import chord_at, fatigue_facts, plane_at
-from ballesta.finite_life import LifeTask, why_no_curve
+from ballesta.fatigue_facts import fatigue_facts
 from ballesta.halves import MEANING, half_of, mode_surface, shown_surface
 from ballesta.hand import hand_checks
 from ballesta.judged import Bars, Judged, StaticPeak, bars_of, mesh_bar
-from ballesta.judged_fatigue import FatigueUse, FkmUse, LifeUse
+from ballesta.judged_fatigue import FatigueUse, FkmUse
 from ballesta.levels import Level, Models, solve_level
 from ballesta.part_facts import assumed_of, charts_of, facts_of, gates_of, mesh_row
 from ballesta.part_loads import PartLoads
+from ballesta.part_strength import elastic_of, endurance_of, fatigue_use, life_task
 from ballesta.part_vibration import frequency_facts
 from ballesta.stability import (
     column_checks,
@@ -24,17 +24,22 @@ from ballesta.stability import (
     column_told,
     eigenvalue_check,
 )
-from ballesta.stressed import Stressed
+from ballesta.stress_words import fatigue_words, static_words
 from fem.buckling import BucklingMode
 from fem.error_estimate import refined_sizes, stress_error
-from fem.unit_solutions import Elastic, UnitSolutions
+from fem.unit_solutions import UnitSolutions
 from geometry.mesh import FloatArray, MeshError, TooManyElementsError
+from geometry.meshing import Buildable
 from geometry.sizing import SizeField
 from reports.verdict import Check, Gate, PartResult, Status, Surface
 
 FIRST = 0.7  # fineness of the first mesh; where the stress decides, later ones are finer
 _MOST_MESHES = 5
-_RESCALED = 1e-6
+_NEXT = 2.5  # times what a mesh took, a finer one takes
+RESCALED = (  # limit and meaning of the gate that proves the safety factor
+    1e-6,
+    "how far from 1 the fatigue safety is when all loads are multiplied by it and judged again",
+)
 _EXAGGERATED = 0.1  # of the part's size: the largest displacement of a mode as it is drawn
 _FINER = 1.3  # general elements, where a mesh with small ones in places is not usable
 _LEAST_STEP = 1.15  # elements that decide must become smaller by this, or a mesh is not worth it
@@ -42,29 +47,63 @@ _LEAST_STEP = 1.15  # elements that decide must become smaller by this, or a mes
 Say = Callable[[str], None]
 
 
+@dataclass(frozen=True)
+class Asked:
+    """What a solid is asked of a part.
+
+    kinds      checks that its meshes are refined for: "static", "fatigue", "buckling"
+    modes      whether its frequencies, and a buckling mode to look at, are wanted too
+    enough     says of the checks on the meshes so far why no finer one is needed; "" if one is
+    deadline   on the clock of `perf_counter`: no mesh is begun that is expected to end later
+    """
+
+    kinds: frozenset[str] = frozenset(("static", "fatigue", "buckling"))
+    modes: bool = True
+    enough: Callable[[Sequence[Check]], str] = lambda _: ""
+    deadline: float = inf
+
+
+EVERYTHING = Asked()
+
+
 def check_solid(
-    design: Design, part: Part, loads: PartLoads, models: Models, say: Say = lambda _: None
+    design: Design,
+    part: Part,
+    loads: PartLoads,
+    models: Models,
+    say: Say = lambda _: None,
+    asked: Asked = EVERYTHING,
 ) -> PartResult:
     """Check one part as a solid over all cycles of its design.
 
     After the first mesh each is finer where the last one was uncertain, until the numerical error
     of what is judged is within the accuracy asked for, or the mesh would have more unknowns than
-    allowed. The finer ones are halves where shape and loads allow it: the first gives the masses,
-    and its buckling may be sideways. Raises MeshError and SolverError.
+    allowed. The finer ones are halves where shape and loads allow it: the first may buckle
+    sideways. Raises MeshError and SolverError.
     """
     limit = endurance_of(part)
-    judged: list[Judged] = [StaticPeak(loads)]
+    static = StaticPeak(loads)
     use = fatigue_use(design, part, loads)
-    if use is not None:
-        judged.append(use)
-    levels, sizes, stopped = solve_levels(design, part, loads, models, judged, limit.value, say)
+    both: list[Judged] = [static] if use is None else [static, use]
+    judged = [what for what in both if (what is static and "static" in asked.kinds)
+              or (what is use and "fatigue" in asked.kinds)]  # fmt: skip
+
+    def told_of(levels: Sequence[Level], wanted: Sequence[Judged]) -> list[Check]:
+        return [
+            _stress_check(
+                design, part, loads, levels[-1], what, bars_of(what, part, levels, design.accuracy)
+            )
+            for what in wanted
+        ]
+
+    def enough(levels: Sequence[Level]) -> str:
+        return asked.enough(told_of(levels, judged))
+
+    levels, sizes, stopped = solve_levels(
+        design, part, loads, models, judged, limit.value, say, asked, enough
+    )
     finest = levels[-1]
-    checks = [
-        _stress_check(
-            design, part, loads, finest, what, bars_of(what, part, levels, design.accuracy)
-        )
-        for what in judged
-    ]
+    checks = told_of(levels, both)
     if stopped:
         checks = [
             replace(check, note=f"{check.note}; {stopped}")
@@ -73,8 +112,10 @@ def check_solid(
             for check in checks
         ]
     checks += column_checks(design, part, loads)
+    eigen = None
     whole = [(level.solutions, level.coefficients) for level in levels if not level.half]
-    eigen = eigenvalue_check(design, part, loads, whole, finest.peak.position)
+    if "buckling" in asked.kinds:
+        eigen = eigenvalue_check(design, part, loads, whole, finest.peak.position)
     if eigen and eigen[0].status is Status.UNDECIDED and finest.half:
         whole.append(_whole_again(part, loads, models, finest, sizes))
         eigen = eigenvalue_check(design, part, loads, whole, finest.peak.position)
@@ -83,9 +124,11 @@ def check_solid(
         assumed.append(MEANING)
     properties = models.body(part.geometry).mass_properties(part.material.density)
     gates = gates_of(design, part, loads, levels, properties)
-    facts = facts_of(part, loads, finest, None if part.fkm else limit)
+    size = float(np.ptp(finest.solutions.mesh.nodes, axis=0).max())
+    facts = facts_of(part, loads, properties, size, None if part.fkm else limit)
     facts |= column_facts(design, part, loads)
-    facts |= frequency_facts(part, levels[0].solutions)
+    if asked.modes:
+        facts |= frequency_facts(part, levels[0].solutions)
     told = column_told(part, loads)
     if told:
         assumed.append(told)
@@ -96,9 +139,7 @@ def check_solid(
             Gate(
                 f"{part.name}: fatigue safety",
                 use.safety_missed(finest),
-                _RESCALED,
-                "how far from 1 the fatigue safety is when all loads are multiplied by it and "
-                "judged again",
+                *RESCALED,
             )
         )
         if isinstance(use, FkmUse):  # no fact of the other chain
@@ -108,6 +149,8 @@ def check_solid(
             facts |= fatigue_facts(part, finest, peak, life_task(design, part))
     if eigen:
         checks.append(eigen[0])
+    elif "buckling" not in asked.kinds:
+        pass
     elif levels[0].solutions.ties is not None:
         assumed.append("buckling of a stack of bodies that slide on each other is not computed")
     elif part.body is not None:
@@ -152,6 +195,8 @@ def solve_levels(
     judged: Sequence[Judged],
     limit: float,
     say: Say,
+    asked: Asked = EVERYTHING,
+    enough: Callable[[Sequence[Level]], str] = lambda _: "",
 ) -> tuple[list[Level], SizeField | None, str]:
     """Solve a part on finer and finer meshes.
 
@@ -159,12 +204,15 @@ def solve_levels(
     """
     material, base = elastic_of(part), FIRST * part.fineness
     finer = half_of(part, loads) or part.geometry
+    sideways = asked.modes or "buckling" in asked.kinds
+    first: Buildable = part.geometry if sideways else finer
     levels: list[Level] = []
     sizes = None
-    check_first_mesh(part, 3 * len(models.mesh(part.geometry, base).nodes))
+    check_first_mesh(part, 3 * len(models.mesh(first, base).nodes))
     while True:
+        start = perf_counter()
         try:
-            solutions = models.solutions(finer if levels else part.geometry, base, material, sizes)
+            solutions = models.solutions(finer if levels else first, base, material, sizes)
         except TooManyElementsError as error:
             if len(levels) < 2:  # one mesh has no error bar
                 raise
@@ -186,10 +234,21 @@ def solve_levels(
             part.geometry.notch_factors,
         )
         levels.append(level)
-        if len(levels) > 1 and all(mesh_bar(what, levels) <= design.accuracy for what in judged):
+        known = (mesh_bar(what, levels) <= design.accuracy for what in judged)
+        if not judged or (len(levels) > 1 and all(known)):
             return levels, sizes, ""
         if len(levels) == _MOST_MESHES:
             return levels, sizes, f"given up after {_MOST_MESHES} meshes"
+        why = enough(levels) if len(levels) > 1 else ""
+        if why:
+            return levels, sizes, why
+        took = perf_counter() - start
+        if len(levels) > 1 and perf_counter() + _NEXT * took > asked.deadline:
+            return (
+                levels,
+                sizes,
+                f"the time is up: a finer mesh would take about {_NEXT * took:.0f} s",
+            )
         most = part.most_unknowns * len(solutions.mesh.elements) / unknowns
         if finer is not part.geometry and not level.half:
             most *= 2  # the next mesh has half of the elements that are estimated on this one
@@ -231,82 +290,15 @@ def _whole_again(
     return solutions, coefficients
 
 
-def elastic_of(part: Part) -> Elastic:
-    """Return the elastic constants of a part's material."""
-    material = part.material
-    return Elastic(material.youngs_modulus, material.poisson_ratio, material.density)
-
-
-def endurance_of(part: Part) -> fatigue.EnduranceLimit:
-    """Endurance limit by Marin's factors.
-
-    The load factor is that of bending where the shape's peaks are local, with a gradient below
-    them, and of axial force where the whole section is stressed alike; there no size factor applies
-    (Shigley, 6-20). The part does not turn under its load: the size factor takes an equivalent
-    diameter.
-    """
-    ultimate, ratio = part.material.ultimate_stress, part.material.endurance_ratio
-    specimen = None if ratio is None else ratio * ultimate
-    if part.geometry.stressed_evenly:
-        return fatigue.endurance_limit(
-            ultimate,
-            part.surface,
-            load="axial",
-            reliability=part.reliability,
-            specimen_limit=specimen,
-        )
-    section = part.geometry.stressed_section
-    if len(section) == 1:
-        diameter = fatigue.round_equivalent_diameter(*section)
-    else:
-        diameter = fatigue.rectangle_equivalent_diameter(*section)
-    return fatigue.endurance_limit(
-        ultimate,
-        part.surface,
-        equivalent_diameter=diameter,
-        load="bending",
-        reliability=part.reliability,
-        specimen_limit=specimen,
-    )
-
-
-def life_task(design: Design, part: Part) -> LifeTask:
-    """What a finite life of a part is asked of."""
-    duty = design.duty
-    return LifeTask(
-        duty.cycles,
-        part.material,
-        part.geometry.stressed_evenly,
-        duty.allowed_damage - duty.damage_so_far,
-        begun=duty.damage_so_far > 0,
-    )
-
-
-def fatigue_use(design: Design, part: Part, loads: PartLoads) -> FatigueUse | None:
-    """How the part's fatigue is judged, None where no cycle of the duty loads it."""
-    if not any(name in loads.cycles for name in design.duty.cycles):
-        return None
-    ultimate = part.material.ultimate_stress
-    if part.fkm is not None:
-        return FkmUse(loads, part.fkm.reference, ultimate, part.fkm)
-    limit = endurance_of(part).value
-    if design.duty.life == "finite":
-        why = why_no_curve(part.material, limit, axial=part.geometry.stressed_evenly)
-        if why:
-            raise DesignError(design.file, f"parts.{part.name}.material", why)
-        return LifeUse(loads, limit, ultimate, life_task(design, part))
-    return FatigueUse(loads, limit, ultimate)
-
-
 def _stress_check(
     design: Design, part: Part, loads: PartLoads, level: Level, judged: Judged, bars: Bars
 ) -> Check:
     more, why = 0.0, ""
     if isinstance(judged, FatigueUse):
-        said = _fatigue_words(design, part, loads, level, judged)
+        said = fatigue_words(design, part, loads, level, judged)
         more, why = judged.band(level)
     else:
-        said = _static_words(design, part, loads, level)
+        said = static_words(design, part, loads, level)
     return Check(
         part=part.name,
         kind=said.kind,
@@ -325,81 +317,3 @@ def _stress_check(
         basis=said.basis,
         note=". ".join(text for text in (said.note, why, bars.note) if text),
     )
-
-
-@dataclass(frozen=True)
-class _Words:
-    """What stands in a check beside its numbers."""
-
-    kind: str
-    quantity: str
-    limit: float
-    required: float
-    cycle: str
-    position: str
-    basis: str
-    note: str = ""
-
-
-def _static_words(design: Design, part: Part, loads: PartLoads, level: Stressed) -> _Words:
-    return _Words(
-        "static",
-        "peak von Mises stress",
-        part.material.yield_stress,
-        design.require.static,
-        loads.cycle_names[level.peak.position],
-        loads.labels[level.peak.position],
-        f"yield stress, guaranteed minimum ({part.material.source})",
-    )
-
-
-def _fatigue_words(
-    design: Design, part: Part, loads: PartLoads, level: Stressed, use: FatigueUse
-) -> _Words:
-    worst = use.worst(level)
-    if isinstance(use, FkmUse):
-        found = use.found(level)
-        amplitude, mean = found.amplitude, found.mean
-        note = f"support {float(found.limit.support):.3f}, K_AK {found.mean_factor:.3f}"
-        basis = (
-            f"FKM guideline, {use.strength.material.group}, Rz {use.strength.roughness:g} um: even "
-            "reversed stress; infinite life"
-        )
-    else:
-        amplitude, mean, _ = chord_at(level, worst)
-        factor = use.limit / float(level.limits[worst.point])
-        note = f"fatigue notch factor {factor:.3g}" if factor > 1 else ""
-        if worst.criterion == "Findley":
-            note = ", ".join(
-                text for text in (f"longest chord; {plane_at(level, worst)}", note) if text
-            )
-        life = "infinite life"
-        if isinstance(use, LifeUse):
-            lasts = use.life(level)
-            life = f"finite life: Miner's sum {lasts.damage:.3g} of {use.task.allowed_damage:g}"
-            if lasts.raised > 1.0:
-                raised = f"cycles raised by {lasts.raised:.4g}, Findley's plane over the chord"
-                note = ", ".join(text for text in (raised, note) if text)
-        basis = (
-            f"endurance limit, Marin: {part.surface}, {100 * part.reliability:g} % survival; {life}"
-        )
-    return _Words(
-        "fatigue",
-        f"{worst.criterion} equivalent amplitude",
-        use.limit,
-        design.require.fatigue,
-        worst.cycle,
-        " to ".join(_position(loads, k, worst.cycle) for k in worst.pair),
-        basis,
-        ", ".join(
-            text
-            for text in (f"amplitude {amplitude:.4g} MPa", f"mean {mean:.4g} MPa", note)
-            if text
-        ),
-    )
-
-
-def _position(loads: PartLoads, position: int, cycle: str) -> str:
-    """Where in the duty, with the cycle's name where the pair may be of two."""
-    label = loads.labels[position]
-    return label if cycle in loads.cycles else f"{loads.cycle_names[position]} {label}"

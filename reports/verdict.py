@@ -169,12 +169,41 @@ class Surface:
 
 
 @dataclass(frozen=True, eq=False)
+class RungTried:
+    """A model of a part that was tried, or passed over, and what came of it.
+
+    rung      "formula", "beam", "plane" or "solid"
+    seconds   that it took; 0 if it was passed over
+    unknowns  that it solved
+    checks    what it said
+    why       why it stopped, went on, or was passed over
+    """
+
+    rung: str
+    seconds: float
+    unknowns: int
+    checks: Sequence[Check]
+    why: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """The rung as plain data."""
+        return {
+            "rung": self.rung,
+            "seconds": self.seconds,
+            "unknowns": self.unknowns,
+            "checks": [check.to_dict() for check in self.checks],
+            "why": self.why,
+        }
+
+
+@dataclass(frozen=True, eq=False)
 class PartResult:
     """Everything that was found about one part.
 
     meshes   one dict per mesh that was solved: unknowns, elements, peak stress, ...
     charts   plain data of the part's charts (Haigh path)
     mode     the lowest buckling mode: nodes as displaced, exaggerated; one field, its size
+    rungs    models that were tried, in their order
     """
 
     name: str
@@ -189,6 +218,7 @@ class PartResult:
     surface: Surface
     assumed: Sequence[str] = ()
     mode: Surface | None = None
+    rungs: Sequence[RungTried] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """The result as plain data, without fields on the surface."""
@@ -203,6 +233,7 @@ class PartResult:
             "facts": dict(self.facts),
             "charts": dict(self.charts),
             "assumed": list(self.assumed),
+            "rungs": [rung.to_dict() for rung in self.rungs],
         }
 
 

@@ -27,7 +27,8 @@ import fatigue
 from ballesta.leaf_checks import with_leaf_checks
 from ballesta.levels import Level, Models, solve_level
 from ballesta.part_loads import PartLoads, loads_on
-from ballesta.solid import check_solid, elastic_of, endurance_of
+from ballesta.part_strength import elastic_of, endurance_of
+from ballesta.solid import check_solid
 from reports.verdict import Check
 
 MODELS = Models()

@@ -15,7 +15,8 @@ from ballesta.check import check_file, part_masses, solve_cycles
 from ballesta.design import read_design
 from ballesta.levels import Models, solve_level
 from ballesta.part_loads import loads_on
-from ballesta.solid import check_solid, elastic_of, endurance_of
+from ballesta.part_strength import elastic_of, endurance_of
+from ballesta.solid import check_solid
 from reports.verdict import Status
 
 DESIGNS = Path(__file__).parents[2] / "designs"

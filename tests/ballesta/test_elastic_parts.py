@@ -15,8 +15,9 @@ from ballesta.errors import DesignError
 from ballesta.levels import Models
 from ballesta.loads_command import loads_of_file
 from ballesta.machine import linkage_of
+from ballesta.part_strength import elastic_of
 from ballesta.plan import plan
-from ballesta.solid import FIRST, elastic_of
+from ballesta.solid import FIRST
 from fem.compliance import compliance
 
 DESIGNS = Path(__file__).parents[2] / "designs"

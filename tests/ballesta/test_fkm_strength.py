@@ -12,7 +12,7 @@ from ballesta.duty_verdict import JOINED, duty_runs
 from ballesta.fkm_strength import fkm_judgement, fkm_points, slopes_of
 from ballesta.levels import Models, solve_level
 from ballesta.part_loads import loads_on
-from ballesta.solid import elastic_of, endurance_of
+from ballesta.part_strength import elastic_of, endurance_of
 from fatigue import FkmMaterial
 from fem.boundary_value import SolidProblem, traction_load
 from fem.gradient import SurfaceSlopes

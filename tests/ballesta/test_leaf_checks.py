@@ -15,7 +15,8 @@ from ballesta.leaf_checks import gap_gate, with_leaf_checks
 from ballesta.levels import Models, solve_level
 from ballesta.materials import known_materials
 from ballesta.part_loads import PartLoads, loads_on
-from ballesta.solid import FIRST, elastic_of, endurance_of
+from ballesta.part_strength import elastic_of, endurance_of
+from ballesta.solid import FIRST
 from fem.unit_solutions import Elastic, solve_unit_loads
 from geometry.meshing import mesh_shape
 from geometry.parts import LeafPack

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 
 from ballesta.levels import Models, solve_level
 from ballesta.part_facts import assumed_of, facts_of
-from ballesta.solid import elastic_of, endurance_of
+from ballesta.part_strength import elastic_of, endurance_of
 from geometry.halves import Half
 
 from .small_machine import PLATE, loads_of, machine
@@ -57,7 +57,13 @@ def told(folder, text=PLATE, couple=0.0, *, half=False, tilt=0.0):
     shape = Half(part.geometry) if half else part.geometry
     solutions = Models().solutions(shape, part.fineness * 0.7, elastic_of(part))
     level = solve_level(solutions, 0.5, loads, 1.0, part.material.ultimate_stress, {})
-    return assumed_of(design, part, level), facts_of(part, loads, level, endurance_of(part))
+    return assumed_of(design, part, level), facts_of(
+        part,
+        loads,
+        solutions.mesh.mass_properties(part.material.density),
+        float(np.ptp(solutions.mesh.nodes, axis=0).max()),
+        endurance_of(part),
+    )
 
 
 def pressing(assumed):

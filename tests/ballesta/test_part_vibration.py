@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from ballesta.levels import Models
+from ballesta.part_strength import elastic_of
 from ballesta.part_vibration import frequency_facts
-from ballesta.solid import FIRST, elastic_of
+from ballesta.solid import FIRST
 
 from .small_machine import PLATE, machine
 

@@ -1,0 +1,160 @@
+"""All parts of a design, each by the cheapest models that settle its verdict."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from math import inf
+from time import perf_counter
+
+import loads
+from ballesta.bushes import bush_checks, bushes_not_checked
+from ballesta.cost import check_seconds
+from ballesta.design_data import Design, Part
+from ballesta.errors import DesignError, NumericsError
+from ballesta.levels import Models
+from ballesta.lug_checks import lug_checks
+from ballesta.part_loads import check_reach, loads_on
+from ballesta.pin_checks import pin_checks
+from ballesta.rungs.climb import AUTO, SOLID, Climb, climb_cheap, start_climb
+from ballesta.rungs.result import cheap_result, solid_result
+from ballesta.side_by_side import offset_gates
+from ballesta.slot_checks import slot_checks
+from ballesta.solid import FIRST
+from fem.solvers import SolverError
+from geometry.mesh import MeshError, TooManyElementsError
+from geometry.parts.step_part import StepPart
+from reports.verdict import PartResult
+
+Say = Callable[[str], None]
+Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
+
+
+@dataclass(frozen=True)
+class Effort:
+    """Which models a check may use, and how long it may take.
+
+    fidelity  "auto", "formula", "beam", "plane" or "solid"
+    within    s from the start of the check, after which no solid is begun; None for no limit
+    """
+
+    fidelity: str = AUTO
+    within: float | None = None
+
+    @property
+    def options(self) -> list[str]:
+        """The options of the command line that ask for it."""
+        found = [] if self.fidelity == AUTO else [f"--fidelity {self.fidelity}"]
+        return found if self.within is None else [*found, f"--within {self.within:g}s"]
+
+
+DEFAULT_EFFORT = Effort()
+
+
+def check_parts(
+    design: Design, solved: Solved, models: Models, effort: Effort, begun: float, say: Say
+) -> list[PartResult]:
+    """Check every part of a design; raises DesignError and NumericsError.
+
+    begun  when the check began, on the clock of `perf_counter`
+
+    The cheap rungs of all parts come first, so that what time there is goes to solids that settle
+    something; under a time limit the ones that are expected to be quickest come first.
+    """
+    deadline = inf if effort.within is None else begun + effort.within
+    climbs: dict[str, Climb] = {}
+    waiting: list[str] = []
+    results: dict[str, PartResult] = {}
+    for part in design.parts.values():
+        with _told(design, part):
+            part_loads = loads_on(design, part, solved)
+            check_reach(design, part, part_loads, models.body(part.geometry).interfaces)
+            climb = climbs[part.name] = start_climb(design, part, part_loads, solved)
+            if climb_cheap(climb, effort.fidelity, say):
+                waiting.append(part.name)
+            else:
+                results[part.name] = cheap_result(climb, models)
+    if effort.within is not None:
+        costs = {name: _cost(design, climbs[name], models) for name in waiting}
+        waiting.sort(key=lambda name: costs[name])
+    for done, name in enumerate(waiting):
+        climb = climbs[name]
+        with _told(design, climb.part):
+            if climb.levels and deadline < inf and perf_counter() + costs[name] > deadline:
+                _leave(climb, costs[name], deadline - perf_counter())
+                results[name] = cheap_result(climb, models)
+            else:
+                say(f"{name}: solving")
+                everything = effort.fidelity == SOLID
+                results[name] = solid_result(
+                    climb, models, say, everything=everything, deadline=deadline
+                )
+        models.keep_only({climbs[other].part.geometry for other in waiting[done + 1 :]})
+    return [_with_formulas(climbs[name], results[name], solved, models) for name in design.parts]
+
+
+def _cost(design: Design, climb: Climb, models: Models) -> float:
+    """Expected time of a part's solid, s."""
+    part = climb.part
+    with _told(design, part):
+        return check_seconds(3 * len(models.mesh(part.geometry, FIRST * part.fineness).nodes))
+
+
+def _leave(climb: Climb, cost: float, left: float) -> None:
+    """Note that there is no time for a part's solid."""
+    climb.skip(
+        SOLID,
+        f"no time: about {cost:.0f} s, {max(left, 0.0):.0f} s are left; it may settle "
+        f"{', '.join(climb.open)}",
+    )
+
+
+def time_warnings(results: Sequence[PartResult]) -> list[str]:
+    """What a longer run would settle."""
+    return [
+        f"{result.name}: solid: {tried.why}"
+        for result in results
+        for tried in result.rungs
+        if tried.rung == SOLID and tried.why.startswith("no time")
+    ]
+
+
+def _with_formulas(climb: Climb, result: PartResult, solved: Solved, models: Models) -> PartResult:
+    """Add the checks that are formulas on every rung."""
+    design, part, part_loads = climb.design, climb.part, climb.loads
+    interfaces = models.body(part.geometry).interfaces
+    is_cad = isinstance(part.geometry, StepPart)
+    body = (
+        models.mesh(part.geometry, FIRST * part.fineness) if is_cad else models.body(part.geometry)
+    )
+    formulas = [
+        *pin_checks(design, part, part_loads),
+        *lug_checks(design, part, part_loads, body),
+        *slot_checks(design, part, part_loads, interfaces),
+        *bush_checks(design, part, part_loads, solved),
+    ]
+    return replace(
+        result,
+        checks=[*result.checks, *formulas],
+        gates=[*result.gates, *offset_gates(design, part, solved)],
+        assumed=[*result.assumed, *bushes_not_checked(part, solved)],
+    )
+
+
+@contextmanager
+def _told(design: Design, part: Part) -> Iterator[None]:
+    """Turn what goes wrong with a part into an error that names it."""
+    try:
+        yield
+    except (loads.LinkageError, TooManyElementsError) as error:
+        raise DesignError(design.file, f"parts.{part.name}", str(error)) from error
+    except (MeshError, SolverError) as error:
+        raise gave_up(design, part, error) from error
+
+
+def gave_up(design: Design, part: Part, error: Exception) -> NumericsError:
+    """What a mesher or a solver said, with the part it said it of."""
+    return NumericsError(
+        str(error),
+        f"{design.file}: parts.{part.name}",
+        "check the part's dimensions, or change mesh.fineness",
+    )

@@ -1,0 +1,73 @@
+"""How far solids lie from a rung's numbers: the error bars of the rungs, from bands.json.
+
+Converged solids of variations of the machines' parts are compared with each rung
+(`python -m bench.rung_bands`). The band of a check is from exp(m - 2 s) to exp(m + 2 s) times the
+rung's value, m and s mean and deviation of the logarithm of solid over rung: 95 % of solids whose
+ratio scatters normally. What a part's proportions have beyond those compared has no band.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+_BEYOND = 0.1  # of the range that was compared: how far a part's proportions may be outside it
+
+
+@dataclass(frozen=True)
+class Band:
+    """Where solids lie, as a factor on a rung's value.
+
+    low, high    factors between which 95 % of the solids lie
+    count        solids compared
+    above, below  how far narrower arcs of contact move the solid, as shares of its value
+    """
+
+    low: float
+    high: float
+    count: int
+    above: float
+    below: float
+
+    @property
+    def width(self) -> float:
+        """How wide the band is, as a share of the value."""
+        return self.high - self.low
+
+
+@dataclass(frozen=True)
+class NoBand:
+    """Why a rung's value has no band, in words."""
+
+    why: str
+
+
+@cache
+def _data() -> Mapping[str, Any]:
+    text = files("ballesta.rungs").joinpath("bands.json").read_text(encoding="utf-8")
+    return dict(json.loads(text)["shapes"])
+
+
+def known_band(shape: str, rung: str, kind: str) -> Band | None:
+    """Band of a rung's check for a shape, whatever its proportions; None where none is known."""
+    entry = _data().get(shape, {}).get(rung, {}).get(kind)
+    if entry is None:
+        return None
+    return Band(entry["low"], entry["high"], entry["count"], entry["above"], entry["below"])
+
+
+def band_of(shape: str, rung: str, kind: str, scales: Mapping[str, float]) -> Band | NoBand:
+    """Band of a rung's check for a part with these proportions."""
+    band = known_band(shape, rung, kind)
+    if band is None:
+        return NoBand(f"no solids of the shape {shape} were compared with the rung {rung}")
+    compared = _data()[shape][rung][kind]["scales"]
+    for name, (low, high) in compared.items():
+        value = scales.get(name)
+        slack = _BEYOND * (high - low) + 1e-9 * abs(high)
+        if value is None or not low - slack <= value <= high + slack:
+            told = "unknown" if value is None else f"{value:.3g}"
+            return NoBand(f"{name} is {told}, solids were compared from {low:.3g} to {high:.3g}")
+    return band

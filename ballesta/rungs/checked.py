@@ -1,0 +1,133 @@
+"""What a rung below the solid says of a part's checks, with its calibrated bars."""
+
+from dataclasses import replace
+from math import inf
+
+from ballesta.design_data import Design, Part
+from ballesta.judged_fatigue import FatigueUse
+from ballesta.part_loads import PartLoads
+from ballesta.part_strength import endurance_of
+from ballesta.rungs.bands import Band, NoBand, band_of
+from ballesta.rungs.estimate import Estimate
+from ballesta.rungs.model import RungLevel, RungModel
+from ballesta.stress_words import Words, fatigue_words, static_words
+from ballesta.stressed import judge
+from reports.verdict import Check
+
+STATIC, FATIGUE, BUCKLING = "static", "fatigue", "buckling"
+
+
+def rung_level(design: Design, part: Part, loads: PartLoads, model: RungModel) -> RungLevel:
+    """Judge the stress of a rung's model over all cycles of the design."""
+    limit = endurance_of(part).value
+    limits = limit / model.fretting
+    judged = judge(
+        model.history, limits, limit, part.material.ultimate_stress, loads, design.duty.cycles
+    )
+    return RungLevel(
+        limits=limits,
+        history=model.history,
+        peak=judged.peak,
+        peaks_by_position=judged.peaks_by_position,
+        duty=judged.duty,
+        model=model,
+    )
+
+
+def rung_estimates(
+    design: Design, part: Part, loads: PartLoads, level: RungLevel, use: FatigueUse | None
+) -> dict[str, Estimate]:
+    """The checks that a rung answers, by kind.
+
+    use  how the part's fatigue is judged; None where no cycle of the duty loads it
+    """
+    found = {
+        STATIC: _stress_estimate(
+            part,
+            level,
+            static_words(design, part, loads, level),
+            level.peak.value,
+            level.peak.point,
+        )
+    }
+    if use is not None:
+        words = fatigue_words(design, part, loads, level, use)
+        found[FATIGUE] = _stress_estimate(part, level, words, use.value(level), use.point(level))
+    if level.model.buckling is not None and level.model.buckling.share > 0.0:
+        found[BUCKLING] = _buckling_estimate(design, part, loads, level.model)
+    return found
+
+
+def _stress_estimate(
+    part: Part, level: RungLevel, words: Words, value: float, point: int
+) -> Estimate:
+    check = Check(
+        part=part.name,
+        kind=words.kind,
+        quantity=words.quantity,
+        value=value,
+        unit="MPa",
+        numerical=level.model.numerical * value,
+        model=0.0,
+        limit=words.limit,
+        required=words.required,
+        cycle=words.cycle,
+        position=words.position,
+        place=level.place(point),
+        method=level.model.rung,
+        basis=words.basis,
+        note=words.note,
+    )
+    return _with_band(part, level.model, check)
+
+
+def _buckling_estimate(design: Design, part: Part, loads: PartLoads, model: RungModel) -> Estimate:
+    assert model.buckling is not None
+    position = model.buckling.position
+    check = Check(
+        part=part.name,
+        kind=BUCKLING,
+        quantity="elastic load share",
+        value=model.buckling.share,
+        unit="",
+        numerical=0.0,
+        model=0.0,
+        limit=1.0,
+        required=design.require.buckling,
+        cycle=loads.cycle_names[position],
+        position=loads.labels[position],
+        place="whole part",
+        method=model.rung,
+        basis="elastic, both ends held sideways and free to tilt: knows neither yield nor "
+        "crookedness",
+        note=model.buckling.words,
+    )
+    return _with_band(part, model, check)
+
+
+def _with_band(part: Part, model: RungModel, check: Check) -> Estimate:
+    """The check with the band of solids around the rung's value."""
+    band = band_of(part.shape, model.rung, check.kind, model.scales)
+    if isinstance(band, NoBand):
+        said = f"no error bar: {band.why}"
+        return Estimate(_told(check, inf, inf, said), inf, inf)
+    value = check.value
+    above, below = max(0.0, band.high - 1) * value, max(0.0, 1 - band.low) * value
+    arcs = {"up": band.above * value, "down": band.below * value}
+    return Estimate(
+        _told(check, above + arcs["up"], below + arcs["down"], _of_solids(band, model)),
+        above,
+        below,
+    )
+
+
+def _told(check: Check, above: float, below: float, said: str) -> Check:
+    note = "; ".join(text for text in (check.note, said) if text)
+    return replace(check, model=above, model_below=below, note=note)
+
+
+def _of_solids(band: Band, model: RungModel) -> str:
+    return (
+        f"95 % of {band.count} solids lie {100 * (band.low - 1):+.0f} to "
+        f"{100 * (band.high - 1):+.0f} % from this; neglects {model.neglects}"
+    )

@@ -1,0 +1,182 @@
+"""A part as a bar along x: its loads in balance, fibres of its sections, deflection, buckling."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from ballesta.column_moments import axial_compression
+from ballesta.design_data import Part
+from ballesta.part_loads import PartLoads
+from ballesta.rungs.formula_points import Points, along_x, sheared
+from ballesta.rungs.model import ElasticLoad
+from ballesta.ties import first_largest
+from fem.bar_forces import BarForces, BarLoads, balanced_bar, deflection
+from fem.lateral_buckling import column_force, lateral_share
+from geometry.mesh import FloatArray
+
+_STATIONS = 33  # of deflection and lateral buckling
+
+
+@dataclass(frozen=True, eq=False)
+class Stretches:
+    """A part's mass and stiffness along x, in cells.
+
+    cuts       (m + 1,) mm, rising
+    area       (m,) mm2
+    inertia_z  (m,) mm4, bending in the linkage's plane
+    inertia_y  (m,) mm4, out of it
+    torsion    (m,) mm4, Saint-Venant's
+    racking    (m,) mm2, shear stiffness out of the plane over E; None without shear strain
+    """
+
+    cuts: FloatArray
+    area: FloatArray
+    inertia_z: FloatArray
+    inertia_y: FloatArray
+    torsion: FloatArray
+    racking: FloatArray | None = None
+
+    @property
+    def middles(self) -> FloatArray:
+        """Middles of the cells, mm."""
+        return (self.cuts[1:] + self.cuts[:-1]) / 2
+
+    def at(self, values: FloatArray, places: FloatArray) -> FloatArray:
+        """What the cells have at places."""
+        cell = np.clip(np.searchsorted(self.cuts, places) - 1, 0, len(values) - 1)
+        return np.asarray(values[cell])
+
+
+def bar_loads(part: Part, loads: PartLoads, places: dict[str, float], mass: Stretches) -> BarLoads:
+    """All loads of a part along its axis; interfaces at x = `places`, sliding ones from there."""
+    points: list[tuple[float | FloatArray, FloatArray]] = []
+    for name, wrench in loads.wrenches.items():
+        reach = loads.reaches.get(name)
+        if reach is None:
+            points.append((places[name], wrench))
+            continue
+        moved = wrench.copy()  # its couple is about the interface's centre
+        moved[:, 5] -= reach * wrench[:, 1]
+        points.append((places[name] + reach, moved))
+    weight = part.material.density * mass.area * np.diff(mass.cuts)
+    return balanced_bar(points, mass.middles, weight, loads.accelerations)
+
+
+def left_over(bar: BarLoads, loads: PartLoads, length: float) -> float:
+    """Couples out of the plane that no interface holds, over the largest force times the length.
+
+    In the plane nothing is left: an acceleration makes up for it.
+    """
+    couples = sum(wrench[:, 3:5] for _, wrench in bar.points)
+    largest = loads.largest_force * length
+    return float(np.abs(couples).max()) / largest if largest else 0.0
+
+
+def fine_cells(cuts: FloatArray, count: int) -> FloatArray:
+    """Cuts of cells of about 1/count of the whole, none across one of the given cuts."""
+    size = (cuts[-1] - cuts[0]) / count
+    pieces = [
+        np.linspace(a, b, max(1, int(np.ceil((b - a) / size))) + 1)[:-1] for a, b in pairwise(cuts)
+    ]
+    return np.concatenate([*pieces, cuts[-1:]])
+
+
+def add_rectangle_fibres(
+    points: Points,
+    name: str,
+    places: FloatArray,
+    forces: BarForces,
+    size: tuple[float, float],
+    torsion: float,
+) -> None:
+    """Add corners and middles of the faces of solid rectangular sections.
+
+    size     height along y and thickness along z, mm
+    torsion  mm3, torque over the shear stress in the middle of the long faces
+    """
+    height, thickness = size
+    area, inertia = height * thickness, thickness * height**3 / 12
+    across = height * thickness**3 / 12
+    for k, x in enumerate(places):
+        axial, moment, bent, shear, torque = points.columns(
+            np.stack(
+                [
+                    forces.axial[k],
+                    forces.moment_z[k],
+                    forces.moment_y[k],
+                    forces.shear[k],
+                    forces.torque[k],
+                ]
+            )
+        )
+        y, z = (half.ravel() for half in np.meshgrid([-0.5, 0.0, 0.5], [-0.5, 0.5]))
+        y, z = y * height, z * thickness
+        middle = (y == 0).astype(float)
+        points.add(
+            name,
+            np.column_stack([np.full(len(y), x), y, z]),
+            {
+                axial: along_x(np.full(len(y), 1 / area)),
+                moment: along_x(-y / inertia),
+                bent: along_x(z / across),
+                shear: sheared(middle * 1.5 / area),
+                torque: sheared(-middle * np.sign(z) / torsion),
+            },
+        )
+
+
+def most_deflected(loads: BarLoads, part: Part, mass: Stretches, length: float) -> float:
+    """Largest displacement in the plane, mm: off the chord of the pins, or along it between them.
+
+    Off the chord at the positions where the moment is largest at one of the places.
+    """
+    places = np.linspace(0.0, length, _STATIONS)
+    forces = loads.at(places[1:-1])
+    young = part.material.youngs_modulus
+    inner = young * mass.at(mass.area, places[1:-1])
+    along = np.abs(forces.axial / inner[:, None]).mean(axis=0).max() * length
+    moment = np.pad(forces.moment_z, ((1, 1), (0, 0)), mode="edge")
+    chosen = np.unique(np.abs(moment).argmax(axis=1))
+    stiffness = young * mass.at(mass.inertia_z, places)
+    off = np.abs(deflection(moment[:, chosen], stiffness, places)).max()
+    return float(max(along, off))
+
+
+def elastic_load(
+    part: Part,
+    loads: PartLoads,
+    bar: BarLoads,
+    mass: Stretches,
+    length: float,
+    *,
+    local: float = 0.0,
+) -> ElasticLoad:
+    """Largest share of the elastic buckling load over the positions.
+
+    In the plane Euler's of a hinged column with the part's steps; out of it the same, with ends
+    free to tilt, together with the lateral buckling of the bent bar.
+
+    local  1/N, share that 1 N of compression is of the load under which a stretch of the part
+           buckles by itself
+    """
+    force = axial_compression(part, loads)
+    places = np.linspace(0.0, length, _STATIONS)
+    young, ratio = part.material.youngs_modulus, part.material.poisson_ratio
+    flat, across = (young * mass.at(i, places) for i in (mass.inertia_z, mass.inertia_y))
+    racking = np.inf if mass.racking is None else young * mass.at(mass.racking, places)
+    shares = {
+        "in plane: Euler's column": force / column_force(flat, np.inf, length),
+        "out of plane: Euler's column and lateral buckling of the bent bar": lateral_share(
+            force / column_force(across, racking, length),
+            bar.at(places).moment_z,
+            across,
+            young / (2 * (1 + ratio)) * mass.at(mass.torsion, places),
+            length,
+        ),
+        "a stretch by itself: plates and columns": force * local,
+    }
+    words = max(shares, key=lambda name: float(shares[name].max()))
+    share = np.maximum(shares[words], 0.0)
+    (position,) = first_largest(share)
+    return ElasticLoad(float(share[position]), int(position), words)

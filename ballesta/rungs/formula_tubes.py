@@ -1,0 +1,271 @@
+"""The rung `formula` of square tubes, with pin holes through two walls or with loaded end faces."""
+
+from math import pi
+
+import numpy as np
+
+from ballesta.design_data import Part
+from ballesta.part_loads import PartLoads
+from ballesta.rungs.formula_bars import (
+    Stretches,
+    bar_loads,
+    elastic_load,
+    fine_cells,
+    left_over,
+    most_deflected,
+)
+from ballesta.rungs.formula_lugs import add_bore, strip_edges
+from ballesta.rungs.formula_points import XY, Points, along_x, sheared
+from ballesta.rungs.model import RungModel
+from fem.bar_forces import BarForces, BarLoads
+from fem.edge_buckling import pressed_edge_stress
+from fem.lateral_buckling import plate_stress
+from fem.lug_outlines import strip_outline
+from fem.lug_stress import Lug
+from fem.notch_factors import stepped_bar
+from fem.pin_loaded_hole import pin_loaded_hole
+from geometry.mesh import FloatArray
+from geometry.parts import PrismaticTube, ToggleBar
+from geometry.sections import Section, plate_section, square_tube_section
+
+_CUT = 1.25  # widths from a hole to where the cheek's stress is that of the bar
+_STATIONS = 9
+
+
+def toggle_bar_model(part: Part, shape: ToggleBar, loads: PartLoads) -> RungModel:
+    """Two cheeks with a hole at each end, stiffened by the side walls but where these are cut away.
+
+    Each cheek carries half of a pin's force, as a plane lug whose edges are stringers: half of a
+    side wall each.
+    """
+    free = shape.cutout_length - shape.overhang  # where the side walls begin
+    tube, cheeks = _sections(shape)
+    mass = _stretches(shape, free, tube, cheeks)
+    places = {"knee": 0.0, "end": shape.length}
+    bar = bar_loads(part, loads, places, mass)
+    points = Points(len(loads.accelerations))
+    cut = min(_CUT * shape.width, shape.length / 2)
+    stringer = (shape.width - 2 * shape.wall) / 2
+    for name, x in places.items():
+        outline = strip_outline(
+            shape.width / 2,
+            shape.overhang,
+            max(cut, shape.hole),
+            stringer,
+            free if name == "knee" or free > shape.length - shape.hole else -np.inf,
+        )
+        hole = pin_loaded_hole(shape.hole / 2, outline, part.material.poisson_ratio)
+        lug = Lug(hole, 2 * shape.wall, mirrored=name == "end")
+        outward = -1.0 if name == "knee" else 1.0
+        edges = strip_edges(shape.width / 2, shape.overhang, shape.width / 2, outward)
+        add_bore(points, name, x, lug, loads.wrenches[name], (shape.width / 2,), edges=edges)
+    start, stop = max(free, 0.0), shape.length - shape.hole / 2
+    if start < stop:
+        along = np.linspace(start, stop, _STATIONS + 1)[:-1]
+        _add_tube_fibres(points, "tube", along, bar.at(along), tube, (shape.width, shape.wall))
+    _add_cheek_fibres(points, shape, min(free, stop), cheeks, bar)
+    if 0 < free < shape.length:
+        _add_cut_out(points, shape, free, cheeks, bar)
+    return RungModel(
+        rung="formula",
+        history=points.history(),
+        places=points.places,
+        fretting=points.fretting,
+        numerical=0.0,
+        residual=left_over(bar, loads, shape.length),
+        deflection=most_deflected(bar, part, mass, shape.length),
+        buckling=elastic_load(
+            part, loads, bar, mass, shape.length, local=_local_share(part, shape, free)
+        ),
+        scales={
+            "hole / width": shape.hole / shape.width,
+            "overhang / hole": shape.overhang / shape.hole,
+            "hole / wall": shape.hole / shape.wall,
+            "width / wall": shape.width / shape.wall,
+            "cut-out / width": free / shape.width,
+            "cut-out corner / wall": shape.cutout_corner / shape.wall,
+        },
+        neglects="bending of the walls across themselves; that the side walls lag in taking their "
+        "share",
+    )
+
+
+def prismatic_tube_model(part: Part, shape: PrismaticTube, loads: PartLoads) -> RungModel:
+    """An even tube: axial force and bending at its sections, as its end faces bring them in."""
+    (tube,) = shape.sections
+    cuts = fine_cells(np.array([0.0, shape.length]), 64)
+    mass = _cells(cuts, np.zeros(len(cuts) - 1, bool), tube, tube, shape.width, shape.wall)
+    bar = bar_loads(part, loads, {"start": 0.0, "end": shape.length}, mass)
+    points = Points(len(loads.accelerations))
+    inside = 1e-9 * shape.length  # the ends' own forces are beyond the first section
+    along = np.linspace(inside, shape.length - inside, 2 * _STATIONS + 1)
+    _add_tube_fibres(points, "tube", along, bar.at(along), tube, (shape.width, shape.wall))
+    return RungModel(
+        rung="formula",
+        history=points.history(),
+        places=points.places,
+        fretting=points.fretting,
+        numerical=0.0,
+        residual=left_over(bar, loads, shape.length),
+        deflection=most_deflected(bar, part, mass, shape.length),
+        buckling=elastic_load(
+            part, loads, bar, mass, shape.length, local=_pressed_ends(part, tube)
+        ),
+        scales={
+            "width / wall": shape.width / shape.wall,
+            "length / width": shape.length / shape.width,
+        },
+        neglects="how the end faces bring forces in; bending of the walls across themselves",
+    )
+
+
+def _plate(part: Part, shape: ToggleBar) -> float:
+    """Stress, MPa, at which a wall of the tube buckles between its edges."""
+    steel = part.material
+    apart = shape.width - shape.wall
+    return plate_stress(shape.wall, apart, steel.youngs_modulus, steel.poisson_ratio)
+
+
+def _pressed_ends(part: Part, tube: Section) -> float:
+    """Share of the walls' buckling load at the tube's free, pressed ends that 1 N is, 1/N."""
+    shape, steel = part.geometry, part.material
+    assert isinstance(shape, PrismaticTube)
+    apart = shape.width - shape.wall
+    stress = pressed_edge_stress(shape.wall, apart, steel.youngs_modulus, steel.poisson_ratio)
+    return 1 / (tube.area * stress)
+
+
+def _local_share(part: Part, shape: ToggleBar, free: float) -> float:
+    """Share of its buckling load that 1 N is on the cheeks by themselves, 1/N.
+
+    Beside the hole they carry the whole force: as plates held by the side walls, and beside the
+    cut-out as columns with one end free. Both at once by Dunkerley's sum, a bound from below.
+    """
+    both = 2 * shape.width * shape.wall
+    plates = 1 / (both * _plate(part, shape))
+    if not free > 0:
+        return plates
+    euler = pi**2 * part.material.youngs_modulus * shape.wall**2 / 12 / (2 * free) ** 2
+    return float(plates + 1 / (both * euler))
+
+
+def _sections(shape: ToggleBar) -> tuple[Section, Section]:
+    """The tube, and its two cheeks alone."""
+    tube = square_tube_section("tube", shape.width, shape.wall, shape.inner_radius)
+    one = plate_section("cheeks", shape.width, 2 * shape.wall)
+    return tube, one
+
+
+def _stretches(shape: ToggleBar, free: float, tube: Section, cheeks: Section) -> Stretches:
+    ends = [-shape.overhang, 0.0, shape.length, shape.length + shape.overhang]
+    if ends[0] < free < ends[-1]:
+        ends.append(free)
+    cuts = fine_cells(np.unique(ends), 96)
+    middles = (cuts[1:] + cuts[:-1]) / 2
+    cells = _cells(cuts, middles < free, tube, cheeks, shape.width, shape.wall)
+    for x in (0.0, shape.length):
+        chord = 2 * np.sqrt(np.maximum(shape.hole**2 / 4 - (middles - x) ** 2, 0.0))
+        cells.area[:] -= 2 * shape.wall * chord
+    return cells
+
+
+def _cells(
+    cuts: FloatArray,
+    cheeks_only: np.ndarray,
+    tube: Section,
+    cheeks: Section,
+    width: float,
+    wall: float,
+) -> Stretches:
+    """A tube, but for the cells where only its cheeks are left; torsion by Bredt, and of plates.
+
+    The cheeks alone bend in S shape between side walls and pin, so that they rack.
+    """
+    apart = width - wall
+    free = float(np.diff(cuts)[cheeks_only & (cuts[1:] > 0)].sum())
+    racking = width * wall**3 / (2 * free**2) if free else np.inf
+    across = 2 * width * wall * (apart / 2) ** 2
+    return Stretches(
+        cuts,
+        np.where(cheeks_only, cheeks.area, tube.area),
+        np.where(cheeks_only, cheeks.inertia_in_plane, tube.inertia_in_plane),
+        np.where(cheeks_only, across, tube.inertia_out_of_plane),
+        np.where(cheeks_only, 2 * width * wall**3 / 3, wall * apart**3),
+        np.where(cheeks_only, racking, np.inf),
+    )
+
+
+def _add_tube_fibres(
+    points: Points,
+    name: str,
+    places: FloatArray,
+    forces: BarForces,
+    tube: Section,
+    size: tuple[float, float],
+) -> None:
+    """Add corners and middles of the walls: sigma of N, M_z, M_y; shear of V in the cheeks."""
+    width, wall = size
+    half = width / 2
+    y = half * np.array([1.0, 1.0, -1.0, -1.0, 0.0, 0.0, 1.0, -1.0])
+    z = half * np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 0.0, 0.0])
+    cheek = (y == 0).astype(float)
+    for k, x in enumerate(places):
+        axial, moment, bent, shear = points.columns(
+            np.stack([forces.axial[k], forces.moment_z[k], forces.moment_y[k], forces.shear[k]])
+        )
+        points.add(
+            name,
+            np.column_stack([np.full(len(y), x), y, z]),
+            {
+                axial: along_x(np.full(len(y), 1 / tube.area)),
+                moment: along_x(-y / tube.inertia_in_plane),
+                bent: along_x(z / tube.inertia_out_of_plane),
+                # V S/(2 t I) in the middle of a thin square box: S = 3/8 of w^2 t, I = 2/3 w^3 t
+                shear: sheared(cheek * 9 / (16 * (width - wall) * wall), XY),
+            },
+        )
+
+
+def _add_cheek_fibres(
+    points: Points, shape: ToggleBar, free: float, cheeks: Section, bar: BarLoads
+) -> None:
+    """Add the edges of the cheeks alone, from beside the knee's hole to where the walls begin."""
+    if free <= shape.hole / 2:
+        return
+    places = np.linspace(shape.hole / 2, free, 4)
+    forces = bar.at(places)
+    y = np.array([1.0, -1.0]) * shape.width / 2
+    for k, x in enumerate(places):
+        axial, moment = points.columns(np.stack([forces.axial[k], forces.moment_z[k]]))
+        points.add(
+            "cheeks",
+            np.column_stack([np.full(2, x), y, np.full(2, shape.width / 2)]),
+            {
+                axial: along_x(np.full(2, 1 / cheeks.area)),
+                moment: along_x(-y / cheeks.inertia_in_plane),
+            },
+        )
+
+
+def _add_cut_out(
+    points: Points, shape: ToggleBar, free: float, cheeks: Section, bar: BarLoads
+) -> None:
+    """Add the cheeks' edges where the side walls begin: shoulder fillets of two flat bars.
+
+    A cheek that widens into a side wall at its edge is half of a stepped bar, as thick as both
+    cheeks and as wide as the tube.
+    """
+    factor = stepped_bar("tension", shape.width, 2 * shape.wall, shape.cutout_corner)
+    places = np.array([free])
+    forces = bar.at(places)
+    axial, moment = points.columns(np.stack([forces.axial[0], forces.moment_z[0]]))
+    y = np.array([1.0, -1.0]) * shape.width / 2
+    at = np.column_stack([np.full(2, free), y, np.full(2, shape.width / 2 - shape.wall)])
+    points.add(
+        "cut-out corner",
+        at,
+        {
+            axial: along_x(np.full(2, factor / cheeks.area)),
+            moment: along_x(-factor * y / cheeks.inertia_in_plane),
+        },
+    )

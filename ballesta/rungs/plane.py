@@ -1,0 +1,195 @@
+"""The rung "plane": a part as a sheet of varying thickness in plane stress (and plate bending).
+
+What it is made of: geometry/plane_shapes.py (how each shape looks along z), fem/plane_bores.py and
+fem/plane_unit_solutions.py (unit loads on it), docs/theory/rungs_plane.md (what it leaves out).
+"""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from ballesta.design_data import Part
+from ballesta.part_loads import PartLoads
+from ballesta.part_strength import elastic_of
+from ballesta.rungs.model import RungModel
+from ballesta.rungs.plane_levels import PlaneLevel, solve_levels
+from fem.plane_bores import plane_resultants
+from geometry.mesh import FloatArray
+from geometry.parts import (
+    LeafPack,
+    PlateLink,
+    PrismaticTube,
+    Shape,
+    SlottedLever,
+    ToggleBar,
+    TubeRod,
+)
+from geometry.plane_outlines import PlaneOutline
+from geometry.plane_shapes import outline_of
+
+_OUT_OF_PLANE = 1e-9  # of a wrench: what is round-off
+_ALL = (
+    "stress across the sheet, and its change through the thickness; sideways buckling; narrower "
+    "arcs of contact"
+)
+_OF_SHAPE: dict[type, str] = {
+    PlateLink: "",
+    ToggleBar: "; the cheeks' and the side walls' bending out of their planes, and the fillet of "
+    "the cut-out but for the depth that it adds",
+    SlottedLever: "; the notch at the boss's foot but for the depth that its fillet adds",
+    TubeRod: "; the rod's round surface: each strip along z moves as one, also that of the eye's "
+    "ball and of the tube's two walls",
+    PrismaticTube: "; the walls' bending out of their planes",
+    LeafPack: "; the leaves' anticlastic bending across their width, and their parting where they "
+    "would have to pull on each other",
+}
+
+
+def model_of(
+    part: Part, loads: PartLoads, *, fineness: float = 1.0, accuracy: float = 0.02
+) -> RungModel | None:
+    """The part's stress by the rung, or None for a shape or a load that is none of a sheet's.
+
+    Raises MeshError and SolverError.
+    """
+    outline = outline_of(part.geometry)
+    if outline is None or not _carries(outline, loads):
+        return None
+    material = elastic_of(part)
+    last, states, bar = solve_levels(outline, material, loads, fineness, accuracy)
+    return RungModel(
+        rung="plane",
+        history=last.history,
+        places=_places(outline, last),
+        fretting=_fretting(part.geometry.notch_factors, last),
+        numerical=bar,
+        residual=_residual(last, loads),
+        deflection=_deflection(last, states),
+        buckling=None,
+        scales=_scales(part.geometry),
+        neglects=_ALL + _OF_SHAPE[type(part.geometry)] + _closed(last, loads),
+        unknowns=last.solutions.unknowns,
+    )
+
+
+def _carries(outline: PlaneOutline, loads: PartLoads) -> bool:
+    """Whether the sheet has unit loads for all that acts on it; none acts along z."""
+    for interface in outline.interfaces:
+        wrench = np.abs(loads.wrenches[interface.name])
+        refused = [2] if interface.tilts else [2, 3, 4]
+        if wrench[:, refused].max(initial=0.0) > _OUT_OF_PLANE * wrench.max(initial=0.0):
+            return False
+    return True
+
+
+def _places(outline: PlaneOutline, level: PlaneLevel) -> list[str]:
+    """What stands at each point: the edge's name, a seam, or the outline."""
+    mesh = level.solutions.sheet.mesh
+    names = np.full(len(mesh.nodes), outline.seams, dtype=object)
+    names[mesh.boundary] = "outline"
+    for name in mesh.edges:
+        names[mesh.edge_nodes(name)] = name
+    return [str(name) for name in names[level.history.nodes]]
+
+
+def _fretting(factors: Mapping[str, float], level: PlaneLevel) -> FloatArray:
+    """Factor at each point by which fretting lowers the endurance limit."""
+    fretting = np.ones(len(level.history.nodes))
+    for name, factor in factors.items():
+        on = np.isin(level.history.nodes, level.solutions.sheet.mesh.edge_nodes(name))
+        fretting[on] = np.maximum(fretting[on], factor)
+    return fretting
+
+
+def _residual(level: PlaneLevel, loads: PartLoads) -> float:
+    """Largest reaction of the supports, or load that missed the mesh, over the largest force."""
+    solutions, coefficients = level.solutions, level.history.coefficients
+    nodes = solutions.model.mesh.nodes
+    size = float(np.ptp(nodes, axis=0).max())
+    worst, first = float(np.abs(solutions.reactions(coefficients)).max()), 0
+    for unit in solutions.interfaces:
+        columns = slice(first, first + len(unit.names))
+        first = columns.stop
+        unit_wrenches = plane_resultants(nodes, unit.vectors, unit.interface.centre[:2])
+        wanted = loads.wrenches[unit.interface.name][:, [0, 1, 5]].T
+        missing = np.abs(unit_wrenches @ coefficients[columns] - wanted)
+        missing[2] /= unit.interface.radius or size
+        worst = max(worst, float(missing.max()))
+    return worst / (loads.largest_force or 1.0)
+
+
+def _deflection(level: PlaneLevel, states: Sequence[FloatArray]) -> float:
+    """Largest displacement of any node at the two positions that decide, less rigid motion, mm.
+
+    states  of the first, and what is between it and the second
+    """
+    solutions, largest = level.solutions, 0.0
+    flat = solutions.displacement.shape[1]
+    modes = solutions.model.rigid_modes
+    for state in (states[0], states[0] + states[1]):
+        moved = solutions.displacement @ state[:flat]
+        share, *_ = np.linalg.lstsq(modes, moved, rcond=None)
+        moved = (moved - modes @ share).reshape(-1, 2)
+        across = np.zeros(len(moved))
+        if len(state) > flat:
+            lifted = solutions.bent @ state[flat:]
+            turns = solutions.plate.rigid_modes
+            share, *_ = np.linalg.lstsq(turns, lifted, rcond=None)
+            across = (lifted - turns @ share)[0::3]
+        size = np.sqrt((moved**2).sum(axis=1) + across**2)
+        largest = max(largest, float(size.max()))
+    return largest
+
+
+def _scales(shape: Shape) -> dict[str, float]:
+    """Numbers without unit on which the rung's error depends."""
+    match shape:
+        case PlateLink():
+            holes = [shape.hole, shape.second_hole or shape.hole]
+            return {
+                "hole / width": max(holes) / shape.width,
+                "thickness / hole": shape.thickness / min(holes),
+            }
+        case ToggleBar():
+            return {
+                "hole / width": shape.hole / shape.width,
+                "wall / width": shape.wall / shape.width,
+                "cutout corner / width": shape.cutout_corner / shape.width,
+                "overhang / hole": shape.overhang / shape.hole,
+                "hole to cut-out's end / width": (
+                    shape.cutout_length - shape.overhang - shape.hole / 2
+                )
+                / shape.width,
+            }
+        case SlottedLever():
+            return {
+                "hole / width": shape.hole / shape.width,
+                "slot width / width": shape.slot_width / shape.width,
+                "thickness / width": shape.thickness / shape.width,
+                "boss height / thickness": shape.boss_height / shape.thickness,
+            }
+        case TubeRod():
+            wall = shape.tube_diameter / 2 if shape.wall is None else shape.wall
+            return {
+                "hole / eye": shape.hole / shape.eye_diameter,
+                "tube / eye": shape.tube_diameter / shape.eye_diameter,
+                "wall / tube": wall / shape.tube_diameter,
+                "fillet / tube": shape.fillet / shape.tube_diameter,
+            }
+        case PrismaticTube():
+            return {"wall / width": shape.wall / shape.width}
+        case LeafPack():
+            return {
+                "thickness / width": shape.thickness / shape.width,
+                "clamp length / thickness": shape.clamp_length / shape.thickness,
+            }
+    return {}
+
+
+def _closed(level: PlaneLevel, loads: PartLoads) -> str:
+    """A word on the inertia that was added to balance loads of other mass properties."""
+    solutions = level.solutions
+    first = solutions.displacement.shape[1] - 4
+    added = np.abs(solutions.resultants[:2, first : first + 3] @ level.added.T).max(initial=0.0)
+    share = float(added) / (loads.largest_force or 1.0)
+    return f"; {100 * share:.1g} % of the largest force were balanced" if share > 0.01 else ""

@@ -1,0 +1,183 @@
+"""What is reported of a part that climbed the ladder, meshed or not."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from math import inf
+from time import perf_counter
+
+import numpy as np
+
+from ballesta.fatigue_facts import fatigue_facts
+from ballesta.leaf_checks import leaf_band, pack_level, with_leaf_checks
+from ballesta.levels import Models
+from ballesta.part_facts import SMALL_DISPLACEMENT, charts_of, facts_of
+from ballesta.part_strength import endurance_of, life_task
+from ballesta.rungs.checked import BUCKLING, FATIGUE, STATIC
+from ballesta.rungs.climb import SOLID, Climb, answered
+from ballesta.rungs.estimate import Estimate
+from ballesta.rungs.model import RungLevel
+from ballesta.solid import RESCALED, Asked, Say, check_solid
+from ballesta.stability import column_checks, column_facts, column_told
+from fem.near_incompressible import LARGEST_RATIO, MEANING
+from geometry.cad_body import CadBody
+from reports.verdict import Check, Gate, PartResult, RungTried, Status, Surface
+
+NOT_MESHED = "not meshed"  # the only field on the surface of such a part
+_BALANCE = 1e-6
+
+
+def cheap_result(climb: Climb, models: Models) -> PartResult:
+    """What is known of a part whose verdict no mesh was needed for."""
+    design, part, loads = climb.design, climb.part, climb.loads
+    level = _level_of(climb)
+    body = models.body(part.geometry)
+    mass = body.mass_properties(part.material.density)
+    size = float(np.ptp(body.nodes, axis=0).max())
+    facts = facts_of(part, loads, mass, size, endurance_of(part))
+    facts |= column_facts(design, part, loads)
+    gates = _gates(climb, level, size)
+    peak = None
+    if climb.use is not None:
+        peak = climb.use.worst(level)
+        facts |= fatigue_facts(part, level, peak, life_task(design, part))
+        missed = climb.use.safety_missed(level)
+        gates.append(Gate(f"{part.name}: fatigue safety", missed, *RESCALED))
+    told = column_told(part, loads)
+    assumed = [f"{climb.tried[-1].rung}: {level.model.neglects}"]
+    return PartResult(
+        name=part.name,
+        shape=part.shape,
+        material=part.material.name,
+        checks=[*answered(climb), *column_checks(design, part, loads)],
+        gates=gates,
+        hand_checks=[],
+        meshes=[],
+        facts=facts,
+        charts=charts_of(part, loads, level, peak),
+        surface=_unstressed(body),
+        assumed=[*assumed, told] if told else assumed,
+        rungs=climb.tried,
+    )
+
+
+def _level_of(climb: Climb) -> RungLevel:
+    """The rung whose stress is reported: that of the deciding stress check."""
+    estimates = [climb.best[kind] for kind in (STATIC, FATIGUE) if kind in climb.best]
+    deciding = max(estimates, key=lambda estimate: estimate.check.utilisation)
+    return climb.levels[deciding.check.method]
+
+
+def _gates(climb: Climb, level: RungLevel, size: float) -> list[Gate]:
+    name, model = climb.part.name, level.model
+    missing = [kind for kind in climb.asked if kind not in climb.best]
+    if climb.unbuckled and BUCKLING in missing:
+        missing.remove(BUCKLING)
+    gates = [
+        Gate(
+            f"{name}: balance",
+            model.residual,
+            _BALANCE,
+            f"what is left of the part's balance by the rung {model.rung}, over the largest force",
+        ),
+        Gate(
+            f"{name}: small displacements",
+            model.deflection / size,
+            SMALL_DISPLACEMENT,
+            "largest displacement over the part's size, by the same model; linear theory makes "
+            "bending moments too large by up to 2.4 times its square",
+        ),
+        Gate(
+            f"{name}: compressible material",
+            climb.part.material.poisson_ratio,
+            LARGEST_RATIO,
+            MEANING,
+        ),
+    ]
+    if missing:
+        told = f"not answered by the rung that was asked for: {', '.join(missing)}"
+        gates.append(Gate(f"{name}: every check was made", float(len(missing)), 0.0, told))
+    return gates
+
+
+def _unstressed(body: CadBody) -> Surface:
+    return Surface(body.nodes, body.triangles, {NOT_MESHED: np.zeros(len(body.nodes))}, 0)
+
+
+def solid_result(
+    climb: Climb, models: Models, say: Say, *, everything: bool, deadline: float = inf
+) -> PartResult:
+    """Check a part as a solid: all of it, or what the rungs below left open."""
+    design, part, loads = climb.design, climb.part, climb.loads
+    start = perf_counter()
+    kinds = frozenset(climb.asked if everything else climb.open)
+    asked = Asked(kinds | frozenset([STATIC, FATIGUE, BUCKLING])) if everything else Asked(
+        kinds, modes=False, enough=_enough(climb, models), deadline=deadline
+    )  # fmt: skip
+    result = check_solid(design, part, loads, models, say, asked)
+    result = with_leaf_checks(design, part, result, loads, climb.solved, models)
+    checks = [check for check in result.checks if check.method.startswith(SOLID)]
+    solid = RungTried(
+        SOLID,
+        perf_counter() - start,
+        int(result.meshes[-1]["unknowns"]),
+        checks,
+        _why(checks, design.accuracy),
+    )
+    if not everything:
+        result = replace(result, checks=_merged(climb, result.checks, kinds))
+    return replace(result, rungs=[*climb.tried, solid])
+
+
+def _enough(climb: Climb, models: Models) -> Callable[[Sequence[Check]], str]:
+    band = leaf_band(
+        climb.design,
+        climb.part,
+        climb.loads,
+        climb.solved,
+        lambda loads: pack_level(climb.design, climb.part, loads, models),
+    )
+
+    def enough(checks: Sequence[Check]) -> str:
+        estimates = [Estimate(band(check)) for check in checks]
+        if all(estimate.settled or estimate.open_for_good for estimate in estimates):
+            return "settled: no finer mesh changes the verdict"
+        return ""
+
+    return enough
+
+
+def _merged(climb: Climb, checks: Sequence[Check], kinds: frozenset[str]) -> list[Check]:
+    """The checks of a solid, but for those that a rung below knows better or alone."""
+    merged = []
+    for check in checks:
+        best = climb.best.get(check.kind)
+        by_solid = check.method.startswith(SOLID)
+        if by_solid and check.kind not in kinds and best and _better(best, check):
+            merged.append(best.check)
+        else:
+            merged.append(check)
+    here = {check.kind for check in checks if check.method.startswith(SOLID)}
+    alone = [
+        climb.best[BUCKLING].check
+        for kind in (BUCKLING,)
+        if kind in climb.best and kind not in kinds and kind not in here
+    ]
+    return [*merged, *alone]
+
+
+def _better(best: Estimate, check: Check) -> bool:
+    """Whether a rung's estimate, settled already, is to stand instead of a mesh's by the way."""
+    return best.settled and Estimate(check).spread > best.spread
+
+
+def _why(checks: Sequence[Check], accuracy: float) -> str:
+    left = [check for check in checks if check.status is Status.UNDECIDED]
+    if not left:
+        return "stopped: " + "; ".join(f"{check.kind} {check.status}" for check in checks)
+    by_mesh = [check.kind for check in left if check.settled_by_mesh]
+    if by_mesh:
+        return (
+            f"stopped: {', '.join(by_mesh)} would take a numerical error below the "
+            f"{100 * accuracy:g} % asked for, or more unknowns than allowed"
+        )
+    return "stopped: " + "; ".join(f"{c.kind} stays UNDECIDED by its model band" for c in left)

@@ -1,0 +1,190 @@
+"""The error bars of the rungs, from converged solids of the machines' parts.
+
+python -m bench.rung_bands   runs every rung on the variations in bench/rungs/truth.jsonl,
+writes bench/rungs/compared.jsonl and ballesta/rungs/bands.json
+"""
+
+import argparse
+import json
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from math import exp, log
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from ballesta.part_strength import fatigue_use
+from ballesta.rungs.checked import BUCKLING, FATIGUE, STATIC, rung_level
+from ballesta.rungs.climb import BUILDERS
+from bench.rung_truth import known
+from bench.rung_variations import SCENES, Machines, Variation
+from fem.solvers import SolverError
+from geometry.mesh import MeshError
+
+FILE = Path(__file__).parent / "rungs" / "compared.jsonl"
+BANDS = Path(__file__).parents[1] / "ballesta" / "rungs" / "bands.json"
+DEVIATIONS = 2.0  # 95 % of a normal scatter
+_KINDS = (STATIC, FATIGUE, BUCKLING)
+_FEWEST = 5  # solids that a band needs
+
+
+@dataclass(frozen=True)
+class Compared:
+    """A check of a rung beside the solid's.
+
+    truth        the solid's value; bar its numerical bar, above and below its model band
+    value        the rung's
+    """
+
+    shape: str
+    scene: str
+    variation: str
+    rung: str
+    kind: str
+    truth: float
+    bar: float
+    above: float
+    below: float
+    value: float
+    seconds: float
+    scales: Mapping[str, float]
+
+    @property
+    def ratio(self) -> float:
+        """Solid over rung."""
+        return self.truth / self.value
+
+
+def of_solid(line: Mapping[str, Any], kind: str) -> Mapping[str, Any] | None:
+    """The solid's check of a kind in a line of truth.jsonl."""
+    found = [check for check in line.get("checks", {}).values() if check["kind"] == kind]
+    return found[0] if found else None
+
+
+def rungs_of(variation: Variation, line: Mapping[str, Any]) -> Iterable[Compared]:
+    """Every rung's checks of a variation beside the solid's."""
+    part, loads, design = variation.part, variation.loads, variation.design
+    use = fatigue_use(design, part, loads)
+    for rung, build in BUILDERS.items():
+        start = perf_counter()
+        try:
+            model = build(part, loads)
+        except (MeshError, SolverError) as error:
+            print(f"{variation.name}: {rung} gave up: {error}")
+            continue
+        if model is None:
+            continue
+        level = rung_level(design, part, loads, model)
+        values = {STATIC: level.peak.value}
+        if use is not None:
+            values[FATIGUE] = use.value(level)
+        if model.buckling is not None:
+            values[BUCKLING] = model.buckling.share
+        seconds = perf_counter() - start
+        for kind, value in values.items():
+            truth = of_solid(line, kind)
+            if truth is None or not value > 0:
+                continue
+            yield Compared(
+                part.shape,
+                variation.scene.name,
+                variation.name,
+                rung,
+                kind,
+                truth["value"],
+                truth["numerical"] or 0.0,
+                truth["above"] or 0.0,
+                truth["below"] or 0.0,
+                value,
+                seconds,
+                dict(model.scales),
+            )
+
+
+def compare(truths: Mapping[str, Mapping[str, Any]]) -> list[Compared]:
+    """Run the rungs on all variations that have a solid."""
+    machines, rows = Machines(), []
+    for scene in SCENES:
+        wanted = {name for name in truths if name.rsplit("/", 1)[0] == scene.name}
+        if not wanted:
+            continue
+        last = max(int(name.rsplit("/", 1)[1]) for name in wanted)
+        for variation in machines.variations(scene):
+            if variation.name in wanted:
+                rows += rungs_of(variation, truths[variation.name])
+            if variation.number == last:
+                break
+    return rows
+
+
+def band_of(rows: Sequence[Compared]) -> dict[str, Any]:
+    """The band of a rung's check from what was compared."""
+    logs = np.array([log(row.ratio) for row in rows])
+    middle, scatter = float(logs.mean()), float(logs.std(ddof=1))
+    arcs = {
+        "above": max(row.above / row.truth for row in rows),
+        "below": max(row.below / row.truth for row in rows),
+    }
+    if rows[0].kind == BUCKLING:  # what forks that hold the ends may add is the solid's to say
+        arcs["above"] = 0.0
+    names = rows[0].scales
+    return {
+        "low": exp(middle - DEVIATIONS * scatter),
+        "high": exp(middle + DEVIATIONS * scatter),
+        "count": len(rows),
+        **arcs,
+        "scales": {
+            name: [min(row.scales[name] for row in rows), max(row.scales[name] for row in rows)]
+            for name in names
+        },
+    }
+
+
+def bands(rows: Sequence[Compared]) -> dict[str, Any]:
+    """All bands: shape -> rung -> kind."""
+    groups: dict[tuple[str, str, str], list[Compared]] = defaultdict(list)
+    for row in rows:
+        groups[row.shape, row.rung, row.kind].append(row)
+    found: dict[str, Any] = {}
+    for (shape, rung, kind), some in sorted(groups.items()):
+        if len(some) >= _FEWEST:
+            found.setdefault(shape, {}).setdefault(rung, {})[kind] = band_of(some)
+    return found
+
+
+def told(rows: Sequence[Compared]) -> str:
+    """A line for every shape, rung and check: ratios solid over rung."""
+    lines = []
+    groups: dict[tuple[str, str, str], list[Compared]] = defaultdict(list)
+    for row in rows:
+        groups[row.shape, row.kind, row.rung].append(row)
+    for (shape, kind, rung), some in sorted(groups.items()):
+        ratios = np.array([row.ratio for row in some])
+        seconds = float(np.median([row.seconds for row in some]))
+        lines.append(
+            f"{shape:15s} {kind:9s} {rung:8s} {len(some):3d}  "
+            f"{np.quantile(ratios, 0.05):6.3f} {np.median(ratios):6.3f} "
+            f"{np.quantile(ratios, 0.95):6.3f}  worst {ratios.min():.3f} {ratios.max():.3f}  "
+            f"{seconds:.2f} s"
+        )
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Compare, and write the bands."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--dry", action="store_true", help="write no bands")
+    options = parser.parse_args()
+    rows = compare(known())
+    FILE.write_text("".join(json.dumps(vars(row)) + "\n" for row in rows))
+    print(told(rows))
+    if not options.dry:
+        data = {"command": "python -m bench.rung_bands", "shapes": bands(rows)}
+        BANDS.write_text(json.dumps(data, indent=1, sort_keys=True) + "\n")
+
+
+if __name__ == "__main__":
+    main()

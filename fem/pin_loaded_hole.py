@@ -1,0 +1,254 @@
+"""Stress beside a pin's hole in a flat lug of any outline: plane stress, by series.
+
+With Kolosov's and Muskhelishvili's potentials P = phi', Q = psi' of z = x + i y, the hole's middle
+at 0 (Muskhelishvili, Some Basic Problems of the Mathematical Theory of Elasticity, 1953, sections
+32 to 36)
+
+    sigma_x + sigma_y = 4 Re P,    (sigma_y - sigma_x)/2 + i tau_xy = conj(z) P' + Q
+
+are in equilibrium and compatible whatever P and Q are. Negative powers of z stand for the hole,
+powers of z less the outline's middle for the rest; they are complete for a plate with one hole
+(Runge). A force (X, Y) on the hole's edge adds, so that displacements close around it,
+
+    P = -(X + i Y) / (2 pi (1 + kappa) z),   Q = kappa (X - i Y) / (2 pi (1 + kappa) z),
+
+kappa = (3 - nu)/(1 + nu). The coefficients are those that meet the tractions on hole and outline
+best, by least squares at many points (boundary collocation: Gross, Srawley and Brown, NASA TN
+D-2395, 1964; for the strip Howland, Phil. Trans. A 229 (1930) 49). In an infinite plate Bickley's
+series (Phil. Trans. A 227 (1928) 383) comes out of it.
+
+Loads and outline are even or odd about the x axis: even states have real coefficients, odd ones
+imaginary, and half of the outline tells all.
+"""
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from fem.unit_loads import HARMONICS
+from geometry.mesh import FloatArray
+
+ComplexArray = np.ndarray[tuple[int, ...], np.dtype[np.complex128]]
+
+PATTERNS = (
+    *(f"{wave} {n}" for n in HARMONICS for wave in (("cos", "sin") if n else ("cos",))),
+    "couple",
+)
+_NEGATIVE = 9  # powers of 1/z
+_POSITIVE = 17  # powers of z less the middle
+_ON_HOLE = 25  # points on half of its edge
+_HOLE_WEIGHT = 2.0  # of its rows: there the stress is asked for
+
+
+@dataclass(frozen=True, eq=False)
+class LugOutline:
+    """The upper half (y >= 0) of a lug's outline, from its free end to where it is cut, in points.
+
+    points      (m,) x + i y, mm
+    normals     (m,) outward, of length 1
+    weights     (m,) mm of outline that a point stands for
+    forced      (3, m) traction, complex, of a force 1 N along x on the lug, of one along y and of
+                a couple 1 N mm, all on the hole and per thickness: what the rest of the part
+                answers where it holds the lug, 1/mm and 1/mm2
+    stiffening  (m,) mm, area of a stringer along a straight edge over the lug's thickness; 0: free
+    """
+
+    points: ComplexArray
+    normals: ComplexArray
+    weights: FloatArray
+    forced: ComplexArray
+    stiffening: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class PinLoadedHole:
+    """Stress of unit patterns of a pin's pressure on a hole, times the lug's thickness.
+
+    radius   mm
+    outline  of the lug
+    patterns as `fem.unit_loads.bearing_coefficients` has them: pressures cos(n t)/(pi r) per mm of
+             thickness, n = 0, 1, 2, 4, whose n = 1 is a force of 1 N, and a couple of 1 N mm
+    """
+
+    radius: float
+    outline: LugOutline
+    poisson_ratio: float
+    even: FloatArray
+    odd: FloatArray
+    middle: float
+    reach: float
+
+    def at(self, points: ComplexArray) -> FloatArray:
+        """Stress xx, yy, xy (k, 3, 8) in 1/mm at points x + i y of the lug, of the patterns."""
+        found = np.zeros((len(points), 3, len(PATTERNS)))
+        for odd, coefficients in ((False, self.even), (True, self.odd)):
+            total, deviator = _terms(points, self.radius, self.middle, self.reach, odd=odd)
+            own = _fixed(points, self.poisson_ratio, odd=odd)
+            for column, name in enumerate(_names(odd)):
+                trace = total @ coefficients[:, column]
+                skew = deviator @ coefficients[:, column]
+                if name in ("cos 1", "sin 1"):
+                    trace, skew = trace + own[0], skew + own[1]
+                half = trace / 2
+                state = np.stack([half - skew.real, half + skew.real, skew.imag], axis=1)
+                found[:, :, PATTERNS.index(name)] = state
+        return found
+
+
+def pin_loaded_hole(radius: float, outline: LugOutline, poisson_ratio: float) -> PinLoadedHole:
+    """Solve a lug for the eight patterns of a pin's pressure and friction on its hole.
+
+    radius  mm, of the hole
+    """
+    middle = float((outline.points.real.min() + outline.points.real.max()) / 2)
+    reach = float(np.abs(outline.points - middle).max())
+    angles = (np.arange(_ON_HOLE) + 0.5) / _ON_HOLE * pi
+    rim = radius * np.exp(1j * angles)
+    found = []
+    for odd in (False, True):
+        matrix, right = [], []
+        for points, normals, weights, on_hole in (
+            (rim, -rim / radius, np.full(_ON_HOLE, pi * radius / _ON_HOLE), True),
+            (outline.points, outline.normals, outline.weights, False),
+        ):
+            total, deviator = _terms(points, radius, middle, reach, odd=odd)
+            own = _fixed(points, poisson_ratio, odd=odd)
+            rows = _traction(total, deviator, normals[:, None])
+            fixed = _traction(own[0], own[1], normals)
+            if on_hole:
+                wanted = _on_rim(angles, radius, odd=odd)
+            else:
+                wanted = _held(outline, odd=odd)
+                stiff = outline.stiffening
+                if stiff.any():
+                    rows = rows + _stringer(
+                        points, radius, middle, reach, stiff, poisson_ratio, odd=odd
+                    )
+                    fixed = fixed + _own_stringer(points, stiff, poisson_ratio, odd=odd)
+            force = [name in ("cos 1", "sin 1") for name in _names(odd)]
+            wanted = wanted - fixed[:, None] * np.array(force)
+            scale = np.sqrt(weights / radius) * (_HOLE_WEIGHT if on_hole else 1.0)
+            for part in (np.real, np.imag):
+                matrix.append(part(rows) * scale[:, None])
+                right.append(part(wanted) * scale[:, None])
+        table, goal = np.concatenate(matrix), np.concatenate(right)
+        size = np.linalg.norm(table, axis=0)
+        size[size == 0] = 1.0  # an imaginary constant P is a turn of the whole lug
+        solved, *_ = np.linalg.lstsq(table / size, goal, rcond=1e-12)
+        found.append(solved / size[:, None])
+    return PinLoadedHole(radius, outline, poisson_ratio, found[0], found[1], middle, reach)
+
+
+def _names(odd: bool) -> tuple[str, ...]:
+    """Patterns that are even about the x axis, or odd."""
+    return tuple(n for n in PATTERNS if n.startswith("cos") is not odd)
+
+
+def _powers(
+    points: ComplexArray, radius: float, middle: float, reach: float
+) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+    """Terms (k, m) of a potential, and their first and second derivatives by z."""
+    n = np.arange(2, _NEGATIVE + 2)
+    inverse = (radius / points[:, None]) ** n
+    z = points[:, None]
+    p = np.arange(_POSITIVE + 1)
+    w = (z - middle) / reach
+    rising = w**p
+    first = np.where(p > 0, p * w ** np.maximum(p - 1, 0), 0) / reach
+    second = np.where(p > 1, p * (p - 1) * w ** np.maximum(p - 2, 0), 0) / reach**2
+    return (
+        np.concatenate([inverse, rising], axis=1),
+        np.concatenate([-n * inverse / z, first], axis=1),
+        np.concatenate([n * (n + 1) * inverse / z**2, second], axis=1),
+    )
+
+
+def _terms(
+    points: ComplexArray, radius: float, middle: float, reach: float, *, odd: bool
+) -> tuple[FloatArray, ComplexArray]:
+    """Trace sigma_x + sigma_y and (sigma_y - sigma_x)/2 + i tau_xy of each term of P, then of Q."""
+    value, slope, _ = _powers(points, radius, middle, reach)
+    unit = 1j if odd else 1.0
+    trace = np.concatenate([4 * (unit * value).real, np.zeros(value.shape)], axis=1)
+    of_p = points.conj()[:, None] * unit * slope
+    return trace, np.concatenate([of_p, unit * value], axis=1)
+
+
+def _fixed(
+    points: ComplexArray, poisson_ratio: float, *, odd: bool
+) -> tuple[FloatArray, ComplexArray]:
+    """Trace and deviator of a force of 1 N along x, or along y, on the hole's edge."""
+    kappa = (3 - poisson_ratio) / (1 + poisson_ratio)
+    force = 1j if odd else 1.0
+    p = -force / (2 * pi * (1 + kappa))
+    q = kappa * np.conj(force) / (2 * pi * (1 + kappa))
+    return 4 * (p / points).real, -p * points.conj() / points**2 + q / points
+
+
+def _traction(trace: FloatArray, deviator: ComplexArray, normal: ComplexArray) -> ComplexArray:
+    """X + i Y on a surface with an outward normal: (trace/2) n - conj(D n)."""
+    return np.asarray(trace / 2 * normal - np.conj(deviator * normal))
+
+
+def _on_rim(angles: FloatArray, radius: float, *, odd: bool) -> ComplexArray:
+    """Tractions (k, patterns) on the hole's edge: pressures point outward, the couple around."""
+    outward = np.exp(1j * angles)
+    columns = []
+    for name in _names(odd):
+        if name == "couple":
+            columns.append(1j * outward / (2 * pi * radius**2))
+            continue
+        wave, n = name.split()
+        size = (np.cos if wave == "cos" else np.sin)(int(n) * angles)
+        columns.append(outward * size / (pi * radius))
+    return np.stack(columns, axis=1)
+
+
+def _held(outline: LugOutline, *, odd: bool) -> ComplexArray:
+    """Tractions (m, patterns) that the rest of the part answers."""
+    by_name = {"cos 1": 0, "sin 1": 1, "couple": 2}
+    columns = [
+        outline.forced[by_name[name]] if name in by_name else np.zeros(len(outline.points), complex)
+        for name in _names(odd)
+    ]
+    return np.stack(columns, axis=1)
+
+
+def _stringer(
+    points: ComplexArray,
+    radius: float,
+    middle: float,
+    reach: float,
+    stiffening: FloatArray,
+    poisson_ratio: float,
+    *,
+    odd: bool,
+) -> ComplexArray:
+    """Shear traction that a stringer along an edge y = constant takes off, per term.
+
+    The lug pulls the stringer along: tau ds = -d(A E epsilon_x), E epsilon_x = sigma_x - nu sigma_y
+    = (1 - nu) trace/2 - (1 + nu) Re D. Its rate along x is what is added to the traction.
+    """
+    value, slope, bend = _powers(points, radius, middle, reach)
+    unit = 1j if odd else 1.0
+    trace = np.concatenate([4 * (unit * slope).real, np.zeros(value.shape)], axis=1)
+    of_p = unit * slope + points.conj()[:, None] * unit * bend
+    deviator = np.concatenate([of_p, unit * slope], axis=1)
+    rate = (1 - poisson_ratio) / 2 * trace - (1 + poisson_ratio) * deviator.real
+    return np.asarray(-stiffening[:, None] * rate + 0j)
+
+
+def _own_stringer(
+    points: ComplexArray, stiffening: FloatArray, poisson_ratio: float, *, odd: bool
+) -> ComplexArray:
+    """The same of the force's own fixed terms."""
+    kappa = (3 - poisson_ratio) / (1 + poisson_ratio)
+    force = 1j if odd else 1.0
+    p = -force / (2 * pi * (1 + kappa))
+    q = kappa * np.conj(force) / (2 * pi * (1 + kappa))
+    z = points
+    trace = -4 * (p / z**2).real
+    deviator = -p / z**2 + 2 * p * z.conj() / z**3 - q / z**2
+    rate = (1 - poisson_ratio) / 2 * trace - (1 + poisson_ratio) * deviator.real
+    return np.asarray(-stiffening * rate + 0j)
