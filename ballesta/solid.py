@@ -208,17 +208,18 @@ def solve_levels(
     first: Buildable = part.geometry if sideways else finer
     levels: list[Level] = []
     sizes = None
-    check_first_mesh(part, 3 * len(models.mesh(first, base).nodes))
     while True:
         start = perf_counter()
         try:
+            if not levels:
+                check_first_mesh(part, 3 * len(models.mesh(first, base).nodes))
             solutions = models.solutions(finer if levels else first, base, material, sizes)
         except TooManyElementsError as error:
             if len(levels) < 2:  # one mesh has no error bar
                 raise
             return levels, sizes, f"a finer mesh was not solved: {error}"
         except MeshError:
-            if not levels or base > _FINER * FIRST * part.fineness:
+            if base > _FINER * FIRST * part.fineness:
                 raise
             base *= _FINER  # sizes between two places may leave a round face too coarse
             continue

@@ -17,6 +17,7 @@ def main() -> None:
     """Measure the check of the design named on the command line."""
     start = perf_counter()
     from ballesta.check import check_file
+    from ballesta.part_ladder import Effort
     from reports.files import write_json, write_vtu
     from reports.page import write_report
     from reports.pictures import render_stills
@@ -24,7 +25,9 @@ def main() -> None:
     stages = {"import": perf_counter() - start}
     memories = {"import": gibibytes()}
     result = check_file(
-        sys.argv[1], say=lambda step: memories.__setitem__(step.split(";")[0], gibibytes())
+        sys.argv[1],
+        effort=Effort("solid"),
+        say=lambda step: memories.__setitem__(step.split(";")[0], gibibytes()),
     )
     stages |= result.timings
     memories["all parts"] = gibibytes()

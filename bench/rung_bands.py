@@ -124,12 +124,10 @@ def band_of(rows: Sequence[Compared]) -> dict[str, Any]:
     """The band of a rung's check from what was compared."""
     logs = np.array([log(row.ratio) for row in rows])
     middle, scatter = float(logs.mean()), float(logs.std(ddof=1))
-    arcs = {
-        "above": max(row.above / row.truth for row in rows),
-        "below": max(row.below / row.truth for row in rows),
+    bands = {
+        side: sorted(getattr(row, side) / row.truth for row in rows) for side in ("above", "below")
     }
-    if rows[0].kind == BUCKLING:  # what forks that hold the ends may add is the solid's to say
-        arcs["above"] = 0.0
+    arcs = {side: [shares[0], shares[-1]] for side, shares in bands.items()}
     names = rows[0].scales
     return {
         "low": exp(middle - DEVIATIONS * scatter),

@@ -20,16 +20,17 @@ _BEYOND = 0.1  # of the range that was compared: how far a part's proportions ma
 class Band:
     """Where solids lie, as a factor on a rung's value.
 
-    low, high    factors between which 95 % of the solids lie
-    count        solids compared
-    above, below  how far narrower arcs of contact move the solid, as shares of its value
+    low, high     factors between which 95 % of the solids lie
+    count         solids compared
+    above, below  how far the model band of the solids reaches (arcs of contact, forks), as shares
+                  of the value: least and most of those compared
     """
 
     low: float
     high: float
     count: int
-    above: float
-    below: float
+    above: tuple[float, float]
+    below: tuple[float, float]
 
     @property
     def width(self) -> float:
@@ -55,7 +56,8 @@ def known_band(shape: str, rung: str, kind: str) -> Band | None:
     entry = _data().get(shape, {}).get(rung, {}).get(kind)
     if entry is None:
         return None
-    return Band(entry["low"], entry["high"], entry["count"], entry["above"], entry["below"])
+    above, below = ((float(entry[side][0]), float(entry[side][1])) for side in ("above", "below"))
+    return Band(entry["low"], entry["high"], entry["count"], above, below)
 
 
 def band_of(shape: str, rung: str, kind: str, scales: Mapping[str, float]) -> Band | NoBand:

@@ -112,12 +112,12 @@ def _with_band(part: Part, model: RungModel, check: Check) -> Estimate:
         said = f"no error bar: {band.why}"
         return Estimate(_told(check, inf, inf, said), inf, inf)
     value = check.value
-    above, below = max(0.0, band.high - 1) * value, max(0.0, 1 - band.low) * value
-    arcs = {"up": band.above * value, "down": band.below * value}
+    above = (max(0.0, band.high - 1) + band.above[1]) * value
+    below = (max(0.0, 1 - band.low) + band.below[1]) * value
     return Estimate(
-        _told(check, above + arcs["up"], below + arcs["down"], _of_solids(band, model)),
-        above,
-        below,
+        _told(check, above, below, _of_solids(band, model)),
+        above - band.above[0] * value,
+        below - band.below[0] * value,
     )
 
 

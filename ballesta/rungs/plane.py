@@ -37,8 +37,8 @@ _OF_SHAPE: dict[type, str] = {
     ToggleBar: "; the cheeks' and the side walls' bending out of their planes, and the fillet of "
     "the cut-out but for the depth that it adds",
     SlottedLever: "; the notch at the boss's foot but for the depth that its fillet adds",
-    TubeRod: "; the rod's round surface: each strip along z moves as one, also that of the eye's "
-    "ball and of the tube's two walls",
+    TubeRod: "; the rod's round surface: each strip along z moves as one, which is too much in the "
+    "fillets, and the inside of the tube",
     PrismaticTube: "; the walls' bending out of their planes",
     LeafPack: "; the leaves' anticlastic bending across their width, and their parting where they "
     "would have to pull on each other",

@@ -14,11 +14,13 @@ from numpy.testing import assert_allclose
 from ballesta.check import check_file, part_masses, solve_cycles
 from ballesta.design import read_design
 from ballesta.levels import Models, solve_level
+from ballesta.part_ladder import Effort
 from ballesta.part_loads import loads_on
 from ballesta.part_strength import elastic_of, endurance_of
 from ballesta.solid import check_solid
 from reports.verdict import Status
 
+SOLID = Effort("solid")
 DESIGNS = Path(__file__).parents[2] / "designs"
 PRESS = DESIGNS / "toggle_press.toml"
 COARSE = [
@@ -44,7 +46,7 @@ PLAIN_PIN = (
 
 @pytest.fixture(scope="module")
 def press():
-    return check_file(PRESS, COARSE)
+    return check_file(PRESS, COARSE, effort=SOLID)
 
 
 @pytest.fixture(scope="module")
@@ -57,13 +59,13 @@ def brief():
 @pytest.fixture(scope="module")
 def as_sized():
     overrides = ["parts.bar_upper.mesh.fineness=0.35", "cycles.press.positions=61"]
-    return check_file(DESIGNS / "toggle_press_as_sized.toml", overrides)
+    return check_file(DESIGNS / "toggle_press_as_sized.toml", overrides, effort=SOLID)
 
 
 @pytest.fixture(scope="module")
 def thirty():
     overrides = ["parts.bar_upper.mesh.fineness=0.35", "cycles.press.positions=61"]
-    return check_file(DESIGNS / "toggle_press_30x30.toml", overrides)
+    return check_file(DESIGNS / "toggle_press_30x30.toml", overrides, effort=SOLID)
 
 
 def part_of(result, name):

@@ -15,10 +15,12 @@ from ballesta.check import check_file, part_masses, solve_cycles
 from ballesta.design import read_design
 from ballesta.errors import DesignError
 from ballesta.levels import Models
+from ballesta.part_ladder import Effort
 from ballesta.part_loads import loads_on
 from loads import LinkageError
 from loads.kinematics import rotated, turned_left
 
+SOLID = Effort("solid")
 MACHINE = """
 name = "Slider-crank"
 ground = ["O"]
@@ -324,7 +326,9 @@ def test_a_part_is_loaded_by_the_file_as_by_the_solved_cycle(with_part):
 def test_a_part_has_the_stresses_of_the_solved_cycle_under_its_measured_loads(with_part):
     """The loads agree to 1e-9, and stresses are linear in them."""
     folder = with_part[0]
-    solved, read = (check_file(folder / name) for name in ("solved.toml", "measured.toml"))
+    solved, read = (
+        check_file(folder / name, effort=SOLID) for name in ("solved.toml", "measured.toml")
+    )
     (own,), (other,) = solved.parts, read.parts
     for check, again in zip(own.checks, other.checks, strict=True):
         assert again.quantity == check.quantity
@@ -345,7 +349,7 @@ def test_a_part_is_checked_under_readings_that_are_off_by_half_a_percent(with_pa
         values[:, names.index(name)] *= 1 + 0.005 * random.uniform(-1, 1, len(values))
     (folder / "noisy.csv").write_text(csv_text(dict(zip(names, values.T, strict=True))))
     noisy = (folder / "measured.toml").read_text().replace("motion.csv", "noisy.csv")
-    result = check_file(written(folder, noisy, "noisy.toml"))
+    result = check_file(written(folder, noisy, "noisy.toml"), effort=SOLID)
     (gate,) = [gate for gate in result.gates if gate.name.startswith("run: balance")]
     assert 1e-3 < gate.value < 0.01
     assert all(gate.holds for gate in result.parts[0].gates)

@@ -13,11 +13,13 @@ from ballesta.check import check_file, solve_cycles
 from ballesta.design import read_design
 from ballesta.design_schema import design_schema
 from ballesta.errors import DesignError
+from ballesta.part_ladder import Effort
 from ballesta.part_loads import loads_on
 
 from ..geometry.step_files import in_inches, link_file, plate_with, write_step
 
 # a crank of 60 mm that is turned against a slider, with the plate link as its crank
+SOLID = Effort("solid")
 MACHINE = """
 name = "Crank and slider"
 ground = ["O"]
@@ -241,10 +243,10 @@ def test_a_part_from_cad_passes_a_check_as_the_parametric_one_does(machine):
 
     The one from CAD is 0.02 mm shorter than the linkage's.
     """
-    own = check_file(machine, ["points.A=0, 60.02 mm"]).parts[0]
+    own = check_file(machine, ["points.A=0, 60.02 mm"], effort=SOLID).parts[0]
     other_file = machine.with_name("parametric.toml")
     other_file.write_text(MACHINE + PARAMETRIC)
-    other = check_file(other_file).parts[0]
+    other = check_file(other_file, effort=SOLID).parts[0]
     assert own.shape == "link.step"
     assert_allclose(own.facts["mass [kg]"], other.facts["mass [kg]"], rtol=1e-3)
     for check in ("static", "fatigue"):
@@ -280,5 +282,5 @@ def test_a_part_that_is_not_even_about_its_plane_is_held_against_tilting(machine
         "parts.crank.holes.pin.at=60, 0, 0 mm",
         "parts.crank.mesh.fineness=0.5",
     ]
-    result = check_file(machine, changes).parts[0]
+    result = check_file(machine, changes, effort=SOLID).parts[0]
     assert all(gate.holds for gate in result.gates), [str(gate) for gate in result.gates]

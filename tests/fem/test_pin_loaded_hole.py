@@ -137,6 +137,20 @@ def test_a_couple_that_bends_a_thick_lug_presses_its_faces_as_that_many_forces()
     assert 0.77 < lug.relief < 0.771
 
 
+def test_a_lug_that_is_twisted_has_the_bars_shear_around_its_hole_as_a_hole_in_shear():
+    """Its bar at +x turns against M_x: tau_xy = +M_x/W at z > 0, half on either side of the hole.
+
+    -4 S sin(2 t) around a hole under shear S (Kirsch), all of it where the plate is thick.
+    """
+    thick = 2e4
+    lug = Lug(lug_of(), thick, twist_modulus=50.0)
+    other = Lug(lug_of(), thick, mirrored=True, twist_modulus=50.0)
+    for one, sign in ((lug, 1.0), (other, -1.0)):
+        hoop, _, _ = polar(one.tilted(RIM)[:, :, 0], RIM)
+        twice = 2 * (hoop * np.sin(2 * RIM)).mean()
+        assert_allclose(twice, sign * -4 * 0.5 / 50.0, rtol=0.01)
+
+
 def test_polar_and_cartesian_stress_are_each_others_inverse():
     plane = np.random.default_rng(1).normal(size=(len(RIM), 3))
     assert_allclose(cartesian(*polar(plane, RIM), RIM), plane, rtol=0, atol=1e-14)

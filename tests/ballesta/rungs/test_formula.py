@@ -183,6 +183,23 @@ def test_leaves_share_a_moment_and_their_clamp_has_its_fretting(parts):
     assert model.buckling is None
 
 
+def test_rails_under_an_even_moment_are_stressed_as_one_section(parts):
+    """-M y/I, I = t (W^3 - s^3)/12, where no end of the slot is: an identity of the two rails."""
+    shape = parts["lever"].geometry
+    loads = loads_of(
+        {
+            "slot": [[0.0] * 6],
+            "tip": [[0, 0, 0, 0, 0, 1e4]],
+            "pivot": [[0, 0, 0, 0, 0, -1e4]],
+        },
+        {"slot": [110.0]},
+        held="pivot",
+    )
+    points, stress = at(model_of(parts["lever"], loads), "rail")
+    inertia = shape.thickness * (shape.width**3 - shape.slot_width**3) / 12
+    assert_allclose(stress[:, 0], -1e4 * points[:, 1] / inertia, rtol=1e-9)
+
+
 def test_a_block_in_the_slot_spreads_the_rails_on_either_side_alike(parts):
     """Mirrored in y: a force up on the upper flank is one down on the lower."""
     part = parts["lever"]
@@ -217,6 +234,22 @@ def test_a_long_pin_is_bent_as_a_beam_and_pressed_by_its_lugs():
     pressed = (points[:, 2] == 0) & (np.abs(points[:, 0] + 5) < 1e-9)
     # four harmonics of the half cosine: 1.2 % above it where it is largest
     assert_allclose(stress[pressed, 0], -4 * force / (np.pi * 10 * 20), rtol=0.015)
+
+
+def test_a_narrow_lugs_edge_shears_a_thick_pin_as_a_half_space():
+    """Below the step of a pressure p: -p/2 twice, -nu p and the shear p/pi: 0.587 p at nu = 0.3.
+
+    d is 250 times the lug's width; bending is 3e-3 of p0, the band's integral 2 %, 1.2 % of p0
+    come with four harmonics.
+    """
+    design = read_design(DESIGNS / "toggle_press.toml")
+    seats = (Seat("inner", at=0.0, width=0.4), Seat("outer", at=1.0, width=0.4))
+    part = replace(design.parts["pin_B"], geometry=Pin(seats, diameter=100.0))
+    force = 1000.0
+    loads = loads_of({"inner": [[force, 0, 0, 0, 0, 0]], "outer": [[-force, 0, 0, 0, 0, 0]]})
+    peak = model_of(part, loads).history.peaks_by_position()[0][0]
+    pressure = 4 * force / (np.pi * 100 * 0.4)
+    assert_allclose(peak, np.sqrt(0.2**2 + 3 / np.pi**2) * pressure, rtol=0.05)
 
 
 def test_a_pin_on_whose_step_nothing_rounds_the_corner_is_refused(parts):

@@ -1,0 +1,47 @@
+"""What `auto` costs over the four machines, as a share of `--fidelity solid` in the same run.
+
+python -m bench.auto_cost   prints JSON; a design in turn by both, fresh models each
+"""
+
+import json
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from ballesta.check import check_file
+from ballesta.part_ladder import Effort
+
+MACHINES = ("toggle_press", "slider_crank", "quick_return", "spring_hammer")
+DESIGNS = Path(__file__).parents[1] / "designs"
+
+
+def measured(name: str) -> dict[str, Any]:
+    """Seconds and verdicts of a design by `auto` and by solids, and the rungs of its parts."""
+    row: dict[str, Any] = {"design": name}
+    for fidelity in ("auto", "solid"):
+        start = perf_counter()
+        result = check_file(DESIGNS / f"{name}.toml", effort=Effort(fidelity))
+        row[fidelity] = perf_counter() - start
+        row[f"{fidelity} loads"] = result.timings["loads"]
+        row[f"{fidelity} status"] = {
+            f"{check.part} {check.kind}: {check.quantity}": str(check.status)
+            for check in result.checks
+            if not check.method.startswith("formula") or fidelity == "auto"
+        }
+        if fidelity == "auto":
+            row["rungs"] = {
+                part.name: [tried.rung for tried in part.rungs if tried.checks]
+                for part in result.parts
+            }
+    return row
+
+
+def main() -> None:
+    """Measure all four."""
+    rows = [measured(name) for name in MACHINES]
+    auto, solid = (sum(row[fidelity] for row in rows) for fidelity in ("auto", "solid"))
+    print(json.dumps({"rows": rows, "auto over solid": auto / solid}))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,160 @@
+"""Whether `auto` comes to the verdict of the finest solid, on the variations of truth.jsonl.
+
+    python -m bench.rung_verdicts   resumes; writes bench/rungs/verdicts.jsonl
+
+Every variation is judged under loads multiplied so that the solid's worst utilisation of yield and
+fatigue is drawn between 0.2 and 3 (log-uniform, Sobol), and once more near its limit, between 0.85
+and 1.15. `auto` climbs as in a check: where it comes to the solid, the solid is really run.
+"""
+
+import argparse
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from math import exp, inf, log
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from scipy.stats import qmc
+
+from ballesta.levels import Models
+from ballesta.part_loads import PartLoads
+from ballesta.rungs.checked import BUCKLING
+from ballesta.rungs.climb import AUTO, climb_cheap, start_climb
+from ballesta.rungs.result import cheap_result, solid_result
+from bench.rung_truth import known
+from bench.rung_variations import SCENES, SEED, Machines, Variation
+from reports.verdict import Check, PartResult, Status
+
+FILE = Path(__file__).parent / "rungs" / "verdicts.jsonl"
+_WIDE, _NEAR = (0.2, 3.0), (0.85, 1.15)
+_DRAWN = 64  # more than any scene has variations
+
+
+def scaled(loads: PartLoads, factor: float) -> PartLoads:
+    """Loads times a factor, inertia included."""
+    return replace(
+        loads,
+        wrenches={name: factor * wrench for name, wrench in loads.wrenches.items()},
+        accelerations=factor * loads.accelerations,
+        tilting=factor * loads.tilting,
+    )
+
+
+def truth_checks(line: Mapping[str, Any], variation: Variation, factor: float) -> dict[str, Check]:
+    """The solid's checks with all loads multiplied by a factor, by kind."""
+    require = variation.design.require
+    needed = {"static": require.static, "fatigue": require.fatigue, BUCKLING: require.buckling}
+    return {
+        check["kind"]: Check(
+            part=variation.part.name,
+            kind=check["kind"],
+            quantity=check["kind"],
+            value=factor * check["value"],
+            unit="",
+            numerical=inf if check["numerical"] is None else factor * check["numerical"],
+            model=factor * (check["above"] or 0.0),
+            model_below=factor * (check["below"] or 0.0),
+            limit=check["limit"],
+            required=needed[check["kind"]],
+            cycle="",
+            position="",
+            place="",
+            method="solid",
+            basis="",
+        )
+        for check in line["checks"].values()
+    }
+
+
+def auto_of(variation: Variation, factor: float, models: Models) -> tuple[PartResult, float]:
+    """What `auto` finds under loads multiplied by a factor, and the seconds it took."""
+    start = perf_counter()
+    loads = scaled(variation.loads, factor)
+    climb = start_climb(variation.design, variation.part, loads, {})
+    if climb_cheap(climb, AUTO):
+        result = solid_result(climb, models, lambda _: None, everything=False)
+    else:
+        result = cheap_result(climb, models)
+    return result, perf_counter() - start
+
+
+def compared(
+    variation: Variation, line: Mapping[str, Any], target: float, drawn: str, models: Models
+) -> Iterator[dict[str, Any]]:
+    """A row for each check of a variation: the status by the solid and by `auto`."""
+    at_one = truth_checks(line, variation, 1.0)
+    worst = max(check.utilisation for kind, check in at_one.items() if kind != BUCKLING)
+    factor = target / worst
+    truth = truth_checks(line, variation, factor)
+    result, seconds = auto_of(variation, factor, models)
+    tried = [rung.rung for rung in result.rungs if rung.checks]
+    for check in result.checks:
+        if check.quantity.startswith(("column", "crooked")) or check.kind not in truth:
+            continue
+        finest = truth[check.kind]
+        yield {
+            "variation": variation.name,
+            "drawn": drawn,
+            "kind": check.kind,
+            "utilisation": finest.utilisation,
+            "solid": str(_by_value(finest)),
+            "solid with bars": str(finest.status),
+            "auto": str(check.status),
+            "method": check.method,
+            "rungs": tried,
+            "seconds": seconds,
+        }
+
+
+def _by_value(check: Check) -> Status:
+    """Status of the value itself: what the finest solid says without its bars."""
+    return Status.PASS if check.utilisation <= 1 else Status.FAIL
+
+
+def targets(scene: int) -> list[tuple[float, float]]:
+    """A wide and a near target of the utilisation for each variation of a scene, by its number."""
+
+    def between(share: float, bounds: tuple[float, float]) -> float:
+        low, high = map(log, bounds)
+        return exp(low + share * (high - low))
+
+    drawn = qmc.Sobol(2, seed=SEED + scene).random(_DRAWN)
+    return [(between(wide, _WIDE), between(near, _NEAR)) for wide, near in drawn]
+
+
+def main() -> None:
+    """Judge what has not been judged."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--near", type=int, default=3, help="every n-th variation near its limit")
+    options = parser.parse_args()
+    truths = {name: line for name, line in known().items() if line.get("checks")}
+    done = set()
+    if FILE.exists():
+        rows = map(json.loads, FILE.read_text().splitlines())
+        done = {(row["variation"], row["drawn"]) for row in rows}
+    machines = Machines()
+    for place, scene in enumerate(SCENES):
+        drawn = targets(place)
+        wanted = {name for name in truths if name.rsplit("/", 1)[0] == scene.name}
+        for variation in machines.variations(scene) if wanted else ():
+            if variation.name not in wanted:
+                continue
+            models = Models()
+            wide, near = drawn[variation.number]
+            asked = {"wide": wide, "near": near} if variation.number % options.near == 0 else {
+                "wide": wide
+            }  # fmt: skip
+            for kind, target in asked.items():
+                if (variation.name, kind) in done:
+                    continue
+                rows = compared(variation, truths[variation.name], target, kind, models)
+                with FILE.open("a") as file:
+                    for row in rows:
+                        file.write(json.dumps(row) + "\n")
+                        print(row["variation"], kind, row["kind"], row["solid"], row["auto"])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,276 @@
+"""Write docs/trade.md: what every rung costs and how far it is from a converged solid.
+
+    python -m bench.trade_page   from bench/rungs/{truth,compared,verdicts}.jsonl and cost.json
+
+`make trade` makes all of these, hours of solids included; they are kept, and resume.
+"""
+
+import json
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ballesta.rungs.bands import known_band
+from bench.rung_bands import Compared
+from bench.rung_truth import ACCURACY, PIN_ACCURACY, known
+from bench.rung_variations import SCENES, SEED
+
+HERE = Path(__file__).parent / "rungs"
+DOCS = Path(__file__).parents[1] / "docs"
+PAGE, PICTURE = DOCS / "trade.md", DOCS / "trade" / "pareto.svg"
+RUNGS = ("formula", "beam", "plane")
+KINDS = ("static", "fatigue", "buckling")
+MARGIN = 0.05  # of the limit: within it a verdict may stay open
+
+
+def rows_of(name: str) -> list[dict[str, Any]]:
+    """The lines of a file in bench/rungs."""
+    return [json.loads(line) for line in (HERE / name).read_text().splitlines()]
+
+
+def compared() -> list[Compared]:
+    """What the rungs say of every variation."""
+    return [Compared(**row) for row in rows_of("compared.jsonl")]
+
+
+def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
+    left = f"| {' | '.join(head)} |"
+    line = f"| {' | '.join('---' if k == 0 else '---:' for k in range(len(head)))} |"
+    return [left, line, *(f"| {' | '.join(row)} |" for row in rows), ""]
+
+
+def machines_table(rows: Sequence[Compared]) -> list[str]:
+    """Every part of the machines as it is: seconds and error of every rung."""
+    truths = known()
+    lines = []
+    for scene in SCENES:
+        own = [row for row in rows if row.variation == f"{scene.name}/0"]
+        if not own:
+            continue
+        solid = truths[f"{scene.name}/0"]["seconds"]
+        for kind in KINDS:
+            found = {row.rung: row for row in own if row.kind == kind}
+            if not found:
+                continue
+            truth = next(iter(found.values()))
+            told = [
+                f"{100 * (found[r].value / found[r].truth - 1):+.1f} % in {found[r].seconds:.2g} s"
+                if r in found
+                else "–"
+                for r in RUNGS
+            ]
+            unit = "" if kind == "buckling" else " MPa"
+            lines.append(
+                [
+                    scene.name,
+                    kind,
+                    f"{truth.truth:.4g}{unit} ± {100 * truth.bar / truth.truth:.1f} %",
+                    *told,
+                    f"{solid:.0f} s",
+                ]
+            )
+    return _table(("Part", "Check", "Solid", *RUNGS, "Solid took"), lines)
+
+
+def bands_table(rows: Sequence[Compared]) -> list[str]:
+    """The calibrated bars and what they hold, by shape."""
+    groups: dict[tuple[str, str, str], list[Compared]] = defaultdict(list)
+    for row in rows:
+        groups[row.shape, row.kind, row.rung].append(row)
+    lines = []
+    for (shape, kind, rung), some in sorted(groups.items()):
+        band = known_band(shape, rung, kind)
+        if band is None:
+            continue
+        ratios = np.array([row.ratio for row in some])
+        inside = int(((ratios >= band.low) & (ratios <= band.high)).sum())
+        lines.append(
+            [
+                shape,
+                kind,
+                rung,
+                str(len(some)),
+                f"{np.median(ratios):.3f}",
+                f"{ratios.min():.3f} to {ratios.max():.3f}",
+                f"{100 * (band.low - 1):+.1f} to {100 * (band.high - 1):+.1f} %",
+                f"{inside} of {len(some)}",
+            ]
+        )
+    head = ("Shape", "Check", "Rung", "n", "Median", "Solid / rung", "Bar", "Inside")
+    return _table(head, lines)
+
+
+def coverage(rows: Sequence[Compared]) -> dict[str, tuple[int, int, float, float]]:
+    """Inside, all, median bar and median error (shares of the solid) by rung, and of all."""
+    found = {}
+    for rung in (*RUNGS, "all"):
+        inside, bars, errors = 0, [], []
+        for row in rows:
+            band = known_band(row.shape, row.rung, row.kind)
+            if band is None or rung not in (row.rung, "all"):
+                continue
+            inside += band.low <= row.ratio <= band.high
+            above, below = max(0.0, band.high - 1), max(0.0, 1 - band.low)
+            bars.append((above + below) / 2 * row.value / row.truth)
+            errors.append(abs(row.value / row.truth - 1))
+        found[rung] = inside, len(bars), float(np.median(bars)), float(np.median(errors))
+    return found
+
+
+def verdicts() -> list[str]:
+    """Whether `auto` came to the solid's verdict."""
+    rows = rows_of("verdicts.jsonl")
+    near = {row["variation"] for row in rows if row["drawn"] == "near"}
+    all_of_them = {(row["variation"], row["drawn"]) for row in rows}
+    opposite = {("pass", "FAIL"), ("FAIL", "pass")}
+    flips = [row for row in rows if (row["solid"], row["auto"]) in opposite]
+    far = [row for row in rows if abs(row["utilisation"] - 1) > MARGIN]
+    left = [row for row in far if row["auto"] == "UNDECIDED"]
+    by_bars = [row for row in left if row["solid with bars"] == "UNDECIDED"]
+    meshed = {(r["variation"], r["drawn"]) for r in rows if "solid" in r["rungs"]}
+    lines = [
+        f"`auto` judged {len(all_of_them)} loadings of {len({r['variation'] for r in rows})} "
+        f"variations, {len(near)} of them drawn within 15 % of the limit: {len(rows)} checks of "
+        "yield, fatigue and elastic buckling.",
+        "",
+        f"- PASS against FAIL of the finest solid's value: **{len(flips)} of {len(rows)}**.",
+        f"- UNDECIDED where the solid is more than {100 * MARGIN:g} % from the limit: {len(left)} "
+        f"of {len(far)} ({100 * len(left) / max(1, len(far)):.1f} %); in {len(by_bars)} of them "
+        "the finest solid is UNDECIDED too, by what every model assumes (arc of contact).",
+        f"- {len(meshed)} of {len(all_of_them)} loadings were meshed at all.",
+        "",
+    ]
+    for row in flips:
+        lines.append(f"  - {row['variation']} ({row['drawn']}), {row['kind']}: solid "
+                     f"{row['utilisation']:.3f} of the limit, auto {row['auto']} by "
+                     f"{row['method']}")  # fmt: skip
+    return lines
+
+
+def cost() -> list[str]:
+    """What `auto` costs over the machines."""
+    data = json.loads((HERE / "cost.json").read_text())
+    rows = [
+        [
+            row["design"],
+            f"{row['auto']:.1f} s",
+            f"{row['solid']:.1f} s",
+            f"{100 * row['auto'] / row['solid']:.0f} %",
+            f"{row['auto loads']:.1f} s",
+            "; ".join(f"{part}: {', '.join(tried)}" for part, tried in row["rungs"].items()),
+        ]
+        for row in data["rows"]
+    ]
+    share = 100 * data["auto over solid"]
+    return [
+        f"All four: **{share:.0f} %** of the time of solids in the same run (asked for: at most "
+        "30 %), loads and reading included.",
+        "",
+        *_table(("Machine", "auto", "solid", "Share", "of it loads", "Rungs by part"), rows),
+    ]
+
+
+def draw(rows: Sequence[Compared]) -> None:
+    """Seconds against true error of the fatigue stress, a point for each part of the machines."""
+    import matplotlib as mpl
+
+    mpl.use("svg")
+    mpl.rcParams["svg.hashsalt"] = "ballesta"
+    from matplotlib import pyplot as plt
+
+    figure, axes = plt.subplots(figsize=(7.0, 4.2))
+    marks: dict[str, tuple[str, Callable[[Compared], bool]]] = {
+        "formula": ("o", lambda row: row.rung == "formula"),
+        "beam": ("s", lambda row: row.rung == "beam"),
+        "plane": ("^", lambda row: row.rung == "plane"),
+    }
+    stress = [row for row in rows if row.kind in ("static", "fatigue")]
+    for name, (mark, wanted) in marks.items():
+        some = [row for row in stress if wanted(row)]
+        errors = [100 * max(abs(row.value / row.truth - 1), 1e-4) for row in some]
+        axes.scatter(
+            [row.seconds for row in some], errors, s=14, marker=mark, label=name, alpha=0.6
+        )
+    truths = known()
+    solid = [
+        (truths[row.variation]["seconds"], 100 * max(row.bar / row.truth, 1e-4))
+        for row in stress
+        if row.rung == "formula"
+    ]
+    axes.scatter(*zip(*solid, strict=True), s=14, marker="D", label="solid (its bar)", alpha=0.6)
+    axes.set(xscale="log", yscale="log", xlabel="s", ylabel="error of the stress, %")
+    axes.grid(visible=True, alpha=0.3)
+    axes.legend(frameon=False)
+    figure.tight_layout()
+    PICTURE.parent.mkdir(exist_ok=True)
+    figure.savefig(PICTURE, metadata={"Date": None})
+    plt.close(figure)
+
+
+def page() -> str:
+    """Return docs/trade.md."""
+    rows = compared()
+    held = coverage(rows)
+    count = len({row.variation for row in rows})
+    lines = [
+        "# The trade: time for accuracy",
+        "",
+        "Written by `python -m bench.trade_page` (`make trade` makes its data too).",
+        "",
+        "A part is checked by the cheapest model whose error bars leave its verdict alone:",
+        "`formula`, `beam` frame, `plane` stress, `solid`. This page measures them on the parts of",
+        f"the four machines under their own loads, and on variations of their dimensions ({count}",
+        f"variations; Sobol, seed {SEED}; bounds in `bench/rung_variations.py`). Truth is a solid",
+        f"refined to {100 * ACCURACY:g} % ({100 * PIN_ACCURACY:g} % for pins).",
+        "",
+        "## The parts as they are",
+        "",
+        "Error of every rung against the solid, and the seconds it took beside the solid's, all on",
+        "one machine of 2 cores with other work on it: compare columns, not decimals.",
+        "",
+        *machines_table(rows),
+        "![Seconds against error](trade/pareto.svg)",
+        "",
+        "## The bars",
+        "",
+        "A bar is where 95 % of solids lie if the logarithm of solid over rung scatters normally:",
+        "mean ± 2 deviations (`ballesta/rungs/bands.json`). Outside the proportions that were",
+        "compared a rung has no bar, and `auto` climbs. It stops where 1.5 times the bars leave",
+        "the verdict alone.",
+        "",
+        *_table(
+            ("Rung", "Solids inside the bars", "Share", "Median bar", "Median error", "Ratio"),
+            (
+                [
+                    rung,
+                    f"{inside} of {total}",
+                    f"{100 * inside / total:.1f} %",
+                    f"{100 * bar:.2f} %",
+                    f"{100 * error:.2f} %",
+                    f"{bar / error:.2f}",
+                ]
+                for rung, (inside, total, bar, error) in held.items()
+            ),
+        ),
+        *bands_table(rows),
+        "## Verdicts of `auto`",
+        "",
+        *verdicts(),
+        "## What `auto` costs",
+        "",
+        *cost(),
+    ]
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def main() -> None:
+    """Write the page and its picture."""
+    draw(compared())
+    PAGE.write_text(page(), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
