@@ -2,6 +2,7 @@
 # make test   sets everything up and runs the tests
 # make lint   types, style and the direction of imports
 # make bench  runs the benchmarks, writes bench/results.json
+# make trade  compares the rungs with solids, writes the bars of the ladder and docs/trade.md (hours)
 # make documents  compares the documents' published values, writes docs/documents.md, docs/hammer_leaf.md
 PYTHON ?= python3
 VENV := .venv
@@ -10,7 +11,7 @@ READY := $(VENV)/ready
 PEERS := $(VENV)/peers
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: demo test slow lint bench documents setup clean
+.PHONY: demo test slow lint bench trade documents setup clean
 .DEFAULT_GOAL := demo
 
 setup: $(READY)
@@ -47,6 +48,14 @@ lint: $(READY)
 
 bench: $(PEERS)
 	@$(BIN)/python bench/run.py
+
+# Hours of solids, resumed where they stopped; bars, verdicts, costs and docs/trade.md after them.
+trade: $(PEERS)
+	@$(BIN)/python -m bench.rung_truth
+	@$(BIN)/python -m bench.rung_bands
+	@$(BIN)/python -m bench.rung_verdicts
+	@$(BIN)/python -m bench.auto_cost
+	@$(BIN)/python -m bench.trade_page
 
 documents: $(READY)
 	@$(BIN)/python tools/compare_documents.py

@@ -17,7 +17,7 @@ from ballesta.design_data import Design
 from ballesta.elastic_parts import compliances_of, without_unknown_contacts
 from ballesta.errors import DesignError
 from ballesta.gates import load_gates
-from ballesta.levels import Models
+from ballesta.levels import Bodies, Models
 from ballesta.linkage_frame import linkage_check, worst_mode
 from ballesta.machine import cycle_of, interface_distance, linkage_of, part_placing
 from ballesta.part_ladder import DEFAULT_EFFORT, Effort, check_parts, gave_up, time_warnings
@@ -29,7 +29,7 @@ from ballesta.quasi_static import (
     vibration_warnings,
     with_dynamics,
 )
-from ballesta.warnings_of import claim_warnings, design_warnings
+from ballesta.warnings_of import claim_warnings, design_warnings, unloaded_warnings
 from fem.allocation import keep_freed_memory
 from geometry.mesh import MeshError, TooManyElementsError
 from geometry.parts.step_part import StepPart
@@ -126,6 +126,7 @@ def check_design(
         warnings=[
             *time_warnings(results),
             *claim_warnings(design, results),
+            *unloaded_warnings(results),
             *shaken,
             *design_warnings(design, masses, runs),
         ],
@@ -167,7 +168,7 @@ def _assumed_here(design: Design) -> list[tuple[str, str]]:
 
 
 def part_masses(
-    design: Design, models: Models, say: Say = lambda _: None
+    design: Design, models: Bodies, say: Say = lambda _: None
 ) -> dict[str, tuple[float, tuple[float, float], float]]:
     """Mass, centre and inertia of every body that has a part, in the body's frame."""
     masses = {}

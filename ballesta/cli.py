@@ -112,6 +112,27 @@ def loads(
 
 
 @app.command()
+def ladder(
+    design: OneDesign,
+    part: Annotated[
+        str | None, typer.Option("--part", metavar="NAME", help="only this part; else all")
+    ] = None,
+    out: Annotated[Path, typer.Option("--out", help="folder for the page")] = Path("out"),
+    json: Annotated[bool, typer.Option("--json", help="print the result as JSON")] = False,
+    overrides: Overrides = None,
+) -> None:
+    """Try every model on every part: value and error bar against seconds; what auto chooses.
+
+    Writes OUT/DESIGN/ladder.html with a chart of every part.
+
+    Exit code 0: told, whatever the checks say; 2: an input is wrong; 3: the numerics gave up.
+    """
+    from ballesta.ladder_command import Wanted, run_ladder
+
+    raise typer.Exit(run_ladder(design, Wanted(part, out, json), overrides or []))
+
+
+@app.command()
 def plan(design: OneDesign, overrides: Overrides = None) -> None:
     """Say what a check would model, without solving: parts, loads, unknowns, time and memory."""
     from ballesta.plan import plan_text

@@ -56,12 +56,10 @@ def first_order_moments(
     x = np.linspace(0.0, length, _GRID)
     a_y, alpha = loads.accelerations[:, 1, None], loads.accelerations[:, 2, None]
     areas = _areas(part, x)
-    density = (
-        part.material.density if mass is None else mass / float(_cumulated(areas[None], x)[0, -1])
-    )
-    line = -density * areas
-    force = _cumulated(line * (a_y + alpha * x), x)
-    lever = _cumulated(line * (a_y + alpha * x) * x, x)
+    volume, first_moment, second_moment = _cumulated(areas * np.stack([x**0, x, x**2]), x)
+    density = part.material.density if mass is None else mass / float(volume[-1])
+    force = -density * (a_y * volume + alpha * first_moment)
+    lever = -density * (a_y * first_moment + alpha * second_moment)
     share = x / length
     found = []
     for couple, across, own in ((5, 1, True), (4, 2, False)):
@@ -157,43 +155,77 @@ class CrookedColumn:
         return float(most * brentq(over, 0.0, top, xtol=1e-15, rtol=1e-13))
 
 
-def crooked_column(
-    part: Part, loads: PartLoads, plane: Plane, other: Plane, mass: float | None = None
-) -> tuple[CrookedColumn, list[Section], IntArray]:
-    """The part crooked in `plane`, its sections by place, and which positions (n,) compress it."""
+@dataclass(frozen=True, eq=False)
+class _Pressed:
+    """A part at the positions that compress it, before it is taken to be crooked in a plane.
+
+    positions  (n,)    which of all positions these are
+    force      (n,)    N, compression
+    places     (k,)    share of the length
+    sections   (k,)
+    moments    plane -> (n, k) N mm, first order
+    series     plane -> (n, m) N mm, their sine series
+    bent       plane -> whether there are any
+    """
+
+    positions: IntArray
+    force: FloatArray
+    places: FloatArray
+    sections: list[Section]
+    moments: dict[str, FloatArray]
+    series: dict[str, FloatArray]
+    bent: dict[str, bool]
+
+
+def _pressed(part: Part, loads: PartLoads, length: float, mass: float | None) -> _Pressed:
     force = axial_compression(part, loads)
     pressed = np.flatnonzero(force > 0)
-    length = plane.own
     grid = np.linspace(0.0, 1.0, _GRID)
-    moments_of = first_order_moments(part, loads, length, mass)
-    by_plane = dict(zip(("in plane", "out of plane"), moments_of, strict=True))
     order = np.arange(1, _TERMS + 1)
     waves = np.sin(pi * order[:, None] * grid)
     weights = np.full(_GRID, 1 / (_GRID - 1))
     weights[[0, -1]] /= 2
     places, sections = _stations(part, length)
-    moments, series, moduli, critical = [], [], [], []
-    for side in (plane, other):
-        moment = by_plane[side.name][pressed]
-        series.append(2 * (moment * weights) @ waves.T)
-        moments.append(np.stack([np.interp(places, grid, row) for row in moment]))
+    between = np.stack([np.interp(places, grid, row) for row in np.eye(_GRID)])
+    largest = _NO_MOMENT * length * force.max()
+    moments, series, bent = {}, {}, {}
+    moments_of = first_order_moments(part, loads, length, mass)
+    for name, of_all in zip(("in plane", "out of plane"), moments_of, strict=True):
+        moment = of_all[pressed]
+        series[name] = 2 * (moment * weights) @ waves.T
+        moments[name] = moment @ between
+        bent[name] = bool(np.abs(moment).max() > largest)
+    return _Pressed(pressed, force[pressed], places, sections, moments, series, bent)
+
+
+def _crooked(part: Part, pressed: _Pressed, plane: Plane, other: Plane) -> CrookedColumn:
+    sides = (plane, other)
+    sections = pressed.sections
+    moduli, critical = [], []
+    for side in sides:
         moduli.append([inertia / half for inertia, half in map(side.built_up, sections)])
         carried = min(whole_force(part, side, section) for section in set(sections))
-        bent = np.abs(moment).max() > _NO_MOMENT * length * force.max()
-        critical.append(carried if side is plane or bent else np.inf)  # its own check judges it
-    bow = crookedness(part, plane) * np.sin(pi * places)
-    column = CrookedColumn(
-        force[pressed],
-        places,
+        judged = side is plane or pressed.bent[side.name]
+        critical.append(carried if judged else np.inf)  # its own check judges it
+    return CrookedColumn(
+        pressed.force,
+        pressed.places,
         np.array([section.area for section in sections]),
         np.array(moduli),
-        np.array(moments),
-        np.array(series),
+        np.stack([pressed.moments[side.name] for side in sides]),
+        np.stack([pressed.series[side.name] for side in sides]),
         np.array(critical),
-        bow,
+        crookedness(part, plane) * np.sin(pi * pressed.places),
         part.column.eccentricity,
     )
-    return column, sections, pressed
+
+
+def crooked_column(
+    part: Part, loads: PartLoads, plane: Plane, other: Plane, mass: float | None = None
+) -> tuple[CrookedColumn, list[Section], IntArray]:
+    """The part crooked in `plane`, its sections by place, and which positions (n,) compress it."""
+    pressed = _pressed(part, loads, plane.own, mass)
+    return _crooked(part, pressed, plane, other), pressed.sections, pressed.positions
 
 
 def crookedness(part: Part, plane: Plane) -> float:
@@ -214,11 +246,12 @@ def crooked_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
     planes = planes_of(design, part)
     mass = None if part.body is None else design.bodies[part.body].mass
     checks = []
+    pressed = _pressed(part, loads, planes[0].own, mass)
     for plane, other in (planes, planes[::-1]):
-        column, sections, pressed = crooked_column(part, loads, plane, other, mass)
+        column, sections = _crooked(part, pressed, plane, other), pressed.sections
         strength = part.material.yield_stress
         factor, row, place = column.load_factor(strength)
-        position = int(pressed[row])
+        position = int(pressed.positions[row])
         force = float(column.force[row])
         ratio = force / float(column.critical[0])
         said = "beyond what the column carries: no state of rest under the load itself"

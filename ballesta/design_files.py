@@ -5,6 +5,7 @@ import hashlib
 import re
 import tomllib
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -169,9 +170,15 @@ def _mark(value: object, way: Way, file: Path, sources: Sources) -> None:
         _mark(entry, (*way, step), file, sources)
 
 
+@lru_cache(maxsize=32)
+def _toml(text: str) -> dict[str, Any]:
+    """The tables of a text, parsed once: variations of a design read its files again and again."""
+    return tomllib.loads(text)
+
+
 def _parsed(file: Path, text: str) -> dict[str, Any]:
     try:
-        return tomllib.loads(text)
+        return dict(_toml(text))
     except tomllib.TOMLDecodeError as error:
         message = str(error)
         place = re.search(r" \(at (?:line (\d+), column (\d+)|end of document)\)$", message)

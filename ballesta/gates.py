@@ -1,6 +1,7 @@
 """What must hold for the loads of a cycle to count, and what their drive must be able to do."""
 
 from collections.abc import Mapping
+from math import ceil, sqrt
 
 import loads
 from ballesta.design_data import Design
@@ -12,6 +13,7 @@ from reports.words import number
 _GAP = 1e-6  # mm
 _RESIDUAL = 1e-9  # of the largest force, or of the power turned over
 _RESIDUAL_WITH_FRICTION = 1e-6
+_UNRESOLVED = 0.01  # share of the largest load that may lie between positions
 _SECOND_ORDER = 0.05  # share of the largest force
 _CONDITIONING = 0.02  # share of the motion that the solved force sees
 _FRICTION_SHARE = 0.3  # a coefficient is known to a third at best: the efforts then to 10 %
@@ -26,6 +28,7 @@ def load_gates(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list[G
 def _cycle_gates(design: Design, name: str, cycle: loads.CycleLoads) -> list[Gate]:
     return [
         *_numerical(name, cycle),
+        _positions(name, cycle),
         _dead_centre(design, name, cycle),
         *_friction(name, cycle),
         *_deflected_shape(name, cycle),
@@ -58,6 +61,22 @@ def _numerical(name: str, cycle: loads.CycleLoads) -> list[Gate]:
             "power that is not accounted for, over the power turned over",
         ),
     ]
+
+
+def _positions(name: str, cycle: loads.CycleLoads) -> Gate:
+    """What is missed of a smooth peak between positions falls with the square of their number."""
+    missed, count = cycle.unresolved, len(cycle.positions)
+    meaning = (
+        "how far loads rise between the positions of the cycle, over the largest of their kind, "
+        "as the same cycle has them at other positions"
+    )
+    if missed.share > _UNRESOLVED:
+        enough = ceil(count * sqrt(missed.share / _UNRESOLVED) / 10) * 10
+        meaning += (
+            f": {count} positions are too few, peaks are missed (most: {missed.what}); state "
+            f"positions = {enough} or more, or leave it out"
+        )
+    return Gate(f"{name}: loads between the positions", missed.share, _UNRESOLVED, meaning)
 
 
 def _dead_centre(design: Design, name: str, cycle: loads.CycleLoads) -> Gate:

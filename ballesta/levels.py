@@ -4,6 +4,7 @@ from collections.abc import Mapping, Set
 from dataclasses import dataclass
 from functools import cached_property
 from time import perf_counter
+from typing import Protocol
 
 import numpy as np
 
@@ -15,11 +16,18 @@ from fem.singularity import reentrant_edges
 from fem.stress_history import StressHistory
 from fem.unit_loads import ACCELERATIONS, IN_PLANE, inertia_of, resultants
 from fem.unit_solutions import Elastic, UnitSolutions, solve_unit_loads
-from geometry.cad_body import CadBody, cad_body
+from geometry.cad_body import CadBody, SolidBody, cad_body
 from geometry.halves import Half
 from geometry.mesh import SYMMETRY, FloatArray, IntArray, MassProperties, Mesh
 from geometry.meshing import Buildable, mesh_shape
 from geometry.sizing import SizeField, element_sizes
+
+
+class Bodies(Protocol):
+    """What knows bodies without meshing them."""
+
+    def body(self, shape: Buildable) -> SolidBody:
+        """Return what is known of a shape without a mesh of it; raises MeshError."""
 
 
 class Models:

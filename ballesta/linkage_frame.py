@@ -25,11 +25,12 @@ from ballesta.link_joints import JointRows
 from ballesta.link_model import LinkModel, link_model
 from ballesta.part_loads import shown_of
 from fem.frame_joints import IN_PLANE, OUT_OF_PLANE, PlacedLinks
-from geometry.mesh import FloatArray
+from geometry.mesh import FloatArray, IntArray
 from reports.verdict import Check
 
 COARSE, MIDDLE, FINE = 4, 8, 16  # pieces of a bar's longest stretch
 _COARSE_ERROR = 0.03  # of a factor, how much higher the coarse frame may be than the fine one
+_RANKED = 2000  # positions over all cycles that are asked at first
 _PLANES = {"in plane": IN_PLANE, "out of plane": OUT_OF_PLANE}
 Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
 
@@ -159,6 +160,13 @@ def linkage_check(design: Design, mode: LinkageMode) -> Check:
     )
 
 
+def _spread(run: loads.CycleLoads, stride: int) -> IntArray:
+    """Every so many-th position of a cycle, and the ends of its phases."""
+    borders = np.flatnonzero(np.diff(run.phase_of))
+    ends = [0, *borders, *(borders + 1), len(run.positions) - 1]
+    return np.union1d(np.arange(0, len(run.positions), stride), ends)
+
+
 class _Search:
     """The frames of all positions with one number of pieces per bar."""
 
@@ -179,14 +187,39 @@ class _Search:
     def ranked(self) -> dict[_Case, list[tuple[float, _Place]]]:
         """1/factor and place by case, largest first; cases without a factor above 0 are left out.
 
-        Positions with the same pose and drive share the stiffness and are solved together. Left out
-        are those whose 1/factor cannot come near the largest, as the matrix's norm shows. Raises
-        loads.LinkageError where something moves without strain.
+        Left out are those whose 1/factor cannot come near the largest, as the matrix's norm shows.
+        Of more than 2000 positions some are asked that are spread evenly, the ends of phases among
+        them, and then all about the largest. Raises loads.LinkageError where something moves
+        without strain.
         """
         found: dict[_Case, list[tuple[float, _Place]]] = {}
+        stride = -(-sum(len(run.positions) for run in self._cycles.values()) // _RANKED)
+        spread = {name: _spread(run, stride) for name, run in self._cycles.items()}
+        self._rank(found, [(name, int(k)) for name, some in spread.items() for k in some])
+        if stride > 1:
+            about: dict[_Place, None] = {}
+            for places in found.values():
+                _, (name, k) = max(places)
+                last = len(self._cycles[name].positions)
+                near = np.arange(max(0, k - stride + 1), min(last, k + stride))
+                left = np.setdiff1d(near, spread[name])
+                about |= dict.fromkeys((name, int(j)) for j in left)
+            self._rank(found, list(about))
+        return {case: sorted(places, reverse=True) for case, places in found.items() if places}
+
+    def _rank(
+        self, found: dict[_Case, list[tuple[float, _Place]]], places: Sequence[_Place]
+    ) -> None:
+        """Add 1/factor and place of the places that come near the largest so far.
+
+        Positions with the same pose and drive share the stiffness and are solved together.
+        """
         sizes = {name: forces.sizes() for name, forces in self._forces.items()}
-        largest = dict.fromkeys((_IN, _SOFT, _STIFF), 0.0)
-        for members in self._alike().values():
+        largest = {
+            case: max((value for value, _ in found.get(case, ())), default=0.0)
+            for case in (_IN, _SOFT, _STIFF)
+        }
+        for members in self._alike(places).values():
             name, k = members[0]
             placed = self._placed(name, k)
             forms = self._forces[name].forms(placed, k)
@@ -208,7 +241,6 @@ class _Search:
                     for value, n in zip(top, near, strict=True)
                     if value > 0
                 )
-        return {case: sorted(places, reverse=True) for case, places in found.items() if places}
 
     def lowest(self, case: _Case, ranked: Sequence[tuple[float, _Place]]) -> tuple[float, str, int]:
         """The lowest factor, its cycle and position, of those ranked on a coarser frame."""
@@ -221,14 +253,16 @@ class _Search:
                 best = min(best, (factor, name, k))
         return best
 
-    def _alike(self) -> dict[tuple[object, ...], list[tuple[str, int]]]:
-        """Positions by pose and pace."""
-        result: dict[tuple[object, ...], list[tuple[str, int]]] = {}
-        for name, run in self._cycles.items():
-            size = float(np.ptp(run.poses[:, :, :2])) or 1.0
-            scaled = np.round(run.poses / np.array([size, size, 1.0]) * 1e9).astype(np.int64)
-            for k, pose in enumerate(scaled):
-                result.setdefault((run.pace, pose.tobytes()), []).append((name, k))
+    def _alike(self, places: Sequence[_Place]) -> dict[tuple[object, ...], list[_Place]]:
+        """Places by pose and pace."""
+        result: dict[tuple[object, ...], list[_Place]] = {}
+        sizes = {
+            name: float(np.ptp(run.poses[:, :, :2])) or 1.0 for name, run in self._cycles.items()
+        }
+        for name, k in places:
+            run, size = self._cycles[name], sizes[name]
+            pose = np.round(run.poses[k] / np.array([size, size, 1.0]) * 1e9).astype(np.int64)
+            result.setdefault((run.pace, pose.tobytes()), []).append((name, k))
         return result
 
     def _placed(self, name: str, k: int) -> PlacedLinks:

@@ -12,7 +12,7 @@ from ballesta.part_loads import PartLoads
 from ballesta.tear_planes import tear_lengths
 from ballesta.ties import first_largest
 from fem.lugs import ball_ligament, bearing_pressure, shear_out
-from geometry.cad_body import CadBody
+from geometry.cad_body import SolidBody
 from geometry.mesh import FloatArray, Interface, Mesh
 from geometry.parts import Pin, PlateLink, SlottedLever, ToggleBar, TubeRod
 from geometry.parts.step_part import StepPart
@@ -51,7 +51,7 @@ class _Lug:
     note: str
 
 
-def lug_checks(design: Design, part: Part, loads: PartLoads, body: Mesh | CadBody) -> list[Check]:
+def lug_checks(design: Design, part: Part, loads: PartLoads, body: Mesh | SolidBody) -> list[Check]:
     """Pressure in the holes of a part and shear behind them, each where it is worst."""
     if isinstance(part.geometry, Pin):
         return []
@@ -63,7 +63,7 @@ def lug_checks(design: Design, part: Part, loads: PartLoads, body: Mesh | CadBod
     return [_bearing(design, part, loads, lugs), *([torn] if torn else [])]
 
 
-def _lugs(design: Design, part: Part, body: Mesh | CadBody) -> list[_Lug]:
+def _lugs(design: Design, part: Part, body: Mesh | SolidBody) -> list[_Lug]:
     return [
         _lug(design, part, interface)
         for name, interface in body.interfaces.items()
@@ -148,7 +148,7 @@ def _bearing(design: Design, part: Part, loads: PartLoads, lugs: Sequence[_Lug])
 
 
 def _shear_out(
-    design: Design, part: Part, loads: PartLoads, body: Mesh | CadBody, lugs: Sequence[_Lug]
+    design: Design, part: Part, loads: PartLoads, body: Mesh | SolidBody, lugs: Sequence[_Lug]
 ) -> Check | None:
     """Check the ligament that is sheared most; None where no pin pulls at one."""
     found = []
@@ -192,7 +192,7 @@ def _pull(wrench: FloatArray, ligament: Ligament) -> tuple[FloatArray, FloatArra
     return np.hypot(wrench[:, 0], wrench[:, 1]), np.array(ligament.area)[sector]
 
 
-def ligaments(part: Part, body: Mesh | CadBody, interface: str) -> list[Ligament]:
+def ligaments(part: Part, body: Mesh | SolidBody, interface: str) -> list[Ligament]:
     """What a pin can tear out of a hole: towards the part's end, or into a slot beside the hole.
 
     A boss is left out of it. Of a part from CAD the ligament is looked for in all directions.

@@ -21,9 +21,10 @@ from ballesta.side_by_side import offset_gates
 from ballesta.slot_checks import slot_checks
 from ballesta.solid import FIRST
 from fem.solvers import SolverError
-from geometry.mesh import MeshError, TooManyElementsError
+from geometry.cad_body import SolidBody
+from geometry.mesh import Mesh, MeshError, TooManyElementsError
 from geometry.parts.step_part import StepPart
-from reports.verdict import PartResult
+from reports.verdict import Check, PartResult
 
 Say = Callable[[str], None]
 Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
@@ -65,7 +66,7 @@ def check_parts(
     waiting: list[str] = []
     results: dict[str, PartResult] = {}
     for part in design.parts.values():
-        with _told(design, part):
+        with told_of_part(design, part):
             part_loads = loads_on(design, part, solved)
             check_reach(design, part, part_loads, models.body(part.geometry).interfaces)
             climb = climbs[part.name] = start_climb(design, part, part_loads, solved)
@@ -78,7 +79,7 @@ def check_parts(
         waiting.sort(key=lambda name: costs[name])
     for done, name in enumerate(waiting):
         climb = climbs[name]
-        with _told(design, climb.part):
+        with told_of_part(design, climb.part):
             if climb.levels and deadline < inf and perf_counter() + costs[name] > deadline:
                 _leave(climb, costs[name], deadline - perf_counter())
                 results[name] = cheap_result(climb, models)
@@ -95,7 +96,7 @@ def check_parts(
 def _cost(design: Design, climb: Climb, models: Models) -> float:
     """Expected time of a part's solid, s."""
     part = climb.part
-    with _told(design, part):
+    with told_of_part(design, part):
         return check_seconds(3 * len(models.mesh(part.geometry, FIRST * part.fineness).nodes))
 
 
@@ -120,28 +121,31 @@ def time_warnings(results: Sequence[PartResult]) -> list[str]:
 
 def _with_formulas(climb: Climb, result: PartResult, solved: Solved, models: Models) -> PartResult:
     """Add the checks that are formulas on every rung."""
-    design, part, part_loads = climb.design, climb.part, climb.loads
-    interfaces = models.body(part.geometry).interfaces
-    is_cad = isinstance(part.geometry, StepPart)
-    body = (
-        models.mesh(part.geometry, FIRST * part.fineness) if is_cad else models.body(part.geometry)
-    )
-    formulas = [
-        *pin_checks(design, part, part_loads),
-        *lug_checks(design, part, part_loads, body),
-        *slot_checks(design, part, part_loads, interfaces),
-        *bush_checks(design, part, part_loads, solved),
-    ]
+    design, part = climb.design, climb.part
     return replace(
         result,
-        checks=[*result.checks, *formulas],
+        checks=[*result.checks, *formula_checks(climb, solved, models, models.body(part.geometry))],
         gates=[*result.gates, *offset_gates(design, part, solved)],
         assumed=[*result.assumed, *bushes_not_checked(part, solved)],
     )
 
 
+def formula_checks(climb: Climb, solved: Solved, models: Models, body: SolidBody) -> list[Check]:
+    """The checks of a part that are formulas on every rung and need no rung's stress."""
+    design, part, part_loads = climb.design, climb.part, climb.loads
+    lugs: Mesh | SolidBody = body
+    if isinstance(part.geometry, StepPart):
+        lugs = models.mesh(part.geometry, FIRST * part.fineness)
+    return [
+        *pin_checks(design, part, part_loads),
+        *lug_checks(design, part, part_loads, lugs),
+        *slot_checks(design, part, part_loads, body.interfaces),
+        *bush_checks(design, part, part_loads, solved),
+    ]
+
+
 @contextmanager
-def _told(design: Design, part: Part) -> Iterator[None]:
+def told_of_part(design: Design, part: Part) -> Iterator[None]:
     """Turn what goes wrong with a part into an error that names it."""
     try:
         yield

@@ -13,6 +13,8 @@ from ballesta.machine import part_placing
 from geometry.mesh import FloatArray, Interface
 from geometry.parts import Pin
 
+_LARGEST = 1e33  # N, N mm; squares and cubes of what is larger leave the range of numbers
+
 
 @dataclass(frozen=True, eq=False)
 class PartLoads:
@@ -42,6 +44,12 @@ class PartLoads:
         return max(
             float(np.hypot(wrench[:, 0], wrench[:, 1]).max()) for wrench in self.wrenches.values()
         )
+
+    @property
+    def is_nothing(self) -> bool:
+        """Whether no force, couple, weight or inertia acts at any position."""
+        wrenches = (wrench.any() for wrench in self.wrenches.values())
+        return not (self.accelerations.any() or any(wrenches))
 
     def resultant(self, interface: str) -> FloatArray:
         """Size (n,) of the force on an interface, N."""
@@ -124,6 +132,12 @@ def loads_on(
     if not slices:
         raise loads.LinkageError(f"no load acts on it: {', '.join(solved)} have none")
     together = {name: np.concatenate(parts) for name, parts in wrenches.items()}
+    largest = max(float(np.abs(wrench).max()) for wrench in together.values())
+    if not largest < _LARGEST:
+        raise loads.LinkageError(
+            f"its loads reach {largest:.3g} N or N mm, at most {_LARGEST:g} can be computed with: "
+            "is a unit or an exponent wrong?"
+        )
     return PartLoads(
         together,
         np.concatenate(accelerations),

@@ -7,9 +7,11 @@ as a pressure that grows along the lug.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
+import numpy.typing as npt
 
 from ballesta.design_data import Design, Part
 from ballesta.part_loads import PartLoads
@@ -21,6 +23,7 @@ from reports.verdict import Check
 
 _INSIDE = 16  # sections between two changes of load or diameter
 _ANGLES = np.radians(np.arange(0, 180, 5))
+_TIED = 1e-6  # of a stress: nearer ones are all computed
 _COUNTS = 1.01  # times bending or shear alone, from which their sum is a check of its own
 
 
@@ -41,19 +44,19 @@ class PinDiagram:
     moment: FloatArray
     torque: FloatArray
 
-    @property
+    @cached_property
     def bending_stress(self) -> FloatArray:
         """Largest bending stress (n, m), MPa."""
         return round_bending(np.hypot(self.moment[..., 0], self.moment[..., 1]), self.diameter)
 
-    @property
+    @cached_property
     def shear_stress(self) -> FloatArray:
         """Largest shear stress (n, m), MPa: at a rim where shear and twist run the same way."""
         return round_shear(np.hypot(self.shear[..., 0], self.shear[..., 1]), self.diameter) + (
             self.twist_stress
         )
 
-    @property
+    @cached_property
     def twist_stress(self) -> FloatArray:
         """Largest shear stress by the torque alone (n, m), MPa."""
         return round_torsion(np.abs(self.torque), self.diameter)
@@ -66,11 +69,30 @@ class PinDiagram:
         across (Jourawski), sin^2(a - a_V); inside the section bending is less and shear the same.
         The twist runs with the shear on one of two opposite rims, which are bent alike.
         """
-        bending, twist = self.bending_stress, self.twist_stress
-        shear = self.shear_stress - twist
+        every = np.ones(self.bending_stress.shape, dtype=bool)
+        return self._equivalent(every).reshape(every.shape)
+
+    @property
+    def equivalent_peaks(self) -> FloatArray:
+        """As `equivalent_stress` wherever that may be the largest, else a bound from below (n, m).
+
+        It is at most what bending and shear have at one place, sqrt(sigma^2 + 3 tau^2), and at
+        least either of them.
+        """
+        bent, sheared = self.bending_stress**2, 3 * self.shear_stress**2
+        least = np.sqrt(np.maximum(bent, sheared))
+        near = np.sqrt(bent + sheared) >= (1 - _TIED) * least.max()
+        least[near] = self._equivalent(near)
+        return np.asarray(least)
+
+    def _equivalent(self, chosen: npt.NDArray[np.bool_]) -> FloatArray:
+        """Largest von Mises stress (k,) of the chosen (n, m), MPa."""
+        bending, twist = self.bending_stress[chosen], self.twist_stress[chosen]
+        shear = self.shear_stress[chosen] - twist
         result = np.sqrt(3) * (shear + twist)  # in the middle, where nothing is bent
-        along_m = np.arctan2(self.moment[..., 1], self.moment[..., 0])
-        along_v = np.arctan2(self.shear[..., 1], self.shear[..., 0])
+        moment, force = self.moment[chosen], self.shear[chosen]
+        along_m = np.arctan2(moment[:, 1], moment[:, 0])
+        along_v = np.arctan2(force[:, 1], force[:, 0])
         for turn in _ANGLES:
             angle = along_m + turn
             bent = bending * np.cos(turn)
@@ -79,27 +101,31 @@ class PinDiagram:
         return np.asarray(result)
 
 
-def pin_diagram(shape: Pin, wrenches: dict[str, FloatArray], *, spread: bool) -> PinDiagram:
+def pin_diagram(
+    shape: Pin, wrenches: dict[str, FloatArray], *, spread: bool, ends_only: bool = False
+) -> PinDiagram:
     """Shear and bending along a pin under the wrenches (n, 6) of its seats.
 
-    spread  each lug presses evenly over its width, and not at its mid-plane
+    spread     each lug presses evenly over its width, and not at its mid-plane
+    ends_only  of stretches without pressure only both ends: shear is even there and the moment
+               linear, so that every stress is largest at one of them
     """
-    points, diameters = _stations(shape)
-    n = len(next(iter(wrenches.values())))
-    shear, moment = np.zeros((n, len(points), 2)), np.zeros((n, len(points), 2))
-    torque = np.zeros((n, len(points)))
+    points, diameters = _stations(shape, spread=spread, ends_only=ends_only)
     # a section at the lower end of a stretch has passed what acts at its place
-    passed = np.tile([True] + [False] * _INSIDE, len(points) // (_INSIDE + 1))
-    for seat in shape.seats:
-        wrench = wrenches[seat.name]
-        force = wrench[:, None, :2] / len(seat.places)
-        dipole = np.stack([wrench[:, 4], -wrench[:, 3]], axis=1)[:, None, :]
-        own = _pressed(seat, points) if spread else _pushed(seat, points, passed)
-        for share, lever, turned, pulled in own:
-            shear += force * share[None, :, None] + dipole * pulled[None, :, None]
-            moment += force * lever[None, :, None] + dipole * turned[None, :, None]
-            torque += wrench[:, 5:] / len(seat.places) * share
-    return PinDiagram(points, diameters, shear, moment, torque)
+    passed = np.r_[True, points[1:] <= points[:-1]]
+    share, lever, turned, pulled = np.zeros((4, len(shape.seats), len(points)))
+    for k, seat in enumerate(shape.seats):
+        for part in _pressed(seat, points) if spread else _pushed(seat, points, passed):
+            for total, own in zip((share, lever, turned, pulled), part, strict=True):
+                total[k] += own
+    count = np.array([len(seat.places) for seat in shape.seats])
+    acting = np.stack([wrenches[seat.name] for seat in shape.seats], axis=1)  # (n, seats, 6)
+    shear, moment = np.empty((2, len(acting), len(points), 2))
+    for axis, dipole in ((0, acting[:, :, 4]), (1, -acting[:, :, 3])):
+        force = acting[:, :, axis] / count
+        shear[..., axis] = force @ share + dipole @ pulled
+        moment[..., axis] = force @ lever + dipole @ turned
+    return PinDiagram(points, diameters, shear, moment, acting[:, :, 5] / count @ share)
 
 
 _Part = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
@@ -142,7 +168,7 @@ def _pressed(seat: Seat, points: FloatArray) -> list[_Part]:
     return parts
 
 
-def _stations(shape: Pin) -> tuple[FloatArray, FloatArray]:
+def _stations(shape: Pin, *, spread: bool, ends_only: bool) -> tuple[FloatArray, FloatArray]:
     """Sections along a pin, mm, from stretch to stretch of equal load and diameter."""
     seated = shape.seated()
     necks = [(low, high, seat.diameter or shape.diameter) for seat, low, high in seated]
@@ -153,9 +179,11 @@ def _stations(shape: Pin) -> tuple[FloatArray, FloatArray]:
     points, diameters = [], []
     for start, stop in pairwise(edges):
         middle = (start + stop) / 2
-        own = next((d for low, high, d in necks if low < middle < high), shape.diameter)
-        points.append(np.linspace(start, stop, _INSIDE + 1))
-        diameters.append(np.full(_INSIDE + 1, own))
+        own = next((d for low, high, d in necks if low < middle < high), None)
+        pressed = spread and own is not None
+        count = 2 if ends_only and not pressed else _INSIDE + 1
+        points.append(np.linspace(start, stop, count))
+        diameters.append(np.full(count, own or shape.diameter))
     return np.concatenate(points), np.concatenate(diameters)
 
 
@@ -164,8 +192,8 @@ def pin_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
     if not isinstance(part.geometry, Pin):
         return []
     wrenches = dict(loads.wrenches)
-    pushed = pin_diagram(part.geometry, wrenches, spread=False)
-    pressed = pin_diagram(part.geometry, wrenches, spread=True)
+    pushed = pin_diagram(part.geometry, wrenches, spread=False, ends_only=True)
+    pressed = pin_diagram(part.geometry, wrenches, spread=True, ends_only=True)
     pressures = _pressures(part.geometry, loads)
     bending = _check(
         design,
@@ -187,7 +215,7 @@ def pin_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
         "nominal shear stress 4/3 of 4 V/(pi d^2)",
         "",
     )
-    both = (pushed.equivalent_stress, pressed.equivalent_stress)
+    both = (pushed.equivalent_peaks, pressed.equivalent_peaks)
     alone = max(bending.value, np.sqrt(3) * shear.value)
     if both[0].max() <= _COUNTS * alone:
         return [bending, shear]

@@ -106,6 +106,16 @@ def claim_warnings(design: Design, results: Sequence[PartResult]) -> list[str]:
     return warnings
 
 
+def unloaded_warnings(results: Sequence[PartResult]) -> list[str]:
+    """Parts that pass because nothing was asked of them."""
+    return [
+        f"{result.name}: nothing loads it in any cycle; that it passes says nothing of what it "
+        "could carry: is a force or a mass of 0 meant, or a column of the wrong unit?"
+        for result in results
+        if result.checks and not any(check.value for check in result.checks)
+    ]
+
+
 def _drives(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list[str]:
     """Drives that can do their work, but only just; what they cannot do breaks a gate."""
     warnings = []

@@ -12,6 +12,7 @@ from ballesta.check import check_file
 from ballesta.part_ladder import Effort
 
 MACHINES = ("toggle_press", "slider_crank", "quick_return", "spring_hammer")
+FILE = Path(__file__).parent / "rungs" / "cost.json"
 DESIGNS = Path(__file__).parents[1] / "designs"
 
 
@@ -40,7 +41,9 @@ def main() -> None:
     """Measure all four."""
     rows = [measured(name) for name in MACHINES]
     auto, solid = (sum(row[fidelity] for row in rows) for fidelity in ("auto", "solid"))
-    print(json.dumps({"rows": rows, "auto over solid": auto / solid}))
+    data = {"rows": rows, "auto over solid": auto / solid}
+    FILE.write_text(json.dumps(data, indent=1) + "\n")
+    print(f"auto over solid: {auto / solid:.3f}")
 
 
 if __name__ == "__main__":

@@ -232,11 +232,33 @@ def buckling_modes() -> list[dict[str, Any]]:
     return rows
 
 
+def ladder_of_the_press() -> list[dict[str, Any]]:
+    """500 variations of the press by formula, loads solved again, and one solid check of it."""
+    measured = measured_by("bench.ladder")
+    refused = measured["statuses"].get("refused", 0)
+    return [
+        entry("ladder: variations of the press screened", measured["variations"], "1"),
+        entry("ladder: of these refused at the door", refused, "1"),
+        entry("ladder: all variations by formula", measured["screen"], "s"),
+        entry("ladder: the same, a process per core", measured["screen, all processes"], "s"),
+        entry("ladder: one variation", 1e3 * measured["per variation"], "ms"),
+        entry("ladder: one check as solids", measured["solid"], "s"),
+        entry("ladder: all variations over one solid", measured["screen over solid"], "1", 1.0),
+        entry(
+            "ladder: all over one solid, a process per core",
+            measured["screen, all processes, over solid"],
+            "1",
+            1.0,
+        ),
+    ]
+
+
 # Every benchmark by the first word of its rows.
 BENCHMARKS = {
     "ballesta": help_time,
     "buckling": buckling_modes,
     "fatigue": fatigue_verdict,
+    "ladder": ladder_of_the_press,
     "loads": loads_of_machines,
     "solid": solid_and_its_peer,
     "toggle": press_check,

@@ -22,7 +22,9 @@ def divided(n_normals: int, cells: IntArray) -> tuple[IntArray, IntArray]:
     n_normals + i; an edge that two cells share has one middle.
     """
     sides = np.sort(cells[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    edges, which = np.unique(sides, axis=0, return_inverse=True)
+    # one number per edge, in the order of its ends: NumPy sorts rows ten times as slowly
+    number, which = np.unique(sides[:, 0] * n_normals + sides[:, 1], return_inverse=True)
+    edges = np.stack(np.divmod(number, n_normals), axis=1)
     middle = n_normals + which.reshape(-1, 3)
     a, b, c = cells.T
     ab, bc, ca = middle.T

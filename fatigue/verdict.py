@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -39,8 +40,9 @@ class Verdict:
     plane_utilisation  (n_points,)  Findley's, where its value was needed; elsewhere NaN
     plane_bound        (n_points,)  not less than Findley's; 0 where the path is proportional
     plane              Findley's plane at the critical point, None if the path is proportional there
-    compared           other criteria at the critical point
     n_searched         points whose planes were searched
+    path               (6, n_positions)  MPa, stress of the critical point
+    reversed_limits    MPa, its limits in reversed bending and torsion
     """
 
     goodman: FatigueResult
@@ -50,8 +52,9 @@ class Verdict:
     plane_utilisation: FloatArray
     plane_bound: FloatArray
     plane: CriticalPlane | None
-    compared: ComparedCriteria
     n_searched: int
+    path: FloatArray
+    reversed_limits: tuple[float, float]
 
     def __post_init__(self) -> None:
         n = len(self.bounds.width)
@@ -62,6 +65,11 @@ class Verdict:
                 f"a verdict on {n} points needs as many bounds and plane values, and a point for "
                 f"each of Goodman's, got {shapes} and {self.points.shape}"
             )
+
+    @cached_property
+    def compared(self) -> ComparedCriteria:
+        """Other criteria at the critical point."""
+        return compared_criteria(self.path, *self.reversed_limits)
 
     @property
     def utilisation(self) -> FloatArray:
@@ -150,10 +158,11 @@ def ductile_verdict(
         return goodman(basis[points], coefficients, limits, ultimate_strength, cycle)
 
     goodman_bound = goodman_utilisation(bounds.amplitude, bounds.mean, endurance, ultimate_strength)
-    points = np.arange(len(basis))
-    if not every_point:
-        points = _governing(goodman_bound, by_goodman)
-    by_chord = by_goodman(points)
+    if every_point:
+        points = np.arange(len(basis))
+        by_chord = by_goodman(points)
+    else:
+        points, by_chord = _governing(goodman_bound, by_goodman)
     worst = float(by_chord.utilisation.max())
     known = np.zeros(len(basis))
     known[points] = by_chord.utilisation
@@ -193,17 +202,43 @@ def ductile_verdict(
         plane_utilisation=value,
         plane_bound=bound,
         plane=planes.get(critical),
-        compared=compared_criteria(at_critical, reversed_limit, torsion_ratio * reversed_limit),
         n_searched=n_searched,
+        path=at_critical,
+        reversed_limits=(reversed_limit, torsion_ratio * reversed_limit),
     )
 
 
-def _governing(bound: FloatArray, by_goodman: Callable[[IntArray], FatigueResult]) -> IntArray:
-    """Return the points among which Goodman's worst is, ascending: the highest bounds first."""
+def _governing(
+    bound: FloatArray, by_goodman: Callable[[IntArray], FatigueResult]
+) -> tuple[IntArray, FatigueResult]:
+    """Return the points among which Goodman's worst is, ascending, and his result at them.
+
+    The points with the highest bounds are judged first.
+    """
     order = np.argsort(-bound, kind="stable")
     worst, n = -np.inf, 0
-    while n < len(order) and bound[order[n]] > worst:
+    found: list[FatigueResult] = []
+    while n == 0 or (n < len(order) and bound[order[n]] > worst):
         more = order[n : n + _TOGETHER]
-        worst = max(worst, float(by_goodman(more).utilisation.max()))
+        found.append(by_goodman(more))
+        worst = max(worst, float(found[-1].utilisation.max()))
         n += len(more)
-    return np.sort(order[: max(n, 1)])
+    rows = np.argsort(order[:n])
+    return order[:n][rows], _joined(found, rows)
+
+
+def _joined(found: list[FatigueResult], rows: IntArray) -> FatigueResult:
+    """Return results of some points each as one, in another order of the points."""
+
+    def column(name: str) -> FloatArray:
+        return np.asarray(np.concatenate([getattr(result, name) for result in found])[rows])
+
+    return FatigueResult(
+        cycle=found[0].cycle,
+        amplitude=column("amplitude"),
+        mean=column("mean"),
+        pair=np.concatenate([result.pair for result in found])[rows],
+        endurance_limit=column("endurance_limit"),
+        ultimate_strength=found[0].ultimate_strength,
+        utilisation=column("utilisation"),
+    )

@@ -19,19 +19,25 @@ pieces: round-off of the stiffest.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import inf, isinf, sqrt
+from functools import lru_cache
+from math import exp, inf, isinf, log, sqrt
 from typing import Self
 
 import numpy as np
+from scipy.optimize import brentq
 
-from geometry.mesh import FloatArray
+from geometry.mesh import FloatArray, IntArray
 
 _GAUSS = sqrt(3) / 6  # of a stretch, from its middle
 _TERMS = 18  # of the exponential's series: 1e-16 for the angle below
 _ANGLE = 1.0  # rad, largest sqrt(F/B) times length of a cut
 _SHEARED = 1e-6  # nearer than this share below the least S, the column fails by shear
+_NEAR_SHEARED = 0.9999  # of the ceiling: beyond it the force is bracketed by bisection only
 _EXACT = 1e-13  # relative width to which the force is bracketed
 _LARGEST = 1e12  # times B/L^2: no column with any freedom carries it
+_LARGEST_EXPONENT = 600.0  # beyond it a ratio of determinants says no more than its sign
+_NO_LENGTH = 1e-300  # of the bracket: its relative width decides
+_NO_PIVOT = 1e-30  # for a pivot of zero, which no force hits but by accident
 
 
 @dataclass(frozen=True)
@@ -145,6 +151,25 @@ def critical_force(shape: ColumnShape, start: ColumnEnd = HINGED, end: ColumnEnd
     (20726.169, 5181.542)
     """
     _check_held(start, end)
+    stretches = tuple(
+        (float(length), float(first), float(second), float(shear))
+        for length, (first, second), shear in zip(
+            shape.lengths, shape.bending, shape.shear, strict=True
+        )
+    )
+    return _lowest(stretches, start, end)
+
+
+@lru_cache(maxsize=1024)
+def _lowest(
+    stretches: tuple[tuple[float, float, float, float], ...], start: ColumnEnd, end: ColumnEnd
+) -> float:
+    """Lowest critical force, N, of stretches (length, two bending stiffnesses, shear stiffness).
+
+    A design asks for the same column once for each section and plane that it is judged in.
+    """
+    table = np.array(stretches)
+    shape = ColumnShape(table[:, 0], table[:, 1:3], table[:, 3])
     counter = _Counter(shape, start, end)
     ceiling = counter.ceiling
     low, high = 0.0, min(1.0, ceiling)
@@ -154,13 +179,15 @@ def critical_force(shape: ColumnShape, start: ColumnEnd = HINGED, end: ColumnEnd
         low, high = high, min(4 * high, ceiling)
         if high > _LARGEST:
             raise ValueError(f"no force up to {high * counter.unit:.3g} N buckles the column")
-    while high - low > _EXACT * high:
-        middle = (low + high) / 2
+    while high > _NEAR_SHEARED * ceiling and high - low > _EXACT * high:
+        middle = (low + high) / 2  # the determinant has its pole at the ceiling
         if counter.below(middle):
             high = middle
         else:
             low = middle
-    return (low + high) / 2 * counter.unit
+    if high - low <= _EXACT * high:
+        return (low + high) / 2 * counter.unit
+    return float(brentq(counter.left, low, high, xtol=_NO_LENGTH, rtol=_EXACT)) * counter.unit
 
 
 def count_critical_forces(
@@ -205,9 +232,34 @@ class _Counter:
         self.ceiling = inf if isinf(least) else least * (1 - _SHEARED)
         self._ends = [(end_.held, end_.turning * shape.length / largest) for end_ in (start, end)]
 
+        self._unloaded: dict[tuple[int, ...], float] = {}
+
     def below(self, force: float) -> int:
         """Number of critical forces below this one."""
-        blocks = self._stiffness(force)
+        return self._determinant(force, self._cuts(force))[0]
+
+    def left(self, force: float) -> float:
+        """Size of the determinant over that without force; below 0 if a critical force is passed.
+
+        Nearly smooth: where the number of cuts changes it jumps by a factor of about 1.
+        """
+        cuts = self._cuts(force)
+        key = tuple(cuts.tolist())
+        if key not in self._unloaded:
+            self._unloaded[key] = self._determinant(0.0, cuts)[1]
+        count, size = self._determinant(force, cuts)
+        ratio = exp(min(size - self._unloaded[key], _LARGEST_EXPONENT))
+        return -ratio if count else ratio
+
+    def _cuts(self, force: float) -> IntArray:
+        """Into how many pieces (m,) the stretches are cut so that none buckles by itself."""
+        loosened = 1 / (1 - force / self._shear)
+        angle = self._lengths * np.sqrt(force * loosened * self._flexible.max(axis=1))
+        return np.asarray(np.maximum(np.ceil(angle / _ANGLE), 1).astype(np.int64))
+
+    def _determinant(self, force: float, cuts: IntArray) -> tuple[int, float]:
+        """Number of critical forces below this one, and the logarithm of the determinant's size."""
+        blocks = self._stiffness(force, cuts)
         count = len(blocks)
         diagonal = np.zeros((count + 1, 2, 2))
         diagonal[:-1] += blocks[:, :2, :2]
@@ -226,7 +278,7 @@ class _Counter:
                         coupling[0, unknown, :] = 0.0
         return _negative_pivots(diagonal.tolist(), coupling.tolist())
 
-    def _stiffness(self, force: float) -> FloatArray:
+    def _stiffness(self, force: float, cuts: IntArray) -> FloatArray:
         """Stiffness (m, 4, 4) of the stretches' cuts on w, t at their start and end."""
         loosened = 1 / (1 - force / self._shear)
         matrix = np.zeros((len(self._lengths), 2, 4, 4))
@@ -239,8 +291,6 @@ class _Counter:
         size = self._lengths[:, None, None]
         turn = second @ first - first @ second
         exponent = size / 2 * (first + second) + _GAUSS / 2 * size**2 * turn
-        angle = self._lengths * np.sqrt(force * loosened * self._flexible.max(axis=1))
-        cuts = np.maximum(np.ceil(angle / _ANGLE), 1).astype(int)
         exponent /= cuts[:, None, None]
         term = carried = np.broadcast_to(np.eye(4), exponent.shape)
         for k in range(1, _TERMS + 1):
@@ -260,18 +310,25 @@ class _Counter:
         return np.asarray(np.repeat(blocks, cuts, axis=0))
 
 
-def _negative_pivots(diagonal: list[list[list[float]]], coupling: list[list[list[float]]]) -> int:
-    """Number of negative eigenvalues of a symmetric matrix of 2 by 2 blocks along its diagonal."""
+def _negative_pivots(
+    diagonal: list[list[list[float]]], coupling: list[list[list[float]]]
+) -> tuple[int, float]:
+    """Number of negative eigenvalues of a symmetric matrix of 2 by 2 blocks along its diagonal.
+
+    And the logarithm of its determinant's size.
+    """
     (a, b), (_, d) = diagonal[0]
-    count = _negative(a, b, d)
+    over = a * d - b * b or _NO_PIVOT
+    count, size = _negative(a, b, d), log(abs(over))
     for ((p, q), (r, s)), ((a2, b2), (_, d2)) in zip(coupling, diagonal[1:], strict=True):
-        over = a * d - b * b or 1e-30  # no force hits a pivot of zero but by accident
         # the next block less C' D^-1 C
         u, v = (d * p - b * r) / over, (d * q - b * s) / over
         x, y = (a * r - b * p) / over, (a * s - b * q) / over
         a, b, d = a2 - p * u - r * x, b2 - p * v - r * y, d2 - q * v - s * y
+        over = a * d - b * b or _NO_PIVOT
         count += _negative(a, b, d)
-    return count
+        size += log(abs(over))
+    return count, size
 
 
 def _negative(a: float, b: float, d: float) -> int:

@@ -4,6 +4,7 @@ What a part that is not meshed needs all the same: the linkage its mass properti
 formula its holes, and a report its picture.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -18,27 +19,45 @@ _CURVED = 20  # facets on a full turn
 
 
 @dataclass(frozen=True, eq=False)
-class CadBody:
-    """A body as the CAD kernel knows it, in the part's own axes.
+class SolidBody(ABC):
+    """What is known of a body that is not meshed, in the part's own axes.
 
     interfaces  name -> Interface
     volume      mm3
     centre      (3,) mm, of mass
     second      mm5, second moment of volume about z through the centre
-    nodes       (n, 3) mm, of a skin of flat triangles
-    triangles   (m, 3) indices of them
     """
 
     interfaces: Mapping[str, Interface]
     volume: float
     centre: FloatArray
     second: float
-    nodes: FloatArray
-    triangles: IntArray
 
     def mass_properties(self, density: float) -> MassProperties:
         """Mass, centre and inertia of the body at a density in t/mm3."""
         return MassProperties(density * self.volume, self.centre, density * self.second)
+
+    @property
+    @abstractmethod
+    def size(self) -> float:
+        """Largest size along an axis, mm."""
+
+
+@dataclass(frozen=True, eq=False)
+class CadBody(SolidBody):
+    """A body as the CAD kernel knows it.
+
+    nodes       (n, 3) mm, of a skin of flat triangles
+    triangles   (m, 3) indices of them
+    """
+
+    nodes: FloatArray
+    triangles: IntArray
+
+    @property
+    def size(self) -> float:
+        """Largest size along an axis, mm."""
+        return float(np.ptp(self.nodes, axis=0).max())
 
 
 def cad_body(shape: Buildable) -> CadBody:

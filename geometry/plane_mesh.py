@@ -34,6 +34,8 @@ class PlaneMesh:
             raise MeshError(f"nodes must have shape (n, 2), got {self.nodes.shape}")
         if self.elements.ndim != 2 or self.elements.shape[1] != 6 or not len(self.elements):
             raise MeshError(f"elements must have shape (n, 6), n > 0, got {self.elements.shape}")
+        if not np.isfinite(self.nodes).all():
+            raise MeshError("the mesher gave nodes without a place: is a ligament next to nothing?")
         used = np.zeros(len(self.nodes), dtype=bool)
         used[self.elements] = True
         if not used.all():

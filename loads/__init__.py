@@ -1,5 +1,6 @@
 """Loads of any planar linkage of one degree of freedom over its cycle, part by part."""
 
+from loads.again import forces_again, moves_alike
 from loads.assembly import assembly_gap
 from loads.bodies import GROUND, Body, LinkageError
 from loads.compliance import BeamCompliance, JointCompliance, MatrixCompliance
@@ -76,7 +77,9 @@ __all__ = [
     "Table",
     "assembly_gap",
     "diagnose",
+    "forces_again",
     "move",
+    "moves_alike",
     "percent",
     "position_text",
     "pull_through",

@@ -21,8 +21,10 @@ from loads.motion import Geometry, Motion, move
 from loads.pace import Pace
 from loads.path import Path, trace
 from loads.timing import Timing
+from loads.unresolved import unresolved
 
 _LEAST_PER_PHASE = 20
+_LARGEST = 1e30  # N; squares and cubes of what is larger leave the range of numbers
 _COARSE = 201  # positions per phase that find where the loads change
 
 
@@ -106,10 +108,12 @@ def run_cycle(linkage: Linkage, cycle: Cycle) -> CycleLoads:
     run = _Run(path, cycle, timing)
     grids = [np.linspace(start, stop, _COARSE) for start, stop in cycle.spans]
     # the second time, what the first grid has stepped over is seen
+    tried: list[list[_Stretch]] = []
     for _ in range(2):
-        grids = _placed(cycle, grids, [run.solve(k, grid).solution for k, grid in enumerate(grids)])
+        tried.append([run.solve(k, grid) for k, grid in enumerate(grids)])
+        grids = _placed(cycle, grids, [stretch.solution for stretch in tried[-1]])
     stretches = [run.solve(k, run.with_corners(k, grid)) for k, grid in enumerate(grids)]
-    return _joined(linkage, cycle, timing, stretches)
+    return _joined(linkage, cycle, timing, stretches, tried)
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,7 +142,9 @@ class _Run:
             speed, acceleration = self.timing.rates(k, geometry)
             direction = 1 if grid[-1] > grid[0] else -1
             motion = move(geometry, self.cycle.pace.coordinate, speed, direction, acceleration)
-            return _Stretch(*solve_laws(motion, phase.given, phase.solve))
+            stretch = _Stretch(*solve_laws(motion, phase.given, phase.solve))
+            _check_sizes(stretch)
+            return stretch
         except LinkageError as error:
             raise CycleError(self.cycle.name, k, phase.name, str(error)) from None
 
@@ -165,6 +171,17 @@ class _Run:
     def _touch(self, k: int, name: str, what: str, grid: FloatArray) -> FloatArray:
         values: FloatArray = getattr(self.solve(k, grid).touches[name], what)
         return values
+
+
+def _check_sizes(stretch: _Stretch) -> None:
+    """Raise where forces are of no size that can be computed with."""
+    sizes = np.abs(stretch.solution.vector).max(axis=1)
+    if not (sizes < _LARGEST).all():
+        k = int(np.argmax(~(sizes < _LARGEST)))
+        raise LinkageError(
+            f"the forces reach {sizes[k]:.3g} N at {stretch.motion.place(k)}, at most "
+            f"{_LARGEST:g} N can be computed with: is a unit or an exponent wrong?"
+        )
 
 
 def _check_ends(linkage: Linkage, geometry: Geometry) -> None:
@@ -195,7 +212,8 @@ def _placed(
     for grid, step, jump in zip(grids, ways, changes, strict=True):
         monitor = step / way + (jump / change if change else 0.0)
         amount = monitor.sum() / (2.0 if change else 1.0)
-        count = max(_LEAST_PER_PHASE, ceil(amount * cycle.n_positions))
+        # less round-off, which would make one position more of it in one unit and not in another
+        count = max(_LEAST_PER_PHASE, ceil(amount * cycle.n_positions - 1e-9))
         summed = np.concatenate([[0.0], np.cumsum(monitor)])
         placed = np.interp(np.linspace(0.0, summed[-1], count), summed, grid)
         placed[0], placed[-1] = grid[0], grid[-1]
@@ -204,7 +222,11 @@ def _placed(
 
 
 def _joined(
-    linkage: Linkage, cycle: Cycle, timing: Timing, stretches: list[_Stretch]
+    linkage: Linkage,
+    cycle: Cycle,
+    timing: Timing,
+    stretches: list[_Stretch],
+    tried: list[list[_Stretch]],
 ) -> CycleLoads:
     motions = [stretch.motion for stretch in stretches]
     solutions = [stretch.solution for stretch in stretches]
@@ -246,7 +268,12 @@ def _joined(
             default=0.0,
         ),
         conditioning=np.concatenate([s.conditioning for s in solutions]),
+        unresolved=unresolved(_solved(stretches), [_solved(other) for other in tried]),
     )
+
+
+def _solved(stretches: list[_Stretch]) -> list[tuple[Motion, ForceSolution]]:
+    return [(stretch.motion, stretch.solution) for stretch in stretches]
 
 
 def _touches(stretches: list[_Stretch]) -> dict[str, Touch]:

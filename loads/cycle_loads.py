@@ -17,6 +17,7 @@ from loads.history import LoadHistory
 from loads.kinematics import Kinematics, dot, rotated, turned_left
 from loads.linkage import Linkage
 from loads.point_loads import PointLoad, body_loads
+from loads.unresolved import NOTHING, Unresolved
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +75,7 @@ class CycleLoads:
     second_order   what the deflected shape changes of effort and reactions in contact, relative
     conditioning   (n,) share of the motion that the solved force sees: 1 best, 0 dead centre
     pace           the coordinate that sets the time
+    unresolved     what the positions miss of loads that rise between them
     """
 
     linkage: Linkage
@@ -92,6 +94,7 @@ class CycleLoads:
     touches: Mapping[str, Touch]
     second_order: float
     conditioning: FloatArray
+    unresolved: Unresolved = NOTHING
 
     @cached_property
     def _kinematics(self) -> Kinematics:

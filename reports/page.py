@@ -12,7 +12,7 @@ from markupsafe import Markup
 
 from reports.charts import cycle_chart, haigh_chart, utilisation_chart
 from reports.files import replacing
-from reports.pictures import Pictures
+from reports.pictures import PLAIN, Pictures
 from reports.svg import colour_variables
 from reports.verdict import DesignResult, HandCheck, PartResult
 from reports.words import (
@@ -79,6 +79,13 @@ _CAPTIONS = {
 }
 
 
+def _captions(part: PartResult) -> dict[str, tuple[str, str, str]]:
+    """Captions of a part's pictures; one that was not meshed names what decided it."""
+    decided = ", ".join(dict.fromkeys(brief(check.method, 40) for check in part.checks))
+    told = f"Not meshed: decided by {decided or 'no check'}"
+    return {**_CAPTIONS, PLAIN: ("The whole part", "not meshed, without colours of stress", told)}
+
+
 def _part(part: PartResult, result: DesignResult, pictures: Pictures) -> dict[str, Any]:
     """Collect what the template needs of one part beside the part itself."""
     columns = list(dict.fromkeys(key for mesh in part.meshes for key in mesh))
@@ -87,7 +94,7 @@ def _part(part: PartResult, result: DesignResult, pictures: Pictures) -> dict[st
         "part": part,
         "titled": list(zip(part.checks, check_titles(part.checks), strict=True)),
         "images": [(view, b64encode(image).decode()) for view, image in images.items()],
-        "captions": _CAPTIONS,
+        "captions": _captions(part),
         "columns": columns,
         "haigh": Markup(haigh_chart(part, result.cycles)),
     }

@@ -13,11 +13,13 @@ from typing import Any
 
 import numpy as np
 
+from reports.pictures_worker import PLAIN as PLAIN
 from reports.verdict import PartResult, Surface
 from reports.words import clean
 
 VIEWS = ("whole", "peak")
 MODE = "mode"
+NOT_MESHED = "not meshed"  # the field of a surface that no stress is known on
 _CURE = "apt-get install libgl1 libegl1 libglu1-mesa libxft2 libxcursor1 libxinerama1 libgomp1"
 _WORKER = (sys.executable, "-m", "reports.pictures_worker")
 
@@ -26,7 +28,8 @@ _WORKER = (sys.executable, "-m", "reports.pictures_worker")
 class Pictures:
     """What could be drawn, and why the rest could not.
 
-    images  part name -> view ("whole", "peak", and "mode" where one was found) -> PNG
+    images  part name -> view ("whole", "peak", and "mode" where one was found; "plain" alone of a
+            part that was not meshed) -> PNG
     reason  what went wrong and its cure; "" when everything was drawn
     """
 
@@ -38,6 +41,8 @@ def render_stills(
     parts: Sequence[PartResult], timeout: float = 180.0, worker: Sequence[str] = _WORKER
 ) -> Pictures:
     """Stills of each part: all of it, the surroundings of its peak stress, its buckling mode.
+
+    A part that was not meshed is drawn once and in grey: there is no stress on it to show.
 
     One worker process draws them all, for at most `timeout` seconds. Its failure is a reason in
     the result, never an exception, and what it had drawn until then is kept.
@@ -84,7 +89,8 @@ def stress_field(surface: Surface) -> str:
 
 def _shown(part: PartResult) -> list[tuple[Surface, Sequence[str]]]:
     """Surfaces of a part, and the views of each."""
-    shown: list[tuple[Surface, Sequence[str]]] = [(part.surface, VIEWS)]
+    views = (PLAIN,) if list(part.surface.fields) == [NOT_MESHED] else VIEWS
+    shown: list[tuple[Surface, Sequence[str]]] = [(part.surface, views)]
     return shown if part.mode is None else [*shown, (part.mode, (MODE,))]
 
 

@@ -1,7 +1,8 @@
 """Draws the stills of `reports.pictures`: python -m reports.pictures_worker FOLDER.
 
 The folder holds jobs.json (field, views) and part_<i>.npz (nodes, triangles, values, peak), and
-receives part_<i>_<view>.png: "peak" from near, any other view of the whole surface.
+receives part_<i>_<view>.png: "peak" from near, any other view of the whole surface, "plain" without
+colours, colour bar and marker.
 """
 
 import json
@@ -17,6 +18,7 @@ import numpy.typing as npt
 FloatArray = npt.NDArray[np.float64]
 
 SIZE = (900, 600)
+PLAIN = "plain"
 _ISOMETRIC = np.array([1.0, -1.3, 0.9]) / np.linalg.norm([1.0, -1.3, 0.9])
 _SCENE = 0.83  # of the width, the rest is the scalar bar's
 _CLOSE = 0.14  # of the part's diagonal: half the height of the view of the peak
@@ -34,7 +36,7 @@ def main(folder: Path) -> None:
 
 
 def still(data: dict[str, Any], field: str, view: str) -> bytes:
-    """PNG of one view of a surface coloured by its values."""
+    """PNG of one view of a surface, coloured by its values unless it is to be plain."""
     import pyvista as untyped
     from PIL import Image
 
@@ -50,12 +52,13 @@ def still(data: dict[str, Any], field: str, view: str) -> bytes:
     plotter.set_background("white", all_renderers=True)
     plotter.subplot(0, 0)
     # Much ambient light: shading tells the shape, and must not change what a colour says.
+    colours = {"color": "lightgrey"} if view == PLAIN else {"scalars": field, "cmap": "viridis"}
     actor = plotter.add_mesh(
-        surface, scalars=field, cmap="viridis", nan_color="lightgrey", smooth_shading=False,
+        surface, **colours, nan_color="lightgrey", smooth_shading=False,
         ambient=0.6, diffuse=0.42, specular=0.0, show_scalar_bar=False,
     )  # fmt: skip
     seen = view_of if view == "peak" else corner_view
-    direction, hidden = seen(nodes, triangles, peak)
+    direction, hidden = (_ISOMETRIC, False) if view == PLAIN else seen(nodes, triangles, peak)
     diagonal = float(np.linalg.norm(np.ptp(nodes, axis=0)))
     edges = surface.extract_feature_edges(
         feature_angle=35, manifold_edges=False, non_manifold_edges=False
@@ -63,29 +66,49 @@ def still(data: dict[str, Any], field: str, view: str) -> bytes:
     if edges.n_points:
         edges.points += 2e-3 * diagonal * direction  # clear of the faces they bound
         plotter.add_mesh(edges, color="black", line_width=1.5, opacity=0.6, lighting=False)
-    # The marker floats towards the camera, so that nothing hides it.
-    plotter.add_points(
-        (nodes[peak] + diagonal * direction)[None, :], color="#d81b60", point_size=26,
-        render_points_as_spheres=True,
-    )  # fmt: skip
-    quantity, _, unit = (text.strip(" ]") for text in field.partition("["))
-    text = f"{quantity}, at the dot {data['values'][peak]:.3g} {unit}"
-    text += ", hidden behind the surface" if hidden else ""
-    label = plotter.add_text(text, position=(8, SIZE[1] - 34), font_size=11, color="black")
-    label.prop.background_color, label.prop.background_opacity = "white", 0.85
+    if view != PLAIN:
+        _mark_peak(plotter, data, field, direction, hidden)
     _place_camera(plotter, nodes, peak, direction, view)
     plotter.enable_anti_aliasing("ssaa")
-    plotter.subplot(0, 1)
-    plotter.add_scalar_bar(
-        unit or " ", mapper=actor.mapper, color="black", vertical=True, fmt="%.3g", n_labels=6,
-        position_x=0.2, position_y=0.08, height=0.84, width=0.45, title_font_size=17,
-        label_font_size=16,
-    )  # fmt: skip
+    if view != PLAIN:
+        _add_scalar_bar(plotter, actor.mapper, field)
     picture = plotter.screenshot(None, return_img=True)
     plotter.close()
     out = BytesIO()
     Image.fromarray(picture).save(out, format="PNG", optimize=True)
     return out.getvalue()
+
+
+def _mark_peak(
+    plotter: Any, data: dict[str, Any], field: str, direction: FloatArray, hidden: bool
+) -> None:
+    nodes, peak = data["nodes"], int(data["peak"])
+    diagonal = float(np.linalg.norm(np.ptp(nodes, axis=0)))
+    # The marker floats towards the camera, so that nothing hides it.
+    plotter.add_points(
+        (nodes[peak] + diagonal * direction)[None, :], color="#d81b60", point_size=26,
+        render_points_as_spheres=True,
+    )  # fmt: skip
+    quantity, unit = _quantity_and_unit(field)
+    text = f"{quantity}, at the dot {data['values'][peak]:.3g} {unit}"
+    text += ", hidden behind the surface" if hidden else ""
+    label = plotter.add_text(text, position=(8, SIZE[1] - 34), font_size=11, color="black")
+    label.prop.background_color, label.prop.background_opacity = "white", 0.85
+
+
+def _add_scalar_bar(plotter: Any, mapper: Any, field: str) -> None:
+    _, unit = _quantity_and_unit(field)
+    plotter.subplot(0, 1)
+    plotter.add_scalar_bar(
+        unit or " ", mapper=mapper, color="black", vertical=True, fmt="%.3g", n_labels=6,
+        position_x=0.2, position_y=0.08, height=0.84, width=0.45, title_font_size=17,
+        label_font_size=16,
+    )  # fmt: skip
+
+
+def _quantity_and_unit(field: str) -> tuple[str, str]:
+    quantity, _, unit = (text.strip(" ]") for text in field.partition("["))
+    return quantity, unit
 
 
 def _place_camera(

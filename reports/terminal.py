@@ -1,5 +1,6 @@
 """The verdict as text for a terminal or a pipe: one table, and what else a reader must know."""
 
+from collections.abc import Set
 from dataclasses import replace
 from pathlib import Path
 from shutil import get_terminal_size
@@ -7,6 +8,7 @@ from shutil import get_terminal_size
 from rich.cells import cell_len, chop_cells
 from rich.text import Text
 
+from reports.ladder_words import tried_sentence
 from reports.verdict import Check, DesignResult, Status
 from reports.words import (
     assumptions,
@@ -55,6 +57,10 @@ def verdict_text(
         lines += labelled("WARNING", brief(warning, 400), width)
     if result.checks:
         lines += _table(result, width)
+    for part in result.parts:
+        if part.rungs:
+            text = f"{brief(part.name, 24)}: {tried_sentence(part.rungs)}"
+            lines += labelled("LADDER", text, width)
     for owner, gate in broken_gates(result):
         text = f"{brief(owner, 40)}: {brief(gate_sentence(gate), 200)}; {brief(gate.meaning, 300)}"
         lines += labelled("GATE BROKEN" if gate.binding else "DOES NOT HOLD", text, width)
@@ -83,7 +89,7 @@ def verdict_renderable(
     text.highlight_regex(
         r"\bUNDECIDED\b|^WARNING|^GATE BROKEN|^DOES NOT HOLD|±∞ \(\w+\)", "bold yellow"
     )
-    text.highlight_regex(r"^(NOT CHECKED|ASSUMED|SET)\b", "bold")
+    text.highlight_regex(r"^(NOT CHECKED|ASSUMED|SET|LADDER)\b", "bold")
     return text
 
 
@@ -113,17 +119,18 @@ def _table(result: DesignResult, width: int) -> list[str]:
         lack = sum(fixed) + gaps + _NARROWEST_LAST - width
         fixed[column] -= max(0, min(lack, fixed[column] - least))
     widths = [*fixed, max(8, width - sum(fixed) - gaps)]
-    lines = _table_row("  ", list(_HEADINGS), widths)
+    lines = table_row("  ", list(_HEADINGS), widths, _RIGHT)
     for check, row in zip(checks, rows, strict=True):
         if check.status is Status.PASS:
             # About three lines, with the position kept; the report has it all.
             place = replace(check, place=clipped(check.place, widths[-1] - 2))
             row[-1] = clipped(f"{where(place)}; {check.method}", 3 * widths[-1])
-        lines += _table_row("> " if check is result.deciding else "  ", row, widths)
+        lines += table_row("> " if check is result.deciding else "  ", row, widths, _RIGHT)
     return lines
 
 
-def _table_row(mark: str, cells: list[str], widths: list[int]) -> list[str]:
+def table_row(mark: str, cells: list[str], widths: list[int], right: Set[int]) -> list[str]:
+    """Lines of a table's row: cells wrapped to their widths, those of `right` flush right."""
     wrapped = [wrap(cell, width) for cell, width in zip(cells, widths, strict=True)]
     lines = []
     for level in range(max(len(cell) for cell in wrapped)):
@@ -131,7 +138,7 @@ def _table_row(mark: str, cells: list[str], widths: list[int]) -> list[str]:
         for column, (cell, width) in enumerate(zip(wrapped, widths, strict=True)):
             text = cell[level] if level < len(cell) else ""
             gap = " " * (width - cell_len(text))
-            parts.append(gap + text if column in _RIGHT else text + gap)
+            parts.append(gap + text if column in right else text + gap)
         lines.append((mark if level == 0 else "  ") + " ".join(parts).rstrip())
     return lines
 

@@ -138,6 +138,30 @@ class Gate:
         }
 
 
+def status_of(checks: Sequence[Check], gates: Sequence[Gate]) -> Status:
+    """FAIL if a check fails, else UNDECIDED if one is or a binding gate breaks, else PASS."""
+    outcomes = {check.status for check in checks}
+    if Status.FAIL in outcomes:
+        return Status.FAIL
+    broken = any(not gate.holds and gate.binding for gate in gates)
+    if Status.UNDECIDED in outcomes or broken or not checks:
+        return Status.UNDECIDED
+    return Status.PASS
+
+
+def deciding_of(checks: Sequence[Check]) -> Check:
+    """The check that is nearest to its limit, bars included; a worse status comes first."""
+    order = {Status.FAIL: 0, Status.UNDECIDED: 1, Status.PASS: 2}
+    return min(
+        checks,
+        key=lambda c: (
+            order[c.status],
+            -(c.value + (c.numerical + c.model if isfinite(c.numerical) else 0))
+            * (c.required / c.limit),
+        ),
+    )
+
+
 @dataclass(frozen=True)
 class HandCheck:
     """A number computed by hand beside the model's, and how far apart they may be."""
@@ -274,13 +298,7 @@ class DesignResult:
     @property
     def status(self) -> Status:
         """FAIL if a check fails, else UNDECIDED if one is or a binding gate breaks, else PASS."""
-        outcomes = {check.status for check in self.checks}
-        if Status.FAIL in outcomes:
-            return Status.FAIL
-        broken = any(not gate.holds and gate.binding for gate in self.all_gates)
-        if Status.UNDECIDED in outcomes or broken or not self.checks:
-            return Status.UNDECIDED
-        return Status.PASS
+        return status_of(self.checks, self.all_gates)
 
     @property
     def all_gates(self) -> list[Gate]:
@@ -290,15 +308,7 @@ class DesignResult:
     @property
     def deciding(self) -> Check:
         """The check that is nearest to its limit, bars included; a worse status comes first."""
-        order = {Status.FAIL: 0, Status.UNDECIDED: 1, Status.PASS: 2}
-        return min(
-            self.checks,
-            key=lambda c: (
-                order[c.status],
-                -(c.value + (c.numerical + c.model if isfinite(c.numerical) else 0))
-                * (c.required / c.limit),
-            ),
-        )
+        return deciding_of(self.checks)
 
     @property
     def exit_code(self) -> int:

@@ -11,6 +11,10 @@ from reports.verdict import Check, DesignResult, Gate, Status
 _TURNING = {0x061C, 0x200E, 0x200F, *range(0x202A, 0x202F), *range(0x2066, 0x206A)}
 
 
+UNKNOWN_BAR = "no error bar: "  # in a check's note, before why it has none
+_LONGEST_UTILISATION = 1e6  # that is written with all its digits
+
+
 def clean(text: object, *, lines: bool = False) -> str:
     """Text without anything that steers a terminal or turns the direction of reading.
 
@@ -85,14 +89,18 @@ def quantity_unit(angular: bool, largest: float) -> tuple[str, float]:
 
 
 def safety_text(safety: float) -> str:
-    """Safety to three digits, rounded down so that it never looks better than it is."""
-    return number(safety, 3, ROUND_FLOOR)
+    """Safety to three digits, rounded down so that it never looks better than it is.
+
+    >>> safety_text(1.2999), safety_text(inf)
+    ('1.29', 'not loaded')
+    """
+    return "not loaded" if safety == inf else number(safety, 3, ROUND_FLOOR)
 
 
 def utilisation_text(utilisation: float) -> str:
     """Utilisation to two decimals, rounded up so that it never looks better than it is."""
-    if not isfinite(utilisation):
-        return number(utilisation)
+    if not utilisation < _LONGEST_UTILISATION:
+        return number(utilisation, 3, ROUND_CEILING)
     return str(Decimal(repr(utilisation)).quantize(Decimal("0.01"), ROUND_CEILING))
 
 
@@ -185,25 +193,42 @@ def reason(check: Check) -> str:
     """Why a check has the status that it has, in words."""
     high = check.value + check.numerical + check.model
     low = check.value - check.numerical - check.below
-    least = safety_text(check.limit / high) if high else "∞"
-    best = check.limit / low if low > 0 else inf
+    least = safety_text(check.limit / high) if high else ""
     has = f"safety {safety_text(check.safety)}, needs {need_text(check.required)}"
+    if not check.value:
+        has = f"not loaded: a value of 0 has no safety (needs {need_text(check.required)})"
     if check.status is Status.PASS:
-        return f"{has}; {least} at the upper end of its error bars"
+        upper = f"{has}; {least} at the upper end of its error bars" if least else has
+        return f"{upper}{_wider(check)}"
     if check.status is Status.FAIL:
-        return f"{has}; {safety_text(best)} at the lower end of its error bars"
+        best = safety_text(check.limit / low)
+        return f"{has}; {best} at the lower end of its error bars"
     if not isfinite(check.numerical):
         return f"{has}; its numerical error bar is infinite (singular): no mesh settles it"
     if not isfinite(check.model):
+        why = check.note.partition(UNKNOWN_BAR)[2]
+        if why:
+            return f"{has}; its model error bar is unknown ({why}): a better model may settle it"
         return f"{has}; its model error bar is infinite (unknown): no mesh settles it"
     cure = (
         "a finer mesh can settle it (accuracy, mesh.most_unknowns)"
         if check.settled_by_mesh
         else "the model's own bar holds the limit, so a finer mesh cannot settle it"
     )
-    return (
-        f"{has}; between {least} and {number(best, 3, ROUND_CEILING)} within its error bars: {cure}"
-    )
+    best = number(check.limit / low, 3, ROUND_CEILING) if low > 0 else "no end"
+    return f"{has}; between {least} and {best} within its error bars{_wider(check)}: {cure}"
+
+
+def _wider(check: Check) -> str:
+    """Say of a bar that is wider than its value that the model tells little more than a bound."""
+    for bar, owner in ((check.numerical, "numerical"), (check.model, "model")):
+        if check.value and bar > check.value:
+            return (
+                f"; its {owner} bar is wider than the value: {_bar(bar, None, owner)} on "
+                f"{number(check.value)} {check.unit}".rstrip()
+                + ", so the value is a bound, not an estimate"
+            )
+    return ""
 
 
 def verdict_sentence(result: DesignResult) -> str:

@@ -13,8 +13,10 @@ from ballesta.rungs.model import RungLevel, RungModel
 from ballesta.stress_words import Words, fatigue_words, static_words
 from ballesta.stressed import judge
 from reports.verdict import Check
+from reports.words import UNKNOWN_BAR
 
 STATIC, FATIGUE, BUCKLING = "static", "fatigue", "buckling"
+NOTHING = "nothing loads the part at any position: no model would find a stress"
 
 
 def rung_level(design: Design, part: Part, loads: PartLoads, model: RungModel) -> RungLevel:
@@ -41,25 +43,22 @@ def rung_estimates(
 
     use  how the part's fatigue is judged; None where no cycle of the duty loads it
     """
+    words = static_words(design, part, loads, level)
     found = {
-        STATIC: _stress_estimate(
-            part,
-            level,
-            static_words(design, part, loads, level),
-            level.peak.value,
-            level.peak.point,
-        )
+        STATIC: _stress_estimate(part, loads, level, words, level.peak.value, level.peak.point)
     }
     if use is not None:
         words = fatigue_words(design, part, loads, level, use)
-        found[FATIGUE] = _stress_estimate(part, level, words, use.value(level), use.point(level))
+        found[FATIGUE] = _stress_estimate(
+            part, loads, level, words, use.value(level), use.point(level)
+        )
     if level.model.buckling is not None and level.model.buckling.share > 0.0:
         found[BUCKLING] = _buckling_estimate(design, part, loads, level.model)
     return found
 
 
 def _stress_estimate(
-    part: Part, level: RungLevel, words: Words, value: float, point: int
+    part: Part, loads: PartLoads, level: RungLevel, words: Words, value: float, point: int
 ) -> Estimate:
     check = Check(
         part=part.name,
@@ -78,6 +77,8 @@ def _stress_estimate(
         basis=words.basis,
         note=words.note,
     )
+    if loads.is_nothing:
+        return Estimate(_told(check, 0.0, 0.0, NOTHING))
     return _with_band(part, level.model, check)
 
 
@@ -109,7 +110,7 @@ def _with_band(part: Part, model: RungModel, check: Check) -> Estimate:
     """The check with the band of solids around the rung's value."""
     band = band_of(part.shape, model.rung, check.kind, model.scales)
     if isinstance(band, NoBand):
-        said = f"no error bar: {band.why}"
+        said = f"{UNKNOWN_BAR}{band.why}"
         return Estimate(_told(check, inf, inf, said), inf, inf)
     value = check.value
     above = (max(0.0, band.high - 1) + band.above[1]) * value

@@ -14,6 +14,8 @@ from ballesta.rungs.bands import known_band
 from ballesta.rungs.checked import BUCKLING, FATIGUE, STATIC, rung_estimates, rung_level
 from ballesta.rungs.estimate import Estimate
 from ballesta.rungs.model import RungLevel, RungModel
+from fem.solvers import SolverError
+from geometry.mesh import MeshError
 from geometry.parts import LeafPack
 from reports.verdict import Check, RungTried, Status
 
@@ -65,7 +67,11 @@ class Climb:
         """Try a rung, for some kinds of checks only; whether it has a model of the part."""
         wanted = self.asked if kinds is None else kinds
         start = perf_counter()
-        model = BUILDERS[rung](self.part, self.loads)
+        try:
+            model = BUILDERS[rung](self.part, self.loads)
+        except (MeshError, SolverError) as error:
+            self.skip(rung, f"gave up: {error}")
+            return False
         if model is None:
             self.skip(rung, f"there is no {rung} of this shape")
             return False
@@ -153,6 +159,8 @@ def _settled_words(estimate: Estimate) -> str:
 def _open_words(estimate: Estimate | None) -> str:
     if estimate is None:
         return "is not known"
+    if not estimate.spread < float("inf"):
+        return "has no error bar"
     return f"has its limit within {estimate.guard:g} times its bars"
 
 

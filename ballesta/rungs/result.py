@@ -29,13 +29,13 @@ _BALANCE = 1e-6
 def cheap_result(climb: Climb, models: Models) -> PartResult:
     """What is known of a part whose verdict no mesh was needed for."""
     design, part, loads = climb.design, climb.part, climb.loads
-    level = _level_of(climb)
+    level = reported_level(climb)
     body = models.body(part.geometry)
     mass = body.mass_properties(part.material.density)
-    size = float(np.ptp(body.nodes, axis=0).max())
+    size = body.size
     facts = facts_of(part, loads, mass, size, endurance_of(part))
     facts |= column_facts(design, part, loads)
-    gates = _gates(climb, level, size)
+    gates = rung_gates(climb, level, size)
     peak = None
     if climb.use is not None:
         peak = climb.use.worst(level)
@@ -60,14 +60,15 @@ def cheap_result(climb: Climb, models: Models) -> PartResult:
     )
 
 
-def _level_of(climb: Climb) -> RungLevel:
+def reported_level(climb: Climb) -> RungLevel:
     """The rung whose stress is reported: that of the deciding stress check."""
     estimates = [climb.best[kind] for kind in (STATIC, FATIGUE) if kind in climb.best]
     deciding = max(estimates, key=lambda estimate: estimate.check.utilisation)
     return climb.levels[deciding.check.method]
 
 
-def _gates(climb: Climb, level: RungLevel, size: float) -> list[Gate]:
+def rung_gates(climb: Climb, level: RungLevel, size: float) -> list[Gate]:
+    """What must hold for a rung's answer to count; size of the part in mm."""
     name, model = climb.part.name, level.model
     missing = [kind for kind in climb.asked if kind not in climb.best]
     if climb.unbuckled and BUCKLING in missing:
@@ -156,13 +157,10 @@ def _merged(climb: Climb, checks: Sequence[Check], kinds: frozenset[str]) -> lis
             merged.append(best.check)
         else:
             merged.append(check)
-    here = {check.kind for check in checks if check.method.startswith(SOLID)}
-    alone = [
-        climb.best[BUCKLING].check
-        for kind in (BUCKLING,)
-        if kind in climb.best and kind not in kinds and kind not in here
-    ]
-    return [*merged, *alone]
+    here = {check.kind for check in checks if check.method.startswith(SOLID)} | kinds
+    alone = {k: climb.best[k].check for k in climb.asked if k in climb.best and k not in here}
+    buckling = [alone.pop(BUCKLING)] if BUCKLING in alone else []
+    return [*alone.values(), *merged, *buckling]
 
 
 def _better(best: Estimate, check: Check) -> bool:

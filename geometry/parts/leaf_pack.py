@@ -105,6 +105,22 @@ class LeafPack:
         """Second moment of area of leaves glued together, b (n t)^3 / 12, mm4."""
         return self.width * (self.leaves * self.thickness) ** 3 / 12
 
+    @property
+    def placed_interfaces(self) -> list[Interface]:
+        """Where other parts press on it."""
+        return [
+            Interface("pivot", "clamp", np.zeros(3), length=self.width),
+            Interface("rod", "clamp", np.array([self.length, 0, 0]), length=self.width),
+            Interface(
+                "contact",
+                "slide",
+                np.zeros(3),
+                length=self.width,
+                travel=(-self.contact_to, -self.contact_from),
+                patch=self.contact_length / 2,
+            ),
+        ]
+
     def build(self, gmsh: Any) -> Body:
         """Build the leaves in gmsh's current model, with the patches imprinted on their faces."""
         occ = gmsh.model.occ
@@ -157,18 +173,7 @@ class LeafPack:
         )
         return Body(
             surfaces=surfaces,
-            interfaces=[
-                Interface("pivot", "clamp", np.zeros(3), length=self.width),
-                Interface("rod", "clamp", np.array([self.length, 0, 0]), length=self.width),
-                Interface(
-                    "contact",
-                    "slide",
-                    np.zeros(3),
-                    length=self.width,
-                    travel=(-self.contact_to, -self.contact_from),
-                    patch=self.contact_length / 2,
-                ),
-            ],
+            interfaces=self.placed_interfaces,
             size=1.05 * self.thickness,
             regions=[Region(edges, self.thickness / 2, 2 * self.thickness)],
             stacked=True,

@@ -144,6 +144,22 @@ class Pin:
         """None: the mesh has every notch."""
         return {}
 
+    @property
+    def placed_interfaces(self) -> list[Interface]:
+        """Where other parts press on it."""
+        tilts = any(seat.single for seat in self.seats)
+        return [
+            Interface(
+                seat.name,
+                "journal",
+                np.array([0.0, 0.0, seat.at if seat.single else 0.0]),
+                (seat.diameter or self.diameter) / 2,
+                seat.width * len(seat.places),
+                tilts=tilts,
+            )
+            for seat in self.seats
+        ]
+
     def build(self, gmsh: Any) -> Body:
         """Build the pin in gmsh's current model."""
         self._outline().revolve(gmsh)
@@ -207,21 +223,10 @@ class Pin:
         ]
         edges = gmsh.model.getBoundary(necks, oriented=False) if necks else []
         steps = [(1, abs(tag)) for _, tag in edges]
-        tilts = any(seat.single for seat in self.seats)
         fine = self.step_fillet / 2.5 if self.step_fillet else self.diameter / 40
         return Body(
             surfaces=faces,
-            interfaces=[
-                Interface(
-                    seat.name,
-                    "journal",
-                    np.array([0.0, 0.0, seat.at if seat.single else 0.0]),
-                    (seat.diameter or self.diameter) / 2,
-                    seat.width * len(seat.places),
-                    tilts=tilts,
-                )
-                for seat in self.seats
-            ],
+            interfaces=self.placed_interfaces,
             size=radius / 2.5,
             regions=[
                 Region([(2, tag) for tags in faces.values() for tag in tags], radius / 4, radius),

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
@@ -56,7 +57,7 @@ class PlateLink:
         """The plate, width and thickness in mm, for Marin's size factor."""
         return (self.width, self.thickness)
 
-    @property
+    @cached_property
     def sections(self) -> tuple[Section, ...]:
         """The plate's one section, away from the holes."""
         return (plate_section("plate", self.width, self.thickness),)
@@ -65,6 +66,22 @@ class PlateLink:
     def notch_factors(self) -> Mapping[str, float]:
         """None: the mesh has every notch."""
         return {}
+
+    @property
+    def placed_interfaces(self) -> list[Interface]:
+        """Where other parts press on it."""
+        places = {"first": 0.0, "second": self.length}
+        return [
+            Interface(
+                name,
+                "bore",
+                np.array([places[name], 0.0, 0.0]),
+                hole / 2,
+                self.thickness,
+                tilts=True,
+            )
+            for name, hole in self._holes.items()
+        ]
 
     def build(self, gmsh: Any) -> Body:
         """Build the plate in gmsh's current model."""
@@ -85,17 +102,7 @@ class PlateLink:
         bores = {name: bore_at(gmsh, places[name], hole) for name, hole in self._holes.items()}
         return Body(
             surfaces=bores,
-            interfaces=[
-                Interface(
-                    name,
-                    "bore",
-                    np.array([places[name], 0.0, 0.0]),
-                    hole / 2,
-                    self.thickness,
-                    tilts=True,
-                )
-                for name, hole in self._holes.items()
-            ],
+            interfaces=self.placed_interfaces,
             size=min(self.width / 4, max(self.thickness / 2, self.width / 8)),
             regions=[
                 Region([(2, tag) for tag in bores[name]], hole / 14, hole / 2)

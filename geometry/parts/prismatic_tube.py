@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
@@ -34,7 +35,7 @@ class PrismaticTube:
         """The tube's outline, height and width in mm, for Marin's size factor."""
         return (self.width, self.width)
 
-    @property
+    @cached_property
     def sections(self) -> tuple[Section, ...]:
         """The tube's one section."""
         return (square_tube_section("tube", self.width, self.wall, self.inner_radius),)
@@ -44,6 +45,17 @@ class PrismaticTube:
         """None: the mesh has every notch."""
         return {}
 
+    @property
+    def _places(self) -> Mapping[str, float]:
+        return {"start": 0.0, "end": self.length}
+
+    @property
+    def placed_interfaces(self) -> list[Interface]:
+        """Where other parts press on it."""
+        return [
+            Interface(name, "face", np.array([x, 0.0, 0.0])) for name, x in self._places.items()
+        ]
+
     def build(self, gmsh: Any) -> Body:
         """Build the tube in gmsh's current model."""
         square_tube(gmsh, 0.0, self.length, self.width, self.wall, self.inner_radius)
@@ -52,13 +64,10 @@ class PrismaticTube:
 
     def named(self, gmsh: Any) -> Body:
         """Say what stands where, of the whole part or its half at z >= 0."""
-        places = {"start": 0.0, "end": self.length}
-        ends = {name: faces_where(gmsh, self._at(x)) for name, x in places.items()}
+        ends = {name: faces_where(gmsh, self._at(x)) for name, x in self._places.items()}
         return Body(
             surfaces=ends,
-            interfaces=[
-                Interface(name, "face", np.array([x, 0.0, 0.0])) for name, x in places.items()
-            ],
+            interfaces=self.placed_interfaces,
             size=max(1.5 * self.wall, min(3 * self.wall, self.width / 6)),
             regions=[],
         )

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
@@ -91,7 +92,7 @@ class ToggleBar:
         """The plate that a bore weakens, height and thickness in mm, for Marin's size factor."""
         return (self.width, self.wall)
 
-    @property
+    @cached_property
     def sections(self) -> tuple[Section, ...]:
         """The tube, and the two cheeks that alone carry the load beside the cut-out."""
         free = self.cutout_length - self.overhang
@@ -109,6 +110,18 @@ class ToggleBar:
     def notch_factors(self) -> Mapping[str, float]:
         """None: the mesh has every notch."""
         return {}
+
+    @property
+    def _places(self) -> Mapping[str, float]:
+        return {"knee": 0.0, "end": self.length}
+
+    @property
+    def placed_interfaces(self) -> list[Interface]:
+        """Where other parts press on it."""
+        return [
+            Interface(name, "bore", np.array([x, 0.0, 0.0]), self.hole / 2, 2 * self.wall)
+            for name, x in self._places.items()
+        ]
 
     def build(self, gmsh: Any) -> Body:
         """Build the bar in gmsh's current model."""
@@ -171,14 +184,10 @@ class ToggleBar:
                 )
             ),
         )
-        places = {"knee": 0.0, "end": self.length}
-        bores = {name: bore_at(x) for name, x in places.items()}
+        bores = {name: bore_at(x) for name, x in self._places.items()}
         return Body(
             surfaces={**bores, "cutout_corner": corners},
-            interfaces=[
-                Interface(name, "bore", np.array([x, 0.0, 0.0]), radius, 2 * self.wall)
-                for name, x in places.items()
-            ],
+            interfaces=self.placed_interfaces,
             size=1.1 * self.wall,
             regions=[
                 Region([(2, tag) for tags in bores.values() for tag in tags], radius / 9, radius),

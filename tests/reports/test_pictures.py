@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from ballesta.rungs import result as ladder_result
 from reports import report_html
-from reports.pictures import render_stills, stress_field
+from reports.pictures import NOT_MESHED, render_stills, stress_field
 from reports.pictures_worker import SIZE, corner_view, view_of
 
 from . import results
@@ -56,6 +57,27 @@ def test_a_buckling_mode_is_drawn_as_it_displaces_the_part():
     assert pictures.reason == ""
     assert list(pictures.images[part.name]) == ["whole", "peak", "mode"]
     assert pictures.images[part.name]["mode"] != pictures.images[part.name]["whole"]
+
+
+def test_a_part_that_was_not_meshed_is_grey_without_a_marker_or_a_colour_bar():
+    """Its one field is zero everywhere: colours would claim a stress that nobody knows."""
+    surface = replace(results.box(), fields={NOT_MESHED: np.zeros(len(results.box().nodes))})
+    part = results.part(surface=surface, meshes=[], checks=[results.check(method="formula")])
+    pictures = render_stills([part])
+    assert pictures.reason == ""
+    assert list(pictures.images["bar_upper"]) == ["plain"]
+    image = Image.open(BytesIO(pictures.images["bar_upper"]["plain"])).convert("RGB")
+    pixels = np.asarray(image).astype(int)
+    assert np.ptp(pixels, axis=2).max() < 12  # nothing coloured, whatever the lights' tint
+    assert (pixels.min(axis=2) < 240).mean() > 0.1
+    assert (pixels[:, int(0.9 * SIZE[0]) :] == 255).all()
+    page = report_html(results.design(part), pictures)
+    assert "Not meshed: decided by formula." in page
+    assert 'alt="The whole part of bar_upper, not meshed, without colours of stress"' in page
+
+
+def test_the_name_of_a_field_that_is_not_meshed_is_that_of_the_ladder():
+    assert ladder_result.NOT_MESHED == NOT_MESHED
 
 
 def test_hostile_names_are_drawn():

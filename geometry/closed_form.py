@@ -1,0 +1,220 @@
+"""Volume, centre and second moment of the plain parametric parts in closed form: no CAD kernel.
+
+For those who ask thousands of bodies and draw none of them. Pieces that are bounded by arcs are
+integrated over the arc's coordinate, exact to round-off; the rest is sums of boxes and discs.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from geometry.cad_body import SolidBody
+from geometry.mesh import FloatArray
+from geometry.parts import LeafPack, Pin, PlateLink, PrismaticTube, ToggleBar
+
+_GAUSS_POINTS = 24  # per piece; the pieces are smooth in the root of the distance to their start
+
+ClosedShape = ToggleBar | PrismaticTube | Pin | PlateLink | LeafPack
+
+
+@dataclass(frozen=True, eq=False)
+class ClosedBody(SolidBody):
+    """A body known by formulas alone.
+
+    extent  mm, its largest size along an axis
+    """
+
+    extent: float
+
+    @property
+    def size(self) -> float:
+        """Largest size along an axis, mm."""
+        return self.extent
+
+
+def closed_body(shape: object) -> ClosedBody | None:
+    """Return what formulas know of a shape; None for one that needs the CAD kernel."""
+    match shape:
+        case ToggleBar():
+            return _toggle_bar(shape)
+        case PrismaticTube():
+            return _prismatic_tube(shape)
+        case Pin():
+            return _pin(shape)
+        case PlateLink():
+            return _plate_link(shape)
+        case LeafPack():
+            return _leaf_pack(shape)
+        case _:
+            return None
+
+
+@dataclass(frozen=True)
+class _Moments:
+    """Integrals over a solid that is its own mirror image about y = 0 and z = 0.
+
+    volume  mm3
+    first   mm4, of x
+    second  mm5, of x^2 + y^2
+    """
+
+    volume: float
+    first: float
+    second: float
+
+    def __add__(self, other: "_Moments") -> "_Moments":
+        return _Moments(
+            self.volume + other.volume, self.first + other.first, self.second + other.second
+        )
+
+    def __sub__(self, other: "_Moments") -> "_Moments":
+        return self + _Moments(-other.volume, -other.first, -other.second)
+
+    def body(self, shape: ClosedShape, extent: float) -> ClosedBody:
+        """The body with its second moment about its own centre."""
+        x = self.first / self.volume
+        second = self.second - self.volume * x**2
+        interfaces = {interface.name: interface for interface in shape.placed_interfaces}
+        return ClosedBody(interfaces, self.volume, np.array([x, 0.0, 0.0]), second, extent)
+
+
+def _box(start: float, stop: float, width: float, thickness: float) -> _Moments:
+    """A box along x, `width` along y."""
+    volume = (stop - start) * width * thickness
+    first = (stop**2 - start**2) / 2 * width * thickness
+    along = (stop**3 - start**3) / 3 * width * thickness
+    return _Moments(volume, first, along + volume * width**2 / 12)
+
+
+def _disc(x: float, radius: float, thickness: float) -> _Moments:
+    """A round disc about z at (x, 0)."""
+    volume = pi * radius**2 * thickness
+    return _Moments(volume, volume * x, volume * (x**2 + radius**2 / 2))
+
+
+def _half_disc(x: float, radius: float, thickness: float, outward: float) -> _Moments:
+    """Half of a round disc, cut at x, on the side `outward` (1 or -1) along x."""
+    volume = pi * radius**2 * thickness / 2
+    first = volume * (x + outward * 4 * radius / (3 * pi))
+    # x^2 = (x - x0)^2 + 2 x0 x - x0^2, about the cut (x - x0)^2 + y^2 is that of half a disc
+    return _Moments(volume, first, volume * radius**2 / 2 + 2 * x * first - volume * x**2)
+
+
+def _plate_link(shape: PlateLink) -> ClosedBody:
+    thick, half = shape.thickness, shape.width / 2
+    solid = _box(0.0, shape.length, shape.width, thick)
+    solid += _half_disc(0.0, half, thick, -1.0) + _half_disc(shape.length, half, thick, 1.0)
+    for interface in shape.placed_interfaces:
+        solid -= _disc(float(interface.centre[0]), interface.radius, thick)
+    return solid.body(shape, max(shape.length + shape.width, thick))
+
+
+def _leaf_pack(shape: LeafPack) -> ClosedBody:
+    high = shape.leaves * shape.thickness
+    stop = shape.length + shape.overhang
+    solid = _box(-shape.arm, stop, high, shape.width)
+    return solid.body(shape, max(shape.arm + stop, high, shape.width))
+
+
+def _prismatic_tube(shape: PrismaticTube) -> ClosedBody:
+    cheek = _box(0.0, shape.length, shape.width, 2 * shape.wall)
+    solid = cheek + _side_walls(shape, np.zeros_like, shape.length, ())
+    return solid.body(shape, max(shape.length, shape.width))
+
+
+def _toggle_bar(shape: ToggleBar) -> ClosedBody:
+    stop = shape.length + shape.overhang
+    corner, cut = shape.cutout_corner, shape.cutout_length - shape.overhang
+
+    def start(depth: FloatArray) -> FloatArray:
+        """Where the side walls begin, by the distance from the cheek."""
+        return cut - corner + _circle(corner, depth)
+
+    solid = _box(-shape.overhang, stop, shape.width, 2 * shape.wall)
+    solid += _side_walls(shape, start, stop, (corner,))
+    for interface in shape.placed_interfaces:
+        solid -= _disc(float(interface.centre[0]), interface.radius, 2 * shape.wall)
+    return solid.body(shape, max(stop + shape.overhang, shape.width))
+
+
+def _circle(radius: float, depth: FloatArray) -> FloatArray:
+    """How far from its tangent's corner an arc is, at a depth beside it: 0 to the radius."""
+    beside = np.clip(radius - depth, 0.0, radius)
+    return np.asarray(np.sqrt(radius**2 - beside**2))
+
+
+def _side_walls(
+    shape: ToggleBar | PrismaticTube,
+    start: Callable[[FloatArray], FloatArray],
+    stop: float,
+    corners: tuple[float, ...],
+) -> _Moments:
+    """What a square tube has between its cheeks, from start(distance from the cheek) to `stop`.
+
+    The inner corners' fillets are a part of the side walls. corners: distances from the cheek, mm,
+    at which `start` is not smooth.
+    """
+    half, radius = shape.width / 2, shape.inner_radius
+    inside = half - shape.wall
+    cuts = sorted({0.0, inside, *(c for c in (radius, *corners) if 0 < c < inside)})
+    depth, weight = _gauss(cuts)
+    inner = inside - (radius - _circle(radius, depth))  # of the wall, at y > 0
+    first, last = start(depth), stop
+    across, across_3 = 2 * (half - inner), 2 * (half**3 - inner**3) / 3
+    weight = 2 * weight  # both cheeks
+    return _Moments(
+        float(weight @ ((last - first) * across)),
+        float(weight @ ((last**2 - first**2) / 2 * across)),
+        float(weight @ ((last**3 - first**3) / 3 * across + (last - first) * across_3)),
+    )
+
+
+def _gauss(cuts: list[float]) -> tuple[FloatArray, FloatArray]:
+    """Places and weights of Gauss' rule between the cuts, in the root of the place."""
+    point, own = np.polynomial.legendre.leggauss(_GAUSS_POINTS)
+    roots = np.sqrt(np.array(cuts))
+    middle, half = (roots[1:] + roots[:-1]) / 2, (roots[1:] - roots[:-1]) / 2
+    root = middle[:, None] + half[:, None] * point
+    weight = half[:, None] * own * 2 * root
+    return (root**2).ravel(), weight.ravel()
+
+
+def _pin(shape: Pin) -> ClosedBody:
+    """A solid of revolution about z: cylinders, and necks with their fillets."""
+    whole, fillet = shape.diameter / 2, shape.step_fillet
+    low, high = shape.ends
+    total = _cylinder(whole, low, high)
+    for seat, lower, upper in shape.seated():
+        neck = (seat.diameter or shape.diameter) / 2
+        if neck < whole:
+            total += _cylinder(neck, lower, upper) - _cylinder(whole, lower, upper)
+            for edge, way in ((lower, -1.0), (upper, 1.0)):
+                ends = sorted((edge, edge + way * fillet))
+                total += _fillet(neck, fillet, edge, way) - _cylinder(whole, *ends)
+    volume, first, second = total
+    interfaces = {interface.name: interface for interface in shape.placed_interfaces}
+    centre = np.array([0.0, 0.0, first / volume])
+    return ClosedBody(interfaces, volume, centre, second, max(high - low, shape.diameter))
+
+
+def _cylinder(radius: float, low: float, high: float) -> FloatArray:
+    """Volume, first moment of z and second moment about z of a cylinder along z."""
+    area = pi * radius**2
+    return np.array(
+        [area * (high - low), area * (high**2 - low**2) / 2, area * radius**2 / 2 * (high - low)]
+    )
+
+
+def _fillet(neck: float, fillet: float, edge: float, way: float) -> FloatArray:
+    """As `_cylinder`, of what a neck has beside its lug: radius a - q, q^2 = fillet^2 - (z-edge)^2.
+
+    way  1 or -1, from the lug's edge along z
+    """
+    a, f = neck + fillet, fillet
+    q1, q2, q3, q4 = pi * f**2 / 4, 2 * f**3 / 3, 3 * pi * f**4 / 16, 8 * f**5 / 15
+    square = a**2 * f - 2 * a * q1 + q2
+    beside = a**2 * f**2 / 2 - 2 * a * f**3 / 3 + f**4 / 4  # of the square times |z - edge|
+    fourth = a**4 * f - 4 * a**3 * q1 + 6 * a**2 * q2 - 4 * a * q3 + q4
+    return pi * np.array([square, edge * square + way * beside, fourth / 2])

@@ -1,0 +1,159 @@
+"""The ladder as one HTML page that stands alone: a chart of every part, and its numbers."""
+
+from functools import cache
+from math import inf
+from typing import Any
+
+from markupsafe import Markup
+
+from reports.ladder_summary import LadderPart, LadderResult
+from reports.ladder_words import (
+    AUTO,
+    check_of,
+    chosen_sentence,
+    needed,
+    no_answer,
+    seconds_text,
+    value_and_bar,
+    whole_bar,
+)
+from reports.page import environment
+from reports.svg import SERIES, colour, colour_variables, draw
+from reports.verdict import Check
+from reports.words import brief, number
+
+_MARKERS = "os^Dv<>P"
+_SHORTEST = 1e-4  # s: a logarithm needs more than 0
+
+
+def ladder_html(result: LadderResult) -> str:
+    """Page as text. The same result gives the same page."""
+    text: str = _template().render(
+        result=result,
+        parts=[
+            {
+                "part": part,
+                "chart": Markup(ladder_chart(part)),
+                "rows": _rows(part),
+                "auto": chosen_sentence(part.chosen, part.seconds),
+            }
+            for part in result.parts
+        ],
+        light=Markup(colour_variables(dark=False)),
+        dark=Markup(colour_variables(dark=True)),
+    )
+    return text
+
+
+def _rows(part: LadderPart) -> list[dict[str, Any]]:
+    """One row for each kind and rung: its check, or why there is none."""
+    rows: list[dict[str, Any]] = []
+    for kind in part.kinds:
+        for rung in part.rungs:
+            check = check_of(rung.checks, kind)
+            why = no_answer(rung) if check is None else rung.why
+            rows.append(_row(kind, rung.rung, rung.seconds, check, rung.unknowns, why))
+        if chosen := check_of(part.chosen, kind):
+            why = f"takes it by {brief(chosen.method, 40)}"
+            rows.append(_row(kind, AUTO, part.seconds, chosen, None, why))
+    return rows
+
+
+def _row(
+    kind: str, rung: str, seconds: float, check: Check | None, unknowns: int | None, why: str
+) -> dict[str, Any]:
+    return {
+        "kind": kind,
+        "rung": rung,
+        "seconds": seconds_text(seconds),
+        "unknowns": unknowns,
+        "check": check,
+        "value": value_and_bar(check) if check else None,
+        "allowed": needed(check) if check else None,
+        "why": why,
+    }
+
+
+def ladder_chart(part: LadderPart) -> str:
+    """Value and whole bar against seconds, a panel for each kind of check; "" without a value."""
+    panels = [(kind, _points(part, kind)) for kind in part.kinds]
+    panels = [(kind, points) for kind, points in panels if points]
+    if not panels:
+        return ""
+    names = [rung.rung for rung in part.rungs] + [AUTO]
+
+    def plot(figure: Any) -> None:
+        grid = figure.subplots(len(panels), 1, squeeze=False)[:, 0]
+        for axes, (kind, points) in zip(grid, panels, strict=True):
+            _panel(axes, kind, points, names)
+        shown = [name for name in names if any(name == at[0] for _, p in panels for at in p)]
+        handles = [grid[0].plot([], [], **_style(names.index(n), n), label=brief(n, 24))[0]
+                   for n in shown]  # fmt: skip
+        handles.append(grid[0].plot([], [], color=colour("fail"), label="allowed")[0])
+        figure.legend(handles=handles, loc="outside right upper")
+
+    size = (9, 0.6 + 2.3 * len(panels))
+    return draw(plot, size, f"Ladder of {brief(part.name, 40)}")
+
+
+def _points(part: LadderPart, kind: str) -> list[tuple[str, float, Check]]:
+    """Name, seconds and check of every rung that has a value, and of auto."""
+    rungs = [(rung.rung, rung.seconds, check_of(rung.checks, kind)) for rung in part.rungs]
+    rungs.append((AUTO, part.seconds, check_of(part.chosen, kind)))
+    return [(name, max(seconds, _SHORTEST), check) for name, seconds, check in rungs if check]
+
+
+def _panel(axes: Any, kind: str, points: list[tuple[str, float, Check]], names: list[str]) -> None:
+    axes.set_xscale("log")
+    axes.xaxis.set_major_formatter(lambda seconds, _: f"{seconds:g}")
+    allowed = [needed(check) for _, _, check in points]
+    if max(allowed) - min(allowed) <= 1e-9 * max(allowed):
+        axes.axhline(allowed[0], color=colour("fail"), linewidth=1.6)
+    else:  # points on different places of the part may take differently much
+        axes.plot([at for _, at, _ in points], allowed, "_", color=colour("fail"), markersize=16)
+    for name, seconds, check in points:
+        above, below = whole_bar(check)
+        style = _style(names.index(name), name)
+        axes.plot([seconds], [check.value], **style)
+        if above < inf and below < inf:
+            low, high = max(0.0, check.value - below), check.value + above
+            axes.plot([seconds, seconds], [low, high], color=style["color"], marker="_")
+        else:
+            axes.axvline(seconds, color=style["color"], linewidth=1.2, linestyle=":")
+    axes.set_ylim(0, _top(points, allowed))
+    times = [seconds for _, seconds, _ in points]
+    axes.set_xlim(min(times) / 2, max(times) * 2)
+    unit = points[0][2].unit
+    least, most = number(min(allowed)), number(max(allowed))
+    told = most if least == most else f"{least} to {most}"
+    axes.set_title(f"{brief(kind, 40)}, allowed {told} {brief(unit, 8)}".strip())
+    axes.set_xlabel("time [s]")
+    axes.set_ylabel(f"{brief(points[0][2].quantity, 30)} [{brief(unit, 8) or '–'}]")
+
+
+def _top(points: list[tuple[str, float, Check]], allowed: list[float]) -> float:
+    """Upper end of the axis: values, finite bars, and what is allowed if it is not far away."""
+    ends = [check.value + whole_bar(check)[0] for _, _, check in points]
+    values = max(check.value for _, _, check in points)
+    inside = max([values, *(end for end in ends if end <= 4 * values)])
+    near = [limit for limit in allowed if limit <= 5 * inside]
+    return 1.08 * max([inside, *near]) or 1.0
+
+
+def _style(index: int, name: str) -> dict[str, Any]:
+    """Colour and marker of a rung; auto is a ring about whichever it took."""
+    ring = {"marker": "o", "markersize": 14, "markerfacecolor": "none", "color": colour("ink")}
+    return {"linestyle": ""} | (
+        ring
+        if name == AUTO
+        else {
+            "marker": _MARKERS[index % len(_MARKERS)],
+            "markersize": 7,
+            "color": SERIES[index % len(SERIES)],
+        }
+    )
+
+
+@cache
+def _template() -> Any:
+    return environment().get_template("ladder.html.j2")
