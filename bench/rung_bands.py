@@ -128,16 +128,16 @@ def band_of(rows: Sequence[Compared]) -> dict[str, Any]:
         side: sorted(getattr(row, side) / row.truth for row in rows) for side in ("above", "below")
     }
     arcs = {side: [shares[0], shares[-1]] for side, shares in bands.items()}
-    names = rows[0].scales
+    told: dict[str, list[float]] = defaultdict(list)
+    for row in rows:
+        for name, value in row.scales.items():
+            told[name].append(value)
     return {
         "low": exp(middle - DEVIATIONS * scatter),
         "high": exp(middle + DEVIATIONS * scatter),
         "count": len(rows),
         **arcs,
-        "scales": {
-            name: [min(row.scales[name] for row in rows), max(row.scales[name] for row in rows)]
-            for name in names
-        },
+        "scales": {name: [min(values), max(values)] for name, values in told.items()},
     }
 
 

@@ -66,10 +66,13 @@ def band_of(shape: str, rung: str, kind: str, scales: Mapping[str, float]) -> Ba
     if band is None:
         return NoBand(f"no solids of the shape {shape} were compared with the rung {rung}")
     compared = _data()[shape][rung][kind]["scales"]
-    for name, (low, high) in compared.items():
-        value = scales.get(name)
+    for name, value in scales.items():
+        if name not in compared:
+            return NoBand(f"no solid with {name} was compared")
+        low, high = compared[name]
         slack = _BEYOND * (high - low) + 1e-9 * abs(high)
-        if value is None or not low - slack <= value <= high + slack:
-            told = "unknown" if value is None else f"{value:.3g}"
-            return NoBand(f"{name} is {told}, solids were compared from {low:.3g} to {high:.3g}")
+        if not low - slack <= value <= high + slack:
+            return NoBand(
+                f"{name} is {value:.3g}, solids were compared from {low:.3g} to {high:.3g}"
+            )
     return band

@@ -35,8 +35,11 @@ def test_proportions_may_leave_the_range_by_a_tenth_of_it():
     assert beyond == NoBand("hole / width is 0.75, solids were compared from 0.3 to 0.7")
 
 
-def test_a_proportion_that_the_rung_does_not_tell_has_no_band():
-    assert isinstance(band_of("plate_link", "formula", "static", {}), NoBand)
+def test_a_proportion_that_no_solid_had_has_no_band():
+    """A pin without a step tells none of its fillet; one with a step must have been compared."""
+    stepped = band_of("plate_link", "formula", "static", {"fillet / neck": 0.03})
+    assert stepped == NoBand("no solid with fillet / neck was compared")
+    assert isinstance(band_of("plate_link", "formula", "static", {}), Band)
 
 
 def test_a_shape_or_check_that_was_not_compared_has_no_band():
