@@ -19,6 +19,7 @@ import numpy as np
 from ballesta.part_strength import fatigue_use
 from ballesta.rungs.checked import BUCKLING, FATIGUE, STATIC, rung_level
 from ballesta.rungs.climb import BUILDERS
+from ballesta.rungs.families import family_of
 from bench.rung_truth import known
 from bench.rung_variations import SCENES, Machines, Variation
 from fem.solvers import SolverError
@@ -39,7 +40,7 @@ class Compared:
     value        the rung's
     """
 
-    shape: str
+    family: str
     scene: str
     variation: str
     rung: str
@@ -89,7 +90,7 @@ def rungs_of(variation: Variation, line: Mapping[str, Any]) -> Iterable[Compared
             if truth is None or not value > 0:
                 continue
             yield Compared(
-                part.shape,
+                family_of(part, loads),
                 variation.scene.name,
                 variation.name,
                 rung,
@@ -142,28 +143,28 @@ def band_of(rows: Sequence[Compared]) -> dict[str, Any]:
 
 
 def bands(rows: Sequence[Compared]) -> dict[str, Any]:
-    """All bands: shape -> rung -> kind."""
+    """All bands: family -> rung -> kind."""
     groups: dict[tuple[str, str, str], list[Compared]] = defaultdict(list)
     for row in rows:
-        groups[row.shape, row.rung, row.kind].append(row)
+        groups[row.family, row.rung, row.kind].append(row)
     found: dict[str, Any] = {}
-    for (shape, rung, kind), some in sorted(groups.items()):
+    for (family, rung, kind), some in sorted(groups.items()):
         if len(some) >= _FEWEST:
-            found.setdefault(shape, {}).setdefault(rung, {})[kind] = band_of(some)
+            found.setdefault(family, {}).setdefault(rung, {})[kind] = band_of(some)
     return found
 
 
 def told(rows: Sequence[Compared]) -> str:
-    """A line for every shape, rung and check: ratios solid over rung."""
+    """A line for every family, rung and check: ratios solid over rung."""
     lines = []
     groups: dict[tuple[str, str, str], list[Compared]] = defaultdict(list)
     for row in rows:
-        groups[row.shape, row.kind, row.rung].append(row)
-    for (shape, kind, rung), some in sorted(groups.items()):
+        groups[row.family, row.kind, row.rung].append(row)
+    for (family, kind, rung), some in sorted(groups.items()):
         ratios = np.array([row.ratio for row in some])
         seconds = float(np.median([row.seconds for row in some]))
         lines.append(
-            f"{shape:15s} {kind:9s} {rung:8s} {len(some):3d}  "
+            f"{family:27s} {kind:9s} {rung:8s} {len(some):3d}  "
             f"{np.quantile(ratios, 0.05):6.3f} {np.median(ratios):6.3f} "
             f"{np.quantile(ratios, 0.95):6.3f}  worst {ratios.min():.3f} {ratios.max():.3f}  "
             f"{seconds:.2f} s"
@@ -180,7 +181,7 @@ def main() -> None:
     FILE.write_text("".join(json.dumps(vars(row)) + "\n" for row in rows))
     print(told(rows))
     if not options.dry:
-        data = {"command": "python -m bench.rung_bands", "shapes": bands(rows)}
+        data = {"command": "python -m bench.rung_bands", "families": bands(rows)}
         BANDS.write_text(json.dumps(data, indent=1, sort_keys=True) + "\n")
 
 

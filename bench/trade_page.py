@@ -76,20 +76,20 @@ def machines_table(rows: Sequence[Compared]) -> list[str]:
 
 
 def bands_table(rows: Sequence[Compared]) -> list[str]:
-    """The calibrated bars and what they hold, by shape."""
+    """The calibrated bars and what they hold, by family."""
     groups: dict[tuple[str, str, str], list[Compared]] = defaultdict(list)
     for row in rows:
-        groups[row.shape, row.kind, row.rung].append(row)
+        groups[row.family, row.kind, row.rung].append(row)
     lines = []
-    for (shape, kind, rung), some in sorted(groups.items()):
-        band = known_band(shape, rung, kind)
+    for (family, kind, rung), some in sorted(groups.items()):
+        band = known_band(family, rung, kind)
         if band is None:
             continue
         ratios = np.array([row.ratio for row in some])
         inside = int(((ratios >= band.low) & (ratios <= band.high)).sum())
         lines.append(
             [
-                shape,
+                family,
                 kind,
                 rung,
                 str(len(some)),
@@ -99,7 +99,7 @@ def bands_table(rows: Sequence[Compared]) -> list[str]:
                 f"{inside} of {len(some)}",
             ]
         )
-    head = ("Shape", "Check", "Rung", "n", "Median", "Solid / rung", "Bar", "Inside")
+    head = ("Family", "Check", "Rung", "n", "Median", "Solid / rung", "Bar", "Inside")
     return _table(head, lines)
 
 
@@ -109,7 +109,7 @@ def coverage(rows: Sequence[Compared]) -> dict[str, tuple[int, int, float, float
     for rung in (*RUNGS, "all"):
         inside, bars, errors = 0, [], []
         for row in rows:
-            band = known_band(row.shape, row.rung, row.kind)
+            band = known_band(row.family, row.rung, row.kind)
             if band is None or rung not in (row.rung, "all"):
                 continue
             inside += band.low <= row.ratio <= band.high

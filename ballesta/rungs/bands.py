@@ -48,24 +48,24 @@ class NoBand:
 @cache
 def _data() -> Mapping[str, Any]:
     text = files("ballesta.rungs").joinpath("bands.json").read_text(encoding="utf-8")
-    return dict(json.loads(text)["shapes"])
+    return dict(json.loads(text)["families"])
 
 
-def known_band(shape: str, rung: str, kind: str) -> Band | None:
-    """Band of a rung's check for a shape, whatever its proportions; None where none is known."""
-    entry = _data().get(shape, {}).get(rung, {}).get(kind)
+def known_band(family: str, rung: str, kind: str) -> Band | None:
+    """Band of a check for a family (families.py), whatever its proportions; None if unknown."""
+    entry = _data().get(family, {}).get(rung, {}).get(kind)
     if entry is None:
         return None
     above, below = ((float(entry[side][0]), float(entry[side][1])) for side in ("above", "below"))
     return Band(entry["low"], entry["high"], entry["count"], above, below)
 
 
-def band_of(shape: str, rung: str, kind: str, scales: Mapping[str, float]) -> Band | NoBand:
+def band_of(family: str, rung: str, kind: str, scales: Mapping[str, float]) -> Band | NoBand:
     """Band of a rung's check for a part with these proportions."""
-    band = known_band(shape, rung, kind)
+    band = known_band(family, rung, kind)
     if band is None:
-        return NoBand(f"no solids of the shape {shape} were compared with the rung {rung}")
-    compared = _data()[shape][rung][kind]["scales"]
+        return NoBand(f"no solids of the family {family!r} were compared with the rung {rung}")
+    compared = _data()[family][rung][kind]["scales"]
     for name, value in scales.items():
         if name not in compared:
             return NoBand(f"no solid with {name} was compared")

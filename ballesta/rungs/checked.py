@@ -9,6 +9,7 @@ from ballesta.part_loads import PartLoads
 from ballesta.part_strength import endurance_of
 from ballesta.rungs.bands import Band, NoBand, band_of
 from ballesta.rungs.estimate import Estimate
+from ballesta.rungs.families import family_of
 from ballesta.rungs.model import RungLevel, RungModel
 from ballesta.stress_words import Words, fatigue_words, static_words
 from ballesta.stressed import judge
@@ -79,7 +80,7 @@ def _stress_estimate(
     )
     if loads.is_nothing:
         return Estimate(_told(check, 0.0, 0.0, NOTHING))
-    return _with_band(part, level.model, check)
+    return _with_band(part, loads, level.model, check)
 
 
 def _buckling_estimate(design: Design, part: Part, loads: PartLoads, model: RungModel) -> Estimate:
@@ -103,12 +104,12 @@ def _buckling_estimate(design: Design, part: Part, loads: PartLoads, model: Rung
         "crookedness",
         note=model.buckling.words,
     )
-    return _with_band(part, model, check)
+    return _with_band(part, loads, model, check)
 
 
-def _with_band(part: Part, model: RungModel, check: Check) -> Estimate:
+def _with_band(part: Part, loads: PartLoads, model: RungModel, check: Check) -> Estimate:
     """The check with the band of solids around the rung's value."""
-    band = band_of(part.shape, model.rung, check.kind, model.scales)
+    band = band_of(family_of(part, loads), model.rung, check.kind, model.scales)
     if isinstance(band, NoBand):
         said = f"{UNKNOWN_BAR}{band.why}"
         return Estimate(_told(check, inf, inf, said), inf, inf)

@@ -13,6 +13,7 @@ from ballesta.rungs import beam, formula, plane
 from ballesta.rungs.bands import known_band
 from ballesta.rungs.checked import BUCKLING, FATIGUE, STATIC, rung_estimates, rung_level
 from ballesta.rungs.estimate import Estimate
+from ballesta.rungs.families import family_of
 from ballesta.rungs.model import RungLevel, RungModel
 from fem.solvers import SolverError
 from geometry.mesh import MeshError
@@ -109,7 +110,7 @@ class Climb:
         """Why a rung would settle nothing that is open; nothing where it may."""
         narrow = []
         for kind in self.open:
-            band = known_band(self.part.shape, rung, kind)
+            band = known_band(family_of(self.part, self.loads), rung, kind)
             if band is None:
                 continue
             estimate = self.best.get(kind)

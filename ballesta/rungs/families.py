@@ -1,0 +1,31 @@
+"""Which solids a part is compared with: those of its shape that carry their loads as it does."""
+
+import numpy as np
+
+from ballesta.design_data import Part
+from ballesta.part_loads import PartLoads
+from geometry.parts import Pin, PlateLink
+
+_COUPLE = 1e-6  # of force times size: couples out of the plane that are more than round-off
+
+
+def family_of(part: Part, loads: PartLoads) -> str:
+    """Name of the family, which begins with the part's shape.
+
+    A pin in lugs that all stand on one side is bent out of a couple, one with a neck at the neck; a
+    plate beside others is bent out of its plane, too. Each scatters about solids in its own way.
+    """
+    shape = part.geometry
+    if isinstance(shape, Pin):
+        if any((seat.diameter or shape.diameter) < shape.diameter for seat in shape.seats):
+            return f"{part.shape} with a neck"
+        if all(seat.single or (not seat.paired and seat.at == 0.0) for seat in shape.seats) and any(
+            seat.single for seat in shape.seats
+        ):
+            return f"{part.shape} in single lugs"
+        return part.shape
+    if isinstance(shape, PlateLink):
+        size = loads.largest_force * shape.length
+        tilted = max(float(np.abs(wrench[:, 3:5]).max()) for wrench in loads.wrenches.values())
+        return f"{part.shape} beside others" if tilted > _COUPLE * size else part.shape
+    return part.shape
