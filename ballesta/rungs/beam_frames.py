@@ -106,7 +106,10 @@ def prismatic_tube(part: Part, shape: PrismaticTube) -> PartFrame:
         for name, x in zip(shape.interfaces, (0.0, shape.length), strict=True)
     ]
     sites = sites_along(frame, lambda _: (whole, "tube"))
-    scales = {"wall / width": shape.wall / shape.width}
+    scales = {
+        "wall / width": shape.wall / shape.width,
+        "length / width": shape.length / shape.width,
+    }
     return PartFrame(
         frame, 0, entries, sites, "how the ends' forces spread", scales, _pins(frame, shape.length)
     )
