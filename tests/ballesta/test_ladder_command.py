@@ -13,24 +13,10 @@ from ballesta.rungs import bands
 from geometry.mesh import MeshError, TooManyElementsError
 from reports.verdict import RungTried
 
+from .rungs.wide_bands import bands_of
 from .small_machine import MACHINE, PLATE
 
-BANDS = {
-    "plate_link": {
-        rung: {
-            kind: {
-                "low": 0.9,
-                "high": 1.1,
-                "count": 9,
-                "above": [0, 0],
-                "below": [0, 0],
-                "scales": {},
-            }
-            for kind in ("static", "fatigue", "buckling")
-        }
-        for rung in ("formula", "beam", "plane")
-    }
-}
+BANDS = bands_of(formula=0.1, beam=0.1, plane=0.1)
 
 
 @pytest.fixture

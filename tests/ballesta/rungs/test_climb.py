@@ -15,21 +15,7 @@ from ballesta.rungs.result import NOT_MESHED, cheap_result, solid_result
 from reports.verdict import Status
 
 from ..small_machine import PLATE, machine, solved
-
-RANGES = {"scales": {}, "count": 40, "above": [0.0, 0.0], "below": [0.0, 0.0]}
-
-
-def banded(**widths):
-    """Bands of plate links, the same for all checks: rung -> relative half-width."""
-    return {
-        "plate_link": {
-            rung: {
-                kind: RANGES | {"low": 1 - width, "high": 1 + width}
-                for kind in ("static", "fatigue", "buckling")
-            }
-            for rung, width in widths.items()
-        }
-    }
+from .wide_bands import bands_of
 
 
 @pytest.fixture
@@ -37,7 +23,7 @@ def bars(monkeypatch):
     """Set the bars of the rungs."""
 
     def put(**widths):
-        monkeypatch.setattr(bands, "_data", lambda: banded(**widths))
+        monkeypatch.setattr(bands, "_data", lambda: bands_of(**widths))
 
     return put
 
