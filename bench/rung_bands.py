@@ -90,7 +90,7 @@ def rungs_of(variation: Variation, line: Mapping[str, Any]) -> Iterable[Compared
             if truth is None or not value > 0:
                 continue
             yield Compared(
-                family_of(part, loads),
+                family_of(part, loads, kind),
                 variation.scene.name,
                 variation.name,
                 rung,

@@ -109,7 +109,7 @@ def _buckling_estimate(design: Design, part: Part, loads: PartLoads, model: Rung
 
 def _with_band(part: Part, loads: PartLoads, model: RungModel, check: Check) -> Estimate:
     """The check with the band of solids around the rung's value."""
-    band = band_of(family_of(part, loads), model.rung, check.kind, model.scales)
+    band = band_of(family_of(part, loads, check.kind), model.rung, check.kind, model.scales)
     if isinstance(band, NoBand):
         said = f"{UNKNOWN_BAR}{band.why}"
         return Estimate(_told(check, inf, inf, said), inf, inf)

@@ -110,7 +110,7 @@ class Climb:
         """Why a rung would settle nothing that is open; nothing where it may."""
         narrow = []
         for kind in self.open:
-            band = known_band(family_of(self.part, self.loads), rung, kind)
+            band = known_band(family_of(self.part, self.loads, kind), rung, kind)
             if band is None:
                 continue
             estimate = self.best.get(kind)

@@ -9,12 +9,15 @@ from geometry.parts import Pin, PlateLink
 _COUPLE = 1e-6  # of force times size: couples out of the plane that are more than round-off
 
 
-def family_of(part: Part, loads: PartLoads) -> str:
-    """Name of the family, which begins with the part's shape.
+def family_of(part: Part, loads: PartLoads, kind: str) -> str:
+    """Name of the family for a kind of check; it begins with the part's shape.
 
     A pin in lugs that all stand on one side is bent out of a couple, one with a neck at the neck; a
     plate beside others is bent out of its plane, too. Each scatters about solids in its own way.
+    Buckling is compared by shape alone.
     """
+    if kind == "buckling":
+        return part.shape
     shape = part.geometry
     if isinstance(shape, Pin):
         if any((seat.diameter or shape.diameter) < shape.diameter for seat in shape.seats):
