@@ -157,7 +157,7 @@ def check_solid(
     elif part.body is not None:
         assumed.append(
             "the solid does not buckle at the positions asked: no factor is positive before its "
-            "stress is as large as Young's modulus"
+            "stress is a tenth of Young's modulus"
         )
     return PartResult(
         name=part.name,

@@ -76,6 +76,7 @@ def part_buckling(
     tilt_held: bool,
     count: int = 2,
     prove: bool = True,
+    weaker: bool = False,
 ) -> Buckling:
     """Return the buckling of a part held by its pins, under one load state.
 
@@ -83,6 +84,7 @@ def part_buckling(
     tilt_held     whether the forks hold the ends against tilting out of the plane
     count         how many modes are wanted at most
     prove         whether it is proven that no lower mode was skipped
+    weaker        whether a proof of less will do where that fails: `proven` is then below the modes
 
     Raises SolverError if the modes do not converge or cannot be proven, ValueError for the tied
     bodies of a stack, whose leaves buckle by themselves, and for half of a part.
@@ -90,11 +92,16 @@ def part_buckling(
     solid = link_solid(solutions, tilt_held=tilt_held, what="buckling")
     displacement = solutions.displacement @ coefficients
     stress = solutions.recovery.quadrature_stress(displacement[:, None], slice(None))[..., 0]
-    return solid_buckling(solid, stress, count=count, prove=prove)
+    return solid_buckling(solid, stress, count=count, prove=prove, weaker=weaker)
 
 
 def solid_buckling(
-    solid: SupportedSolid, stress: FloatArray, *, count: int = 2, prove: bool = True
+    solid: SupportedSolid,
+    stress: FloatArray,
+    *,
+    count: int = 2,
+    prove: bool = True,
+    weaker: bool = False,
 ) -> Buckling:
     """Return the buckling of a supported solid under a stress state.
 
@@ -118,7 +125,9 @@ def solid_buckling(
         return elastic, -geometric
 
     limit = _STRESS_LIMIT * solid.material.youngs_modulus
-    found = lowest_modes(solid, upper, times, energies, count, limit=limit, prove=prove)
+    found = lowest_modes(
+        solid, upper, times, energies, count, limit=limit, prove=prove, weaker=weaker
+    )
     modes = tuple(
         _mode(value / size, vector)
         for value, vector in zip(found.values, found.shapes.T, strict=True)

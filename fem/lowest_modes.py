@@ -28,6 +28,7 @@ _CANCELLED = 1e-2  # relative: what is left below this is made orthogonal once m
 _NEARLY = 1e-3  # residual of the mode after the last, and of the negative one
 _FIRST_STEPS = 3
 _AROUND = 3.0  # times the highest mode: modes that the count is told of
+_WEAKER = (0.5, 0.1)  # of the lowest value found: where a count may still prove something
 _BEYOND = 0.02  # relative: how far above the highest mode the count is made at most
 
 Times = Callable[[FloatArray], FloatArray]
@@ -60,6 +61,7 @@ def lowest_modes(
     *,
     limit: float = np.inf,
     prove: bool = True,
+    weaker: bool = False,
 ) -> Modes:
     """Return the lowest positive values of K x = lambda B x and their shapes.
 
@@ -68,6 +70,8 @@ def lowest_modes(
     energies  x (3 n_nodes, m) to x' K x and x' B x, (m, m) each
     limit     values above it are not wanted
     prove     whether no value is skipped is proven by a count
+    weaker    where the count finds others: whether a proof that none lies below half or a tenth of
+              the lowest found, or of the limit, will do; `proven` is then that
 
     Raises SolverError if the modes do not converge or the count finds others.
     """
@@ -86,6 +90,10 @@ def lowest_modes(
         if counted == np.count_nonzero(values < cut):
             return Modes(values[:count], shapes[:, :count], cut, found.negative)
         block *= 2
+    for share in _WEAKER if weaker else ():
+        below = share * float(values[0] if len(values) else limit)
+        if count_below(solid, matrix, below, found.around) == 0:
+            return Modes(values[:count], shapes[:, :count], below, found.negative)
     raise SolverError(
         f"{counted} modes lie below {cut:.6g}, but only {np.count_nonzero(values < cut)} were found"
     )

@@ -67,12 +67,16 @@ def buckling_at(solutions: UnitSolutions, state: FloatArray, *, tilt_held: bool)
     """Modes of a position, proven where that can be done.
 
     Far beyond any stress that a metal bears, such as of a part that is pulled, modes are many and
-    the search may not find what the count does: then they stand without proof.
+    the search may not find what the count does: then they stand without proof (`proven` is 0).
+    Raises SolverError where none is found and it is not proven that there is none.
     """
     try:
-        return part_buckling(solutions, state, tilt_held=tilt_held)
+        return part_buckling(solutions, state, tilt_held=tilt_held, weaker=True)
     except SolverError:
-        return part_buckling(solutions, state, tilt_held=tilt_held, prove=False)
+        found = part_buckling(solutions, state, tilt_held=tilt_held, prove=False)
+        if not found.modes:
+            raise
+        return found
 
 
 def _patterns(solutions: UnitSolutions, coefficients: FloatArray) -> list[FloatArray]:

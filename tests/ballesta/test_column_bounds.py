@@ -211,9 +211,9 @@ def test_a_bar_crooked_in_the_plane_yields_by_couples_out_of_it_as_these_grow_th
 def asked(monkeypatch, folder, first, finer=None, turned=None, held=None, fineness=1):
     """The check of a rod whose lowest factors are given: first mesh, finer mesh, stiff forks."""
 
-    def buckling(factor, turned=None):
+    def buckling(factor, turned=None, proven=np.inf):
         modes = () if factor is None else (BucklingMode(factor, "in plane", np.zeros((1, 3))),)
-        return Buckling(modes, 1.0, turned, np.inf)
+        return Buckling(modes, proven, turned, np.inf)
 
     def at(solutions, state, *, tilt_held):
         return buckling(held if tilt_held else finer)

@@ -13,8 +13,9 @@ from ballesta.column_limits import cases_of, planes_of, whole_force
 from ballesta.design import read_design
 from ballesta.errors import DesignError
 from ballesta.part_loads import loads_on
-from ballesta.stability import column_checks, column_facts, column_told
+from ballesta.stability import _proof, column_checks, column_facts, column_told
 from ballesta.warnings_of import design_warnings
+from fem.buckling import Buckling, BucklingMode
 from fem.column_curves import eurocode_stress, perry_robertson
 from fem.tapered_columns import CLAMPED, ColumnEnd, ColumnShape, critical_force
 from reports.verdict import Status
@@ -353,3 +354,19 @@ def test_an_effective_length_that_ends_cannot_give_is_told(tmp_path):
 def test_a_pin_has_no_column_and_refuses_its_keys():
     with pytest.raises(DesignError, match=r"parts\.pin_B\.column\.curve: the part is no column"):
         press("toggle_press", 'parts.pin_B.column.curve="c"')
+
+
+@pytest.mark.parametrize(
+    ("proven", "left", "words"),
+    [
+        (40.1, 0.0, "counted: none is lower"),
+        (20.0, 1 / 20 - 1 / 40, "none is below 20"),
+        (0.0, np.inf, "not proved"),
+    ],
+)
+def test_what_a_count_does_not_exclude_is_in_the_bar(proven, left, words):
+    """A mode may stand at 20 unseen where the count excludes none above it: a share of 1/20."""
+    mode = BucklingMode(40.0, "in plane", np.zeros((1, 3)))
+    said, missed = _proof(Buckling((mode,), proven, None, np.inf))
+    assert words in said
+    assert_allclose(missed, left)

@@ -141,3 +141,17 @@ def test_matrices_of_other_patterns_are_refused(solid):
     other = solid.stiffness[:, ::-1].tocsr()
     with pytest.raises(ValueError, match="same pattern"):
         shifted(solid, other, 1.0)
+
+
+def test_where_modes_are_missed_a_count_may_still_prove_a_lower_bound(column, state, monkeypatch):
+    """The search loses the lowest mode of a column: the count proves none below half the next."""
+    known = part_buckling(column, state, tilt_held=False, count=3).modes
+    whole = fem.lowest_modes._search
+
+    def losing(*arguments):
+        found = whole(*arguments)
+        return replace(found, shapes=found.shapes[:, 1:])
+
+    monkeypatch.setattr(fem.lowest_modes, "_search", losing)
+    found = part_buckling(column, state, tilt_held=False, count=2, weaker=True)
+    assert 0 < found.proven < known[0].factor
