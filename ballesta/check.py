@@ -2,7 +2,8 @@
 
 import platform
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
 from time import perf_counter
@@ -88,7 +89,7 @@ def check_design(
     timings = {"read": reading}
     try:
         # what cannot move or does not balance is told before anything is meshed
-        solve_cycles(without_unknown_contacts(design), {})
+        _try_cycles(without_unknown_contacts(design))
         measured_loads(design, {})
         masses = part_masses(design, models, say)
         compliances = compliances_of(design, models, say)
@@ -206,14 +207,29 @@ def solve_cycles(
     solved = {}
     for name, cycle in design.cycles.items():
         linkage = linkage_of(design, masses, cycle, compliances)
-        try:
+        with told_of_cycle(design, name):
             solved[name] = loads.run_cycle(linkage, cycle_of(design, cycle))
-        except loads.CycleError as error:
-            key = f"cycles.{name}.phases[{error.phase}]"
-            raise DesignError(design.file, key, error.problem) from error
-        except loads.LinkageError as error:
-            raise DesignError(design.file, f"cycles.{name}", str(error)) from error
     return solved
+
+
+def _try_cycles(design: Design) -> None:
+    """Raise what `solve_cycles` would, as far as a few positions without masses tell."""
+    for name, cycle in design.cycles.items():
+        linkage = linkage_of(design, {}, cycle)
+        with told_of_cycle(design, name):
+            loads.try_cycle(linkage, cycle_of(design, cycle))
+
+
+@contextmanager
+def told_of_cycle(design: Design, name: str) -> Iterator[None]:
+    """Tell of an error which of the design's cycles it is in."""
+    try:
+        yield
+    except loads.CycleError as error:
+        key = f"cycles.{name}.phases[{error.phase}]"
+        raise DesignError(design.file, key, error.problem) from error
+    except loads.LinkageError as error:
+        raise DesignError(design.file, f"cycles.{name}", str(error)) from error
 
 
 def _cycle_data(

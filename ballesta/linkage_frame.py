@@ -30,7 +30,8 @@ from reports.verdict import Check
 
 COARSE, MIDDLE, FINE = 4, 8, 16  # pieces of a bar's longest stretch
 _COARSE_ERROR = 0.03  # of a factor, how much higher the coarse frame may be than the fine one
-_RANKED = 2000  # positions over all cycles that are asked at first
+_RANKED = 600  # positions over all cycles that are asked at first
+_NEAR = 0.95  # of the largest share: about which of these all positions are asked
 _PLANES = {"in plane": IN_PLANE, "out of plane": OUT_OF_PLANE}
 Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
 
@@ -188,9 +189,9 @@ class _Search:
         """1/factor and place by case, largest first; cases without a factor above 0 are left out.
 
         Left out are those whose 1/factor cannot come near the largest, as the matrix's norm shows.
-        Of more than 2000 positions some are asked that are spread evenly, the ends of phases among
-        them, and then all about the largest. Raises loads.LinkageError where something moves
-        without strain.
+        Of many positions some are asked that are spread evenly, the ends of phases among them, and
+        then all about those that come near the largest; a cycle's positions lie as dense as its
+        loads change. Raises loads.LinkageError where something moves without strain.
         """
         found: dict[_Case, list[tuple[float, _Place]]] = {}
         stride = -(-sum(len(run.positions) for run in self._cycles.values()) // _RANKED)
@@ -199,11 +200,12 @@ class _Search:
         if stride > 1:
             about: dict[_Place, None] = {}
             for places in found.values():
-                _, (name, k) = max(places)
-                last = len(self._cycles[name].positions)
-                near = np.arange(max(0, k - stride + 1), min(last, k + stride))
-                left = np.setdiff1d(near, spread[name])
-                about |= dict.fromkeys((name, int(j)) for j in left)
+                largest, _ = max(places)
+                for name, k in (place for value, place in places if value >= _NEAR * largest):
+                    last = len(self._cycles[name].positions)
+                    near = np.arange(max(0, k - stride + 1), min(last, k + stride))
+                    left = np.setdiff1d(near, spread[name])
+                    about |= dict.fromkeys((name, int(j)) for j in left)
             self._rank(found, list(about))
         return {case: sorted(places, reverse=True) for case, places in found.items() if places}
 

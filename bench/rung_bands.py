@@ -30,6 +30,7 @@ BANDS = Path(__file__).parents[1] / "ballesta" / "rungs" / "bands.json"
 DEVIATIONS = 2.0  # 95 % of a normal scatter
 _KINDS = (STATIC, FATIGUE, BUCKLING)
 _FEWEST = 5  # solids that a band needs
+_CONVERGED = 0.15  # of its value: a larger numerical bar is no truth to compare with
 
 
 @dataclass(frozen=True)
@@ -60,9 +61,15 @@ class Compared:
 
 
 def of_solid(line: Mapping[str, Any], kind: str) -> Mapping[str, Any] | None:
-    """The solid's check of a kind in a line of truth.jsonl."""
+    """The solid's check of a kind in a line of truth.jsonl; None where its mesh has not converged."""
     found = [check for check in line.get("checks", {}).values() if check["kind"] == kind]
-    return found[0] if found else None
+    if not found:
+        return None
+    # buckling is known from one mesh, whose bar is the largest that a mode on it can have
+    by_meshes = kind != BUCKLING
+    if by_meshes and not (found[0]["numerical"] or 0.0) <= _CONVERGED * found[0]["value"]:
+        return None
+    return found[0]
 
 
 def rungs_of(variation: Variation, line: Mapping[str, Any]) -> Iterable[Compared]:

@@ -4,7 +4,7 @@ from loads.again import forces_again, moves_alike
 from loads.assembly import assembly_gap
 from loads.bodies import GROUND, Body, LinkageError
 from loads.compliance import BeamCompliance, JointCompliance, MatrixCompliance
-from loads.cycle import Cycle, CycleError, Phase, run_cycle
+from loads.cycle import Cycle, CycleError, Phase, run_cycle, try_cycle
 from loads.cycle_loads import ContactLoads, CycleLoads
 from loads.diagnosis import Diagnosis, diagnose, percent, position_text
 from loads.drive import DriveFigures
@@ -86,4 +86,5 @@ __all__ = [
     "run_cycle",
     "solve_forces",
     "trace",
+    "try_cycle",
 ]

@@ -5,8 +5,9 @@ linkage: its rigid value plus the deflection delta(F) that all loads together ca
 solved for together; without friction delta is linear in F and one step does it.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -51,6 +52,21 @@ def solve_laws(
     The motion differs from the one given where a contact holds a body still.
     Raises LinkageError where a table does not cover the motion or nothing gives way at a contact.
     """
+    given, contacts = _sorted(motion, laws)
+    if not contacts:
+        return motion, solve_forces(motion, given, solve), {}
+    if len(contacts) > 1:
+        raise LinkageError(
+            f"{' and '.join(contacts)} are contacts of one phase; only one is solved at a time"
+        )
+    ((name, contact),) = contacts.items()
+    return _solve_contact(motion, given, solve, name, contact)
+
+
+def _sorted(
+    motion: Motion, laws: Mapping[str, Law]
+) -> tuple[dict[str, float | FloatArray], dict[str, Contact]]:
+    """Forces that are known at every position, and contacts, by name."""
     given: dict[str, float | FloatArray] = {}
     contacts: dict[str, Contact] = {}
     for name, law in laws.items():
@@ -61,14 +77,7 @@ def solve_laws(
                 given[name] = _tabled(motion, name, law)
             case _:
                 given[name] = law
-    if not contacts:
-        return motion, solve_forces(motion, given, solve), {}
-    if len(contacts) > 1:
-        raise LinkageError(
-            f"{' and '.join(contacts)} are contacts of one phase; only one is solved at a time"
-        )
-    ((name, contact),) = contacts.items()
-    return _solve_contact(motion, given, solve, name, contact)
+    return given, contacts
 
 
 def _tabled(motion: Motion, name: str, table: Table) -> FloatArray:
@@ -89,6 +98,71 @@ def _tabled(motion: Motion, name: str, table: Table) -> FloatArray:
     return np.interp(places, table.values, table.forces)
 
 
+class _Approach:
+    """A linkage in front of a contact: how it gives way along the contact's force.
+
+    sense     of the force's value where the contact pushes
+    slope     (n,) mm/N, what the linkage and the contact give way by, together
+    held      (n,) as in Touch; `slowed` is the motion that follows from it
+    depth     (n,) mm, how far the rigid linkage would be in the contact
+    """
+
+    def __init__(
+        self,
+        motion: Motion,
+        given: Mapping[str, float | FloatArray],
+        solve: str,
+        name: str,
+        contact: Contact,
+    ) -> None:
+        kinematics, poses = motion.kinematics, motion.poses
+        force = kinematics.linkage.force(name)
+        self._given, self._solve, self._name = given, solve, name
+        self.motion, self.sense = motion, contact.side * force.sign
+        self._unit = LoadState(unit_forces(motion, name, self.sense, solve), None)
+        softness = deflection(kinematics, poses, self._unit, self._unit)
+        self.soft = 0.0 if contact.stiffness is None else 1.0 / contact.stiffness
+        self.slope = softness + self.soft
+        # the pushed body follows the contact, whose surface gives way by this share of all
+        self.held = np.zeros(len(poses))
+        if contact.stops:
+            np.divide(softness, self.slope, out=self.held, where=self.slope > 0.0)
+        self.slowed = _slowed(motion, force, self.held)
+        self.depth = contact.side * (contact.at - kinematics.value(force.coordinate, poses))
+
+    def solved(self, moving: Motion, size: FloatArray) -> ForceSolution:
+        """All forces where the contact pushes with some force (n,)."""
+        return solve_forces(moving, {**self._given, self._name: self.sense * size}, self._solve)
+
+    def way(self, moving: Motion, solution: ForceSolution) -> FloatArray:
+        """How far the linkage gives way along the contact's force (n,), mm."""
+        state = LoadState(solution, moving)
+        return deflection(self.motion.kinematics, self.motion.poses, self._unit, state)
+
+    def deflected(self, moving: Motion, size: FloatArray) -> FloatArray:
+        """How far it gives way where the contact pushes with some force (n,), mm."""
+        return self.way(moving, self.solved(moving, size))
+
+    @cached_property
+    def gap(self) -> FloatArray:
+        """As in Touch."""
+        return self.deflected(self.motion, np.zeros(len(self.depth))) - self.depth
+
+    @cached_property
+    def lift(self) -> FloatArray:
+        """As in Touch."""
+        if self.slowed is self.motion:
+            return self.gap
+        return self.deflected(self.slowed, np.zeros(len(self.depth))) - self.depth
+
+
+def contact_gaps(motion: Motion, laws: Mapping[str, Law], solve: str, name: str) -> FloatArray:
+    """Gap and lift (2, n) of a contact as in Touch, mm, without settling its force."""
+    given, contacts = _sorted(motion, laws)
+    approach = _Approach(motion, given, solve, name, contacts[name])
+    return np.stack([approach.gap, approach.lift])
+
+
 def _solve_contact(
     motion: Motion,
     given: Mapping[str, float | FloatArray],
@@ -96,49 +170,29 @@ def _solve_contact(
     name: str,
     contact: Contact,
 ) -> tuple[Motion, ForceSolution, dict[str, Touch]]:
-    kinematics, poses = motion.kinematics, motion.poses
-    force = kinematics.linkage.force(name)
-    sense = contact.side * force.sign  # of the force's value where the contact pushes
-    unit_state = LoadState(unit_forces(motion, name, sense, solve), None)
-    softness = deflection(kinematics, poses, unit_state, unit_state)
-    soft = 0.0 if contact.stiffness is None else 1.0 / contact.stiffness
-    slope = softness + soft
-    # the pushed body follows the contact, whose surface gives way by this share of all
-    held = np.zeros(len(poses))
-    if contact.stops:
-        held = np.divide(softness, slope, out=np.zeros(len(poses)), where=slope > 0.0)
-    slowed = _slowed(motion, force, held)
-    depth = contact.side * (contact.at - kinematics.value(force.coordinate, poses))
-
-    def deflected(moving: Motion, size: FloatArray) -> FloatArray:
-        real = LoadState(solve_forces(moving, {**given, name: sense * size}, solve), moving)
-        return deflection(kinematics, poses, unit_state, real)
-
-    none = np.zeros(len(depth))
-    gap = deflected(motion, none) - depth
-    touching = gap < 0.0
-    lift = deflected(slowed, none) - depth
-    if (touching & (lift < 0.0) & (slope <= 0.0)).any():
+    kinematics = motion.kinematics
+    approach = _Approach(motion, given, solve, name, contact)
+    touching, lift = approach.gap < 0.0, approach.lift
+    if (touching & (lift < 0.0) & (approach.slope <= 0.0)).any():
         raise LinkageError(
             f"force {name!r}: nothing gives way between a rigid contact and a rigid linkage; "
             "state the stiffness of the contact, or the elasticity of a body or joint"
         )
-    size = none
+    size = np.zeros(len(lift))
     if (touching & (lift < 0.0)).any():
-        scale = kinematics.coordinate_scale(force.coordinate)
+        scale = kinematics.coordinate_scale(kinematics.linkage.force(name).coordinate)
         try:
-            size = _settled(
-                lambda size: deflected(slowed, size), depth, touching, slope, soft, scale
-            )
+            size = _settled(approach, touching, scale)
         except _Unsettled as unsettled:
             raise LinkageError(
                 f"force {name!r}: contact and friction do not settle at "
                 f"{motion.place(unsettled.position)}; friction comes close to locking there"
             ) from None
-    mixed = _chosen(touching, slowed, motion)
-    final = solve_forces(mixed, {**given, name: sense * size}, solve)
-    way = deflection(kinematics, poses, unit_state, LoadState(final, mixed))
-    return mixed, final, {name: Touch(touching, gap, lift, way, np.where(touching, held, 0.0))}
+    mixed = _chosen(touching, approach.slowed, motion)
+    final = approach.solved(mixed, size)
+    held = np.where(touching, approach.held, 0.0)
+    touch = Touch(touching, approach.gap, lift, approach.way(mixed, final), held)
+    return mixed, final, {name: touch}
 
 
 class _Unsettled(Exception):
@@ -147,17 +201,11 @@ class _Unsettled(Exception):
         self.position = position
 
 
-def _settled(
-    deflected: Callable[[FloatArray], FloatArray],
-    depth: FloatArray,
-    touching: BoolArray,
-    slope: FloatArray,
-    soft: float,
-    scale: float,
-) -> FloatArray:
+def _settled(approach: _Approach, touching: BoolArray, scale: float) -> FloatArray:
     """Return the contact's force (n,): secants from the frictionless slope, each position alone."""
+    depth, soft, slope = approach.depth, approach.soft, approach.slope
     size = np.zeros(len(depth))
-    given_way = deflected(size)
+    given_way = approach.lift + depth
     first = np.where(slope > 0.0, slope, 1.0)
     slope = first.copy()
     for _ in range(_STEPS):
@@ -168,7 +216,7 @@ def _settled(
             return size
         following = np.where(settled, size, np.maximum(size + left / slope, 0.0))
         change = following - size
-        way = deflected(following)
+        way = approach.deflected(approach.slowed, following)
         moved = change != 0.0
         secant = np.divide(way - given_way + soft * change, change, out=slope.copy(), where=moved)
         slope = np.clip(secant, 0.05 * first, 1e3 * first)

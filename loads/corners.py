@@ -4,9 +4,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from loads.bodies import FloatArray
+from loads.bodies import FloatArray, IntArray
 
 Function = Callable[[FloatArray], FloatArray]
+"""Values (n,) or of several functions (rows, n) at places (n,) of a grid."""
 
 _ROOT_STEPS = 9  # of the Illinois method: from a step of the grid to rounding
 _EXTREME_STEPS = 4  # parabolas, each through the best three points
@@ -14,18 +15,18 @@ _EXTREME_STEPS = 4  # parabolas, each through the best three points
 
 def with_roots(grid: FloatArray, function: Function) -> FloatArray:
     """Return the grid with the function's roots put in (Illinois method)."""
-    values = function(grid)
-    changes = np.flatnonzero((values[:-1] < 0.0) != (values[1:] < 0.0))
-    changes = changes[np.isfinite(values[changes]) & np.isfinite(values[changes + 1])]
-    if not len(changes):
+    values = np.atleast_2d(function(grid))
+    before, after = values[:, :-1], values[:, 1:]
+    row, k = np.nonzero(((before < 0.0) != (after < 0.0)) & np.isfinite(before + after))
+    if not len(k):
         return grid
-    one, other = grid[changes], grid[changes + 1]
-    value_one, value_other = values[changes], values[changes + 1]
+    one, other = grid[k], grid[k + 1]
+    value_one, value_other = values[row, k], values[row, k + 1]
     for _ in range(_ROOT_STEPS):
         apart = value_other - value_one
         step = np.divide(value_other, apart, out=np.zeros_like(apart), where=apart != 0.0)
         middle = other - step * (other - one)
-        value = _inside(grid, function, middle)
+        value = _inside(grid, function, middle, row)
         crossed = (value < 0.0) != (value_other < 0.0)
         one = np.where(crossed, other, one)
         value_one = np.where(crossed, value_other, 0.5 * value_one)
@@ -35,17 +36,17 @@ def with_roots(grid: FloatArray, function: Function) -> FloatArray:
 
 def with_extremes(grid: FloatArray, function: Function) -> FloatArray:
     """Return the grid with the function's smallest and largest values between put in."""
-    values = function(grid)
-    before, here, after = values[:-2], values[1:-1], values[2:]
+    values = np.atleast_2d(function(grid))
+    before, here, after = values[:, :-2], values[:, 1:-1], values[:, 2:]
     turning = np.isfinite(before + here + after) & ((here - before) * (after - here) < 0.0)
-    k = np.flatnonzero(turning) + 1
+    row, k = np.nonzero(turning)
     if not len(k):
         return grid
-    x = np.stack([grid[k - 1], grid[k], grid[k + 1]])
-    y = np.stack([values[k - 1], values[k], values[k + 1]])
+    x = np.stack([grid[k], grid[k + 1], grid[k + 2]])
+    y = np.stack([before[row, k], here[row, k], after[row, k]])
     for _ in range(_EXTREME_STEPS):
         trial = _vertex(x, y)
-        value = _inside(grid, function, trial)
+        value = _inside(grid, function, trial, row)
         x, y = _narrowed(x, y, trial, value)
     return _merged(grid, x[1])
 
@@ -78,9 +79,14 @@ def _narrowed(
     return np.take_along_axis(places, rows, axis=0), np.take_along_axis(heights, rows, axis=0)
 
 
-def _inside(grid: FloatArray, function: Function, places: FloatArray) -> FloatArray:
-    """Return the function at places, between the ends of the grid, which keep its direction."""
-    return function(np.concatenate([grid[:1], places, grid[-1:]]))[1:-1]
+def _inside(grid: FloatArray, function: Function, places: FloatArray, row: IntArray) -> FloatArray:
+    """Return the functions at a place each, between the grid's ends, which keep its direction.
+
+    row  (m,) which of the functions is asked for at which of the places (m,)
+    """
+    values = np.atleast_2d(function(np.concatenate([grid[:1], places, grid[-1:]])))
+    found: FloatArray = values[:, 1:-1][row, np.arange(len(places))]
+    return found
 
 
 def _merged(grid: FloatArray, places: FloatArray) -> FloatArray:

@@ -4,15 +4,18 @@ import numpy as np
 
 from ballesta.design_data import Part
 from ballesta.part_loads import PartLoads
+from ballesta.pin_checks import pin_diagram
 from geometry.parts import Pin, PlateLink
 
 _COUPLE = 1e-6  # of force times size: couples out of the plane that are more than round-off
+_PRESSED = 1.75  # mean pressure over a neck's bending stress, up to which the neck decides
 
 
 def family_of(part: Part, loads: PartLoads, kind: str) -> str:
     """Name of the family for a kind of check; it begins with the part's shape.
 
-    A pin in lugs that all stand on one side is bent out of a couple, one with a neck at the neck; a
+    A pin in lugs that all stand on one side is bent out of a couple, one with a neck at the neck,
+    unless a short arc of contact presses harder on a seat: then no half circle tells its stress. A
     plate beside others is bent out of its plane, too. Each scatters about solids in its own way.
     Buckling is compared by shape alone.
     """
@@ -21,7 +24,8 @@ def family_of(part: Part, loads: PartLoads, kind: str) -> str:
     shape = part.geometry
     if isinstance(shape, Pin):
         if any((seat.diameter or shape.diameter) < shape.diameter for seat in shape.seats):
-            return f"{part.shape} with a neck"
+            weaker = _pressed_over_bent(shape, loads) > _PRESSED
+            return f"{part.shape} with a neck" + (" and short seats" if weaker else "")
         if all(seat.single or (not seat.paired and seat.at == 0.0) for seat in shape.seats) and any(
             seat.single for seat in shape.seats
         ):
@@ -32,3 +36,18 @@ def family_of(part: Part, loads: PartLoads, kind: str) -> str:
         tilted = max(float(np.abs(wrench[:, 3:5]).max()) for wrench in loads.wrenches.values())
         return f"{part.shape} beside others" if tilted > _COUPLE * size else part.shape
     return part.shape
+
+
+def _pressed_over_bent(shape: Pin, loads: PartLoads) -> float:
+    """Largest mean pressure on a seat over the largest bending stress of the necks.
+
+    Nominal both, F/(d w) and 32 M/(pi d^3), each over all positions.
+    """
+    pressures = [
+        float(np.hypot(*loads.wrenches[seat.name][:, :2].T).max())
+        / ((seat.diameter or shape.diameter) * seat.width * len(seat.places))
+        for seat in shape.seats
+    ]
+    diagram = pin_diagram(shape, dict(loads.wrenches), spread=True, ends_only=True)
+    bent = float(diagram.bending_stress[:, diagram.diameter < shape.diameter].max())
+    return max(pressures) / bent if bent else np.inf
