@@ -61,7 +61,7 @@ class Compared:
 
 
 def of_solid(line: Mapping[str, Any], kind: str) -> Mapping[str, Any] | None:
-    """The solid's check of a kind in a line of truth.jsonl; None where its mesh has not converged."""
+    """The solid's check of a kind in a line of truth.jsonl; None without one that converged."""
     found = [check for check in line.get("checks", {}).values() if check["kind"] == kind]
     if not found:
         return None
