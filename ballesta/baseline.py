@@ -1,85 +1,65 @@
-"""A small, readable record of what a design's numbers are, to notice when they change."""
+"""A small, readable record of what a design's numbers are, to notice when they change.
 
-import json
-import os
-from collections.abc import Mapping, Sequence
+The front door to `ballesta.regression`: what a baseline holds, where it stands, how it is written.
+"""
+
 from pathlib import Path
-from typing import Any
 
+from ballesta.errors import DesignError, NumericsError
+from ballesta.regression.compare import Comparison, compare
+from ballesta.regression.file import (
+    Baseline,
+    BaselineError,
+    baseline_path,
+    is_old,
+    read_baseline,
+    write_record,
+)
+from ballesta.regression.isolated import CheckError, measure
+from ballesta.regression.record import record_of, rungs_of
 from reports.verdict import DesignResult
 
-# The same versions repeat to 1e-9; another processor's arithmetic may move the last digits.
-BAND = 1e-4
+__all__ = [
+    "Baseline",
+    "BaselineError",
+    "CheckError",
+    "Comparison",
+    "baseline_path",
+    "compare",
+    "measure",
+    "read_baseline",
+    "record_of",
+    "rungs_of",
+    "write_baseline",
+]
 
-
-def baseline_of(result: Mapping[str, Any]) -> dict[str, Any]:
-    """The numbers of a result, as plain data (`DesignResult.to_dict`), that a baseline keeps."""
-    parts = {
-        part["name"]: {
-            "mass [kg]": part["facts"]["mass [kg]"],
-            "checks": _checks(part["checks"]),
-        }
-        for part in result["parts"]
-    }
-    return {
-        "format": "ballesta-baseline/1",
-        "design": result["name"],
-        "status": result["status"],
-        "band": BAND,
-        "largest efforts [N]": {
-            name: {force: max(values, key=abs) for force, values in cycle["efforts"].items()}
-            for name, cycle in result["cycles"].items()
-        },
-        "parts": parts,
-        "linkage": _checks(result["linkage"]),
-    }
-
-
-def _checks(checks: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Value, limit and status of checks by kind and quantity."""
-    return {
-        f"{check['kind']}: {check['quantity']}": {
-            "value": check["value"],
-            "limit": check["limit"],
-            "status": check["status"],
-        }
-        for check in checks
-    }
-
-
-def baseline_path(design_file: str | Path) -> Path:
-    """Where a design's baseline stands: beside it."""
-    path = Path(design_file)
-    return path.with_name(f"{path.stem}.baseline.json")
+_OPTION = "--write-baseline"
 
 
 def write_baseline(result: DesignResult) -> Path:
-    """Write the baseline beside the design, whole or not at all; returns its path."""
+    """Write the baseline beside the design, whole or not at all; returns its path.
+
+    The rungs are those that decided the result; the numbers are measured as a test will measure
+    them, in a process of its own with one thread. Bands that a baseline states are kept.
+
+    Raises DesignError and NumericsError as the check does, OSError where it cannot be written.
+    """
     path = baseline_path(result.file)
-    text = json.dumps(baseline_of(result.to_dict()), indent=1, allow_nan=False)
-    temporary = path.with_name(path.name + ".tmp")
-    temporary.write_text(text + "\n", encoding="utf-8")
-    os.replace(temporary, path)
+    if result.overrides:
+        said = (
+            f"keeps the numbers of the file as it stands; leave out {', '.join(result.overrides)}"
+        )
+        raise DesignError(path, _OPTION, said)
+    try:
+        bands = read_baseline(path).bands if path.exists() and not is_old(path) else {}
+    except BaselineError as error:
+        raise DesignError(path, _OPTION, f"{error}; mend or delete it") from error
+    rungs = {part["name"]: rungs_of(part) for part in result.to_dict()["parts"]}
+    try:
+        record = measure(Path(result.file), rungs=rungs)
+    except CheckError as error:
+        if error.exit_code == 2:  # the file was changed meanwhile
+            raise DesignError(path, _OPTION, str(error)) from error
+        raise NumericsError(str(error), f"{path}: {_OPTION}", "try a coarser fidelity") from error
+    write_record(path, record, bands)
     return path
-
-
-def differences(baseline: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
-    """Return what has left the baseline: a line per quantity with baseline, now and the band."""
-    band = float(baseline["band"])
-    before, after = dict(_flat(baseline)), dict(_flat(now))
-    lines = []
-    for key in sorted(set(before) | set(after)):
-        old, new = before.get(key), after.get(key)
-        if isinstance(old, float) and isinstance(new, float):
-            if abs(new - old) > band * max(abs(old), 1e-9):
-                lines.append(f"{key}: baseline {old:.8g}, now {new:.8g}, band {band:g} of it")
-        elif old != new:
-            lines.append(f"{key}: baseline {old!r}, now {new!r}")
-    return lines
-
-
-def _flat(value: Any, key: str = "") -> list[tuple[str, Any]]:
-    if isinstance(value, Mapping):
-        return [pair for k, v in value.items() for pair in _flat(v, f"{key} / {k}" if key else k)]
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    return [(key, float(value) if number else value)]

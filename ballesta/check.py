@@ -30,6 +30,9 @@ from ballesta.quasi_static import (
     vibration_warnings,
     with_dynamics,
 )
+from ballesta.store.linkage import stored_mode
+from ballesta.store.loads import stored_loads
+from ballesta.store.store import Store
 from ballesta.warnings_of import claim_warnings, design_warnings, unloaded_warnings
 from fem.allocation import keep_freed_memory
 from geometry.mesh import MeshError, TooManyElementsError
@@ -57,15 +60,19 @@ def check_file(
     *,
     effort: Effort = DEFAULT_EFFORT,
     say: Say = lambda _: None,
+    store: Store | None = None,
 ) -> DesignResult:
     """Read and check one design file.
+
+    store  what earlier checks have left (docs/store.md); this one's stages are kept there
 
     Raises DesignError for a file that cannot be checked as written, NumericsError where a solver
     gave up.
     """
     start = perf_counter()
     design = read_design(path, overrides)
-    return check_design(design, effort=effort, say=say, reading=perf_counter() - start)
+    reading = perf_counter() - start
+    return check_design(design, effort=effort, say=say, reading=reading, store=store)
 
 
 def check_design(
@@ -74,10 +81,12 @@ def check_design(
     effort: Effort = DEFAULT_EFFORT,
     say: Say = lambda _: None,
     reading: float = 0.0,
+    store: Store | None = None,
 ) -> DesignResult:
     """Check all parts of a design over all its cycles; raises DesignError and NumericsError.
 
     effort  which models may be used, and how long it may take
+    store   of loads, meshes and solutions (docs/store.md)
     """
     begun = perf_counter() - reading
     if not design.parts:
@@ -85,7 +94,7 @@ def check_design(
             design.file, "parts", "nothing to check: there are none; ballesta loads tells the loads"
         )
     keep_freed_memory()
-    models = Models()
+    models = Models(store)
     timings = {"read": reading}
     try:
         # what cannot move or does not balance is told before anything is meshed
@@ -95,13 +104,13 @@ def check_design(
         compliances = compliances_of(design, models, say)
         start = perf_counter()
         say("loads: solving the cycles")
-        solved = solve_cycles(design, masses, compliances)
+        solved = solve_cycles(design, masses, compliances, store)
         vibration = vibration_of(design, solved)
         shaken = vibration_warnings(design, solved, vibration)
         solved = with_dynamics(design, solved, vibration)
         measured = measured_loads(design, masses)
         runs: dict[str, loads.CycleLoads | loads.MeasuredLoads] = {**solved, **measured}
-        mode = worst_mode(design, runs)
+        mode = stored_mode(store, design, runs) if store else worst_mode(design, runs)
         timings["loads"] = perf_counter() - start
     except loads.LinkageError as error:
         raise DesignError(design.file, "linkage", str(error)) from error
@@ -199,16 +208,18 @@ def solve_cycles(
     design: Design,
     masses: Mapping[str, tuple[float, tuple[float, float], float]],
     compliances: Mapping[str, loads.MatrixCompliance] | None = None,
+    store: Store | None = None,
 ) -> dict[str, loads.CycleLoads]:
     """Solve every cycle of a design; raises DesignError, LinkageError for the linkage itself.
 
     compliances  of bodies that give way as their parts (elastic_parts), for cycles with contacts
+    store        of the loads of cycles
     """
     solved = {}
     for name, cycle in design.cycles.items():
         linkage = linkage_of(design, masses, cycle, compliances)
         with told_of_cycle(design, name):
-            solved[name] = loads.run_cycle(linkage, cycle_of(design, cycle))
+            solved[name] = stored_loads(store, linkage, cycle_of(design, cycle))
     return solved
 
 

@@ -58,6 +58,18 @@ def check(
         bool,
         typer.Option("--write-baseline", help="write NAME.baseline.json beside each design"),
     ] = False,
+    store: Annotated[
+        Path | None,
+        typer.Option(
+            "--store",
+            metavar="DIR",
+            envvar="BALLESTA_STORE",
+            help="keep loads, meshes and solutions there, and take them from there",
+        ),
+    ] = None,
+    no_store: Annotated[
+        bool, typer.Option("--no-store", help="compute everything, whatever BALLESTA_STORE says")
+    ] = False,
 ) -> None:
     """Check designs and write report.html, result.json and a .vtu file per part.
 
@@ -76,8 +88,89 @@ def check(
         baseline=baseline,
         fidelity=fidelity,
         within=within,
+        store=None if no_store else store,
     )
     raise typer.Exit(code)
+
+
+@app.command()
+def batch(
+    designs: Annotated[
+        list[Path], typer.Argument(metavar="DESIGN...", help="design files, or folders of them")
+    ],
+    out: Annotated[Path, typer.Option("--out", help="folder of the batch; resumed if it is one")],
+    jobs: Annotated[
+        int | None, typer.Option("--jobs", metavar="N", help="at a time; else one per core")
+    ] = None,
+    sweeps: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--sweep", help="vary a value: 'parts.bar.wall = 4..8 mm : 9'; again for more"
+        ),
+    ] = None,
+    sample: Annotated[
+        int | None, typer.Option("--sample", metavar="N", help="points of the sweeps, not a grid")
+    ] = None,
+    sobol: Annotated[
+        bool, typer.Option("--sobol", help="a Sobol sequence, the only kind of sample there is")
+    ] = True,
+    seed: Annotated[int, typer.Option("--seed", help="of the sample")] = 0,
+    fidelity: Annotated[
+        str, typer.Option("--fidelity", metavar="RUNG", help="as of check; else auto")
+    ] = "auto",
+    within: Annotated[
+        str | None, typer.Option("--within", metavar="TIME", help="as of check, of each design")
+    ] = None,
+    accuracy: Annotated[
+        str | None, typer.Option("--accuracy", help="as of check, of each design")
+    ] = None,
+    time_limit: Annotated[
+        str, typer.Option("--time-limit", metavar="TIME", help="stop a design after it; or none")
+    ] = "600s",
+    memory: Annotated[
+        str | None,
+        typer.Option("--memory", metavar="SIZE", help="stop a design that takes more, e.g. 4GB"),
+    ] = None,
+    overrides: Overrides = None,
+    reports: Annotated[
+        bool | None,
+        typer.Option("--reports/--no-reports", help="report.html of each; else up to 50 designs"),
+    ] = None,
+    store: Annotated[
+        Path | None,
+        typer.Option(
+            "--store", metavar="DIR", envvar="BALLESTA_STORE", help="as of check; else OUT/store"
+        ),
+    ] = None,
+    no_store: Annotated[bool, typer.Option("--no-store", help="share no stages")] = False,
+) -> None:
+    """Check many designs and their variations side by side; write index.html and tables.
+
+    A batch that was stopped or killed goes on with the same command. Every design is a line when it
+    is finished, and costs nobody else anything when it crashes, hangs or takes too much memory.
+
+    Exit code: the highest of the designs; 0 pass, 1 FAIL or UNDECIDED, 2 wrong input, 3 gave up,
+    crashed, out of time or memory; 130 stopped.
+    """
+    from ballesta.batch_command import Wanted, run_batch_command
+
+    wanted = Wanted(
+        out=out,
+        jobs=jobs,
+        sweeps=tuple(sweeps or ()),
+        sample=sample,
+        seed=seed,
+        fidelity=fidelity,
+        within=within,
+        accuracy=accuracy,
+        time_limit=time_limit,
+        memory=memory,
+        overrides=tuple(overrides or ()),
+        reports=reports,
+        store=store,
+        no_store=no_store,
+    )
+    raise typer.Exit(run_batch_command(designs, wanted))
 
 
 @app.command()
@@ -130,6 +223,35 @@ def ladder(
     from ballesta.ladder_command import Wanted, run_ladder
 
     raise typer.Exit(run_ladder(design, Wanted(part, out, json), overrides or []))
+
+
+@app.command()
+def diff(
+    before: Annotated[
+        Path, typer.Argument(metavar="A", help="a design file, a result.json or a folder of a run")
+    ],
+    after: Annotated[Path, typer.Argument(metavar="B", help="what to compare it with")],
+    html: Annotated[
+        Path | None, typer.Option("--html", metavar="FILE", help="write every change as a page")
+    ] = None,
+    json: Annotated[bool, typer.Option("--json", help="print the result as JSON")] = False,
+    fidelity: Annotated[
+        str, typer.Option("--fidelity", metavar="RUNG", help="of the checks of design files")
+    ] = "auto",
+    within: Annotated[
+        str | None,
+        typer.Option("--within", metavar="TIME", help="begin no solid that would take longer"),
+    ] = None,
+) -> None:
+    """Tell what changed from A to B: verdicts, then inputs, loads, stresses, safety, masses.
+
+    Design files are checked first; of the folders of two runs all results are compared.
+
+    Exit code 0: compared, whatever changed; 2: an input is wrong; 3: the numerics gave up.
+    """
+    from ballesta.difference import Wanted, run_diff
+
+    raise typer.Exit(run_diff(before, after, Wanted(html, json, fidelity, within)))
 
 
 @app.command()

@@ -9,6 +9,9 @@ from typing import Protocol
 import numpy as np
 
 from ballesta.part_loads import PartLoads
+from ballesta.store.meshes import stored_body, stored_mesh
+from ballesta.store.solutions import stored_solutions
+from ballesta.store.store import Store
 from ballesta.stressed import Stressed, judge
 from fem.notch_resolution import concave_curvature, notch_error
 from fem.recovery import von_mises
@@ -16,10 +19,10 @@ from fem.singularity import reentrant_edges
 from fem.stress_history import StressHistory
 from fem.unit_loads import ACCELERATIONS, IN_PLANE, inertia_of, resultants
 from fem.unit_solutions import Elastic, UnitSolutions, solve_unit_loads
-from geometry.cad_body import CadBody, SolidBody, cad_body
+from geometry.cad_body import CadBody, SolidBody
 from geometry.halves import Half
 from geometry.mesh import SYMMETRY, FloatArray, IntArray, MassProperties, Mesh
-from geometry.meshing import Buildable, mesh_shape
+from geometry.meshing import Buildable
 from geometry.sizing import SizeField, element_sizes
 
 
@@ -31,9 +34,13 @@ class Bodies(Protocol):
 
 
 class Models:
-    """Meshes and unit solutions of a run, so that equal parts are meshed and solved once."""
+    """Meshes and unit solutions of a run, so that equal parts are meshed and solved once.
 
-    def __init__(self) -> None:
+    store  what earlier runs have left, and where this one's are kept
+    """
+
+    def __init__(self, store: Store | None = None) -> None:
+        self.store = store
         self._meshes: dict[tuple[Buildable, float, SizeField | None], Mesh] = {}
         self._solutions: dict[
             tuple[Buildable, float, SizeField | None, Elastic], UnitSolutions
@@ -45,7 +52,7 @@ class Models:
         """Return what the CAD kernel knows of a shape, without a mesh of it."""
         if shape not in self._bodies:
             start = perf_counter()
-            self._bodies[shape] = cad_body(shape)
+            self._bodies[shape] = stored_body(self.store, shape)
             self.seconds["mesh"] += perf_counter() - start
         return self._bodies[shape]
 
@@ -54,7 +61,7 @@ class Models:
         key = (shape, fineness, sizes)
         if key not in self._meshes:
             start = perf_counter()
-            self._meshes[key] = mesh_shape(shape, fineness=fineness, sizes=sizes)
+            self._meshes[key] = stored_mesh(self.store, shape, fineness, sizes)
             self.seconds["mesh"] += perf_counter() - start
         return self._meshes[key]
 
@@ -70,7 +77,11 @@ class Models:
         if key not in self._solutions:
             mesh = self.mesh(shape, fineness, sizes)
             start = perf_counter()
-            self._solutions[key] = solve_unit_loads(mesh, material)
+            self._solutions[key] = (
+                solve_unit_loads(mesh, material)
+                if self.store is None
+                else stored_solutions(self.store, mesh, material)
+            )
             _ = self._solutions[key].basis
             self.seconds["solve"] += perf_counter() - start
         return self._solutions[key]

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf
 from time import perf_counter
 
@@ -10,12 +10,16 @@ import loads
 from ballesta.bushes import bush_checks, bushes_not_checked
 from ballesta.cost import check_seconds
 from ballesta.design_data import Design, Part
+from ballesta.effort import DEFAULT_EFFORT as DEFAULT_EFFORT
+from ballesta.effort import SOLID
+from ballesta.effort import Effort as Effort
 from ballesta.errors import DesignError, NumericsError
 from ballesta.levels import Models
 from ballesta.lug_checks import lug_checks
 from ballesta.part_loads import check_reach, loads_on
 from ballesta.pin_checks import pin_checks
-from ballesta.rungs.climb import AUTO, SOLID, Climb, climb_cheap, start_climb
+from ballesta.rungs.climb import Climb, climb_cheap, start_climb
+from ballesta.rungs.pinned import climb_pinned
 from ballesta.rungs.result import cheap_result, solid_result
 from ballesta.side_by_side import offset_gates
 from ballesta.slot_checks import slot_checks
@@ -28,27 +32,6 @@ from reports.verdict import Check, PartResult
 
 Say = Callable[[str], None]
 Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
-
-
-@dataclass(frozen=True)
-class Effort:
-    """Which models a check may use, and how long it may take.
-
-    fidelity  "auto", "formula", "beam", "plane" or "solid"
-    within    s from the start of the check, after which no solid is begun; None for no limit
-    """
-
-    fidelity: str = AUTO
-    within: float | None = None
-
-    @property
-    def options(self) -> list[str]:
-        """The options of the command line that ask for it."""
-        found = [] if self.fidelity == AUTO else [f"--fidelity {self.fidelity}"]
-        return found if self.within is None else [*found, f"--within {self.within:g}s"]
-
-
-DEFAULT_EFFORT = Effort()
 
 
 def check_parts(
@@ -64,13 +47,17 @@ def check_parts(
     deadline = inf if effort.within is None else begun + effort.within
     climbs: dict[str, Climb] = {}
     waiting: list[str] = []
+    solids: dict[str, frozenset[str]] = {}
     results: dict[str, PartResult] = {}
     for part in design.parts.values():
         with told_of_part(design, part):
             part_loads = loads_on(design, part, solved)
             check_reach(design, part, part_loads, models.body(part.geometry).interfaces)
             climb = climbs[part.name] = start_climb(design, part, part_loads, solved)
-            if climb_cheap(climb, effort.fidelity, say):
+            rungs = effort.pinned.get(part.name)
+            if rungs:
+                solids[part.name] = climb_pinned(climb, rungs, say)
+            if solids[part.name] if rungs else climb_cheap(climb, effort.fidelity, say):
                 waiting.append(part.name)
             else:
                 results[part.name] = cheap_result(climb, models)
@@ -85,9 +72,10 @@ def check_parts(
                 results[name] = cheap_result(climb, models)
             else:
                 say(f"{name}: solving")
-                everything = effort.fidelity == SOLID
+                pinned = solids.get(name)
+                everything = effort.fidelity == SOLID and pinned is None
                 results[name] = solid_result(
-                    climb, models, say, everything=everything, deadline=deadline
+                    climb, models, say, everything=everything, deadline=deadline, pinned=pinned
                 )
         models.keep_only({climbs[other].part.geometry for other in waiting[done + 1 :]})
     return [_with_formulas(climbs[name], results[name], solved, models) for name in design.parts]

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ballesta.design_data import Part
+from ballesta.store.solutions import remembered
 from fem.unit_solutions import UnitSolutions
 from fem.vibration import link_vibration
 
@@ -17,7 +18,12 @@ def frequency_facts(part: Part, solutions: UnitSolutions) -> dict[str, float | s
     """
     if part.body is None or solutions.ties is not None or len(solutions.interfaces) < 2:
         return {}
-    found = link_vibration(solutions, tilt_held=False, count=_COUNT)
+    found = remembered(
+        solutions,
+        "vibration",
+        (False, _COUNT),
+        lambda: link_vibration(solutions, tilt_held=False, count=_COUNT),
+    )
     said = [
         f"{hertz:.4g} {_plane(shape)}"
         for hertz, shape in zip(found.hertz, found.shapes, strict=True)

@@ -1,10 +1,12 @@
 """Running checks for people: files out, progress, one bad file costing that file alone."""
 
 import json
+import os
 import sys
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from math import inf, nan
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -12,7 +14,9 @@ from typing import TYPE_CHECKING, Any
 from ballesta.errors import DesignError, NumericsError
 
 if TYPE_CHECKING:
-    from ballesta.part_ladder import Effort
+    from ballesta.effort import Effort
+    from ballesta.store.results import KeptResult
+    from ballesta.store.store import Store
     from reports.verdict import DesignResult
 
 Say = Callable[[str], None]
@@ -29,18 +33,27 @@ def check_all(
     baseline: bool = False,
     fidelity: str = "auto",
     within: str | None = None,
+    store: Path | None = None,
 ) -> int:
     """Check designs one after the other and write their results; returns the exit code.
+
+    store  folder of what earlier checks have left; None for none
 
     Verdicts go to standard output, progress and errors to standard error.
     """
     folders = output_folders(designs, out)
     codes, results = [], []
+    opened: list[Store | None] = []
+    wrong = guarded(lambda: opened.append(store_at(store)))
+    if wrong:
+        return wrong
     for path, folder in zip(designs, folders, strict=True):
 
         def one(path: Path = path, folder: Path = folder) -> int:
             effort = effort_of(fidelity, within)
-            result = check_to_folder(path, folder, overrides, baseline=baseline, effort=effort)
+            result = check_to_folder(
+                path, folder, overrides, baseline=baseline, effort=effort, store=opened[0]
+            )
             results.append(result.to_dict() | {"report": str(folder / "report.html")})
             if not as_json:
                 from reports.terminal import verdict_text
@@ -54,18 +67,37 @@ def check_all(
     return max(codes, default=0)
 
 
+def store_at(folder: Path | None) -> "Store | None":
+    """Return the store in a folder; None without one. Raises DesignError for a wrong limit."""
+    if folder is None:
+        return None
+    from ballesta.store.store import GIB, Store
+
+    stated = os.environ.get("BALLESTA_STORE_LIMIT")
+    if not stated:
+        return Store(folder)
+    try:
+        limit = float(stated)
+    except ValueError:
+        limit = nan
+    if not 0 < limit < inf:
+        expected = f'must be a number of GiB above 0 such as "20", got "{stated}"'
+        raise DesignError(Path("environment"), "BALLESTA_STORE_LIMIT", expected)
+    return Store(folder, limit=int(limit * GIB))
+
+
 def effort_of(fidelity: str, within: str | None) -> "Effort":
     """What the options of the command line ask for; raises DesignError."""
+    from ballesta.effort import FIDELITIES, Effort
     from ballesta.names import no_such
-    from ballesta.part_ladder import Effort
-    from ballesta.rungs.climb import FIDELITIES
-    from ballesta.units import measure
 
     here = Path("command line")
     if fidelity not in FIDELITIES:
         raise DesignError(here, "--fidelity", no_such("rung", fidelity, FIDELITIES))
     if within is None:
         return Effort(fidelity)
+    from ballesta.units import measure
+
     try:
         seconds = measure(within, "time").value
     except ValueError as error:
@@ -82,43 +114,94 @@ def check_to_folder(
     *,
     baseline: bool = False,
     effort: "Effort | None" = None,
+    store: "Store | None" = None,
 ) -> "DesignResult":
     """Check one design and write its folder: report.html, result.json, <part>.vtu.
 
+    store  of stages and whole results (docs/store.md): an unchanged design is not checked again
+
     Raises DesignError (also for a folder that cannot be written) and NumericsError.
     """
+    from ballesta.effort import DEFAULT_EFFORT
+    from ballesta.store.results import keep_files, recalled_result
+
+    effort = effort or DEFAULT_EFFORT
+    kept = recalled_result(store, path, overrides, effort)
+    if kept is not None:
+        with progress(path, len(kept.result.parts)) as say, _told_of_folder(folder):
+            say("unchanged: taken from the store")
+            if kept.files:
+                write_kept(kept, folder)
+            else:
+                files = write_folder(kept.result, folder, say)
+                keep_files(store, path, overrides, effort, kept, files)
+            if baseline:
+                _write_baseline(kept.result, say)
+        return kept.result
+
     from ballesta.check import check_design
     from ballesta.design import read_design
-    from ballesta.part_ladder import DEFAULT_EFFORT
+    from ballesta.store.results import keep_result
+
+    start = perf_counter()
+    design = read_design(path, overrides)
+    reading = perf_counter() - start
+    with _told_of_folder(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+    with progress(path, len(design.parts)) as say:
+        result = check_design(design, effort=effort, say=say, reading=reading, store=store)
+        with _told_of_folder(folder):
+            files = write_folder(result, folder, say)
+            if baseline:
+                _write_baseline(result, say)
+        keep_result(store, design, effort, result, files)
+    return result
+
+
+def write_folder(result: "DesignResult", folder: Path, say: Say) -> dict[str, bytes]:
+    """Write report.html, result.json and a .vtu per part; raises OSError.
+
+    Returns what was written, by name; nothing if pictures are missing that may be there next time.
+    """
     from reports.files import write_json, write_vtu
     from reports.page import write_report
     from reports.pictures import render_stills
 
     start = perf_counter()
-    design = read_design(path, overrides)
-    reading = perf_counter() - start
+    say("writing the report")
+    pictures = render_stills(result.parts)
+    names = [f"{part.name}.vtu" for part in result.parts]
+    for part, name in zip(result.parts, names, strict=True):
+        write_vtu(part, folder / name)
+    write_report(result, pictures, folder / "report.html")
+    write_json(result, folder / "result.json")
+    say(f"report written in {perf_counter() - start:.1f} s")
+    names += ["report.html", "result.json"]
+    return {} if pictures.reason else {name: (folder / name).read_bytes() for name in names}
+
+
+def write_kept(kept: "KeptResult", folder: Path) -> None:
+    """Write the files of a result from the store; raises OSError."""
+    from reports.files import replacing
+
+    for name, content in kept.files.items():
+        with replacing(folder / name) as temporary:
+            temporary.write_bytes(content)
+
+
+def _write_baseline(result: "DesignResult", say: Say) -> None:
+    from ballesta.baseline import write_baseline
+
+    say(f"baseline written to {write_baseline(result)}")
+
+
+@contextmanager
+def _told_of_folder(folder: Path) -> Iterator[None]:
+    """Tell of an error which folder cannot be written."""
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        yield
     except OSError as error:
         raise DesignError(folder, "--out", f"cannot be written: {error.strerror}") from error
-    with progress(path, len(design.parts)) as say:
-        result = check_design(design, effort=effort or DEFAULT_EFFORT, say=say, reading=reading)
-        start = perf_counter()
-        say("writing the report")
-        pictures = render_stills(result.parts)
-        try:
-            for part in result.parts:
-                write_vtu(part, folder / f"{part.name}.vtu")
-            write_report(result, pictures, folder / "report.html")
-            write_json(result, folder / "result.json")
-            if baseline:
-                from ballesta.baseline import write_baseline
-
-                say(f"baseline written to {write_baseline(result)}")
-        except OSError as error:
-            raise DesignError(folder, "--out", f"cannot be written: {error.strerror}") from error
-        say(f"report written in {perf_counter() - start:.1f} s")
-    return result
 
 
 def output_folders(designs: Sequence[Path], out: Path) -> list[Path]:

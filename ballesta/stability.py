@@ -11,6 +11,7 @@ from ballesta.column_moments import axial_compression as axial_compression
 from ballesta.column_moments import crooked_checks
 from ballesta.design_data import Design, Part
 from ballesta.part_loads import PartLoads
+from ballesta.store.solutions import remembered
 from ballesta.ties import first_largest
 from fem.buckling import Buckling, BucklingMode
 from fem.unit_solutions import UnitSolutions
@@ -204,7 +205,12 @@ def eigenvalue_check(
     if part.body is None or solutions.ties is not None or len(solutions.interfaces) < 2:
         return None
     starts = [*first_largest(axial_compression(part, loads)), peak]
-    found = worst_buckling(solutions, coefficients, starts, tilt_held=False)
+    found = remembered(
+        solutions,
+        "buckling",
+        (coefficients, starts, False),
+        lambda: worst_buckling(solutions, coefficients, starts, tilt_held=False),
+    )
     if found is None:
         return None
     worst, buckling = found
@@ -212,7 +218,7 @@ def eigenvalue_check(
     stiff: float | None = None
     forks = "not asked"
     if modes[0].factor < _FAR * design.require.buckling:
-        held = buckling_at(solutions, coefficients[:, worst], tilt_held=True).modes
+        held = _buckling_at(solutions, coefficients[:, worst], tilt_held=True).modes
         stiff = held[0].factor if held else np.inf
         forks = f"{stiff:.3g}" if held else "none"
     turned = ""
@@ -250,12 +256,22 @@ def eigenvalue_check(
     check = checked(modes[0], _ONE_MESH_BAR / part.fineness, "one mesh")
     if check.status is Status.UNDECIDED and len(levels) > 1:
         solutions, coefficients = levels[-1]
-        again = buckling_at(solutions, coefficients[:, worst], tilt_held=False)
+        again = _buckling_at(solutions, coefficients[:, worst], tilt_held=False)
         if again.modes:
             proof, missed = _proof(again)
             bar = abs(again.modes[0].factor / modes[0].factor - 1)
             return checked(again.modes[0], bar, "two meshes"), again.modes[0]
     return check, modes[0]
+
+
+def _buckling_at(solutions: UnitSolutions, state: FloatArray, *, tilt_held: bool) -> Buckling:
+    """Modes of one position, from the store of the solutions if they have one."""
+    return remembered(
+        solutions,
+        "buckling_at",
+        (state, tilt_held),
+        lambda: buckling_at(solutions, state, tilt_held=tilt_held),
+    )
 
 
 def _proof(buckling: Buckling) -> tuple[str, float]:

@@ -246,12 +246,7 @@ def solve_unit_loads(mesh: Mesh, material: Elastic) -> UnitSolutions:
     upper = stiffness(pattern, material.youngs_modulus, material.poisson_ratio)
     ties = ties_of(mesh)
     held = _half_hold(mesh) if mesh.half else determinate_hold(mesh.nodes, ties)
-    matrix = upper if ties is None else ties.collect_upper(upper)
-    free = _free(matrix.shape[0], held, ties)
-    by_node = node_dissection(mesh.elements) if ties is None else None
-    factor = factorize(
-        matrix[free][:, free].tocsr(), place=None if by_node is None else by_node[free // 3]
-    )
+    factor = held_factor(mesh, upper, held, ties)
     displacement, residual = _solve_held(factor, held, loads, ties)
     return UnitSolutions(
         elements=elements,
@@ -265,6 +260,21 @@ def solve_unit_loads(mesh: Mesh, material: Elastic) -> UnitSolutions:
         stiffness=upper,
         residual=residual,
         ties=ties,
+    )
+
+
+def held_factor(mesh: Mesh, upper: sp.csr_array, held: IntArray, ties: Ties | None) -> Factor:
+    """Factorise a part's stiffness without its held unknowns, tied ones collected.
+
+    upper  triangle of the whole stiffness matrix, without ties
+
+    Raises SolverError.
+    """
+    matrix = upper if ties is None else ties.collect_upper(upper)
+    free = _free(matrix.shape[0], held, ties)
+    by_node = node_dissection(mesh.elements) if ties is None else None
+    return factorize(
+        matrix[free][:, free].tocsr(), place=None if by_node is None else by_node[free // 3]
     )
 
 

@@ -21,13 +21,14 @@ from geometry.parts import LeafPack
 from reports.verdict import Check, RungTried, Status
 
 AUTO, SOLID = "auto", "solid"
+GAVE_UP = "gave up"
 BUILDERS: Mapping[str, Callable[[Part, PartLoads], RungModel | None]] = {
     "formula": formula.model_of,
     "beam": beam.model_of,
     "plane": plane.model_of,
 }
 FIDELITIES = (AUTO, *BUILDERS, SOLID)
-_FKM = "FKM's notch support needs the stress below a solid's surface"
+FKM_NEEDS_SOLID = "FKM's notch support needs the stress below a solid's surface"
 
 Say = Callable[[str], None]
 
@@ -71,7 +72,7 @@ class Climb:
         try:
             model = BUILDERS[rung](self.part, self.loads)
         except (MeshError, SolverError) as error:
-            self.skip(rung, f"gave up: {error}")
+            self.skip(rung, f"{GAVE_UP}: {error}")
             return False
         if model is None:
             self.skip(rung, f"there is no {rung} of this shape")
@@ -189,7 +190,7 @@ def climb_cheap(climb: Climb, fidelity: str, say: Say = lambda _: None) -> bool:
     if fidelity == SOLID:
         return True
     if climb.part.fkm is not None:
-        climb.skip(next(iter(BUILDERS)) if fidelity == AUTO else fidelity, _FKM)
+        climb.skip(next(iter(BUILDERS)) if fidelity == AUTO else fidelity, FKM_NEEDS_SOLID)
         return True
     if fidelity == AUTO:
         for rung in BUILDERS:
@@ -204,7 +205,7 @@ def climb_cheap(climb: Climb, fidelity: str, say: Say = lambda _: None) -> bool:
         return True
     for rung in _from(fidelity):
         if climb.take(rung):
-            _complete(climb)
+            complete(climb)
             return False
     return True
 
@@ -214,7 +215,7 @@ def _from(fidelity: str) -> Iterable[str]:
     return rungs[rungs.index(fidelity) :]
 
 
-def _complete(climb: Climb) -> None:
+def complete(climb: Climb) -> None:
     """Ask the cheaper rungs for the checks that the one that was asked for has no answer to."""
     for rung in BUILDERS:
         missing = [k for k in climb.asked if k not in climb.best and not climb.unbuckled]

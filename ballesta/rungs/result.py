@@ -105,15 +105,26 @@ def _unstressed(body: CadBody) -> Surface:
 
 
 def solid_result(
-    climb: Climb, models: Models, say: Say, *, everything: bool, deadline: float = inf
+    climb: Climb,
+    models: Models,
+    say: Say,
+    *,
+    everything: bool,
+    deadline: float = inf,
+    pinned: frozenset[str] | None = None,
 ) -> PartResult:
-    """Check a part as a solid: all of it, or what the rungs below left open."""
+    """Check a part as a solid: all of it, or what the rungs below left open.
+
+    pinned  kinds of checks that are the solid's, refined to the accuracy whatever the verdict
+    """
     design, part, loads = climb.design, climb.part, climb.loads
     start = perf_counter()
     kinds = frozenset(climb.asked if everything else climb.open)
     asked = Asked(kinds | frozenset([STATIC, FATIGUE, BUCKLING])) if everything else Asked(
         kinds, modes=False, enough=_enough(climb, models), deadline=deadline
     )  # fmt: skip
+    if pinned is not None:
+        kinds, asked = pinned, Asked(pinned, modes=False)
     result = check_solid(design, part, loads, models, say, asked)
     result = with_leaf_checks(design, part, result, loads, climb.solved, models)
     checks = [check for check in result.checks if check.method.startswith(SOLID)]
@@ -125,7 +136,9 @@ def solid_result(
         _why(checks, design.accuracy),
     )
     if not everything:
-        result = replace(result, checks=_merged(climb, result.checks, kinds))
+        result = replace(
+            result, checks=_merged(climb, result.checks, kinds, exactly=pinned is not None)
+        )
     return replace(result, rungs=[*climb.tried, solid])
 
 
@@ -147,13 +160,18 @@ def _enough(climb: Climb, models: Models) -> Callable[[Sequence[Check]], str]:
     return enough
 
 
-def _merged(climb: Climb, checks: Sequence[Check], kinds: frozenset[str]) -> list[Check]:
-    """The checks of a solid, but for those that a rung below knows better or alone."""
+def _merged(
+    climb: Climb, checks: Sequence[Check], kinds: frozenset[str], *, exactly: bool
+) -> list[Check]:
+    """The checks of a solid, but for those that a rung below knows better or alone.
+
+    exactly  no check of a solid stands for a rung's that was not asked of the solid
+    """
     merged = []
     for check in checks:
         best = climb.best.get(check.kind)
         by_solid = check.method.startswith(SOLID)
-        if by_solid and check.kind not in kinds and best and _better(best, check):
+        if by_solid and check.kind not in kinds and best and (exactly or _better(best, check)):
             merged.append(best.check)
         else:
             merged.append(check)

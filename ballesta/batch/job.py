@@ -1,0 +1,186 @@
+"""One design of a batch: what is to be checked, and the check itself. Plain data in and out."""
+
+import errno
+import sys
+from collections.abc import Mapping
+from contextlib import redirect_stderr
+from dataclasses import dataclass
+from functools import cache
+from hashlib import sha256
+from io import TextIOBase
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Any, TextIO
+
+from ballesta.batch.outcome import GAVE_UP, OUT_OF_MEMORY, WRONG_INPUT, ended, judged
+from ballesta.errors import DesignError, NumericsError
+
+if TYPE_CHECKING:
+    from ballesta.design_data import Design
+    from ballesta.store.store import Store
+    from reports.verdict import DesignResult
+
+RUN = "ballesta.batch.job:run_plain"  # what a worker process is told to call
+_NOT_THE_DESIGN = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO)
+
+
+class FolderError(Exception):
+    """The output folder takes no files: no design's fault, so the batch stops."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """A design to check.
+
+    name       the row it becomes, one of its kind in a batch
+    file       the design file, as given
+    overrides  "key=value", put in before it is read
+    fidelity, within, accuracy  as the options of `ballesta check`; None where not given
+    folder     where its results go
+    reports    whether report.html and a .vtu per part are written beside result.json
+    store      folder of what earlier checks have left (docs/store.md); None for none
+    """
+
+    name: str
+    file: str
+    overrides: tuple[str, ...]
+    fidelity: str
+    within: str | None
+    accuracy: str | None
+    folder: str
+    reports: bool = False
+    store: str | None = None
+
+
+def run_job(job: Job) -> dict[str, Any]:
+    """Check a design and write its folder; returns what came of it as plain data (`outcome`).
+
+    Raises FolderError where the output folder takes no files. Whatever else goes wrong with the
+    design is told in the outcome; a bug of ours is raised.
+    """
+    start = perf_counter()
+    told = _Told(sys.stderr)
+    _clear(Path(job.folder))
+    try:
+        with redirect_stderr(told):
+            result, sources = _checked(job)
+    except (DesignError, NumericsError, OSError) as error:
+        _raise_if_folder_fails(error)
+        if not isinstance(error, DesignError | NumericsError):
+            raise
+        status = WRONG_INPUT if isinstance(error, DesignError) else GAVE_UP
+        outcome = ended(job, status, str(error), told.step)
+        outcome["sources"] = _sources_of(job)
+    except MemoryError:
+        outcome = ended(job, OUT_OF_MEMORY, "there was not enough memory", told.step)
+    else:
+        written = (Path(job.folder) / "result.json").read_bytes()
+        outcome = judged(job, result)
+        outcome |= {"sources": sources, "result_sha256": sha256(written).hexdigest()}
+    return outcome | {"seconds": perf_counter() - start, "said": told.said}
+
+
+def run_plain(job: Mapping[str, Any]) -> dict[str, Any]:
+    """`run_job` of a job as JSON knows it."""
+    from ballesta.fingerprints import code_digest
+
+    outcome = run_job(Job(**{**job, "overrides": tuple(job["overrides"])}))
+    return outcome | {"code": code_digest()}
+
+
+def _checked(job: Job) -> tuple["DesignResult", dict[str, str]]:
+    """Result of a design and the digests of the files it was read from."""
+    from ballesta.batch.thumbnail import write_thumbnail
+    from ballesta.check import check_design
+    from ballesta.design import read_design
+    from ballesta.run import check_to_folder, effort_of, progress
+    from reports.files import write_json
+
+    effort = effort_of(job.fidelity, job.within)
+    accuracy = () if job.accuracy is None else (f"accuracy={job.accuracy}",)
+    overrides = (*job.overrides, *accuracy)
+    path, folder, store = Path(job.file), Path(job.folder), _store(job.store)
+    start = perf_counter()
+    design = read_design(path, overrides)
+    reading = perf_counter() - start
+    if job.reports:
+        result = check_to_folder(path, folder, overrides, effort=effort, store=store)
+        if result.sha256 != design.sha256:
+            raise DesignError(path, "cannot be read", "it was edited while it was being checked")
+        if result.checks:
+            write_thumbnail(folder, result.deciding.part)
+        return result, sources_digests(design)
+    with progress(path, len(design.parts)) as say:
+        result = check_design(design, effort=effort, say=say, reading=reading, store=store)
+    write_json(result, folder / "result.json")
+    return result, sources_digests(design)
+
+
+@cache
+def _store(folder: str | None) -> "Store | None":
+    """The store of a folder, one for all jobs of a worker."""
+    from ballesta.run import store_at
+
+    return store_at(None if folder is None else Path(folder))
+
+
+def _clear(folder: Path) -> None:
+    """Remove what an earlier run has written: it must not be taken for what this one finds."""
+    try:
+        for name in ("result.json", "report.html", "thumbnail.png"):
+            (folder / name).unlink(missing_ok=True)
+        for file in folder.glob("*.vtu"):
+            file.unlink()
+    except OSError as error:
+        _raise_if_folder_fails(error)
+
+
+def sources_digests(design: "Design") -> dict[str, str]:
+    """Every file that a design was read from, and the sha256 of its text as it was read."""
+    return {
+        str(Path(file).resolve()): sha256(text.encode()).hexdigest()
+        for file, text in design.sources
+    }
+
+
+def _sources_of(job: Job) -> dict[str, str]:
+    """Digests of the files of a design that ended without a result; none if it is unreadable."""
+    from ballesta.design import read_design
+
+    try:
+        return sources_digests(read_design(job.file, job.overrides))
+    except DesignError:
+        return {}
+
+
+def _raise_if_folder_fails(error: Exception) -> None:
+    cause = error if isinstance(error, OSError) else error.__cause__
+    if isinstance(cause, OSError) and cause.errno in _NOT_THE_DESIGN:
+        raise FolderError(str(error)) from error
+
+
+class _Told(TextIOBase):
+    """Passes text on; remembers what is being done, and what the user is told beside that."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream, self.step = stream, ""
+        self.said: list[str] = []
+
+    def write(self, text: str) -> int:
+        self.step = step_of(text) or self.step
+        if text.startswith("ballesta: "):
+            self.said.append(text.removeprefix("ballesta: "))
+        return self._stream.write(text)
+
+    def flush(self) -> None:
+        self._stream.flush()
+
+
+def step_of(text: str) -> str:
+    """The step that the last line of a check's progress tells; "" if there is none.
+
+    >>> step_of("toggle_press    2.7 s  bar_lower: building")
+    'bar_lower: building'
+    """
+    lines = [line for line in text.splitlines() if line.strip()]
+    return lines[-1].partition(" s  ")[2].strip() if lines else ""

@@ -1,0 +1,125 @@
+"""Memory: what there is, what a job takes, and how many jobs fit beside each other."""
+
+import os
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+
+MIB = 2**20
+# Largest resident size of a worker, measured over the four machines of designs/; solids of
+# 140 000 unknowns take 1.3 GiB to solve (ballesta/cost.py) beside meshing and judging.
+FIRST_ESTIMATES = {"formula": 600 * MIB, "beam": 600 * MIB}
+FIRST_ESTIMATE = 2048 * MIB
+_SHARE = 0.9  # of what is available at the start may be planned for
+_BESIDE = 1.2  # times the largest job so far is expected of the next
+_UNITS = {"MB": 10**6, "GB": 10**9, "MIB": 2**20, "GIB": 2**30}
+_CGROUP = Path("/sys/fs/cgroup")
+
+
+def parse_memory(text: str) -> int:
+    """Bytes of "4 GB", "500 MiB"; raises ValueError with the words.
+
+    >>> parse_memory("1.5 GB")
+    1500000000
+    """
+    found = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([A-Za-z]+)\s*", text)
+    unit = _UNITS.get(found[2].upper()) if found else None
+    if found is None or unit is None:
+        raise ValueError(f'must be a size in MB, GB, MiB or GiB such as "4 GB", got {text!r}')
+    size = int(float(found[1]) * unit)
+    if size < 256 * MIB:
+        raise ValueError(f"must be at least 256 MiB, which reading a design takes, got {text!r}")
+    return size
+
+
+def available_bytes() -> int:
+    """Memory that new processes may take: of the machine, or of the control group if less."""
+    import psutil
+
+    free = int(psutil.virtual_memory().available)
+    try:
+        limit = (_CGROUP / "memory.max").read_text().strip()
+        used = int((_CGROUP / "memory.current").read_text())
+    except (OSError, ValueError):
+        return free
+    return free if limit == "max" else min(free, max(int(limit) - used, 0))
+
+
+@dataclass
+class Admission:
+    """How many jobs may run beside each other, from the largest that has been seen.
+
+    budget    bytes that all of them may take together
+    estimate  bytes that one takes, before one has been measured
+    """
+
+    budget: int
+    estimate: int
+    _largest: int = field(default=0, init=False)
+
+    def saw(self, peak: int) -> None:
+        """Note how much a job took."""
+        self._largest = max(self._largest, peak)
+
+    def fitting(self, most: int) -> int:
+        """Number of jobs that fit beside each other, at least 1 and at most `most`."""
+        expected = int(_BESIDE * self._largest) or self.estimate
+        return max(1, min(most, self.budget // expected))
+
+
+def planned_budget() -> int:
+    """Bytes that a batch may plan for."""
+    return int(_SHARE * available_bytes())
+
+
+def limit_memory(cap: int) -> None:
+    """Let allocations beyond a cap fail in this process; the pool watches what is resident.
+
+    Above the cap by a quarter and what libraries reserve without touching it: it is there for what
+    grows faster than anyone looks.
+    """
+    try:
+        import resource
+    except ImportError:  # not on Windows
+        return
+    _, hard = resource.getrlimit(resource.RLIMIT_DATA)
+    wanted = cap + cap // 4 + 256 * MIB
+    soft = wanted if hard == resource.RLIM_INFINITY else min(wanted, hard)
+    resource.setrlimit(resource.RLIMIT_DATA, (soft, hard))
+
+
+def reset_peak() -> None:
+    """Begin to measure this process's peak anew, where the system can."""
+    try:
+        Path("/proc/self/clear_refs").write_text("5")
+    except OSError:
+        return
+
+
+def peak_bytes() -> int:
+    """Largest resident size of this process since `reset_peak`."""
+    found = _status("VmHWM")
+    if found is not None:
+        return found
+    import resource
+
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+
+
+def resident_bytes(pid: int | None = None) -> int:
+    """Resident size of a process, this one if none is named; 0 when it is gone."""
+    import psutil
+
+    try:
+        return int(psutil.Process(os.getpid() if pid is None else pid).memory_info().rss)
+    except psutil.Error:
+        return 0
+
+
+def _status(name: str) -> int | None:
+    try:
+        text = Path("/proc/self/status").read_text()
+    except OSError:
+        return None
+    found = re.search(rf"^{name}:\s+(\d+) kB$", text, re.MULTILINE)
+    return int(found[1]) * 1024 if found else None

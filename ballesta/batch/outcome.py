@@ -1,0 +1,120 @@
+"""What came of a design of a batch, as plain data: judged, or ended without a verdict and why."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ballesta.errors import DesignError
+
+if TYPE_CHECKING:
+    from ballesta.batch.job import Job
+    from reports.verdict import DesignResult
+
+WRONG_INPUT, GAVE_UP, CRASHED = "wrong input", "gave up", "crashed"
+OUT_OF_TIME, OUT_OF_MEMORY = "out of time", "out of memory"
+NOT_RUN = "not run"  # the batch was stopped before
+EXIT_CODES = {
+    "pass": 0, "UNDECIDED": 1, "FAIL": 1, WRONG_INPUT: 2,
+    GAVE_UP: 3, CRASHED: 3, OUT_OF_TIME: 3, OUT_OF_MEMORY: 3, NOT_RUN: 3,
+}  # fmt: skip
+STOPPED = (CRASHED, OUT_OF_TIME, OUT_OF_MEMORY)  # by circumstances that may be others next time
+TIMINGS = ("seconds", "peak_memory_bytes", "attempts")  # what differs from run to run
+_OF_A_CHECK = (
+    "part", "kind", "quantity", "value", "unit", "numerical", "model", "model_below", "limit",
+    "required", "safety", "utilisation", "status", "cycle", "position", "place", "method", "note",
+)  # fmt: skip
+
+
+def ended(job: "Job", status: str, error: str, stage: str) -> dict[str, Any]:
+    """Outcome of a design that has no verdict: its status, the cause, and what was being done."""
+    return _outcome(job, status) | {"error": error, "stage": stage}
+
+
+def judged(job: "Job", result: "DesignResult") -> dict[str, Any]:
+    """Outcome of a design that was checked; the first governing check decides its status."""
+    from reports.files import plain
+    from reports.words import broken_gates, check_titles
+
+    deciding = result.deciding if result.checks else None
+    titles = check_titles(result.checks)
+    checks = [
+        {name: entry[name] for name in _OF_A_CHECK}
+        | {"check": title, "governing": check is deciding}
+        for check, entry, title in zip(
+            result.checks, [check.to_dict() for check in result.checks], titles, strict=True
+        )
+    ]
+    masses = {part.name: part.facts.get("mass [kg]") for part in result.parts}
+    known = [mass for mass in masses.values() if mass is not None]
+    outcome: dict[str, Any] = plain(
+        _outcome(job, str(result.status))
+        | {
+            "design": result.name,
+            "checks": checks,
+            "inputs": dict(result.inputs),
+            "mass": sum(known) if len(known) == len(masses) else None,
+            "masses": masses,
+            "broken_gates": [
+                f"{owner}: {gate.name}" for owner, gate in broken_gates(result) if gate.binding
+            ],
+            "warnings": len(result.warnings),
+        }
+    )
+    return outcome
+
+
+def _outcome(job: "Job", status: str) -> dict[str, Any]:
+    return {
+        "name": job.name,
+        "design": "",
+        "file": job.file,
+        "overrides": list(job.overrides),
+        "status": status,
+        "exit_code": EXIT_CODES[status],
+        "error": "",
+        "stage": "",
+        "folder": Path(job.folder).name,
+        "checks": [],
+        "inputs": {},
+        "mass": None,
+        "masses": {},
+        "broken_gates": [],
+        "warnings": 0,
+        "sources": {},
+        "result_sha256": "",
+    }
+
+
+def governing(outcome: Mapping[str, Any]) -> dict[str, Any] | None:
+    """The check that decides an outcome; None without a verdict."""
+    found: dict[str, Any] | None = next((c for c in outcome["checks"] if c["governing"]), None)
+    return found
+
+
+def sentence(outcome: Mapping[str, Any]) -> str:
+    """What decides an outcome, in a line."""
+    from reports.words import brief, need_text, safety_text
+
+    check = governing(outcome)
+    if check is None:
+        cause = outcome["error"].splitlines() or ["nothing was checked"]
+        more = f" (and {len(cause) - 1} more)" if len(cause) > 1 else ""
+        at = f"; last step: {outcome['stage']}" if outcome["stage"] else ""
+        return brief(f"{cause[0]}{more}{at}", 300)
+    safety = float("inf") if check["safety"] is None else check["safety"]
+    broken = "; gates are broken" if outcome["broken_gates"] else ""
+    return brief(
+        f"{check['part']} {check['check']}: safety {safety_text(safety)} "
+        f"(needs {need_text(check['required'])}){broken}",
+        160,
+    )
+
+
+def folder_error(folder: Path, error: OSError) -> DesignError:
+    """What to tell of an output folder that takes no files."""
+    return DesignError(
+        folder,
+        "--out",
+        f"cannot be written: {error.strerror}; what is finished is kept: make room or choose "
+        "another folder, and run the same command again",
+    )

@@ -1,0 +1,263 @@
+"""A batch as a Python function: what is done is left alone, the rest is run, tables are written."""
+
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, replace
+from hashlib import sha256
+from pathlib import Path
+from typing import Any, Protocol
+
+from ballesta.batch.job import RUN, Job, step_of
+from ballesta.batch.journal import Entry, Journal, Write
+from ballesta.batch.memory import FIRST_ESTIMATE, FIRST_ESTIMATES, Admission, planned_budget
+from ballesta.batch.outcome import (
+    NOT_RUN,
+    STOPPED,
+    TIMINGS,
+    WRONG_INPUT,
+    ended,
+    folder_error,
+)
+from ballesta.batch.plan import Plan
+from ballesta.batch.pool import Finished, Limits, Pool, PoolError, fatal_words
+from ballesta.batch.results import prepare, write_results
+from ballesta.errors import DesignError, NumericsError
+
+SCRATCH = ".work"  # in the batch's folder, while it runs
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How a batch is run; none of it changes a result.
+
+    workers  processes at a time at most; None for one per core
+    seconds  that a design may take; None for any time
+    memory   bytes that a design may take; None for its share of what is free, and all of that,
+             by itself, where the share is not enough
+    """
+
+    workers: int | None = None
+    seconds: float | None = 600.0
+    memory: int | None = None
+
+
+class Live(Protocol):
+    """Who is told of what happens."""
+
+    def say(self, text: str) -> None:
+        """Anything else that the user should know."""
+
+    def kept(self, count: int, total: int, damaged: int) -> None:
+        """So many jobs of all were done before; so many records of the journal were damaged."""
+
+    def workers(self, count: int) -> None:
+        """So many workers run beside each other."""
+
+    def finished(self, outcome: Mapping[str, Any], timings: Mapping[str, float]) -> None:
+        """A job has ended."""
+
+    def running(self, steps: Callable[[], list[tuple[str, float, str]]]) -> None:
+        """Some time has passed; `steps` gives name, seconds and step of what is being run."""
+
+
+def run_batch(
+    plan: Plan,
+    out: Path,
+    settings: Settings,
+    live: Live,
+    *,
+    function: str = RUN,
+    write: Write = os.write,
+) -> list[dict[str, Any]]:
+    """Run what is not done yet and write the tables; returns all outcomes in the jobs' order.
+
+    out        folder that `claim_folder` has made the batch's
+    function   what a worker calls with a job's data, "module:function"
+    write      how the journal's bytes reach the disk, as `os.write`
+
+    Raises DesignError for a folder that takes no files, with all that is finished kept, and
+    NumericsError where no worker starts. A KeyboardInterrupt leaves tables that say what has not
+    been run.
+    """
+    outcomes: list[dict[str, Any] | None] = [None] * len(plan.jobs)
+    timings: list[Mapping[str, float]] = [{} for _ in plan.jobs]
+    try:
+        with locked(out), Journal(out / "journal.jsonl", write) as journal:
+            keys = [key_of(job) for job in plan.jobs]
+            seen: dict[str, str | None] = {}
+            for index, (job, key) in enumerate(zip(plan.jobs, keys, strict=True)):
+                entry = journal.entries.get(key)
+                if job.name in plan.refused:
+                    outcomes[index] = ended(job, WRONG_INPUT, plan.refused[job.name], "")
+                elif entry is not None and _still_holds(entry, job, seen):
+                    outcomes[index], timings[index] = entry.outcome, entry.timings
+            done = sum(outcome is not None for outcome in outcomes) - len(plan.refused)
+            live.kept(done, len(plan.jobs), journal.damaged)
+            try:
+                left = [index for index, outcome in enumerate(outcomes) if outcome is None]
+                for finished in _run(plan, left, settings, live, function, out / SCRATCH):
+                    entries = [_entry(plan.jobs[f.index], keys[f.index], f) for f in finished]
+                    journal.add(entries)
+                    for f in finished:
+                        for text in (f.outcome or {}).get("said", ()):
+                            live.say(f"{plan.jobs[f.index].name}: {text}")
+                    for f, entry in zip(finished, entries, strict=True):
+                        outcomes[f.index], timings[f.index] = entry.outcome, entry.timings
+                        live.finished(entry.outcome, entry.timings)
+            except KeyboardInterrupt:
+                write_results(plan, out, _with_the_rest(plan, outcomes), timings)
+                raise
+            found = _with_the_rest(plan, outcomes)
+            write_results(plan, out, found, timings)
+            return found
+    except OSError as error:
+        raise folder_error(out, error) from error
+    except PoolError as error:
+        raise NumericsError(str(error), "batch", "try `ballesta check` on one design") from error
+
+
+def _with_the_rest(plan: Plan, outcomes: Sequence[dict[str, Any] | None]) -> list[dict[str, Any]]:
+    """All outcomes, with a word in place of those that there are not."""
+    return [
+        ended(job, NOT_RUN, "the batch was stopped before", "") if outcome is None else outcome
+        for job, outcome in zip(plan.jobs, outcomes, strict=True)
+    ]
+
+
+def _run(
+    plan: Plan,
+    left: Sequence[int],
+    settings: Settings,
+    live: Live,
+    function: str,
+    scratch: Path,
+) -> Iterator[list[Finished]]:
+    if not left:
+        return
+    budget = planned_budget()
+    fidelities = {plan.jobs[index].fidelity for index in left}
+    estimate = max(FIRST_ESTIMATES.get(name, FIRST_ESTIMATE) for name in fidelities)
+    if settings.memory is not None:
+        estimate = min(estimate, settings.memory)
+    most = min(settings.workers or cores(), len(left))
+    admission = Admission(budget, estimate)
+    share = max(budget // admission.fitting(most), 1)
+    limits = Limits(settings.seconds, settings.memory or share, settings.memory or budget)
+    live.workers(admission.fitting(most))
+    with Pool(function, most, limits, admission, scratch) as pool:
+        pool.start(len(left))
+        prepare()
+        for finished in pool.results([(index, asdict(plan.jobs[index])) for index in left]):
+            yield finished
+            live.running(lambda: _steps(plan, pool))
+
+
+def _steps(plan: Plan, pool: Pool) -> list[tuple[str, float, str]]:
+    """Name, seconds and step of every job that is being run."""
+    return [(plan.jobs[i].name, s, step_of("\n".join(said))) for i, s, said in pool.running]
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:  # not on every system
+        return os.cpu_count() or 1
+
+
+def key_of(job: Job) -> str:
+    """Digest of everything that a job's result is made from, but the texts of its design's files.
+
+    These stand in the journal as they were read: a design may be like others that nobody knows
+    before reading it.
+    """
+    from ballesta.fingerprints import code_digest, digest, libraries
+
+    # workers have one thread each, whatever this process may take
+    told = replace(job, folder="", store=None)  # where results go changes none of them
+    return digest(told, code_digest(), {**libraries(), "threads": "1"})
+
+
+def _still_holds(entry: Entry, job: Job, seen: dict[str, str | None]) -> bool:
+    """Whether a finished job need not be done again.
+
+    What was stopped by circumstances is tried again, and so is what cannot be read.
+    """
+    if entry.outcome["status"] in STOPPED or not entry.sources:
+        return False
+    if any(_text_digest(file, seen) != known for file, known in entry.sources.items()):
+        return False
+    folder = Path(job.folder)
+    if not entry.result:
+        return True
+    try:
+        written = sha256((folder / "result.json").read_bytes()).hexdigest()
+    except OSError:
+        return False
+    return written == entry.result and (not job.reports or (folder / "report.html").is_file())
+
+
+def _text_digest(file: str, seen: dict[str, str | None]) -> str | None:
+    """The sha256 of a file's text as designs read it; None if it cannot be read."""
+    from ballesta.design_files import read_text
+
+    if file not in seen:
+        try:
+            seen[file] = sha256(read_text(Path(file)).encode()).hexdigest()
+        except DesignError:
+            seen[file] = None
+    return seen[file]
+
+
+def _entry(job: Job, key: str, finished: Finished) -> Entry:
+    """The record of a job that has ended; raises what is not its design's fault."""
+    outcome = finished.outcome
+    if outcome is None:
+        if finished.kind == "FolderError":
+            raise DesignError(
+                Path(job.folder), "--out", finished.error.partition("FolderError: ")[2]
+                or finished.error,
+            )  # fmt: skip
+        error = "; ".join(filter(None, [finished.error, fatal_words(finished.said)]))
+        outcome = ended(job, finished.status, error, step_of("\n".join(finished.said)))
+    outcome = {key: value for key, value in outcome.items() if key != "said"}
+    _refuse_other_code(outcome.pop("code", None), job)
+    timings = {
+        "seconds": outcome.pop("seconds", finished.seconds),
+        "peak_memory_bytes": finished.peak,
+        "attempts": finished.attempts,
+    }
+    assert set(timings) == set(TIMINGS)
+    sources, result = outcome.pop("sources", {}), outcome.pop("result_sha256", "")
+    return Entry(key, sources, result, outcome, timings)
+
+
+def _refuse_other_code(code: str | None, job: Job) -> None:
+    from ballesta.fingerprints import code_digest
+
+    if code is not None and code != code_digest():
+        raise NumericsError(
+            "ballesta's own code was changed while the batch ran",
+            job.name,
+            "run the same command again",
+        )
+
+
+@contextmanager
+def locked(out: Path) -> Iterator[None]:
+    """Keep other batches out of a folder; raises DesignError when one is running there."""
+    try:
+        import fcntl
+    except ImportError:  # not on Windows
+        yield
+        return
+    file = os.open(out / "batch.lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+    try:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise DesignError(out, "--out", "another batch is running in this folder") from None
+        yield
+    finally:
+        os.close(file)

@@ -1,0 +1,30 @@
+"""Which models a check may use, and how long it may take."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+AUTO, SOLID = "auto", "solid"
+FIDELITIES = (AUTO, "formula", "beam", "plane", SOLID)
+
+
+@dataclass(frozen=True)
+class Effort:
+    """Which models a check may use, and how long it may take.
+
+    fidelity  "auto", "formula", "beam", "plane" or "solid"
+    within    s from the start of the check, after which no solid is begun; None for no limit
+    pinned    part -> kind of check -> the rung that must decide it; other parts as `fidelity` says
+    """
+
+    fidelity: str = AUTO
+    within: float | None = None
+    pinned: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+
+    @property
+    def options(self) -> list[str]:
+        """The options of the command line that ask for it."""
+        found = [] if self.fidelity == AUTO else [f"--fidelity {self.fidelity}"]
+        return found if self.within is None else [*found, f"--within {self.within:g}s"]
+
+
+DEFAULT_EFFORT = Effort()

@@ -1,0 +1,205 @@
+"""Baseline files: `NAME.baseline.json` beside the design `NAME.toml`, small and readable."""
+
+import json
+import os
+import tempfile
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+from ballesta.names import no_such
+from ballesta.regression.bands import parse_bands
+from ballesta.regression.record import KINDS, LADDER, LINKAGE, MASS
+
+FORMAT = "ballesta-baseline/2"
+SUFFIX = ".baseline.json"
+_DIGITS = 10  # numbers repeat to 1e-9
+
+
+class BaselineError(Exception):
+    """A baseline file that cannot be used, in the user's words."""
+
+
+@dataclass(frozen=True)
+class Baseline:
+    """A baseline as it stands in its file.
+
+    record  as `record_of` makes it, without accuracy and error bars
+    bands   as the file states them; `shares` the same as shares
+    """
+
+    record: Mapping[str, Any]
+    bands: Mapping[str, Any]
+    shares: Mapping[str, float]
+
+    @property
+    def rungs(self) -> dict[str, dict[str, str]]:
+        """Part -> kind of check -> the rung that decides it."""
+        return {name: dict(part["rungs"]) for name, part in self.record["parts"].items()}
+
+
+def baseline_path(design_file: str | Path) -> Path:
+    """Where a design's baseline stands: beside it."""
+    path = Path(design_file)
+    return path.with_name(path.stem + SUFFIX)
+
+
+def design_path(baseline_file: Path) -> Path:
+    """The design that a baseline is of."""
+    return baseline_file.with_name(baseline_file.name.removesuffix(SUFFIX) + ".toml")
+
+
+def read_baseline(path: Path) -> Baseline:
+    """Read a baseline; raises BaselineError."""
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"), parse_constant=_no_constant)
+    except OSError as error:
+        raise BaselineError(f"{path.name}: cannot be read: {error.strerror}") from error
+    except (ValueError, RecursionError) as error:
+        raise BaselineError(f"{path.name}: is no JSON text in UTF-8: {error}") from error
+    try:
+        if not isinstance(data, dict) or data.get("format") != FORMAT:
+            found = data.get("format") if isinstance(data, dict) else data
+            raise ValueError(f"format: must be {FORMAT!r}, got {found!r}; write it anew")
+        _check_record(data)
+        kinds = {name: _kinds(part["checks"]) for name, part in data["parts"].items()}
+        bands = data.get("bands", {})
+        shares = parse_bands(bands, kinds | {LINKAGE: _kinds(data[LINKAGE])})
+    except ValueError as error:
+        raise BaselineError(f"{path.name}: {error}") from error
+    return Baseline(data, bands, shares)
+
+
+def is_old(path: Path) -> bool:
+    """Whether a file is a baseline of an earlier format, which stated no bands or rungs."""
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return False
+    return isinstance(data, dict) and data.get("format") == "ballesta-baseline/1"
+
+
+def write_record(path: Path, record: Mapping[str, Any], bands: Mapping[str, Any]) -> None:
+    """Write a baseline, whole or not at all; raises OSError."""
+    text = baseline_text(record, bands)
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".tmp")
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as stream:
+            stream.write(text)
+            stream.flush()
+            os.fsync(stream.fileno())
+        os.chmod(temporary, 0o644)
+        os.replace(temporary, path)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+
+
+def baseline_text(record: Mapping[str, Any], bands: Mapping[str, Any]) -> str:
+    """The text of a baseline file: a check a line."""
+    parts = {
+        name: {
+            MASS: _rounded(part[MASS]),
+            "rungs": _Line(part["rungs"]),
+            "checks": {key: _line(check) for key, check in part["checks"].items()},
+        }
+        for name, part in record["parts"].items()
+    }
+    data = {
+        "format": FORMAT,
+        "design": record["design"],
+        "status": record["status"],
+        "bands": _Line(bands),
+        "parts": parts,
+        LINKAGE: {key: _line(check) for key, check in record[LINKAGE].items()},
+        "stages": record["stages"],
+    }
+    return _text(data) + "\n"
+
+
+class _Line(dict[str, Any]):
+    """A table that is written on one line."""
+
+
+def _line(check: Mapping[str, Any]) -> _Line:
+    return _Line(
+        {
+            "value": _rounded(check["value"]),
+            "unit": check["unit"],
+            "safety": _rounded(check["safety"]),
+            "status": check["status"],
+            "rung": check["rung"],
+        }
+    )
+
+
+def _rounded(number: float | None) -> float | None:
+    return None if number is None else float(f"{number:.{_DIGITS}g}")
+
+
+def _text(data: Any, indent: int = 0) -> str:
+    if not isinstance(data, Mapping) or isinstance(data, _Line) or not data:
+        return json.dumps(data, ensure_ascii=False, allow_nan=False)
+    pad = " " * (indent + 1)
+    lines = ",\n".join(
+        f"{pad}{json.dumps(key, ensure_ascii=False)}: {_text(value, indent + 1)}"
+        for key, value in data.items()
+    )
+    return "{\n" + lines + "\n" + " " * indent + "}"
+
+
+def _no_constant(name: str) -> None:
+    raise ValueError(f"{name} is no number of JSON")
+
+
+def _kinds(checks: Iterable[str]) -> list[str]:
+    return list(dict.fromkeys(key.partition(":")[0] for key in checks))
+
+
+def _check_record(data: Mapping[str, Any]) -> None:
+    """Raise ValueError unless the data have what a comparison reads."""
+    _table(data, "parts")
+    _text_of(data, "status", "")
+    for stage, digest in _table(data, "stages").items():
+        if not isinstance(digest, str):
+            raise ValueError(f"stages.{stage}: must be a text, got {digest!r}")
+    for name in data["parts"]:
+        part, where = _table(data["parts"], name, "parts."), f"parts.{name}."
+        if not _is_number(part.get(MASS)):
+            raise ValueError(f"{where}{MASS}: must be a number, got {part.get(MASS)!r}")
+        for kind, rung in _table(part, "rungs", where).items():
+            if kind not in KINDS:
+                raise ValueError(f"{where}rungs: {no_such('kind of check', kind, KINDS)}")
+            if rung not in LADDER:
+                raise ValueError(f"{where}rungs.{kind}: {no_such('rung', str(rung), LADDER)}")
+        _check_checks(_table(part, "checks", where), f"{where}checks.")
+    _check_checks(_table(data, LINKAGE), f"{LINKAGE}.")
+
+
+def _check_checks(checks: Mapping[str, Any], where: str) -> None:
+    for key in checks:
+        check, here = _table(checks, key, where), f"{where}{key}."
+        if not _is_number(check.get("value")):
+            raise ValueError(f"{here}value: must be a number, got {check.get('value')!r}")
+        if check.get("safety") is not None and not _is_number(check["safety"]):
+            raise ValueError(f"{here}safety: must be a number or null, got {check['safety']!r}")
+        for name in ("unit", "status", "rung"):
+            _text_of(check, name, here)
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
+
+
+def _table(data: Mapping[str, Any], key: str, where: str = "") -> Mapping[str, Any]:
+    if not isinstance(data.get(key), Mapping):
+        raise ValueError(f"{where}{key}: must be a table, got {data.get(key)!r}")
+    table: Mapping[str, Any] = data[key]
+    return table
+
+
+def _text_of(data: Mapping[str, Any], key: str, where: str) -> None:
+    if not isinstance(data.get(key), str):
+        raise ValueError(f"{where}{key}: must be a text, got {data.get(key)!r}")

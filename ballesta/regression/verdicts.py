@@ -1,0 +1,38 @@
+"""Whether a verdict has changed, or a check so near its limit that another mesh turns it."""
+
+from collections.abc import Iterable, Mapping
+from math import inf
+from typing import Any
+
+from ballesta.regression.bands import Band, largest_bar
+
+_ORDER = ("pass", "UNDECIDED", "FAIL")
+
+
+def is_mesh_noise(
+    before: str, now: Mapping[str, Any], kind: str, accuracy: float, band: Band
+) -> bool:
+    """Whether a verdict would be as before with a number that re-meshing gives as well.
+
+    before  the verdict so far
+    now     the check as a record has it, with its bars
+
+    That is a value within the band, and a numerical bar from nothing to the largest that a band
+    holds for; bars of the model, limit and required safety are taken as they are now.
+    """
+    largest = largest_bar(str(now["rung"]), kind, accuracy)
+    if largest is None or band.width is None or now["numerical"] is None:
+        return False
+    low, high = (now["value"] * (1 + sign * band.width) for sign in (-1, 1))
+    bar, limit, required = largest * high, now["limit"], now["required"]
+    above, below = (inf if now[name] is None else now[name] for name in ("above", "below"))
+    if before == "pass":
+        return bool((low + above) * required <= limit)
+    if before == "FAIL":
+        return bool((high - below) * required > limit)
+    return bool((high + bar + above) * required > limit and (low - bar - below) * required <= limit)
+
+
+def worst(verdicts: Iterable[str]) -> str:
+    """The worst of some verdicts, pass of none."""
+    return max(verdicts, key=_ORDER.index, default=_ORDER[0])

@@ -1,0 +1,66 @@
+"""What the isolated process does: check a design by given rungs and tell what was found."""
+
+import argparse
+import json
+import os
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ballesta.errors import DesignError, NumericsError
+from ballesta.regression.record import has_new_solid, record_of, rungs_of
+
+Rungs = Mapping[str, Mapping[str, str]]
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Check the design that the arguments name; 0 whatever the check says."""
+    parser = argparse.ArgumentParser(prog="ballesta.regression.worker")
+    parser.add_argument("design", type=Path)
+    parser.add_argument("--fidelity", default="auto")
+    wanted = parser.parse_args(argv)
+    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)  # what libraries print is no answer
+    rungs = json.load(sys.stdin)
+    try:
+        answer: dict[str, Any] = {"record": measured(wanted.design, wanted.fidelity, rungs)}
+    except DesignError as error:
+        answer = {"exit_code": 2, "error": str(error)}
+    except NumericsError as error:
+        answer = {"exit_code": 3, "error": str(error)}
+    with answers:
+        json.dump(answer, answers, allow_nan=False)
+    return 0
+
+
+def measured(
+    path: Path, fidelity: str, rungs: Rungs, overrides: Sequence[str] = ()
+) -> dict[str, Any]:
+    """Check a design by the rungs that are pinned, its other parts as `fidelity` says.
+
+    Where a solid decides something that was not pinned, all is checked again, pinned: a solid
+    stops early where its verdict is settled, and numbers to be repeated may not depend on that.
+
+    Raises DesignError and NumericsError.
+    """
+    from ballesta.check import check_design
+    from ballesta.design import read_design
+    from ballesta.fingerprints import stages_of
+    from ballesta.part_ladder import Effort
+    from ballesta.run import effort_of
+
+    design = read_design(path, overrides)
+
+    def say(text: str) -> None:
+        print(text, file=sys.stderr, flush=True)
+
+    def checked(pinned: Rungs) -> dict[str, Any]:
+        effort = Effort(effort_of(fidelity, None).fidelity, pinned=pinned)
+        return check_design(design, effort=effort, say=say).to_dict()
+
+    result = checked(rungs)
+    found = {part["name"]: rungs_of(part) for part in result["parts"]}
+    if has_new_solid(rungs, found):
+        result = checked(found)
+    return record_of(result, stages_of(design), design.accuracy)

@@ -1,0 +1,29 @@
+"""Bodies and meshes from the store."""
+
+from ballesta.store.store import Store
+from geometry.cad_body import CadBody, cad_body
+from geometry.mesh import Mesh
+from geometry.meshing import Buildable, mesh_shape
+from geometry.sizing import SizeField
+
+_PACKAGES = ("geometry",)
+
+
+def stored_body(store: Store | None, shape: Buildable) -> CadBody:
+    """Return what the CAD kernel knows of a shape; raises MeshError."""
+    if store is None:
+        return cad_body(shape)
+    return store.remember("body", _PACKAGES, shape, lambda: cad_body(shape))
+
+
+def stored_mesh(
+    store: Store | None, shape: Buildable, fineness: float, sizes: SizeField | None
+) -> Mesh:
+    """Return the mesh of a shape; raises MeshError."""
+
+    def mesh() -> Mesh:
+        return mesh_shape(shape, fineness=fineness, sizes=sizes)
+
+    if store is None:
+        return mesh()
+    return store.remember("mesh", _PACKAGES, (shape, fineness, sizes), mesh)

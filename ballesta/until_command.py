@@ -1,0 +1,139 @@
+"""`ballesta batch --sweep ... --until pass`: searches of designs, one after the other.
+
+Whatever is checked is kept in the store of the output folder, so that a search that was killed goes
+on where it was, and a wider one begins with what is known.
+"""
+
+import json
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ballesta.batch.plan import design_files
+from ballesta.design import read_design
+from ballesta.effort import Effort
+from ballesta.errors import DesignError
+from ballesta.run import effort_of, guarded, output_folders
+from ballesta.store.results import keep_result, recalled_result
+from ballesta.store.store import Store
+from ballesta.until import UntilResult, until_pass, until_text
+from reports.files import plain, replacing
+from reports.verdict import DesignResult
+
+_HERE = Path("command line")
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """The options of a search, as they were written.
+
+    until   "pass", or "pass of PART, PART" to judge only these
+    sample  None: a search takes none, and says so
+    """
+
+    out: Path
+    until: str = "pass"
+    overrides: tuple[str, ...] = ()
+    fidelity: str = "auto"
+    within: str | None = None
+    sample: int | None = None
+    as_json: bool = False
+
+
+def run_until(designs: Sequence[Path], sweeps: Sequence[str], wanted: Wanted) -> int:
+    """Search every design, print what was found and write OUT/DESIGN/until.json.
+
+    Returns the highest exit code: 0 a value passes, 1 none does, 2 an input is wrong, 3 the
+    numerics gave up.
+    """
+    found: list[dict[str, Any]] = []
+
+    def every() -> int:
+        parts = parts_of(wanted.until)
+        if len(sweeps) != 1:
+            raise DesignError(_HERE, "--until", f"needs one --sweep, got {len(sweeps)}")
+        if wanted.sample is not None:
+            raise DesignError(_HERE, "--until", "searches by itself: leave out --sample")
+        effort = effort_of(wanted.fidelity, wanted.within)
+        files, _ = design_files([str(path) for path in designs])
+        store = Store(wanted.out / "store")
+        folders = output_folders(files, wanted.out)
+
+        def one(file: Path, folder: Path) -> int:
+            with _told_of_out(wanted.out):
+                folder.mkdir(parents=True, exist_ok=True)
+            result = until_pass(
+                file,
+                sweeps[0],
+                wanted.overrides,
+                parts=parts,
+                effort=effort,
+                check=stored_check(file, effort, store),
+                say=lambda text: print(f"{file.stem}: {text}", file=sys.stderr, flush=True),
+            )
+            _write(result, folder / "until.json", wanted.out)
+            found.append(result.to_dict())
+            if not wanted.as_json:
+                print(until_text(result), end="", flush=True)
+            return result.exit_code
+
+        codes = [
+            guarded(lambda file=file, folder=folder: one(file, folder))  # type: ignore[misc]
+            for file, folder in zip(files, folders, strict=True)
+        ]
+        return max(codes, default=0)
+
+    code = guarded(every)
+    if wanted.as_json:
+        print(json.dumps(plain(found), indent=1, allow_nan=False, ensure_ascii=False))
+    return code
+
+
+def parts_of(until: str) -> tuple[str, ...]:
+    """Return the parts that are judged; none for all of them. Raises DesignError.
+
+    >>> parts_of("pass of bar_upper, bar_lower"), parts_of("pass")
+    (('bar_upper', 'bar_lower'), ())
+    """
+    word, of, names = until.strip().partition(" of ")
+    parts = tuple(name.strip() for name in names.split(",")) if of else ()
+    if word.strip() != "pass" or not all(parts):
+        raise DesignError(
+            _HERE, "--until", f'must be pass, or such as "pass of bar_upper", got "{until}"'
+        )
+    return parts
+
+
+def stored_check(
+    file: Path, effort: Effort, store: Store
+) -> Callable[[tuple[str, ...]], DesignResult]:
+    """Return a check of a design with overrides that computes nothing twice."""
+    from ballesta.check import check_file
+
+    def check(overrides: tuple[str, ...]) -> DesignResult:
+        kept = recalled_result(store, file, overrides, effort)
+        if kept is not None:
+            return kept.result
+        result = check_file(file, overrides, effort=effort, store=store)
+        keep_result(store, read_design(file, overrides), effort, result, {})
+        return result
+
+    return check
+
+
+def _write(result: UntilResult, path: Path, out: Path) -> None:
+    text = json.dumps(plain(result.to_dict()), indent=1, allow_nan=False, ensure_ascii=False)
+    with _told_of_out(out), replacing(path) as temporary:
+        temporary.write_text(text + "\n", encoding="utf-8", newline="\n")
+
+
+@contextmanager
+def _told_of_out(out: Path) -> Iterator[None]:
+    """Tell of an error that the output folder cannot be written."""
+    try:
+        yield
+    except OSError as error:
+        raise DesignError(out, "--out", f"cannot be written: {error.strerror}") from error

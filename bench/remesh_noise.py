@@ -1,0 +1,244 @@
+"""How far numbers move when a part is meshed again with slightly other sizes.
+
+    python -m bench.remesh_noise [DESIGN ...] [--part NAME] [--rung solid|plane] [--accuracy 5%]
+
+Without names: every design. Meshes each part 20 times with element sizes between 3 % smaller and
+3 % larger, refines each to the design's accuracy as a test with a baseline does, and writes the
+scatter to ballesta/regression/noise.json, from which the bands of baselines come. Resumes: what
+stands there is not measured again, unless --again is given.
+"""
+
+import argparse
+import json
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+from unittest.mock import patch
+
+import numpy as np
+
+from ballesta.balance import measured_loads
+from ballesta.baseline import rungs_of
+from ballesta.check import part_masses, solve_cycles
+from ballesta.design import read_design
+from ballesta.design_data import Design, Part
+from ballesta.elastic_parts import compliances_of
+from ballesta.errors import DesignError, NumericsError
+from ballesta.levels import Models
+from ballesta.part_loads import loads_on
+from ballesta.quasi_static import vibration_of, with_dynamics
+from ballesta.regression.bands import LARGEST, NOISE, band_width, is_bounded, percent
+from ballesta.rungs import climb as ladder
+from ballesta.rungs import plane
+from ballesta.rungs.climb import start_climb
+from ballesta.rungs.pinned import climb_pinned
+from ballesta.rungs.result import cheap_result, solid_result
+from fem.solvers import SolverError
+from geometry.mesh import MeshError, TooManyElementsError
+
+COUNT, LARGEST_CHANGE = 20, 0.03
+_DESIGNS = Path(__file__).parents[1] / "designs"
+_RUNGS = ("plane", "solid")
+_GAVE_UP = (DesignError, NumericsError, MeshError, SolverError, TooManyElementsError)
+
+Entry = dict[str, Any]
+
+
+def main() -> None:
+    """Measure what is asked for and not known yet."""
+    parser = argparse.ArgumentParser(prog="python -m bench.remesh_noise")
+    parser.add_argument("designs", nargs="*", help="names in designs/, or files; else all")
+    parser.add_argument("--part", action="append", help="only this part; may be given again")
+    parser.add_argument("--rung", action="append", choices=_RUNGS)
+    parser.add_argument("--accuracy", help="instead of the designs' own, such as 2%%")
+    parser.add_argument("--count", type=int, default=COUNT)
+    parser.add_argument("--again", action="store_true")
+    asked = parser.parse_args()
+    overrides = [] if asked.accuracy is None else [f"accuracy={asked.accuracy}"]
+    for file in _files(asked.designs):
+        design = read_design(file, overrides)
+        runs = None
+        for name in asked.part or design.parts:
+            for rung in asked.rung or _RUNGS:
+                known = [
+                    entry
+                    for entry in read_measured()
+                    if _is(entry, design, name, rung) and _is_complete(entry, asked.count)
+                ]
+                if known and not asked.again:
+                    continue
+                runs = _runs(design) if runs is None else runs
+                start = perf_counter()
+                entries = list(measured(design, design.parts[name], runs, rung, asked.count))
+                write_measured(entries)
+                for entry in entries:
+                    told = "" if entry["scatter"] is None else percent(entry["scatter"])
+                    print(f"{design.file.stem} {name} {rung} {entry['kind']}: {told}", flush=True)
+                print(f"{perf_counter() - start:.0f} s", flush=True)
+
+
+def _files(names: Iterable[str]) -> list[Path]:
+    files = [path if (path := Path(n)).is_file() else _DESIGNS / f"{n}.toml" for n in names]
+    return files or sorted(_DESIGNS.glob("*.toml"))
+
+
+def _runs(design: Design) -> Any:
+    """All cycles and measured runs of a design, solved as a check solves them."""
+    models = Models()
+    masses = part_masses(design, models)
+    solved = solve_cycles(design, masses, compliances_of(design, models))
+    solved = with_dynamics(design, solved, vibration_of(design, solved))
+    return {**solved, **measured_loads(design, masses)}
+
+
+def measured(design: Design, part: Part, runs: Any, rung: str, count: int) -> Iterator[Entry]:
+    """Scatter of each kind of check of a part by a rung: the largest less the least, as a share.
+
+    A kind without an entry is none of the rung's. A scatter of None: fewer than two meshes, which
+    says of the part that the rung has no model of it.
+    """
+    shares = [0.0, *np.linspace(-LARGEST_CHANGE, LARGEST_CHANGE, count)]
+    found: dict[str, list[float]] = {}
+    numerical: dict[str, list[float | None]] = {}
+    gave_up = 0
+    for share in shares:
+        try:
+            checks = _checks(design, part, runs, rung, 1 + float(share))
+        except _GAVE_UP as error:
+            gave_up += 1
+            print(f"{part.name} {rung}: {str(error)[:100]}", flush=True)
+            if not found:
+                break  # the first mesh, at the part's own size
+            continue
+        for check in checks:
+            kind = check["kind"]
+            found.setdefault(kind, []).append(check["value"])
+            numerical.setdefault(kind, []).append(_bar(check))
+    base: Entry = {"design": design.file.stem, "part": part.name, "rung": rung}
+    base |= {"accuracy": design.accuracy}
+    if not found:
+        yield base | {"kind": "none", "remeshes": 0, "scatter": None}
+    for kind, values in found.items():
+        yield base | {
+            "kind": kind,
+            "remeshes": len(values) - 1,
+            "gave up": gave_up,
+            "scatter": round((max(values) - min(values)) / values[0], 9) if values[0] else 0.0,
+            "numerical": _largest(numerical[kind]),
+        }
+
+
+def _checks(design: Design, part: Part, runs: Any, rung: str, factor: float) -> list[Entry]:
+    """The checks that a rung decides, its elements made smaller by a factor."""
+    part = replace(part, fineness=part.fineness * factor)
+    loads = loads_on(design, part, runs)
+    climb = start_climb(design, part, loads, runs)
+    kinds = [kind for kind in climb.asked if rung == "solid" or kind != "buckling"]
+    pins = dict.fromkeys(climb.asked, "formula") | dict.fromkeys(kinds, rung)
+    models = Models()
+    with _finer_sheets(factor):
+        if rung == "plane":
+            climb_pinned(climb, {kind: rung for kind in kinds}, lambda _: None)
+            result = cheap_result(climb, models)
+        else:
+            solids = climb_pinned(climb, pins, lambda _: None)
+            result = solid_result(climb, models, lambda _: None, everything=False, pinned=solids)
+    plain = result.to_dict()
+    by_rung = {kind for kind, found in rungs_of(plain).items() if found == rung}
+    return [check for check in plain["checks"]
+            if check["kind"] in by_rung and check["method"].startswith(rung)]  # fmt: skip
+
+
+def _bar(check: Mapping[str, Any]) -> float | None:
+    """Numerical error bar over the value; None where it is not known."""
+    if check["numerical"] is None:
+        return None
+    return float(check["numerical"] / check["value"]) if check["value"] else 0.0
+
+
+def _largest(bars: list[float | None]) -> float | None:
+    known = [bar for bar in bars if bar is not None]
+    return round(max(known), 6) if len(known) == len(bars) else None
+
+
+@contextmanager
+def _finer_sheets(factor: float) -> Iterator[None]:
+    """Sheets have a fineness of their own, which no design states."""
+    finer = partial(plane.model_of, fineness=factor)
+    with patch.dict(ladder.BUILDERS, {"plane": finer}):
+        yield
+
+
+def read_measured() -> list[Entry]:
+    """What is known so far."""
+    entries: list[Entry] = json.loads(NOISE.read_text(encoding="utf-8"))["measured"]
+    return entries
+
+
+def write_measured(entries: list[Entry]) -> None:
+    """Add entries to the file, or put them in the place of those they measure again."""
+    new = {(e["design"], e["part"], e["rung"], e["accuracy"]) for e in entries}
+    kept = [
+        e for e in read_measured() if (e["design"], e["part"], e["rung"], e["accuracy"]) not in new
+    ]
+    everything = sorted([*kept, *entries], key=lambda e: [str(e[key]) for key in _ORDER])
+    data = {"made by": "python -m bench.remesh_noise", "worst": [], "measured": everything}
+    data["worst"] = worst_of(everything)
+    lists = ",\n".join(
+        f" {json.dumps(key)}: {_lines(value) if isinstance(value, list) else json.dumps(value)}"
+        for key, value in data.items()
+    )
+    temporary = NOISE.with_suffix(".tmp")
+    temporary.write_text("{\n" + lists + "\n}\n", encoding="utf-8")
+    os.replace(temporary, NOISE)
+
+
+_ORDER = ("rung", "kind", "accuracy", "design", "part")
+
+
+def _lines(entries: list[Entry]) -> str:
+    return "[\n" + ",\n".join(f"  {json.dumps(entry)}" for entry in entries) + "\n ]"
+
+
+def worst_of(entries: Iterable[Mapping[str, Any]]) -> list[Entry]:
+    """The worst scatter by rung, kind and accuracy, of parts whose bars are within the accuracy.
+
+    Others are not bounded: a baseline refuses them (`bands.band_of`).
+    """
+    worst: dict[tuple[str, str, float], Entry] = {}
+    for entry in entries:
+        key = (entry["rung"], entry["kind"], entry["accuracy"])
+        if not entry["scatter"] or not is_bounded(*key[:2], entry["numerical"], key[2]):
+            continue
+        so_far = worst.setdefault(
+            key, dict(zip(_ORDER[:3], key, strict=True)) | {"remeshes": 0, "worst": 0.0}
+        )
+        so_far["remeshes"] += entry["remeshes"]
+        so_far["worst"] = max(so_far["worst"], entry["scatter"])
+    for entry in worst.values():
+        if band_width(entry["worst"]) > LARGEST:
+            entry["refused"] = f"a band of {percent(band_width(entry['worst']))} would miss 5 %"
+    return list(worst.values())
+
+
+def _is_complete(entry: Mapping[str, Any], count: int) -> bool:
+    """Whether a part was meshed again often enough, or the rung has no model of it."""
+    return entry["scatter"] is None or bool(entry["remeshes"] + entry["gave up"] >= count)
+
+
+def _is(entry: Mapping[str, Any], design: Design, part: str, rung: str) -> bool:
+    return (entry["design"], entry["part"], entry["rung"], entry["accuracy"]) == (
+        design.file.stem,
+        part,
+        rung,
+        design.accuracy,
+    )
+
+
+if __name__ == "__main__":
+    main()

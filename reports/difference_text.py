@@ -1,0 +1,173 @@
+"""A difference as text for a terminal or a pipe, verdicts first, then the largest changes."""
+
+from collections.abc import Sequence
+from decimal import ROUND_FLOOR, ROUND_HALF_EVEN
+from math import isinf
+from shutil import get_terminal_size
+
+from rich.cells import cell_len
+
+from reports.difference_summary import (
+    GROUPS,
+    ROUND_OFF,
+    SAFETY,
+    VERDICTS,
+    Change,
+    DesignDifference,
+    Difference,
+)
+from reports.terminal import labelled, table_row
+from reports.words import brief, number
+
+SHOWN = 12  # changes of a group in text, but verdicts; the page and JSON have all
+_VERDICTS_SHOWN = 100
+_MOST_DIGITS = 12
+_LISTED = 8  # of what only one side has
+_COLUMNS = (24, 44, 14, 14, 11)  # most columns of: of, what, before, after, change
+_LEAST_NOTE = 30
+
+
+def difference_text(
+    difference: Difference, width: int | None = None, everything: bool = False
+) -> str:
+    """Plain lines of at most `width` columns.
+
+    Without a width that of the terminal is taken (COLUMNS counts), and 100 when piped. With
+    `everything` no group is shortened.
+    """
+    width = max(60, width or get_terminal_size((100, 24)).columns)
+    lines = labelled("A", brief(difference.a, 300), width)
+    lines += labelled("B", brief(difference.b, 300), width)
+    for note in difference.notes:
+        lines += labelled("NOTE", brief(note, 400), width)
+    for label, names in (("ONLY IN A", difference.only_a), ("ONLY IN B", difference.only_b)):
+        if names:
+            lines += labelled(label, _few(names, everything), width)
+    for design in difference.changed:
+        lines += ["", *_design(design, width, everything)]
+    same = [design.name for design in difference.designs if design.same]
+    if same:
+        lines.append("")
+        told = [design for design in difference.designs if design.same]
+        lines += labelled("SAME", _few(same, everything), width)
+        for design in told:
+            for note in design.notes:
+                lines += labelled("NOTE", f"{brief(design.name, 40)}: {brief(note, 400)}", width)
+    lines += ["", *labelled("", summary_sentence(difference), width)]
+    return "\n".join(lines) + "\n"
+
+
+def summary_sentence(difference: Difference) -> str:
+    """How many designs differ, in how many verdicts, and what counts as none."""
+    count, turned = len(difference.designs), sum(design.turned for design in difference.designs)
+    if not difference.changed:
+        said = f"no difference in {_designs(count)}"
+    else:
+        verdicts = f"{turned} verdict{'' if turned == 1 else 's'}" if turned else "no verdict"
+        differ = "differs" if len(difference.changed) == 1 else "differ"
+        said = f"{len(difference.changed)} of {_designs(count)} {differ}, in {verdicts}"
+    return f"{said}; numbers that agree to {ROUND_OFF:g} count as the same"
+
+
+def _designs(count: int) -> str:
+    return f"{count} design{'' if count == 1 else 's'}"
+
+
+def _design(design: DesignDifference, width: int, everything: bool) -> list[str]:
+    lines = labelled("", f"{brief(design.name, 80)}", width)
+    for label, side in (("A", design.a), ("B", design.b)):
+        told = f"{brief(side.path, 100)}: {brief(side.status, 12)} ({brief(side.made, 200)})"
+        lines += labelled(label, told, width)
+    for note in design.notes:
+        lines += labelled("NOTE", brief(note, 400), width)
+    for group in GROUPS:
+        changes = design.changes.get(group, ())
+        if changes:
+            lines += _group(group, changes, design.compared.get(group, 0), width, everything)
+    for label, names in (("ONLY IN A", design.only_a), ("ONLY IN B", design.only_b)):
+        for name in names if everything else names[:_LISTED]:
+            lines += labelled(label, brief(name, 300), width)
+        if len(names) > _LISTED and not everything:
+            lines += labelled(label, f"{len(names) - _LISTED} more, in --html and --json", width)
+    return lines
+
+
+def _group(
+    group: str, changes: Sequence[Change], compared: int, width: int, everything: bool
+) -> list[str]:
+    title = f"{group.upper()}: {len(changes)} of {compared} changed"
+    if group != VERDICTS:
+        title += ", the largest first"
+    most = _VERDICTS_SHOWN if group == VERDICTS else SHOWN
+    shown = list(changes) if everything else changes[:most]
+    rows = [
+        [
+            brief(change.of, 60),
+            brief(change.what, 80),
+            *values_text(change, group),
+            change_text(change),
+            brief(change.note, 160),
+        ]
+        for change in shown
+    ]
+    rows.insert(0, ["of", "what", "A", "B", "change", ""])
+    if not any(change.of for change in shown):
+        rows = [["", *row[1:]] for row in rows]
+    widths = [
+        min(most, max(cell_len(row[column]) for row in rows))
+        for column, most in enumerate(_COLUMNS)
+    ]
+    note = min(_LEAST_NOTE, max(cell_len(row[-1]) for row in rows))
+    for column, least in ((1, 18), (0, 12), (2, 10), (3, 10)):
+        lack = sum(widths) + len(widths) + 2 + note - width
+        widths[column] -= max(0, min(lack, widths[column] - least))
+    widths.append(max(8, width - sum(widths) - len(widths) - 2))
+    lines = labelled("", title, width)
+    for row in rows:
+        lines += table_row("  ", row, widths, {4})
+    if len(shown) < len(changes):
+        lines.append(f"  {len(changes) - len(shown)} more, in --html and --json")
+    return lines
+
+
+def values_text(change: Change, group: str) -> tuple[str, str]:
+    """Both values with their unit, to four digits or as many as tell them apart.
+
+    Safeties are rounded down, so that none looks better than it is.
+    """
+    rounding = ROUND_FLOOR if group == SAFETY else ROUND_HALF_EVEN
+    digits = 4
+    before, after = change.before, change.after
+    if isinstance(before, float) and isinstance(after, float):
+        while digits < _MOST_DIGITS and number(before, digits, rounding) == number(
+            after, digits, rounding
+        ):
+            digits += 1
+    one, other = (_value_text(value, change.unit, digits, rounding) for value in (before, after))
+    return one, other
+
+
+def _value_text(value: float | str | None, unit: str, digits: int, rounding: str) -> str:
+    if value is None:
+        return "–"
+    if isinstance(value, str):
+        return brief(value, 60)
+    return f"{number(value, digits, rounding)} {brief(unit, 8)}".strip()
+
+
+def change_text(change: Change) -> str:
+    """The relative change in %, from three digits down to what is left of it."""
+    if change.relative is None:
+        return ""
+    if isinf(change.relative):
+        return "from 0"
+    percent = 100 * change.relative
+    if percent >= 1000:
+        return f"x {number(1 + change.relative, 3)}"
+    return f"{'+' if percent >= 0 else ''}{number(percent, 3)} %"
+
+
+def _few(names: Sequence[str], everything: bool) -> str:
+    shown = names if everything else names[: 5 * _LISTED]
+    more = f", and {len(names) - len(shown)} more" if len(names) > len(shown) else ""
+    return ", ".join(brief(name, 60) for name in shown) + more

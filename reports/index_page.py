@@ -1,0 +1,193 @@
+"""The index of a batch: one HTML page that stands alone, with a table of all checks and a plot."""
+
+import json
+import os
+from base64 import b64encode
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from hashlib import sha256
+from importlib.resources import files
+from math import inf
+from typing import Any
+from urllib.parse import quote
+
+from markupsafe import Markup
+
+from reports.page import environment
+from reports.svg import colour_variables
+from reports.words import clean, need_text, safety_text, utilisation_text
+
+STATIC_ROWS = 200  # that are there without a script
+ORDER = ("FAIL", "crashed", "out of memory", "out of time", "gave up", "wrong input", "not run",
+         "UNDECIDED", "pass")  # fmt: skip
+_NUMBERS = ("value", "numerical", "model", "model_below", "limit", "required")
+_TEXTS = ("part", "check", "quantity", "unit", "status", "cycle", "position", "place", "method",
+          "note")  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class IndexDesign:
+    """A design of a batch.
+
+    name, title, file  of the batch, of the design itself, and where it was read from
+    status        "pass", "UNDECIDED", "FAIL", or why it has no verdict; error, stage tell more
+    note          what else is to be known of it; broken_gates those that the verdict depends on
+    mass          kg, of all parts; None if unknown
+    checks        as `Check.to_dict`, with "check", its title, and "governing"
+    link          of its own page, relative to the index; "" for none
+    thumbnail     PNG; empty for none
+    """
+
+    name: str
+    title: str
+    file: str
+    status: str
+    error: str
+    stage: str
+    note: str
+    broken_gates: Sequence[str]
+    mass: float | None
+    checks: Sequence[Mapping[str, Any]]
+    link: str
+    thumbnail: bytes
+
+
+def index_html(
+    title: str,
+    designs: Sequence[IndexDesign],
+    varied: Mapping[str, Sequence[float | str | None]],
+    left_out: int = 0,
+) -> str:
+    """Page as text; the same designs give the same page.
+
+    varied    inputs in which the designs differ: name -> value per design
+    left_out  how many more there are
+    """
+    script = _script()
+    counts = Counter(design.status for design in designs)
+    text: str = _template().render(
+        title=title,
+        designs=designs,
+        counts=[(status, counts[status]) for status in ORDER if counts[status]],
+        tones=tone,
+        varied=[_spread(name, values) for name, values in varied.items()],
+        columns=list(varied)[:6],
+        left_out=left_out,
+        rows=[
+            _static_row(design, [values[index] for values in list(varied.values())[:6]])
+            for index, design in enumerate(designs[:STATIC_ROWS])
+        ],
+        static_rows=STATIC_ROWS,
+        data=Markup(_data(designs, varied)),
+        light=Markup(colour_variables(dark=False)),
+        dark=Markup(colour_variables(dark=True)),
+        script=Markup(script),
+        script_hash=Markup(b64encode(sha256(script.encode()).digest()).decode()),
+    )
+    return text
+
+
+def tone(status: str) -> str:
+    """Colour class of a status: what has no verdict is no pass."""
+    return status if status in ("pass", "UNDECIDED") else "FAIL"
+
+
+def _spread(name: str, values: Sequence[float | str | None]) -> dict[str, Any]:
+    """How an input varies, in words."""
+    present = [value for value in values if value is not None]
+    different = list(dict.fromkeys(present))
+    numbers = [value for value in present if isinstance(value, float)]
+    if numbers and len(numbers) == len(present):
+        told = f"{min(numbers):.6g} to {max(numbers):.6g}"
+    else:
+        told = ", ".join(str(value) for value in different[:6]) + ", …" * (len(different) > 6)
+    return {
+        "name": name,
+        "count": len(different),
+        "told": told,
+        "missing": len(values) - len(present),
+    }
+
+
+def _static_row(design: IndexDesign, inputs: Sequence[float | str | None]) -> dict[str, Any]:
+    """What the table without a script says of a design."""
+    check = next((check for check in design.checks if check["governing"]), None)
+    row = {
+        "design": design,
+        "href": quote(os.fsencode(design.link)),
+        "inputs": ["" if v is None else f"{v:.6g}" if isinstance(v, float) else v
+                   for v in inputs],
+        "part": "", "check": "", "safety": "", "need": "", "utilisation": "",
+        "told": "; ".join(filter(None, [design.error, *design.broken_gates, design.note])),
+    }  # fmt: skip
+    if check is None:
+        return row
+    safety = inf if check["safety"] is None else check["safety"]
+    return row | {
+        "part": check["part"],
+        "check": check["check"],
+        "safety": safety_text(safety),
+        "need": need_text(check["required"]),
+        "utilisation": utilisation_text(check["utilisation"]),
+    }
+
+
+def _data(
+    designs: Sequence[IndexDesign], varied: Mapping[str, Sequence[float | str | None]]
+) -> str:
+    """Everything as JSON for the script: columns of numbers, and texts by their place in a list."""
+    texts: dict[str, int] = {}
+
+    def known(text: object) -> int:
+        return texts.setdefault(clean(text), len(texts))
+
+    owned = [(index, check) for index, design in enumerate(designs) for check in design.checks]
+    checks: dict[str, list[Any]] = {
+        "design": [index for index, _ in owned],
+        "governing": [1 if check["governing"] else 0 for _, check in owned],
+    }
+    for name in _TEXTS:
+        checks[name] = [known(check[name]) for _, check in owned]
+    for name in _NUMBERS:
+        checks[name] = [check[name] for _, check in owned]
+    data = {
+        "order": ORDER,
+        "designs": [
+            {
+                "name": clean(design.name),
+                "title": clean(design.title),
+                "file": clean(design.file),
+                "status": design.status,
+                "tone": tone(design.status),
+                "told": clean("; ".join(filter(None, [
+                    design.error, f"last step: {design.stage}" if design.stage else "",
+                    *(f"gate does not hold: {gate}" for gate in design.broken_gates), design.note,
+                ]))),
+                "mass": design.mass,
+                "link": quote(os.fsencode(design.link)),
+                "picture": b64encode(design.thumbnail).decode(),
+            }
+            for design in designs
+        ],
+        "varied": [
+            {"name": clean(name), "values": [clean(v) if isinstance(v, str) else v for v in values]}
+            for name, values in varied.items()
+        ],
+        "checks": checks,
+        "texts": list(texts),
+    }  # fmt: skip
+    text = json.dumps(data, separators=(",", ":"), allow_nan=False, ensure_ascii=True)
+    # a name must not end the script element
+    return text.replace("<", "\\u003c").replace("&", "\\u0026")
+
+
+@cache
+def _script() -> str:
+    return files("reports").joinpath("templates/index.js").read_text(encoding="utf-8")
+
+
+@cache
+def _template() -> Any:
+    return environment().get_template("index.html.j2")

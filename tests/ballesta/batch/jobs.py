@@ -1,0 +1,122 @@
+"""Job functions for workers that need no design, and what a test needs around them."""
+
+from pathlib import Path
+
+from ballesta.batch.job import Job
+from ballesta.batch.memory import MIB, Admission
+from ballesta.batch.plan import Plan
+from ballesta.batch.pool import Limits, Pool
+
+# Written beside the tests' own files, because a worker imports it by name.
+MODULE = '''
+import ctypes, os, signal, time
+from pathlib import Path
+
+def double(job):
+    return {"answer": 2 * job["x"]}
+
+def noisy(job):
+    print("a library prints to standard output")
+    os.write(1, b"and another one to the file itself\\n")
+    return double(job)
+
+def act(job):
+    """What the job asks for: "ok", "sleep", "die once", "die", "grow", "burst", "raise"."""
+    what, marks = job["what"], Path(job["marks"])
+    if what == "sleep":
+        time.sleep(60)
+    if what == "die" or (what == "die once" and not (marks / str(job["x"])).exists()):
+        (marks / str(job["x"])).touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    if what == "segfault":
+        ctypes.string_at(0)
+    if what == "grow":
+        kept = []
+        for _ in range(120):
+            kept.append(bytearray(b"x") * (4 << 20))
+        time.sleep(60)
+    if what == "burst":
+        bytearray(4 << 30)
+    if what == "raise":
+        raise KeyError("our own bug")
+    return {"answer": 2 * job["x"], "threads": os.environ["OMP_NUM_THREADS"]}
+
+def forever(job):
+    """Tells its process id and never ends; with the lock of Python's threads held, if asked."""
+    Path(job["marks"], "pid").write_text(str(os.getpid()))
+    if job["how"] == "sleep":
+        time.sleep(120)
+    ctypes.PyDLL(None).sleep(120)
+
+def outcome(job):
+    """A whole outcome, as a check of a design would give it; slow where the file says so."""
+    from hashlib import sha256
+    from ballesta.batch.job import Job
+    from ballesta.batch.outcome import ended, WRONG_INPUT
+    file = Path(job["file"])
+    text = file.read_text()
+    with (file.parent / "log.txt").open("a") as log:
+        log.write(job["name"] + "\\n")
+    time.sleep(float(text.partition("wait ")[2] or 0))
+    if text == "full":
+        from ballesta.batch.job import FolderError
+        raise FolderError("out/c: --out: cannot be written: No space left on device")
+    job = Job(**{**job, "overrides": tuple(job["overrides"])})
+    done = ended(job, WRONG_INPUT, text.split()[0], "")
+    sources = {str(file.resolve()): sha256(text.encode()).hexdigest()}
+    return done | {"sources": sources, "seconds": 0.0}
+'''
+
+
+def write_module(folder: Path, monkeypatch) -> None:
+    """Put the functions where workers find them, as module `batch_job_functions`."""
+    (folder / "batch_job_functions.py").write_text(MODULE)
+    monkeypatch.setenv("PYTHONPATH", str(folder), prepend=":")
+
+
+def pool(function, folder, most=2, seconds=None, memory=4096 * MIB, alone=None):
+    limits = Limits(seconds, memory, memory if alone is None else alone)
+    return Pool(
+        f"batch_job_functions:{function}", most, limits, Admission(most * memory, memory), folder
+    )
+
+
+def run(pool, jobs):
+    """Finished jobs by their place."""
+    with pool:
+        ended = [each for some in pool.results(list(enumerate(jobs))) for each in some]
+    assert sorted(each.index for each in ended) == list(range(len(jobs)))
+    return sorted(ended, key=lambda each: each.index)
+
+
+def plan_of(folder: Path, texts: dict[str, str], out: Path) -> Plan:
+    """A plan of one job per file, of files that hold the texts."""
+    jobs = []
+    for name, text in texts.items():
+        file = folder / f"{name}.txt"
+        file.write_text(text)
+        jobs.append(Job(name, str(file), (), "formula", None, None, str(out / name)))
+    out.mkdir(exist_ok=True)
+    return Plan(tuple(jobs), {})
+
+
+class Silent:
+    """Told of everything, keeps it."""
+
+    def __init__(self):
+        self.names, self.texts, self.done_before, self.damaged = [], [], 0, 0
+
+    def say(self, text):
+        self.texts.append(text)
+
+    def kept(self, count, total, damaged):
+        self.done_before, self.damaged = count, damaged
+
+    def workers(self, count):
+        self.count = count
+
+    def finished(self, outcome, timings):
+        self.names.append(outcome["name"])
+
+    def running(self, steps):
+        steps()

@@ -1,0 +1,57 @@
+import errno
+import json
+import os
+
+import pytest
+
+from ballesta.batch.job import FolderError, Job, run_job
+from ballesta.errors import NumericsError
+
+from ..small_machine import MACHINE, PLATE
+
+
+@pytest.fixture
+def job(tmp_path):
+    (tmp_path / "machine.toml").write_text(MACHINE + PLATE)
+    file, folder = str(tmp_path / "machine.toml"), str(tmp_path / "out" / "machine")
+    return Job("machine", file, ("parts.rod.thickness=9 mm",), "formula", None, "7 %", folder)
+
+
+def test_an_outcome_is_plain_data_with_what_was_set(job):
+    outcome = run_job(job)
+    assert json.loads(json.dumps(outcome, allow_nan=False)) == outcome
+    assert outcome["inputs"]["parts.rod.thickness"] == "9 mm"
+    assert outcome["inputs"]["accuracy"] == "7 %"
+    assert list(outcome["sources"]) == [job.file]
+    assert outcome["mass"] == outcome["masses"]["rod"] > 0
+    assert [check["governing"] for check in outcome["checks"]].count(True) == 1
+
+
+def test_a_full_disk_is_not_told_as_a_design_s_fault(job, monkeypatch):
+    def full(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr("reports.files.write_json", full)
+    with pytest.raises(FolderError, match="No space left"):
+        run_job(job)
+
+
+def test_what_gave_up_tells_what_was_being_done(job, monkeypatch):
+    def gives_up(design, *, say, **_):
+        say("rod: solving")
+        raise NumericsError("it does not converge", "rod", "change it")
+
+    monkeypatch.setattr("ballesta.check.check_design", gives_up)
+    outcome = run_job(job)
+    assert (outcome["status"], outcome["exit_code"]) == ("gave up", 3)
+    assert "it does not converge" in outcome["error"]
+    assert outcome["stage"] == "rod: solving"
+
+
+def test_nothing_of_an_earlier_result_is_left_beside_a_new_verdict(job, tmp_path):
+    run_job(job)
+    folder = tmp_path / "out" / "machine"
+    assert (folder / "result.json").is_file()
+    (tmp_path / "machine.toml").write_text("name =")
+    assert run_job(job)["status"] == "wrong input"
+    assert list(folder.iterdir()) == []

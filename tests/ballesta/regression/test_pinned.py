@@ -1,0 +1,72 @@
+"""A pinned rung decides again, whatever `auto` would choose; none stands in for it unsaid."""
+
+import pytest
+
+from ballesta.check import check_design
+from ballesta.effort import Effort
+from ballesta.errors import DesignError, NumericsError
+from ballesta.regression.record import rungs_of
+from ballesta.regression.work import measured
+from ballesta.rungs import climb
+from geometry.mesh import MeshError
+
+from ..small_machine import PLATE, machine
+
+PINS = [
+    {"static": "formula", "fatigue": "formula", "buckling": "formula"},
+    {"static": "plane", "fatigue": "beam", "buckling": "formula"},
+    {"static": "solid", "fatigue": "formula", "buckling": "beam"},
+    {"static": "solid", "fatigue": "solid", "buckling": "solid"},
+]
+
+
+def part_of(design, pins, fidelity="auto"):
+    (part,) = check_design(design, effort=Effort(fidelity, pinned={"rod": pins})).parts
+    return part
+
+
+@pytest.mark.parametrize("pins", PINS)
+def test_each_kind_is_decided_by_the_rung_it_is_pinned_to(tmp_path, pins):
+    part = part_of(machine(tmp_path), pins, "solid" if pins is PINS[0] else "auto").to_dict()
+    found = rungs_of(part)
+    assert {kind: found[kind] for kind in pins} == pins
+
+
+def test_a_solid_is_refined_to_the_accuracy_also_where_its_verdict_is_settled(tmp_path):
+    """`auto` stops at two meshes; a number to be repeated may not depend on its verdict."""
+    design = machine(tmp_path, PLATE, "accuracy=2 %")
+    part = part_of(design, PINS[3])
+    stress = [check for check in part.checks if check.kind in ("static", "fatigue")]
+    assert len(stress) == 2
+    for check in stress:
+        assert "settled" not in check.note
+        assert check.numerical <= 2 * 0.02 * check.value
+
+
+def test_a_record_by_a_solid_is_that_of_the_rungs_it_pins(tmp_path):
+    """The first check chooses, the second measures: both are one process' work."""
+    design = machine(tmp_path)
+    first = measured(design.file, "solid", {})
+    again = measured(design.file, "auto", {"rod": first["parts"]["rod"]["rungs"]})
+    assert again["parts"] == first["parts"]
+
+
+def test_a_kind_that_is_newly_asked_for_is_answered_by_the_cheapest_rung(tmp_path):
+    part = part_of(machine(tmp_path), {"static": "beam"})
+    rungs = rungs_of(part.to_dict())
+    assert rungs == {"static": "beam", "fatigue": "formula", "buckling": "formula"}
+
+
+def test_a_rung_that_has_no_model_of_the_part_is_refused_not_replaced(tmp_path, monkeypatch):
+    monkeypatch.setitem(climb.BUILDERS, "beam", lambda *_: None)
+    with pytest.raises(DesignError, match=r"fatigue is pinned to the rung beam, but there is no"):
+        part_of(machine(tmp_path), PINS[1])
+
+
+def test_a_rung_that_gives_up_is_told_as_numerics(tmp_path, monkeypatch):
+    def gives_up(*_):
+        raise MeshError("the sheet has no inside")
+
+    monkeypatch.setitem(climb.BUILDERS, "plane", gives_up)
+    with pytest.raises(NumericsError, match="plane, which gave up: the sheet has no inside"):
+        part_of(machine(tmp_path), PINS[1])
