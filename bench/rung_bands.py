@@ -9,12 +9,13 @@ import json
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from math import exp, log
+from math import exp, sqrt
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 import numpy as np
+from scipy.stats import t as student
 
 from ballesta.part_strength import fatigue_use
 from ballesta.rungs.checked import BUCKLING, FATIGUE, STATIC, rung_level
@@ -27,7 +28,7 @@ from geometry.mesh import MeshError
 
 FILE = Path(__file__).parent / "rungs" / "compared.jsonl"
 BANDS = Path(__file__).parents[1] / "ballesta" / "rungs" / "bands.json"
-DEVIATIONS = 2.0  # 95 % of a normal scatter
+SHARE = 0.95  # of solids that a band is to hold
 _KINDS = (STATIC, FATIGUE, BUCKLING)
 _FEWEST = 5  # solids that a band needs
 _CONVERGED = 0.15  # of its value: a larger numerical bar is no truth to compare with
@@ -128,10 +129,22 @@ def compare(truths: Mapping[str, Mapping[str, Any]]) -> list[Compared]:
     return rows
 
 
+def predicted(ratios: Sequence[float]) -> tuple[float, float]:
+    """Between which values the next ratio lies in 95 % of all cases, if its logarithm is normal.
+
+    Mean and deviation are those of n ratios, and not known: mean +- t s sqrt(1 + 1/n) with
+    Student's t of n - 1 degrees of freedom (prediction interval; Hahn and Meeker, Statistical
+    Intervals, 1991, section 4.7).
+    """
+    logs, n = np.log(ratios), len(ratios)
+    reach = float(student.ppf((1 + SHARE) / 2, n - 1)) * float(logs.std(ddof=1)) * sqrt(1 + 1 / n)
+    middle = float(logs.mean())
+    return exp(middle - reach), exp(middle + reach)
+
+
 def band_of(rows: Sequence[Compared]) -> dict[str, Any]:
     """The band of a rung's check from what was compared."""
-    logs = np.array([log(row.ratio) for row in rows])
-    middle, scatter = float(logs.mean()), float(logs.std(ddof=1))
+    low, high = predicted([row.ratio for row in rows])
     bands = {
         side: sorted(getattr(row, side) / row.truth for row in rows) for side in ("above", "below")
     }
@@ -141,8 +154,8 @@ def band_of(rows: Sequence[Compared]) -> dict[str, Any]:
         for name, value in row.scales.items():
             told[name].append(value)
     return {
-        "low": exp(middle - DEVIATIONS * scatter),
-        "high": exp(middle + DEVIATIONS * scatter),
+        "low": low,
+        "high": high,
         "count": len(rows),
         **arcs,
         "scales": {name: [min(values), max(values)] for name, values in told.items()},

@@ -1,9 +1,10 @@
 """How far solids lie from a rung's numbers: the error bars of the rungs, from bands.json.
 
 Converged solids of variations of the machines' parts are compared with each rung
-(`python -m bench.rung_bands`). The band of a check is from exp(m - 2 s) to exp(m + 2 s) times the
-rung's value, m and s mean and deviation of the logarithm of solid over rung: 95 % of solids whose
-ratio scatters normally. What a part's proportions have beyond those compared has no band.
+(`python -m bench.rung_bands`). The band of a check is the prediction interval of solid over rung,
+in which the next solid lies in 95 % of all cases if the logarithm of that ratio scatters normally:
+exp(m -+ t s sqrt(1 + 1/n)) with mean m and deviation s of the n compared. What a part's proportions
+have beyond those compared has no band.
 """
 
 import json
