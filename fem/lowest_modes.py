@@ -70,8 +70,8 @@ def lowest_modes(
     energies  x (3 n_nodes, m) to x' K x and x' B x, (m, m) each
     limit     values above it are not wanted
     prove     whether no value is skipped is proven by a count
-    weaker    where the count finds others, or cannot be made: whether a proof that none lies below half or a tenth of
-              the lowest found, or of the limit, will do; `proven` is then that
+    weaker    where the count finds others, or cannot be made: whether a proof that none lies below
+              half or a tenth of the lowest found, or of the limit, will do; `proven` is then that
 
     Raises SolverError if the modes do not converge, the count finds others or cannot be made.
     """
