@@ -21,6 +21,7 @@ from ballesta.part_strength import fatigue_use
 from ballesta.rungs.checked import BUCKLING, FATIGUE, STATIC, rung_level
 from ballesta.rungs.climb import BUILDERS
 from ballesta.rungs.families import family_of
+from ballesta.rungs.proportions import proportions_of
 from bench.rung_truth import known
 from bench.rung_variations import SCENES, Machines, Variation
 from fem.solvers import SolverError
@@ -30,6 +31,7 @@ FILE = Path(__file__).parent / "rungs" / "compared.jsonl"
 BANDS = Path(__file__).parents[1] / "ballesta" / "rungs" / "bands.json"
 SHARE = 0.95  # of solids that a band is to hold
 _KINDS = (STATIC, FATIGUE, BUCKLING)
+FLOOR = 0.02  # of the value: half of the narrowest band; the loads compared are few
 _FEWEST = 5  # solids that a band needs
 _CONVERGED = 0.15  # of its value: a larger numerical bar is no truth to compare with
 
@@ -109,7 +111,7 @@ def rungs_of(variation: Variation, line: Mapping[str, Any]) -> Iterable[Compared
                 truth["below"] or 0.0,
                 value,
                 seconds,
-                dict(model.scales),
+                {**model.scales, **proportions_of(part, loads)},
             )
 
 
@@ -144,7 +146,10 @@ def predicted(ratios: Sequence[float]) -> tuple[float, float]:
 
 def band_of(rows: Sequence[Compared]) -> dict[str, Any]:
     """The band of a rung's check from what was compared."""
-    low, high = predicted([row.ratio for row in rows])
+    ratios = [row.ratio for row in rows]
+    middle = exp(float(np.log(ratios).mean()))
+    low, high = predicted(ratios)
+    low, high = min(low, middle * (1 - FLOOR)), max(high, middle * (1 + FLOOR))
     bands = {
         side: sorted(getattr(row, side) / row.truth for row in rows) for side in ("above", "below")
     }

@@ -14,7 +14,10 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
+from ballesta.rungs.proportions import SHARE
+
 _BEYOND = 0.1  # of the range that was compared: how far a part's proportions may be outside it
+_OTHER_SHARE = 0.1  # how far a share of the largest force may be outside the range compared
 
 
 @dataclass(frozen=True)
@@ -72,6 +75,8 @@ def band_of(family: str, rung: str, kind: str, scales: Mapping[str, float]) -> B
             return NoBand(f"no solid with {name} was compared")
         low, high = compared[name]
         slack = _BEYOND * (high - low) + 1e-9 * abs(high)
+        if name.startswith(SHARE):
+            slack = max(slack, _OTHER_SHARE)
         if not low - slack <= value <= high + slack:
             return NoBand(
                 f"{name} is {value:.3g}, solids were compared from {low:.3g} to {high:.3g}"

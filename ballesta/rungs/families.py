@@ -30,11 +30,11 @@ def family_of(part: Part, loads: PartLoads, kind: str) -> str:
         if any((seat.diameter or shape.diameter) < shape.diameter for seat in shape.seats):
             weaker = _pressed_over_bent(shape, loads) > _PRESSED
             return f"{part.shape} with a neck" + (" and short seats" if weaker else "")
-        if all(seat.single or (not seat.paired and seat.at == 0.0) for seat in shape.seats) and any(
-            seat.single for seat in shape.seats
-        ):
+        if not any(seat.single for seat in shape.seats):
+            return part.shape
+        if all(seat.single or (not seat.paired and seat.at == 0.0) for seat in shape.seats):
             return f"{part.shape} in single lugs"
-        return part.shape
+        return f"{part.shape} in single and paired lugs"
     if isinstance(shape, PlateLink):
         size = loads.largest_force * shape.length
         tilted = max(float(np.abs(wrench[:, 3:5]).max()) for wrench in loads.wrenches.values())

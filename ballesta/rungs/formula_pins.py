@@ -1,7 +1,5 @@
 """The rung `formula` of pins."""
 
-from itertools import pairwise
-
 import numpy as np
 
 from ballesta.design_data import Part
@@ -17,6 +15,7 @@ from ballesta.rungs.formula_pin_pressure import (
 )
 from ballesta.rungs.formula_points import Points
 from ballesta.rungs.model import RungModel
+from ballesta.rungs.proportions import pin_proportions
 from fem.notch_factors import stepped_shaft
 from fem.pin_loaded_hole import PATTERNS
 from fem.pin_stress import section_stress, surface_stress
@@ -81,7 +80,7 @@ def pin_model(part: Part, shape: Pin, loads: PartLoads) -> RungModel | None:
         residual=_left_over(shape, loads, diagram, names),
         deflection=_deflection(part, shape, loads, diagram, names),
         buckling=None,
-        scales=_scales(shape),
+        scales=pin_proportions(shape),
         neglects="that a short pin is no slender bar; that lugs press less where it gives way",
     )
 
@@ -200,19 +199,3 @@ def _left_over(shape: Pin, loads: PartLoads, diagram: PinDiagram, names: list[st
     force, moment = unit @ diagram.shear[:, -1], unit @ diagram.moment[:, -1]
     left = max(float(np.abs(force).max()), float(np.abs(moment).max()) / shape.total_length)
     return left / largest
-
-
-def _scales(shape: Pin) -> dict[str, float]:
-    seated = shape.seated()
-    gaps = [upper[1] - lower[2] for lower, upper in pairwise(seated)]
-    widths = [high - low for _, low, high in seated]
-    neck = min(neck_of(shape, seat) for seat in shape.seats)
-    scales = {
-        "lug width / diameter": min(widths) / shape.diameter,
-        "widest lug / diameter": max(widths) / shape.diameter,
-        "gap / diameter": max([*gaps, 0.0]) / shape.diameter,
-        "neck / diameter": neck / shape.diameter,
-    }
-    if neck < shape.diameter:
-        scales["fillet / neck"] = shape.step_fillet / neck
-    return scales
