@@ -154,7 +154,7 @@ def verdicts() -> list[str]:
         f"variations, {len(near)} of them drawn within 15 % of the limit: {len(rows)} checks of "
         "yield, fatigue and elastic buckling.",
         "",
-        f"- PASS against FAIL of the finest solid: **{len(flips)} of {len(rows)}**. Against its value "
+        f"- PASS against FAIL of the finest solid: **{len(flips)} of {len(rows)}**; of its value "
         f"alone, whatever its bars: {len(by_value)}.",
         f"- UNDECIDED where the solid is more than {100 * MARGIN:g} % from the limit: {len(left)} "
         f"of {len(far)} ({100 * len(left) / max(1, len(far)):.1f} %); in {len(by_bars)} of them "
@@ -163,9 +163,13 @@ def verdicts() -> list[str]:
         "",
     ]
     for row in by_value:
-        lines.append(f"  - {row['variation']} ({row['drawn']}), {row['kind']}: solid "
-                     f"{row['utilisation']:.3f} of the limit, {row['solid with bars']} with its bars, "
-                     f"auto {row['auto']} by {row['method']}")  # fmt: skip
+        solid = (
+            f"solid {row['utilisation']:.3f} of the limit, {row['solid with bars']} with its bars"
+        )
+        lines.append(
+            f"  - {row['variation']} ({row['drawn']}), {row['kind']}: {solid}; auto {row['auto']} "
+            f"by {row['method']}"
+        )
     return lines
 
 
