@@ -139,6 +139,9 @@ def _enough(climb: Climb, models: Models) -> Callable[[Sequence[Check]], str]:
 
     def enough(checks: Sequence[Check]) -> str:
         estimates = [Estimate(band(check)) for check in checks]
+        failed = [e.check.kind for e in estimates if e.check.status is Status.FAIL]
+        if failed:
+            return f"fails already ({', '.join(failed)}): no finer mesh would make it pass"
         if all(estimate.settled or estimate.open_for_good for estimate in estimates):
             return "settled: no finer mesh changes the verdict"
         return ""
