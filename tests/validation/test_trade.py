@@ -39,7 +39,7 @@ def test_every_part_of_the_machines_was_compared(rows):
 
 
 def test_auto_never_turns_a_solids_verdict_round(verdicts):
-    """The solid's verdict with its bars, or, where these hold the limit, that of its value by 3 %."""
+    """The verdict with its bars; where these hold the limit, that of its value but for 3 %."""
     opposite = {("pass", "FAIL"), ("FAIL", "pass")}
     assert [row for row in verdicts if (row["solid with bars"], row["auto"]) in opposite] == []
     for row in verdicts:
