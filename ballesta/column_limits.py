@@ -6,7 +6,9 @@ about their own axis only: out of the plane the ends are as stiff as their forks
 hinged and clamped (docs/theory/columns.md).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 from math import inf, pi, sqrt
 
@@ -14,7 +16,14 @@ from ballesta.design_data import Design, Part
 from ballesta.machine import interface_distance
 from fem.column_curves import IMPERFECTION, eurocode_stress, perry_robertson
 from fem.columns import ColumnStrength, column_strength
-from fem.tapered_columns import CLAMPED, HINGED, ColumnEnd, ColumnShape, critical_force
+from fem.tapered_columns import (
+    CLAMPED,
+    HINGED,
+    ColumnEnd,
+    ColumnShape,
+    critical_force,
+    least_critical_force,
+)
 from geometry.sections import Section
 
 UNKNOWN_CURVE = "c"  # EN 1993-1-1, table 6.2: solid sections and those that are no standard profile
@@ -113,16 +122,28 @@ def whole_force(part: Part, plane: Plane, section: Section, stiffest: bool = Fal
     An effective length beyond the part's own is that of two such parts, one the other's mirror
     image: the weaker of both ways round counts.
     """
-    length, end = plane.stiffest if stiffest else (plane.length, plane.ends)
     young = part.material.youngs_modulus
-    if not is_stepped(part):
-        shape = ColumnShape.stepped([length], [young * plane.built_up(section)[0]])
-        return critical_force(shape, end, end)
-    own = _stepped(part, plane)
+    if is_stepped(part):
+        try:
+            return _stepped_force(young, tuple(part.geometry.sections), plane, stiffest)
+        except ValueError as error:
+            raise ValueError(f"{part.name}: {error}") from error
+    length, end = plane.stiffest if stiffest else (plane.length, plane.ends)
+    shape = ColumnShape.stepped([length], [young * plane.built_up(section)[0]])
+    return critical_force(shape, end, end)
+
+
+@lru_cache(maxsize=256)
+def _stepped_force(
+    young: float, sections: tuple[Section, ...], plane: Plane, stiffest: bool
+) -> float:
+    """Lowest elastic buckling force, N, of a stepped part; asked for once for each section."""
+    length, end = plane.stiffest if stiffest else (plane.length, plane.ends)
+    own = _stepped(young, sections, plane)
     shapes = [own]
     if length > own.length * (1 + _JOINED):
-        shapes += [own.followed_by(own.turned()), own.turned().followed_by(own)]
-    return min(critical_force(shape.over(length), end, end) for shape in shapes)
+        shapes = [own.followed_by(own.turned()), own.turned().followed_by(own), own]
+    return least_critical_force([shape.over(length) for shape in shapes], end, end)
 
 
 def is_stepped(part: Part) -> bool:
@@ -171,10 +192,9 @@ def _case(part: Part, plane: Plane, section: Section, length: float, *, whole: b
     )
 
 
-def _stepped(part: Part, plane: Plane) -> ColumnShape:
-    """The part between its pins, in stretches."""
-    young = part.material.youngs_modulus
-    found = [(s.stretch, s) for s in part.geometry.sections if s.stretch is not None]
+def _stepped(young: float, sections: Sequence[Section], plane: Plane) -> ColumnShape:
+    """A part between its pins, in stretches."""
+    found = [(s.stretch, s) for s in sections if s.stretch is not None]
     found.sort(key=lambda entry: entry[0])
     places = [0.0, *(stop for (_, stop), _ in found)]
     starts = [start for (start, _), _ in found]
@@ -184,7 +204,7 @@ def _stepped(part: Part, plane: Plane) -> ColumnShape:
     ):
         told = ", ".join(f"{s.name} {start:g} to {stop:g}" for (start, stop), s in found)
         raise ValueError(
-            f"{part.name}: the sections' stretches must cover the part from 0 to {plane.own:g} mm "
+            f"the sections' stretches must cover the part from 0 to {plane.own:g} mm "
             f"one behind the other, got {told} mm"
         )
     return ColumnShape.stepped(

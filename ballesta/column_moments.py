@@ -13,12 +13,14 @@ reaches yield, never the ratio of stresses.
 """
 
 from dataclasses import dataclass
-from math import pi
+from functools import cached_property
+from math import isfinite, pi
 
 import numpy as np
 from scipy.optimize import brentq
 
-from ballesta.column_limits import Plane, is_stepped, planes_of, whole_force
+from ballesta.column_first_order import GRID, FirstOrder, first_order
+from ballesta.column_limits import Plane, planes_of, whole_force
 from ballesta.design_data import Design, Part
 from ballesta.part_loads import PartLoads
 from ballesta.ties import first_largest
@@ -28,8 +30,9 @@ from geometry.sections import Section
 from reports.verdict import Check
 
 STRAIGHTNESS = 1000.0  # L/e of a bar without a stated curve or crookedness
-_GRID = 129  # places along the part at which moments are computed
 _TERMS = 9  # of the moments' sine series
+_ORDER = np.arange(1, _TERMS + 1)
+_EVEN = 4 / (pi * _ORDER) * (_ORDER % 2)  # of an even moment
 _CLOSE = 1e-9  # of the load factor
 _NO_MOMENT = 1e-9  # of the largest force times the length
 
@@ -41,36 +44,6 @@ def axial_compression(part: Part, loads: PartLoads) -> FloatArray:
     """
     first, second = part.geometry.interfaces[:2]
     return np.asarray(np.maximum(loads.wrenches[first][:, 0], -loads.wrenches[second][:, 0]))
-
-
-def first_order_moments(
-    part: Part, loads: PartLoads, length: float, mass: float | None = None
-) -> tuple[FloatArray, FloatArray]:
-    """Moments about z and y (n, 129) of the undeformed part at even places between its pins, N mm.
-
-    From both ends towards the other, each in its share: what the part has beyond its pins, which
-    the sections do not know, leaves no step. A stated `mass` of the body, t, is spread as the
-    sections' is.
-    """
-    first, second = (loads.wrenches[name] for name in part.geometry.interfaces[:2])
-    x = np.linspace(0.0, length, _GRID)
-    a_y, alpha = loads.accelerations[:, 1, None], loads.accelerations[:, 2, None]
-    areas = _areas(part, x)
-    volume, first_moment, second_moment = _cumulated(areas * np.stack([x**0, x, x**2]), x)
-    density = part.material.density if mass is None else mass / float(volume[-1])
-    force = -density * (a_y * volume + alpha * first_moment)
-    lever = -density * (a_y * first_moment + alpha * second_moment)
-    share = x / length
-    found = []
-    for couple, across, own in ((5, 1, True), (4, 2, False)):
-        sign = 1.0 if own else -1.0  # about z a force along y, about y one along -z has a lever
-        left = -(first[:, couple, None] - sign * x * first[:, across, None])
-        right = second[:, couple, None] + sign * (length - x) * second[:, across, None]
-        if own:
-            left = left - (lever - x * force)
-            right = right + (lever[:, -1:] - lever) - x * (force[:, -1:] - force)
-        found.append(np.asarray((1 - share) * left + share * right))
-    return found[0], found[1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,23 +71,31 @@ class CrookedColumn:
     bow: FloatArray
     beside: float
 
-    def stress(self, factor: float, rows: slice = slice(None)) -> FloatArray:
+    def stress(
+        self, factor: float, rows: slice = slice(None), places: slice = slice(None)
+    ) -> FloatArray:
         """Largest compressive stress (n, k), MPa, under all loads times `factor`."""
         force = factor * self.force[rows, None]
-        total = force / self.areas
-        order = np.arange(1, _TERMS + 1)
-        waves = np.sin(pi * order[:, None] * self.places)
-        even = 4 / (pi * order) * (order % 2)
+        total = force / self.areas[places]
+        waves = self._waves[:, places]
         for plane in (0, 1):
-            ratio = force / self.critical[plane]
-            grown = ratio / (order**2 - ratio)
-            series = factor * self.series[plane][rows]
-            moment = np.abs(factor * self.moments[plane][rows]) + np.abs((grown * series) @ waves)
-            if plane == 0:
-                moment += force * (self.bow / (1 - ratio))
-                moment += force * self.beside * (1 + (grown * even) @ waves)
-            total = total + moment / self.moduli[plane]
+            moment = np.abs(factor * self.moments[plane][rows, places])
+            if isfinite(self.critical[plane]):
+                ratio = force / self.critical[plane]
+                grown = ratio / (_ORDER**2 - ratio)
+                series = factor * self.series[plane][rows]
+                moment += np.abs((grown * series) @ waves)
+                if plane == 0:
+                    moment += force * (self.bow[places] / (1 - ratio))
+                if plane == 0 and self.beside:
+                    moment += force * self.beside * (1 + (grown * _EVEN) @ waves)
+            total += moment / self.moduli[plane][places]
         return np.asarray(total)
+
+    @cached_property
+    def _waves(self) -> FloatArray:
+        """The series' sines (m, k) at the places."""
+        return np.asarray(np.sin(pi * _ORDER[:, None] * self.places))
 
     def load_factor(self, yield_stress: float) -> tuple[float, int, int]:
         """Least factor on all loads at which an edge yields, and at which position and place."""
@@ -146,8 +127,8 @@ class CrookedColumn:
         most = min(float(self.critical.min()) / force, yield_stress * self.areas[place] / force)
 
         def over(share: float) -> float:
-            stress = self.stress(share * most, slice(row, row + 1))
-            return float(stress[0, place] / yield_stress - 1)
+            stress = self.stress(share * most, slice(row, row + 1), slice(place, place + 1))
+            return float(stress[0, 0] / yield_stress - 1)
 
         top = 1 - 1e-12
         if over(top) <= 0:
@@ -180,21 +161,18 @@ class _Pressed:
 def _pressed(part: Part, loads: PartLoads, length: float, mass: float | None) -> _Pressed:
     force = axial_compression(part, loads)
     pressed = np.flatnonzero(force > 0)
-    grid = np.linspace(0.0, 1.0, _GRID)
-    order = np.arange(1, _TERMS + 1)
-    waves = np.sin(pi * order[:, None] * grid)
-    weights = np.full(_GRID, 1 / (_GRID - 1))
+    waves = np.sin(pi * _ORDER[:, None] * np.linspace(0.0, 1.0, GRID))
+    weights = np.full(GRID, 1 / (GRID - 1))
     weights[[0, -1]] /= 2
     places, sections = _stations(part, length)
-    between = np.stack([np.interp(places, grid, row) for row in np.eye(_GRID)])
     largest = _NO_MOMENT * length * force.max()
     moments, series, bent = {}, {}, {}
-    moments_of = first_order_moments(part, loads, length, mass)
-    for name, of_all in zip(("in plane", "out of plane"), moments_of, strict=True):
-        moment = of_all[pressed]
-        series[name] = 2 * (moment * weights) @ waves.T
-        moments[name] = moment @ between
-        bent[name] = bool(np.abs(moment).max() > largest)
+    planes = first_order(part, loads, length, mass)
+    for name, whole in zip(("in plane", "out of plane"), planes, strict=True):
+        moment = FirstOrder(whole.acting[pressed], whole.shapes)
+        series[name] = moment.over(2 * weights * waves)
+        moments[name] = moment.at(places)
+        bent[name] = bool(np.abs(moment.moments).max() > largest)
     return _Pressed(pressed, force[pressed], places, sections, moments, series, bent)
 
 
@@ -301,21 +279,3 @@ def _stations(part: Part, length: float) -> tuple[FloatArray, list[Section]]:
         places.append(found)
         sections += [section] * len(found)
     return np.concatenate(places), sections
-
-
-def _areas(part: Part, x: FloatArray) -> FloatArray:
-    """Area of the section at each place, mm2; the largest where stretches are not told."""
-    sections = part.geometry.sections
-    if not is_stepped(part):
-        return np.full(len(x), max(section.area for section in sections))
-    areas = np.zeros(len(x))
-    for section in sections:
-        assert section.stretch is not None
-        areas[(x >= section.stretch[0]) & (x <= section.stretch[1])] = section.area
-    return areas
-
-
-def _cumulated(values: FloatArray, x: FloatArray) -> FloatArray:
-    """Integral (n, k) from the first place to each, by trapezoids."""
-    pieces = (values[:, 1:] + values[:, :-1]) / 2 * np.diff(x)
-    return np.concatenate([np.zeros((len(values), 1)), np.cumsum(pieces, axis=1)], axis=1)

@@ -216,7 +216,10 @@ class StepPartEntry(BodyPartEntry):
         description="of the holes' diameters and places, in the file and in the linkage",
     )
     section: Section2 | None = Field(
-        None, description="stressed section, height and thickness, for the endurance limit"
+        None,
+        description="stressed section: height in the linkage's plane, across the line from the "
+        "first hole to the second, and thickness along the pins; for the endurance limit's size "
+        "factor, and for the rung `formula`, to which the part is a bar of this section",
     )
     flip: Annotated[bool, Field(strict=True)] = Field(
         False, description="turn the part round, so that its other side is up"

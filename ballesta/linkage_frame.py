@@ -232,7 +232,7 @@ class _Search:
                 free = self._moves(placed, rows[case.stiff], case.plane)
                 reduced = -free.T @ geometric @ free
                 bounds = np.linalg.norm(reduced, axis=(1, 2))
-                near = np.flatnonzero(bounds * (1 + _COARSE_ERROR) > largest[case])
+                near = np.flatnonzero(bounds > _NEAR * largest[case])
                 if not len(near):
                     continue
                 values = np.linalg.eigvalsh(reduced[near])

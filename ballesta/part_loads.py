@@ -3,6 +3,7 @@
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 
@@ -107,7 +108,8 @@ def loads_on(
     placing = part_placing(design, part)
     wrenches: dict[str, list[FloatArray]] = {}
     reaches: dict[str, list[FloatArray]] = {}
-    accelerations, labels, names = [], [], []
+    labels: list[str] = []
+    accelerations, names = [], []
     slices, start = {}, 0
     for name, cycle_loads in solved.items():
         if not is_loaded(part, cycle_loads):
@@ -121,11 +123,10 @@ def loads_on(
         accelerations.append(part_accelerations)
         shown, unit, values = shown_of(design, name, cycle_loads)
         told = {name, *loads.MeasuredLoads.phases}
-        labels += [
-            f"{shown} = {value:.4g} {unit}"
-            + (f" {history.phases[phase]}" if history.phases[phase] not in told else "")
-            for value, phase in zip(values, history.phase_of, strict=True)
-        ]
+        phases = tuple("" if phase in told else f" {phase}" for phase in history.phases)
+        labels += _labels(
+            shown, unit, tuple(values.tolist()), tuple(history.phase_of.tolist()), phases
+        )
         names += [name] * len(values)
         slices[name] = slice(start, start + len(values))
         start += len(values)
@@ -147,6 +148,21 @@ def loads_on(
         {name: np.concatenate(parts) for name, parts in reaches.items()},
         _tilt(part, together),
         part.tilt_held_at,
+    )
+
+
+@lru_cache(maxsize=16)
+def _labels(
+    shown: str,
+    unit: str,
+    values: tuple[float, ...],
+    phase_of: tuple[int, ...],
+    phases: tuple[str, ...],
+) -> tuple[str, ...]:
+    """Where in the cycle positions are, in words: the same for every part and every variation."""
+    return tuple(
+        f"{shown} = {value:.4g} {unit}{phases[phase]}"
+        for value, phase in zip(values, phase_of, strict=True)
     )
 
 

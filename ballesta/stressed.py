@@ -7,6 +7,7 @@ points x unit loads, and the coefficients of these over the positions.
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 from ballesta.duty_verdict import DutyVerdict, FatiguePeak, duty_runs, duty_verdict
 from ballesta.part_loads import PartLoads
@@ -45,7 +46,7 @@ class Stressed(ABC):
         """Coefficients (n_basis, n) of the unit loads over all positions."""
         return self.history.coefficients
 
-    @property
+    @cached_property
     def fatigue(self) -> FatiguePeak | None:
         """What decides fatigue over the duty; None without one."""
         return None if self.duty is None else self.duty.peak

@@ -9,17 +9,19 @@ import json
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from math import exp, log
+from math import exp, sqrt
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 import numpy as np
+from scipy.stats import t as student
 
 from ballesta.part_strength import fatigue_use
 from ballesta.rungs.checked import BUCKLING, FATIGUE, STATIC, rung_level
 from ballesta.rungs.climb import BUILDERS
 from ballesta.rungs.families import family_of
+from ballesta.rungs.proportions import proportions_of
 from bench.rung_truth import known
 from bench.rung_variations import SCENES, Machines, Variation
 from fem.solvers import SolverError
@@ -27,8 +29,9 @@ from geometry.mesh import MeshError
 
 FILE = Path(__file__).parent / "rungs" / "compared.jsonl"
 BANDS = Path(__file__).parents[1] / "ballesta" / "rungs" / "bands.json"
-DEVIATIONS = 2.0  # 95 % of a normal scatter
+SHARE = 0.95  # of solids that a band is to hold
 _KINDS = (STATIC, FATIGUE, BUCKLING)
+FLOOR = 0.02  # of the value: half of the narrowest band; the loads compared are few
 _FEWEST = 5  # solids that a band needs
 _CONVERGED = 0.15  # of its value: a larger numerical bar is no truth to compare with
 
@@ -108,7 +111,7 @@ def rungs_of(variation: Variation, line: Mapping[str, Any]) -> Iterable[Compared
                 truth["below"] or 0.0,
                 value,
                 seconds,
-                dict(model.scales),
+                {**model.scales, **proportions_of(part, loads)},
             )
 
 
@@ -128,10 +131,25 @@ def compare(truths: Mapping[str, Mapping[str, Any]]) -> list[Compared]:
     return rows
 
 
+def predicted(ratios: Sequence[float]) -> tuple[float, float]:
+    """Between which values the next ratio lies in 95 % of all cases, if its logarithm is normal.
+
+    Mean and deviation are those of n ratios, and not known: mean +- t s sqrt(1 + 1/n) with
+    Student's t of n - 1 degrees of freedom (prediction interval; Hahn and Meeker, Statistical
+    Intervals, 1991, section 4.7).
+    """
+    logs, n = np.log(ratios), len(ratios)
+    reach = float(student.ppf((1 + SHARE) / 2, n - 1)) * float(logs.std(ddof=1)) * sqrt(1 + 1 / n)
+    middle = float(logs.mean())
+    return exp(middle - reach), exp(middle + reach)
+
+
 def band_of(rows: Sequence[Compared]) -> dict[str, Any]:
     """The band of a rung's check from what was compared."""
-    logs = np.array([log(row.ratio) for row in rows])
-    middle, scatter = float(logs.mean()), float(logs.std(ddof=1))
+    ratios = [row.ratio for row in rows]
+    middle = exp(float(np.log(ratios).mean()))
+    low, high = predicted(ratios)
+    low, high = min(low, middle * (1 - FLOOR)), max(high, middle * (1 + FLOOR))
     bands = {
         side: sorted(getattr(row, side) / row.truth for row in rows) for side in ("above", "below")
     }
@@ -141,8 +159,8 @@ def band_of(rows: Sequence[Compared]) -> dict[str, Any]:
         for name, value in row.scales.items():
             told[name].append(value)
     return {
-        "low": exp(middle - DEVIATIONS * scatter),
-        "high": exp(middle + DEVIATIONS * scatter),
+        "low": low,
+        "high": high,
         "count": len(rows),
         **arcs,
         "scales": {name: [min(values), max(values)] for name, values in told.items()},

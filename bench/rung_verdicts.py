@@ -1,6 +1,7 @@
 """Whether `auto` comes to the verdict of the finest solid, on the variations of truth.jsonl.
 
-    python -m bench.rung_verdicts   resumes; writes bench/rungs/verdicts.jsonl
+    python -m bench.rung_verdicts [--scene design/part]...   resumes; writes
+                                                             bench/rungs/verdicts.jsonl
 
 Every variation is judged under loads multiplied so that the solid's worst utilisation of yield and
 fatigue is drawn between 0.2 and 3 (log-uniform, Sobol), and once more near its limit, between 0.85
@@ -127,6 +128,7 @@ def targets(scene: int) -> list[tuple[float, float]]:
 def main() -> None:
     """Judge what has not been judged."""
     parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--scene", action="append", default=[])
     parser.add_argument("--near", type=int, default=3, help="every n-th variation near its limit")
     options = parser.parse_args()
     truths = {name: line for name, line in known().items() if line.get("checks")}
@@ -137,6 +139,8 @@ def main() -> None:
     machines = Machines()
     for place, scene in enumerate(SCENES):
         drawn = targets(place)
+        if options.scene and scene.name not in options.scene:
+            continue
         wanted = {name for name in truths if name.rsplit("/", 1)[0] == scene.name}
         for variation in machines.variations(scene) if wanted else ():
             if variation.name not in wanted:

@@ -214,9 +214,11 @@ def _distinct_positions(coefficients: FloatArray) -> IntArray:
     `goodman` counts as round-off.
     """
     largest = np.abs(coefficients).max(axis=1, keepdims=True)
-    steps = np.floor(coefficients / np.where(largest > 0.0, largest, 1.0) / _SAME)
-    _, first = np.unique(steps, axis=1, return_index=True)
-    return np.sort(first)
+    steps = np.floor(coefficients / np.where(largest > 0.0, largest, 1.0) / _SAME) + 0.0
+    first: dict[bytes, int] = {}  # NumPy sorts columns ten times as slowly; + 0.0: none is -0.0
+    for position, step in enumerate(np.ascontiguousarray(steps.T)):
+        first.setdefault(step.tobytes(), position)
+    return np.array(list(first.values()))
 
 
 def _highest_means(

@@ -24,6 +24,7 @@ mistaken for the global one.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from math import isfinite, sqrt
 
 import numpy as np
@@ -130,13 +131,14 @@ class _Search:
         self.swing = stress - (stress[:, first] + stress[:, other])[:, None] / 2.0
         self.scale = (radius + k * max(largest, radius)) / sqrt(3.0)  # M/4
         self.normals = np.empty((0, 3))
+        self.rows = np.empty((0, 3, 6))
         self.upper = np.empty(0)
         self.exact = np.empty(0, dtype=bool)
         self.best, self.best_at = -np.inf, 0
 
     def result(self) -> CriticalPlane:
-        normals, cells = half_sphere(_START)
-        self._add(normals)
+        normals, cells, rows = _start()
+        self._add(normals, rows)
         ceiling = -np.inf
         while True:
             self._sharpen(np.array([self.upper.argmax()]))
@@ -176,14 +178,17 @@ class _Search:
 
     def _divide(self, cells: IntArray) -> IntArray:
         edges, four = divided(len(self.normals), cells)
-        self._add(middles(self.normals, edges))
+        normals = middles(self.normals, edges)
+        self._add(normals, _plane_rows(normals))
         return four
 
-    def _add(self, normals: FloatArray) -> None:
+    def _add(self, normals: FloatArray, rows: FloatArray) -> None:
         """Evaluate an upper bound of F: the circle around the middle of a long chord."""
-        shear, normal = self._resolved(normals)
-        radii = np.sqrt((shear**2).sum(axis=1).max(axis=1))
+        shear, normal = self._resolved(rows)
+        shear *= shear
+        radii = np.sqrt((shear[:, 0] + shear[:, 1]).max(axis=1))
         self.normals = np.concatenate([self.normals, normals])
+        self.rows = np.concatenate([self.rows, rows])
         self.upper = np.concatenate([self.upper, radii + self.k * normal])
         self.exact = np.concatenate([self.exact, np.zeros(len(normals), dtype=bool)])
 
@@ -192,17 +197,17 @@ class _Search:
         which = which[~self.exact[which]]
         if not len(which):
             return
-        shear, normal = self._resolved(self.normals[which])
+        shear, normal = self._resolved(self.rows[which])
         values = smallest_circles(shear)[1] + self.k * normal
         self.upper[which], self.exact[which] = values, True
         most = int(values.argmax())
         if values[most] > self.best:
             self.best, self.best_at = float(values[most]), int(which[most])
 
-    def _resolved(self, normals: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _resolved(self, rows: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the resolved shear path (n, 2, n_positions) and sigma_n (n,) of each plane."""
-        shear = resolved_shear(normals, self.swing)
-        normal = _component(normals, normals) @ self.stress
+        shear = (rows[:, :2].reshape(-1, 6) @ self.swing).reshape(len(rows), 2, -1)
+        normal = rows[:, 2] @ self.stress
         largest = normal.max(axis=1)
         if not self.credit:
             largest = np.maximum(largest, (largest - normal.min(axis=1)) / 2.0)
@@ -210,7 +215,7 @@ class _Search:
 
     def _plane(self, bound: float, finest: float) -> CriticalPlane:
         normal = self.normals[self.best_at]
-        shear, counted = self._resolved(normal[None])
+        shear, counted = self._resolved(self.rows[self.best_at : self.best_at + 1])
         _, radius, carriers = smallest_circles(shear)
         three = carriers[0]
         corners = shear[0][:, three]
@@ -233,9 +238,24 @@ class _Search:
 
 def resolved_shear(normals: FloatArray, stress: FloatArray) -> FloatArray:
     """Return the shear stress (n, 2, n_positions) in planes with normals (n, 3), in some axes."""
-    along, across = _plane_axes(normals)
-    rows = np.stack([_component(normals, along), _component(normals, across)], axis=1)
+    rows = _plane_rows(normals)[:, :2]
     return np.asarray((rows.reshape(-1, 6) @ stress).reshape(len(normals), 2, -1))
+
+
+@cache
+def _start() -> tuple[FloatArray, IntArray, FloatArray]:
+    """Normals, triangles and rows of the grid that every search begins with."""
+    normals, cells = half_sphere(_START)
+    return normals, cells, _plane_rows(normals)
+
+
+def _plane_rows(normals: FloatArray) -> FloatArray:
+    """Return rows (n, 3, 6) that take a stress to its shear along two axes of a plane, normal."""
+    along, across = _plane_axes(normals)
+    found = np.empty((len(normals), 3, 6))
+    for k, axis in enumerate((along, across, normals)):
+        found[:, k] = _component(normals, axis)
+    return found
 
 
 def _plane_axes(normals: FloatArray) -> tuple[FloatArray, FloatArray]:

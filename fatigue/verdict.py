@@ -39,7 +39,8 @@ class Verdict:
     bounds             straightness and bounds of the first pass at every point
     plane_utilisation  (n_points,)  Findley's, where its value was needed; elsewhere NaN
     plane_bound        (n_points,)  not less than Findley's; 0 where the path is proportional
-    plane              Findley's plane at the critical point, None if the path is proportional there
+    plane              Findley's plane at the critical point, None if the path is proportional
+                       there, or if Goodman decides and the verdict was asked for less
     n_searched         points whose planes were searched
     path               (6, n_positions)  MPa, stress of the critical point
     reversed_limits    MPa, its limits in reversed bending and torsion
@@ -138,8 +139,9 @@ def ductile_verdict(
 
     basis (n_points, 6, n_basis), coefficients (n_basis, n_positions) and strengths, MPa, as in
     `goodman`; torsion_ratio is the material's limit in reversed torsion over that in bending.
-    Without `every_point` Goodman too is taken only where his bound says that he can govern: the
-    same worst point and safety, bounds elsewhere.
+    Without `every_point` Goodman too is taken only where his bound says that he can govern, and
+    Findley's plane is not sought at a point that Goodman decides: the same worst point and safety,
+    bounds elsewhere.
     """
     basis, coefficients = check_history(basis, coefficients)
     criterion = findley_criterion(torsion_ratio)
@@ -188,7 +190,7 @@ def ductile_verdict(
         by_chord = by_goodman(points)
     goodman_bound[points] = by_chord.utilisation
     at_critical = basis[critical] @ coefficients
-    if critical not in planes and bounds.width[critical] > PROPORTIONAL:
+    if every_point and critical not in planes and bounds.width[critical] > PROPORTIONAL:
         planes[critical] = critical_plane(at_critical, criterion.k)
         value[critical] = planes[critical].value / limit[critical]
         bound[critical] = min(bound[critical], planes[critical].bound / limit[critical])

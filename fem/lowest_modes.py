@@ -70,10 +70,10 @@ def lowest_modes(
     energies  x (3 n_nodes, m) to x' K x and x' B x, (m, m) each
     limit     values above it are not wanted
     prove     whether no value is skipped is proven by a count
-    weaker    where the count finds others: whether a proof that none lies below half or a tenth of
-              the lowest found, or of the limit, will do; `proven` is then that
+    weaker    where the count finds others, or cannot be made: whether a proof that none lies below
+              half or a tenth of the lowest found, or of the limit, will do; `proven` is then that
 
-    Raises SolverError if the modes do not converge or the count finds others.
+    Raises SolverError if the modes do not converge, the count finds others or cannot be made.
     """
     if count < 1:
         raise ValueError(f"the number of modes must be at least 1, got {count}")
@@ -86,17 +86,31 @@ def lowest_modes(
         if not prove:
             return Modes(values[:count], shapes[:, :count], 0.0, found.negative)
         cut = _cut(values, found.following, limit)
-        counted = count_below(solid, matrix, cut, found.around)
-        if counted == np.count_nonzero(values < cut):
+        below = np.count_nonzero(values < cut)
+        try:
+            counted = count_below(solid, matrix, cut, found.around)
+        except SolverError as error:
+            problem = error
+            break
+        if counted == below:
             return Modes(values[:count], shapes[:, :count], cut, found.negative)
+        problem = SolverError(f"{counted} modes lie below {cut:.6g}, but only {below} were found")
         block *= 2
     for share in _WEAKER if weaker else ():
-        below = share * float(values[0] if len(values) else limit)
-        if count_below(solid, matrix, below, found.around) == 0:
-            return Modes(values[:count], shapes[:, :count], below, found.negative)
-    raise SolverError(
-        f"{counted} modes lie below {cut:.6g}, but only {np.count_nonzero(values < cut)} were found"
-    )
+        proven = share * float(values[0] if len(values) else limit)
+        if _none_below(solid, matrix, proven, found.around):
+            return Modes(values[:count], shapes[:, :count], proven, found.negative)
+    raise problem
+
+
+def _none_below(
+    solid: SupportedSolid, matrix: sp.csr_array, value: float, known: FloatArray
+) -> bool:
+    """Whether a count can be made and tells that no mode lies below a value."""
+    try:
+        return count_below(solid, matrix, value, known) == 0
+    except SolverError:
+        return False
 
 
 def _cut(values: FloatArray, following: float, limit: float) -> float:

@@ -22,10 +22,13 @@ imaginary, and half of the outline tells all.
 """
 
 from dataclasses import dataclass
-from math import pi
+from functools import lru_cache
+from math import ceil, log, pi
+from typing import Self
 
 import numpy as np
 
+from fem.solvers import SolverError
 from fem.unit_loads import HARMONICS
 from geometry.mesh import FloatArray
 
@@ -35,9 +38,10 @@ PATTERNS = (
     *(f"{wave} {n}" for n in HARMONICS for wave in (("cos", "sin") if n else ("cos",))),
     "couple",
 )
-_NEGATIVE = 9  # powers of 1/z
-_POSITIVE = 17  # powers of z less the middle
-_ON_HOLE = 25  # points on half of its edge
+THINNEST = 0.85  # hole over outline, nearest to each other: thinner rings are not computed
+_FEWEST = 9  # powers of 1/z, in number; of z less the middle there are about twice as many
+_LEFT = 0.003  # of a power, from the hole's edge to the outline nearest to it
+_ON_HOLE = 3  # points on half of its edge, times the powers
 _HOLE_WEIGHT = 2.0  # of its rows: there the stress is asked for
 
 
@@ -60,6 +64,18 @@ class LugOutline:
     forced: ComplexArray
     stiffening: FloatArray
 
+    @property
+    def numbers(self) -> bytes:
+        """All of its numbers, to know an equal outline by."""
+        rows = (self.points, self.normals, self.weights, *self.forced, self.stiffening)
+        return np.array(rows, dtype=complex).tobytes()
+
+    @classmethod
+    def of_numbers(cls, numbers: bytes) -> Self:
+        """The outline that has these numbers."""
+        points, normals, weights, *forced, stiff = np.frombuffer(numbers, complex).reshape(7, -1)
+        return cls(points, normals, weights.real, np.array(forced), stiff.real)
+
 
 @dataclass(frozen=True, eq=False)
 class PinLoadedHole:
@@ -67,6 +83,7 @@ class PinLoadedHole:
 
     radius   mm
     outline  of the lug
+    order    powers of 1/z, in number
     patterns as `fem.unit_loads.bearing_coefficients` has them: pressures cos(n t)/(pi r) per mm of
              thickness, n = 0, 1, 2, 4, whose n = 1 is a force of 1 N, and a couple of 1 N mm
     """
@@ -78,57 +95,77 @@ class PinLoadedHole:
     odd: FloatArray
     middle: float
     reach: float
+    order: int
 
     def at(self, points: ComplexArray) -> FloatArray:
         """Stress xx, yy, xy (k, 3, 8) in 1/mm at points x + i y of the lug, of the patterns."""
         found = np.zeros((len(points), 3, len(PATTERNS)))
+        powers = _powers(points, self.radius, self.middle, self.reach, self.order)
         for odd, coefficients in ((False, self.even), (True, self.odd)):
-            total, deviator = _terms(points, self.radius, self.middle, self.reach, odd=odd)
+            total, deviator = _terms(points, powers, odd=odd)
             own = _fixed(points, self.poisson_ratio, odd=odd)
-            for column, name in enumerate(_names(odd)):
-                trace = total @ coefficients[:, column]
-                skew = deviator @ coefficients[:, column]
-                if name in ("cos 1", "sin 1"):
-                    trace, skew = trace + own[0], skew + own[1]
-                half = trace / 2
-                state = np.stack([half - skew.real, half + skew.real, skew.imag], axis=1)
-                found[:, :, PATTERNS.index(name)] = state
+            half, skew = total @ coefficients / 2, deviator @ coefficients
+            half[:, _forces(odd)] += own[0][:, None] / 2
+            skew[:, _forces(odd)] += own[1][:, None]
+            columns = [PATTERNS.index(name) for name in _names(odd)]
+            found[:, 0, columns] = half - skew.real
+            found[:, 1, columns] = half + skew.real
+            found[:, 2, columns] = skew.imag
         return found
 
 
 def pin_loaded_hole(radius: float, outline: LugOutline, poisson_ratio: float) -> PinLoadedHole:
     """Solve a lug for the eight patterns of a pin's pressure and friction on its hole.
 
+    A lug that was solved before is not solved again. Raises SolverError for a ring that is thinner
+    than the series is good for.
+
     radius  mm, of the hole
     """
+    ratio = radius / float(np.abs(outline.points).min())
+    if ratio > THINNEST:
+        raise SolverError(
+            f"the hole takes {ratio:.3g} of its lug, at most {THINNEST:g} is computed by series"
+        )
     middle = float((outline.points.real.min() + outline.points.real.max()) / 2)
     reach = float(np.abs(outline.points - middle).max())
-    angles = (np.arange(_ON_HOLE) + 0.5) / _ON_HOLE * pi
+    # what the hole needs falls like (radius/distance)^n; both sides of a ring disturb each other
+    order = max(_FEWEST, ceil(log(_LEFT) / log(ratio)))
+    even, odd = _coefficients(radius, outline.numbers, poisson_ratio, middle, reach, order)
+    return PinLoadedHole(radius, outline, poisson_ratio, even, odd, middle, reach, order)
+
+
+@lru_cache(maxsize=32)
+def _coefficients(
+    radius: float, numbers: bytes, poisson_ratio: float, middle: float, reach: float, order: int
+) -> tuple[FloatArray, FloatArray]:
+    """Coefficients of the even and the odd patterns, solved once for lugs of the same numbers."""
+    outline = LugOutline.of_numbers(numbers)
+    on_hole = max(25, _ON_HOLE * order)
+    angles = (np.arange(on_hole) + 0.5) / on_hole * pi
     rim = radius * np.exp(1j * angles)
+    on_rim, on_outline = (_powers(at, radius, middle, reach, order) for at in (rim, outline.points))
     found = []
     for odd in (False, True):
         matrix, right = [], []
-        for points, normals, weights, on_hole in (
-            (rim, -rim / radius, np.full(_ON_HOLE, pi * radius / _ON_HOLE), True),
-            (outline.points, outline.normals, outline.weights, False),
+        for points, powers, normals, weights, inside in (
+            (rim, on_rim, -rim / radius, np.full(on_hole, pi * radius / on_hole), True),
+            (outline.points, on_outline, outline.normals, outline.weights, False),
         ):
-            total, deviator = _terms(points, radius, middle, reach, odd=odd)
+            total, deviator = _terms(points, powers, odd=odd)
             own = _fixed(points, poisson_ratio, odd=odd)
             rows = _traction(total, deviator, normals[:, None])
             fixed = _traction(own[0], own[1], normals)
-            if on_hole:
+            if inside:
                 wanted = _on_rim(angles, radius, odd=odd)
             else:
                 wanted = _held(outline, odd=odd)
                 stiff = outline.stiffening
                 if stiff.any():
-                    rows = rows + _stringer(
-                        points, radius, middle, reach, stiff, poisson_ratio, odd=odd
-                    )
+                    rows = rows + _stringer(points, powers, stiff, poisson_ratio, odd=odd)
                     fixed = fixed + _own_stringer(points, stiff, poisson_ratio, odd=odd)
-            force = [name in ("cos 1", "sin 1") for name in _names(odd)]
-            wanted = wanted - fixed[:, None] * np.array(force)
-            scale = np.sqrt(weights / radius) * (_HOLE_WEIGHT if on_hole else 1.0)
+            wanted[:, _forces(odd)] -= fixed[:, None]
+            scale = np.sqrt(weights / radius) * (_HOLE_WEIGHT if inside else 1.0)
             for part in (np.real, np.imag):
                 matrix.append(part(rows) * scale[:, None])
                 right.append(part(wanted) * scale[:, None])
@@ -137,7 +174,7 @@ def pin_loaded_hole(radius: float, outline: LugOutline, poisson_ratio: float) ->
         size[size == 0] = 1.0  # an imaginary constant P is a turn of the whole lug
         solved, *_ = np.linalg.lstsq(table / size, goal, rcond=1e-12)
         found.append(solved / size[:, None])
-    return PinLoadedHole(radius, outline, poisson_ratio, found[0], found[1], middle, reach)
+    return found[0], found[1]
 
 
 def _names(odd: bool) -> tuple[str, ...]:
@@ -145,18 +182,27 @@ def _names(odd: bool) -> tuple[str, ...]:
     return tuple(n for n in PATTERNS if n.startswith("cos") is not odd)
 
 
+def _forces(odd: bool) -> list[int]:
+    """Which of these patterns push with a force."""
+    return [k for k, name in enumerate(_names(odd)) if name in ("cos 1", "sin 1")]
+
+
+_Powers = tuple[ComplexArray, ComplexArray, ComplexArray]
+
+
 def _powers(
-    points: ComplexArray, radius: float, middle: float, reach: float
-) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+    points: ComplexArray, radius: float, middle: float, reach: float, order: int
+) -> _Powers:
     """Terms (k, m) of a potential, and their first and second derivatives by z."""
-    n = np.arange(2, _NEGATIVE + 2)
+    n = np.arange(2, order + 2)
     inverse = (radius / points[:, None]) ** n
     z = points[:, None]
-    p = np.arange(_POSITIVE + 1)
+    p = np.arange(2 * order)
     w = (z - middle) / reach
     rising = w**p
-    first = np.where(p > 0, p * w ** np.maximum(p - 1, 0), 0) / reach
-    second = np.where(p > 1, p * (p - 1) * w ** np.maximum(p - 2, 0), 0) / reach**2
+    first, second = np.zeros((2, *rising.shape), dtype=complex)
+    first[:, 1:] = p[1:] * rising[:, :-1] / reach
+    second[:, 2:] = p[2:] * p[1:-1] * rising[:, :-2] / reach**2
     return (
         np.concatenate([inverse, rising], axis=1),
         np.concatenate([-n * inverse / z, first], axis=1),
@@ -164,11 +210,9 @@ def _powers(
     )
 
 
-def _terms(
-    points: ComplexArray, radius: float, middle: float, reach: float, *, odd: bool
-) -> tuple[FloatArray, ComplexArray]:
+def _terms(points: ComplexArray, powers: _Powers, *, odd: bool) -> tuple[FloatArray, ComplexArray]:
     """Trace sigma_x + sigma_y and (sigma_y - sigma_x)/2 + i tau_xy of each term of P, then of Q."""
-    value, slope, _ = _powers(points, radius, middle, reach)
+    value, slope, _ = powers
     unit = 1j if odd else 1.0
     trace = np.concatenate([4 * (unit * value).real, np.zeros(value.shape)], axis=1)
     of_p = points.conj()[:, None] * unit * slope
@@ -217,9 +261,7 @@ def _held(outline: LugOutline, *, odd: bool) -> ComplexArray:
 
 def _stringer(
     points: ComplexArray,
-    radius: float,
-    middle: float,
-    reach: float,
+    powers: _Powers,
     stiffening: FloatArray,
     poisson_ratio: float,
     *,
@@ -230,7 +272,7 @@ def _stringer(
     The lug pulls the stringer along: tau ds = -d(A E epsilon_x), E epsilon_x = sigma_x - nu sigma_y
     = (1 - nu) trace/2 - (1 + nu) Re D. Its rate along x is what is added to the traction.
     """
-    value, slope, bend = _powers(points, radius, middle, reach)
+    value, slope, bend = powers
     unit = 1j if odd else 1.0
     trace = np.concatenate([4 * (unit * slope).real, np.zeros(value.shape)], axis=1)
     of_p = unit * slope + points.conj()[:, None] * unit * bend

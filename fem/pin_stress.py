@@ -53,9 +53,14 @@ def surface_stress(
     along: FloatArray,
     sheared: FloatArray,
 ) -> FloatArray:
-    """Stress (k, 6) xx, yy, zz, xy, yz, zx of what acts at angles (k,) of a pin's surface."""
+    """Stress (k, 6) xx, yy, zz, xy, yz, zx of what acts at angles (k,) of a pin's surface.
+
+    Of m cases at once it is (k, 6, m), of what acts (k, m).
+    """
     c, s = np.cos(angles), np.sin(angles)
-    stress = np.zeros((len(angles), 6))
+    if radial.ndim > 1:
+        c, s = c[:, None], s[:, None]
+    stress = np.zeros((len(angles), 6, *radial.shape[1:]))
     stress[:, 0] = radial * c**2 + around * s**2
     stress[:, 1] = radial * s**2 + around * c**2
     stress[:, 2] = along

@@ -8,6 +8,7 @@ from geometry.mesh import FloatArray, IntArray
 
 _NUMBERS = 2_000_000  # of the history at a time
 _BLOCK = 16  # positions that are looked at together
+_FEW = 50_000  # points times positions
 _ROUND_OFF = 1e-12  # of a stress
 _R = np.sqrt(3.0)
 # Rows: xx - (yy + zz)/2, sqrt(3)/2 (yy - zz), sqrt(3) times each shear stress. The sum of their
@@ -73,7 +74,7 @@ class StressHistory:
             blocks = [slice(start, start + _BLOCK) for start in starts[first : first + batch]]
             middles = [min(b.start + _BLOCK // 2, n_positions - 1) for b in blocks]
             anchors = np.ascontiguousarray(self.coefficients[:, middles])
-            paths = vectors @ anchors
+            paths = _product(vectors, anchors)
             paths *= paths
             sizes = np.sqrt(paths.sum(axis=1))  # (n_points, n_blocks)
             changes = [
@@ -83,12 +84,23 @@ class StressHistory:
             reach = norms @ np.stack(changes, axis=1)
             reach += _ROUND_OFF * sizes
             may = sizes + reach >= (sizes - reach).max(axis=0)
+            anywhere = np.count_nonzero(may.any(axis=1))
+            # of few points one product over all blocks costs less than many small ones
+            if anywhere * _BLOCK * len(blocks) <= _FEW:
+                blocks = [slice(blocks[0].start, blocks[-1].stop)]
+                may = may.any(axis=1, keepdims=True)
             for column, block in enumerate(blocks):
                 points = np.flatnonzero(may[:, column])
-                followed = vectors[points] @ np.ascontiguousarray(self.coefficients[:, block])
+                followed = _product(vectors[points], self.coefficients[:, block])
                 followed *= followed
                 squares = followed.sum(axis=1)
                 top = squares.argmax(axis=0)
                 best[block] = squares[top, np.arange(squares.shape[1])]
                 where[block] = points[top]
         return np.sqrt(best), where
+
+
+def _product(vectors: FloatArray, coefficients: FloatArray) -> FloatArray:
+    """Paths (n, 5, k) of vectors (n, 5, m) and coefficients (m, k), in one product of all rows."""
+    rows = vectors.reshape(-1, vectors.shape[2]) @ np.ascontiguousarray(coefficients)
+    return np.asarray(rows.reshape(*vectors.shape[:2], -1))

@@ -17,27 +17,22 @@ It is right to 1e-9 for stretches alike, to 1e-6 where their stiffness differs 1
 pieces: round-off of the stiffest.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from math import exp, inf, isinf, log, sqrt
+from math import inf
 from typing import Self
 
 import numpy as np
 from scipy.optimize import brentq
 
-from geometry.mesh import FloatArray, IntArray
+from fem.column_counter import GAUSS, SHEARED, ColumnCounter
+from geometry.mesh import FloatArray
 
-_GAUSS = sqrt(3) / 6  # of a stretch, from its middle
-_TERMS = 18  # of the exponential's series: 1e-16 for the angle below
-_ANGLE = 1.0  # rad, largest sqrt(F/B) times length of a cut
-_SHEARED = 1e-6  # nearer than this share below the least S, the column fails by shear
 _NEAR_SHEARED = 0.9999  # of the ceiling: beyond it the force is bracketed by bisection only
 _EXACT = 1e-13  # relative width to which the force is bracketed
 _LARGEST = 1e12  # times B/L^2: no column with any freedom carries it
-_LARGEST_EXPONENT = 600.0  # beyond it a ratio of determinants says no more than its sign
 _NO_LENGTH = 1e-300  # of the bracket: its relative width decides
-_NO_PIVOT = 1e-30  # for a pivot of zero, which no force hits but by accident
 
 
 @dataclass(frozen=True)
@@ -57,6 +52,11 @@ class ColumnEnd:
                 f"a column's end must have a stiffness of at least 0 against turning, got "
                 f"{self.turning} N mm/rad"
             )
+
+    @property
+    def fixings(self) -> tuple[bool, float]:
+        """Both, held first."""
+        return self.held, self.turning
 
 
 HINGED = ColumnEnd()
@@ -115,7 +115,7 @@ class ColumnShape:
             raise ValueError(f"a column needs a length and stretches, got {length}, {stretches}")
         size = length / stretches
         middle = (np.arange(stretches) + 0.5) * size
-        places = np.stack([middle - _GAUSS * size, middle + _GAUSS * size], axis=-1)
+        places = np.stack([middle - GAUSS * size, middle + GAUSS * size], axis=-1)
         values = np.broadcast_to(np.asarray(bending(places), dtype=float), places.shape)
         return cls(np.full(stretches, size), values, np.full(stretches, inf))
 
@@ -151,31 +151,47 @@ def critical_force(shape: ColumnShape, start: ColumnEnd = HINGED, end: ColumnEnd
     (20726.169, 5181.542)
     """
     _check_held(start, end)
-    stretches = tuple(
-        (float(length), float(first), float(second), float(shear))
-        for length, (first, second), shear in zip(
-            shape.lengths, shape.bending, shape.shear, strict=True
-        )
-    )
-    return _lowest(stretches, start, end)
+    return _lowest(tuple(map(tuple, _table(shape).tolist())), start, end)
+
+
+def least_critical_force(
+    shapes: Iterable[ColumnShape], start: ColumnEnd = HINGED, end: ColumnEnd = HINGED
+) -> float:
+    """The least of the columns' critical forces, N: of those that it leaves straight, no other's.
+
+    Raises ValueError for columns that move without bending.
+    """
+    least = inf
+    for shape in shapes:
+        counter = _counter(shape, start, end)
+        share = least / counter.unit
+        if share >= counter.ceiling or counter.below(share):
+            least = min(least, critical_force(shape, start, end))
+    return least
+
+
+def _table(shape: ColumnShape) -> FloatArray:
+    """Stretches (m, 4) as `ColumnCounter` has them."""
+    return np.column_stack([shape.lengths, shape.bending, shape.shear])
+
+
+def _counter(shape: ColumnShape, start: ColumnEnd, end: ColumnEnd) -> ColumnCounter:
+    _check_held(start, end)
+    return ColumnCounter(_table(shape), (start.fixings, end.fixings))
 
 
 @lru_cache(maxsize=1024)
-def _lowest(
-    stretches: tuple[tuple[float, float, float, float], ...], start: ColumnEnd, end: ColumnEnd
-) -> float:
+def _lowest(stretches: tuple[tuple[float, ...], ...], start: ColumnEnd, end: ColumnEnd) -> float:
     """Lowest critical force, N, of stretches (length, two bending stiffnesses, shear stiffness).
 
     A design asks for the same column once for each section and plane that it is judged in.
     """
-    table = np.array(stretches)
-    shape = ColumnShape(table[:, 0], table[:, 1:3], table[:, 3])
-    counter = _Counter(shape, start, end)
+    counter = ColumnCounter(np.array(stretches), (start.fixings, end.fixings))
     ceiling = counter.ceiling
     low, high = 0.0, min(1.0, ceiling)
     while not counter.below(high):
         if high == ceiling:
-            return high * counter.unit / (1 - _SHEARED)  # it gives way by shear
+            return high * counter.unit / (1 - SHEARED)  # it gives way by shear
         low, high = high, min(4 * high, ceiling)
         if high > _LARGEST:
             raise ValueError(f"no force up to {high * counter.unit:.3g} N buckles the column")
@@ -200,8 +216,7 @@ def count_critical_forces(
     >>> count_critical_forces(ColumnShape.stepped([1.0], [1.0]), 40.0)  # pi^2 and 4 pi^2
     2
     """
-    _check_held(start, end)
-    counter = _Counter(shape, start, end)
+    counter = _counter(shape, start, end)
     if not 0 <= force < counter.ceiling * counter.unit:
         raise ValueError(
             f"critical forces are counted from 0 to the least shear stiffness, "
@@ -217,122 +232,3 @@ def _check_held(start: ColumnEnd, end: ColumnEnd) -> None:
             "the column moves without bending: hold both ends sideways, or one of them, and one "
             "against turning"
         )
-
-
-class _Counter:
-    """Counts critical forces below a given one; lengths over the column's, forces over `unit`."""
-
-    def __init__(self, shape: ColumnShape, start: ColumnEnd, end: ColumnEnd) -> None:
-        largest = float(shape.bending.max())
-        self.unit = largest / shape.length**2
-        self._lengths = shape.lengths / shape.length
-        self._flexible = largest / shape.bending
-        self._shear = shape.shear / self.unit
-        least = float(self._shear.min())
-        self.ceiling = inf if isinf(least) else least * (1 - _SHEARED)
-        self._ends = [(end_.held, end_.turning * shape.length / largest) for end_ in (start, end)]
-
-        self._unloaded: dict[tuple[int, ...], float] = {}
-
-    def below(self, force: float) -> int:
-        """Number of critical forces below this one."""
-        return self._determinant(force, self._cuts(force))[0]
-
-    def left(self, force: float) -> float:
-        """Size of the determinant over that without force; below 0 if a critical force is passed.
-
-        Nearly smooth: where the number of cuts changes it jumps by a factor of about 1.
-        """
-        cuts = self._cuts(force)
-        key = tuple(cuts.tolist())
-        if key not in self._unloaded:
-            self._unloaded[key] = self._determinant(0.0, cuts)[1]
-        count, size = self._determinant(force, cuts)
-        ratio = exp(min(size - self._unloaded[key], _LARGEST_EXPONENT))
-        return -ratio if count else ratio
-
-    def _cuts(self, force: float) -> IntArray:
-        """Into how many pieces (m,) the stretches are cut so that none buckles by itself."""
-        loosened = 1 / (1 - force / self._shear)
-        angle = self._lengths * np.sqrt(force * loosened * self._flexible.max(axis=1))
-        return np.asarray(np.maximum(np.ceil(angle / _ANGLE), 1).astype(np.int64))
-
-    def _determinant(self, force: float, cuts: IntArray) -> tuple[int, float]:
-        """Number of critical forces below this one, and the logarithm of the determinant's size."""
-        blocks = self._stiffness(force, cuts)
-        count = len(blocks)
-        diagonal = np.zeros((count + 1, 2, 2))
-        diagonal[:-1] += blocks[:, :2, :2]
-        diagonal[1:] += blocks[:, 2:, 2:]
-        coupling = blocks[:, :2, 2:].copy()
-        for place, (held, turning) in zip((0, count), self._ends, strict=True):
-            if not isinf(turning):
-                diagonal[place, 1, 1] += turning
-            for unknown, still in enumerate((held, isinf(turning))):
-                if still:
-                    diagonal[place, unknown, :] = diagonal[place, :, unknown] = 0.0
-                    diagonal[place, unknown, unknown] = 1.0
-                    if place:
-                        coupling[-1, :, unknown] = 0.0
-                    else:
-                        coupling[0, unknown, :] = 0.0
-        return _negative_pivots(diagonal.tolist(), coupling.tolist())
-
-    def _stiffness(self, force: float, cuts: IntArray) -> FloatArray:
-        """Stiffness (m, 4, 4) of the stretches' cuts on w, t at their start and end."""
-        loosened = 1 / (1 - force / self._shear)
-        matrix = np.zeros((len(self._lengths), 2, 4, 4))
-        matrix[..., 0, 1] = loosened[:, None]
-        matrix[..., 0, 3] = (-loosened / self._shear)[:, None]
-        matrix[..., 1, 2] = self._flexible
-        matrix[..., 2, 1] = (-loosened * force)[:, None]
-        matrix[..., 2, 3] = loosened[:, None]
-        first, second = matrix[:, 0], matrix[:, 1]
-        size = self._lengths[:, None, None]
-        turn = second @ first - first @ second
-        exponent = size / 2 * (first + second) + _GAUSS / 2 * size**2 * turn
-        exponent /= cuts[:, None, None]
-        term = carried = np.broadcast_to(np.eye(4), exponent.shape)
-        for k in range(1, _TERMS + 1):
-            term = term @ exponent / k
-            carried = carried + term
-        to_moved, to_forced = carried[:, :2, :2], carried[:, :2, 2:]
-        from_moved, from_forced = carried[:, 2:, :2], carried[:, 2:, 2:]
-        inverse = np.linalg.inv(to_forced)
-        blocks = np.empty((len(cuts), 4, 4))
-        # forces on the cut's ends: (T, -M) at its start, (-T, M) at its end; rows M, T of y
-        at_start = np.concatenate([-inverse @ to_moved, inverse], axis=2)
-        at_end = np.concatenate([from_moved, np.zeros_like(from_moved)], axis=2)
-        at_end = at_end + from_forced @ at_start
-        blocks[:, 0], blocks[:, 1] = at_start[:, 1], -at_start[:, 0]
-        blocks[:, 2], blocks[:, 3] = -at_end[:, 1], at_end[:, 0]
-        blocks = (blocks + np.swapaxes(blocks, 1, 2)) / 2
-        return np.asarray(np.repeat(blocks, cuts, axis=0))
-
-
-def _negative_pivots(
-    diagonal: list[list[list[float]]], coupling: list[list[list[float]]]
-) -> tuple[int, float]:
-    """Number of negative eigenvalues of a symmetric matrix of 2 by 2 blocks along its diagonal.
-
-    And the logarithm of its determinant's size.
-    """
-    (a, b), (_, d) = diagonal[0]
-    over = a * d - b * b or _NO_PIVOT
-    count, size = _negative(a, b, d), log(abs(over))
-    for ((p, q), (r, s)), ((a2, b2), (_, d2)) in zip(coupling, diagonal[1:], strict=True):
-        # the next block less C' D^-1 C
-        u, v = (d * p - b * r) / over, (d * q - b * s) / over
-        x, y = (a * r - b * p) / over, (a * s - b * q) / over
-        a, b, d = a2 - p * u - r * x, b2 - p * v - r * y, d2 - q * v - s * y
-        over = a * d - b * b or _NO_PIVOT
-        count += _negative(a, b, d)
-        size += log(abs(over))
-    return count, size
-
-
-def _negative(a: float, b: float, d: float) -> int:
-    """Number of negative eigenvalues of [[a, b], [b, d]]."""
-    if a * d - b * b < 0:
-        return 1
-    return 2 if a + d < 0 else 0

@@ -20,8 +20,13 @@ def seconds_text(seconds: float) -> str:
 
 
 def tried_sentence(rungs: Sequence[RungTried], longest: int = _LONGEST_WHY) -> str:
-    """What was tried, what it took and what it led to; of rungs passed over only the last."""
-    shown = [rung for rung in rungs if rung.checks or rung is rungs[-1]]
+    """What was tried, what it took and what it led to.
+
+    Of rungs passed over those before the first that answered, and the last.
+    """
+    answering = [k for k, rung in enumerate(rungs) if rung.checks]
+    first = answering[0] if answering else len(rungs)
+    shown = [r for k, r in enumerate(rungs) if k < first or r.checks or r is rungs[-1]]
     return ", ".join(
         f"{brief(rung.rung, 24)} {seconds_text(rung.seconds) if rung.checks else 'passed over'} "
         f"({clipped(rung.why, longest)})"

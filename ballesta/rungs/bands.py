@@ -1,9 +1,10 @@
 """How far solids lie from a rung's numbers: the error bars of the rungs, from bands.json.
 
 Converged solids of variations of the machines' parts are compared with each rung
-(`python -m bench.rung_bands`). The band of a check is from exp(m - 2 s) to exp(m + 2 s) times the
-rung's value, m and s mean and deviation of the logarithm of solid over rung: 95 % of solids whose
-ratio scatters normally. What a part's proportions have beyond those compared has no band.
+(`python -m bench.rung_bands`). The band of a check is the prediction interval of solid over rung,
+in which the next solid lies in 95 % of all cases if the logarithm of that ratio scatters normally:
+exp(m -+ t s sqrt(1 + 1/n)) with mean m and deviation s of the n compared. What a part's proportions
+have beyond those compared has no band.
 """
 
 import json
@@ -13,7 +14,10 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
+from ballesta.rungs.proportions import SHARE
+
 _BEYOND = 0.1  # of the range that was compared: how far a part's proportions may be outside it
+_OTHER_SHARE = 0.1  # how far a share of the largest force may be outside the range compared
 
 
 @dataclass(frozen=True)
@@ -71,6 +75,8 @@ def band_of(family: str, rung: str, kind: str, scales: Mapping[str, float]) -> B
             return NoBand(f"no solid with {name} was compared")
         low, high = compared[name]
         slack = _BEYOND * (high - low) + 1e-9 * abs(high)
+        if name.startswith(SHARE):
+            slack = max(slack, _OTHER_SHARE)
         if not low - slack <= value <= high + slack:
             return NoBand(
                 f"{name} is {value:.3g}, solids were compared from {low:.3g} to {high:.3g}"

@@ -11,12 +11,14 @@ from ballesta.rungs.bands import Band, NoBand, band_of
 from ballesta.rungs.estimate import Estimate
 from ballesta.rungs.families import family_of
 from ballesta.rungs.model import RungLevel, RungModel
+from ballesta.rungs.proportions import proportions_of, unknown_load
 from ballesta.stress_words import Words, fatigue_words, static_words
 from ballesta.stressed import judge
 from reports.verdict import Check
 from reports.words import UNKNOWN_BAR
 
 STATIC, FATIGUE, BUCKLING = "static", "fatigue", "buckling"
+BALANCE = 1e-6  # of the largest force: what may be left of a part's balance
 NOTHING = "nothing loads the part at any position: no model would find a stress"
 
 
@@ -109,7 +111,7 @@ def _buckling_estimate(design: Design, part: Part, loads: PartLoads, model: Rung
 
 def _with_band(part: Part, loads: PartLoads, model: RungModel, check: Check) -> Estimate:
     """The check with the band of solids around the rung's value."""
-    band = band_of(family_of(part, loads, check.kind), model.rung, check.kind, model.scales)
+    band = _band(part, loads, model, check)
     if isinstance(band, NoBand):
         said = f"{UNKNOWN_BAR}{band.why}"
         return Estimate(_told(check, inf, inf, said), inf, inf)
@@ -121,6 +123,20 @@ def _with_band(part: Part, loads: PartLoads, model: RungModel, check: Check) -> 
         above - band.above[0] * value,
         below - band.below[0] * value,
     )
+
+
+def _band(part: Part, loads: PartLoads, model: RungModel, check: Check) -> Band | NoBand:
+    unknown = unknown_load(part, loads)
+    if unknown:
+        return NoBand(unknown)
+    if model.residual > BALANCE:
+        return NoBand(
+            f"the rung {model.rung} leaves {model.residual:.3g} of the loads out of balance"
+        )
+    if not check.value > 0.0:
+        return NoBand(f"the rung {model.rung} finds nothing where the part is loaded")
+    scales = {**model.scales, **proportions_of(part, loads)}
+    return band_of(family_of(part, loads, check.kind), model.rung, check.kind, scales)
 
 
 def _told(check: Check, above: float, below: float, said: str) -> Check:

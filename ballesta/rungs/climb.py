@@ -1,7 +1,8 @@
 """Climbing the ladder: the cheapest model of a part whose error bars leave its verdict alone."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from math import inf
 from time import perf_counter
 
 from ballesta.design_data import Design, Part
@@ -30,6 +31,8 @@ BUILDERS: Mapping[str, Callable[[Part, PartLoads], RungModel | None]] = {
 FIDELITIES = (AUTO, *BUILDERS, SOLID)
 FKM_NEEDS_SOLID = "FKM's notch support needs the stress below a solid's surface"
 
+DOUBTED = "has bars of two rungs that exclude each other"
+
 Say = Callable[[str], None]
 
 
@@ -41,6 +44,7 @@ class Climb:
     best       the narrowest estimate of each kind
     levels     rung -> its stress, judged
     tried      rungs in the order in which they were tried or passed over
+    doubted    kinds of which two rungs' bars have nothing in common: only a solid settles them
     """
 
     design: Design
@@ -53,6 +57,7 @@ class Climb:
     levels: dict[str, RungLevel] = field(default_factory=dict)
     tried: list[RungTried] = field(default_factory=list)
     unbuckled: bool = False
+    doubted: set[str] = field(default_factory=set)
 
     @property
     def open(self) -> list[str]:
@@ -63,7 +68,9 @@ class Climb:
         if kind == BUCKLING and self.unbuckled:
             return False
         estimate = self.best.get(kind)
-        return estimate is None or not (estimate.settled or estimate.open_for_good)
+        if estimate is None or kind in self.doubted:
+            return True
+        return not (estimate.settled or estimate.open_for_good)
 
     def take(self, rung: str, kinds: Sequence[str] | None = None) -> bool:
         """Try a rung, for some kinds of checks only; whether it has a model of the part."""
@@ -90,7 +97,13 @@ class Climb:
         if model.buckling is not None and not model.buckling.share > 0.0:
             self.unbuckled = True
         for kind, estimate in found.items():
-            if kind not in self.best or estimate.spread < self.best[kind].spread:
+            known = self.best.get(kind)
+            if kind in self.doubted:
+                continue
+            if known is not None and not known.agrees(estimate):
+                self.doubted.add(kind)
+                self.best[kind] = _doubted(known)
+            elif known is None or estimate.spread < known.spread:
                 self.best[kind] = estimate
         self.tried.append(
             RungTried(
@@ -113,6 +126,8 @@ class Climb:
         for kind in self.open:
             band = known_band(family_of(self.part, self.loads, kind), rung, kind)
             if band is None:
+                continue
+            if kind in self.doubted:
                 continue
             estimate = self.best.get(kind)
             if estimate is None or not estimate.spread < float("inf"):
@@ -144,12 +159,19 @@ class Climb:
                 if kind in self.best
             )
         return "goes on: " + "; ".join(
-            f"{kind} {_open_words(self.best.get(kind))}" for kind in open_ones
+            f"{kind} {DOUBTED if kind in self.doubted else _open_words(self.best.get(kind))}"
+            for kind in open_ones
         )
 
 
 def _banded(estimate: Estimate, band: Callable[[Check], Check]) -> Estimate:
     return Estimate(band(estimate.check), estimate.above, estimate.below, estimate.guard)
+
+
+def _doubted(estimate: Estimate) -> Estimate:
+    note = "; ".join(text for text in (estimate.check.note, f"it {DOUBTED}") if text)
+    check = replace(estimate.check, model=inf, model_below=inf, note=note)
+    return Estimate(check, inf, inf, estimate.guard)
 
 
 def _settled_words(estimate: Estimate) -> str:

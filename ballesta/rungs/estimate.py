@@ -44,6 +44,20 @@ class Estimate:
         high = self._moved(self.above + self.check.numerical)
         return low is Status.UNDECIDED and high is Status.UNDECIDED
 
+    def agrees(self, other: "Estimate") -> bool:
+        """Whether the bars of two models of one check have anything in common."""
+        (low, high), (lowest, highest) = self._ends, other._ends
+        return low <= highest and lowest <= high
+
+    @property
+    def _ends(self) -> tuple[float, float]:
+        """Where the bars end."""
+        check = self.check
+        return (
+            check.value - check.numerical - check.below,
+            check.value + check.numerical + check.model,
+        )
+
     def would_settle(self, low: float, high: float) -> bool:
         """Whether a model whose band is from `low` to `high` times its value may settle it."""
         value = self.check.value

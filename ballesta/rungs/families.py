@@ -6,7 +6,9 @@ from ballesta.design_data import Part
 from ballesta.part_loads import PartLoads
 from ballesta.pin_checks import pin_diagram
 from geometry.parts import Pin, PlateLink
+from geometry.parts.step_part import StepPart
 
+_CAD = "CAD part"
 _COUPLE = 1e-6  # of force times size: couples out of the plane that are more than round-off
 _PRESSED = 1.75  # mean pressure over a neck's bending stress, up to which the neck decides
 
@@ -19,18 +21,20 @@ def family_of(part: Part, loads: PartLoads, kind: str) -> str:
     plate beside others is bent out of its plane, too. Each scatters about solids in its own way.
     Buckling is compared by shape alone.
     """
+    shape = part.geometry
+    if isinstance(shape, StepPart):  # named after its file, whatever that is called
+        return _CAD
     if kind == "buckling":
         return part.shape
-    shape = part.geometry
     if isinstance(shape, Pin):
         if any((seat.diameter or shape.diameter) < shape.diameter for seat in shape.seats):
             weaker = _pressed_over_bent(shape, loads) > _PRESSED
             return f"{part.shape} with a neck" + (" and short seats" if weaker else "")
-        if all(seat.single or (not seat.paired and seat.at == 0.0) for seat in shape.seats) and any(
-            seat.single for seat in shape.seats
-        ):
+        if not any(seat.single for seat in shape.seats):
+            return part.shape
+        if all(seat.single or (not seat.paired and seat.at == 0.0) for seat in shape.seats):
             return f"{part.shape} in single lugs"
-        return part.shape
+        return f"{part.shape} in single and paired lugs"
     if isinstance(shape, PlateLink):
         size = loads.largest_force * shape.length
         tilted = max(float(np.abs(wrench[:, 3:5]).max()) for wrench in loads.wrenches.values())

@@ -1,7 +1,8 @@
-"""The rung `formula`: handbook models of the parametric parts, vectorised over positions."""
+"""The rung `formula`: handbook models of the parts, vectorised over positions."""
 
 from ballesta.design_data import Part
 from ballesta.part_loads import PartLoads
+from ballesta.rungs.formula_cad import step_part_model
 from ballesta.rungs.formula_leaves import leaf_pack_model
 from ballesta.rungs.formula_levers import slotted_lever_model
 from ballesta.rungs.formula_pins import pin_model
@@ -18,10 +19,11 @@ from geometry.parts import (
     ToggleBar,
     TubeRod,
 )
+from geometry.parts.step_part import StepPart
 
 
 def model_of(part: Part, loads: PartLoads) -> RungModel | None:
-    """A part's stress by formula; None for a shape that no formula is known for."""
+    """A part's stress by formula; None for one that no formula is known for."""
     match part.geometry:
         case PlateLink() as shape:
             return plate_link_model(part, shape, loads)
@@ -37,5 +39,7 @@ def model_of(part: Part, loads: PartLoads) -> RungModel | None:
             return tube_rod_model(part, shape, loads)
         case LeafPack() as shape:
             return leaf_pack_model(part, shape, loads)
+        case StepPart() as shape:
+            return step_part_model(part, shape, loads)
         case _:
             return None

@@ -1,6 +1,6 @@
 """A part as a bar along x: its loads in balance, fibres of its sections, deflection, buckling."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from itertools import pairwise
 
 import numpy as np
@@ -61,6 +61,34 @@ def bar_loads(part: Part, loads: PartLoads, places: dict[str, float], mass: Stre
         points.append((places[name] + reach, moved))
     weight = part.material.density * mass.area * np.diff(mass.cuts)
     return balanced_bar(points, mass.middles, weight, loads.accelerations)
+
+
+class SectionForces:
+    """Section forces of a bar per unit of what acts on it, as columns of its points."""
+
+    def __init__(self, points: Points, bar: BarLoads) -> None:
+        self._points, self._bar = points, bar
+        self._columns: list[int] = []
+        if any(np.ndim(x) for x, _ in bar.points):
+            return
+        acting = [bar.accelerations, *(wrench for _, wrench in bar.points)]
+        self._columns = points.columns(np.concatenate(acting, axis=1).T)
+        own, *units = np.split(np.eye(len(self._columns)), np.arange(4, len(self._columns), 6), 1)
+        at = [(x, unit) for (x, _), unit in zip(bar.points, units, strict=True)]
+        self._bar = replace(bar, points=at, accelerations=own)
+
+    def at(self, places: FloatArray) -> tuple[list[int], BarForces]:
+        """Columns, and the forces (k, columns) at places (k,) per unit of each.
+
+        Where a contact slides past a place what acts is not in proportion: the columns are the
+        section forces themselves, then.
+        """
+        forces = self._bar.at(places)
+        if self._columns:
+            return self._columns, forces
+        rows = [getattr(forces, kind.name) for kind in fields(forces)]
+        columns = self._points.columns(np.concatenate(rows))
+        return columns, BarForces(*np.split(np.eye(len(columns)), len(rows)))
 
 
 def left_over(bar: BarLoads, loads: PartLoads, length: float) -> float:

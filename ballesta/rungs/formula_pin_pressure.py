@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ballesta.rungs.formula_points import YZ, ZX, sheared
+from ballesta.rungs.formula_points import YZ, ZX
 from fem.pin_stress import surface_stress, under_band
 from geometry.mesh import FloatArray
 from geometry.parts import Pin, Seat
@@ -21,18 +21,26 @@ _WAVES = np.stack(
 
 
 def _pressed() -> FloatArray:
-    """Stress (3, waves, k, 6) of each wave along the pin, around it and along the radius."""
-    none = np.zeros(len(ANGLES))
+    """Stress (3, k, 6, waves) of each wave along the pin, around it and along the radius."""
+    none = np.zeros_like(_WAVES.T)
     return np.array(
         [
-            [surface_stress(ANGLES, none, none, wave, none) for wave in _WAVES],
-            [surface_stress(ANGLES, none, wave, none, none) for wave in _WAVES],
-            [surface_stress(ANGLES, wave, none, none, none) for wave in _WAVES],
+            surface_stress(ANGLES, none, none, _WAVES.T, none),
+            surface_stress(ANGLES, none, _WAVES.T, none, none),
+            surface_stress(ANGLES, _WAVES.T, none, none, none),
         ]
     )
 
 
-_PRESSED = _pressed()
+def _sheared() -> FloatArray:
+    """Stress (k, 6, waves) of each wave as a shear between the radius and z."""
+    found = np.zeros((len(ANGLES), 6, len(_WAVES)))
+    found[:, YZ], found[:, ZX] = (np.sin(ANGLES) * _WAVES).T, (np.cos(ANGLES) * _WAVES).T
+    return found
+
+
+_PRESSED, _SHEARED = _pressed(), _sheared()
+_X, _Y = 1, 2  # the waves cos and sin
 
 
 @dataclass(frozen=True)
@@ -85,24 +93,26 @@ def pressure_shares(
 
 
 def add_pressure(
-    stress: dict[int, FloatArray],
+    stress: FloatArray,
     even: FloatArray,
     grown: FloatArray,
     pressing: list[int],
     forces: list[int],
 ) -> None:
-    """Add a lug's pressure: the half cosine, and of a couple one that grows along the pin."""
-    pressed = np.tensordot(even, _PRESSED, axes=1)
-    for column, one in zip(pressing, pressed, strict=True):
-        stress[column] = one
+    """Add a lug's pressure: the half cosine, and of a couple one that grows along the pin.
+
+    stress      (s, k, 6, columns) at the sections, which is added to
+    even, grown (3, s) as `pressure_shares` has them
+    """
+    stress[..., pressing] += np.tensordot(even.T, _PRESSED, axes=1)
     # f_x = z M_y/J pushes along +x where the pressure is -cos, f_y = -z M_x/J
-    couples = np.tensordot(grown, _PRESSED[:, [2, 1]], axes=1)
-    stress[forces[2]] = stress[forces[2]] + couples[0]
-    stress[forces[3]] = stress[forces[3]] - couples[1]
+    couples = np.tensordot(grown.T, _PRESSED[..., [_Y, _X]], axes=1)
+    stress[..., forces[2]] += couples[..., 0]
+    stress[..., forces[3]] -= couples[..., 1]
 
 
 def add_edge(
-    stress: dict[int, FloatArray],
+    stress: FloatArray,
     shape: Pin,
     section: PinSection,
     pressing: list[int],
@@ -110,7 +120,8 @@ def add_edge(
 ) -> None:
     """Add the shear just below an edge of a lug's pressure p, p/pi straight beneath it.
 
-    A half-space's under a pressure that ends in a step (Johnson, Contact Mechanics, 1985, 2.5).
+    A half-space's under a pressure that ends in a step (Johnson, Contact Mechanics, 1985, 2.5), to
+    the stress (k, 6, columns) at one section.
     """
     seat = section.seat
     assert seat is not None
@@ -119,12 +130,6 @@ def add_edge(
     arm = section.middle + section.edge * seat.width / 2 - centre
     second = sum(seat.width**3 / 12 + seat.width * (z - centre) ** 2 for z in seat.places)
     unit = section.edge / (np.pi**2 * radius)
-    for column, wave in zip(pressing, _WAVES, strict=True):
-        stress[column] = stress[column] + _sheared(unit / (seat.width * count) * wave)
-    for column, wave in ((forces[2], np.sin(ANGLES)), (forces[3], -np.cos(ANGLES))):
-        stress[column] = stress[column] + _sheared(unit * arm / second * wave)
-
-
-def _sheared(values: FloatArray) -> FloatArray:
-    """Stress (k, 6) of a shear between the radius and z."""
-    return sheared(np.sin(ANGLES) * values, YZ) + sheared(np.cos(ANGLES) * values, ZX)
+    stress[..., pressing] += unit / (seat.width * count) * _SHEARED
+    stress[..., forces[2]] += unit * arm / second * _SHEARED[..., _Y]
+    stress[..., forces[3]] -= unit * arm / second * _SHEARED[..., _X]

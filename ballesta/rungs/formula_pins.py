@@ -1,12 +1,10 @@
 """The rung `formula` of pins."""
 
-from itertools import pairwise
-
 import numpy as np
 
 from ballesta.design_data import Part
 from ballesta.part_loads import PartLoads
-from ballesta.pin_checks import PinDiagram, pin_diagram
+from ballesta.pin_diagrams import PinDiagram, pin_diagram
 from ballesta.rungs.formula_pin_pressure import (
     ANGLES,
     PinSection,
@@ -17,13 +15,18 @@ from ballesta.rungs.formula_pin_pressure import (
 )
 from ballesta.rungs.formula_points import Points
 from ballesta.rungs.model import RungModel
+from ballesta.rungs.proportions import pin_proportions
 from fem.notch_factors import stepped_shaft
+from fem.pin_loaded_hole import PATTERNS
 from fem.pin_stress import section_stress, surface_stress
 from fem.unit_loads import bearing_coefficients
 from geometry.mesh import FloatArray
 from geometry.parts import Pin, Seat
 
 _ROWS = (0, 1, 3, 4, 5)  # of a wrench: F_x, F_y, M_x, M_y, M_z
+# F_x, F_y and M_z have columns among those of the pressure: a lug presses against its force
+_PUSHING = (PATTERNS.index("cos 1"), PATTERNS.index("sin 1"))
+_SIGNS = (-1.0, -1.0, 1.0, 1.0, 1.0)
 _BESIDE = 1e-6  # of the way to the middle of a stretch
 
 
@@ -36,32 +39,38 @@ def pin_model(part: Part, shape: Pin, loads: PartLoads) -> RungModel | None:
         return None
     points = Points(len(loads.accelerations))
     names = [seat.name for seat in shape.seats]
-    forces = {name: points.columns(loads.wrenches[name][:, list(_ROWS)].T) for name in names}
     pressing = {
         name: points.columns(
             bearing_coefficients(loads.wrenches[name][:, [0, 1, 5]], inward=True).T
         )
         for name in names
     }
+    forces = {}
+    for name in names:
+        couples = points.columns(loads.wrenches[name][:, 3:5].T)
+        forces[name] = [pressing[name][k] for k in _PUSHING] + couples + pressing[name][-1:]
     diagram = pin_diagram(shape, _unit_wrenches(names), spread=True)
     columns = [column for name in names for column in forces[name]]
+    signs = np.tile(_SIGNS, len(names))
     nu = part.material.poisson_ratio
     sections = _sections(shape, diagram)
     sides = np.array([section.side for section in sections])
-    shares = {seat.name: pressure_shares(shape, seat, sides, nu) for seat in shape.seats}
-    for k, section in enumerate(sections):
-        stress = _bar_stress(shape, diagram, section, columns, nu)
-        for lug in shape.seats:
-            even, grown = (rows[:, k] for rows in shares[lug.name])
-            add_pressure(stress, even, grown, pressing[lug.name], forces[lug.name])
+    stress = np.zeros((len(sections), len(ANGLES), 6, points.width))
+    for at_section, section in zip(stress, sections, strict=True):
+        at_section[..., columns] = signs * _bar_stress(shape, diagram, section, nu)
+    for lug in shape.seats:
+        even, grown = pressure_shares(shape, lug, sides, nu)
+        add_pressure(stress, even, grown, pressing[lug.name], forces[lug.name])
+    every = list(range(points.width))
+    for at_section, section in zip(stress, sections, strict=True):
         if section.edge and section.seat is not None:
-            seat = section.seat
-            add_edge(stress, shape, section, pressing[seat.name], forces[seat.name])
+            seat = section.seat.name
+            add_edge(at_section, shape, section, pressing[seat], forces[seat])
         radius, place = diagram.diameter[section.index] / 2, float(diagram.places[section.index])
         at = np.column_stack(
             [radius * np.cos(ANGLES), radius * np.sin(ANGLES), np.full(len(ANGLES), place)]
         )
-        points.add(section.name, at, stress)
+        points.add_block(section.name, at, every, at_section)
     return RungModel(
         rung="formula",
         history=points.history(),
@@ -71,7 +80,7 @@ def pin_model(part: Part, shape: Pin, loads: PartLoads) -> RungModel | None:
         residual=_left_over(shape, loads, diagram, names),
         deflection=_deflection(part, shape, loads, diagram, names),
         buckling=None,
-        scales=_scales(shape),
+        scales=pin_proportions(shape),
         neglects="that a short pin is no slender bar; that lugs press less where it gives way",
     )
 
@@ -144,10 +153,9 @@ def _bar_stress(
     shape: Pin,
     diagram: PinDiagram,
     section: PinSection,
-    columns: list[int],
     poisson_ratio: float,
-) -> dict[int, FloatArray]:
-    """Stress by column of bending, shear and twist at a section, with a neck's fillet."""
+) -> FloatArray:
+    """Stress (k, 6, c) of bending, shear and twist at a section, with a neck's fillet."""
     index, seat = section.index, section.seat
     diameter = float(diagram.diameter[index])
     along, across = section_stress(
@@ -163,11 +171,8 @@ def _bar_stress(
     if necked and seat is not None and _ends(seat, section.middle, diagram.places[index]):
         sizes = (shape.diameter, diameter, shape.step_fillet)
         bent, turned = stepped_shaft("bending", *sizes), stepped_shaft("torsion", *sizes)
-    none = np.zeros(len(ANGLES))
-    return {
-        column: surface_stress(ANGLES, none, none, bent * along[:, k], turned * across[:, k])
-        for k, column in enumerate(columns)
-    }
+    none = np.zeros_like(along)
+    return surface_stress(ANGLES, none, none, bent * along, turned * across)
 
 
 def _deflection(
@@ -194,19 +199,3 @@ def _left_over(shape: Pin, loads: PartLoads, diagram: PinDiagram, names: list[st
     force, moment = unit @ diagram.shear[:, -1], unit @ diagram.moment[:, -1]
     left = max(float(np.abs(force).max()), float(np.abs(moment).max()) / shape.total_length)
     return left / largest
-
-
-def _scales(shape: Pin) -> dict[str, float]:
-    seated = shape.seated()
-    gaps = [upper[1] - lower[2] for lower, upper in pairwise(seated)]
-    widths = [high - low for _, low, high in seated]
-    neck = min(neck_of(shape, seat) for seat in shape.seats)
-    scales = {
-        "lug width / diameter": min(widths) / shape.diameter,
-        "widest lug / diameter": max(widths) / shape.diameter,
-        "gap / diameter": max([*gaps, 0.0]) / shape.diameter,
-        "neck / diameter": neck / shape.diameter,
-    }
-    if neck < shape.diameter:
-        scales["fillet / neck"] = shape.step_fillet / neck
-    return scales

@@ -17,7 +17,7 @@ class Points:
         self._count = count
         self._rows: list[FloatArray] = []
         self._points: list[FloatArray] = []
-        self._stress: list[Mapping[int, FloatArray]] = []
+        self._stress: list[tuple[list[int], FloatArray]] = []
         self._places: list[str] = []
         self._fretting: list[FloatArray] = []
 
@@ -40,10 +40,26 @@ class Points:
         fretting: float = 1.0,
     ) -> None:
         """Add points (k, 3), mm, with stress (k, 6), MPa per unit, by number of column."""
+        self.add_block(place, points, list(stress), np.stack([*stress.values()], axis=2), fretting)
+
+    def add_block(
+        self,
+        place: str,
+        points: FloatArray,
+        columns: list[int],
+        stress: FloatArray,
+        fretting: float = 1.0,
+    ) -> None:
+        """Add points (k, 3), mm, with stress (k, 6, m), MPa per unit, of m different columns."""
         self._points.append(points)
-        self._stress.append(stress)
+        self._stress.append((columns, stress))
         self._places += [place] * len(points)
         self._fretting.append(np.full(len(points), fretting))
+
+    @property
+    def width(self) -> int:
+        """Number of columns."""
+        return len(self._rows)
 
     @property
     def places(self) -> list[str]:
@@ -56,15 +72,20 @@ class Points:
         return np.concatenate(self._fretting)
 
     def history(self) -> StressHistory:
-        """All points over all positions."""
+        """All points over all positions; columns that are nothing everywhere are left out."""
         points = np.concatenate(self._points)
-        basis = np.zeros((len(points), 6, len(self._rows)))
+        rows = np.stack(self._rows)
+        acts = np.flatnonzero(rows.any(axis=1))
+        if not len(acts):
+            acts = np.array([0])  # a history has a column, if of nothing
+        basis = np.zeros((len(points), 6, len(rows)))
         start = 0
-        for at, stress in zip(self._points, self._stress, strict=True):
-            for column, values in stress.items():
-                basis[start : start + len(at), :, column] += values
-            start += len(at)
-        return StressHistory(np.arange(len(points)), points, basis, np.stack(self._rows))
+        for columns, stress in self._stress:
+            basis[start : start + len(stress), :, columns] = stress
+            start += len(stress)
+        return StressHistory(
+            np.arange(len(points)), points, np.ascontiguousarray(basis[:, :, acts]), rows[acts]
+        )
 
 
 def along_x(values: FloatArray) -> FloatArray:

@@ -7,6 +7,7 @@ import numpy as np
 from ballesta.design_data import Part
 from ballesta.part_loads import PartLoads
 from ballesta.rungs.formula_bars import (
+    SectionForces,
     Stretches,
     bar_loads,
     elastic_load,
@@ -15,9 +16,9 @@ from ballesta.rungs.formula_bars import (
     most_deflected,
 )
 from ballesta.rungs.formula_lugs import add_bore, strip_edges
-from ballesta.rungs.formula_points import XY, Points, along_x, sheared
+from ballesta.rungs.formula_points import XX, XY, Points
 from ballesta.rungs.model import RungModel
-from fem.bar_forces import BarForces, BarLoads
+from fem.bar_forces import BarForces
 from fem.edge_buckling import pressed_edge_stress
 from fem.lateral_buckling import plate_stress
 from fem.lug_outlines import strip_outline
@@ -59,13 +60,14 @@ def toggle_bar_model(part: Part, shape: ToggleBar, loads: PartLoads) -> RungMode
         outward = -1.0 if name == "knee" else 1.0
         edges = strip_edges(shape.width / 2, shape.overhang, shape.width / 2, outward)
         add_bore(points, name, x, lug, loads.wrenches[name], (shape.width / 2,), edges=edges)
+    sections = SectionForces(points, bar)
     start, stop = max(free, 0.0), shape.length - shape.hole / 2
     if start < stop:
         along = np.linspace(start, stop, _STATIONS + 1)[:-1]
-        _add_tube_fibres(points, "tube", along, bar.at(along), tube, (shape.width, shape.wall))
-    _add_cheek_fibres(points, shape, min(free, stop), cheeks, bar)
+        _add_tube_fibres(points, "tube", along, sections, tube, (shape.width, shape.wall))
+    _add_cheek_fibres(points, shape, min(free, stop), cheeks, sections)
     if 0 < free < shape.length:
-        _add_cut_out(points, shape, free, cheeks, bar)
+        _add_cut_out(points, shape, free, cheeks, sections)
     return RungModel(
         rung="formula",
         history=points.history(),
@@ -99,7 +101,8 @@ def prismatic_tube_model(part: Part, shape: PrismaticTube, loads: PartLoads) -> 
     points = Points(len(loads.accelerations))
     inside = 1e-9 * shape.length  # the ends' own forces are beyond the first section
     along = np.linspace(inside, shape.length - inside, 2 * _STATIONS + 1)
-    _add_tube_fibres(points, "tube", along, bar.at(along), tube, (shape.width, shape.wall))
+    sections = SectionForces(points, bar)
+    _add_tube_fibres(points, "tube", along, sections, tube, (shape.width, shape.wall))
     return RungModel(
         rung="formula",
         history=points.history(),
@@ -199,7 +202,7 @@ def _add_tube_fibres(
     points: Points,
     name: str,
     places: FloatArray,
-    forces: BarForces,
+    sections: SectionForces,
     tube: Section,
     size: tuple[float, float],
 ) -> None:
@@ -209,46 +212,52 @@ def _add_tube_fibres(
     y = half * np.array([1.0, 1.0, -1.0, -1.0, 0.0, 0.0, 1.0, -1.0])
     z = half * np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 0.0, 0.0])
     cheek = (y == 0).astype(float)
-    for k, x in enumerate(places):
-        axial, moment, bent, shear = points.columns(
-            np.stack([forces.axial[k], forces.moment_z[k], forces.moment_y[k], forces.shear[k]])
-        )
-        points.add(
-            name,
-            np.column_stack([np.full(len(y), x), y, z]),
-            {
-                axial: along_x(np.full(len(y), 1 / tube.area)),
-                moment: along_x(-y / tube.inertia_in_plane),
-                bent: along_x(z / tube.inertia_out_of_plane),
-                # V S/(2 t I) in the middle of a thin square box: S = 3/8 of w^2 t, I = 2/3 w^3 t
-                shear: sheared(cheek * 9 / (16 * (width - wall) * wall), XY),
-            },
-        )
+    columns, forces = sections.at(places)
+    stress = _fibre_stress(forces, tube.area, y / tube.inertia_in_plane)
+    stress[:, :, XX] += z[:, None] / tube.inertia_out_of_plane * forces.moment_y[:, None]
+    # V S/(2 t I) in the middle of a thin square box: S = 3/8 of w^2 t, I = 2/3 w^3 t
+    sheared = cheek[:, None] * 9 / (16 * (width - wall) * wall)
+    stress[:, :, XY] = sheared * forces.shear[:, None]
+    _add_fibres(points, name, places, (y, z), columns, stress)
+
+
+def _fibre_stress(forces: BarForces, area: float, levers: FloatArray) -> FloatArray:
+    """Stress (k, fibres, 6, columns) of N and M_z; levers (fibres,) y/I, 1/mm3."""
+    stress = np.zeros((len(forces.axial), len(levers), 6, forces.axial.shape[1]))
+    stress[:, :, XX] = forces.axial[:, None] / area - levers[:, None] * forces.moment_z[:, None]
+    return stress
+
+
+def _add_fibres(
+    points: Points,
+    name: str,
+    places: FloatArray,
+    at: tuple[FloatArray, FloatArray],
+    columns: list[int],
+    stress: FloatArray,
+) -> None:
+    """Add fibres at y and z (fibres,) of the sections at places (k,)."""
+    y, z = at
+    x = np.repeat(places, len(y))
+    found = np.column_stack([x, np.tile(y, len(places)), np.tile(z, len(places))])
+    points.add_block(name, found, columns, stress.reshape(len(found), 6, -1))
 
 
 def _add_cheek_fibres(
-    points: Points, shape: ToggleBar, free: float, cheeks: Section, bar: BarLoads
+    points: Points, shape: ToggleBar, free: float, cheeks: Section, sections: SectionForces
 ) -> None:
     """Add the edges of the cheeks alone, from beside the knee's hole to where the walls begin."""
     if free <= shape.hole / 2:
         return
     places = np.linspace(shape.hole / 2, free, 4)
-    forces = bar.at(places)
+    columns, forces = sections.at(places)
     y = np.array([1.0, -1.0]) * shape.width / 2
-    for k, x in enumerate(places):
-        axial, moment = points.columns(np.stack([forces.axial[k], forces.moment_z[k]]))
-        points.add(
-            "cheeks",
-            np.column_stack([np.full(2, x), y, np.full(2, shape.width / 2)]),
-            {
-                axial: along_x(np.full(2, 1 / cheeks.area)),
-                moment: along_x(-y / cheeks.inertia_in_plane),
-            },
-        )
+    stress = _fibre_stress(forces, cheeks.area, y / cheeks.inertia_in_plane)
+    _add_fibres(points, "cheeks", places, (y, np.full(2, shape.width / 2)), columns, stress)
 
 
 def _add_cut_out(
-    points: Points, shape: ToggleBar, free: float, cheeks: Section, bar: BarLoads
+    points: Points, shape: ToggleBar, free: float, cheeks: Section, sections: SectionForces
 ) -> None:
     """Add the cheeks' edges where the side walls begin: shoulder fillets of two flat bars.
 
@@ -257,15 +266,8 @@ def _add_cut_out(
     """
     factor = stepped_bar("tension", shape.width, 2 * shape.wall, shape.cutout_corner)
     places = np.array([free])
-    forces = bar.at(places)
-    axial, moment = points.columns(np.stack([forces.axial[0], forces.moment_z[0]]))
+    columns, forces = sections.at(places)
     y = np.array([1.0, -1.0]) * shape.width / 2
-    at = np.column_stack([np.full(2, free), y, np.full(2, shape.width / 2 - shape.wall)])
-    points.add(
-        "cut-out corner",
-        at,
-        {
-            axial: along_x(np.full(2, factor / cheeks.area)),
-            moment: along_x(-factor * y / cheeks.inertia_in_plane),
-        },
-    )
+    stress = factor * _fibre_stress(forces, cheeks.area, y / cheeks.inertia_in_plane)
+    z = np.full(2, shape.width / 2 - shape.wall)
+    _add_fibres(points, "cut-out corner", places, (y, z), columns, stress)

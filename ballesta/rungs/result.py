@@ -12,7 +12,7 @@ from ballesta.leaf_checks import leaf_band, pack_level, with_leaf_checks
 from ballesta.levels import Models
 from ballesta.part_facts import SMALL_DISPLACEMENT, charts_of, facts_of
 from ballesta.part_strength import endurance_of, life_task
-from ballesta.rungs.checked import BUCKLING, FATIGUE, STATIC
+from ballesta.rungs.checked import BALANCE, BUCKLING, FATIGUE, STATIC
 from ballesta.rungs.climb import SOLID, Climb, answered
 from ballesta.rungs.estimate import Estimate
 from ballesta.rungs.model import RungLevel
@@ -23,7 +23,6 @@ from geometry.cad_body import CadBody
 from reports.verdict import Check, Gate, PartResult, RungTried, Status, Surface
 
 NOT_MESHED = "not meshed"  # the only field on the surface of such a part
-_BALANCE = 1e-6
 
 
 def cheap_result(climb: Climb, models: Models) -> PartResult:
@@ -77,7 +76,7 @@ def rung_gates(climb: Climb, level: RungLevel, size: float) -> list[Gate]:
         Gate(
             f"{name}: balance",
             model.residual,
-            _BALANCE,
+            BALANCE,
             f"what is left of the part's balance by the rung {model.rung}, over the largest force",
         ),
         Gate(
@@ -153,6 +152,9 @@ def _enough(climb: Climb, models: Models) -> Callable[[Sequence[Check]], str]:
 
     def enough(checks: Sequence[Check]) -> str:
         estimates = [Estimate(band(check)) for check in checks]
+        failed = [e.check.kind for e in estimates if e.check.status is Status.FAIL]
+        if failed:
+            return f"fails already ({', '.join(failed)}): no finer mesh would make it pass"
         if all(estimate.settled or estimate.open_for_good for estimate in estimates):
             return "settled: no finer mesh changes the verdict"
         return ""
@@ -183,7 +185,8 @@ def _merged(
 
 def _better(best: Estimate, check: Check) -> bool:
     """Whether a rung's estimate, settled already, is to stand instead of a mesh's by the way."""
-    return best.settled and Estimate(check).spread > best.spread
+    by_mesh = Estimate(check)
+    return best.settled and by_mesh.spread > best.spread and best.agrees(by_mesh)
 
 
 def _why(checks: Sequence[Check], accuracy: float) -> str:

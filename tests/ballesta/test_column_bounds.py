@@ -10,8 +10,9 @@ from numpy.testing import assert_allclose
 from scipy.optimize import brentq
 
 import ballesta.stability
+from ballesta.column_first_order import first_order_moments
 from ballesta.column_limits import cases_of, planes_of, whole_force
-from ballesta.column_moments import crooked_checks, crooked_column, first_order_moments
+from ballesta.column_moments import crooked_checks, crooked_column
 from ballesta.stability import column_checks, eigenvalue_check
 from fem.buckling import Buckling, BucklingMode
 from tests.ballesta.small_machine import loads_of

@@ -61,7 +61,7 @@ class TestNothingLoadsThePart:
     @pytest.mark.parametrize("rung", BUILDERS)
     def test_no_stress_needs_no_error_bar(self, tmp_path, rung):
         """Linear in the loads, every model finds exactly 0, calibrated for the part or not."""
-        design = machine(tmp_path, PLATE, "parts.rod.hole=29 mm")
+        design = machine(tmp_path, PLATE, "parts.rod.thickness=60 mm")
         loads, part = loads_of(NEVER), design.parts["rod"]
         model = BUILDERS[rung](part, loads)
         climb = start_climb(design, part, loads, {})
@@ -76,7 +76,7 @@ class TestNothingLoadsThePart:
             assert estimate.settled
 
     def test_auto_stops_at_the_first_rung(self, tmp_path):
-        design = machine(tmp_path, PLATE, "parts.rod.hole=29 mm")
+        design = machine(tmp_path, PLATE, "parts.rod.thickness=60 mm")
         climb = start_climb(design, design.parts["rod"], loads_of(NEVER), {})
         assert not climb_cheap(climb, "auto")
         assert [tried.rung for tried in climb.tried] == ["formula"]

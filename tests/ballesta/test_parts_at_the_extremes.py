@@ -34,7 +34,7 @@ def checked(folder, text, capsys):
     """Exit code and standard error of a check, without its progress."""
     path = folder / "machine.toml"
     path.write_text(MACHINE + text)
-    code = check_all([path], out=folder / "out", as_json=False, overrides=[], baseline=False)
+    code = check_all([path], out=folder / "out", fidelity="solid")
     said = capsys.readouterr().err
     assert not (folder / "out" / "machine" / "report.html").exists()
     return code, "\n".join(line for line in said.splitlines() if line.startswith("ballesta:"))

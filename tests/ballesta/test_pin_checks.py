@@ -192,3 +192,17 @@ def test_friction_in_the_lugs_twists_a_pin_between_them(spread):
     bent = straight.bending_stress[0, between]
     twist = twisted.twist_stress[0, between]
     assert twisted.equivalent_stress[0, between] >= np.hypot(bent, 3**0.5 * twist)
+
+
+@pytest.mark.parametrize("friction", [0.0, 3e3])
+def test_the_most_stressed_section_is_that_of_all_sections_and_positions(friction):
+    """The largest of the stresses written out; the very same numbers."""
+    pin, wrenches = single_shear(10.5)
+    turned = {
+        name: np.concatenate([share * wrench for share in (0.3, -1.0, 0.7)])
+        for name, wrench in wrenches.items()
+    }
+    turned["rod"][:, 5], turned["crank"][:, 5] = friction, -friction
+    diagram = pin_diagram(pin, turned, spread=True, ends_only=True)
+    assert diagram.most_bent == diagram.bending_stress.max()
+    assert diagram.most_sheared == diagram.shear_stress.max()

@@ -8,8 +8,9 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.optimize import brentq
 
+from ballesta.column_first_order import first_order_moments
 from ballesta.column_limits import planes_of
-from ballesta.column_moments import crooked_checks, crooked_column, first_order_moments
+from ballesta.column_moments import crooked_checks, crooked_column
 from fem.column_curves import perry_robertson
 from reports.verdict import Status
 from tests.ballesta.small_machine import loads_of

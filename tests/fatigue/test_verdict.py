@@ -216,6 +216,18 @@ def test_goodman_where_he_can_govern_gives_the_same_worst_point(seed):
     assert_allclose(quick.goodman_bound[quick.points], whole.goodman_bound[quick.points])
 
 
+def test_the_plane_of_a_point_that_goodman_decides_is_sought_only_where_every_point_is_asked():
+    """A little torsion out of phase: not proportional, and Findley far below Goodman."""
+    path = bending_and_torsion(150.0, 10.0, 90.0, mean=300.0)
+    whole = of_path(path)
+    quick = ductile_verdict(np.eye(6)[None], path, 200.0, 400.0, every_point=False)
+    assert whole.plane is not None
+    assert quick.plane is None
+    assert (quick.criterion, quick.pair) == (whole.criterion, whole.pair)
+    assert quick.safety == whole.safety
+    assert quick.plane_bound[0] >= whole.plane_utilisation[0]
+
+
 def test_goodman_goes_on_while_a_bound_is_above_the_worst_by_a_little():
     """64 triangles, one lot, use 1.00 with higher bounds; a tension of 1.08 comes after them."""
     third = 2.0 * np.pi * np.arange(3) / 3

@@ -16,6 +16,7 @@ from fem.tapered_columns import (
     ColumnShape,
     count_critical_forces,
     critical_force,
+    least_critical_force,
 )
 
 EXACT = 1e-9  # ten digits are printed; the force is bracketed to 1e-13
@@ -106,6 +107,17 @@ def test_forces_beyond_the_shear_stiffness_are_not_counted():
 def test_a_step_that_changes_nothing_changes_nothing():
     one, many = even(), ColumnShape.stepped([0.3, 0.01, 0.69], [1, 1, 1])
     assert_allclose(critical_force(many), critical_force(one), rtol=EXACT)
+
+
+def test_the_least_of_several_columns_is_found_in_any_order():
+    """Also of one that gives way by shear at 0.5, below the others' pi^2."""
+    columns = [even(2.0), even(1.0), even(3.0), even(1.5, shear=8.0)]
+    weakest = min(map(critical_force, columns))
+    assert least_critical_force(columns) == weakest
+    assert least_critical_force(columns[::-1]) == weakest
+    stiff_in_bending = even(1e6, shear=0.5)
+    for both in ([even(), stiff_in_bending], [stiff_in_bending, even()]):
+        assert_allclose(least_critical_force(both), 0.5, rtol=1e-5)
 
 
 def test_a_very_soft_stretch_is_a_hinge_with_a_spring():

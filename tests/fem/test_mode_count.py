@@ -155,3 +155,23 @@ def test_where_modes_are_missed_a_count_may_still_prove_a_lower_bound(column, st
     monkeypatch.setattr(fem.lowest_modes, "_search", losing)
     found = part_buckling(column, state, tilt_held=False, count=2, weaker=True)
     assert 0 < found.proven < known[0].factor
+
+
+def test_where_no_count_can_be_made_at_a_mode_one_lower_down_is_tried(column, state, monkeypatch):
+    """Counts fail above half of the lowest factor: none is below that, and no more is said."""
+    known = part_buckling(column, state, tilt_held=False, count=1).modes[0]
+    count, values = fem.lowest_modes.count_below, []
+
+    def failing(solid, matrix, value, around):
+        values.append(value)
+        if value > 0.51 * values[0]:
+            raise SolverError("cannot be counted")
+        return count(solid, matrix, value, around)
+
+    monkeypatch.setattr(fem.lowest_modes, "count_below", failing)
+    with pytest.raises(SolverError, match="cannot be counted"):
+        part_buckling(column, state, tilt_held=False, count=1)
+    values.clear()
+    found = part_buckling(column, state, tilt_held=False, count=1, weaker=True)
+    assert found.modes[0].factor == pytest.approx(known.factor, rel=1e-9)
+    assert found.proven == pytest.approx(known.factor / 2, rel=1e-6)

@@ -1,12 +1,15 @@
 """Stress beside a pin's hole by series, and of what stands around it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 
 from fem.lug_outlines import mirrored, round_outline, strip_outline
 from fem.lug_stress import Lug, cartesian, polar
-from fem.pin_loaded_hole import PATTERNS, pin_loaded_hole
+from fem.pin_loaded_hole import PATTERNS, LugOutline, pin_loaded_hole
+from fem.solvers import SolverError
 from fem.unit_loads import bearing_coefficients
 
 NU = 0.3
@@ -154,3 +157,45 @@ def test_a_lug_that_is_twisted_has_the_bars_shear_around_its_hole_as_a_hole_in_s
 def test_polar_and_cartesian_stress_are_each_others_inverse():
     plane = np.random.default_rng(1).normal(size=(len(RIM), 3))
     assert_allclose(cartesian(*polar(plane, RIM), RIM), plane, rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("ratio", [0.3, 0.6, 0.75, 0.84])
+def test_more_powers_than_a_ring_is_given_change_its_stress_by_less_than_a_per_cent(
+    ratio, monkeypatch
+):
+    rim = ratio * 10 * np.exp(1j * np.radians(np.arange(0, 360, 5.0)))
+    edge = 10 * np.exp(1j * np.radians(np.arange(90, 181, 10.0)))
+
+    def largest():
+        hole = pin_loaded_hole(ratio * 10, strip_outline(10.0, None, 25.0), NU)
+        return np.array([np.abs(hole.at(at)).max(axis=(0, 1)) for at in (rim, edge)]), hole.order
+
+    found, few = largest()
+    monkeypatch.setattr("fem.pin_loaded_hole._LEFT", 3e-4)
+    monkeypatch.setattr("fem.lug_outlines._POINTS", 360)
+    better, more = largest()
+    assert more > few or ratio < 0.4
+    assert_allclose(found, better, rtol=0.01, atol=5e-3 * better.max())
+
+
+def test_a_ring_too_thin_for_the_series_is_refused():
+    with pytest.raises(SolverError, match=r"takes 0\.86 of its lug, at most 0\.85"):
+        pin_loaded_hole(8.6, strip_outline(10.0, None, 25.0), NU)
+
+
+@pytest.mark.parametrize("other", ["radius", "nu", *LugOutline.__dataclass_fields__])
+def test_a_lug_that_differs_in_any_number_is_solved_anew(other):
+    """Each number of it changed by a tenth moves some coefficient by far more than round-off."""
+    radius, nu, outline = 10.0, NU, strip_outline(25.0, 30.0, 62.5, stringer=8.0)
+    known = pin_loaded_hole(radius, outline, nu)
+    again = pin_loaded_hole(radius, strip_outline(25.0, 30.0, 62.5, stringer=8.0), nu)
+    assert_array_equal(again.even, known.even)
+    assert_array_equal(again.odd, known.odd)
+    if other == "radius":
+        radius *= 1.1
+    elif other == "nu":
+        nu *= 1.1
+    else:
+        outline = replace(outline, **{other: 1.1 * getattr(outline, other)})
+    changed = pin_loaded_hole(radius, outline, nu)
+    assert np.abs(changed.even - known.even).max() > 1e-6 * np.abs(known.even).max()

@@ -15,13 +15,18 @@ def random_history(n_points, n_positions, n_basis=5):
     return StressHistory(np.arange(n_points), np.zeros((n_points, 3)), basis, coefficients)
 
 
+@pytest.mark.parametrize("few", [0, 100_000])
 @pytest.mark.parametrize("numbers", [100_000, 600, 1])
-def test_peaks_by_position_are_those_of_the_stress_written_out(monkeypatch, numbers):
-    """Any number of points at a time, one included; round-off of a sum of five."""
+def test_peaks_by_position_are_those_of_the_stress_written_out(monkeypatch, numbers, few):
+    """Any number of points at a time, one included, block by block or at once.
+
+    Round-off of a sum of five.
+    """
     monkeypatch.setattr("fem.stress_history._NUMBERS", numbers)
-    history = random_history(37, 11)
+    monkeypatch.setattr("fem.stress_history._FEW", few)
+    history = random_history(37, 41)
     peaks, where = history.peaks_by_position()
-    for k in range(11):
+    for k in range(41):
         stress = von_mises(history.at(k))
         assert where[k] == stress.argmax()
         assert_allclose(peaks[k], stress.max(), rtol=1e-14)

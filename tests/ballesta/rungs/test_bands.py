@@ -6,6 +6,7 @@ import pytest
 
 from ballesta.rungs import bands
 from ballesta.rungs.bands import Band, NoBand, band_of, known_band
+from ballesta.rungs.proportions import SHARE
 from bench import rung_bands
 from bench.rung_bands import Compared
 
@@ -54,13 +55,27 @@ def row(truth, value, scale=0.5, above=0.0):
     )  # fmt: skip
 
 
-def test_a_band_is_mean_and_two_deviations_of_the_logarithm_of_solid_over_rung():
-    """Ratios e^-0.1, 1, e^0.1: mean 0, deviation 0.1."""
+def test_a_band_is_where_the_next_solid_lies_in_95_per_cent_of_all_cases():
+    """Ratios e^-0.1, 1, e^0.1: mean 0, deviation 0.1, and t of 2 degrees of freedom is 4.303."""
     rows = [row(exp(x), 1.0) for x in (-0.1, 0.0, 0.1)]
     found = rung_bands.band_of(rows)
-    assert found["low"] == pytest.approx(exp(-0.2))
-    assert found["high"] == pytest.approx(exp(0.2))
+    reach = 4.3027 * 0.1 * sqrt(4 / 3)
+    assert found["low"] == pytest.approx(exp(-reach), rel=1e-4)
+    assert found["high"] == pytest.approx(exp(reach), rel=1e-4)
     assert found["count"] == 3
+
+
+def test_solids_that_hardly_scatter_leave_two_per_cent_to_either_side():
+    found = rung_bands.band_of([row(ratio, 1.0) for ratio in (1.0999, 1.1, 1.1001)])
+    assert (found["low"], found["high"]) == pytest.approx((1.1 * 0.98, 1.1 * 1.02), rel=1e-4)
+
+
+def test_shares_of_the_largest_force_may_leave_the_range_by_a_tenth_of_that_force(monkeypatch):
+    name = SHARE + "pulled"
+    entry = ENTRY | {"scales": {name: [0.0, 0.02]}}
+    monkeypatch.setattr(bands, "_data", lambda: {"plate_link": {"formula": {"static": entry}}})
+    assert isinstance(band_of("plate_link", "formula", "static", {name: 0.09}), Band)
+    assert isinstance(band_of("plate_link", "formula", "static", {name: 0.13}), NoBand)
 
 
 def test_a_biased_rung_keeps_its_bias_in_the_band():

@@ -214,3 +214,22 @@ def test_a_solid_that_is_asked_for_one_check_leaves_the_others_to_the_rungs_belo
                and "crooked" not in check.quantity}  # fmt: skip
     assert methods["fatigue"] == "solid"
     assert methods["buckling"] == "formula"
+
+
+def test_a_solid_that_fails_by_its_bars_is_not_refined_for_its_other_checks(tmp_path, bars):
+    """Static fails by a third; fatigue is at its limit, which a finer mesh would look into."""
+    bars()
+    known = started(tmp_path)
+    result = solid_result(known, Models(), lambda _: None, everything=True)
+    values = {check.kind: check.limit / check.value for check in result.checks[:2]}
+    state = started(
+        tmp_path,
+        f"require.static={1.33 * values['static']}",
+        f"require.fatigue={values['fatigue']}",
+        "accuracy=0.1%",
+    )
+    result = solid_result(state, Models(), lambda _: None, everything=False)
+    status = {check.kind: check.status for check in result.checks[:2]}
+    assert status == {"static": Status.FAIL, "fatigue": Status.UNDECIDED}
+    assert len(result.meshes) == 2
+    assert any("fails already (static)" in check.note for check in result.checks)
