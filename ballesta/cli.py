@@ -115,6 +115,14 @@ def batch(
         bool, typer.Option("--sobol", help="a Sobol sequence, the only kind of sample there is")
     ] = True,
     seed: Annotated[int, typer.Option("--seed", help="of the sample")] = 0,
+    until: Annotated[
+        str | None,
+        typer.Option(
+            "--until",
+            metavar="pass",
+            help="find the value of one --sweep that just passes: pass, or 'pass of PART, PART'",
+        ),
+    ] = None,
     fidelity: Annotated[
         str, typer.Option("--fidelity", metavar="RUNG", help="as of check; else auto")
     ] = "auto",
@@ -152,6 +160,13 @@ def batch(
     Exit code: the highest of the designs; 0 pass, 1 FAIL or UNDECIDED, 2 wrong input, 3 gave up,
     crashed, out of time or memory; 130 stopped.
     """
+    if until is not None:
+        from ballesta.until_command import Wanted as Search
+        from ballesta.until_command import run_until
+
+        wishes = (*(overrides or ()), *([] if accuracy is None else [f"accuracy={accuracy}"]))
+        search = Search(out, until, wishes, fidelity, within, sample)
+        raise typer.Exit(run_until(designs, sweeps or (), search))
     from ballesta.batch_command import Wanted, run_batch_command
 
     wanted = Wanted(
