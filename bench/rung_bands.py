@@ -111,7 +111,7 @@ def rungs_of(variation: Variation, line: Mapping[str, Any]) -> Iterable[Compared
                 truth["below"] or 0.0,
                 value,
                 seconds,
-                {**model.scales, **proportions_of(part, loads)},
+                proportions_of(part, loads),
             )
 
 

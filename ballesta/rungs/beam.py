@@ -39,7 +39,6 @@ def model_of(part: Part, loads: PartLoads) -> RungModel | None:
         residual=solved.residual(loads, coefficients),
         deflection=solved.deflection(coefficients),
         buckling=buckling_of(part, loads, solved, coefficients),
-        scales=framed.scales,
         neglects=framed.neglects,
         unknowns=6 * len(framed.frame.nodes),
     )

@@ -106,12 +106,8 @@ def prismatic_tube(part: Part, shape: PrismaticTube) -> PartFrame:
         for name, x in zip(shape.interfaces, (0.0, shape.length), strict=True)
     ]
     sites = sites_along(frame, lambda _: (whole, "tube"))
-    scales = {
-        "wall / width": shape.wall / shape.width,
-        "length / width": shape.length / shape.width,
-    }
     return PartFrame(
-        frame, 0, entries, sites, "how the ends' forces spread", scales, _pins(frame, shape.length)
+        frame, 0, entries, sites, "how the ends' forces spread", _pins(frame, shape.length)
     )
 
 
@@ -143,11 +139,6 @@ def plate_link(part: Part, shape: PlateLink) -> PartFrame:
         entries,
         sites_along(frame, fibres),
         "that its round ends and holes upset the stress beside them",
-        {
-            "hole / width": 2 * max(radii) / shape.width,
-            "thickness / hole": shape.thickness / (2 * min(radii)),
-            "length / width": shape.length / shape.width,
-        },
         _pins(frame, shape.length),
         _rims(part, entries, lug, shape.thickness),
     )
@@ -155,7 +146,7 @@ def plate_link(part: Part, shape: PlateLink) -> PartFrame:
 
 def tube_rod(part: Part, shape: TubeRod) -> PartFrame:
     """A round tube or bar between two eyes."""
-    eye, tube = shape.eye_diameter / 2, shape.tube_diameter / 2
+    eye = shape.eye_diameter / 2
     bore = 0.0 if shape.wall is None else shape.tube_diameter - 2 * shape.wall
     end = shank_end(shape)
     joint = end * eye / (eye + shape.fillet)
@@ -190,11 +181,6 @@ def tube_rod(part: Part, shape: TubeRod) -> PartFrame:
         entries,
         sites_along(frame, fibres),
         "that the hole upsets the stress in the eye and beside it",
-        {
-            "hole / eye": shape.hole / shape.eye_diameter,
-            "fillet / tube": shape.fillet / shape.tube_diameter,
-            "tube / eye": tube / eye,
-        },
         _pins(frame, shape.length),
         _rims(part, entries, lug, shape.eye_width),
     )

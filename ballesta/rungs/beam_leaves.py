@@ -57,9 +57,8 @@ def leaf_pack(part: Part, shape: LeafPack) -> PartFrame:
         Site(site.member, site.at, site.fibres, site.name, _fretting(shape, site.name))
         for site in sites_along(frame, at)
     ]
-    scales = {"clamp / thickness": shape.clamp_length / shape.thickness}
     neglects = "pressure of the clamps and of the contact across the leaves, their shear"
-    return PartFrame(frame, node_at(frame, 0.0), entries, sites, neglects, scales)
+    return PartFrame(frame, node_at(frame, 0.0), entries, sites, neglects)
 
 
 def _fretting(shape: LeafPack, name: str) -> float:

@@ -60,11 +60,6 @@ def slotted_lever(part: Part, shape: SlottedLever) -> PartFrame | None:
         entries,
         build.sites(frame),
         "that the plate beside slot and holes gives way, how the boss spreads its force",
-        {
-            "hole / width": shape.hole / shape.width,
-            "slot / width": shape.slot_width / shape.width,
-            "thickness / hole": shape.thickness / shape.hole,
-        },
         ([build.node(0.0, 0)], [build.node(shape.length, 0)]),
         _rims(part, shape, entries[:2]),
         build.members_of(2).tolist(),

@@ -1,7 +1,7 @@
 """A part as a Timoshenko frame: its members, where its interfaces press, the fibres looked at."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 from fem.frame import Frame, FrameLoads
 from fem.frame_fibres import Fibres
@@ -69,7 +69,6 @@ class PartFrame:
     entries: Sequence[Entry]
     sites: Sequence[Site]
     neglects: str
-    scales: Mapping[str, float] = field(default_factory=dict)
     pins: tuple[Sequence[int], ...] = ()
     patches: Sequence[Patch] = ()
     massless: Sequence[int] = ()

@@ -61,9 +61,7 @@ def pin(part: Part, shape: Pin) -> PartFrame | None:
         entries.append(journal_entry(interface, pressed(frame, spans, 2, centre)))
 
     neglects = "that lugs press more at their edges, that a short pin is no slender bar"
-    widths = [seat.width / shape.diameter for seat in shape.seats]
-    scales = {"narrowest lug / diameter": min(widths), "widest lug / diameter": max(widths)}
-    return PartFrame(frame, 0, entries, _sites(part, shape, frame), neglects, scales)
+    return PartFrame(frame, 0, entries, _sites(part, shape, frame), neglects)
 
 
 def _sites(part: Part, shape: Pin, frame: Frame) -> list[Site]:

@@ -38,11 +38,6 @@ def toggle_bar(part: Part, shape: ToggleBar) -> PartFrame:
         entries,
         build.sites(),
         "that the tube's end gives way under its cheeks, its warping, local buckling of its walls",
-        {
-            "hole / width": shape.hole / shape.width,
-            "wall / width": shape.wall / shape.width,
-            "overhang / hole": shape.overhang / shape.hole,
-        },
         (build.at(0.0), build.at(shape.length)),
         _patches(part, shape, entries),
         build.joints,

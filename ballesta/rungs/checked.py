@@ -135,8 +135,8 @@ def _band(part: Part, loads: PartLoads, model: RungModel, check: Check) -> Band 
         )
     if not check.value > 0.0:
         return NoBand(f"the rung {model.rung} finds nothing where the part is loaded")
-    scales = {**model.scales, **proportions_of(part, loads)}
-    return band_of(family_of(part, loads, check.kind), model.rung, check.kind, scales)
+    family = family_of(part, loads, check.kind)
+    return band_of(family, model.rung, check.kind, proportions_of(part, loads))
 
 
 def _told(check: Check, above: float, below: float, said: str) -> Check:

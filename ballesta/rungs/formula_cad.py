@@ -60,7 +60,6 @@ def step_part_model(part: Part, shape: StepPart, loads: PartLoads) -> RungModel 
         residual=left_over(bar, own, span),
         deflection=most_deflected(bar, part, stiff, span),
         buckling=elastic_load(part, own, bar, stiff, span) if len(places) == 2 else None,
-        scales={"stated height / thickness": height / thickness},
         neglects="holes, fillets, lugs and whatever else is not a straight bar of the stated "
         "section with its middle on the line of the holes; that the solid's mass is not spread "
         "evenly along it",

@@ -42,11 +42,6 @@ def leaf_pack_model(part: Part, shape: LeafPack, loads: PartLoads) -> RungModel:
         residual=left_over(bar, loads, shape.length),
         deflection=_deflection(part, shape, bar),
         buckling=None,
-        scales={
-            "width / thickness": shape.width / shape.thickness,
-            "clamp / thickness": shape.clamp_length / shape.thickness,
-            "contact / thickness": shape.contact_length / shape.thickness,
-        },
         neglects="peaks where clamp and contact press; friction between leaves; that wide leaves "
         "resist bending across",
     )

@@ -48,7 +48,6 @@ def slotted_lever_model(part: Part, shape: SlottedLever, loads: PartLoads) -> Ru
         _add_lug(part, points, shape, name, bosses, loads.wrenches[name], room[name])
     _add_rails(part, points, shape, loads, bar)
     _add_foot(points, shape, bar)
-    rail = (shape.width - shape.slot_width) / 2
     return RungModel(
         rung="formula",
         history=points.history(),
@@ -58,13 +57,6 @@ def slotted_lever_model(part: Part, shape: SlottedLever, loads: PartLoads) -> Ru
         residual=left_over(bar, loads, shape.length),
         deflection=most_deflected(bar, part, mass, shape.length),
         buckling=elastic_load(part, loads, bar, mass, shape.length),
-        scales={
-            "hole / width": shape.hole / shape.width,
-            "slot / width": shape.slot_width / shape.width,
-            "rail / slot length": rail / (shape.slot_to - shape.slot_from),
-            "thickness / rail": shape.thickness / rail,
-            "boss height / thickness": shape.boss_height / shape.thickness,
-        },
         neglects="that the ends of the slot give way; that holes, slot and boss disturb each "
         "other; how wide the contact presses",
     )

@@ -15,7 +15,6 @@ from ballesta.rungs.formula_pin_pressure import (
 )
 from ballesta.rungs.formula_points import Points
 from ballesta.rungs.model import RungModel
-from ballesta.rungs.proportions import pin_proportions
 from fem.notch_factors import stepped_shaft
 from fem.pin_loaded_hole import PATTERNS
 from fem.pin_stress import section_stress, surface_stress
@@ -80,7 +79,6 @@ def pin_model(part: Part, shape: Pin, loads: PartLoads) -> RungModel | None:
         residual=_left_over(shape, loads, diagram, names),
         deflection=_deflection(part, shape, loads, diagram, names),
         buckling=None,
-        scales=pin_proportions(shape),
         neglects="that a short pin is no slender bar; that lugs press less where it gives way",
     )
 

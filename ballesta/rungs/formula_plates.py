@@ -54,11 +54,6 @@ def plate_link_model(part: Part, shape: PlateLink, loads: PartLoads) -> RungMode
         residual=left_over(bar, loads, shape.length),
         deflection=most_deflected(bar, part, mass, shape.length),
         buckling=elastic_load(part, loads, bar, mass, shape.length),
-        scales={
-            "hole / width": max(shape.hole, second) / shape.width,
-            "thickness / hole": thickness / min(shape.hole, second),
-            "length / width": shape.length / shape.width,
-        },
         neglects="stress not linear through the thickness; that the holes disturb each other",
     )
 

@@ -62,13 +62,6 @@ def tube_rod_model(part: Part, shape: TubeRod, loads: PartLoads) -> RungModel | 
         residual=left_over(bar, loads, shape.length),
         deflection=most_deflected(bar, part, mass, shape.length),
         buckling=elastic_load(part, loads, bar, mass, shape.length),
-        scales={
-            "hole / eye": shape.hole / shape.eye_diameter,
-            "eye width / eye": shape.eye_width / shape.eye_diameter,
-            "tube / eye": shape.tube_diameter / shape.eye_diameter,
-            "wall / tube": (_bore(shape) / shape.tube_diameter - 1) / -2,
-            "fillet / tube": shape.fillet / shape.tube_diameter,
-        },
         neglects="that a ball's eye is thinner towards its outline; where the tube's bore ends",
     )
 

@@ -79,14 +79,6 @@ def toggle_bar_model(part: Part, shape: ToggleBar, loads: PartLoads) -> RungMode
         buckling=elastic_load(
             part, loads, bar, mass, shape.length, local=_local_share(part, shape, free)
         ),
-        scales={
-            "hole / width": shape.hole / shape.width,
-            "overhang / hole": shape.overhang / shape.hole,
-            "hole / wall": shape.hole / shape.wall,
-            "width / wall": shape.width / shape.wall,
-            "cut-out / width": free / shape.width,
-            "cut-out corner / wall": shape.cutout_corner / shape.wall,
-        },
         neglects="bending of the walls across themselves; that the side walls lag in taking their "
         "share",
     )
@@ -114,10 +106,6 @@ def prismatic_tube_model(part: Part, shape: PrismaticTube, loads: PartLoads) -> 
         buckling=elastic_load(
             part, loads, bar, mass, shape.length, local=_pressed_ends(part, tube)
         ),
-        scales={
-            "width / wall": shape.width / shape.wall,
-            "length / width": shape.length / shape.width,
-        },
         neglects="how the end faces bring forces in; bending of the walls across themselves",
     )
 

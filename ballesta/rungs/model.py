@@ -5,7 +5,7 @@ its sections, fillets. Its basis need not be one of unit loads of an elastic bod
 be any function of the link loads, as long as basis times coefficients is the stress.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from ballesta.stressed import Stressed
@@ -40,7 +40,6 @@ class RungModel:
     residual    what is left of the part's balance, or did not reach it, over the largest force
     deflection  mm, largest displacement over the cycles, estimated; infinite if unknown
     buckling    largest share of the elastic buckling load, None where the rung has no answer
-    scales      name -> number without unit that calibration must have covered ("hole / width")
     neglects    what the rung leaves out, in words
     unknowns    number of unknowns that were solved, 0 of a formula
     """
@@ -53,7 +52,6 @@ class RungModel:
     residual: float
     deflection: float
     buckling: ElasticLoad | None
-    scales: Mapping[str, float]
     neglects: str
     unknowns: int = 0
 

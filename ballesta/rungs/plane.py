@@ -19,7 +19,6 @@ from geometry.parts import (
     LeafPack,
     PlateLink,
     PrismaticTube,
-    Shape,
     SlottedLever,
     ToggleBar,
     TubeRod,
@@ -66,7 +65,6 @@ def model_of(
         residual=_residual(last, loads),
         deflection=_deflection(last, states),
         buckling=None,
-        scales=_scales(part.geometry),
         neglects=_ALL + _OF_SHAPE[type(part.geometry)] + _closed(last, loads),
         unknowns=last.solutions.unknowns,
     )
@@ -139,51 +137,6 @@ def _deflection(level: PlaneLevel, states: Sequence[FloatArray]) -> float:
         size = np.sqrt((moved**2).sum(axis=1) + across**2)
         largest = max(largest, float(size.max()))
     return largest
-
-
-def _scales(shape: Shape) -> dict[str, float]:
-    """Numbers without unit on which the rung's error depends."""
-    match shape:
-        case PlateLink():
-            holes = [shape.hole, shape.second_hole or shape.hole]
-            return {
-                "hole / width": max(holes) / shape.width,
-                "thickness / hole": shape.thickness / min(holes),
-            }
-        case ToggleBar():
-            return {
-                "hole / width": shape.hole / shape.width,
-                "wall / width": shape.wall / shape.width,
-                "cutout corner / width": shape.cutout_corner / shape.width,
-                "overhang / hole": shape.overhang / shape.hole,
-                "hole to cut-out's end / width": (
-                    shape.cutout_length - shape.overhang - shape.hole / 2
-                )
-                / shape.width,
-            }
-        case SlottedLever():
-            return {
-                "hole / width": shape.hole / shape.width,
-                "slot width / width": shape.slot_width / shape.width,
-                "thickness / width": shape.thickness / shape.width,
-                "boss height / thickness": shape.boss_height / shape.thickness,
-            }
-        case TubeRod():
-            wall = shape.tube_diameter / 2 if shape.wall is None else shape.wall
-            return {
-                "hole / eye": shape.hole / shape.eye_diameter,
-                "tube / eye": shape.tube_diameter / shape.eye_diameter,
-                "wall / tube": wall / shape.tube_diameter,
-                "fillet / tube": shape.fillet / shape.tube_diameter,
-            }
-        case PrismaticTube():
-            return {"wall / width": shape.wall / shape.width}
-        case LeafPack():
-            return {
-                "thickness / width": shape.thickness / shape.width,
-                "clamp length / thickness": shape.clamp_length / shape.thickness,
-            }
-    return {}
 
 
 def _closed(level: PlaneLevel, loads: PartLoads) -> str:

@@ -48,50 +48,72 @@ def unknown_load(part: Part, loads: PartLoads) -> str:
 def _of_shape(shape: object) -> dict[str, float]:
     match shape:
         case PlateLink():
-            return {"length / width": shape.length / shape.width}
-        case ToggleBar():
+            second = shape.hole if shape.second_hole is None else shape.second_hole
             return {
+                "hole / width": max(shape.hole, second) / shape.width,
+                "thickness / hole": shape.thickness / min(shape.hole, second),
+                "length / width": shape.length / shape.width,
+            }
+        case ToggleBar():
+            free = shape.cutout_length - shape.overhang  # of the cheeks, beyond the knee's axis
+            return {
+                "hole / width": shape.hole / shape.width,
+                "overhang / hole": shape.overhang / shape.hole,
+                "hole / wall": shape.hole / shape.wall,
                 "width / wall": shape.width / shape.wall,
                 "cut-out / width": shape.cutout_length / shape.width,
                 "cut-out corner / wall": shape.cutout_corner / shape.wall,
+                "hole to the cut-out's end / width": (free - shape.hole / 2) / shape.width,
                 "length / width": shape.length / shape.width,
             }
         case PrismaticTube():
-            return {"length / width": shape.length / shape.width}
-        case SlottedLever():
-            rail = (shape.width - shape.slot_width) / 2
             return {
-                "rail / slot length": rail / (shape.slot_to - shape.slot_from),
-                "thickness / rail": shape.thickness / rail,
-                "pivot's ligament / hole": (shape.slot_from - shape.hole / 2) / shape.hole,
-                "tip's ligament / hole": (shape.length - shape.slot_to - shape.hole / 2)
-                / shape.hole,
+                "width / wall": shape.width / shape.wall,
                 "length / width": shape.length / shape.width,
             }
+        case SlottedLever():
+            return _of_lever(shape)
         case TubeRod():
             wall = shape.tube_diameter / 2 if shape.wall is None else shape.wall
             return {
-                "wall / tube": wall / shape.tube_diameter,
+                "hole / eye": shape.hole / shape.eye_diameter,
                 "eye width / eye": shape.eye_width / shape.eye_diameter,
+                "tube / eye": shape.tube_diameter / shape.eye_diameter,
+                "wall / tube": wall / shape.tube_diameter,
                 "fillet / tube": shape.fillet / shape.tube_diameter,
                 "length / eye": shape.length / shape.eye_diameter,
             }
         case LeafPack():
+            beside = shape.contact_from - shape.clamp_length / 2
             return {
                 "leaves": float(shape.leaves),
                 "width / thickness": shape.width / shape.thickness,
+                "clamp / thickness": shape.clamp_length / shape.thickness,
                 "contact / thickness": shape.contact_length / shape.thickness,
-                "clamp to contact / thickness": (shape.contact_from - shape.clamp_length / 2)
-                / shape.thickness,
+                "clamp to contact / thickness": beside / shape.thickness,
             }
         case Pin():
-            return pin_proportions(shape)
+            return _of_pin(shape)
         case _:
             return {}
 
 
-def pin_proportions(shape: Pin) -> dict[str, float]:
-    """Of a pin: lugs, gaps between them, neck and fillet."""
+def _of_lever(shape: SlottedLever) -> dict[str, float]:
+    rail = (shape.width - shape.slot_width) / 2
+    ligaments = (shape.slot_from - shape.hole / 2, shape.length - shape.slot_to - shape.hole / 2)
+    return {
+        "hole / width": shape.hole / shape.width,
+        "slot / width": shape.slot_width / shape.width,
+        "rail / slot length": rail / (shape.slot_to - shape.slot_from),
+        "thickness / rail": shape.thickness / rail,
+        "boss height / thickness": shape.boss_height / shape.thickness,
+        "pivot's ligament / hole": ligaments[0] / shape.hole,
+        "tip's ligament / hole": ligaments[1] / shape.hole,
+        "length / width": shape.length / shape.width,
+    }
+
+
+def _of_pin(shape: Pin) -> dict[str, float]:
     seated = shape.seated()
     gaps = [upper[1] - lower[2] for lower, upper in pairwise(seated)]
     widths = [high - low for _, low, high in seated]

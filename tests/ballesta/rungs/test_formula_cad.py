@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from ballesta.levels import Models
 from ballesta.part_loads import PartLoads, loads_on
 from ballesta.rungs.bands import NoBand, band_of
 from ballesta.rungs.climb import AUTO, climb_cheap, start_climb
+from ballesta.rungs.families import family_of
 from ballesta.rungs.formula import model_of
 from ballesta.solid import elastic_of
 from fem.recovery import von_mises
@@ -247,10 +249,10 @@ def test_the_order_in_which_holes_are_named_changes_no_stress(part, three_holes)
 
 
 def test_a_file_that_is_named_as_a_shape_has_no_bars_of_that_shape(part):
-    scales = model_of(part, pulled(1.0)).scales
-    found = band_of("plate_link", "formula", "static", scales)
-    assert isinstance(found, NoBand)
-    assert "no solid with stated height / thickness" in found.why
+    named = SimpleNamespace(geometry=part.geometry, shape="plate_link")
+    for kind in ("static", "buckling"):
+        family = family_of(named, pulled(1.0), kind)
+        assert isinstance(band_of(family, "formula", kind, {}), NoBand)
 
 
 @pytest.fixture
