@@ -32,7 +32,7 @@ class Run:
 def run_ballesta(*arguments: str, out: Path, cwd: Path = ROOT) -> Run:
     """Run the command line as a user does, 120 columns wide."""
     done = subprocess.run(
-        [sys.executable, "-m", "ballesta.cli", *arguments],
+        [sys.executable, "-P", "-m", "ballesta.cli", *arguments],
         cwd=cwd,
         capture_output=True,
         text=True,

@@ -94,6 +94,7 @@ def _checked(job: Job) -> tuple["DesignResult", dict[str, str]]:
     from ballesta.check import check_design
     from ballesta.design import read_design
     from ballesta.run import check_to_folder, effort_of, progress
+    from ballesta.store.results import keep_result, recalled_result
     from reports.files import write_json
 
     effort = effort_of(job.fidelity, job.within)
@@ -110,8 +111,13 @@ def _checked(job: Job) -> tuple["DesignResult", dict[str, str]]:
         if result.checks:
             write_thumbnail(folder, result.deciding.part)
         return result, sources_digests(design)
-    with progress(path, len(design.parts)) as say:
-        result = check_design(design, effort=effort, say=say, reading=reading, store=store)
+    kept = recalled_result(store, path, overrides, effort)
+    if kept is not None and kept.result.sha256 == design.sha256:
+        result = kept.result
+    else:
+        with progress(path, len(design.parts)) as say:
+            result = check_design(design, effort=effort, say=say, reading=reading, store=store)
+        keep_result(store, design, effort, result, {})
     write_json(result, folder / "result.json")
     return result, sources_digests(design)
 

@@ -1,6 +1,7 @@
 import errno
 import json
 import os
+from dataclasses import replace
 
 import pytest
 
@@ -55,3 +56,18 @@ def test_nothing_of_an_earlier_result_is_left_beside_a_new_verdict(job, tmp_path
     (tmp_path / "machine.toml").write_text("name =")
     assert run_job(job)["status"] == "wrong input"
     assert list(folder.iterdir()) == []
+
+
+def test_what_another_batch_has_found_is_taken_from_a_shared_store(job, tmp_path, monkeypatch):
+    first = replace(job, store=str(tmp_path / "store"))
+    before = run_job(first)
+
+    def checks(*_, **__):
+        raise AssertionError("a design was checked again")
+
+    monkeypatch.setattr("ballesta.check.check_design", checks)
+    again = run_job(replace(first, folder=str(tmp_path / "other")))
+    assert again["checks"] == before["checks"]
+    assert again["result_sha256"] == before["result_sha256"]
+    with pytest.raises(AssertionError, match="checked again"):
+        run_job(replace(first, overrides=("parts.rod.thickness=9.1 mm",)))
