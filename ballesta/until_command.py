@@ -16,7 +16,8 @@ from ballesta.batch.plan import design_files
 from ballesta.design import read_design
 from ballesta.effort import Effort
 from ballesta.errors import DesignError
-from ballesta.run import effort_of, guarded, output_folders
+from ballesta.names import listed
+from ballesta.run import effort_of, guarded, output_folders, store_at
 from ballesta.store.results import keep_result, recalled_result
 from ballesta.store.store import Store
 from ballesta.until import UntilResult, until_pass, until_text
@@ -31,7 +32,8 @@ class Wanted:
     """The options of a search, as they were written.
 
     until   "pass", or "pass of PART, PART" to judge only these
-    sample  None: a search takes none, and says so
+    store   where stages are shared; None: the folder `store` of `out`
+    unused  options that were given and that a search does not have
     """
 
     out: Path
@@ -39,7 +41,8 @@ class Wanted:
     overrides: tuple[str, ...] = ()
     fidelity: str = "auto"
     within: str | None = None
-    sample: int | None = None
+    store: Path | None = None
+    unused: tuple[str, ...] = ()
     as_json: bool = False
 
 
@@ -55,11 +58,14 @@ def run_until(designs: Sequence[Path], sweeps: Sequence[str], wanted: Wanted) ->
         parts = parts_of(wanted.until)
         if len(sweeps) != 1:
             raise DesignError(_HERE, "--until", f"needs one --sweep, got {len(sweeps)}")
-        if wanted.sample is not None:
-            raise DesignError(_HERE, "--until", "searches by itself: leave out --sample")
+        if wanted.unused:
+            told = (
+                f"searches by itself, one check after the other: leave out {listed(wanted.unused)}"
+            )
+            raise DesignError(_HERE, "--until", told)
         effort = effort_of(wanted.fidelity, wanted.within)
         files, _ = design_files([str(path) for path in designs])
-        store = Store(wanted.out / "store")
+        store = store_at(wanted.store or wanted.out / "store")
         folders = output_folders(files, wanted.out)
 
         def one(file: Path, folder: Path) -> int:
@@ -108,7 +114,7 @@ def parts_of(until: str) -> tuple[str, ...]:
 
 
 def stored_check(
-    file: Path, effort: Effort, store: Store
+    file: Path, effort: Effort, store: Store | None
 ) -> Callable[[tuple[str, ...]], DesignResult]:
     """Return a check of a design with overrides that computes nothing twice."""
     from ballesta.check import check_file

@@ -11,6 +11,7 @@ from ballesta.until import until_pass, until_text
 from ballesta.until_command import Wanted, run_until
 from reports.verdict import Check, Gate, Status
 
+from ..conftest import run_ballesta
 from .small_machine import MACHINE, PLATE
 
 PASS, UNDECIDED, FAIL = Status.PASS, Status.UNDECIDED, Status.FAIL
@@ -326,7 +327,7 @@ def test_a_search_that_was_stopped_goes_on_with_what_it_had(file, tmp_path, monk
     [
         ((THICK, "material = S275, S355"), {}, "--until: needs one --sweep, got 2"),
         ((), {}, "--until: needs one --sweep, got 0"),
-        ((THICK,), {"sample": 8}, "leave out --sample"),
+        ((THICK,), {"unused": ("--sample", "--jobs")}, "leave out --sample, --jobs"),
         ((THICK,), {"until": "fail"}, "must be pass"),
         ((THICK,), {"until": "pass of "}, "must be pass"),
         ((THICK,), {"until": "pass of rood"}, "did you mean rod"),
@@ -363,3 +364,17 @@ def test_an_output_folder_that_cannot_be_written_is_told_before_anything_is_chec
     (tmp_path / "taken").write_text("a file")
     assert command(file, tmp_path / "taken", THICK) == 2
     assert "--out: cannot be written" in capsys.readouterr().err
+
+
+def test_the_command_line_prints_the_value_that_just_passes(tmp_path):
+    out = tmp_path / "out"
+    options = ["--sweep", "parts.bar_upper.wall = 6.3, 7.1 mm", "--fidelity", "formula"]
+    until = ["batch", "designs/toggle_press.toml", *options, "--until", "pass", "--out", str(out)]
+    run = run_ballesta(*until, "--set", "cycles.press.positions=61", out=out)
+    assert run.code == 0, run.stderr
+    written = json.loads((out / "toggle_press" / "until.json").read_text())
+    assert (written["beyond"], written["found"]) == ("6.3 mm", "7.1 mm")
+    assert "7.1 mm is the smallest that passes, 6.3 mm does not (UNDECIDED)" in run.stdout
+    refused = run_ballesta(*until, "--jobs", "2", "--no-reports", out=out)
+    assert refused.code == 2
+    assert "leave out --jobs, --reports" in refused.stderr
