@@ -16,7 +16,7 @@ from typing import Any
 
 import loads
 from ballesta.balance import measured_loads
-from ballesta.check import part_masses
+from ballesta.check import part_masses, told_of_cycle
 from ballesta.design import read_design
 from ballesta.design_data import Design, Part
 from ballesta.elastic_parts import compliances_of
@@ -165,7 +165,7 @@ class _Known:
         compliances = compliances_of(design, self.models)
         solved, afresh = {}, False
         for name, stated in design.cycles.items():
-            try:
+            with told_of_cycle(design, name):
                 linkage = linkage_of(design, masses, stated, compliances)
                 cycle = cycle_of(design, stated)
                 known = self._solved.get(name)
@@ -176,11 +176,6 @@ class _Known:
                 else:
                     solved[name] = loads.run_cycle(linkage, cycle)
                     afresh = True
-            except loads.CycleError as error:
-                key = f"cycles.{name}.phases[{error.phase}]"
-                raise DesignError(design.file, key, error.problem) from error
-            except loads.LinkageError as error:
-                raise DesignError(design.file, f"cycles.{name}", str(error)) from error
         return solved, afresh
 
 

@@ -30,7 +30,8 @@ Written by `python tools/study_chain_extremes.py`; the machine, a crank that pus
 plate link, stands in `tests/validation/extremes/chain.py`, and `test_whole_chain.py` there holds
 what is concluded. Checked by the rung `formula` where nothing else is said: from the file to the
 verdict, all checks of the part and of the linkage. Degenerate verdicts:
-`tests/ballesta/test_degenerate_verdicts.py`.
+`tests/ballesta/test_degenerate_verdicts.py`. Elements, solvers and shapes by themselves:
+[extremes.md](extremes.md).
 
 | What | Range | What holds | Where it warns or refuses |
 | --- | --- | --- | --- |

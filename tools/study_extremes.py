@@ -28,7 +28,7 @@ HEAD = """# Extremes
 
 Written by `python tools/study_extremes.py`; the studies stand in `tests/validation/extremes`, and
 `test_extremes.py` there holds what is concluded. Errors are relative. "Round-off" is what
-lies below 1e-10.
+lies below 1e-10. From the design file to the verdict: [extremes_chain.md](extremes_chain.md).
 
 | What | Range | What holds | Where it warns or refuses |
 | --- | --- | --- | --- |
