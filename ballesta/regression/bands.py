@@ -4,7 +4,7 @@ import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
-from math import isfinite
+from math import inf, isfinite
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,7 @@ NOISE = Path(__file__).with_name("noise.json")
 _MESHED = ("plane", "solid")
 _REFINED = ("static", "fatigue")  # kinds that a solid's meshes are refined for
 _SHEETS = 0.02  # accuracy that sheets are refined to, whatever the design asks for
-_BOUNDED = 2.0  # times the accuracy: what meshes leave, and what the bearing series cuts off
+_BOUNDED = 1.5  # times the accuracy: what meshes leave, and what the bearing series cuts off
 
 
 @dataclass(frozen=True)
@@ -92,19 +92,23 @@ def is_bounded(rung: str, kind: str, numerical: float | None, accuracy: float) -
 
 
 def _measured_band(part: str, rung: str, kind: str, accuracy: float) -> Band:
-    """The band of measured re-mesh noise; of a sheet it does not depend on the accuracy."""
+    """The band of measured re-mesh noise; of a sheet it does not depend on the accuracy.
+
+    What is measured at a finer accuracy counts for a coarser one, too.
+    """
     known = sorted(
         (entry["accuracy"], band_width(entry["worst"]))
         for entry in _noise()
         if entry["rung"] == rung and entry["kind"] == kind
     )
-    covering = [width for measured, width in known if measured >= accuracy]
+    covering = next((measured for measured, _ in known if measured >= accuracy), None)
     if rung == "plane" and known:
-        covering = [max(width for _, width in known)]
-    if covering and covering[0] <= LARGEST:
-        return Band(covering[0])
+        covering = known[-1][0]
+    width = max((width for measured, width in known if measured <= (covering or 0)), default=inf)
+    if covering is not None and width <= LARGEST:
+        return Band(width)
     quiet = [measured for measured, width in known if width <= LARGEST]
-    if covering:
+    if covering is not None:
         said = f"re-meshing moves it by more than {percent(LARGEST)} at this accuracy"
     else:
         said = f"the re-mesh noise of {kind} by the {rung} is not measured at {percent(accuracy)}"

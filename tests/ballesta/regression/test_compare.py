@@ -162,9 +162,10 @@ def test_every_measured_band_sees_a_peak_stress_that_changes_by_five_per_cent(fa
 
 
 def near_its_limit(status, *, value=234.0, above=0.0, rung="solid"):
-    """A record whose bar is at 0.989 of 355 MPa over 1.5."""
+    """A record whose bar is at 0.989 of 355 MPa over 1.5, with bars as its verdict has them."""
     now = record(rung=rung, status=status)
-    now["parts"]["bar"]["checks"][STATIC] = check(value, 355.0, status, rung) | {"above": above}
+    bars = {"numerical": 0.02 if status == "UNDECIDED" else 0.0, "above": above}
+    now["parts"]["bar"]["checks"][STATIC] = check(value, 355.0, status, rung) | bars
     return now
 
 
@@ -190,6 +191,23 @@ def test_a_verdict_that_no_other_mesh_explains_is_told_with_the_designs(noise, s
     old, new = near_its_limit("pass", rung=rung), near_its_limit(status, above=above, rung=rung)
     found = compare(baseline(parts=old["parts"], status="pass"), new)
     assert sorted(quantities(found)) == [f"bar: {STATIC}, verdict", "the design, verdict"]
+
+
+def test_a_verdict_that_its_own_numbers_do_not_give_is_told(noise):
+    """At 235 of 236.7 MPa without a bar the check passes, whatever the record says."""
+    noise(("solid", "static", 0.05, 0.01))
+    old, new = near_its_limit("pass"), near_its_limit("FAIL", value=235.0)
+    found = compare(baseline(parts=old["parts"], status="pass"), new)
+    assert sorted(quantities(found)) == [f"bar: {STATIC}, verdict", "the design, verdict"]
+
+
+def test_a_band_at_a_coarser_accuracy_holds_what_finer_meshes_scatter(noise):
+    noise(("solid", "static", 0.03, 0.02), ("solid", "static", 0.05, 0.01))
+    meshed = check(200.0, 355.0, "pass", "solid") | {"numerical": 0.01}
+    for accuracy in (0.03, 0.04, 0.05):
+        band = bands.band_of("bar", STATIC, meshed, accuracy, {})
+        assert band.width == pytest.approx(0.03)
+    assert bands.band_of("bar", STATIC, meshed, 0.06, {}).width is None
 
 
 def test_comparing_leaves_both_records_alone():
