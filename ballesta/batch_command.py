@@ -9,11 +9,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ballesta.batch.cluster import LOCAL, scheduler_of
+from ballesta.batch.executor import Settings
 from ballesta.batch.live import live
 from ballesta.batch.memory import parse_memory
 from ballesta.batch.outcome import EXIT_CODES
 from ballesta.batch.plan import Request, claim_folder, planned
-from ballesta.batch.run import Settings, run_batch
+from ballesta.batch.run import run_batch
 from ballesta.errors import DesignError
 from ballesta.run import effort_of, guarded
 from ballesta.units import measure
@@ -44,6 +46,7 @@ class Wanted:
     reports: bool | None = None
     store: Path | None = None
     no_store: bool = False
+    executor: str = LOCAL
 
 
 def run_batch_command(designs: Sequence[Path], wanted: Wanted) -> int:
@@ -102,7 +105,11 @@ def _request(designs: Sequence[Path], wanted: Wanted) -> Request:
 def _settings(wanted: Wanted) -> Settings:
     if wanted.jobs is not None and wanted.jobs < 1:
         raise DesignError(_HERE, "--jobs", f"must be at least 1, got {wanted.jobs}")
-    return Settings(wanted.jobs, _time_limit(wanted.time_limit), _memory(wanted.memory))
+    scheduler = scheduler_of(wanted.executor)
+    if scheduler is not None and wanted.jobs is not None:
+        raise DesignError(_HERE, "--jobs", "is for --executor local: a cluster has its own workers")
+    seconds, memory = _time_limit(wanted.time_limit), _memory(wanted.memory)
+    return Settings(wanted.jobs, seconds, memory, scheduler)
 
 
 def _time_limit(text: str) -> float | None:

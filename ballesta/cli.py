@@ -151,6 +151,12 @@ def batch(
         ),
     ] = None,
     no_store: Annotated[bool, typer.Option("--no-store", help="share no stages")] = False,
+    executor: Annotated[
+        str,
+        typer.Option(
+            "--executor", metavar="WHERE", help="local, or dask://HOST:PORT for a cluster's workers"
+        ),
+    ] = "local",
 ) -> None:
     """Check many designs and their variations side by side; write index.html and tables.
 
@@ -165,7 +171,17 @@ def batch(
         from ballesta.until_command import run_until
 
         wishes = (*(overrides or ()), *([] if accuracy is None else [f"accuracy={accuracy}"]))
-        search = Search(out, until, wishes, fidelity, within, sample)
+        given = {
+            "--sample": sample is not None,
+            "--jobs": jobs is not None,
+            "--time-limit": time_limit != "600s",
+            "--memory": memory is not None,
+            "--reports": reports is not None,
+            "--no-store": no_store,
+            "--executor": executor != "local",
+        }
+        unused = tuple(option for option, is_given in given.items() if is_given)
+        search = Search(out, until, wishes, fidelity, within, store, unused)
         raise typer.Exit(run_until(designs, sweeps or (), search))
     from ballesta.batch_command import Wanted, run_batch_command
 
@@ -184,6 +200,7 @@ def batch(
         reports=reports,
         store=store,
         no_store=no_store,
+        executor=executor,
     )
     raise typer.Exit(run_batch_command(designs, wanted))
 

@@ -16,11 +16,12 @@ from pathlib import Path
 from time import perf_counter, process_time, sleep
 from typing import Any
 
+from ballesta.batch.executor import Settings
 from ballesta.batch.job import RUN, Job
 from ballesta.batch.memory import resident_bytes
 from ballesta.batch.outcome import GAVE_UP, ended
 from ballesta.batch.plan import Plan, Request, planned
-from ballesta.batch.run import Settings, run_batch
+from ballesta.batch.run import run_batch
 
 ROOT = Path(__file__).parents[1]
 PRESS = ROOT / "designs" / "toggle_press.toml"
@@ -29,10 +30,10 @@ MODEST = ("parts.bar_upper.mesh.fineness=0.4", "parts.bar_lower.mesh.fineness=0.
           "accuracy=20 %")  # fmt: skip
 
 
-def nothing(job: dict[str, Any]) -> dict[str, Any]:
+def nothing(job: dict[str, Any], seconds: float = SECONDS) -> dict[str, Any]:
     """A job that takes its time and says how long that was."""
     start = perf_counter()
-    sleep(SECONDS)
+    sleep(seconds)
     done = ended(Job(**{**job, "overrides": tuple(job["overrides"])}), GAVE_UP, "nothing", "")
     return done | {"seconds": perf_counter() - start}
 
@@ -66,12 +67,21 @@ class Watch:
         """Nothing is shown."""
 
 
-def run(plan: Plan, out: Path, workers: int, function: str = RUN) -> tuple[Watch, float]:
+def run(plan: Plan, out: Path, settings: Settings, function: str = RUN) -> tuple[Watch, float]:
     """Run a plan; returns what was seen and the time until the tables were written."""
     out.mkdir(parents=True, exist_ok=True)
     watch, start = Watch(), perf_counter()
-    run_batch(plan, out, Settings(workers, None), watch, function=function)
+    run_batch(plan, out, settings, watch, function=function)
     return watch, perf_counter() - start
+
+
+def idle_plan(folder: Path, count: int) -> Plan:
+    """Jobs for functions that look at none of what they are given."""
+    jobs = [
+        Job(f"j{k:04d}", f"{k}", (), "formula", None, None, str(folder / f"j{k}"))
+        for k in range(count)
+    ]
+    return Plan(tuple(jobs), {})
 
 
 def overhead(folder: Path, workers: int = 2) -> dict[str, float]:
@@ -81,12 +91,9 @@ def overhead(folder: Path, workers: int = 2) -> dict[str, float]:
     """
     os.environ["PYTHONPATH"] = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
     first, count = 20, 100
-    jobs = [
-        Job(f"j{k:03d}", f"{k}", (), "formula", None, None, str(folder / f"j{k}"))
-        for k in range(first + count)
-    ]
     start = perf_counter()
-    watch, seconds = run(Plan(tuple(jobs), {}), folder, workers, "bench.batch:nothing")
+    plan, settings = idle_plan(folder, first + count), Settings(workers, None)
+    watch, seconds = run(plan, folder, settings, "bench.batch:nothing")
     spent = start + seconds - watch.ends[first - 1]
     work = sum(watch.work[first:]) / workers
     tables = start + seconds - watch.ends[-1]
@@ -109,13 +116,13 @@ def press(folder: Path, count: int) -> dict[str, float]:
         out = folder / f"workers_{workers}"
         request = Request((str(PRESS),), MODEST, (sweep,), fidelity="solid")
         plan = planned(request, out, False)
-        watch, seconds = run(plan, out, workers)
+        watch, seconds = run(plan, out, Settings(workers, None))
         begun = min(end - work for end, work in zip(watch.ends, watch.work, strict=True))
         times[workers] = watch.ends[-1] - begun
         found[f"{workers} workers s"] = times[workers]
         found[f"{workers} workers, work s"] = sum(watch.work)
         found[f"{workers} workers, overhead"] = times[workers] * workers / sum(watch.work) - 1.0
-        _, again = run(plan, out, workers)
+        _, again = run(plan, out, Settings(workers, None))
         found[f"{workers} workers, second run"] = again / seconds
     same = {(folder / f"workers_{workers}" / "results.csv").read_bytes() for workers in (1, 2)}
     return found | {"two over one": times[1] / times[2], "same tables": len(same) == 1}
@@ -125,7 +132,7 @@ def memory(folder: Path, count: int) -> dict[str, float]:
     """Largest worker and parent in the first and the last tenth of many formula designs."""
     sweep = f"parts.bar_upper.wall = 5..7 mm : {count}"
     plan = planned(Request((str(PRESS),), (), (sweep,), fidelity="formula"), folder, False)
-    watch, _ = run(plan, folder, 1)
+    watch, _ = run(plan, folder, Settings(1, None))
     with (folder / "timings.csv").open(encoding="utf-8", newline="") as rows:
         peaks = [int(row["peak_memory_bytes"]) for row in csv.DictReader(rows)]
     tenth = max(count // 10, 1)

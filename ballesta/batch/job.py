@@ -149,6 +149,16 @@ def sources_digests(design: "Design") -> dict[str, str]:
     }
 
 
+def text_digest(file: Path) -> str | None:
+    """The sha256 of a file's text as designs read it; None if it cannot be read."""
+    from ballesta.design_files import read_text
+
+    try:
+        return sha256(read_text(file).encode()).hexdigest()
+    except DesignError:
+        return None
+
+
 def _sources_of(job: Job) -> dict[str, str]:
     """Digests of the files of a design that ended without a result; none if it is unreadable."""
     from ballesta.design import read_design

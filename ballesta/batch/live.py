@@ -32,7 +32,8 @@ class Lines:
 
     def workers(self, count: int) -> None:
         """Tell how many run beside each other."""
-        self.say(f"{self.total - self.done} designs to check, {count} at a time")
+        workers = f"{count} at a time" if count else "waiting for workers"
+        self.say(f"{self.total - self.done} designs to check, {workers}")
 
     def finished(self, outcome: Mapping[str, Any], timings: Mapping[str, float]) -> None:
         """Tell of a finished design."""

@@ -66,14 +66,21 @@ class Pool:
     """Runs jobs by a function that is named "module:function" in `most` workers at a time.
 
     folder  of what workers keep for a moment; removed at the end, as is what a kill has left there
+    cwd     that the paths of jobs start from; None for where this process is
 
     To be used by one thread: on Linux its workers end with the thread that started them.
     """
 
     def __init__(
-        self, function: str, most: int, limits: Limits, admission: Admission, folder: Path
+        self,
+        function: str,
+        most: int,
+        limits: Limits,
+        admission: Admission,
+        folder: Path,
+        cwd: Path | None = None,
     ) -> None:
-        self._function, self._most, self._limits = function, most, limits
+        self._function, self._most, self._limits, self._cwd = function, most, limits, cwd
         self._admission = admission
         self._workers: list[WorkerProcess] = []
         self._selector = selectors.DefaultSelector()
@@ -89,6 +96,11 @@ class Pool:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+    @property
+    def at_a_time(self) -> int:
+        """How many jobs run beside each other, as far as is known by now."""
+        return self._admission.fitting(self._most)
 
     @property
     def running(self) -> list[tuple[int, float, Sequence[str]]]:
@@ -111,7 +123,7 @@ class Pool:
 
     def start(self, jobs: int) -> None:
         """Start workers for so many jobs ahead of `results`."""
-        for _ in range(min(jobs, self._admission.fitting(self._most))):
+        for _ in range(min(jobs, self.at_a_time)):
             self._start()
 
     def close(self) -> None:
@@ -126,7 +138,7 @@ class Pool:
 
     def _hand_out(self) -> None:
         busy = sum(worker.task is not None for worker in self._workers)
-        queue, room, cap = self._waiting, self._admission.fitting(self._most), self._limits.beside
+        queue, room, cap = self._waiting, self.at_a_time, self._limits.beside
         if not queue and self._alone and not busy:
             queue, room, cap = self._alone, 1, self._limits.alone
         while queue and busy < room:
@@ -143,7 +155,7 @@ class Pool:
             self._start()
 
     def _start(self) -> None:
-        worker = WorkerProcess(self._function, self._folder / f"worker_{self._started}")
+        worker = WorkerProcess(self._function, self._folder / f"worker_{self._started}", self._cwd)
         self._started += 1
         self._workers.append(worker)
         self._selector.register(worker, selectors.EVENT_READ, worker)

@@ -3,14 +3,14 @@
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from hashlib import sha256
 from pathlib import Path
 from typing import Any, Protocol
 
-from ballesta.batch.job import RUN, Job, step_of
+from ballesta.batch.executor import Executor, Settings, executor_of
+from ballesta.batch.job import RUN, Job, step_of, text_digest
 from ballesta.batch.journal import Entry, Journal, Write
-from ballesta.batch.memory import FIRST_ESTIMATE, FIRST_ESTIMATES, Admission, planned_budget
 from ballesta.batch.outcome import (
     NOT_RUN,
     STOPPED,
@@ -20,26 +20,9 @@ from ballesta.batch.outcome import (
     folder_error,
 )
 from ballesta.batch.plan import Plan
-from ballesta.batch.pool import Finished, Limits, Pool, PoolError, fatal_words
+from ballesta.batch.pool import Finished, PoolError, fatal_words
 from ballesta.batch.results import prepare, write_results
 from ballesta.errors import DesignError, NumericsError
-
-SCRATCH = ".work"  # in the batch's folder, while it runs
-
-
-@dataclass(frozen=True)
-class Settings:
-    """How a batch is run; none of it changes a result.
-
-    workers  processes at a time at most; None for one per core
-    seconds  that a design may take; None for any time
-    memory   bytes that a design may take; None for its share of what is free, and all of that,
-             by itself, where the share is not enough
-    """
-
-    workers: int | None = None
-    seconds: float | None = 600.0
-    memory: int | None = None
 
 
 class Live(Protocol):
@@ -52,7 +35,7 @@ class Live(Protocol):
         """So many jobs of all were done before; so many records of the journal were damaged."""
 
     def workers(self, count: int) -> None:
-        """So many workers run beside each other."""
+        """So many workers run beside each other; 0 if they are still to come."""
 
     def finished(self, outcome: Mapping[str, Any], timings: Mapping[str, float]) -> None:
         """A job has ended."""
@@ -96,7 +79,7 @@ def run_batch(
             live.kept(done, len(plan.jobs), journal.damaged)
             try:
                 left = [index for index, outcome in enumerate(outcomes) if outcome is None]
-                for finished in _run(plan, left, settings, live, function, out / SCRATCH):
+                for finished in _run(plan, left, settings, live, function, out):
                     entries = [_entry(plan.jobs[f.index], keys[f.index], f) for f in finished]
                     journal.add(entries)
                     for f in finished:
@@ -131,39 +114,23 @@ def _run(
     settings: Settings,
     live: Live,
     function: str,
-    scratch: Path,
+    out: Path,
 ) -> Iterator[list[Finished]]:
     if not left:
         return
-    budget = planned_budget()
-    fidelities = {plan.jobs[index].fidelity for index in left}
-    estimate = max(FIRST_ESTIMATES.get(name, FIRST_ESTIMATE) for name in fidelities)
-    if settings.memory is not None:
-        estimate = min(estimate, settings.memory)
-    most = min(settings.workers or cores(), len(left))
-    admission = Admission(budget, estimate)
-    share = max(budget // admission.fitting(most), 1)
-    limits = Limits(settings.seconds, settings.memory or share, settings.memory or budget)
-    live.workers(admission.fitting(most))
-    with Pool(function, most, limits, admission, scratch) as pool:
-        pool.start(len(left))
+    jobs = [plan.jobs[index] for index in left]
+    with executor_of(jobs, settings, function, out, live.say) as executor:
+        executor.start(len(jobs))
+        live.workers(executor.at_a_time)
         prepare()
-        for finished in pool.results([(index, asdict(plan.jobs[index])) for index in left]):
+        for finished in executor.results(list(zip(left, map(asdict, jobs), strict=True))):
             yield finished
-            live.running(lambda: _steps(plan, pool))
+            live.running(lambda: _steps(plan, executor))
 
 
-def _steps(plan: Plan, pool: Pool) -> list[tuple[str, float, str]]:
+def _steps(plan: Plan, executor: Executor) -> list[tuple[str, float, str]]:
     """Name, seconds and step of every job that is being run."""
-    return [(plan.jobs[i].name, s, step_of("\n".join(said))) for i, s, said in pool.running]
-
-
-def cores() -> int:
-    """Cores that this process may use."""
-    try:
-        return len(os.sched_getaffinity(0))
-    except AttributeError:  # not on every system
-        return os.cpu_count() or 1
+    return [(plan.jobs[i].name, s, step_of("\n".join(said))) for i, s, said in executor.running]
 
 
 def key_of(job: Job) -> str:
@@ -199,14 +166,8 @@ def _still_holds(entry: Entry, job: Job, seen: dict[str, str | None]) -> bool:
 
 
 def _text_digest(file: str, seen: dict[str, str | None]) -> str | None:
-    """The sha256 of a file's text as designs read it; None if it cannot be read."""
-    from ballesta.design_files import read_text
-
     if file not in seen:
-        try:
-            seen[file] = sha256(read_text(Path(file)).encode()).hexdigest()
-        except DesignError:
-            seen[file] = None
+        seen[file] = text_digest(Path(file))
     return seen[file]
 
 

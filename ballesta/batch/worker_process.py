@@ -39,9 +39,10 @@ class WorkerProcess:
     """A started interpreter that runs one job after the other.
 
     folder  of its log and of what it keeps for a moment; removed with it
+    cwd     that the paths of its jobs start from; None for where this process is
     """
 
-    def __init__(self, function: str, folder: Path) -> None:
+    def __init__(self, function: str, folder: Path, cwd: Path | None = None) -> None:
         self.task: Task | None = None
         self.ready = False
         self.done = 0  # jobs
@@ -64,7 +65,7 @@ class WorkerProcess:
                 # -P: modules of the user's own folder must not stand in for ours
                 [sys.executable, "-P", "-m", "ballesta.batch.worker", function],
                 stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=log,
-                env=environment, start_new_session=True, bufsize=0,
+                env=environment, cwd=cwd, start_new_session=True, bufsize=0,
             )  # fmt: skip
 
     @property

@@ -1,0 +1,87 @@
+"""Who runs the jobs of a batch: processes of this machine, or dask workers on others."""
+
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol, Self
+
+from ballesta.batch.cluster import Cluster
+from ballesta.batch.job import Job
+from ballesta.batch.memory import FIRST_ESTIMATE, FIRST_ESTIMATES, Admission, planned_budget
+from ballesta.batch.pool import Finished, Limits, Pool
+
+SCRATCH = ".work"  # in the batch's folder, while it runs
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How a batch is run; none of it changes a result.
+
+    workers    processes at a time at most; None for one per core
+    seconds    that a design may take; None for any time
+    memory     bytes that a design may take; None for its share of what is free, and all of that,
+               by itself, where the share is not enough
+    scheduler  of dask workers, as `cluster.scheduler_of` returns it; None for this machine
+    """
+
+    workers: int | None = None
+    seconds: float | None = 600.0
+    memory: int | None = None
+    scheduler: str | None = None
+
+
+class Executor(Protocol):
+    """Runs jobs; `Pool` and `Cluster` do."""
+
+    def __enter__(self) -> Self:
+        """Nothing happens yet."""
+
+    def __exit__(self, *_: object) -> None:
+        """Stop whatever is being run."""
+
+    def start(self, jobs: int) -> None:
+        """Make ready for so many jobs ahead of `results`."""
+
+    @property
+    def at_a_time(self) -> int:
+        """How many jobs run beside each other, as far as is known by now."""
+
+    def results(self, jobs: Sequence[tuple[int, Mapping[str, Any]]]) -> Iterator[list[Finished]]:
+        """Run jobs, (place, data as JSON knows it); yields those that ended since the last time.
+
+        Also yields an empty list many times a second, for who shows progress.
+        """
+
+    @property
+    def running(self) -> list[tuple[int, float, Sequence[str]]]:
+        """Place, seconds and last words of the jobs that are being run, as far as known."""
+
+
+def executor_of(
+    jobs: Sequence[Job], settings: Settings, function: str, out: Path, say: Callable[[str], None]
+) -> Executor:
+    """Who runs some jobs by a function "module:function".
+
+    out  folder of the batch
+    say  who is told what the user should know
+    """
+    if settings.scheduler is not None:
+        return Cluster(settings.scheduler, function, settings.seconds, settings.memory, out, say)
+    budget = planned_budget()
+    estimate = max(FIRST_ESTIMATES.get(job.fidelity, FIRST_ESTIMATE) for job in jobs)
+    if settings.memory is not None:
+        estimate = min(estimate, settings.memory)
+    most = min(settings.workers or _cores(), len(jobs))
+    admission = Admission(budget, estimate)
+    share = max(budget // admission.fitting(most), 1)
+    limits = Limits(settings.seconds, settings.memory or share, settings.memory or budget)
+    return Pool(function, most, limits, admission, out / SCRATCH)
+
+
+def _cores() -> int:
+    """Cores that this process may use."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:  # not on every system
+        return os.cpu_count() or 1
