@@ -34,11 +34,13 @@ demo: $(READY)
 	@$(BIN)/ballesta check designs/toggle_press.toml --out out || test $$? -eq 1
 	@echo "report: out/toggle_press/report.html"
 
+# A module's tests stay on one core: they share what it has computed.
 test: $(PEERS)
-	@$(BIN)/python -m pytest -m "not slow"
+	@$(BIN)/python -m pytest -m "not slow" --numprocesses auto --maxprocesses 4 --dist loadscope
 
 slow: $(PEERS)
 	@$(BIN)/python -m pytest -m slow
+	@$(BIN)/python -m pytest designs
 
 lint: $(READY)
 	@$(BIN)/ruff check .
