@@ -206,7 +206,7 @@ def _told_of_folder(folder: Path) -> Iterator[None]:
 
 def output_folders(designs: Sequence[Path], out: Path) -> list[Path]:
     """One folder per design, named after its file; designs of one name get their folder's too."""
-    stems = [path.stem for path in designs]
+    stems = [folder_name(path.stem) for path in designs]
     folders: list[Path] = []
     for path, stem in zip(designs, stems, strict=True):
         name = stem if stems.count(stem) == 1 else f"{path.resolve().parent.name}_{stem}"
@@ -215,6 +215,15 @@ def output_folders(designs: Sequence[Path], out: Path) -> list[Path]:
             folder, number = out / f"{name}_{number}", number + 1
         folders.append(folder)
     return folders
+
+
+def folder_name(stem: str) -> str:
+    """Name of the folder of a file's results: inside of the output folder, and not hidden.
+
+    >>> folder_name(".."), folder_name(".work"), folder_name("press")
+    ('design', 'work', 'press')
+    """
+    return stem.lstrip(".") or "design"
 
 
 def guarded(work: Callable[[], int | None]) -> int:

@@ -71,6 +71,7 @@ def run_until(designs: Sequence[Path], sweeps: Sequence[str], wanted: Wanted) ->
         def one(file: Path, folder: Path) -> int:
             with _told_of_out(wanted.out):
                 folder.mkdir(parents=True, exist_ok=True)
+            before = read_design(file, wanted.overrides).sources
             result = until_pass(
                 file,
                 sweeps[0],
@@ -80,6 +81,8 @@ def run_until(designs: Sequence[Path], sweeps: Sequence[str], wanted: Wanted) ->
                 check=stored_check(file, effort, store),
                 say=lambda text: print(f"{file.stem}: {text}", file=sys.stderr, flush=True),
             )
+            if read_design(file, wanted.overrides).sources != before:
+                raise DesignError(file, "--until", "was edited during the search: search again")
             _write(result, folder / "until.json", wanted.out)
             found.append(result.to_dict())
             if not wanted.as_json:
@@ -117,14 +120,15 @@ def stored_check(
     file: Path, effort: Effort, store: Store | None
 ) -> Callable[[tuple[str, ...]], DesignResult]:
     """Return a check of a design with overrides that computes nothing twice."""
-    from ballesta.check import check_file
+    from ballesta.check import check_design
 
     def check(overrides: tuple[str, ...]) -> DesignResult:
         kept = recalled_result(store, file, overrides, effort)
         if kept is not None:
             return kept.result
-        result = check_file(file, overrides, effort=effort, store=store)
-        keep_result(store, read_design(file, overrides), effort, result, {})
+        design = read_design(file, overrides)
+        result = check_design(design, effort=effort, store=store)
+        keep_result(store, design, effort, result, {})
         return result
 
     return check

@@ -1,6 +1,7 @@
 """One design of a batch: what is to be checked, and the check itself. Plain data in and out."""
 
 import errno
+import os
 import sys
 from collections.abc import Mapping
 from contextlib import redirect_stderr
@@ -59,18 +60,17 @@ def run_job(job: Job) -> dict[str, Any]:
     design is told in the outcome; a bug of ours is raised.
     """
     start = perf_counter()
-    told = _Told(sys.stderr)
+    told, sources = _Told(sys.stderr), dict[str, str]()
     _clear(Path(job.folder))
     try:
         with redirect_stderr(told):
-            result, sources = _checked(job)
+            result = _checked(job, sources)
     except (DesignError, NumericsError, OSError) as error:
         _raise_if_folder_fails(error)
         if not isinstance(error, DesignError | NumericsError):
             raise
-        status = WRONG_INPUT if isinstance(error, DesignError) else GAVE_UP
-        outcome = ended(job, status, str(error), told.step)
-        outcome["sources"] = _sources_of(job)
+        outcome = ended(job, _status_of(error), str(error), told.step)
+        outcome["sources"] = sources
     except MemoryError:
         outcome = ended(job, OUT_OF_MEMORY, "there was not enough memory", told.step)
     else:
@@ -88,8 +88,8 @@ def run_plain(job: Mapping[str, Any]) -> dict[str, Any]:
     return outcome | {"code": code_digest()}
 
 
-def _checked(job: Job) -> tuple["DesignResult", dict[str, str]]:
-    """Result of a design and the digests of the files it was read from."""
+def _checked(job: Job, sources: dict[str, str]) -> "DesignResult":
+    """Result of a design; the digests of the files it is read from are put into `sources`."""
     from ballesta.batch.thumbnail import write_thumbnail
     from ballesta.check import check_design
     from ballesta.design import read_design
@@ -104,13 +104,14 @@ def _checked(job: Job) -> tuple["DesignResult", dict[str, str]]:
     start = perf_counter()
     design = read_design(path, overrides)
     reading = perf_counter() - start
+    sources.update(sources_digests(design))
     if job.reports:
         result = check_to_folder(path, folder, overrides, effort=effort, store=store)
         if result.sha256 != design.sha256:
             raise DesignError(path, "cannot be read", "it was edited while it was being checked")
         if result.checks:
             write_thumbnail(folder, result.deciding.part)
-        return result, sources_digests(design)
+        return result
     kept = recalled_result(store, path, overrides, effort)
     if kept is not None and kept.result.sha256 == design.sha256:
         result = kept.result
@@ -119,7 +120,7 @@ def _checked(job: Job) -> tuple["DesignResult", dict[str, str]]:
             result = check_design(design, effort=effort, say=say, reading=reading, store=store)
         keep_result(store, design, effort, result, {})
     write_json(result, folder / "result.json")
-    return result, sources_digests(design)
+    return result
 
 
 @cache
@@ -144,8 +145,7 @@ def _clear(folder: Path) -> None:
 def sources_digests(design: "Design") -> dict[str, str]:
     """Every file that a design was read from, and the sha256 of its text as it was read."""
     return {
-        str(Path(file).resolve()): sha256(text.encode()).hexdigest()
-        for file, text in design.sources
+        os.path.abspath(file): sha256(text.encode()).hexdigest() for file, text in design.sources
     }
 
 
@@ -159,14 +159,16 @@ def text_digest(file: Path) -> str | None:
         return None
 
 
-def _sources_of(job: Job) -> dict[str, str]:
-    """Digests of the files of a design that ended without a result; none if it is unreadable."""
-    from ballesta.design import read_design
+def _status_of(error: Exception) -> str:
+    """How a check ended that raised this: for want of memory, by its input or by its numerics."""
+    from geometry.memory import TooLargeError
 
-    try:
-        return sources_digests(read_design(job.file, job.overrides))
-    except DesignError:
-        return {}
+    cause: BaseException | None = error
+    while cause is not None:
+        if isinstance(cause, TooLargeError | MemoryError):
+            return OUT_OF_MEMORY
+        cause = cause.__cause__
+    return WRONG_INPUT if isinstance(error, DesignError) else GAVE_UP
 
 
 def _raise_if_folder_fails(error: Exception) -> None:

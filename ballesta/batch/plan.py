@@ -11,6 +11,7 @@ from typing import Any
 from ballesta.batch.files import write_whole
 from ballesta.batch.job import Job
 from ballesta.errors import DesignError
+from ballesta.run import folder_name
 
 REPORTS_UP_TO = 50  # jobs have a report each unless asked otherwise
 _FORMAT = "ballesta-batch/1"
@@ -166,7 +167,7 @@ def _notes(files: Sequence[Path], twice: set[Path]) -> list[str]:
 
 def _stem(file: Path, files: Sequence[Path]) -> str:
     alone = sum(other.stem == file.stem for other in files) == 1
-    return file.stem if alone else f"{file.resolve().parent.name}_{file.stem}"
+    return folder_name(file.stem if alone else f"{file.resolve().parent.name}_{file.stem}")
 
 
 def _untaken(wish: str, taken: set[str]) -> str:

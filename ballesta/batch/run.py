@@ -23,6 +23,7 @@ from ballesta.batch.plan import Plan
 from ballesta.batch.pool import Finished, PoolError, fatal_words
 from ballesta.batch.results import prepare, write_results
 from ballesta.errors import DesignError, NumericsError
+from ballesta.store.results import BY_THE_DAY
 
 
 class Live(Protocol):
@@ -142,7 +143,8 @@ def key_of(job: Job) -> str:
     from ballesta.fingerprints import code_digest, digest, libraries
 
     # workers have one thread each, whatever this process may take
-    told = replace(job, folder="", store=None)  # where results go changes none of them
+    # where results go changes none of them; one path may be two files from two folders
+    told = replace(job, folder="", store=None, file=os.path.abspath(job.file))
     return digest(told, code_digest(), {**libraries(), "threads": "1"})
 
 
@@ -152,6 +154,8 @@ def _still_holds(entry: Entry, job: Job, seen: dict[str, str | None]) -> bool:
     What was stopped by circumstances is tried again, and so is what cannot be read.
     """
     if entry.outcome["status"] in STOPPED or not entry.sources:
+        return False
+    if any(BY_THE_DAY in check["note"] for check in entry.outcome.get("checks", ())):
         return False
     if any(_text_digest(file, seen) != known for file, known in entry.sources.items()):
         return False

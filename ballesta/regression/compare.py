@@ -80,7 +80,9 @@ def compare(baseline: Baseline, now: Mapping[str, Any]) -> Comparison:
     before, accuracy = baseline.record, float(now["accuracy"])
     rows: list[Row] = []
     bandless: list[tuple[str, str]] = []
-    turned: dict[tuple[str, str], str] = {}
+    turned: dict[tuple[str, str], str] | None = (
+        {} if _same_design(before["stages"], now["stages"]) else None
+    )
     for part in _names(before["parts"], now["parts"]):
         old, new = before["parts"].get(part), now["parts"].get(part)
         if old is None or new is None:
@@ -92,7 +94,7 @@ def compare(baseline: Baseline, now: Mapping[str, Any]) -> Comparison:
             rows += _left(part, key, was, found, accuracy, baseline.shares, bandless, turned)
     for key, was, found in _checks(before[LINKAGE], now[LINKAGE]):
         rows += _left(LINKAGE, key, was, found, accuracy, baseline.shares, bandless, turned)
-    rows = [*_design_verdict(before, now, turned), *rows]
+    rows = [*_design_verdict(before, now, turned or {}), *rows]
     rows.sort(key=lambda row: -(inf if row.change is None else abs(row.change)))
     return Comparison(rows, bandless, causes(before["stages"], now["stages"]))
 
@@ -123,11 +125,13 @@ def _left(
     accuracy: float,
     stated: Mapping[str, float],
     bandless: list[tuple[str, str]],
-    turned: dict[tuple[str, str], str],
+    turned: dict[tuple[str, str], str] | None,
 ) -> Iterator[Row]:
     """Rows of a check: its value, safety, verdict and rung, as far as they left.
 
-    bandless, turned  what has no band, and verdicts so far that another mesh turned; added to
+    bandless  what has no band; added to
+    turned    verdicts so far that another mesh turned; added to. None for a design that was
+              edited: its verdicts are the edit's
     """
     name = f"{part}: {key}"
     if was is None or found is None:
@@ -135,7 +139,8 @@ def _left(
         return
     band = band_of(part, key, found, accuracy, stated)
     if was["status"] != found["status"]:
-        if is_mesh_noise(was["status"], found, key.partition(":")[0], accuracy, band):
+        kind = key.partition(":")[0]
+        if turned is not None and is_mesh_noise(was["status"], found, kind, accuracy, band):
             turned[part, key] = was["status"]
         else:
             yield Row(f"{name}, verdict", was["status"], found["status"], None, "")
@@ -183,6 +188,12 @@ def _design_verdict(
     as_before = worst({**verdicts, **turned}.values()) == before["status"]
     if before["status"] != now["status"] and not (turned and by_checks and as_before):
         yield Row("the design, verdict", before["status"], now["status"], None, "")
+
+
+def _same_design(before: Mapping[str, str], now: Mapping[str, str]) -> bool:
+    """Whether two records are of one design, be it by other code or libraries."""
+    stages = (set(before) | set(now)) - {"code", "libraries"}
+    return all(before.get(stage) == now.get(stage) for stage in stages)
 
 
 def causes(before: Mapping[str, str], now: Mapping[str, str]) -> list[str]:

@@ -183,7 +183,9 @@ def _check_checks(checks: Mapping[str, Any], where: str) -> None:
         check, here = _table(checks, key, where), f"{where}{key}."
         if not _is_number(check.get("value")):
             raise ValueError(f"{here}value: must be a number, got {check.get('value')!r}")
-        if check.get("safety") is not None and not _is_number(check["safety"]):
+        if "safety" not in check:
+            raise ValueError(f"{here}safety: is missing; it must be a number or null")
+        if check["safety"] is not None and not _is_number(check["safety"]):
             raise ValueError(f"{here}safety: must be a number or null, got {check['safety']!r}")
         for name in ("unit", "status", "rung"):
             _text_of(check, name, here)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ballesta.effort import Effort
 
 # What stopped short for lack of memory may go further on another day.
-_BY_THE_DAY = "a finer mesh was not solved"
+BY_THE_DAY = "a finer mesh was not solved"
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +56,7 @@ def keep_result(
     files: Mapping[str, bytes],
 ) -> None:
     """Keep a result, unless the clock or a lack of memory has cut it short."""
-    by_the_day = any(_BY_THE_DAY in check.note for check in result.checks)
+    by_the_day = any(BY_THE_DAY in check.note for check in result.checks)
     if store is None or effort.within is not None or by_the_day:
         return
     texts = {name: _sha256(text) for name, text in design.sources}

@@ -294,7 +294,7 @@ def test_the_command_prints_the_search_writes_it_and_computes_nothing_twice(
     def never(*_, **__):
         raise AssertionError("checked again")
 
-    monkeypatch.setattr("ballesta.check.check_file", never)
+    monkeypatch.setattr("ballesta.check.check_design", never)
     assert command(file, tmp_path / "out", THICK) == code
     assert capsys.readouterr().out == first
 
@@ -302,24 +302,50 @@ def test_the_command_prints_the_search_writes_it_and_computes_nothing_twice(
 def test_a_search_that_was_stopped_goes_on_with_what_it_had(file, tmp_path, monkeypatch, capsys):
     from ballesta import check
 
-    real, checked = check.check_file, []
+    real, checked = check.check_design, []
 
-    def stops(path, overrides, **options):
+    def stops(design, **options):
         if len(checked) == 2:
             raise KeyboardInterrupt
-        checked.append(overrides)
-        return real(path, overrides, **options)
+        checked.append(design.overrides)
+        return real(design, **options)
 
-    monkeypatch.setattr(check, "check_file", stops)
+    monkeypatch.setattr(check, "check_design", stops)
     with pytest.raises(KeyboardInterrupt):
         command(file, tmp_path / "out", THICK)
     again = []
     monkeypatch.setattr(
-        check, "check_file", lambda path, given, **o: again.append(given) or real(path, given, **o)
+        check,
+        "check_design",
+        lambda design, **o: again.append(design.overrides) or real(design, **o),
     )
     command(file, tmp_path / "out", THICK)
     assert len(again) == 2
     assert not set(again) & set(checked)
+
+
+def test_a_design_that_is_edited_during_its_search_gives_no_answer_and_spoils_no_store(
+    file, tmp_path, monkeypatch, capsys
+):
+    from ballesta import check
+
+    real, thick = check.check_design, file.read_text(encoding="utf-8")
+    thin = thick.replace('width = "30 mm"', 'width = "20 mm"')
+
+    def edited_meanwhile(design, **options):
+        file.write_text(thin, encoding="utf-8")
+        return real(design, **options)
+
+    monkeypatch.setattr(check, "check_design", edited_meanwhile)
+    assert command(file, tmp_path / "out", THICK) == 2
+    assert "was edited during the search" in capsys.readouterr().err
+    assert not (tmp_path / "out" / "machine" / "until.json").exists()
+    monkeypatch.setattr(check, "check_design", real)
+    command(file, tmp_path / "out", THICK)
+    kept = json.loads((tmp_path / "out" / "machine" / "until.json").read_text("utf-8"))
+    command(file, tmp_path / "fresh", THICK)
+    fresh = json.loads((tmp_path / "fresh" / "machine" / "until.json").read_text("utf-8"))
+    assert kept["trials"] == fresh["trials"]
 
 
 @pytest.mark.parametrize(
@@ -360,7 +386,7 @@ def test_a_bad_design_costs_itself_alone_and_json_holds_the_others(file, tmp_pat
 def test_an_output_folder_that_cannot_be_written_is_told_before_anything_is_checked(
     file, tmp_path, capsys, monkeypatch
 ):
-    monkeypatch.setattr("ballesta.check.check_file", None)
+    monkeypatch.setattr("ballesta.check.check_design", None)
     (tmp_path / "taken").write_text("a file")
     assert command(file, tmp_path / "taken", THICK) == 2
     assert "--out: cannot be written" in capsys.readouterr().err

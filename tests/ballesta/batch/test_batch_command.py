@@ -226,3 +226,25 @@ def test_the_documentation_names_every_option_of_the_command(command):
     run = command("batch", "--help", out=Path())
     options = set(re.findall(r"--[a-z][a-z-]+", run.stdout)) - {"--help", "--no-sobol"}
     assert {option for option in options if f"`{option}" not in text} == set()
+
+
+def test_a_link_that_leads_to_another_file_is_checked_again(command, tmp_path):
+    (tmp_path / "one.toml").write_text(GOOD)
+    (tmp_path / "two.toml").write_text(GOOD.replace("400 N", "900 kN"))
+    folder, out = tmp_path / "designs", tmp_path / "out"
+    folder.mkdir()
+    for target, status in (("one.toml", "UNDECIDED"), ("two.toml", "FAIL")):
+        (folder / "m.toml").unlink(missing_ok=True)
+        (folder / "m.toml").symlink_to(tmp_path / target)
+        command("batch", str(folder), "--out", str(out), *QUICK, out=out)
+        assert statuses(out) == {"m": status}
+
+
+def test_no_design_writes_outside_of_its_own_folder(command, tmp_path):
+    (tmp_path / "...toml").write_text(GOOD)
+    (tmp_path / "report.html").write_text("the user's own")
+    out = tmp_path / "out"
+    command("batch", str(tmp_path / "...toml"), "--out", str(out), *QUICK, out=out)
+    assert statuses(out) == {"design": "UNDECIDED"}
+    assert (tmp_path / "report.html").read_text() == "the user's own"
+    assert not (tmp_path / "result.json").exists()

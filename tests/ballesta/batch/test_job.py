@@ -2,11 +2,13 @@ import errno
 import json
 import os
 from dataclasses import replace
+from hashlib import sha256
 
 import pytest
 
 from ballesta.batch.job import FolderError, Job, run_job
-from ballesta.errors import NumericsError
+from ballesta.errors import DesignError, NumericsError
+from geometry.memory import TooLargeError
 
 from ..small_machine import MACHINE, PLATE
 
@@ -71,3 +73,26 @@ def test_what_another_batch_has_found_is_taken_from_a_shared_store(job, tmp_path
     assert again["result_sha256"] == before["result_sha256"]
     with pytest.raises(AssertionError, match="checked again"):
         run_job(replace(first, overrides=("parts.rod.thickness=9.1 mm",)))
+
+
+def test_a_lack_of_memory_is_no_wrong_input_and_is_tried_again(job, monkeypatch):
+    def too_large(design, **_):
+        try:
+            raise TooLargeError("2 GiB needed, 1 GiB is free")
+        except TooLargeError as error:
+            raise DesignError(design.file, "parts.rod", str(error)) from error
+
+    monkeypatch.setattr("ballesta.check.check_design", too_large)
+    assert run_job(job)["status"] == "out of memory"
+
+
+def test_a_failed_design_is_remembered_by_the_text_that_was_checked(job, monkeypatch, tmp_path):
+    file = tmp_path / "machine.toml"
+    checked = file.read_text()
+
+    def mended(design, **_):
+        file.write_text(checked + "# mended\n")
+        raise NumericsError("it does not converge", "rod", "change it")
+
+    monkeypatch.setattr("ballesta.check.check_design", mended)
+    assert run_job(job)["sources"] == {str(file): sha256(checked.encode()).hexdigest()}

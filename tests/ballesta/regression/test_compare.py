@@ -215,3 +215,11 @@ def test_comparing_leaves_both_records_alone():
     copies = copy.deepcopy((before.record, now))
     compare(before, now)
     assert (before.record, now) == copies
+
+
+def test_an_edit_that_turns_a_verdict_is_told_however_near_the_limit_is(noise):
+    noise(("solid", "static", 0.05, 0.01))
+    old, new = near_its_limit("pass"), near_its_limit("UNDECIDED", value=235.0)
+    new["stages"] = new["stages"] | {"bar: judgement": "edited"}
+    found = compare(baseline(parts=old["parts"], status="pass"), new)
+    assert f"bar: {STATIC}, verdict" in quantities(found)
