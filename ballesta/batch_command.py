@@ -18,6 +18,7 @@ from ballesta.batch.plan import Request, claim_folder, planned
 from ballesta.batch.run import run_batch
 from ballesta.errors import DesignError
 from ballesta.run import effort_of, guarded
+from ballesta.sweep_text import parse_sweep
 from ballesta.units import measure
 
 STOPPED = 130  # as shells report an interrupt
@@ -90,6 +91,9 @@ def _request(designs: Sequence[Path], wanted: Wanted) -> Request:
     effort_of(wanted.fidelity, wanted.within)  # raises what is wrong with them
     if wanted.sample is not None and not wanted.sweeps:
         raise DesignError(_HERE, "--sample", "needs a --sweep to take samples from")
+    swept = {key for text in wanted.sweeps for key in parse_sweep(text).keys}
+    if wanted.accuracy is not None and "accuracy" in swept:
+        raise DesignError(_HERE, "--accuracy", "is swept, too: leave out one of the two")
     return Request(
         tuple(str(path) for path in designs),
         wanted.overrides,

@@ -128,6 +128,7 @@ def test_another_batch_is_not_mixed_into_the_folder(bad, command):
         (["--time-limit", "0 s"], "--time-limit: must be above 0 s"),
         (["--memory", "much"], "--memory: must be a size"),
         (["--sample", "8"], "--sample: needs a --sweep"),
+        (["--accuracy", "3 %", "--sweep", "accuracy = 5 %, 10 %"], "--accuracy: is swept, too"),
         (["--fidelity", "sold"], "did you mean solid"),
         (["--sweep", "parts.rod.widht = 20..30 mm : 3"], "did you mean"),
     ],

@@ -21,6 +21,7 @@ from ballesta.part_strength import elastic_of
 from ballesta.store.linkage import stored_mode
 from ballesta.store.solutions import StoredSolutions
 from ballesta.store.store import Store
+from geometry.sizing import SizeField
 
 from ..small_machine import PLATE, machine
 
@@ -222,3 +223,20 @@ def test_the_factor_is_made_when_it_is_first_used_and_once(solutions, tmp_path, 
 
 def test_models_without_a_store_solve_as_ever(solutions):
     assert type(solutions[0]) is fem.unit_solutions.UnitSolutions
+
+
+def test_a_mesh_of_other_wanted_sizes_is_another_mesh(tmp_path, monkeypatch):
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    fields = [SizeField(corners, np.array([[0, 1, 2, 3]]), np.full(4, size)) for size in (1.0, 2.0)]
+    made = []
+
+    def mesh_shape(shape, *, fineness, sizes):
+        made.append((fineness, sizes))
+        return len(made)
+
+    monkeypatch.setattr(ballesta.store.meshes, "mesh_shape", mesh_shape)
+    store = Store(tmp_path / "store")
+    wanted = [(1.0, None), (1.0, fields[0]), (1.0, fields[1]), (2.0, None)]
+    first = [ballesta.store.meshes.stored_mesh(store, "shape", *each) for each in wanted]
+    again = [ballesta.store.meshes.stored_mesh(store, "shape", *each) for each in wanted]
+    assert first == again == [1, 2, 3, 4]
