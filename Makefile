@@ -24,7 +24,7 @@ $(READY): pyproject.toml requirements.txt tools/system_libraries.sh
 	@$(BIN)/python -m pip install --quiet --no-deps --editable .
 	@touch $(READY)
 
-# What tests and benchmarks compare with; they say so where it is missing.
+# What tests and benchmarks compare with, and the browser; they say so where it is missing.
 $(PEERS): $(READY)
 	@tools/system_libraries.sh $(PYTHON) peers
 	@touch $(PEERS)

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Make sure that the system libraries are there which Python packages cannot bring along.
 # Installs them where it may (root, or sudo without a password); else names them with their cure.
-# With "peers" as the second argument: the programs that tests compare ballesta with. Tests skip
-# what is missing, so these are named and never an error.
+# With "peers" as the second argument: the programs that tests compare ballesta with, and the browser
+# that they open its pages in. Tests skip what is missing, so these are named and never an error.
 set -euo pipefail
 python=${1:-python3}
 
@@ -17,7 +17,8 @@ PY
 
 need=2
 if [ "${2:-}" = peers ]; then
-  wanted=(calculix-ccx)
+  wanted=(calculix-ccx   # a peer in solid mechanics
+          chromium)      # opens the reports in tests
   need=0
 fi
 

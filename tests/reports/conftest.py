@@ -1,0 +1,101 @@
+"""Pages opened as a reader opens them: from a file, without a network, in Debian's Chromium."""
+
+import os
+import shutil
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+REQUIRED = os.environ.get("BALLESTA_BROWSER") == "required"  # as .ci/run sets it
+SOFTWARE_GL = ("--disable-gpu", "--enable-unsafe-swiftshader", "--use-angle=swiftshader")
+NO_GL = ("--disable-gpu", "--disable-3d-apis")
+_QUIET = (
+    "--disable-dev-shm-usage", "--disable-quic", "--no-first-run", "--disable-sync",
+    "--disable-background-networking", "--disable-component-update",
+)  # fmt: skip
+
+
+@dataclass
+class Opened:
+    """A page in the browser, what it said on the console, and what it asked for elsewhere."""
+
+    page: Any
+    told: list[str] = field(default_factory=list)
+    asked: list[str] = field(default_factory=list)
+
+    def assert_quiet(self) -> None:
+        """Assert that nothing was told on the console and nothing asked for from a network."""
+        assert self.told == []
+        assert [url for url in self.asked if not url.startswith(("file:", "data:", "blob:"))] == []
+
+
+@pytest.fixture(scope="session")
+def launch() -> Iterator[Callable[..., Any]]:
+    """Return what starts a browser with some flags; equal flags give the same browser."""
+    try:
+        from playwright.sync_api import sync_playwright
+    except ImportError:
+        _missing("the package playwright is not installed: make test installs it")
+    program = shutil.which("chromium") or shutil.which("chromium-browser")
+    if program is None:
+        _missing("there is no chromium: apt-get install -y chromium")
+    browsers: dict[tuple[str, ...], Any] = {}
+    with sync_playwright() as playwright:
+
+        def start(*flags: str) -> Any:
+            flags = flags or SOFTWARE_GL
+            if flags not in browsers:
+                browsers[flags] = playwright.chromium.launch(
+                    executable_path=program, args=[*_QUIET, *flags], chromium_sandbox=False
+                )
+            return browsers[flags]
+
+        yield start
+        for browser in browsers.values():
+            browser.close()
+
+
+@pytest.fixture
+def opened(launch: Callable[..., Any]) -> Iterator[Callable[..., Opened]]:
+    """Return what opens a file in a fresh, offline page: `opened(path, width=..., flags=...)`.
+
+    Other keywords go to the browser's context: color_scheme, java_script_enabled, reduced_motion.
+    """
+    contexts = []
+
+    def open_page(
+        path: Path,
+        *,
+        width: int = 1200,
+        height: int = 800,
+        flags: tuple[str, ...] = (),
+        **context: Any,
+    ) -> Opened:
+        made = launch(*flags).new_context(viewport={"width": width, "height": height}, **context)
+        contexts.append(made)
+        made.set_offline(True)
+        page = made.new_page()
+        result = Opened(page)
+        page.on(
+            "console",
+            lambda message: (
+                result.told.append(message.text) if message.type in ("error", "warning") else None
+            ),
+        )
+        page.on("pageerror", lambda error: result.told.append(str(error)))
+        page.on("request", lambda request: result.asked.append(request.url))
+        page.goto(Path(path).resolve().as_uri())
+        return result
+
+    yield open_page
+    for context in contexts:
+        context.close()
+
+
+def _missing(why: str) -> None:
+    if REQUIRED:
+        pytest.fail(why)
+    pytest.skip(why)
