@@ -4,7 +4,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from math import inf, isfinite
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from reports.derivation import Derivation
+    from reports.live.encode import EncodedPart
+    from reports.live.fields import LiveFields
+    from reports.motion import Motion
 
 
 class Status(StrEnum):
@@ -32,6 +38,7 @@ class Check:
     method            which model gave the value
     basis             where the limit comes from, scatter of strength included
     note              anything that a reader must know, such as a singular edge
+    derivation        how value, limit and bars come about; None where nobody asked for it
     """
 
     part: str
@@ -50,6 +57,7 @@ class Check:
     basis: str
     note: str = ""
     model_below: float | None = None
+    derivation: "Derivation | None" = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         if not self.required > 0 or not self.limit > 0:
@@ -96,15 +104,18 @@ class Check:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """The check as plain data, infinite bars as None."""
-        plain = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        """The check as plain data, infinite bars as None; with its derivation if it has one."""
+        names = (name for name in self.__dataclass_fields__ if name != "derivation")
+        plain = {name: getattr(self, name) for name in names}
         plain |= {name: None for name in ("numerical", "model") if not isfinite(plain[name])}
         safety = self.safety if isfinite(self.safety) else None
+        derived = {} if self.derivation is None else {"derivation": self.derivation.to_dict()}
         return plain | {
             "model_below": self.below if isfinite(self.below) else None,
             "safety": safety,
             "utilisation": self.utilisation,
             "status": str(self.status),
+            **derived,
         }
 
 
@@ -228,6 +239,7 @@ class PartResult:
     charts   plain data of the part's charts (Haigh path)
     mode     the lowest buckling mode: nodes as displaced, exaggerated; one field, its size
     rungs    models that were tried, in their order
+    live     fields at every position, for a page; None where none is to be written
     """
 
     name: str
@@ -243,6 +255,7 @@ class PartResult:
     assumed: Sequence[str] = ()
     mode: Surface | None = None
     rungs: Sequence[RungTried] = ()
+    live: "LiveFields | EncodedPart | None" = None
 
     def to_dict(self) -> dict[str, Any]:
         """The result as plain data, without fields on the surface."""
@@ -270,6 +283,8 @@ class DesignResult:
     linkage   checks of the linkage as a whole
     timings   stage -> s
     inputs    every input as (key, value); `defaults` those that the file did not state
+    motion    cycle -> how the parts move in it; none of a run that was measured
+    assumed_by_design  keys of `assumed` that the design itself marks; the others are the tool's
     """
 
     name: str
@@ -289,6 +304,8 @@ class DesignResult:
     command: str
     timings: Mapping[str, float] = field(default_factory=dict)
     linkage: Sequence[Check] = ()
+    motion: "Mapping[str, Motion]" = field(default_factory=dict)
+    assumed_by_design: Sequence[str] = ()
 
     @property
     def checks(self) -> list[Check]:
@@ -335,6 +352,7 @@ class DesignResult:
             "warnings": list(self.warnings),
             "not_checked": list(self.not_checked),
             "assumed": [list(pair) for pair in self.assumed],
+            "assumed_by_design": list(self.assumed_by_design),
             "defaults": [list(pair) for pair in self.defaults],
             "inputs": [list(pair) for pair in self.inputs],
             "versions": dict(self.versions),

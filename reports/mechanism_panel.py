@@ -1,0 +1,277 @@
+"""The mechanism in the report: drawn moving with the page's position, with the forces at its pins.
+
+It needs only what a result carries (`DesignResult.motion`), so it is the same for one that was
+recalled. The script is reports/scripts/mechanism.js; without it the picture stands at the position
+that decides the verdict, with the forces there.
+"""
+
+import gzip
+import json
+from base64 import b64encode
+from collections.abc import Iterator, Sequence
+from functools import cache
+from typing import Any
+
+import numpy as np
+from markupsafe import Markup
+
+from loads import Angle, PointCoordinate
+from reports.live.linkage import series
+from reports.loads_figures import FloatArray
+from reports.mechanism import force_text
+from reports.mechanism_layout import ARROW, Layout
+from reports.mechanism_picture import TIP, Picture
+from reports.mechanism_places import both_ends, entry
+from reports.motion import Motion, PinForce, motion_gaps
+from reports.verdict import DesignResult
+from reports.words import brief, number, place_text, quantity_unit
+
+PREFIX = "mechanism"
+_STAYS = 1e-9  # of the linkage's size: a pin that moves less on its body is fixed there
+
+
+def mechanism_panel(result: DesignResult) -> Markup | None:
+    """The panel as a figure with its data and tables; None where no cycle has a motion.
+
+    The same result gives the same text.
+    """
+    names = [name for name in result.cycles if name in result.motion]
+    if not names:
+        return None
+    motions = [result.motion[name] for name in names]
+    layout = Layout(*motions, others=list(_at_pins(motions)))
+    cycle, row = _start(result, names)
+    frame = layout.stretches[names.index(cycle)].start + row
+    picture = Picture(layout, PREFIX, frame)
+    where = (
+        f"cycle {brief(cycle, 40)}, {_where(result, cycle, int(result.motion[cycle].index[row]))}"
+    )
+    text: str = _template().render(
+        svg=Markup(picture.svg(f"The mechanism in {where}, with the forces at its pins")),
+        where=where,
+        scale=force_text(layout.largest[names.index(cycle)]),
+        torques=bool(layout.turning),
+        efforts=_named([force.name for force in layout.linkage.forces]),
+        gaps=motion_gaps(result),
+        tables=[_table(result, name) for name in names],
+        data=Markup(_packed(_data(result, names, picture))),
+    )
+    return Markup(text)
+
+
+def _at_pins(motions: Sequence[Motion]) -> Iterator[tuple[FloatArray, FloatArray]]:
+    """Places and forces (n, 2) of every pin force, over all cycles one behind the other."""
+    for label in motions[0].pins:
+        pins = [motion.pins[label] for motion in motions]
+        places, forces = [pin.place for pin in pins], [pin.force for pin in pins]
+        yield np.concatenate(places), np.concatenate(forces)
+
+
+@cache
+def _template() -> Any:
+    from reports.page import environment  # the page is made of this panel
+
+    return environment().get_template("mechanism.html.j2")
+
+
+def _start(result: DesignResult, names: Sequence[str]) -> tuple[str, int]:
+    """Cycle and kept row at which the part that decides has its peak, else the first of all."""
+    if result.checks:
+        decides = result.deciding
+        peaks = result.cycles.get(decides.cycle, {}).get("peaks", {}).get(decides.part)
+        if decides.cycle in names and peaks is not None and len(peaks):
+            motion = result.motion[decides.cycle]
+            return decides.cycle, round(motion.row_of(float(np.argmax(peaks))))
+    return names[0], 0
+
+
+def _where(result: DesignResult, cycle: str, position: int) -> str:
+    """A position of a cycle in words."""
+    data = result.cycles[cycle]
+    phase = data["phase"][position] if len(data["phase"]) else ""
+    shown = f"{brief(data['shown_name'], 20)} = {place_text(data['position'][position])}"
+    said = f"{shown} {brief(data['unit'], 10)}".strip()
+    return f"{said}, {brief(phase, 24)}" if phase and phase != cycle else said
+
+
+def _named(names: Sequence[str]) -> str:
+    shown = [brief(name, 30) for name in names[:6]]
+    return ", ".join([*shown, *(["more"] if len(names) > 6 else [])])
+
+
+def _table(result: DesignResult, cycle: str) -> dict[str, Any]:
+    """The largest force on every part at each pin, and where in the cycle."""
+    motion = result.motion[cycle]
+    sizes = {label: np.hypot(*pin.force.T) for label, pin in motion.pins.items()}
+    largest = max((float(size.max()) for size in sizes.values()), default=0.0)
+    unit, factor = quantity_unit(False, largest)
+    rows = []
+    for index, (label, pin) in enumerate(motion.pins.items()):
+        row = int(sizes[label].argmax())
+        rows.append(
+            {
+                "part": pin.on,
+                "interface": pin.interface,
+                "point": pin.point,
+                "size": _tidy(sizes[label][row], largest, factor),
+                "x": _tidy(pin.force[row, 0], largest, factor),
+                "y": _tidy(pin.force[row, 1], largest, factor),
+                "where": _where(result, cycle, int(motion.index[row])),
+                "pin": index,
+            }
+        )
+    return {"cycle": cycle, "number": list(result.cycles).index(cycle), "unit": unit, "rows": rows}
+
+
+def _tidy(value: float, largest: float, factor: float) -> str:
+    """A force in the unit of its table; what is rounding beside the largest is 0."""
+    return "0" if abs(value) <= 1e-9 * largest else number(float(value) * factor, 4)
+
+
+def _packed(data: Any) -> str:
+    """Base64 of gzip of JSON."""
+    text = json.dumps(data, separators=(",", ":"), allow_nan=False)
+    return b64encode(gzip.compress(text.encode(), 9, mtime=0)).decode()
+
+
+def _data(result: DesignResult, names: Sequence[str], picture: Picture) -> dict[str, Any]:
+    """What the script moves by.
+
+    bodies   of the linkage, the ground first; places below are (body, x, y) in a body's frame,
+             mm, y up
+    marks    (body, x, y, lift) of every pin drawn; the reaction of joint k acts at mark k
+    spans    (body, x, y, body, x, y, length of the barrel) of forces between two points
+    pushes   (body, x, y) where forces act; torques likewise
+    pins     {name, part: its index, at: place, or null where it slides} of the pin forces
+    parts    {body, mark: of a part that is a pin, else null} by index of the part, or null
+    efforts  {name, unit, factor} of forces, then torques
+    cycles   by cycle of the page {index, poses, reactions, pushes, torques, pins, places, scale}:
+             scale in mm per N, index the positions that are kept, the others series; or null
+    """
+    layout = picture.layout
+    linkage = layout.linkage
+    order = {name: index for index, name in enumerate(linkage.body_names)}
+
+    def place(body: str, point: str) -> list[float]:
+        x, y = linkage.body(body).place(point)
+        return [order[body], round(x, 4), round(y, 4)]
+
+    first = result.motion[names[0]]
+    fixed = {label: _fixed(result, names, label) for label in first.pins}
+    index_of = {part.name: index for index, part in enumerate(result.parts)}
+    stretch_of = {name: k for k, name in enumerate(names)}
+    return {
+        "unit": round(layout.unit, 6),
+        "tip": round(TIP * layout.unit, 6),
+        "joints": len(layout.joints),
+        "marks": [
+            [*place(*mark), round(lift, 4)]
+            for mark, lift in zip(layout.marks, picture.lifts, strict=True)
+        ],
+        "spans": [
+            [*(value for end in both_ends(force) for value in place(*end)), round(float(barrel), 4)]
+            for force, barrel in zip(layout.reaching, layout.barrels, strict=True)
+        ],
+        "pushes": [place(*_pushed(force.coordinate)) for force in layout.efforts],
+        "turning": [place(*entry(linkage, force.coordinate)) for force in layout.turning],
+        "pins": [
+            {
+                "name": brief(pin.interface, 40),
+                "part": index_of.get(pin.on, -1),
+                "body": order[first.bodies[pin.on]],
+                "at": fixed[label],
+            }
+            for label, pin in first.pins.items()
+        ],
+        "parts": [_drawn_as(first, part.name, layout) for part in result.parts],
+        "names": [brief(part.name, 40) for part in result.parts],
+        "efforts": list(_efforts(layout)),
+        "cycles": [
+            _cycle(result.motion[name], layout, stretch_of[name], fixed)
+            if name in stretch_of
+            else None
+            for name in result.cycles
+        ],
+    }
+
+
+def _pushed(coordinate: Any) -> tuple[str, str]:
+    """Body and point that a force acts on; of one between two points the second."""
+    if isinstance(coordinate, PointCoordinate):
+        return coordinate.body, coordinate.point
+    return coordinate.body_b, coordinate.point_b
+
+
+def _drawn_as(motion: Motion, name: str, layout: Layout) -> dict[str, int | None] | None:
+    """Body of the picture that is a part, or the pin that it is."""
+    if name not in motion.parts:
+        return None
+    number_of = layout.linkage.body_names.index(motion.bodies[name])
+    points = {pin.point for pin in motion.pins.values() if pin.on == name}
+    if len(points) > 1:  # a pin has all its forces at one point, a body's part at several
+        return {"body": number_of, "mark": None}
+    marks = [
+        k
+        for k, mark in enumerate(layout.marks)
+        if np.hypot(*(motion.point(*mark)[0] - motion.parts[name][0, :2])) < 1e-6 * layout.size
+    ]
+    return {"body": number_of, "mark": marks[0] if marks else None}
+
+
+def _fixed(result: DesignResult, names: Sequence[str], label: str) -> list[float] | None:
+    """Where a pin's force acts on its part's body, mm; None where that changes."""
+    own = []
+    for name in names:
+        motion = result.motion[name]
+        pin: PinForce = motion.pins[label]
+        body = motion.linkage.body_names.index(motion.bodies[pin.on])
+        x, y, angle = motion.poses[:, body].T
+        across, up = (pin.place - np.column_stack([x, y])).T
+        c, s = np.cos(angle), np.sin(angle)
+        own.append(np.column_stack([c * across + s * up, -s * across + c * up]))
+    places = np.concatenate(own)
+    size = max(float(np.abs(places).max()), 1.0)
+    if float(np.ptp(places, axis=0).max()) > _STAYS * size:
+        return None
+    x, y = places[0]
+    return [round(float(x), 4), round(float(y), 4)]
+
+
+def _efforts(layout: Layout) -> Iterator[dict[str, Any]]:
+    """Names of forces and torques, with the unit in which all their values are read well."""
+    for force in (*layout.efforts, *layout.turning):
+        angular = isinstance(force.coordinate, Angle)
+        most = max(float(np.abs(cycle.efforts[force.name]).max()) for cycle in layout.cycles)
+        unit, factor = quantity_unit(angular, most)
+        yield {"name": brief(force.name, 24), "unit": unit, "factor": factor}
+
+
+def _cycle(
+    motion: Motion, layout: Layout, k: int, fixed: dict[str, list[float] | None]
+) -> dict[str, Any]:
+    """Series of one cycle, in the order of the lists of `_data`."""
+    stretch = layout.stretches[k]
+
+    def both(vectors: FloatArray) -> list[dict[str, Any]]:
+        return [series(vectors[:, 0]), series(vectors[:, 1])]
+
+    sliding = [label for label, place in fixed.items() if place is None]
+    return {
+        "index": motion.index.tolist(),
+        "scale": ARROW * layout.size / (layout.largest[k] or 1.0),
+        "longest": force_text(layout.largest[k]),
+        "turned": layout.turned[k] or 1.0,
+        "poses": [
+            series(motion.poses[:, body, axis])
+            for body in range(1, motion.poses.shape[1])
+            for axis in range(3)
+        ],
+        "reactions": [one for force in layout.forces for one in both(force[stretch])],
+        "pushes": [one for _, force in layout.pushes for one in both(force[stretch])],
+        "efforts": [
+            series(motion.efforts[force.name]) for force in (*layout.efforts, *layout.turning)
+        ],
+        "torques": [series(layout.torques[stretch, i]) for i in range(len(layout.turning))],
+        "pins": [one for pin in motion.pins.values() for one in both(pin.force)],
+        "places": [one for label in sliding for one in both(motion.pins[label].place)],
+    }
