@@ -1,4 +1,4 @@
-"""What is told of a part besides its checks: gates, meshes, facts, charts, assumptions."""
+"""What is told of a part besides its checks: gates, meshes, facts, assumptions."""
 
 from collections.abc import Sequence
 from math import degrees
@@ -7,11 +7,8 @@ import numpy as np
 
 import fatigue
 from ballesta.design_data import Design, Part
-from ballesta.duty_verdict import FatiguePeak
-from ballesta.fatigue_facts import haigh_of
 from ballesta.levels import Level
 from ballesta.part_loads import PartLoads
-from ballesta.stressed import Stressed
 from fem.direct import has_bearings
 from fem.near_incompressible import LARGEST_RATIO, MEANING
 from fem.recovery import von_mises
@@ -147,19 +144,6 @@ def facts_of(
         if couple > least:
             facts[f"largest couple at {name} [N m]"] = couple * 1e-3
     return facts
-
-
-def charts_of(
-    part: Part, loads: PartLoads, level: Stressed, peak: FatiguePeak | None
-) -> dict[str, dict[str, object]]:
-    """Plain data of the part's charts; the peak is that of fatigue."""
-    charts: dict[str, dict[str, object]] = {
-        "peaks": {
-            name: level.peaks_by_position[columns].tolist()
-            for name, columns in loads.cycles.items()
-        }
-    }
-    return charts if peak is None else charts | {"haigh": haigh_of(part, level, peak)}
 
 
 def assumed_of(design: Design, part: Part, level: Level) -> list[str]:

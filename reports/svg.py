@@ -2,11 +2,11 @@
 
 import re
 import warnings
-from collections.abc import Callable
-from html import escape
+from collections.abc import Callable, Mapping
 from io import StringIO
-from typing import Any
+from typing import Any, Literal
 
+from reports.svg_compact import compact
 from reports.words import clean
 
 # name: (what matplotlib is told, light, dark). The first is only a mark, swapped for a variable
@@ -40,6 +40,7 @@ def colour_variables(dark: bool) -> str:
     return " ".join(f"--chart-{name}: {pair[1 + dark]};" for name, pair in COLOURS.items())
 
 
+_FAMILY = "var(--font,sans-serif)"
 _STYLE = {
     "svg.fonttype": "none",  # text stays text: it can be searched, and the page's font draws it
     "svg.hashsalt": "ballesta",
@@ -56,6 +57,7 @@ _STYLE = {
     "grid.linewidth": 0.6,
     "legend.frameon": False,
     "lines.linewidth": 1.6,
+    "lines.solid_capstyle": "butt",
     "axes.facecolor": "none",
     "figure.facecolor": "none",
     "grid.color": colour("faint"),
@@ -66,8 +68,22 @@ _STYLE = {
 }
 
 
-def draw(plot: Callable[[Any], None], size: tuple[float, float], label: str) -> str:
-    """SVG element of what `plot` draws on the figure it is given; `size` in inches."""
+Marks = Mapping[str, Mapping[str, str]]
+Plot = Callable[[Any], Callable[[], Marks] | None]
+
+
+def draw(
+    plot: Plot,
+    size: tuple[float, float],
+    label: str,
+    layout: Literal["constrained"] | None = "constrained",
+) -> str:
+    """SVG element of what `plot` draws on the figure it is given; `size` in inches.
+
+    plot    may return what to call when all is laid out: it tells attributes by the gid of an
+            artist, or "" of the whole drawing; places come from `place`
+    layout  of matplotlib; None for axes that stand where they were put
+    """
     import matplotlib.style
     from matplotlib.figure import Figure
 
@@ -75,20 +91,36 @@ def draw(plot: Callable[[Any], None], size: tuple[float, float], label: str) -> 
     with warnings.catch_warnings(), matplotlib.style.context(["default", _STYLE]):
         # The browser draws the letters, so what matplotlib's own font lacks is not missing.
         warnings.filterwarnings("ignore", message="Glyph .* missing from")
-        figure = Figure(figsize=size, layout="constrained")
-        plot(figure)
+        figure = Figure(figsize=size, layout=layout)
+        marks = plot(figure)
         figure.savefig(out, format="svg", metadata={"Date": None})
-    return _adapted(out.getvalue(), label)
+        named = marks() if marks else {}
+    return _adapted(out.getvalue(), label, named)
 
 
-def _adapted(text: str, label: str) -> str:
+def place(axes: Any, x: float, y: float) -> tuple[float, float]:
+    """Where a point of some axes is in the drawing, in units of its view box."""
+    figure = axes.figure
+    scale = 72.0 / figure.dpi
+    across, up = axes.transData.transform((x, y)) * scale
+    return float(across), float(figure.get_figheight() * 72.0 - up)
+
+
+def _adapted(text: str, label: str, named: Marks) -> str:
     """Bare element with the page's colours and font, and ids that no other chart has."""
     text = text[text.index("<svg") :]
-    text = re.sub(r"\s*<metadata>.*?</metadata>", "", text, count=1, flags=re.DOTALL)
-    text = re.sub(r"(font: [^;\"]*?[\d.]+px) [^;\"]*", r"\1 var(--font, sans-serif)", text)
-    text = re.sub(r"font-family: [^;\"]*", "font-family: var(--font, sans-serif)", text)
+    text = re.sub(r"font: ([^;\"]*?)([\d.]+px) [^;\"]*", _font_of, text)
+    text = re.sub(r"font-family: [^;\"]*", f"font-family: {_FAMILY}", text)
+    whole = {"role": "img", "aria-label": clean(label), **named.get("", {})}
+    common = {"font-family": _FAMILY, "font-size": "10px", "fill": colour("ink")}
+    text = compact(text, {**named, "": whole}, common)
     for name, (mark, light, _) in COLOURS.items():
-        text = text.replace(mark, f"var(--chart-{name}, {light})")
-    prefix = re.sub(r"[^a-z0-9]+", "-", clean(label).lower())[:40].strip("-")
-    text = re.sub(r'(\bid="|url\(#|href="#)', rf"\g<1>{prefix}-", text)
-    return text.replace("<svg", f'<svg role="img" aria-label="{escape(clean(label))}"', 1).strip()
+        text = text.replace(mark, f"var(--chart-{name},{light})")
+    return text
+
+
+def _font_of(found: re.Match[str]) -> str:
+    """A font in short form, with the page's family."""
+    weight = "font-weight: bold; " if "bold" in found[1] or "700" in found[1] else ""
+    slant = "font-style: italic; " if "italic" in found[1] else ""
+    return f"{weight}{slant}font-size: {found[2]}; font-family: {_FAMILY}"

@@ -1,0 +1,69 @@
+"""Plain data of a part as a column: where it stands among the column curves, plane by plane."""
+
+from typing import Any
+
+from ballesta.column_limits import ColumnCase, Plane, cases_of, planes_of
+from ballesta.column_moments import axial_compression
+from ballesta.design_data import Design, Part
+from ballesta.part_loads import PartLoads
+from ballesta.ties import first_largest
+
+
+def column_data(design: Design, part: Part, loads: PartLoads) -> dict[str, Any] | None:
+    """The column of least safety in each plane, under the largest compression of all positions.
+
+    youngs_modulus, yield  MPa
+    required     safety against buckling
+    curve        Eurocode 3's, if the part states one
+    cycle, position  of the largest compression
+    force        cycle -> (n,) N, axial compression; below 0 it is tension
+    planes       one entry each: section, its area (mm2), slenderness, the least slenderness that
+                 stiffer ends could give, effective length (mm), axial stress (MPa), limit (MPa)
+                 and its law, eta of Perry and Robertson where it is not 0.003 times the slenderness
+
+    None for a part that has no sections or is never compressed.
+    """
+    if not part.geometry.sections:
+        return None
+    force = axial_compression(part, loads)
+    (worst,) = first_largest(force)
+    if not force[worst] > 0:
+        return None
+    return {
+        "youngs_modulus": part.material.youngs_modulus,
+        "yield": part.material.yield_stress,
+        "required": design.require.buckling,
+        "curve": part.column.curve,
+        "cycle": loads.cycle_names[worst],
+        "position": loads.labels[worst],
+        "force": {name: force[columns].tolist() for name, columns in loads.cycles.items()},
+        "planes": [
+            _plane_data(part, plane, float(force[worst])) for plane in planes_of(design, part)
+        ],
+    }
+
+
+def _plane_data(part: Part, plane: Plane, force: float) -> dict[str, Any]:
+    curve = part.column.curve
+    pairs = zip(cases_of(part, plane), cases_of(part, plane, stiffest=True), strict=True)
+    case, stiff = min(pairs, key=lambda pair: pair[0].limit(curve) * pair[0].section.area)
+    return {
+        "plane": plane.name,
+        "section": case.section.name,
+        "area": case.section.area,
+        "slenderness": case.strength.slenderness,
+        "stiffest": min(stiff.strength.slenderness, case.strength.slenderness),
+        "length": case.length,
+        "stress": force / case.section.area,
+        "limit": case.limit(curve),
+        "law": case.strength.governs if curve is None else f"Eurocode 3 curve {curve}",
+        "eta": _eta(part, plane, case),
+    }
+
+
+def _eta(part: Part, plane: Plane, case: ColumnCase) -> float | None:
+    """Perry and Robertson's eta of a stated crookedness; None without one."""
+    if part.column.crookedness is None or not case.whole:
+        return None
+    inertia, depth = plane.built_up(case.section)
+    return part.column.crookedness * case.section.area * depth / inertia

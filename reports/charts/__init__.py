@@ -1,0 +1,18 @@
+"""Charts of a result as SVG text, each with the table of its numbers."""
+
+from reports.charts.chart import Chart, Charts, Missing, Series
+from reports.charts.cycles import cycle_charts
+from reports.charts.overlay import curves_chart
+from reports.charts.parts import part_charts
+from reports.charts.utilisation import utilisation_chart
+
+__all__ = [
+    "Chart",
+    "Charts",
+    "Missing",
+    "Series",
+    "curves_chart",
+    "cycle_charts",
+    "part_charts",
+    "utilisation_chart",
+]

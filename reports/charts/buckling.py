@@ -1,0 +1,257 @@
+"""A part among the column curves: stress against slenderness, in and out of its plane."""
+
+from collections.abc import Callable, Mapping
+from math import pi
+from typing import Any
+
+import numpy as np
+
+from fem.column_curves import (
+    IMPERFECTION,
+    eurocode_stress,
+    perry_robertson,
+    transition_slenderness,
+)
+from reports.charts.chart import Chart, Missing, Series
+from reports.charts.numbers import FloatArray, decimals_of, fixed, numbers
+from reports.charts.over_cycle import cursor_text
+from reports.charts.plane import Plane, drawing, ink
+from reports.charts.thin import thinned
+from reports.svg import SERIES, Marks, colour
+from reports.verdict import DesignResult, PartResult
+from reports.words import brief, need_text, number, safety_text
+
+_TITLE = "Buckling: column curves"
+_ROBERTSON = 0.003  # of the slenderness: Perry and Robertson's eta without a stated crookedness
+_N = 161
+_MARKS = ("o", "^", "s", "D")
+
+Curve = Callable[[float], float]
+
+
+def buckling_chart(part: PartResult, result: DesignResult) -> Chart | Missing:
+    """Yield, Johnson, Euler, Perry-Robertson and Eurocode 3, and where the part stands."""
+    data = part.charts.get("column")
+    if not data:
+        return Missing("buckling", _TITLE, _why_not(part))
+    planes = data["planes"]
+    series = [
+        Series(f"axial compression, {p['plane']}", "MPa", decimals=_digits(p)) for p in planes
+    ]
+    forces = {
+        k: numbers(data["force"][name])
+        for k, name in enumerate(result.cycles)
+        if name in data["force"]
+    }
+
+    def plot(figure: Any) -> Any:
+        plane = _plane(figure, data)
+        _curves(plane, data)
+        allowed = [float(one["limit"]) / float(data["required"]) for one in planes]
+        for key in ("stress", "limit"):
+            plane.avoid([[one["slenderness"], one[key]] for one in planes])
+        plane.avoid([[one["slenderness"], v] for one, v in zip(planes, allowed, strict=True)])
+        for k, one in enumerate(planes):
+            _point(plane, one, data, k)
+        return lambda: _marks(plane, planes, forces)
+
+    svg = drawing(plot, f"Column curves of {brief(part.name, 40)}", 3.4)
+    columns, rows = _table(data)
+    return Chart("buckling", _TITLE, _caption(data), svg, columns, rows, series)
+
+
+def column_curves(data: Mapping[str, Any]) -> dict[str, Curve]:
+    """Every limit by name: MPa as a function of the slenderness."""
+    young, strength = float(data["youngs_modulus"]), float(data["yield"])
+    transition = transition_slenderness(strength, young)
+
+    def euler(slenderness: float) -> float:
+        return pi**2 * young / slenderness**2
+
+    def johnson(slenderness: float) -> float:
+        if slenderness > transition:
+            return float("nan")
+        return strength * (1 - strength * slenderness**2 / (4 * pi**2 * young))
+
+    curves: dict[str, Curve] = {"yield": lambda _: strength, "Johnson": johnson, "Euler": euler}
+    for name, eta in _etas(data).items():
+        curves[name] = lambda s, eta=eta: perry_robertson(euler(s), strength, eta(s))  # type: ignore[misc]
+    for name in IMPERFECTION:
+        curves[f"Eurocode 3 {name}"] = lambda s, name=name: eurocode_stress(  # type: ignore[misc]
+            euler(s), strength, name
+        )
+    return curves
+
+
+def _etas(data: Mapping[str, Any]) -> dict[str, Curve]:
+    """Perry and Robertson's eta: one curve, or one for each plane where crookedness is stated."""
+    stated = {p["plane"]: p["eta"] for p in data["planes"]}
+    if all(eta is None for eta in stated.values()):
+        return {"Perry-Robertson": lambda slenderness: _ROBERTSON * slenderness}
+    return {
+        f"Perry-Robertson {plane}": (
+            (lambda slenderness: _ROBERTSON * slenderness)
+            if eta is None
+            else (lambda _, eta=eta: float(eta))  # type: ignore[misc]
+        )
+        for plane, eta in stated.items()
+    }
+
+
+def _plane(figure: Any, data: Mapping[str, Any]) -> Plane:
+    transition = transition_slenderness(float(data["yield"]), float(data["youngs_modulus"]))
+    own = max(float(p["slenderness"]) for p in data["planes"])
+    top = max(float(data["yield"]), *(float(p["stress"]) for p in data["planes"]))
+    plane = Plane(figure, (0.0, max(2.1 * transition, 1.25 * own)), (0.0, 1.18 * top))
+    plane.titles("slenderness: effective length over radius of gyration [–]", "axial stress [MPa]")
+    return plane
+
+
+def _curves(plane: Plane, data: Mapping[str, Any]) -> None:
+    strength, (_, top) = float(data["yield"]), plane.axes.get_ylim()
+    transition = transition_slenderness(strength, float(data["youngs_modulus"]))
+    across = np.linspace(1e-3 * plane.axes.get_xlim()[1], plane.axes.get_xlim()[1], _N)
+    across = np.unique(np.append(across, transition))
+    judged = "Eurocode 3 " + str(data["curve"]) if data["curve"] else ""
+    styles: dict[str, dict[str, Any]] = {
+        "yield": {"color": SERIES[6], "linestyle": (0, (7, 2, 1.5, 2)), "linewidth": 1.5},
+        "Johnson": {"color": SERIES[2], "linewidth": 1.9},
+        "Euler": {"color": SERIES[0], "linewidth": 1.9},
+    }
+    named = []
+    for name, curve in column_curves(data).items():
+        places = across[across <= transition] if name == "Johnson" else across
+        points = np.array([[x, curve(float(x))] for x in places])
+        points = points[points[:, 1] <= top]
+        points = points[thinned(points[:, 1], 5e-4 * top, points[:, 0])]
+        if name.startswith("Eurocode"):
+            style: dict[str, Any] = {
+                "color": SERIES[3],
+                "linewidth": 2.0 if name == judged else 0.9,
+            }
+        elif name.startswith("Perry"):
+            style = {"color": SERIES[5], "linewidth": 1.4, "linestyle": (0, (3, 1.5))}
+        else:
+            style = styles[name]
+        if name == "Euler":
+            hidden = points[points[:, 0] <= transition]
+            plane.line(hidden, color=SERIES[0], linewidth=1.1, linestyle=(0, (1.5, 1.5)))
+            points = points[points[:, 0] >= transition]
+        named.append((name, plane.line(points, **style), style["color"]))
+    plane.line([[transition, 0], [transition, strength / 2]], color=colour("faint"), linewidth=1.2)
+    for name, points, tint in named:
+        if name.startswith("Eurocode 3"):
+            continue
+        plane.name(name, points, tint, prefer=_PREFER.get(name, 0.45), weight="bold")
+    _eurocode_names(plane, [n for n in named if n[0].startswith("Eurocode 3")])
+    plane.name(f"λ = {number(transition)}", [[transition, 0], [transition, strength / 8]], ink())
+
+
+_PREFER = {"yield": 0.9, "Johnson": 0.75, "Euler": 0.25}
+
+
+def _eurocode_names(plane: Plane, curves: list[tuple[str, FloatArray, str]]) -> None:
+    """Letters on their curves, and what they are beside the lowest."""
+    if not curves:
+        return
+    for k, (name, points, tint) in enumerate(curves):
+        at = points[int(len(points) * (0.30 + 0.035 * k))]
+        plane.axes.annotate(
+            name.split()[-1], at, ha="center", va="center", size=8, color=tint, weight="bold",
+            bbox={"boxstyle": "round,pad=0.12", "fc": colour("ground"), "ec": "none"},
+        )  # fmt: skip
+        plane.avoid([at], 6.0)
+    name, points, tint = curves[-1]
+    plane.name("Eurocode 3, curves a0 to d", points, tint, prefer=0.2, weight="bold")
+
+
+def _point(plane: Plane, one: Mapping[str, Any], data: Mapping[str, Any], index: int) -> None:
+    at, stress, limit = (float(one[key]) for key in ("slenderness", "stress", "limit"))
+    tint = SERIES[1]
+    plane.line([[at, stress], [at, limit]], crossed=True, color=tint, linestyle=":", linewidth=1.3)
+    if one["stiffest"] < at:
+        plane.line([[one["stiffest"], stress], [at, stress]], crossed=True, color=tint,
+                   linewidth=1.3, marker="|", markersize=7)  # fmt: skip
+    plane.line([[at, stress]], crossed=True, color=tint, marker=_MARKS[index % len(_MARKS)],
+               markersize=7.5)  # fmt: skip
+    allowed = limit / float(data["required"])
+    plane.line([[at, allowed]], crossed=True, color=colour("fail"), marker="_", markersize=13,
+               markeredgewidth=2)  # fmt: skip
+    text = f"{one['plane']}, safety {safety_text(limit / stress)}"
+    plane.name(text, [[at, stress]], tint, weight="bold")
+
+
+def _marks(
+    plane: Plane, planes: list[Mapping[str, Any]], forces: Mapping[int, FloatArray]
+) -> Marks:
+    rows: list[dict[str, Any]] = []
+    top = plane.axes.get_ylim()[1]
+    for cycle, force in forces.items():
+        same: dict[float, int] = {}  # area -> row of its numbers
+        for row, one in enumerate(planes):
+            (x, bottom), (_, upper) = plane.drawn([[one["slenderness"], v] for v in (0.0, top)])
+            scale = [0.0, round(bottom, 1), round(top, 6), round(upper, 1)]
+            made: dict[str, Any] = {"row": row, "x": round(x, 1)}
+            if one["area"] in same:
+                made["as"] = same[one["area"]]
+            else:
+                same[one["area"]] = len(rows)
+                made |= {"cycle": cycle, "scale": scale, **_stresses(force, one)}
+            rows.append(made)
+    return {"": {"data-cursor": cursor_text({"rows": rows})}} if rows else {}
+
+
+def _stresses(force: FloatArray, one: Mapping[str, Any]) -> dict[str, list[float]]:
+    """Axial stress over a cycle, MPa, thinned; gaps count as no load."""
+    stress = force / float(one["area"])
+    finite = np.where(np.isfinite(stress), stress, 0.0)
+    at = thinned(finite, 1e-3 * float(one["stress"]))
+    digits = _digits(one) + 1
+    return {"at": at.tolist(), "value": [round(float(finite[k]), digits) + 0.0 for k in at]}
+
+
+def _digits(one: Mapping[str, Any]) -> int:
+    return decimals_of(float(one["stress"]))
+
+
+def _caption(data: Mapping[str, Any]) -> str:
+    told = [
+        f"Largest compression at {brief(data['cycle'], 40)}, {brief(data['position'], 60)}; the "
+        f"dotted ray ends at the limit that judges, the red mark is what a safety of "
+        f"{need_text(float(data['required']))} leaves."
+    ]
+    for one in data["planes"]:
+        told.append(
+            f"{one['plane'][0].upper()}{one['plane'][1:]}: {brief(one['law'], 40)}, "
+            f"{brief(one['section'], 40)} over {number(one['length'], 4)} mm."
+        )
+    if any(one["stiffest"] < one["slenderness"] for one in data["planes"]):
+        told.append("Bar: from ends that are hinged to ends that are as stiff as their forks.")
+    if all(one["eta"] is None for one in data["planes"]):
+        told.append("Perry-Robertson with 0.003 times the slenderness as crookedness.")
+    told.append("The crooked bar with its bending has a check of its own.")
+    return " ".join(told)
+
+
+def _table(data: Mapping[str, Any]) -> tuple[list[str], list[list[str]]]:
+    curves = column_curves(data)
+    columns = ["slenderness", *(f"{name} [MPa]" for name in curves)]
+    transition = transition_slenderness(float(data["yield"]), float(data["youngs_modulus"]))
+    places = [(round(float(x), 6), "") for x in np.linspace(0.2, 2.1, 12) * transition]
+    places.append((transition, " (transition)"))
+    places += [(float(p["slenderness"]), f" ({p['plane']})") for p in data["planes"]]
+    rows = [
+        [number(x, 4) + text, *(fixed(curve(x), 1) for curve in curves.values())]
+        for x, text in sorted(places)
+    ]
+    for one in data["planes"]:
+        stress = float(one["stress"])
+        cells = [fixed(curve(float(one["slenderness"])) / stress, 2) for curve in curves.values()]
+        rows.append([f"safety {one['plane']} at {number(stress)} MPa", *cells])
+    return columns, rows
+
+
+def _why_not(part: PartResult) -> str:
+    if not any(check.kind == "buckling" for check in part.checks):
+        return "the part is no column: it has no sections, or nothing compresses it"
+    return "it is never compressed between its ends, or has no sections: there is no column curve"

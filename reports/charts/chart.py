@@ -1,0 +1,115 @@
+"""A chart as the page takes it: a picture, what it says in words, and the table behind it."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from reports.svg import COLOURS, SERIES
+
+SIZE = (6.4, 3.1)  # inches of a chart: text of 10 points stays readable on a phone
+_DASHES = ("-", (0, (6, 2)), (0, (1.5, 1.5)), (0, (7, 2, 1.5, 2)), (0, (3, 1.5)), (0, (10, 3)))
+
+
+@dataclass(frozen=True)
+class Series:
+    """A row of a chart's readout.
+
+    name      of the curve or number
+    unit      "" for a number without one
+    peak      its extreme and where, in words; "" of what has none
+    swatch    SVG of its stroke, "" of a number that is no curve
+    decimals  of its value as it is read off
+    """
+
+    name: str
+    unit: str
+    peak: str = ""
+    swatch: str = ""
+    decimals: int = 1
+
+
+@dataclass(frozen=True)
+class Chart:
+    """A picture with its words and numbers; `svg` and the swatches are markup, all else is text.
+
+    key      which chart it is, such as "haigh"
+    columns  of the table behind the picture; rows as long as they are
+    series   rows of the readout under the picture
+    """
+
+    key: str
+    title: str
+    caption: str
+    svg: str
+    columns: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    series: Sequence[Series] = ()
+
+    def __post_init__(self) -> None:
+        if any(len(row) != len(self.columns) for row in self.rows):
+            raise ValueError(f"the table of {self.key} needs {len(self.columns)} cells in each row")
+
+
+@dataclass(frozen=True)
+class Missing:
+    """A chart that there is no data for, and why."""
+
+    key: str
+    title: str
+    why: str
+
+
+@dataclass(frozen=True)
+class Charts:
+    """The charts of a part or cycle, and what is missing."""
+
+    charts: tuple[Chart, ...]
+    missing: tuple[Missing, ...]
+
+    def __bool__(self) -> bool:
+        return bool(self.charts)
+
+    @property
+    def reasons(self) -> list[tuple[str, list[str]]]:
+        """Why charts are missing, each reason once, with the titles that it holds for."""
+        found: dict[str, list[str]] = {}
+        for item in self.missing:
+            found.setdefault(item.why, []).append(item.title)
+        return list(found.items())
+
+
+def gathered(makers: Sequence[Callable[[], Chart | Missing]]) -> Charts:
+    """What some makers make."""
+    made = [make() for make in makers]
+    return Charts(
+        tuple(item for item in made if isinstance(item, Chart)),
+        tuple(item for item in made if isinstance(item, Missing)),
+    )
+
+
+def stroke(index: int) -> dict[str, Any]:
+    """Colour and dashes of a series, told apart without colour too."""
+    return {
+        "color": SERIES[index % len(SERIES)],
+        "linestyle": _DASHES[index % len(_DASHES)],
+        "linewidth": 1.7,
+    }
+
+
+def swatch(index: int) -> str:
+    """A piece of a series' stroke as SVG."""
+    name = f"series{index % len(SERIES)}"
+    dashes = _DASHES[index % len(_DASHES)]
+    gaps = ""
+    if dashes != "-":
+        gaps = f";stroke-dasharray:{' '.join(f'{1.7 * float(d):g}' for d in dashes[1])}"
+    return (
+        '<svg class="swatch" viewBox="0 0 34 8" width="34" height="8" aria-hidden="true">'
+        f'<path d="M1 4H33" style="stroke:var(--chart-{name},{COLOURS[name][1]});'
+        f'stroke-width:2.4{gaps}"/></svg>'
+    )
+
+
+def plain(named: Mapping[str, Any] | None) -> dict[str, Any]:
+    """A mapping that may be missing."""
+    return dict(named or {})

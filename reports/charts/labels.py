@@ -1,0 +1,118 @@
+"""Names written beside their curves: where there is room, each nearest to its own curve."""
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from reports.charts.numbers import FloatArray
+
+_LETTER, _HEIGHT = 0.56, 1.15  # of the font's size
+_TRIES = 41  # places along a curve
+_ALONE = 24.0  # points: a place on a curve that no other comes nearer to is as good as any
+_OFFSETS = (0.75, -0.75, 1.5, -1.5, 2.6, -2.6)  # heights above and below the curve
+_BESIDE = (0.0, 0.6, -0.6, 1.2, -1.2)  # heights, to the right and left of a single point
+_FAR, _OVER, _NAMED = 0.35, 3.0, 60.0  # cost of distance, of crossing a curve, of covering a name
+
+
+@dataclass
+class Room:
+    """The space of a chart in points from its lower left corner.
+
+    lines  that names should not cross, (k, 2) points each
+    taken  boxes that are written on: left, bottom, right, top
+    """
+
+    width: float
+    height: float
+    lines: list[FloatArray] = field(default_factory=list)
+    taken: list[tuple[float, float, float, float]] = field(default_factory=list)
+
+    def put(
+        self,
+        text: str,
+        line: FloatArray,
+        size: float = 9.0,
+        prefer: float | None = None,
+        pull: float = 3.0,
+        own: Collection[int] = (),
+        most: float = _NAMED,
+    ) -> tuple[float, float] | None:
+        """The middle of a text beside a line (k, 2); None where it would cover another name.
+
+        own     which of `lines` are its own: it stands where the others are far away
+        prefer  share of the way along the line at which it stands best, and the `pull` of that
+        """
+        wide, high = _LETTER * size * len(text), _HEIGHT * size
+        others = [line for k, line in enumerate(self.lines) if k not in own] if own else []
+        crowd = np.concatenate(others) if others else np.zeros((0, 2))
+        best: tuple[float, tuple[float, float]] | None = None
+        single = len(line) < 2
+        points = line if single else _along(line, _TRIES)
+        beside = wide / 2 + 0.9 * size
+        for k, (x, y) in enumerate(points):
+            alone = np.hypot(*(crowd - [x, y]).T).min() if len(crowd) else _ALONE
+            lonely = 0.08 * max(0.0, _ALONE - float(alone))
+            steps = [(0.0, high * offset) for offset in _OFFSETS]
+            if single:
+                steps += [(side, high * up) for side in (beside, -beside) for up in _BESIDE]
+            for right, up in steps:
+                most_right = max(self.width - wide / 2 - 2, wide / 2 + 2)
+                middle = (float(np.clip(x + right, wide / 2 + 2, most_right)), float(y + up))
+                cost = self._cost(middle, wide, high) + _FAR * abs(up) / high
+                cost += 0.02 * abs(middle[0] - x - right) + lonely
+                if prefer is not None:
+                    cost += pull * abs(k / (_TRIES - 1) - prefer)
+                if best is None or cost < best[0] - 1e-9:
+                    best = (cost, middle)
+        if best is None or best[0] >= most:
+            return None
+        self.take(best[1], text, size)
+        return best[1]
+
+    def take(self, middle: tuple[float, float], text: str, size: float = 9.0) -> None:
+        """Keep a text's place free of others."""
+        wide, high = _LETTER * size * len(text), _HEIGHT * size
+        x, y = middle
+        self.taken.append((x - wide / 2, y - high / 2, x + wide / 2, y + high / 2))
+
+    def _cost(self, middle: tuple[float, float], wide: float, high: float) -> float:
+        left, right = middle[0] - wide / 2 - 1, middle[0] + wide / 2 + 1
+        low, top = middle[1] - high / 2, middle[1] + high / 2
+        cost = 0.0
+        if low < 0 or top > self.height:
+            cost += 2 * _NAMED
+        for a, b, c, d in self.taken:
+            if left < c and right > a and low < d and top > b:
+                cost += _NAMED
+        for line in self.lines:
+            inside = (line[:, 0] > left) & (line[:, 0] < right)
+            inside &= (line[:, 1] > low) & (line[:, 1] < top)
+            cost += _OVER * min(int(inside.sum()), 6) / 2
+        return cost
+
+
+def dense(line: FloatArray, step: float = 3.0) -> FloatArray:
+    """Points (k, 2) of a polyline, none further than a step from the next."""
+    if len(line) < 2:
+        return line
+    lengths = np.hypot(*np.diff(line, axis=0).T)
+    total = float(lengths.sum())
+    return _along(line, max(2, int(total / step) + 1))
+
+
+def _along(line: FloatArray, n: int) -> FloatArray:
+    """Points (n, 2) at even lengths along a polyline (k, 2)."""
+    if len(line) < 2:
+        return np.repeat(line, n, axis=0)
+    lengths = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
+    at = np.linspace(0.0, lengths[-1], n)
+    return np.stack([np.interp(at, lengths, line[:, k]) for k in (0, 1)], axis=1)
+
+
+def cut(line: FloatArray, width: float, height: float) -> Sequence[FloatArray]:
+    """The piece of a polyline that is inside the space, as dense points."""
+    points = dense(line)
+    inside = (points[:, 0] >= 0) & (points[:, 0] <= width)
+    inside &= (points[:, 1] >= 0) & (points[:, 1] <= height)
+    return [points[inside]] if inside.any() else []

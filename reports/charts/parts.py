@@ -1,0 +1,22 @@
+"""The charts of a part."""
+
+from reports.charts.buckling import buckling_chart
+from reports.charts.chart import Charts, gathered
+from reports.charts.convergence import convergence_chart
+from reports.charts.haigh import haigh_chart
+from reports.charts.ladder import ladder_chart
+from reports.charts.sn import sn_chart
+from reports.verdict import DesignResult, PartResult
+
+
+def part_charts(part: PartResult, result: DesignResult) -> Charts:
+    """Haigh's diagram, S-N line, column curves, ladder and convergence of a part of a result."""
+    return gathered(
+        [
+            lambda: haigh_chart(part, result),
+            lambda: sn_chart(part, result),
+            lambda: buckling_chart(part, result),
+            lambda: ladder_chart(part),
+            lambda: convergence_chart(part),
+        ]
+    )
