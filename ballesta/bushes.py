@@ -14,7 +14,7 @@ from geometry.parts import Pin
 from reports.verdict import Check
 
 # A pair of lugs shares the load evenly only if nothing is out of square; ASSUMED band.
-_SHARE_BAND = 0.05
+SHARE_BAND = 0.05
 
 Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
 
@@ -43,8 +43,8 @@ def bushes_not_checked(part: Part, solved: Solved) -> list[str]:
     if not runs:
         return []
     return [
-        f"NOT CHECKED: p v of the bush of {_name(entry)} in {', '.join(runs)}: measured loads tell "
-        "no relative speeds"
+        f"NOT CHECKED: p v of the bush of {bush_name(entry)} in {', '.join(runs)}: measured loads "
+        "tell no relative speeds"
         for entry in part.stack
         if entry.bush is not None and entry.bush.pv is not None
     ]
@@ -52,13 +52,13 @@ def bushes_not_checked(part: Part, solved: Solved) -> list[str]:
 
 def _pressure_check(design: Design, part: Part, part_loads: PartLoads, entry: StackEntry) -> Check:
     assert entry.bush is not None
-    name = _name(entry)
+    name = bush_name(entry)
     pressure = _pressure(part, part_loads, entry)
     (worst,) = first_largest(pressure)
     value = float(pressure[worst])
-    diameter, length = _diameter(part, entry), entry.bush.length
+    diameter, length = bush_diameter(part, entry), entry.bush.length
     force = value * diameter * length
-    paired = _lugs(entry) == 2
+    paired = bush_count(entry) == 2
     return Check(
         part=part.name,
         kind="bush",
@@ -66,7 +66,7 @@ def _pressure_check(design: Design, part: Part, part_loads: PartLoads, entry: St
         value=value,
         unit="MPa",
         numerical=0.0,
-        model=_SHARE_BAND * value if paired else 0.0,
+        model=SHARE_BAND * value if paired else 0.0,
         limit=entry.bush.allowable,
         required=design.require.bush,
         cycle=part_loads.cycle_names[worst],
@@ -86,13 +86,13 @@ def _pv_check(
     """Check the peak of p v over all computed cycles; the mean of each cycle is told."""
     assert entry.bush is not None
     assert entry.bush.pv is not None
-    pressure, diameter = _pressure(part, part_loads, entry), _diameter(part, entry)
+    pressure, diameter = _pressure(part, part_loads, entry), bush_diameter(part, entry)
     found = []
     for name, cycle in solved.items():
         if not isinstance(cycle, loads.CycleLoads) or name not in part_loads.cycles:
             continue
         columns = part_loads.cycles[name]
-        speeds = np.abs(_turning(cycle, part, entry)) * diameter / 2
+        speeds = np.abs(turning(cycle, part, entry)) * diameter / 2
         product = pressure[columns] * speeds
         spans = np.diff(cycle.times)
         mean = float(np.sum((product[:-1] + product[1:]) / 2 * spans) / spans.sum())
@@ -102,16 +102,16 @@ def _pv_check(
         return []
     value, worst, _, _, speed = max(found)
     means = ", ".join(f"{name} {mean / 1e3:.3g}" for _, _, name, mean, _ in found)
-    paired = _lugs(entry) == 2
+    paired = bush_count(entry) == 2
     return [
         Check(
             part=part.name,
             kind="bush",
-            quantity=f"p v of the bush of {_name(entry)}",
+            quantity=f"p v of the bush of {bush_name(entry)}",
             value=value / 1e3,
             unit="MPa m/s",
             numerical=0.0,
-            model=_SHARE_BAND * value / 1e3 if paired else 0.0,
+            model=SHARE_BAND * value / 1e3 if paired else 0.0,
             limit=entry.bush.pv / 1e3,
             required=design.require.bush,
             cycle=part_loads.cycle_names[worst],
@@ -126,7 +126,7 @@ def _pv_check(
     ]
 
 
-def _turning(cycle: loads.CycleLoads, part: Part, entry: StackEntry) -> FloatArray:
+def turning(cycle: loads.CycleLoads, part: Part, entry: StackEntry) -> FloatArray:
     """Angular speed (n,) of a lug against the pin, which turns with a body, rad/s."""
     assert part.fixed_to is not None
     own = cycle.velocities[:, cycle.body_index(part.fixed_to), 2]
@@ -157,20 +157,23 @@ def _velocity(cycle: loads.CycleLoads, body: str, point: str) -> FloatArray:
 def _pressure(part: Part, part_loads: PartLoads, entry: StackEntry) -> FloatArray:
     """Mean pressure (n,) of one bush, MPa."""
     assert entry.bush is not None
-    area = _diameter(part, entry) * entry.bush.length * _lugs(entry)
-    return part_loads.resultant(_name(entry)) / area
+    area = bush_diameter(part, entry) * entry.bush.length * bush_count(entry)
+    return part_loads.resultant(bush_name(entry)) / area
 
 
-def _lugs(entry: StackEntry) -> int:
+def bush_count(entry: StackEntry) -> int:
+    """How many equal bushes share the load of an entry of a stack."""
     return 2 if entry.at and not entry.single else 1
 
 
-def _diameter(part: Part, entry: StackEntry) -> float:
+def bush_diameter(part: Part, entry: StackEntry) -> float:
+    """Diameter of the pin in a bush, mm."""
     assert isinstance(part.geometry, Pin)
     return entry.diameter or part.geometry.diameter
 
 
-def _name(entry: StackEntry) -> str:
+def bush_name(entry: StackEntry) -> str:
+    """What turns in a bush: a body, or a force."""
     name = entry.body or entry.force
     assert name is not None
     return name

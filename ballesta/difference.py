@@ -52,7 +52,7 @@ def differences_of(
     one on both sides whatever its name. A result of several that cannot be read is a note. Raises
     DesignError where nothing can be read or checked, NumericsError where a solver gave up.
     """
-    before, after = (_results(Path(path), effort, say) for path in (a, b))
+    before, after = (results_at(Path(path), effort, say) for path in (a, b))
     if len(before) == len(after) == 1:
         pairs = [(next(iter(before)), next(iter(after)))]
     else:
@@ -92,8 +92,8 @@ def _importance(design: DesignDifference) -> tuple[int, float]:
     return -len(design.changes.get(VERDICTS, ())), -design.largest
 
 
-def _results(path: Path, effort: "Effort | None", say: Say) -> dict[str, Callable[[], Found]]:
-    """What reads or makes each of the results behind a path, by name."""
+def results_at(path: Path, effort: "Effort | None", say: Say) -> dict[str, Callable[[], Found]]:
+    """What reads or makes each of the results behind a path, by name; raises DesignError."""
     if path.is_dir():
         files = sorted(
             file

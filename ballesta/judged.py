@@ -1,8 +1,8 @@
 """What is judged at the worst point of a part, and its error bars from one mesh to the next."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from math import degrees, pi
 
 from ballesta.design_data import Part
@@ -25,12 +25,19 @@ _UNRESOLVED = 0.05  # error that elements make in a notch, over the peak
 
 @dataclass(frozen=True)
 class Bars:
-    """Numerical error bar, model band above and below, and what must be said of them."""
+    """Numerical error bar, model band above and below, and what must be said of them.
+
+    values, sizes  MPa and mm: the quantity, and the elements at its place, mesh by mesh
+    by_arc         arc of contact, rad -> the quantity under that pressure, MPa; empty without pins
+    """
 
     numerical: ErrorBar
     above: float
     below: float
     note: str
+    values: Sequence[float] = ()
+    sizes: Sequence[float] = ()
+    by_arc: Mapping[float, float] = field(default_factory=dict)
 
 
 class Judged(ABC):
@@ -133,7 +140,7 @@ def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float
         notes.append(f"by arc of contact, MPa: {by}")
     above = max((other - by_arc[pi] for other in by_arc.values()), default=0.0)
     below = max((by_arc[pi] - other for other in by_arc.values()), default=0.0)
-    return Bars(bar, above, below, "; ".join(notes))
+    return Bars(bar, above, below, "; ".join(notes), values, sizes, by_arc)
 
 
 def mesh_bar(judged: Judged, levels: Sequence[Level]) -> float:

@@ -37,7 +37,7 @@ class Ligament:
 
 
 @dataclass(frozen=True)
-class _Lug:
+class Lug:
     """A hole: what presses in it, mm, and the weaker of both.
 
     diameter, width  of the pin where it bears in the hole itself, else of the hole and its bush
@@ -55,15 +55,15 @@ def lug_checks(design: Design, part: Part, loads: PartLoads, body: Mesh | SolidB
     """Pressure in the holes of a part and shear behind them, each where it is worst."""
     if isinstance(part.geometry, Pin):
         return []
-    lugs = _lugs(design, part, body)
+    lugs = lugs_of(design, part, body)
     if not lugs:
         return []
-    bores = [lug for lug in lugs if body.interfaces[lug.interface].kind == "bore"]
-    torn = _shear_out(design, part, loads, body, bores) if bores else None
+    torn = _shear_out(design, part, loads, body, lugs)
     return [_bearing(design, part, loads, lugs), *([torn] if torn else [])]
 
 
-def _lugs(design: Design, part: Part, body: Mesh | SolidBody) -> list[_Lug]:
+def lugs_of(design: Design, part: Part, body: Mesh | SolidBody) -> list[Lug]:
+    """Return the holes and journals of a part that carry a pin of the machine."""
     return [
         _lug(design, part, interface)
         for name, interface in body.interfaces.items()
@@ -71,9 +71,9 @@ def _lugs(design: Design, part: Part, body: Mesh | SolidBody) -> list[_Lug]:
     ]
 
 
-def _lug(design: Design, part: Part, interface: Interface) -> _Lug:
+def _lug(design: Design, part: Part, interface: Interface) -> Lug:
     """A hole or journal, and in a hole the pin of the design that is in it, if it has its part."""
-    whole = _Lug(interface.name, 2 * interface.radius, interface.length, part.material, "")
+    whole = Lug(interface.name, 2 * interface.radius, interface.length, part.material, "")
     pin = _pin_in(design, part, part.interfaces[interface.name])
     if interface.kind != "bore" or pin is None:
         return whole
@@ -107,22 +107,38 @@ def _entry(pin: Part, part: Part) -> StackEntry:
     return next(entry for entry in pin.stack if entry.body == part.body)
 
 
-def _bearing(design: Design, part: Part, loads: PartLoads, lugs: Sequence[_Lug]) -> Check:
-    """Check the hole whose pressure is the largest share of what the softer of both may bear."""
+@dataclass(frozen=True)
+class Pressed:
+    """A hole at the position where it is pressed most: MPa, position, N."""
+
+    pressure: float
+    position: int
+    force: float
+    lug: Lug
+
+
+def pressed_lugs(loads: PartLoads, lugs: Sequence[Lug]) -> list[Pressed]:
+    """Every hole where it is pressed most, the largest share of what it may bear first."""
     found = []
     for lug in lugs:
         force = loads.resultant(lug.interface)
         (worst,) = first_largest(force)
         pressure = bearing_pressure(float(force[worst]), lug.diameter, lug.width)
-        found.append((pressure, worst, float(force[worst]), lug))
-    (row,) = first_largest(np.array([entry[0] / entry[3].softer.yield_stress for entry in found]))
-    value, worst, force_there, lug = found[row]
-    others = ", ".join(f"{entry[3].interface} {entry[0]:.3g}" for entry in found if entry[3] != lug)
+        found.append(Pressed(pressure, worst, float(force[worst]), lug))
+    (row,) = first_largest(np.array([one.pressure / one.lug.softer.yield_stress for one in found]))
+    return [found[row], *(one for k, one in enumerate(found) if k != row)]
+
+
+def _bearing(design: Design, part: Part, loads: PartLoads, lugs: Sequence[Lug]) -> Check:
+    """Check the hole whose pressure is the largest share of what the softer of both may bear."""
+    most, *less = pressed_lugs(loads, lugs)
+    lug, worst = most.lug, most.position
+    others = ", ".join(f"{one.lug.interface} {one.pressure:.3g}" for one in less)
     return Check(
         part=part.name,
         kind="bearing",
         quantity="mean pressure of the pin F/(d t)",
-        value=value,
+        value=most.pressure,
         unit="MPa",
         numerical=0.0,
         model=0.0,
@@ -138,7 +154,7 @@ def _bearing(design: Design, part: Part, loads: PartLoads, lugs: Sequence[_Lug])
         note="; ".join(
             text
             for text in (
-                f"F = {force_there:.0f} N",
+                f"F = {most.force:.0f} N",
                 lug.note,
                 f"other holes, MPa: {others}" if others else "",
             )
@@ -147,27 +163,52 @@ def _bearing(design: Design, part: Part, loads: PartLoads, lugs: Sequence[_Lug])
     )
 
 
-def _shear_out(
-    design: Design, part: Part, loads: PartLoads, body: Mesh | SolidBody, lugs: Sequence[_Lug]
-) -> Check | None:
-    """Check the ligament that is sheared most; None where no pin pulls at one."""
+@dataclass(frozen=True)
+class Torn:
+    """A ligament at the position where it is sheared most: MPa, position, N, mm2."""
+
+    stress: float
+    position: int
+    force: float
+    area: float
+    lug: Lug
+    ligament: Ligament
+
+
+def torn_most(
+    part: Part, loads: PartLoads, body: Mesh | SolidBody, lugs: Sequence[Lug]
+) -> Torn | None:
+    """The ligament behind a bore that is sheared most; None where no pin pulls at one."""
     found = []
     for lug in lugs:
+        if body.interfaces[lug.interface].kind != "bore":
+            continue
         wrench = loads.wrenches[lug.interface]
         for ligament in ligaments(part, body, lug.interface):
             pull, area = _pull(wrench, ligament)
             stress = shear_out(pull, area)
             (worst,) = first_largest(stress)
-            found.append((stress[worst], worst, pull[worst], area[worst], lug, ligament))
-    if not found or not max(entry[0] for entry in found) > 0:
+            tearing, plane = float(pull[worst]), float(area[worst])
+            found.append(Torn(float(stress[worst]), worst, tearing, plane, lug, ligament))
+    if not found or not max(one.stress for one in found) > 0:
         return None
-    (row,) = first_largest(np.array([entry[0] for entry in found]))
-    value, worst, force, plane, lug, ligament = found[row]
+    (row,) = first_largest(np.array([one.stress for one in found]))
+    return found[row]
+
+
+def _shear_out(
+    design: Design, part: Part, loads: PartLoads, body: Mesh | SolidBody, lugs: Sequence[Lug]
+) -> Check | None:
+    """Check the ligament that is sheared most; None where no pin pulls at one."""
+    torn = torn_most(part, loads, body, lugs)
+    if torn is None:
+        return None
+    worst, lug = torn.position, torn.lug
     return Check(
         part=part.name,
         kind="shear-out",
         quantity="mean shear stress behind the pin F/(2 A)",
-        value=float(value),
+        value=torn.stress,
         unit="MPa",
         numerical=0.0,
         model=0.0,
@@ -175,10 +216,10 @@ def _shear_out(
         required=design.require.static,
         cycle=loads.cycle_names[worst],
         position=loads.labels[worst],
-        place=f"{lug.interface}, towards {ligament.until}",
+        place=f"{lug.interface}, towards {torn.ligament.until}",
         method="formula",
         basis="yield stress over sqrt 3",
-        note=f"F = {force:.0f} N that way, A = {plane:.4g} mm2 in each of two planes",
+        note=f"F = {torn.force:.0f} N that way, A = {torn.area:.4g} mm2 in each of two planes",
     )
 
 

@@ -18,7 +18,7 @@ from geometry.mesh import FloatArray
 from geometry.parts import Pin, Seat
 
 _INSIDE = 16  # sections between two changes of load or diameter
-_ANGLES = np.radians(np.arange(0, 180, 5))
+ANGLES = np.radians(np.arange(0, 180, 5))
 _TIED = 1e-6  # of a stress: nearer ones are all computed
 
 
@@ -100,7 +100,7 @@ class PinDiagram:
         moment, force = self.moment[chosen], self.shear[chosen]
         along_m = np.arctan2(moment[:, 1], moment[:, 0])
         along_v = np.arctan2(force[:, 1], force[:, 0])
-        for turn in _ANGLES:
+        for turn in ANGLES:
             angle = along_m + turn
             bent = bending * np.cos(turn)
             sheared = shear * np.sin(angle - along_v) ** 2 + twist

@@ -49,7 +49,7 @@ def _round(
     (worst,) = first_largest(force)
     if not force[worst] > 0:
         return None
-    most = float(_couple(loads, interface).max())
+    most = float(couple_on(loads, interface).max())
     if most > _TURNED * force[worst] * 2 * roller.radius:
         key = f"parts.{part.name}.contacts.{interface.name}.radius"
         raise DesignError(
@@ -92,7 +92,7 @@ def _round(
 def _flat(design: Design, part: Part, loads: PartLoads, interface: Interface) -> Check:
     """Check a flat block: mean pressure, and what a couple on the block adds at its end."""
     force = np.abs(loads.wrenches[interface.name][:, 1])
-    couple = _couple(loads, interface)
+    couple = couple_on(loads, interface)
     length, width = 2 * interface.patch, interface.length
     pressure = force / (length * width) + 6 * couple / (width * length**2)
     (worst,) = first_largest(pressure)
@@ -119,7 +119,7 @@ def _flat(design: Design, part: Part, loads: PartLoads, interface: Interface) ->
     )
 
 
-def _couple(loads: PartLoads, interface: Interface) -> FloatArray:
+def couple_on(loads: PartLoads, interface: Interface) -> FloatArray:
     """Couple (n,) on a sliding contact about where it touches, N mm."""
     wrench = loads.wrenches[interface.name]
     reach = loads.reaches.get(interface.name, np.zeros(len(wrench)))

@@ -34,12 +34,12 @@ def column_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
     column states, over all positions; the other limits stand in the note. The required safety is
     that of buckling either way: no partial factor is mixed into it.
     """
-    worst = _worst(part, loads)
+    worst = worst_compression(part, loads)
     if worst is None:
         return []
     checks = []
     for plane in planes_of(design, part):
-        judged = _judged(part, plane, float(axial_compression(part, loads)[worst]))
+        judged = judged_columns(part, plane, float(axial_compression(part, loads)[worst]))
         case, stress, safety = judged.deciding
         limit = safety * stress
         checks.append(
@@ -71,7 +71,7 @@ def column_facts(design: Design, part: Part, loads: PartLoads) -> dict[str, floa
 
     Empty for a part that is never compressed or has no sections.
     """
-    worst = _worst(part, loads)
+    worst = worst_compression(part, loads)
     if worst is None:
         return {}
     force = float(axial_compression(part, loads)[worst])
@@ -105,7 +105,7 @@ def column_told(part: Part, loads: PartLoads) -> str | None:
 
 
 @dataclass(frozen=True)
-class _Judged:
+class JudgedColumns:
     """A plane's columns under one force.
 
     found     (case, axial stress, safety), the least safety first
@@ -147,7 +147,8 @@ class _Judged:
         return told
 
 
-def _judged(part: Part, plane: Plane, force: float) -> _Judged:
+def judged_columns(part: Part, plane: Plane, force: float) -> JudgedColumns:
+    """Judge every section of a part as a column in a plane under a compression, N."""
     curve = part.column.curve
     found = []
     for case in cases_of(part, plane):
@@ -157,10 +158,10 @@ def _judged(part: Part, plane: Plane, force: float) -> _Judged:
         case.limit(curve) * case.section.area / force
         for case in cases_of(part, plane, stiffest=True)
     )
-    return _Judged(tuple(sorted(found, key=lambda entry: entry[2])), stiffest)
+    return JudgedColumns(tuple(sorted(found, key=lambda entry: entry[2])), stiffest)
 
 
-def _worst(part: Part, loads: PartLoads) -> int | None:
+def worst_compression(part: Part, loads: PartLoads) -> int | None:
     """Position of the largest compression; None without sections or compression.
 
     A column's limits do not depend on the position, so that it is the worst of all of them.

@@ -17,6 +17,7 @@ from ballesta.rungs.beam_pins import pin
 from ballesta.rungs.beam_solution import BeamSolution, solve_frame
 from ballesta.rungs.beam_toggle import toggle_bar
 from ballesta.rungs.model import RungModel
+from ballesta.rungs.unit_names import columns_of
 from fem.stress_history import StressHistory
 from geometry.mesh import FloatArray
 from geometry.parts import LeafPack, Pin, PlateLink, PrismaticTube, SlottedLever, ToggleBar, TubeRod
@@ -34,6 +35,7 @@ def model_of(part: Part, loads: PartLoads) -> RungModel | None:
         rung="beam",
         history=StressHistory(np.arange(len(points)), points, basis, coefficients),
         places=places,
+        units=columns_of([(entry.interface.name, entry.names) for entry in framed.entries]),
         fretting=fretting,
         numerical=solved.solution.residual,
         residual=solved.residual(loads, coefficients),

@@ -5,7 +5,7 @@ and Ritz, never above the truth), the position that looks worst is solved, its m
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 import scipy.linalg
@@ -21,6 +21,7 @@ from fem.frame_lateral import geometric_forms
 from fem.lateral_buckling import plate_stress
 from geometry.mesh import FloatArray
 from geometry.parts import PrismaticTube, ToggleBar
+from reports.derivation import Given, Item, Step
 
 _MOST = 6  # positions that are solved
 _PATTERNS = 4  # load states whose modes are taken to begin with
@@ -41,6 +42,10 @@ def buckling_of(
         return None
     search = _Search(solved, coefficients)
     found = search.worst()
+    told = (
+        f"the frame's factor is the eigenvalue of a frame of {6 * len(solved.part.frame.nodes)} "
+        "unknowns, which no formula gives"
+    )
     plane, share, position = "nothing presses or bends it", 0.0, 0
     if found is not None:
         position, factor, shape = found
@@ -49,11 +54,36 @@ def buckling_of(
     walls = _wall_shares(part, loads)
     if isinstance(part.geometry, ToggleBar) and walls[position] > 0:
         together = "with its cheeks as plates between their edges (Dunkerley's sum)"
-        return ElasticLoad(share + float(walls[position]), position, f"{plane}, {together}")
+        return ElasticLoad(
+            share + float(walls[position]),
+            position,
+            f"{plane}, {together}",
+            partial(_items, share, float(walls[position])),
+            told,
+        )
     if walls.max() > share:
         (position,) = first_largest(walls)
-        return ElasticLoad(float(walls[position]), position, "walls, at the end that is pressed")
-    return ElasticLoad(share, position, plane)
+        wall = float(walls[position])
+        said = "walls, at the end that is pressed"
+        return ElasticLoad(wall, position, said, partial(_items, 0.0, wall), told)
+    return ElasticLoad(share, position, plane, partial(_items, share, 0.0), told)
+
+
+def _items(share: float, walls: float) -> list[Item]:
+    """How the share comes about: frame and walls."""
+    items: list[Item] = []
+    if share:
+        items += [
+            Given("lam", "lowest factor on all loads at which the frame buckles", 1 / share, "",
+                  "eigenvalue: docs/theory/rungs_beam.md", main=True),
+            Step("f_1", "share that the loads are of the frame's", "1/lam"),
+        ]  # fmt: skip
+    if walls:
+        said = "share that the stress in the walls is of that under which plates buckle"
+        items.append(Given("f_2", said, walls, "", "Timoshenko and Gere, 2nd ed., 9.2"))
+    terms = [name for name, size in (("f_1", share), ("f_2", walls)) if size] or ["0"]
+    said = "share of the elastic buckling load" + (" (Dunkerley's sum)" if len(terms) > 1 else "")
+    return [*items, Step("share", said, " + ".join(terms), main=True)]
 
 
 def _wall_shares(part: Part, loads: PartLoads) -> FloatArray:

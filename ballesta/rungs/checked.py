@@ -111,7 +111,7 @@ def _buckling_estimate(design: Design, part: Part, loads: PartLoads, model: Rung
 
 def _with_band(part: Part, loads: PartLoads, model: RungModel, check: Check) -> Estimate:
     """The check with the band of solids around the rung's value."""
-    band = _band(part, loads, model, check)
+    band = band_around(part, loads, model, check)
     if isinstance(band, NoBand):
         said = f"{UNKNOWN_BAR}{band.why}"
         return Estimate(_told(check, inf, inf, said), inf, inf)
@@ -125,7 +125,8 @@ def _with_band(part: Part, loads: PartLoads, model: RungModel, check: Check) -> 
     )
 
 
-def _band(part: Part, loads: PartLoads, model: RungModel, check: Check) -> Band | NoBand:
+def band_around(part: Part, loads: PartLoads, model: RungModel, check: Check) -> Band | NoBand:
+    """Where solids lie around a rung's check, or why that is not known."""
     unknown = unknown_load(part, loads)
     if unknown:
         return NoBand(unknown)

@@ -45,6 +45,7 @@ class Climb:
     levels     rung -> its stress, judged
     tried      rungs in the order in which they were tried or passed over
     doubted    kinds of which two rungs' bars have nothing in common: only a solid settles them
+    live       whether a page will show the fields at every position
     """
 
     design: Design
@@ -58,6 +59,7 @@ class Climb:
     tried: list[RungTried] = field(default_factory=list)
     unbuckled: bool = False
     doubted: set[str] = field(default_factory=set)
+    live: bool = False
 
     @property
     def open(self) -> list[str]:
@@ -84,6 +86,8 @@ class Climb:
         if model is None:
             self.skip(rung, f"there is no {rung} of this shape")
             return False
+        if not self.live:
+            model = replace(model, sheet=None)
         level = rung_level(self.design, self.part, self.loads, model)
         band = leaf_band(self.design, self.part, self.loads, self.solved, self._again(rung))
         found = {

@@ -2,20 +2,34 @@
 
 from dataclasses import dataclass, fields, replace
 from itertools import pairwise
+from math import inf
 
 import numpy as np
 
 from ballesta.column_moments import axial_compression
 from ballesta.design_data import Part
+from ballesta.explained import elastic
 from ballesta.part_loads import PartLoads
-from ballesta.rungs.formula_points import Points, along_x, sheared
+from ballesta.rungs.formula_points import Points, along_x, in_section, sheared
 from ballesta.rungs.model import ElasticLoad
+from ballesta.rungs.unit_names import acceleration_units, wrench_units
 from ballesta.ties import first_largest
 from fem.bar_forces import BarForces, BarLoads, balanced_bar, deflection
 from fem.lateral_buckling import column_force, lateral_share
 from geometry.mesh import FloatArray
+from reports.derivation import Item
 
 _STATIONS = 33  # of deflection and lateral buckling
+_IN_PLANE = "in plane: Euler's column"
+_SIDEWAYS = "out of plane: Euler's column and lateral buckling of the bent bar"
+_PLANES = (_IN_PLANE, _SIDEWAYS)
+_KINDS = {
+    "axial": "axial force",
+    "shear": "shear force",
+    "torque": "torque",
+    "moment_y": "moment M_y",
+    "moment_z": "moment M_z",
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +86,10 @@ class SectionForces:
         if any(np.ndim(x) for x, _ in bar.points):
             return
         acting = [bar.accelerations, *(wrench for _, wrench in bar.points)]
-        self._columns = points.columns(np.concatenate(acting, axis=1).T)
+        names = acceleration_units() + [
+            name for x, _ in bar.points for name in wrench_units(f"x = {float(x):.4g} mm")
+        ]
+        self._columns = points.columns(np.concatenate(acting, axis=1).T, names)
         own, *units = np.split(np.eye(len(self._columns)), np.arange(4, len(self._columns), 6), 1)
         at = [(x, unit) for (x, _), unit in zip(bar.points, units, strict=True)]
         self._bar = replace(bar, points=at, accelerations=own)
@@ -87,7 +104,10 @@ class SectionForces:
         if self._columns:
             return self._columns, forces
         rows = [getattr(forces, kind.name) for kind in fields(forces)]
-        columns = self._points.columns(np.concatenate(rows))
+        names = [
+            in_section(float(x), _KINDS[kind.name])[0] for kind in fields(forces) for x in places
+        ]
+        columns = self._points.columns(np.concatenate(rows), names)
         return columns, BarForces(*np.split(np.eye(len(columns)), len(rows)))
 
 
@@ -136,7 +156,8 @@ def add_rectangle_fibres(
                     forces.shear[k],
                     forces.torque[k],
                 ]
-            )
+            ),
+            in_section(x, "axial force", "moment M_z", "moment M_y", "shear force", "torque"),
         )
         y, z = (half.ravel() for half in np.meshgrid([-0.5, 0.0, 0.5], [-0.5, 0.5]))
         y, z = y * height, z * thickness
@@ -193,13 +214,14 @@ def elastic_load(
     young, ratio = part.material.youngs_modulus, part.material.poisson_ratio
     flat, across = (young * mass.at(i, places) for i in (mass.inertia_z, mass.inertia_y))
     racking = np.inf if mass.racking is None else young * mass.at(mass.racking, places)
+    twisting = young / (2 * (1 + ratio)) * mass.at(mass.torsion, places)
     shares = {
-        "in plane: Euler's column": force / column_force(flat, np.inf, length),
-        "out of plane: Euler's column and lateral buckling of the bent bar": lateral_share(
+        _IN_PLANE: force / column_force(flat, np.inf, length),
+        _SIDEWAYS: lateral_share(
             force / column_force(across, racking, length),
             bar.at(places).moment_z,
             across,
-            young / (2 * (1 + ratio)) * mass.at(mass.torsion, places),
+            twisting,
             length,
         ),
         "a stretch by itself: plates and columns": force * local,
@@ -207,4 +229,18 @@ def elastic_load(
     words = max(shares, key=lambda name: float(shares[name].max()))
     share = np.maximum(shares[words], 0.0)
     (position,) = first_largest(share)
-    return ElasticLoad(float(share[position]), int(position), words)
+
+    def explain() -> list[Item]:
+        pressed = float(force[position])
+        if words not in _PLANES:
+            return elastic.by_itself(pressed, local)
+        if words == _IN_PLANE:
+            return elastic.as_column(pressed, flat, inf, length)
+        bent = float(
+            lateral_share(
+                np.zeros(1), bar.at(places).moment_z[:, [position]], across, twisting, length
+            )[0]
+        )
+        return elastic.sideways(pressed, across, racking, length, bent)
+
+    return ElasticLoad(float(share[position]), int(position), words, explain)

@@ -15,7 +15,7 @@ from ballesta.rungs.formula_bars import (
     left_over,
     most_deflected,
 )
-from ballesta.rungs.formula_points import Points
+from ballesta.rungs.formula_points import Points, in_section
 from ballesta.rungs.model import RungModel
 from fem.bar_forces import BarForces
 from fem.frame_fibres import Fibres, rectangle_fibres
@@ -55,6 +55,7 @@ def step_part_model(part: Part, shape: StepPart, loads: PartLoads) -> RungModel 
         rung="formula",
         history=points.history(),
         places=points.places,
+        units=points.units,
         fretting=points.fretting,
         numerical=0.0,
         residual=left_over(bar, own, span),
@@ -117,12 +118,16 @@ def _add_fibres(
     """Add the corners and the middles of the sides of every section."""
     axial, shear, twist, bent, moment = fibres.unit[:, :, [0, 1, 3, 4, 5]].transpose(2, 0, 1)
     acting = (
-        (forces.axial, axial),
-        (forces.shear, shear),
-        (forces.torque, twist),
-        (forces.moment_y, bent),
-        (forces.moment_z, moment),
+        ("axial force", forces.axial, axial),
+        ("shear force", forces.shear, shear),
+        ("torque", forces.torque, twist),
+        ("moment M_y", forces.moment_y, bent),
+        ("moment M_z", forces.moment_z, moment),
     )
     for k, x in enumerate(stations):
         at = np.column_stack([np.full(len(fibres.places), x + start), fibres.places])
-        points.add("section", at, {points.column(values[k]): unit for values, unit in acting})
+        stress = {
+            points.column(values[k], in_section(x + start, kind)[0]): unit
+            for kind, values, unit in acting
+        }
+        points.add("section", at, stress)

@@ -5,7 +5,7 @@ import numpy as np
 from ballesta.design_data import Part
 from ballesta.part_loads import PartLoads
 from ballesta.rungs.formula_bars import fine_cells, left_over
-from ballesta.rungs.formula_points import Points, along_x, sheared
+from ballesta.rungs.formula_points import Points, along_x, in_section, sheared
 from ballesta.rungs.model import RungModel
 from fem.bar_forces import BarLoads, balanced_bar, deflection
 from geometry.mesh import FloatArray
@@ -37,6 +37,7 @@ def leaf_pack_model(part: Part, shape: LeafPack, loads: PartLoads) -> RungModel:
         rung="formula",
         history=points.history(),
         places=points.places,
+        units=points.units,
         fretting=points.fretting,
         numerical=0.0,
         residual=left_over(bar, loads, shape.length),
@@ -93,7 +94,8 @@ def _add_fibres(
     top = shape.leaves * shape.thickness / 2
     for k, x in enumerate(places):
         axial, moment, shear = points.columns(
-            np.stack([forces.axial[k], forces.moment_z[k], forces.shear[k]])
+            np.stack([forces.axial[k], forces.moment_z[k], forces.shear[k]]),
+            in_section(x, "axial force", "moment M_z", "shear force"),
         )
         at = np.array([[x, top, 0], [x, -top, 0], [x, top - shape.thickness / 2, shape.width / 2]])
         points.add(

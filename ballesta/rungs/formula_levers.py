@@ -16,7 +16,7 @@ from ballesta.rungs.formula_bars import (
     most_deflected,
 )
 from ballesta.rungs.formula_lugs import add_bore, strip_edges
-from ballesta.rungs.formula_points import Points, along_x
+from ballesta.rungs.formula_points import Points, along_x, in_section
 from ballesta.rungs.model import RungModel
 from fem.bar_forces import BarLoads
 from fem.frame_sections import rectangle_torsion
@@ -52,6 +52,7 @@ def slotted_lever_model(part: Part, shape: SlottedLever, loads: PartLoads) -> Ru
         rung="formula",
         history=points.history(),
         places=points.places,
+        units=points.units,
         fretting=points.fretting,
         numerical=0.0,
         residual=left_over(bar, loads, shape.length),
@@ -144,14 +145,24 @@ def _add_rails(
     bent = curved_bar(depth, shape.slot_width / 2)
     folded = bent_plate_hole(shape.slot_width, shape.thickness) * 2 * depth / shape.width
     warped = rail.warping(length, part.material.poisson_ratio)
-    pairs = [points.column(axial) for axial in rails.axial]
+    pairs = [
+        points.column(axial, (f"axial force of the {side} rail by its pair", "N"))
+        for axial, side in zip(rails.axial, ("upper", "lower"), strict=True)
+    ]
     for k, x in enumerate(places):
         first, last = k == 0, k == len(places) - 1
         clamped = first or last
-        whole, aside = points.columns(np.stack([forces.axial[k], forces.moment_y[k]]))
-        warping = points.column(forces.torque[k] * (2 * k / (len(places) - 1) - 1))
+        whole, aside = points.columns(
+            np.stack([forces.axial[k], forces.moment_y[k]]),
+            in_section(x, "axial force", "moment M_y"),
+        )
+        warping = points.column(
+            forces.torque[k] * (2 * k / (len(places) - 1) - 1), in_section(x, "torque")[0]
+        )
         for number, side in enumerate((1.0, -1.0)):
-            own = points.column(rails.moment[number, k])
+            own = points.column(
+                rails.moment[number, k], (f"own moment of a rail at x = {x:.4g} mm", "N mm")
+            )
             middle = side * rail.apart / 2
             y = middle + np.array([-1.0, -1.0, 1.0, 1.0]) * depth / 2
             z = np.array([-1.0, 1.0, -1.0, 1.0]) * rail.thickness / 2
@@ -185,7 +196,10 @@ def _add_foot(points: Points, shape: SlottedLever, bar: BarLoads) -> None:
         stepped_bar(kind, wide, shape.thickness, shape.boss_fillet)
         for kind in ("tension", "bending")
     )
-    axial, aside = points.columns(np.stack([forces.axial[0], forces.moment_y[0]]))
+    axial, aside = points.columns(
+        np.stack([forces.axial[0], forces.moment_y[0]]),
+        in_section(foot, "axial force", "moment M_y"),
+    )
     z = np.array([-1.0, 1.0]) * shape.thickness / 2
     points.add(
         "boss fillet",

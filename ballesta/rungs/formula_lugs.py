@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ballesta.rungs.formula_points import XX, XY, YY, Points
+from ballesta.rungs.unit_names import bearing_units, interface_units
 from fem.lug_stress import Lug, cartesian, polar
 from fem.pin_loaded_hole import ComplexArray
 from fem.unit_loads import bearing_coefficients
@@ -33,7 +34,9 @@ def add_bore(
     tilts   whether its couples about x and y act on the lug, whose middle plane is z = 0: then its
             faces are added, with these couples
     """
-    columns = points.columns(bearing_coefficients(wrench[:, [0, 1, 5]], inward=False).T)
+    columns = points.columns(
+        bearing_coefficients(wrench[:, [0, 1, 5]], inward=False).T, bearing_units(name)
+    )
     rim = lug.hole.radius * np.exp(1j * ANGLES)
     plane = lug.stress(rim)
     for z in faces:
@@ -47,7 +50,7 @@ def add_bore(
     hoop, radial, shear = polar(plane.transpose(0, 2, 1).reshape(-1, 3), np.repeat(ANGLES, 8))
     relieved = cartesian(lug.relief * hoop, radial, shear, np.repeat(ANGLES, 8))
     own = _by_column(columns, relieved.reshape(-1, 8, 3).transpose(0, 2, 1))
-    turned = points.columns(wrench[:, 3:5].T)
+    turned = points.columns(wrench[:, 3:5].T, interface_units(name, ("M_x", "M_y")))
     tilt = lug.tilted(ANGLES)
     for z in (-lug.thickness / 2, lug.thickness / 2):
         _add(points, name, centre, rim, z, own | _by_column(turned, np.sign(z) * tilt))

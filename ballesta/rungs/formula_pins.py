@@ -15,6 +15,7 @@ from ballesta.rungs.formula_pin_pressure import (
 )
 from ballesta.rungs.formula_points import Points
 from ballesta.rungs.model import RungModel
+from ballesta.rungs.unit_names import bearing_units, interface_units
 from fem.notch_factors import stepped_shaft
 from fem.pin_loaded_hole import PATTERNS
 from fem.pin_stress import section_stress, surface_stress
@@ -40,13 +41,16 @@ def pin_model(part: Part, shape: Pin, loads: PartLoads) -> RungModel | None:
     names = [seat.name for seat in shape.seats]
     pressing = {
         name: points.columns(
-            bearing_coefficients(loads.wrenches[name][:, [0, 1, 5]], inward=True).T
+            bearing_coefficients(loads.wrenches[name][:, [0, 1, 5]], inward=True).T,
+            bearing_units(name),
         )
         for name in names
     }
     forces = {}
     for name in names:
-        couples = points.columns(loads.wrenches[name][:, 3:5].T)
+        couples = points.columns(
+            loads.wrenches[name][:, 3:5].T, interface_units(name, ("M_x", "M_y"))
+        )
         forces[name] = [pressing[name][k] for k in _PUSHING] + couples + pressing[name][-1:]
     diagram = pin_diagram(shape, _unit_wrenches(names), spread=True)
     columns = [column for name in names for column in forces[name]]
@@ -74,6 +78,7 @@ def pin_model(part: Part, shape: Pin, loads: PartLoads) -> RungModel | None:
         rung="formula",
         history=points.history(),
         places=points.places,
+        units=points.units,
         fretting=points.fretting,
         numerical=0.0,
         residual=_left_over(shape, loads, diagram, names),

@@ -49,6 +49,7 @@ def plate_link_model(part: Part, shape: PlateLink, loads: PartLoads) -> RungMode
         rung="formula",
         history=points.history(),
         places=points.places,
+        units=points.units,
         fretting=points.fretting,
         numerical=0.0,
         residual=left_over(bar, loads, shape.length),

@@ -1,13 +1,21 @@
 """Points of a handbook model: where they are, and of which forces their stress is made."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from ballesta.rungs.model import UnitName
 from fem.stress_history import StressHistory
-from geometry.mesh import FloatArray
+from geometry.mesh import FloatArray, IntArray
 
 XX, YY, ZZ, XY, YZ, ZX = range(6)
+_SECTION = {  # what acts in a section, and its unit
+    "axial force": "N",
+    "shear force": "N",
+    "moment M_z": "N mm",
+    "moment M_y": "N mm",
+    "torque": "N mm",
+}
 
 
 class Points:
@@ -16,21 +24,23 @@ class Points:
     def __init__(self, count: int) -> None:
         self._count = count
         self._rows: list[FloatArray] = []
+        self._names: list[UnitName] = []
         self._points: list[FloatArray] = []
         self._stress: list[tuple[list[int], FloatArray]] = []
         self._places: list[str] = []
         self._fretting: list[FloatArray] = []
 
-    def column(self, values: FloatArray) -> int:
-        """Number of a new column with these coefficients (n,)."""
+    def column(self, values: FloatArray, name: UnitName) -> int:
+        """Number of a new column with these coefficients (n,), named for whoever explains it."""
         if values.shape != (self._count,):
             raise ValueError(f"a column needs ({self._count},) values, got {values.shape}")
         self._rows.append(values)
+        self._names.append(name)
         return len(self._rows) - 1
 
-    def columns(self, values: FloatArray) -> list[int]:
-        """Numbers of new columns with coefficients (k, n)."""
-        return [self.column(row) for row in values]
+    def columns(self, values: FloatArray, names: Sequence[UnitName]) -> list[int]:
+        """Numbers of new columns with coefficients (k, n) and k names."""
+        return [self.column(row, name) for row, name in zip(values, names, strict=True)]
 
     def add(
         self,
@@ -74,10 +84,7 @@ class Points:
     def history(self) -> StressHistory:
         """All points over all positions; columns that are nothing everywhere are left out."""
         points = np.concatenate(self._points)
-        rows = np.stack(self._rows)
-        acts = np.flatnonzero(rows.any(axis=1))
-        if not len(acts):
-            acts = np.array([0])  # a history has a column, if of nothing
+        rows, acts = np.stack(self._rows), self._acting()
         basis = np.zeros((len(points), 6, len(rows)))
         start = 0
         for columns, stress in self._stress:
@@ -86,6 +93,21 @@ class Points:
         return StressHistory(
             np.arange(len(points)), points, np.ascontiguousarray(basis[:, :, acts]), rows[acts]
         )
+
+    def _acting(self) -> IntArray:
+        """Columns that are something somewhere; a history has at least one, if of nothing."""
+        acts = [k for k, row in enumerate(self._rows) if row.any()]
+        return np.array(acts or [0])
+
+    @property
+    def units(self) -> list[UnitName]:
+        """Names of the columns of the history."""
+        return [self._names[k] for k in self._acting()]
+
+
+def in_section(place: float, *kinds: str) -> list[UnitName]:
+    """Names of what acts in the section at a place, mm, such as "axial force" and "moment M_z"."""
+    return [(f"{kind} at x = {place:.4g} mm", _SECTION[kind]) for kind in kinds]
 
 
 def along_x(values: FloatArray) -> FloatArray:

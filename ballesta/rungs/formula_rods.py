@@ -15,7 +15,7 @@ from ballesta.rungs.formula_bars import (
     most_deflected,
 )
 from ballesta.rungs.formula_lugs import add_bore
-from ballesta.rungs.formula_points import Points, along_x, sheared
+from ballesta.rungs.formula_points import Points, along_x, in_section, sheared
 from ballesta.rungs.model import RungModel
 from fem.bar_forces import BarLoads
 from fem.lug_outlines import mirrored, round_outline
@@ -57,6 +57,7 @@ def tube_rod_model(part: Part, shape: TubeRod, loads: PartLoads) -> RungModel | 
         rung="formula",
         history=points.history(),
         places=points.places,
+        units=points.units,
         fretting=points.fretting,
         numerical=0.0,
         residual=left_over(bar, loads, shape.length),
@@ -88,7 +89,8 @@ def _add_tube(points: Points, shape: TubeRod, bar: BarLoads) -> None:
         ends = k in (0, len(places) - 1)
         pulled, bent = (stepped_shaft(kind, *sizes) if ends else 1.0 for kind in _FACTORS)
         axial, moment, shear = points.columns(
-            np.stack([forces.axial[k], forces.moment_z[k], forces.shear[k]])
+            np.stack([forces.axial[k], forces.moment_z[k], forces.shear[k]]),
+            in_section(x, "axial force", "moment M_z", "shear force"),
         )
         y, z = np.sin(_AROUND), np.cos(_AROUND)
         at = np.column_stack([np.full(len(y), x), y, z])

@@ -5,12 +5,17 @@ its sections, fillets. Its basis need not be one of unit loads of an elastic bod
 be any function of the link loads, as long as basis times coefficients is the stress.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
+from ballesta.rungs.plane_levels import PlaneLevel
 from ballesta.stressed import Stressed
 from fem.stress_history import StressHistory
 from geometry.mesh import FloatArray
+from reports.derivation import Item
+
+# Of a unit load: its name with where it acts, and the unit of its coefficient.
+UnitName = tuple[str, str]
 
 
 @dataclass(frozen=True)
@@ -20,11 +25,15 @@ class ElasticLoad:
     share     0 where nothing presses or bends; 1 is buckling
     position  at which it is largest
     words     how it buckles, and by which formula
+    explain   the items of a derivation of the share, whose symbol is `share`, made when asked for
+    unproved  why no formula gives the share, in words; "" for one that is a formula's
     """
 
     share: float
     position: int
     words: str
+    explain: Callable[[], Sequence[Item]] = field(default=tuple, compare=False, repr=False)
+    unproved: str = ""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -42,6 +51,8 @@ class RungModel:
     buckling    largest share of the elastic buckling load, None where the rung has no answer
     neglects    what the rung leaves out, in words
     unknowns    number of unknowns that were solved, 0 of a formula
+    units       (n_basis,) names of what the history's coefficients are sizes of
+    sheet       that a plane rung has solved; None of the others, and where no page will show it
     """
 
     rung: str
@@ -54,6 +65,15 @@ class RungModel:
     buckling: ElasticLoad | None
     neglects: str
     unknowns: int = 0
+    units: Sequence[UnitName]
+    sheet: PlaneLevel | None = None
+
+    def __post_init__(self) -> None:
+        if len(self.units) != len(self.history.coefficients):
+            raise ValueError(
+                f"the rung {self.rung} has {len(self.history.coefficients)} unit loads, "
+                f"but {len(self.units)} names"
+            )
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -11,8 +11,9 @@ import numpy as np
 from ballesta.design_data import Part
 from ballesta.part_loads import PartLoads
 from ballesta.part_strength import elastic_of
-from ballesta.rungs.model import RungModel
+from ballesta.rungs.model import RungModel, UnitName
 from ballesta.rungs.plane_levels import PlaneLevel, solve_levels
+from ballesta.rungs.unit_names import columns_of, interface_units
 from fem.plane_bores import plane_resultants
 from geometry.mesh import FloatArray
 from geometry.parts import (
@@ -60,6 +61,8 @@ def model_of(
         rung="plane",
         history=last.history,
         places=_places(outline, last),
+        units=_units(last),
+        sheet=last,
         fretting=_fretting(part.geometry.notch_factors, last),
         numerical=bar,
         residual=_residual(last, loads),
@@ -88,6 +91,15 @@ def _places(outline: PlaneOutline, level: PlaneLevel) -> list[str]:
     for name in mesh.edges:
         names[mesh.edge_nodes(name)] = name
     return [str(name) for name in names[level.history.nodes]]
+
+
+def _units(level: PlaneLevel) -> list[UnitName]:
+    """Names of the columns: in the plane, accelerations, and couples where the sheet is bent."""
+    solutions = level.solutions
+    names = columns_of([(unit.interface.name, unit.names) for unit in solutions.interfaces])
+    couples = [name for of in solutions.tilting for name in interface_units(of, ("M_x", "M_y"))]
+    bent = len(level.history.coefficients) > len(names)
+    return names + couples if bent else names
 
 
 def _fretting(factors: Mapping[str, float], level: PlaneLevel) -> FloatArray:

@@ -30,12 +30,16 @@ class PlaneLevel:
 
     places  (n_points,) numbers among the sheet's places
     added   (n, 3) rigid-body acceleration field that closes the balance
+    face    mm, height z of the points; None: on the faces of the sheet, +-t/2
+    flat    whether nothing bends it, so that one face shows all
     """
 
     solutions: PlaneUnitSolutions
     history: StressHistory
     places: IntArray
     added: FloatArray
+    face: float | None
+    flat: bool
 
     def deciding(self) -> tuple[int, int]:
         """The position of the peak, and the one whose stress is farthest from its stress.
@@ -58,6 +62,23 @@ class PlaneLevel:
         """Largest von Mises stress under a load state, MPa, and its point."""
         stress = von_mises(self.history.basis @ state)
         return float(stress.max()), int(stress.argmax())
+
+    def everywhere(self) -> tuple[StressHistory, IntArray, IntArray]:
+        """The history at all places of the sheet, not on its outline and seams alone.
+
+        And the six-node elements between them split in four, (m, 3) of its points, seen from
+        outside against the clock; and for each point of `history` which of these it is.
+        """
+        split = self.solutions.sheet.side_of[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]]]
+        triangles = split.reshape(-1, 3)
+        count = len(self.solutions.sheet.sides[0])
+        number, points, basis = _stress_at(self.solutions, self.face, np.arange(count), self.flat)
+        shown = self.places.copy()
+        if not self.flat:
+            triangles = np.concatenate([triangles, triangles[:, ::-1] + count])
+            shown[len(shown) // 2 :] += count
+        history = StressHistory(number, points, basis, self.history.coefficients)
+        return history, triangles, shown
 
     def size_at(self, place: FloatArray) -> float:
         """Mean size of the elements at the point nearest to a place (3,), mm."""
@@ -108,22 +129,34 @@ def level_of(solutions: PlaneUnitSolutions, outline: PlaneOutline, loads: PartLo
     coefficients, added = solutions.coefficients(
         loads.wrenches, loads.accelerations, loads.reaches, loads.tilt_held_at, flat=flat
     )
+    places = solutions.sheet.shown
+    number, points, basis = _stress_at(solutions, outline.face, places, flat)
+    history = StressHistory(number, points, basis, coefficients)
+    places = places if flat else np.tile(places, 2)
+    return PlaneLevel(solutions, history, places, added, outline.face, flat)
+
+
+def _stress_at(
+    solutions: PlaneUnitSolutions, face: float | None, places: IntArray, flat: bool
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Node numbers, points (n, 3) and basis (n, 6, n_basis) at places, and below if it bends."""
     sheet = solutions.sheet
     nodes, _ = sheet.sides
-    places = sheet.shown
-    half = _half_thickness(solutions)[places] if outline.face is None else outline.face
+    half = _half_thickness(solutions)[places] if face is None else face
     stress = solutions.stress_basis(places, flat=flat)
     points = np.column_stack([sheet.mesh.nodes[nodes[places]], np.broadcast_to(half, len(places))])
     basis = np.zeros((len(places), 6, stress.shape[2]))
     basis[:, [0, 1, 3]] = stress
     number = nodes[places]
-    if not flat:
-        below = basis.copy()
-        below[:, :, solutions.displacement.shape[1] :] *= -1
-        basis = np.concatenate([basis, below])
-        points = np.concatenate([points, points * [1, 1, -1]])
-        number, places = np.tile(number, 2), np.tile(places, 2)
-    return PlaneLevel(solutions, StressHistory(number, points, basis, coefficients), places, added)
+    if flat:
+        return number, points, basis
+    below = basis.copy()
+    below[:, :, solutions.displacement.shape[1] :] *= -1
+    return (
+        np.tile(number, 2),
+        np.concatenate([points, points * [1, 1, -1]]),
+        np.concatenate([basis, below]),
+    )
 
 
 def truncation(level: PlaneLevel, loads: PartLoads, position: int) -> float:

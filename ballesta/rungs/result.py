@@ -7,10 +7,12 @@ from time import perf_counter
 
 import numpy as np
 
+from ballesta.chart_data import charts_of
 from ballesta.fatigue_facts import fatigue_facts
 from ballesta.leaf_checks import leaf_band, pack_level, with_leaf_checks
 from ballesta.levels import Models
-from ballesta.part_facts import SMALL_DISPLACEMENT, charts_of, facts_of
+from ballesta.live_fields import rung_fields
+from ballesta.part_facts import SMALL_DISPLACEMENT, facts_of
 from ballesta.part_strength import endurance_of, life_task
 from ballesta.rungs.checked import BALANCE, BUCKLING, FATIGUE, STATIC
 from ballesta.rungs.climb import SOLID, Climb, answered
@@ -25,8 +27,11 @@ from reports.verdict import Check, Gate, PartResult, RungTried, Status, Surface
 NOT_MESHED = "not meshed"  # the only field on the surface of such a part
 
 
-def cheap_result(climb: Climb, models: Models) -> PartResult:
-    """What is known of a part whose verdict no mesh was needed for."""
+def cheap_result(climb: Climb, models: Models, *, live: bool = False) -> PartResult:
+    """What is known of a part whose verdict no solid was needed for.
+
+    live  whether a page will show the fields at every position
+    """
     design, part, loads = climb.design, climb.part, climb.loads
     level = reported_level(climb)
     body = models.body(part.geometry)
@@ -43,6 +48,7 @@ def cheap_result(climb: Climb, models: Models) -> PartResult:
         gates.append(Gate(f"{part.name}: fatigue safety", missed, *RESCALED))
     told = column_told(part, loads)
     assumed = [f"{climb.tried[-1].rung}: {level.model.neglects}"]
+    surface = _unstressed(body)
     return PartResult(
         name=part.name,
         shape=part.shape,
@@ -52,10 +58,11 @@ def cheap_result(climb: Climb, models: Models) -> PartResult:
         hand_checks=[],
         meshes=[],
         facts=facts,
-        charts=charts_of(part, loads, level, peak),
-        surface=_unstressed(body),
+        charts=charts_of(design, part, loads, level, climb.use),
+        surface=surface,
         assumed=[*assumed, told] if told else assumed,
         rungs=climb.tried,
+        live=rung_fields(loads, level, surface) if live else None,
     )
 
 
@@ -111,10 +118,12 @@ def solid_result(
     everything: bool,
     deadline: float = inf,
     pinned: frozenset[str] | None = None,
+    live: bool = False,
 ) -> PartResult:
     """Check a part as a solid: all of it, or what the rungs below left open.
 
     pinned  kinds of checks that are the solid's, refined to the accuracy whatever the verdict
+    live    whether a page will show the fields at every position
     """
     design, part, loads = climb.design, climb.part, climb.loads
     start = perf_counter()
@@ -124,14 +133,14 @@ def solid_result(
     )  # fmt: skip
     if pinned is not None:
         kinds, asked = pinned, Asked(pinned, modes=False)
-    result = check_solid(design, part, loads, models, say, asked)
+    result = check_solid(design, part, loads, models, say, replace(asked, live=live))
     result = with_leaf_checks(design, part, result, loads, climb.solved, models)
     checks = [check for check in result.checks if check.method.startswith(SOLID)]
     solid = RungTried(
         SOLID,
         perf_counter() - start,
         int(result.meshes[-1]["unknowns"]),
-        checks,
+        [replace(check, derivation=None) for check in checks],  # the result's own have them
         _why(checks, design.accuracy),
     )
     if not everything:

@@ -1,0 +1,119 @@
+"""Derivations of the stress checks: the largest von Mises stress, and fatigue by each criterion."""
+
+from ballesta.design_data import Design, Part
+from ballesta.explained.common import load_case, yield_stress
+from ballesta.explained.findley import findley
+from ballesta.explained.fkm import fkm
+from ballesta.explained.marin import BOOK, marin_section, ultimate
+from ballesta.explained.miner import miner
+from ballesta.explained.superposed import PATTERNS, superposed
+from ballesta.judged_fatigue import FatigueUse, FkmUse, LifeUse
+from ballesta.part_loads import PartLoads
+from ballesta.stressed import Stressed
+from reports.derivation import Derivation, Given, Item, Section, Step
+
+
+def static(part: Part, loads: PartLoads, level: Stressed) -> Derivation:
+    """Of the largest von Mises stress over all cycles."""
+    peak = level.peak
+    stress = superposed(level, loads, peak.point, peak.position, "s")
+    demand = Step("sigma", "von Mises stress there", "von_mises(s)", "MPa", main=True)
+    return Derivation(
+        cases=(load_case(part, loads, peak.position, "s"),),
+        sections=(
+            Section("Stress at the point, by superposition", (stress,)),
+            Section("Demand", (demand,)),
+            Section("Limit", (yield_stress(part),)),
+        ),
+        value="sigma",
+        limit="S_y",
+        notes=(PATTERNS,),
+    )
+
+
+def fatigue(
+    design: Design, part: Part, loads: PartLoads, level: Stressed, use: FatigueUse
+) -> Derivation:
+    """Of the largest equivalent amplitude over the duty, by what has judged it."""
+    if isinstance(use, FkmUse):
+        return fkm(part, loads, level, use)
+    if isinstance(use, LifeUse):
+        return miner(part, loads, level, use)
+    if use.worst(level).criterion == "Findley":
+        return findley(part, loads, level, use)
+    return _goodman(part, loads, level, use)
+
+
+def _goodman(part: Part, loads: PartLoads, level: Stressed, use: FatigueUse) -> Derivation:
+    worst = use.worst(level)
+    first, second = worst.pair
+    stresses = tuple(
+        superposed(level, loads, worst.point, position, symbol)
+        for position, symbol in ((first, "s_1"), (second, "s_2"))
+    )
+    return Derivation(
+        cases=(load_case(part, loads, first, "s_1"), load_case(part, loads, second, "s_2")),
+        sections=(
+            Section("Stress at the point, at both ends of its longest chord", stresses),
+            Section(
+                "Amplitude and mean",
+                (
+                    Step(
+                        "sigma_a",
+                        "amplitude: half the chord, von Mises",
+                        "von_mises((s_1 - s_2)/2)",
+                        "MPa",
+                        "docs/theory/multiaxial.md",
+                        main=True,
+                    ),
+                    Step(
+                        "sigma_m",
+                        "mean: largest principal stress of the middle; compression earns nothing",
+                        "max(0, largest_principal((s_1 + s_2)/2))",
+                        "MPa",
+                        "docs/theory/multiaxial.md",
+                        main=True,
+                    ),
+                ),
+            ),
+            _with_ultimate(part),
+            Section(
+                "Demand",
+                (
+                    *at_point(level, use, worst.point),
+                    Step(
+                        "u",
+                        "utilisation by Goodman",
+                        "sigma_a/S_p + sigma_m/S_u",
+                        "",
+                        f"{BOOK}, eq. 6-46",
+                        main=True,
+                    ),
+                    Step(
+                        "sigma",
+                        "equivalent amplitude: the utilisation as a stress",
+                        "u*S_e",
+                        "MPa",
+                        main=True,
+                    ),
+                ),
+            ),
+        ),
+        value="sigma",
+        limit="S_e",
+        notes=(PATTERNS,),
+    )
+
+
+def _with_ultimate(part: Part) -> Section:
+    marin = marin_section(part)
+    return Section(marin.title, (ultimate(part), *marin.items))
+
+
+def at_point(level: Stressed, use: FatigueUse, point: int) -> list[Item]:
+    """The endurance limit S_p at a point, where fretting may lower it."""
+    factor = use.limit / float(level.limits[point])
+    return [
+        Given("K_f", "fretting or fatigue notch factor there", factor, "", "the part's shape"),
+        Step("S_p", "endurance limit at the point", "S_e/K_f", "MPa"),
+    ]

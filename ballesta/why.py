@@ -1,0 +1,205 @@
+"""How the number of a check comes about: `ballesta why DESIGN|RESULT [PART] [KIND...]`."""
+
+import json
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from math import inf
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ballesta.difference import results_at
+from ballesta.errors import DesignError
+from ballesta.names import listed, no_such
+from ballesta.run import Say, effort_of, guarded, store_at
+from reports.derivation_data import derivation_of_data
+from reports.verdict import Check, deciding_of
+from reports.words import brief, check_titles
+
+if TYPE_CHECKING:
+    from ballesta.effort import Effort
+    from ballesta.store.store import Store
+
+LINKAGE = "linkage"  # what stands for a part in the checks of the whole
+_HERE = Path("command line")
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """Which checks are meant, and how much of each is told.
+
+    part     whose; "" for the one that decides the design
+    kinds    such as "fatigue", or words of what is checked, such as "crooked"; none for all
+    every    every check that is meant, else the nearest to its limit of each kind
+    verbose  every symbol, formula and unit load
+    """
+
+    part: str = ""
+    kinds: tuple[str, ...] = ()
+    every: bool = False
+    verbose: bool = False
+    as_json: bool = False
+
+
+def run_why(
+    target: Path,
+    wanted: Wanted,
+    overrides: Sequence[str] = (),
+    fidelity: str | None = None,
+    store: Path | None = None,
+) -> int:
+    """Print the derivations that are wanted; returns the exit code.
+
+    0: told, whatever the verdict; 2: an input is wrong; 3: the numerics gave up.
+    """
+
+    def say(text: str) -> None:
+        print(text, file=sys.stderr, flush=True)
+
+    def work() -> None:
+        checks = checks_behind(target, overrides, fidelity, store, say, part=wanted.part)
+        found = wanted_checks(target, checks, wanted)
+        if all(check.derivation is None for check, _ in found):
+            said = "has no derivation of that: it is of another version, check the design again"
+            raise DesignError(target, "cannot be told", said)
+        if wanted.as_json:
+            plain = [check.to_dict() for check, _ in found]
+            print(json.dumps(plain, indent=1, allow_nan=False, ensure_ascii=False))
+            return
+        print(told(checks, found, wanted), end="")
+
+    return guarded(work)
+
+
+def checks_behind(
+    target: Path,
+    overrides: Sequence[str] = (),
+    fidelity: str | None = None,
+    store: Path | None = None,
+    say: Say = lambda _: None,
+    *,
+    part: str = "",
+) -> list[Check]:
+    """Return all checks of a design file, which is checked, or of a result; raises DesignError.
+
+    A result.json, or a folder with one, is read as it is. A `part` that a design does not have is
+    refused before anything is computed.
+    """
+    if target.is_dir() or target.suffix.lower() == ".json":
+        for option, given in (("--set", bool(overrides)), ("--fidelity", fidelity is not None)):
+            if given:
+                told = f"belongs to a design file; {target} is a result, which is told as it is"
+                raise DesignError(_HERE, option, told)
+        return _read(target)
+    effort = effort_of(fidelity or "auto", None)
+    return list(_checked(target, tuple(overrides), effort, store_at(store), say, part))
+
+
+def _checked(
+    path: Path,
+    overrides: tuple[str, ...],
+    effort: "Effort",
+    store: "Store | None",
+    say: Say,
+    part: str,
+) -> Sequence[Check]:
+    from ballesta.check import check_design
+    from ballesta.design import read_design
+    from ballesta.store.results import recalled_result
+
+    kept = recalled_result(store, path, overrides, effort)
+    if kept is not None:
+        return kept.result.checks
+    design = read_design(path, overrides)
+    names = [*design.parts, LINKAGE]
+    if part and part not in names:
+        raise DesignError(path, "PART", no_such("part", part, names))
+    return check_design(
+        design, effort=effort, store=store, say=lambda text: say(f"{path.stem}: {text}")
+    ).checks
+
+
+def _read(target: Path) -> list[Check]:
+    """The checks of a result that was written; raises DesignError."""
+    found = results_at(target, None, lambda _: None)
+    if len(found) > 1:
+        told = f"has {len(found)} results, name one of them: {brief(listed(found), 400)}"
+        raise DesignError(target, "cannot be told", told)
+    (one,) = found.values()
+    result = one()
+    plain = [*(c for part in result.data.get("parts", ()) for c in part.get("checks", ())),
+             *result.data.get("linkage", ())]  # fmt: skip
+    try:
+        return [check_of_data(check) for check in plain]
+    except (TypeError, ValueError, KeyError) as error:
+        told = f"is no result of this version ({error}): check the design again"
+        raise DesignError(Path(result.path), "cannot be told", told) from error
+
+
+def check_of_data(data: Mapping[str, Any]) -> Check:
+    """Return the check that `Check.to_dict` has written; raises TypeError and ValueError."""
+    own = {field.name: data[field.name] for field in fields(Check) if field.name in data}
+    for bar in ("numerical", "model", "model_below"):
+        if own.get(bar) is None:
+            own[bar] = inf
+    derivation = own.pop("derivation", None)
+    made = None if derivation is None else derivation_of_data(derivation)
+    return Check(**own, derivation=made)
+
+
+def wanted_checks(target: Path, checks: Sequence[Check], wanted: Wanted) -> list[tuple[Check, str]]:
+    """Return the checks that are meant, each with its title; raises DesignError for none."""
+    titled = list(zip(checks, check_titles(checks), strict=True))
+    if not titled:
+        raise DesignError(target, "cannot be told", "nothing was checked")
+    if wanted.part:
+        names = list(dict.fromkeys(check.part for check in checks))
+        if wanted.part not in names:
+            raise DesignError(target, "PART", no_such("part", wanted.part, names))
+        titled = [pair for pair in titled if pair[0].part == wanted.part]
+    groups = [titled]
+    if wanted.kinds:
+        groups = [_of_kind(target, titled, kind) for kind in wanted.kinds]
+    if wanted.every:
+        return [pair for group in groups for pair in group]
+    return [_nearest(group) for group in groups]
+
+
+def _of_kind(
+    target: Path, titled: Sequence[tuple[Check, str]], kind: str
+) -> list[tuple[Check, str]]:
+    """The checks of a kind, else those whose kind or quantity has the words."""
+    exact = [pair for pair in titled if pair[0].kind == kind]
+    folded = kind.casefold()
+    loose = [
+        pair
+        for pair in titled
+        if folded in pair[1].casefold() or folded in pair[0].quantity.casefold()
+    ]
+    if not exact and not (loose and folded):
+        known = list(dict.fromkeys(check.kind for check, _ in titled))
+        raise DesignError(target, "KIND", no_such("check", kind, known))
+    return exact or loose
+
+
+def _nearest(titled: Sequence[tuple[Check, str]]) -> tuple[Check, str]:
+    """The check that is nearest to its limit, as a design's verdict has it."""
+    deciding = deciding_of([check for check, _ in titled])
+    return next(pair for pair in titled if pair[0] is deciding)
+
+
+def told(checks: Sequence[Check], found: Sequence[tuple[Check, str]], wanted: Wanted) -> str:
+    """The derivations as text, and what other checks the same part has."""
+    from reports.derivation_text import derivation_text
+
+    texts = [derivation_text(check, title, everything=wanted.verbose) for check, title in found]
+    shown = {id(check) for check, _ in found}
+    parts = {check.part for check, _ in found}
+    others = [
+        title
+        for check, title in zip(checks, check_titles(checks), strict=True)
+        if check.part in parts and id(check) not in shown
+    ]
+    if others and not wanted.kinds:
+        texts.append(f"other checks of {listed(sorted(parts))}: {brief(listed(others), 400)}\n")
+    return "\n".join(texts)

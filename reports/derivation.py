@@ -1,0 +1,291 @@
+"""How the number of a check comes about: what was put in, the formulas, and what they give.
+
+A derivation holds no result that could drift away from its formulas: every value but the given ones
+is evaluated from the text that is shown (`reports.formulas`). What no formula gives, such as an
+eigenvalue of thousands of unknowns, is a given number whose source says so.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, Self
+
+import numpy as np
+
+from reports.formulas import COMPONENTS, FormulaError, Scope, Value, evaluate
+
+ROUND_OFF = 1e-9  # of a check's value: how far its formulas may miss it
+
+
+@dataclass(frozen=True)
+class Given:
+    """A number, or the components of a vector, that is put in.
+
+    source  where it comes from: the design, the loads, a solver, a table
+    main    whether it stands in the short telling, too
+    """
+
+    symbol: str
+    meaning: str
+    value: float | tuple[float, ...]
+    unit: str = ""
+    source: str = ""
+    main: bool = False
+
+
+@dataclass(frozen=True)
+class Step:
+    """A formula over the symbols before it (reports.formulas), and what it is the value of."""
+
+    symbol: str
+    meaning: str
+    formula: str
+    unit: str = ""
+    source: str = ""
+    main: bool = False
+
+
+@dataclass(frozen=True)
+class Column:
+    """A symbol with a value in every row of a sum."""
+
+    symbol: str
+    meaning: str
+    unit: str
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Sum:
+    """A formula summed over the rows of a table.
+
+    names    of the rows
+    columns  of numbers, each with as many values as there are names
+    """
+
+    symbol: str
+    meaning: str
+    formula: str
+    names: tuple[str, ...]
+    columns: tuple[Column, ...]
+    unit: str = ""
+    source: str = ""
+    main: bool = False
+
+    def __post_init__(self) -> None:
+        for column in self.columns:
+            if len(column.values) != len(self.names):
+                raise ValueError(
+                    f"the sum {self.symbol} has {len(self.names)} rows, but {column.symbol} "
+                    f"{len(column.values)} values"
+                )
+
+    def scopes(self, scope: Scope) -> Iterator[dict[str, Value]]:
+        """What the symbols are in each row."""
+        for row in range(len(self.names)):
+            yield dict(scope) | {column.symbol: column.values[row] for column in self.columns}
+
+
+@dataclass(frozen=True)
+class UnitLoad:
+    """What a unit load adds to the stress at a point.
+
+    name    of the load, with where it acts
+    unit    of its coefficient
+    value   the coefficient at the position
+    stress  (6,) MPa per unit: xx, yy, zz, xy, yz, zx
+    """
+
+    name: str
+    unit: str
+    value: float
+    stress: tuple[float, ...]
+
+    @property
+    def contribution(self) -> tuple[float, ...]:
+        """What it adds, (6,) MPa."""
+        return tuple(self.value * one for one in self.stress)
+
+
+@dataclass(frozen=True)
+class Superposition:
+    """The stress at a point at a position: the sum of coefficient times unit stress.
+
+    symbol    of the stress, a vector of six components
+    position  cycle and position, in words
+    """
+
+    symbol: str
+    meaning: str
+    position: str
+    loads: tuple[UnitLoad, ...]
+    source: str = ""
+    unit: str = "MPa"
+    main: bool = True
+
+    @property
+    def stress(self) -> tuple[float, ...]:
+        """The sum (6,), MPa."""
+        total = np.zeros(len(COMPONENTS))
+        for load in self.loads:
+            total += load.contribution
+        return tuple(float(one) for one in total)
+
+
+Item = Given | Step | Sum | Superposition
+
+
+@dataclass(frozen=True)
+class Section:
+    """Items under a title; what follows may use their symbols."""
+
+    title: str
+    items: tuple[Item, ...]
+
+
+@dataclass(frozen=True)
+class Acting:
+    """What acts at an interface of a part: N and N mm, in the part's axes.
+
+    on       the point of the machine that the interface is
+    wrench   (6,) F_x, F_y, F_z, M_x, M_y, M_z at the interface's centre
+    """
+
+    interface: str
+    on: str
+    wrench: tuple[float, ...]
+
+    @property
+    def force(self) -> float:
+        """Size of the force in the plane, N."""
+        return float(np.hypot(self.wrench[0], self.wrench[1]))
+
+
+@dataclass(frozen=True)
+class LoadCase:
+    """A position of a cycle, and what acts on the part there.
+
+    symbol         the stress at this position, "" for none
+    position       as shown to people
+    index          of the position in its cycle, from 0
+    accelerations  (4,) a_x, a_y less gravity, mm/s2; alpha and omega squared, rad/s2, 1/s2
+    """
+
+    symbol: str
+    cycle: str
+    position: str
+    index: int
+    acting: tuple[Acting, ...]
+    accelerations: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A number by hand beside the model's."""
+
+    quantity: str
+    hand: float
+    model: float
+    unit: str
+    formula: str
+
+
+@dataclass(frozen=True)
+class Bars:
+    """Symbols of the error bars, "" where nothing adds to one, and what each is made of, in words.
+
+    The symbols are of items of the section of the error bars.
+    """
+
+    numerical: str = ""
+    above: str = ""
+    below: str = ""
+    words: str = ""
+
+
+@dataclass(frozen=True)
+class Derivation:
+    """How the value and the limit of a check come about.
+
+    cases      positions and forces that it is for
+    sections   items in an order in which each uses only what stands before
+    value      symbol of the check's value
+    limit      symbol of its limit
+    bars       of its error bars
+    unproved   why the value is no formula's, in words; "" for one that is
+    equal      pairs of symbols whose values must agree, as a root that was sought proves
+    compared   hand checks beside it
+    notes      what a reader must know to follow
+    """
+
+    cases: tuple[LoadCase, ...]
+    sections: tuple[Section, ...]
+    value: str
+    limit: str
+    bars: Bars = field(default_factory=Bars)
+    unproved: str = ""
+    equal: tuple[tuple[str, str], ...] = ()
+    compared: tuple[Comparison, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    @property
+    def items(self) -> list[Item]:
+        """All items in their order."""
+        return [item for section in self.sections for item in section.items]
+
+    @cached_property
+    def values(self) -> Mapping[str, Value]:
+        """Every symbol's value, evaluated in order; raises FormulaError."""
+        scope: dict[str, Value] = {}
+        for item in self.items:
+            if item.symbol in scope:
+                raise FormulaError(f"the symbol {item.symbol!r} is given twice")
+            scope[item.symbol] = _value_of(item, scope)
+        return scope
+
+    def number(self, symbol: str) -> float:
+        """Value of a symbol that is a number; raises FormulaError."""
+        value = self.values.get(symbol)
+        if not isinstance(value, float):
+            raise FormulaError(f"no number is named {symbol!r}")
+        return value
+
+    def misses(self, value: float, limit: float) -> str:
+        """What the formulas miss of a check's value and limit, in words; "" for nothing."""
+        try:
+            pairs = [
+                ("a value", self.number(self.value), value),
+                ("a limit", self.number(self.limit), limit),
+                *((one, self.number(one), self.number(other)) for one, other in self.equal),
+            ]
+        except FormulaError as error:
+            return f"the formulas give no number: {error}"
+        told = [
+            f"the formulas give {what} of {found:.9g}, where {wanted:.9g} must stand"
+            for what, found, wanted in pairs
+            if not abs(found - wanted) <= ROUND_OFF * abs(wanted)
+        ]
+        return "; ".join(told)
+
+    def with_items(self, title: str, items: Sequence[Item]) -> Self:
+        """Return it with a section more."""
+        return replace(self, sections=(*self.sections, Section(title, tuple(items))))
+
+    def to_dict(self) -> dict[str, Any]:
+        """It as plain data (`reports.derivation_data`)."""
+        from reports.derivation_data import plain_derivation
+
+        return plain_derivation(self)
+
+
+def _value_of(item: Item, scope: Scope) -> Value:
+    if isinstance(item, Given):
+        if isinstance(item.value, tuple):
+            return np.array(item.value, dtype=np.float64)
+        return float(item.value)
+    if isinstance(item, Superposition):
+        return np.array(item.stress)
+    if isinstance(item, Step):
+        return evaluate(item.formula, scope)
+    rows = [evaluate(item.formula, row) for row in item.scopes(scope)]
+    return float(sum(float(row) for row in rows))

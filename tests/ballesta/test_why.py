@@ -1,0 +1,188 @@
+"""`ballesta why`: which check is told, from a design file, a result.json or a folder."""
+
+import json
+
+import pytest
+
+from ballesta import check as check_module
+from ballesta.check import check_file
+from ballesta.cli import main
+from ballesta.effort import Effort
+from ballesta.errors import DesignError
+from ballesta.why import LINKAGE, Wanted, checks_behind, run_why, wanted_checks
+from reports.files import write_json
+
+from .small_machine import MACHINE, PLATE
+
+ARM = '\n[parts.arm]\nlike = "rod"\nbody = "crank"\ninterfaces = { first = "O", second = "A" }\n'
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    """A machine of two parts, and the folder of its result."""
+    folder = tmp_path_factory.mktemp("why")
+    design = folder / "machine.toml"
+    design.write_text(MACHINE + PLATE + ARM, encoding="utf-8")
+    result = check_file(design, effort=Effort("formula"))
+    (folder / "out" / "machine").mkdir(parents=True)
+    write_json(result, folder / "out" / "machine" / "result.json")
+    return folder
+
+
+@pytest.fixture
+def computes_nothing(monkeypatch):
+    def refuse(*_, **__):
+        raise AssertionError("a result is told, not computed")
+
+    monkeypatch.setattr(check_module, "check_design", refuse)
+
+
+@pytest.fixture
+def result(place):
+    return place / "out" / "machine" / "result.json"
+
+
+def test_a_result_is_told_without_computing_anything(result, capsys, computes_nothing):
+    assert run_why(result, Wanted("rod", ("static",))) == 0
+    told = capsys.readouterr().out
+    assert told.startswith("rod static: peak von Mises stress")
+    assert "S_y = 275 MPa" in told
+    assert told.count("\n") <= 14
+
+
+def test_a_folder_with_one_result_stands_for_it(place, result, capsys, computes_nothing):
+    run_why(place / "out", Wanted("rod"))
+    folder = capsys.readouterr().out
+    run_why(result, Wanted("rod"))
+    assert folder == capsys.readouterr().out
+    assert folder.startswith("rod ")
+
+
+def test_a_design_file_is_checked_and_tells_the_same(place, result, capsys):
+    assert run_why(place / "machine.toml", Wanted("rod", ("fatigue",)), fidelity="formula") == 0
+    computed = capsys.readouterr().out
+    assert run_why(result, Wanted("rod", ("fatigue",))) == 0
+    assert computed == capsys.readouterr().out
+
+
+def test_values_may_be_set(place, capsys):
+    wanted = Wanted("rod", ("static",))
+    run_why(place / "machine.toml", wanted, ("parts.rod.material=S355",), "formula")
+    assert "S_y = 355 MPa" in capsys.readouterr().out
+
+
+def test_without_a_part_it_is_what_decides_the_design(result):
+    checks = checks_behind(result)
+    ((deciding, _),) = wanted_checks(result, checks, Wanted())
+    assert deciding.utilisation <= max(check.utilisation for check in checks)
+    data = json.loads(result.read_text(encoding="utf-8"))
+    assert data["decided_by"] == {"part": deciding.part, "kind": deciding.kind}
+
+
+def test_of_several_checks_of_a_kind_the_nearest_to_its_limit_is_told(result):
+    checks = checks_behind(result)
+    ((one, _),) = wanted_checks(result, checks, Wanted("rod", ("buckling",)))
+    every = wanted_checks(result, checks, Wanted("rod", ("buckling",), every=True))
+    assert len(every) == 5
+    assert one in [check for check, _ in every]
+    top = max(check.value + check.numerical + check.model for check, _ in every if check is one)
+    assert top * one.required / one.limit == pytest.approx(
+        max(
+            (c.value + c.numerical + c.model) * c.required / c.limit
+            for c, _ in every
+            if c.status is one.status
+        )
+    )
+
+
+def test_words_of_a_quantity_name_a_check_too(result):
+    ((found, _),) = wanted_checks(result, checks_behind(result), Wanted("rod", ("Crooked bar in",)))
+    assert found.quantity == "crooked bar in plane"
+
+
+def test_several_kinds_are_told_one_behind_the_other(result, capsys):
+    run_why(result, Wanted("rod", ("static", "bearing")))
+    told = capsys.readouterr().out
+    assert told.index("rod static") < told.index("rod bearing")
+
+
+def test_the_linkage_has_its_own(result, capsys):
+    assert run_why(result, Wanted(LINKAGE)) == 0
+    assert "no formula gives it" in " ".join(capsys.readouterr().out.split())
+
+
+@pytest.mark.parametrize(
+    ("wanted", "said"),
+    [
+        (Wanted("rood"), "PART: no part is named 'rood', did you mean rod? There are rod, arm"),
+        (Wanted("rod", ("fatige",)), "KIND: no check is named 'fatige', did you mean fatigue?"),
+        (Wanted("rod", ("",)), "KIND: no check is named ''"),
+    ],
+)
+def test_a_wrong_name_says_the_nearest_right_one(result, capsys, wanted, said):
+    assert run_why(result, wanted) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_a_wrong_part_of_a_design_is_refused_before_anything_is_computed(
+    place, capsys, computes_nothing
+):
+    assert run_why(place / "machine.toml", Wanted("rood")) == 2
+    assert "did you mean rod?" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("overrides", "fidelity", "said"),
+    [(("a=1",), None, "--set"), ((), "formula", "--fidelity")],
+)
+def test_options_of_a_design_are_refused_of_a_result(result, overrides, fidelity, said):
+    with pytest.raises(DesignError, match=f"{said}: belongs to a design file"):
+        checks_behind(result, overrides, fidelity)
+
+
+def test_a_folder_of_several_results_asks_for_one(result, tmp_path):
+    for name in ("a", "b"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "result.json").write_text(result.read_text("utf-8"), "utf-8")
+    with pytest.raises(DesignError, match="has 2 results, name one of them: a, b"):
+        checks_behind(tmp_path)
+
+
+def test_a_result_of_an_earlier_version_has_no_derivations_and_says_so(result, tmp_path, capsys):
+    data = json.loads(result.read_text(encoding="utf-8"))
+    for check in data["parts"][0]["checks"]:
+        del check["derivation"]
+    old = tmp_path / "result.json"
+    old.write_text(json.dumps(data), encoding="utf-8")
+    assert run_why(old, Wanted("rod", ("static",))) == 2
+    assert "has no derivation" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("broken", ["{}", "[1]", "no json", '{"format": "ballesta-result/1"}'])
+def test_what_is_no_result_is_refused(tmp_path, broken):
+    path = tmp_path / "result.json"
+    path.write_text(broken, encoding="utf-8")
+    assert run_why(path, Wanted()) == 2
+
+
+def test_a_missing_file_is_refused(tmp_path):
+    assert run_why(tmp_path / "none.toml", Wanted()) == 2
+    assert run_why(tmp_path / "none.json", Wanted()) == 2
+
+
+def test_everything_names_every_unit_load(result, capsys):
+    run_why(result, Wanted("rod", ("static",), verbose=True))
+    told = capsys.readouterr().out
+    assert "second cos 1" in told
+    assert "sum: s" in told
+
+
+def test_as_json_the_check_has_its_derivation(result, capsys):
+    assert run_why(result, Wanted("rod", ("static",), as_json=True)) == 0
+    (found,) = json.loads(capsys.readouterr().out)
+    assert found["derivation"]["value"] == "sigma"
+
+
+def test_the_command_line_has_it(result, capsys):
+    assert main(["why", str(result), "rod", "static"]) == 0
+    assert capsys.readouterr().out.startswith("rod static")
