@@ -17,10 +17,13 @@ from ballesta.design import read_design
 from ballesta.design_data import Design
 from ballesta.elastic_parts import compliances_of, without_unknown_contacts
 from ballesta.errors import DesignError
+from ballesta.explained.buckling import linkage_share
+from ballesta.explained.door import with_derivation
 from ballesta.gates import load_gates
 from ballesta.levels import Bodies, Models
-from ballesta.linkage_frame import linkage_check, worst_mode
+from ballesta.linkage_frame import LinkageMode, linkage_check, worst_mode
 from ballesta.machine import cycle_of, interface_distance, linkage_of, part_placing
+from ballesta.motion import motions_of
 from ballesta.part_ladder import DEFAULT_EFFORT, Effort, check_parts, gave_up, time_warnings
 from ballesta.part_loads import is_loaded, loads_on, shown_of
 from ballesta.quasi_static import (
@@ -30,6 +33,7 @@ from ballesta.quasi_static import (
     vibration_warnings,
     with_dynamics,
 )
+from ballesta.step_parts import told_of_steps
 from ballesta.store.linkage import stored_mode
 from ballesta.store.loads import stored_loads
 from ballesta.store.store import Store
@@ -37,7 +41,7 @@ from ballesta.warnings_of import claim_warnings, design_warnings, unloaded_warni
 from fem.allocation import keep_freed_memory
 from geometry.mesh import MeshError, TooManyElementsError
 from geometry.parts.step_part import StepPart
-from reports.verdict import DesignResult, PartResult
+from reports.verdict import Check, DesignResult, PartResult
 
 Say = Callable[[str], None]
 _CAD = (".step", ".stp")
@@ -82,11 +86,13 @@ def check_design(
     say: Say = lambda _: None,
     reading: float = 0.0,
     store: Store | None = None,
+    live: bool = False,
 ) -> DesignResult:
     """Check all parts of a design over all its cycles; raises DesignError and NumericsError.
 
     effort  which models may be used, and how long it may take
     store   of loads, meshes and solutions (docs/store.md)
+    live    whether fields and motion at every position are wanted, for a page or a window
     """
     begun = perf_counter() - reading
     if not design.parts:
@@ -117,7 +123,7 @@ def check_design(
 
     start = perf_counter()
     before = sum(models.seconds.values())
-    results = check_parts(design, runs, models, effort, begun, say)
+    results = check_parts(design, runs, models, effort, begun, say, live=live)
     spent = sum(models.seconds.values()) - before
     timings |= models.seconds
     timings["cycle, fatigue, buckling"] = perf_counter() - start - spent
@@ -155,14 +161,30 @@ def check_design(
             ]
         ),
         timings=timings,
-        linkage=[] if mode is None else [linkage_check(design, mode)],
+        linkage=[] if mode is None else [_of_linkage(design, mode)],
+        motion=motions_of(design, solved, results) if live else {},
+        assumed_by_design=_assumed_by_design(design),
     )
+
+
+def _of_linkage(design: Design, mode: LinkageMode) -> Check:
+    check = linkage_check(design, mode)
+    return with_derivation(check, linkage_share(design, mode, check))
 
 
 def _not_checked_here(design: Design) -> list[str]:
     if not design.duty.cycles:
         return ["fatigue: no cycle stands in the duty"]
     return []
+
+
+def _assumed_by_design(design: Design) -> list[str]:
+    """Keys of what the design marks as assumed, without what was assumed where it is silent."""
+    ours = {
+        *told_of_steps(design.parts),
+        *(pair for run in design.measured.values() for pair in run.assumed),
+    }
+    return [pair[0] for pair in design.assumed if pair not in ours]
 
 
 def _assumed_here(design: Design) -> list[tuple[str, str]]:
@@ -259,6 +281,7 @@ def _cycle_data(
             for interface in part_loads.wrenches:
                 links[f"{part.name} {interface}"] = part_loads.resultant(interface).tolist()
         efforts, torques = _efforts(cycle)
+        powers, works = _powers(cycle)
         data[name] = {
             "shown_name": shown,
             "unit": unit,
@@ -267,6 +290,8 @@ def _cycle_data(
             "phase": [cycle.phases[k] for k in cycle.phase_of],
             "efforts": efforts,
             "torques": torques,
+            "powers": powers,
+            "works": works,
             "links": links,
             "peaks": {
                 r.name: r.charts["peaks"][name] for r in results if name in r.charts["peaks"]
@@ -288,6 +313,19 @@ def _efforts(
         kind = torques if force.coordinate.angular else forces
         kind[force.name] = cycle.efforts[force.name].tolist()
     return forces, torques
+
+
+def _powers(
+    cycle: loads.CycleLoads | loads.MeasuredLoads,
+) -> tuple[dict[str, list[float]], dict[str, float]]:
+    """Return powers [N mm/s] and works [N mm] that forces do on the linkage, by name."""
+    if not isinstance(cycle, loads.CycleLoads):
+        return {}, {}
+    forces = cycle.linkage.forces
+    return (
+        {f.name: (f.sign * cycle.efforts[f.name] * cycle.rate(f.name)).tolist() for f in forces},
+        {f.name: cycle.drive(f.name).work for f in forces},
+    )
 
 
 def _all_sources(design: Design) -> str:

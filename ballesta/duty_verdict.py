@@ -8,6 +8,7 @@ the business of finite life (`ballesta.finite_life`).
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -34,6 +35,20 @@ class FatiguePeak:
     cycle: str
     pair: tuple[int, int]
     criterion: str
+
+
+@dataclass(frozen=True, eq=False)
+class NodalUse:
+    """Utilisation, amplitude [MPa] and mean [MPa] (n_points,), each point's on its worst path.
+
+    goodman_only  how many points may be used more by Findley's criterion, which was not needed
+                  there: only a bound of it is known, and it is above `utilisation`
+    """
+
+    utilisation: FloatArray
+    amplitude: FloatArray
+    mean: FloatArray
+    goodman_only: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +95,33 @@ class DutyVerdict:
     def path(self) -> FloatArray:
         """Coefficients (n_basis, n) of the path that decides."""
         return np.ascontiguousarray(self.coefficients[:, self.runs[self.worst_run]])
+
+    @cached_property
+    def everywhere(self) -> NodalUse:
+        """The use of every surface point on the path that uses it most; of equal ones the first.
+
+        Goodman's, and Findley's where its value was needed; amplitude and mean are Goodman's.
+        """
+        n = len(self.basis)
+        used, amplitude, mean = np.full(n, -1.0), np.zeros(n), np.zeros(n)
+        for name in sorted(self.runs, key=lambda name: name != self.worst_run):
+            verdict = self.verdicts[name]
+            plane = np.nan_to_num(verdict.plane_utilisation, nan=0.0)
+            some = np.flatnonzero(np.maximum(verdict.goodman_bound, plane) > used)
+            if not len(some):
+                continue
+            path = np.ascontiguousarray(self.coefficients[:, self.runs[name]])
+            found = goodman(self.basis[some], path, self.limits[some], self.ultimate)
+            now = np.maximum(found.utilisation, plane[some])
+            higher = now > used[some]
+            worse = some[higher]
+            used[worse] = now[higher]
+            amplitude[worse], mean[worse] = found.amplitude[higher], found.mean[higher]
+        unknown = [
+            np.isnan(verdict.plane_utilisation) & (verdict.plane_bound > used)
+            for verdict in self.verdicts.values()
+        ]
+        return NodalUse(used, amplitude, mean, int(np.any(unknown, axis=0).sum()))
 
     def utilisation_at(self, points: IntArray) -> FloatArray:
         """Utilisation (n,) of some points on the path that decides.

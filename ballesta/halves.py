@@ -11,6 +11,7 @@ from geometry.halves import Half, has_middle_plane
 from geometry.mesh import FloatArray, IntArray, Mesh
 from reports.verdict import Surface
 
+UTILISATION = "fatigue utilisation without required safety"
 _NOTHING = 1e-12  # of the largest force, and of force times length
 MEANING = (
     "half of the part, mirrored at its middle plane: its loads have no part out of it; what is "
@@ -38,15 +39,16 @@ def half_of(part: Part, loads: PartLoads) -> Half | None:
 def shown_surface(loads: PartLoads, level: Level) -> Surface:
     """Stress at the worst position and utilisation, on six-node facets split in four.
 
+    The utilisation is that of an endless life by Goodman and Findley, over all cycles of the duty.
     Of the whole part, also where a half was solved.
     """
     nodes = level.history.nodes
-    triangles = _triangles(level.solutions.mesh, nodes)
+    triangles = surface_triangles(level.solutions.mesh, nodes)
     state = level.coefficients[:, level.peak.position]
     displacement = (level.solutions.displacement @ state).reshape(-1, 3)[nodes]
     fields = {"von Mises [MPa]": von_mises(level.history.at(level.peak.position))}
     if level.duty is not None:
-        fields["fatigue utilisation"] = level.duty.utilisation_at(np.arange(len(nodes)))
+        fields[UTILISATION] = level.duty.everywhere.utilisation
     for axis, name in enumerate("xyz"):
         fields[f"displacement {name} [mm]"] = displacement[:, axis]
     surface = Surface(level.history.points, triangles, fields, level.peak.point)
@@ -62,10 +64,10 @@ def mode_surface(mesh: Mesh, nodes: IntArray, moved: FloatArray, size: FloatArra
     """
     places = mesh.nodes[nodes] + moved[nodes]
     fields = {"buckling mode": size[nodes]}
-    return Surface(places, _triangles(mesh, nodes), fields, int(size[nodes].argmax()))
+    return Surface(places, surface_triangles(mesh, nodes), fields, int(size[nodes].argmax()))
 
 
-def _triangles(mesh: Mesh, nodes: IntArray) -> IntArray:
+def surface_triangles(mesh: Mesh, nodes: IntArray) -> IntArray:
     """Six-node facets of the boundary split in four, (n, 3) indices of the surface nodes."""
     split = mesh.boundary[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]]].reshape(-1, 3)
     return np.searchsorted(nodes, split)
@@ -73,16 +75,31 @@ def _triangles(mesh: Mesh, nodes: IntArray) -> IntArray:
 
 def _mirrored(surface: Surface, on_cut: npt.NDArray[np.bool_]) -> Surface:
     """Return a half's surface with its mirror image; points on the cut belong to both."""
-    count, beside = len(surface.nodes), np.flatnonzero(~on_cut)
-    image = np.arange(count)
-    image[beside] = count + np.arange(len(beside))
+    nodes, triangles, beside = mirrored(surface.nodes, surface.triangles, on_cut)
     signs = {"displacement z [mm]": -1.0}
     return Surface(
-        np.concatenate([surface.nodes, surface.nodes[beside] * [1, 1, -1]]),
-        np.concatenate([surface.triangles, image[surface.triangles[:, ::-1]]]),
+        nodes,
+        triangles,
         {
             name: np.concatenate([values, signs.get(name, 1.0) * values[beside]])
             for name, values in surface.fields.items()
         },
         surface.peak,
+    )
+
+
+def mirrored(
+    nodes: FloatArray, triangles: IntArray, on_cut: npt.NDArray[np.bool_]
+) -> tuple[FloatArray, IntArray, IntArray]:
+    """Nodes and triangles of a half with its mirror image, and which nodes the image is of.
+
+    on_cut  (n,) whether a node is on the cut, and so in both
+    """
+    count, beside = len(nodes), np.flatnonzero(~on_cut)
+    image = np.arange(count)
+    image[beside] = count + np.arange(len(beside))
+    return (
+        np.concatenate([nodes, nodes[beside] * [1, 1, -1]]),
+        np.concatenate([triangles, image[triangles[:, ::-1]]]),
+        beside,
     )

@@ -14,6 +14,7 @@ from ballesta.effort import DEFAULT_EFFORT as DEFAULT_EFFORT
 from ballesta.effort import SOLID
 from ballesta.effort import Effort as Effort
 from ballesta.errors import DesignError, NumericsError
+from ballesta.explained.door import explained
 from ballesta.levels import Models
 from ballesta.lug_checks import lug_checks
 from ballesta.part_loads import check_reach, loads_on
@@ -35,11 +36,19 @@ Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
 
 
 def check_parts(
-    design: Design, solved: Solved, models: Models, effort: Effort, begun: float, say: Say
+    design: Design,
+    solved: Solved,
+    models: Models,
+    effort: Effort,
+    begun: float,
+    say: Say,
+    *,
+    live: bool = False,
 ) -> list[PartResult]:
     """Check every part of a design; raises DesignError and NumericsError.
 
     begun  when the check began, on the clock of `perf_counter`
+    live   whether a page will show the fields at every position
 
     The cheap rungs of all parts come first, so that what time there is goes to solids that settle
     something; under a time limit the ones that are expected to be quickest come first.
@@ -54,13 +63,14 @@ def check_parts(
             part_loads = loads_on(design, part, solved)
             check_reach(design, part, part_loads, models.body(part.geometry).interfaces)
             climb = climbs[part.name] = start_climb(design, part, part_loads, solved)
+            climb.live = live
             rungs = effort.pinned.get(part.name)
             if rungs:
                 solids[part.name] = climb_pinned(climb, rungs, say)
             if solids[part.name] if rungs else climb_cheap(climb, effort.fidelity, say):
                 waiting.append(part.name)
             else:
-                results[part.name] = cheap_result(climb, models)
+                results[part.name] = cheap_result(climb, models, live=live)
     if effort.within is not None:
         costs = {name: _cost(design, climbs[name], models) for name in waiting}
         waiting.sort(key=lambda name: costs[name])
@@ -69,13 +79,19 @@ def check_parts(
         with told_of_part(design, climb.part):
             if climb.levels and deadline < inf and perf_counter() + costs[name] > deadline:
                 _leave(climb, costs[name], deadline - perf_counter())
-                results[name] = cheap_result(climb, models)
+                results[name] = cheap_result(climb, models, live=live)
             else:
                 say(f"{name}: solving")
                 pinned = solids.get(name)
                 everything = effort.fidelity == SOLID and pinned is None
                 results[name] = solid_result(
-                    climb, models, say, everything=everything, deadline=deadline, pinned=pinned
+                    climb,
+                    models,
+                    say,
+                    everything=everything,
+                    deadline=deadline,
+                    pinned=pinned,
+                    live=live,
                 )
         models.keep_only({climbs[other].part.geometry for other in waiting[done + 1 :]})
     return [_with_formulas(climbs[name], results[name], solved, models) for name in design.parts]
@@ -110,20 +126,28 @@ def time_warnings(results: Sequence[PartResult]) -> list[str]:
 def _with_formulas(climb: Climb, result: PartResult, solved: Solved, models: Models) -> PartResult:
     """Add the checks that are formulas on every rung."""
     design, part = climb.design, climb.part
+    body = models.body(part.geometry)
+    checks = [*result.checks, *formula_checks(climb, solved, models, body)]
     return replace(
         result,
-        checks=[*result.checks, *formula_checks(climb, solved, models, models.body(part.geometry))],
+        checks=explained(climb, checks, solved, _with_ligaments(climb, models, body), body),
         gates=[*result.gates, *offset_gates(design, part, solved)],
         assumed=[*result.assumed, *bushes_not_checked(part, solved)],
     )
 
 
+def _with_ligaments(climb: Climb, models: Models, body: SolidBody) -> Mesh | SolidBody:
+    """The part as its ligaments are known: of one from CAD they are measured on its mesh."""
+    part = climb.part
+    if isinstance(part.geometry, StepPart):
+        return models.mesh(part.geometry, FIRST * part.fineness)
+    return body
+
+
 def formula_checks(climb: Climb, solved: Solved, models: Models, body: SolidBody) -> list[Check]:
     """The checks of a part that are formulas on every rung and need no rung's stress."""
     design, part, part_loads = climb.design, climb.part, climb.loads
-    lugs: Mesh | SolidBody = body
-    if isinstance(part.geometry, StepPart):
-        lugs = models.mesh(part.geometry, FIRST * part.fineness)
+    lugs = _with_ligaments(climb, models, body)
     return [
         *pin_checks(design, part, part_loads),
         *lug_checks(design, part, part_loads, lugs),

@@ -6,6 +6,7 @@ import sys
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from math import inf, nan
 from pathlib import Path
 from time import perf_counter
@@ -124,24 +125,27 @@ def check_to_folder(
     """
     from ballesta.effort import DEFAULT_EFFORT
     from ballesta.store.results import keep_files, recalled_result
+    from reports.live.payload import has_fields, without_fields
 
     effort = effort or DEFAULT_EFFORT
     kept = recalled_result(store, path, overrides, effort)
-    if kept is not None:
-        with progress(path, len(kept.result.parts)) as say, _told_of_folder(folder):
+    if kept is not None and (kept.files or has_fields(kept.result)):
+        result = without_fields(kept.result)
+        with progress(path, len(result.parts)) as say, _told_of_folder(folder):
             say("unchanged: taken from the store")
             if kept.files:
                 write_kept(kept, folder)
             else:
                 files = write_folder(kept.result, folder, say)
-                keep_files(store, path, overrides, effort, kept, files)
+                keep_files(store, path, overrides, effort, replace(kept, result=result), files)
             if baseline:
-                _write_baseline(kept.result, say)
-        return kept.result
+                _write_baseline(result, say)
+        return result
 
     from ballesta.check import check_design
     from ballesta.design import read_design
     from ballesta.store.results import keep_result
+    from reports.live.payload import with_encoded_fields
 
     start = perf_counter()
     design = read_design(path, overrides)
@@ -149,12 +153,17 @@ def check_to_folder(
     with _told_of_folder(folder):
         folder.mkdir(parents=True, exist_ok=True)
     with progress(path, len(design.parts)) as say:
-        result = check_design(design, effort=effort, say=say, reading=reading, store=store)
+        shown = check_design(
+            design, effort=effort, say=say, reading=reading, store=store, live=True
+        )
+        say("encoding the fields of the live view")
+        shown = with_encoded_fields(shown)
+        result = without_fields(shown)
         with _told_of_folder(folder):
-            files = write_folder(result, folder, say)
+            files = write_folder(shown, folder, say)
             if baseline:
                 _write_baseline(result, say)
-        keep_result(store, design, effort, result, files)
+        keep_result(store, design, effort, result if files else shown, files)
     return result
 
 

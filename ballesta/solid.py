@@ -7,14 +7,18 @@ from time import perf_counter
 
 import numpy as np
 
+from ballesta.chart_data import charts_of
 from ballesta.design_data import Design, Part
+from ballesta.explained.buckling import solid_share
+from ballesta.explained.solids import of_solid
 from ballesta.fatigue_facts import fatigue_facts
 from ballesta.halves import MEANING, half_of, mode_surface, shown_surface
 from ballesta.hand import hand_checks
 from ballesta.judged import Bars, Judged, StaticPeak, bars_of, mesh_bar
 from ballesta.judged_fatigue import FatigueUse, FkmUse
 from ballesta.levels import Level, Models, solve_level
-from ballesta.part_facts import assumed_of, charts_of, facts_of, gates_of, mesh_row
+from ballesta.live_fields import solid_fields
+from ballesta.part_facts import assumed_of, facts_of, gates_of, mesh_row
 from ballesta.part_loads import PartLoads
 from ballesta.part_strength import elastic_of, endurance_of, fatigue_use, life_task
 from ballesta.part_vibration import frequency_facts
@@ -31,7 +35,7 @@ from fem.unit_solutions import UnitSolutions
 from geometry.mesh import FloatArray, MeshError, TooManyElementsError
 from geometry.meshing import Buildable
 from geometry.sizing import SizeField
-from reports.verdict import Check, Gate, PartResult, Status, Surface
+from reports.verdict import Check, Gate, HandCheck, PartResult, Status, Surface
 
 FIRST = 0.7  # fineness of the first mesh; where the stress decides, later ones are finer
 _MOST_MESHES = 5
@@ -55,12 +59,14 @@ class Asked:
     modes      whether its frequencies, and a buckling mode to look at, are wanted too
     enough     says of the checks on the meshes so far why no finer one is needed; "" if one is
     deadline   on the clock of `perf_counter`: no mesh is begun that is expected to end later
+    live       whether a page will show the fields at every position
     """
 
     kinds: frozenset[str] = frozenset(("static", "fatigue", "buckling"))
     modes: bool = True
     enough: Callable[[Sequence[Check]], str] = lambda _: ""
     deadline: float = inf
+    live: bool = False
 
 
 EVERYTHING = Asked()
@@ -88,13 +94,19 @@ def check_solid(
     judged = [what for what in both if (what is static and "static" in asked.kinds)
               or (what is use and "fatigue" in asked.kinds)]  # fmt: skip
 
-    def told_of(levels: Sequence[Level], wanted: Sequence[Judged]) -> list[Check]:
-        return [
-            _stress_check(
-                design, part, loads, levels[-1], what, bars_of(what, part, levels, design.accuracy)
-            )
-            for what in wanted
-        ]
+    def told_of(
+        levels: Sequence[Level],
+        wanted: Sequence[Judged],
+        by_hand: Sequence[HandCheck] | None = None,
+    ) -> list[Check]:
+        told = []
+        for what in wanted:
+            bars = bars_of(what, part, levels, design.accuracy)
+            check = _stress_check(design, part, loads, levels[-1], what, bars)
+            if by_hand is not None:
+                check = of_solid(design, part, loads, levels[-1], what, bars, check, by_hand)
+            told.append(check)
+        return told
 
     def enough(levels: Sequence[Level]) -> str:
         return asked.enough(told_of(levels, judged))
@@ -103,8 +115,9 @@ def check_solid(
         design, part, loads, models, judged, limit.value, say, asked, enough
     )
     finest = levels[-1]
+    by_hand = hand_checks(part, loads, finest)
     # buckling alone is asked of one mesh, on which a stress has no error bar
-    checks = told_of(levels, both if len(levels) > 1 else judged)
+    checks = told_of(levels, both if len(levels) > 1 else judged, by_hand)
     if stopped:
         checks = [
             replace(check, note=f"{check.note}; {stopped}")
@@ -149,7 +162,9 @@ def check_solid(
         else:
             facts |= fatigue_facts(part, finest, peak, life_task(design, part))
     if eigen:
-        checks.append(eigen[0])
+        unknowns = whole[-1 if "two" in eigen[0].method else 0][0].loads.shape[0]
+        told_by = solid_share(design, part, loads, eigen[0], eigen[1], unknowns)
+        checks.append(replace(eigen[0], derivation=told_by))
     elif "buckling" not in asked.kinds:
         pass
     elif levels[0].solutions.ties is not None:
@@ -165,13 +180,14 @@ def check_solid(
         material=part.material.name,
         checks=checks,
         gates=gates,
-        hand_checks=hand_checks(part, loads, finest),
+        hand_checks=by_hand,
         meshes=[{"body": "half" if lv.half else "whole", **mesh_row(lv)} for lv in levels],
         facts=facts,
-        charts=charts_of(part, loads, finest, peak),
+        charts=charts_of(design, part, loads, finest, use, levels),
         surface=shown_surface(loads, finest),
         assumed=assumed,
         mode=None if eigen is None else _mode_of(whole, eigen[1]),
+        live=solid_fields(loads, finest, use) if asked.live else None,
     )
 
 

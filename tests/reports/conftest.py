@@ -12,6 +12,8 @@ import pytest
 REQUIRED = os.environ.get("BALLESTA_BROWSER") == "required"  # as .ci/run sets it
 SOFTWARE_GL = ("--disable-gpu", "--enable-unsafe-swiftshader", "--use-angle=swiftshader")
 NO_GL = ("--disable-gpu", "--disable-3d-apis")
+# Said of every picture that goes from WebGL to a screen without a graphics card.
+_SOFTWARE_GL_SLOW = "GL Driver Message (OpenGL, Performance"
 _QUIET = (
     "--disable-dev-shm-usage", "--disable-quic", "--no-first-run", "--disable-sync",
     "--disable-background-networking", "--disable-component-update",
@@ -82,7 +84,9 @@ def opened(launch: Callable[..., Any]) -> Iterator[Callable[..., Opened]]:
         page.on(
             "console",
             lambda message: (
-                result.told.append(message.text) if message.type in ("error", "warning") else None
+                result.told.append(message.text)
+                if message.type in ("error", "warning") and _SOFTWARE_GL_SLOW not in message.text
+                else None
             ),
         )
         page.on("pageerror", lambda error: result.told.append(str(error)))

@@ -143,6 +143,32 @@ def test_a_report_without_its_pictures_is_written_anew(folder, checks, monkeypat
     assert files("three") == files("two")
 
 
+def test_a_result_without_live_fields_is_checked_again_where_a_report_is_written(folder, checks):
+    """As a batch without reports keeps it: its page would have no live view."""
+    design = read_design("machine.toml", [])
+    bare = ballesta.check.check_design(design, effort=FORMULA)
+    keep_result(Store(Path("store")), design, FORMULA, bare, {})
+    assert {part.live for part in bare.parts} == {None}
+    run("one")
+    assert len(checks) == 2
+    run("two")
+    assert len(checks) == 2
+    assert files("two") == files("one")
+
+
+def test_kept_results_do_not_hold_fields_that_their_files_show(folder, monkeypatch):
+    assert {part.live for part in run("one").parts} == {None}
+    kept = recalled_result(Store(Path("store")), Path("machine.toml"), [], FORMULA)
+    assert {part.live for part in kept.result.parts} == {None}
+    monkeypatch.setattr(
+        reports.pictures, "render_stills", lambda parts: Pictures(reason="no GL here")
+    )
+    override = ["parts.rod.thickness=9 mm"]
+    run("two", *override)
+    kept = recalled_result(Store(Path("store")), Path("machine.toml"), override, FORMULA)
+    assert {type(part.live).__name__ for part in kept.result.parts} == {"EncodedPart"}
+
+
 def test_a_damaged_result_is_said_and_checked_again(folder, checks, capsys):
     run("one")
     [file] = Path("store/result").glob("*/*.entry")

@@ -1,0 +1,313 @@
+// The live view: opens parts, keeps what is shown, and draws when something changed.
+
+const LINKAGE = -1; // the tab of all parts together
+const bytesOf = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+
+// The curve of the peak behind the slider; it follows the part, needs no WebGL.
+const trackOf = (root, section, partShown) => {
+  const canvas = root.querySelector("[data-role=curve]");
+  const curves = section.curves.map((each) =>
+    each.map((curve) => curve && { ...curve, heights: bytesOf(curve.heights) }));
+  const mostOf = (cycle) => { // the curve of the part, of the most stressed one in the linkage
+    const part = partShown();
+    const some = (part < 0 ? curves : [curves[part] ?? []]).map((each) => each[cycle]);
+    return some.filter(Boolean).sort((a, b) => b.most - a.most)[0] ?? null;
+  };
+  const runs = positions.cycles.map(({ phase, phase_of: of }) => {
+    const found = [];
+    of.forEach((k, index) => {
+      if (index && of[index - 1] === k) found[found.length - 1].to = index;
+      else {
+        if (index) found[found.length - 1].to = index;
+        found.push({ name: phase[k], from: index, to: index });
+      }
+    });
+    return found;
+  });
+  let frame = 0;
+  const draw = () => {
+    frame = 0;
+    const { cycle, index } = positions.current ?? {};
+    if (cycle === undefined) return;
+    const last = positions.last(cycle), curve = mostOf(cycle);
+    drawCurve(canvas, {
+      heights: curve?.heights ?? [], phases: runs[cycle], last, share: last ? index / last : 0,
+      colours: screenColours(root),
+      series: getComputedStyle(root).getPropertyValue("--chart-series0").trim(),
+    });
+  };
+  const ask = () => { frame ||= requestAnimationFrame(draw); };
+  positions.onPosition(ask);
+  new ResizeObserver(ask).observe(canvas);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", ask);
+  return { mostOf, ask };
+};
+
+const liveView = (root) => {
+  const find = (role) => root.querySelector(`[data-role=${role}]`);
+  const page = document.documentElement;
+  const header = liveHeader(), section = jsonOf("live-section"), heads = header.parts;
+  const motionText = document.getElementById("live-motion")?.textContent;
+  const bodies = new Map(); // index of a part -> promise of its body
+  let frame = 0, motion = null;
+  const view = {
+    root, find, section, canvas: find("canvas"), camera: new Camera(), scene: null,
+    tables: Object.fromEntries(
+      Object.entries(section.maps).map(([name, text]) => [name, bytesOf(text)])),
+    shown: { // what the reader chose
+      tab: section.first, field: "mises", map: "viridis", bands: false, own: false,
+      deformed: false, forces: true, factor: 0,
+    },
+    drawn: [], field: null, range: null, worst: null, held: null, pointer: null, empty: "",
+    marker: null, probe: null,
+    isReady: () => page.dataset.live === "ready",
+    isLinkage: () => view.shown.tab === LINKAGE,
+    cycle: () => positions.current?.cycle ?? 0,
+    motionNow: () => motion?.[view.cycle()] ?? null,
+    mostOfCycle: () => track.mostOf(view.cycle()),
+    ask: () => { frame ||= requestAnimationFrame(() => { frame = 0; picture.paint(); }); },
+    unit: () =>
+      view.drawn.map((body) => body.part.head.scale[view.field]?.unit).find(Boolean) ?? "",
+    offOf: (body, field) => body?.part.head.accuracy?.[field]?.[view.cycle()] ?? 0, // MPa
+    text: (value, digits = 4, body = null) => {
+      const off = ["mises", "principal"].includes(view.field) ? view.offOf(body, view.field) : 0;
+      return `${within(value, off, digits)} ${view.unit()}`.trim();
+    },
+    isDeformed: () => view.shown.deformed && !view.isLinkage() && view.drawn.length > 0 &&
+      hasField(view.drawn[0].part, "displacement"),
+    factorOf: (body) => { // displacements are drawn as 5 % of the part, times the choice
+      const most = body.part.head.scale.displacement?.to ?? 0;
+      const size = Math.hypot(...[0, 1, 2].map((k) => body.bounds[1][k] - body.bounds[0][k]));
+      const fit = most > 0 ? roundStep(0.05 * size / most, 1) : 0;
+      return Number((fit * 10 ** (view.shown.factor / 100)).toPrecision(2));
+    },
+    hold: (body, node, go = false) => {
+      view.held = body && { body, node };
+      if (body && go) picture.goTo(body, node);
+      view.readings.held();
+      view.ask();
+    },
+  };
+  const track = trackOf(root, section, () => view.shown.tab);
+  const picture = pictureOf(view);
+  view.readings = readingsOf(view);
+
+  const note = (words) => {
+    find("note").textContent = words;
+    find("note").hidden = !words;
+  };
+  const motionRead = (motionText ? readMotion(motionText) : Promise.resolve(null))
+    .then((read) => { motion = read; });
+
+  const bodyOf = (index) => {
+    const head = heads[index], block = head.block && document.getElementById(head.block);
+    if (!block) return null;
+    if (!bodies.has(index))
+      bodies.set(index, decodePart(block.textContent, head).then((part) => {
+        const body = Object.assign(new Body(part), { index, bounds: head.bounds });
+        view.scene.add(body);
+        return body;
+      }));
+    return bodies.get(index);
+  };
+  const collect = async (tab) => { // null when the reader went on meanwhile
+    if (tab === LINKAGE) await motionRead;
+    const drawn = [];
+    for (const index of tab === LINKAGE ? heads.keys() : [tab]) {
+      const body = await bodyOf(index);
+      if (view.shown.tab !== tab) return null;
+      if (body) drawn.push(body);
+    }
+    return drawn;
+  };
+  const open = async (tab) => {
+    const first = page.dataset.live === undefined;
+    Object.assign(view, { held: null, pointer: null, drawn: [], empty: "Reading…" });
+    view.shown.tab = tab;
+    positions.setPart(tab === LINKAGE ? null : section.full_names[tab]);
+    track.ask();
+    update();
+    try {
+      const drawn = await collect(tab);
+      if (drawn === null) return;
+      view.drawn = drawn;
+      view.empty = drawn.length ? "" : heads[tab]?.notes.join(" ") || "There is nothing to draw.";
+    } catch (error) {
+      if (first) throw error;
+      if (view.shown.tab !== tab) return;
+      view.empty = `This part cannot be shown: ${error.message}`;
+    }
+    for (const body of view.drawn) body.key = "";
+    if (first) page.dataset.live = "ready"; // only now the canvas has a size
+    chooseField();
+    update();
+    picture.frame(view.isLinkage() ? VIEWS.front : "first");
+    picture.paint();
+  };
+
+  // The field that was asked for where the parts have it, else the first that they have.
+  const chooseField = () => {
+    const has = (name) => view.drawn.some((body) => hasField(body.part, name));
+    view.field = [view.shown.field, ...FIELDS].find(has) ?? null;
+    for (const option of find("field").options) option.disabled = !has(option.value);
+    find("field").disabled = !view.field;
+    if (view.field) find("field").value = view.field;
+    find("deformed").disabled = view.isLinkage() || !has("displacement");
+    find("forces-box").hidden = !motion?.some((each) => each?.pins.length);
+    view.readings.missing();
+  };
+
+  // Superpose the fields of all that is drawn at the page's position.
+  const update = () => {
+    const cycle = view.cycle(), index = positions.current?.index ?? 0;
+    const moving = view.isLinkage() ? view.motionNow() : null;
+    view.worst = null;
+    for (const body of view.drawn) {
+      fill(body, cycle, index);
+      shape(body, cycle, index);
+      body.pose = (moving && poseAt(moving.parts[body.index], rowOf(moving, index))) ?? NO_POSE;
+      if (body.found && !(Math.abs(view.worst?.found.peak) >= Math.abs(body.found.peak)))
+        view.worst = body;
+    }
+    view.range = rangeOf(view, view.unit());
+    view.readings.tell();
+    view.ask();
+  };
+  const fill = (body, cycle, index) => {
+    const { field } = view;
+    const key = field && isConstant(field) ? field : `${cycle} ${index} ${field}`;
+    if (body.key === key) return;
+    body.key = key;
+    body.found = field && hasField(body.part, field)
+      ? fieldValues(body.part, cycle, index, field, body.nodal) : null;
+    body.plain = body.found === null;
+    if (body.plain) return;
+    body.spread();
+    view.scene.renew(body);
+  };
+  const shape = (body, cycle, index) => {
+    const factor = view.isDeformed() ? view.factorOf(body) : 0;
+    if (!factor && !body.factor) return;
+    if (factor) {
+      body.moved ??= new Float32Array(3 * body.part.n);
+      if (displacementAt(body.part, cycle, index, body.moved) === null) body.moved.fill(0);
+    }
+    body.deform(factor);
+    body.factor = factor;
+    body.stamp++;
+    view.scene.renew(body, { shape: true });
+  };
+
+  const choose = (name) => (value) => {
+    view.shown[name] = value;
+    if (name === "field") chooseField();
+    if (name === "factor") find("factor").value = String(value);
+    update();
+  };
+  const on = {
+    ...Object.fromEntries(["field", "map", "bands", "own", "deformed", "forces", "factor"]
+      .map((name) => [name, choose(name)])),
+    orbit: (dx, dy) => picture.moved((camera) => camera.orbit(dx, dy)),
+    pan: (dx, dy) => picture.moved((camera) => camera.pan(dx, dy)),
+    zoom: (factor, x, y) => picture.moved((camera) => camera.zoom(factor, x, y)),
+    hover: (at) => { view.pointer = at; view.ask(); },
+    hold: (at) => {
+      const hit = at && picture.under(at);
+      if (!hit) { view.hold(null); return; }
+      const corner = hit.weights.indexOf(Math.max(...hit.weights)), { part } = hit.body;
+      view.hold(hit.body, part.node[part.triangles[hit.corner + corner]]);
+    },
+    toggle: () => positions.transport?.toggle(),
+  };
+  const print = () => { // what paper shows: scene and writing in one, in the colours of paper
+    if (!view.isReady()) return;
+    picture.paint(true);
+    const printed = find("printed");
+    printed.src = view.canvas.toDataURL();
+    printed.alt = view.canvas.getAttribute("aria-label");
+    picture.paint();
+  };
+  const bind = () => {
+    bindTools(find, on);
+    bindPicture(view.canvas, on);
+    for (const button of root.querySelectorAll("[data-view]"))
+      button.addEventListener("click", () => {
+        if (button.dataset.view !== "peak") picture.frame(VIEWS[button.dataset.view]);
+        else if (view.worst) picture.goTo(view.worst, view.worst.found.node);
+      });
+    for (const button of root.querySelectorAll("[data-zoom]"))
+      button.addEventListener("click", () => on.zoom(Number(button.dataset.zoom)));
+    find("worst-go").addEventListener("click", () => {
+      const most = view.mostOfCycle();
+      if (most) positions.setPosition(view.cycle(), most.at);
+    });
+    find("unpin").addEventListener("click", () => view.hold(null));
+    addEventListener("beforeprint", print);
+    matchMedia("print").addEventListener("change", (event) => { if (event.matches) print(); });
+    let cycle = view.cycle();
+    positions.onPosition((state) => {
+      update();
+      if (cycle !== state.cycle && view.isLinkage() && picture.isFitted()) picture.frame();
+      cycle = state.cycle;
+    });
+  };
+
+  const graphics = {
+    lost: () => {
+      page.dataset.live = "lost";
+      note("The browser took the 3-D graphics away; the picture returns when it gives them back.");
+    },
+    restored: () => {
+      page.dataset.live = "ready";
+      note("");
+      for (const body of view.drawn) body.key = "";
+      update();
+    },
+  };
+  const start = async () => {
+    if (view.shown.tab < 0 && !motionText) {
+      note("Nothing can be drawn here: no part has a surface. The numbers stand in the tables.");
+      root.classList.add("live-bare");
+      page.dataset.live = "ready";
+      return;
+    }
+    try {
+      view.scene = new Scene(find("scene"), graphics);
+      bindTabs(root.querySelector("[role=tablist]"), open)(view.shown.tab);
+      await open(view.shown.tab);
+    } catch (error) {
+      page.dataset.live = "failed";
+      const stills = root.querySelector(".live-stills")
+        ? "The pictures below stand still" : "A still picture stands with each part";
+      note(`Nothing moves here: ${error.message}. ${stills}; every number stands in the tables.`);
+      return;
+    }
+    bind();
+    await motionRead;
+    chooseField();
+    update();
+  };
+  return { view, picture, start };
+};
+
+{
+  const root = document.getElementById("live");
+  if (root) {
+    const { view, picture, start } = liveView(root);
+    globalThis.ballesta.live = { // for tests and benches
+      get tab() { return view.shown.tab; },
+      get field() { return view.field; },
+      get peak() {
+        const { worst } = view;
+        return worst && { part: worst.index, value: worst.found.peak, node: worst.found.node };
+      },
+      get range() { return view.range && { from: view.range.from, to: view.range.to }; },
+      get marker() { return view.marker; },
+      get probe() { return view.probe; },
+      camera: view.camera,
+      draw: () => picture.paint(), // now, as when a step is timed
+      context: () => view.scene.gl,
+    };
+    start();
+  }
+}

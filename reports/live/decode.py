@@ -1,0 +1,108 @@
+"""A part's text read again in Python: what viewer.js does, to test what is written."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from reports.live.fields import FATIGUE, FloatArray, IntArray
+from reports.live.planes import read_planes
+from reports.live.surface import Neighbours, neighbours
+
+_Whole = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class DecodedPart:
+    """What a page knows of a part.
+
+    nodes      (n, 3) mm
+    triangles  (m, 3)
+    fields     "stress" (r, n, 6) and "displacement" (r, n, 3), as far as they are there
+    weights    the same names -> number of a cycle -> (r, n_kept), MPa or mm per field
+    kept       number of a cycle -> (n_kept,) positions of the cycle
+    fatigue    field -> (n,)
+    """
+
+    nodes: FloatArray
+    triangles: IntArray
+    fields: Mapping[str, FloatArray]
+    weights: Mapping[str, Mapping[int, FloatArray]]
+    kept: Mapping[int, IntArray]
+    fatigue: Mapping[str, FloatArray]
+
+    def stress(self, cycle: int, index: float) -> FloatArray:
+        """Stress (n, 6) at a position of the whole cycle, which may lie between two, MPa."""
+        return self._sum("stress", cycle, index)
+
+    def displacement(self, cycle: int, index: float) -> FloatArray:
+        """Displacement (n, 3) at a position of the whole cycle, mm."""
+        return self._sum("displacement", cycle, index)
+
+    def _sum(self, name: str, cycle: int, index: float) -> FloatArray:
+        rows = self.weights[name][cycle]
+        weights = np.array([np.interp(index, self.kept[cycle], row) for row in rows])
+        return np.asarray(np.tensordot(weights, self.fields[name], axes=1))
+
+
+def decode(head: Mapping[str, Any], text: str) -> DecodedPart:
+    """Read a part's text by its entry in the header; ValueError if they do not fit each other."""
+    coding, count = head["coding"], head["nodes"]
+    sections = read_planes(text, coding["layout"])
+    first, second, third = sections["triangles"]
+    first = np.cumsum(first)
+    triangles = np.stack([first, first + second, first + third])
+    near = neighbours(triangles.astype(np.int32), count)
+    steps = _nodal(sections["positions"], near)
+    fields, weights = {}, {}
+    for name in ("stress", "displacement"):
+        if name in coding:
+            told = coding[name]
+            numbers = _nodal(sections[name], near).reshape(told["fields"], len(told["steps"]), -1)
+            fields[name] = np.moveaxis(numbers, 1, 2) * np.array(told["steps"])
+            weights[name] = {
+                number: step * _straight(sections[f"{name} weights {number}"])
+                for number, step in enumerate(told["weights"])
+                if f"{name} weights {number}" in sections
+            }
+    return DecodedPart(
+        nodes=np.array(coding["origin"]) + coding["step"] * steps.T,
+        triangles=triangles.T,
+        fields=fields,
+        weights=weights,
+        kept={
+            number: np.array(cycle["positions"])
+            for number, cycle in enumerate(head["cycles"])
+            if cycle is not None
+        },
+        fatigue={
+            name: coding["fatigue"][name] * _nodal(sections[name], near)[0]
+            for name in FATIGUE
+            if name in sections
+        },
+    )
+
+
+def _nodal(left: Sequence[_Whole], near: Neighbours) -> _Whole:
+    """Values (k, n) at the nodes, of what was left of them by their neighbours."""
+    if not left:
+        return np.zeros((0, 0), dtype=np.int64)
+    values = np.stack(left, axis=1)
+    ends = near.starts + near.counts
+    found = {int(node): k for k, node in enumerate(near.nodes)}
+    for node in range(len(values)):
+        k = found.get(node)
+        if k is not None:
+            n = int(near.counts[k])
+            sums = values[near.lower[near.starts[k] : ends[k]]].sum(axis=0)
+            values[node] += (2 * sums + n) // (2 * n)
+        elif node:
+            values[node] += values[node - 1]
+    return values.T
+
+
+def _straight(left: Sequence[_Whole]) -> FloatArray:
+    """Rows of weights of what was left of them by the line through the last two."""
+    return np.cumsum(np.cumsum(np.stack(left).astype(np.float64), axis=1), axis=1)

@@ -1,0 +1,285 @@
+"""One part's fields as the text that a page carries; viewer.js says what stands in it."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from reports.live.accuracy import LENGTH_METRIC, STRESS_METRIC, lost_in_single
+from reports.live.extremes import displacements, scales
+from reports.live.fields import FATIGUE, IntArray, LiveFields, von_mises
+from reports.live.fitting import FLOOR, Fitted, fitted, kept_positions, sizes_with_floor
+from reports.live.planes import Writer
+from reports.live.sampling import Sample, looked_at
+from reports.live.surface import (
+    Neighbours,
+    morton_order,
+    neighbours,
+    ordered_triangles,
+    placed,
+)
+from reports.words import brief
+
+TOLERANCE = 1e-3  # of a cycle's peak
+FATIGUE_LEVELS = 4095
+# A shear stress counts thrice in the square of the von Mises stress.
+_STRESS_STEPS = 2**0.5 * np.array([1.0, 1.0, 1.0, 3**-0.5, 3**-0.5, 3**-0.5])
+_ROUND_OFF = 1e-6  # of a cycle's peak
+
+
+@dataclass(frozen=True, eq=False)
+class EncodedPart:
+    """A part as a page carries it.
+
+    head  its entry in the header, without its name and the number of its block
+    text  base64
+    """
+
+    head: Mapping[str, Any]
+    text: str
+
+
+def encode(live: LiveFields, cycles: Sequence[str], tolerance: float = TOLERANCE) -> EncodedPart:
+    """Encode a part; the same fields give the same text.
+
+    cycles     names of the design's cycles, in their order
+    tolerance  of each cycle's peak, by which the von Mises stress may be off anywhere; single precision of
+                the unit fields may cost more where they nearly cancel each other, which is then
+                said in the notes
+
+    Raises ArithmeticError if the fields cannot be written that exactly, and ValueError if they do
+    not have the peaks that the solver found.
+    """
+    grid = placed(live.nodes)
+    order = morton_order(grid.positions)
+    rank = np.empty(len(order), dtype=np.int64)
+    rank[order] = np.arange(len(order))
+    triangles = ordered_triangles(rank[live.triangles])
+    near = neighbours(triangles, len(order))
+    writer = Writer()
+    writer.add("triangles", _relative(triangles))
+    writer.add("positions", _less_expected(grid.positions[:, order], near))
+    head: dict[str, Any] = {
+        "nodes": len(order),
+        "triangles": triangles.shape[1],
+        "bounds": [live.nodes.min(axis=0).tolist(), live.nodes.max(axis=0).tolist()],
+        "coding": {"origin": grid.origin.tolist(), "step": grid.step, "layout": writer.layout},
+        "fields": 0,
+        "displacement": False,
+        "cycles": [None] * len(cycles),
+        "scale": {},
+        "missing": dict(live.missing),
+        "notes": list(live.notes),
+        "peak": None,
+        "accuracy": None,
+        "limits": {"fatigue": 1.0 if live.judged else None},
+    }
+    _add_fatigue(head, writer, live, order, near)
+    if live.n_fields:
+        _add_stress(head, writer, live, order, near, cycles, tolerance)
+    if live.peak is not None:
+        head["peak"] = {
+            "node": int(rank[live.peak.node]),
+            "cycle": list(cycles).index(live.peak.cycle),
+            "position": live.peak.position,
+            "value": live.peak.value,
+            "place": live.peak.place,
+        }
+    return EncodedPart(head, writer.text())
+
+
+def _add_stress(
+    head: dict[str, Any],
+    writer: Writer,
+    live: LiveFields,
+    order: IntArray,
+    near: Neighbours,
+    cycles: Sequence[str],
+    tolerance: float,
+) -> None:
+    """Add the stress and displacement fields, and the coefficients of the kept positions."""
+    sample = looked_at(live)
+    peaks = sizes_with_floor(sample.peaks)
+    if not any(peaks.values()):
+        nothing = "nothing loads this part at any position: its stress is zero"
+        head["missing"] |= dict.fromkeys(("mises", "principal", "displacement"), nothing)
+        head["notes"].append(nothing)
+        return
+    wanted = {name: at.tolist() for name, at in sample.positions.items()}
+    combined, kept = kept_positions(live.stress, live.coefficients, peaks, STRESS_METRIC, wanted)
+    stress = fitted(
+        combined, kept, STRESS_METRIC, _STRESS_STEPS, tolerance, _shares(sample.lost, peaks)
+    )
+    measured = _measured(live, sample, kept, stress)
+    if measured > stress.bound + _ROUND_OFF:
+        raise AssertionError(
+            f"the proven error of the live stress is {stress.bound:.3g} of a cycle's peak, but "
+            f"{measured:.3g} was found"
+        )
+    groups = {"stress": stress}
+    ways = displacements(live, kept)
+    if live.displacement is not None and any(ways.values()):
+        moved = sizes_with_floor(ways)
+        lost = _shares(lost_in_single(live.displacement, live.coefficients, LENGTH_METRIC), moved)
+        combined, _ = kept_positions(
+            live.displacement, live.coefficients, moved, LENGTH_METRIC, wanted
+        )
+        groups["displacement"] = fitted(combined, kept, LENGTH_METRIC, np.ones(3), tolerance, lost)
+    for name, group in groups.items():
+        arrays = [row for field in group.fields[:, order] for row in field.T]
+        writer.add(name, _less_expected(arrays, near))
+    head |= {
+        "fields": len(stress.fields),
+        "displacement": "displacement" in groups,
+        "cycles": [
+            None
+            if name not in kept
+            else {"positions": kept[name].tolist(), "count": live.coefficients[name].shape[1]}
+            for name in cycles
+        ],
+        "accuracy": _accuracy(groups, measured, sample, _thinned(live, kept), cycles),
+    }
+    head["notes"] += [*_left_out(live, kept, stress), *_cancelling(stress, tolerance)]
+    head["scale"] |= scales(live, sample, kept, ways)
+    head["coding"] |= {
+        name: {
+            "fields": len(group.fields),
+            "steps": group.steps.tolist(),
+            "weights": [group.sizes.get(cycle, 0.0) for cycle in cycles],
+        }
+        for name, group in groups.items()
+    }
+    for number, cycle in enumerate(cycles):
+        if cycle in kept:
+            for name, group in groups.items():
+                writer.add(f"{name} weights {number}", _bent(group.weights[cycle]))
+
+
+def _thinned(live: LiveFields, kept: Mapping[str, IntArray]) -> list[str]:
+    """Cycles that have more positions than a page carries."""
+    return [name for name, at in kept.items() if len(at) < live.coefficients[name].shape[1]]
+
+
+def _left_out(live: LiveFields, kept: Mapping[str, IntArray], stress: Fitted) -> list[str]:
+    """What is to be said where a cycle has more positions than a page carries."""
+    counts = {name: c.shape[1] for name, c in live.coefficients.items()}
+    left = _thinned(live, kept)
+    if not left:
+        return []
+    told = ", ".join(f"{len(kept[name])} of {counts[name]} of {brief(name)}" for name in left)
+    return [
+        f"the page carries the loads of some positions of long cycles ({told}), the peaks among "
+        f"them; between these it takes straight lines, {100 * stress.between:.2g} % of the cycle's "
+        "peak off at most"
+    ]
+
+
+def _measured(
+    live: LiveFields, sample: Sample, kept: Mapping[str, IntArray], stress: Fitted
+) -> float:
+    """Largest difference of the von Mises stress at the sampled positions, over its cycle's peak.
+
+    Of all nodes, in full precision, against what the page is handed.
+    """
+    worst = 0.0
+    written = (stress.fields * stress.steps).reshape(len(stress.fields), -1)
+    for name, positions in sample.positions.items():
+        at = np.searchsorted(kept[name], positions)
+        weights = stress.weights[name][:, at] * stress.sizes[name]
+        shown = (written.T @ weights).reshape(len(live.nodes), 6, -1)
+        off = np.abs(von_mises(shown.swapaxes(1, 2)) - sample.mises[name])
+        size = sizes_with_floor(sample.peaks)[name]
+        worst = max(worst, float(off.max()) / size if size else 0.0)
+    return worst
+
+
+def _shares(lost: Mapping[str, float], sizes: Mapping[str, float]) -> float:
+    """The largest share of a cycle's size that is lost."""
+    return max(lost[name] / size for name, size in sizes.items() if size > 0)
+
+
+def _cancelling(stress: Fitted, tolerance: float) -> list[str]:
+    """What is to be said where single precision costs more than the tolerance."""
+    if stress.bound <= tolerance:
+        return []
+    return [
+        f"its unit loads nearly cancel each other: its stress is drawn to {100 * stress.bound:.2g} "
+        f"% of the cycle's peak, not to {100 * tolerance:g} %"
+    ]
+
+
+def _accuracy(
+    groups: Mapping[str, Fitted],
+    measured: float,
+    sample: Sample,
+    thinned: Collection[str],
+    cycles: Sequence[str],
+) -> dict[str, Any]:
+    """How far the drawing may be off; thinned: cycles of which some positions are left out."""
+    stress = groups["stress"]
+    sizes = sizes_with_floor(sample.peaks)
+    count = sum(len(at) for at in sample.positions.values())
+    floor = kept = between = ""
+    if any(0 < sample.peaks[name] < size for name, size in sizes.items()):
+        floor = f" (or of {100 * FLOOR:g} % of the largest cycle's, if that is more)"
+    if thinned:
+        kept = " that the page keeps"
+        between = f", and by at most {100 * stress.between:.2g} % between those"
+    words = (
+        f"What is drawn differs from the solver's von Mises stress by at most "
+        f"{100 * stress.bound:.2g} % of the cycle's peak{floor} at any node and position{kept}"
+        f"{between}, proven when the page was written; at {count} positions "
+        f"{100 * measured:.2g} % was measured."
+    )
+    more = {name: stress.between / stress.bound if name in thinned else 1.0 for name in sizes}
+    off = [more[name] * sizes[name] if name in sizes else None for name in cycles]
+    return {
+        "share": stress.bound,
+        "between": stress.between,
+        "measured": measured,
+        "positions": count,
+        "mises": [None if size is None else stress.bound * size for size in off],
+        "principal": [None if size is None else stress.principal * size for size in off],
+        "displacement": groups["displacement"].bound if "displacement" in groups else None,
+        "words": words,
+    }
+
+
+def _add_fatigue(
+    head: dict[str, Any], writer: Writer, live: LiveFields, order: IntArray, near: Neighbours
+) -> None:
+    """Add the fields over the duty, each in steps of its own."""
+    steps = {}
+    for name in FATIGUE:
+        if name not in live.fatigue:
+            head["missing"].setdefault(name, "fatigue was not judged: no cycle is in the duty")
+            continue
+        values = live.fatigue[name].astype(np.float64)
+        largest = float(np.abs(values).max())
+        steps[name] = largest / FATIGUE_LEVELS if largest else 1.0
+        whole = np.rint(values / steps[name]).astype(np.int64)
+        writer.add(name, _less_expected([whole[order]], near))
+        head["scale"][name] = {
+            "from": min(0.0, float(values.min())),
+            "to": max(0.0, float(values.max())),
+            "unit": "" if name == "utilisation" else "MPa",
+        }
+    head["coding"]["fatigue"] = steps
+
+
+def _relative(triangles: npt.NDArray[np.int32]) -> list[npt.NDArray[np.int64]]:
+    """First nodes as steps from the last triangle's, the others as steps from the first."""
+    first, second, third = triangles.astype(np.int64)
+    return [np.diff(first, prepend=0), second - first, third - first]
+
+
+def _less_expected(arrays: Any, near: Neighbours) -> list[npt.NDArray[np.int64]]:
+    """What is left of arrays of values at the nodes when neighbours have said what they expect."""
+    return [values.astype(np.int64) - near.expected(values.astype(np.int32)) for values in arrays]
+
+
+def _bent(weights: npt.NDArray[np.int64]) -> list[npt.NDArray[np.int64]]:
+    """What is left of a row of weights when each is expected on the line through the last two."""
+    return list(np.diff(weights, n=2, axis=1, prepend=np.zeros((len(weights), 2), dtype=np.int64)))

@@ -1,0 +1,167 @@
+"""The live view's data of a whole design: a header, and a block of text per part."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from reports.live.encode import TOLERANCE, EncodedPart, encode
+from reports.live.fields import LiveFields, grey
+from reports.verdict import DesignResult, PartResult
+from reports.words import brief
+
+FORMAT = "ballesta-live/1"
+NOT_MESHED = "not meshed"  # the field of a surface that no stress is known on
+
+
+@dataclass(frozen=True)
+class Budget:
+    """How much text the live view of a page may be.
+
+    coarse     characters, above which the tolerance is raised
+    most       characters, above which the largest parts are shown without fields
+    tolerance  of a cycle's peak, when raised
+    """
+
+    coarse: int = 20_000_000
+    most: int = 40_000_000
+    tolerance: float = 5e-3
+
+
+BUDGET = Budget()
+
+
+@dataclass(frozen=True, eq=False)
+class LivePayload:
+    """What a page carries for its live view.
+
+    header  plain data; viewer.js says what stands in it
+    blocks  id and text of each block, base64
+    notes   what a reader should know of the fields that are missing or less exact, in words
+    """
+
+    header: Mapping[str, Any]
+    blocks: Sequence[tuple[str, str]]
+    notes: Sequence[str]
+
+
+def live_payload(result: DesignResult, budget: Budget = BUDGET) -> LivePayload:
+    """What a page of a result carries; the same result gives the same payload.
+
+    A part whose fields nobody has asked for is its bare surface.
+    """
+    parts: list[dict[str, Any]] = []
+    blocks, notes = [], []
+    for number, part in enumerate(with_encoded_fields(result, budget).parts):
+        assert isinstance(part.live, EncodedPart)
+        head = dict(part.live.head)
+        block = f"live-part-{number}"
+        head["limits"] = {**_limits(part), **head["limits"]}
+        parts.append({"name": part.name, "block": block, **head})
+        blocks.append((block, part.live.text))
+        notes += [f"{brief(part.name)}: {note}" for note in head["notes"]]
+    return LivePayload(
+        {"format": FORMAT, "cycles": list(result.cycles), "parts": parts}, blocks, notes
+    )
+
+
+def with_encoded_fields(result: DesignResult, budget: Budget = BUDGET) -> DesignResult:
+    """The result with the fields of its parts as a page carries them, a hundredth of their size."""
+    if all(isinstance(part.live, EncodedPart) for part in result.parts):
+        return result
+    cycles = list(result.cycles)
+    fields = [_fields_of(part) for part in result.parts]
+    encoded = [live if isinstance(live, EncodedPart) else encode(live, cycles) for live in fields]
+    if _size(encoded) > budget.coarse:
+        encoded = [
+            _coarser(live, before, cycles, budget)
+            for live, before in zip(fields, encoded, strict=True)
+        ]
+    while _size(encoded) > budget.most:
+        largest = max(range(len(encoded)), key=lambda k: (_weight(encoded[k]), -k))
+        if not encoded[largest].head["fields"]:
+            break
+        encoded[largest] = encode(_bare(result.parts[largest], encoded, budget), cycles)
+    parts = [replace(part, live=live) for part, live in zip(result.parts, encoded, strict=True)]
+    return replace(result, parts=parts)
+
+
+def without_fields(result: DesignResult) -> DesignResult:
+    """The result without its live fields and its motion, once its page is written."""
+    parts = [replace(part, live=None) for part in result.parts]
+    return replace(result, parts=parts, motion={})
+
+
+def has_fields(result: DesignResult) -> bool:
+    """Whether a page of the result can be written as one of a fresh check would be."""
+    return all(getattr(part, "live", None) is not None for part in result.parts)
+
+
+def _fields_of(part: PartResult) -> LiveFields | EncodedPart:
+    live: LiveFields | EncodedPart | None = getattr(part, "live", None)
+    if isinstance(live, LiveFields):
+        return _with_required_safety(live, part)
+    if live is not None:
+        return live
+    why = "its stress over the cycle was not kept when it was checked"
+    if list(part.surface.fields) == [NOT_MESHED]:
+        methods = ", ".join(dict.fromkeys(check.method for check in part.checks))
+        why = f"decided by {methods or 'no check'}, without a mesh: no stress all over its surface"
+    return grey(np.asarray(part.surface.nodes), np.asarray(part.surface.triangles), why)
+
+
+def _with_required_safety(live: LiveFields, part: PartResult) -> LiveFields:
+    """The fields with the utilisation that a check has: 1 just leaves the safety required."""
+    required = next((check.required for check in part.checks if check.kind == "fatigue"), None)
+    if required is None or "utilisation" not in live.fatigue:
+        return live
+    return replace(
+        live, fatigue={**live.fatigue, "utilisation": required * live.fatigue["utilisation"]}
+    )
+
+
+def _size(encoded: Sequence[EncodedPart]) -> int:
+    return sum(len(part.text) for part in encoded)
+
+
+def _weight(part: EncodedPart) -> int:
+    """Characters that a part's fields take; nothing of one without."""
+    return len(part.text) if part.head["fields"] else 0
+
+
+def _coarser(
+    live: LiveFields | EncodedPart, before: EncodedPart, cycles: Sequence[str], budget: Budget
+) -> EncodedPart:
+    """The part with larger steps, if it has fields and they are at hand."""
+    if not isinstance(live, LiveFields) or not before.head["fields"]:
+        return before
+    note = (
+        f"its stress is drawn to {100 * budget.tolerance:g} % of the cycle's peak, not to "
+        f"{100 * TOLERANCE:g} %: the page would be larger than "
+        f"{budget.coarse / 1e6:g} MB"
+    )
+    return encode(replace(live, notes=(*live.notes, note)), cycles, budget.tolerance)
+
+
+def _bare(part: PartResult, encoded: Sequence[EncodedPart], budget: Budget) -> LiveFields:
+    """The part's surface alone."""
+    why = (
+        f"left out of the live view: the page's fields take {_size(encoded) / 1e6:.0f} MB, more "
+        f"than {budget.most / 1e6:g} MB, and this part's are the largest"
+    )
+    surface = part.live if isinstance(part.live, LiveFields) else part.surface
+    return grey(np.asarray(surface.nodes), np.asarray(surface.triangles), why)
+
+
+def _limits(part: PartResult) -> dict[str, float | None]:
+    """Limits of the stress: of the first static check, where there is one.
+
+    yield    MPa, what the part can take
+    allowed  MPa, over the safety that must be shown
+    """
+    static = next((check for check in part.checks if check.kind == "static"), None)
+    return {
+        "yield": static.limit if static else None,
+        "allowed": static.limit / static.required if static else None,
+    }

@@ -1,0 +1,145 @@
+// What the live view says in words: peaks, the point under the pointer, a held point, limits.
+
+const element = (tag, text, more = {}) =>
+  Object.assign(document.createElement(tag), { textContent: text, ...more });
+
+const readingsOf = (view) => {
+  const { find, section } = view;
+
+  const placeOf = (body, node) => {
+    const at = Array.from(body.part.positions.subarray(3 * node, 3 * node + 3), (v, axis) =>
+      `${"xyz"[axis]} ${(Math.abs(v) < 0.05 ? 0 : v).toFixed(1).replace("-", "−")}`);
+    return `${view.isLinkage() ? `${section.names[body.index]}: ` : ""}${at.join(", ")} mm`;
+  };
+  const write = (role, strong, small) => {
+    const parts = [];
+    if (strong) parts.push(element("b", strong));
+    if (small) parts.push(element("small", small));
+    find(role).replaceChildren(...parts);
+  };
+
+  // All of it, at every change of position, field or part.
+  const tell = () => {
+    const { worst, field, range, drawn } = view, over = field && isConstant(field);
+    find("peak-name").textContent = over || !positions.current
+      ? "Peak over the life" : `Peak at ${positions.text(view.cycle(), positions.current.index)}`;
+    const unknown = drawn.some((body) => body.plain) ? "; grey parts are not counted" : "";
+    if (worst)
+      write("peak", view.text(worst.found.peak, 4, worst),
+        placeOf(worst, worst.found.node) + unknown);
+    else write("peak", "–", view.empty ||
+      (field ? "this cycle does not load it" : "no field of stress is known"));
+    const most = field === "mises" || !field ? view.mostOfCycle() : null;
+    find("worst-name").textContent = !most ? "Colour scale" : field
+      ? "Peak of the cycle, by the solver" : "Largest stress of the cycle, by its model";
+    find("worst-go").hidden = !most;
+    if (most)
+      write("worst", `${figures(most.most, 4)} MPa`, `at ${positions.text(view.cycle(), most.at)}`);
+    else if (range) write("worst", `${figures(range.from)} to ${view.text(range.to, 3)}`, "");
+    else write("worst", "–", "");
+    const head = drawn[0]?.part.head;
+    const told = view.isLinkage()
+      ? [section.layers, view.motionNow() ? "Arrows: forces on the parts at their pins."
+        : section.gaps[positions.current?.cycleName] ?? ""]
+      : [head?.accuracy?.words, ...(head?.notes ?? [])];
+    find("told").textContent = told.filter(Boolean).join(" ");
+    find("factor-box").hidden = !view.isDeformed();
+    if (view.isDeformed())
+      find("factor-told").textContent = `× ${figures(view.factorOf(drawn[0]), 2)}`;
+    const title = view.isLinkage() ? "Whole linkage" : section.names[view.shown.tab];
+    const told = worst && `, ${section.titles[field]}: ` +
+      `peak ${view.text(worst.found.peak, 3, worst)} at ${placeOf(worst, worst.found.node)}`;
+    view.canvas.setAttribute("aria-label", `${title}${told ?? ""}`);
+    held();
+    hottest();
+  };
+
+  // The fields that cannot be chosen, and why.
+  const missing = () => {
+    const why = new Map(); // words -> names of the fields
+    for (const { part } of view.isLinkage() ? [] : view.drawn)
+      for (const name of FIELDS) {
+        const words = hasField(part, name) ? "" : whyNot(part, name);
+        if (words) why.set(words, [...(why.get(words) ?? []), section.titles[name]]);
+      }
+    find("missing").replaceChildren(...[...why].map(([words, names]) =>
+      element("li", `Not shown (${names.join("; ")}): ${words}`)));
+    find("missing").hidden = why.size === 0;
+  };
+
+  // The point under the pointer; returns its value, null where there is none.
+  const probe = (hit) => {
+    view.probe = null;
+    if (!hit) {
+      write("probe", "", view.pointer ? "beside the part" : "move over the part");
+      return null;
+    }
+    const { body, corner, weights } = hit, { triangles, positions: at } = body.part;
+    const blend = (list, size, k) => weights.reduce(
+      (sum, weight, c) => sum + weight * list[size * triangles[corner + c] + k], 0);
+    const value = body.found ? blend(body.values, 1, 0) : null;
+    const place = [0, 1, 2].map((k) => blend(at, 3, k));
+    const owner = view.isLinkage() ? `${section.names[body.index]}: ` : "";
+    write("probe", value === null ? "–" : view.text(value, 4, body),
+      `${owner}${place.map((v, k) => `${"xyz"[k]} ${figures(v, 4)}`).join(", ")} mm`);
+    view.probe = { part: body.index, value, place };
+    return value;
+  };
+
+  // The held point: value, place, and the six components with what follows from them.
+  const held = () => {
+    find("pinned-box").hidden = !view.held;
+    if (!view.held) return;
+    const { body, node } = view.held, { part } = body;
+    write("pinned", body.found ? view.text(body.nodal[node], 4, body) : "–", placeOf(body, node));
+    const stress = part.head.fields
+      ? stressAt(part, view.cycle(), positions.current?.index ?? 0, node) : null;
+    if (!stress) return;
+    const told = (value, field) => within(value, view.offOf(body, field), 4);
+    const rows = ["xx", "yy", "zz", "xy", "yz", "zx"].map((name, k) =>
+      [`σ ${name}`, told(stress[k], "principal")]); // no component is off by more than a principal
+    rows.push(...principalsOf(stress).map((value, k) => [`σ ${k + 1}`, told(value, "principal")]));
+    rows.push(["von Mises", told(misesOf(stress), "mises")]);
+    const table = element("table", ""), half = rows.length / 2;
+    table.append(element("caption", "Stress there [MPa]"));
+    for (let k = 0; k < half; k++) {
+      const line = table.insertRow();
+      for (const [name, value] of [rows[k], rows[k + half]])
+        line.append(element("th", name, { scope: "row" }),
+          element("td", value, { className: "n" }));
+    }
+    find("pinned").append(table);
+  };
+
+  // The table of the largest values that lie apart from each other.
+  const hottest = () => {
+    const box = find("hottest"), MOST = 8;
+    if (!box.open || positions.current?.playing) return;
+    const [low, high] = view.camera.bounds;
+    const apart = (0.03 * Math.hypot(...low.map((v, axis) => high[axis] - v))) ** 2;
+    const rows = [];
+    const far = (body, node) => rows.every((row) => {
+      const at = body.part.positions;
+      const square = (k) => (at[3 * node + k] - at[3 * row.node + k]) ** 2;
+      return row.body !== body || square(0) + square(1) + square(2) > apart;
+    });
+    while (rows.length < MOST) {
+      let best = null, size = 0;
+      for (const body of view.drawn)
+        for (let node = 0; body.found && node < body.part.n; node++) {
+          const value = Math.abs(body.nodal[node]);
+          if (value > size && far(body, node)) [size, best] = [value, { body, node }];
+        }
+      if (!best) break;
+      const { body, node } = best;
+      const value = view.text(body.nodal[node], 4, body);
+      rows.push({ body, node, place: placeOf(body, node), value });
+    }
+    find("hottest-told").textContent = view.field
+      ? `${section.titles[view.field]}: the largest values that lie apart` : "No field is shown";
+    fillPlaces(box.querySelector("tbody"), rows, ({ body, node }) => view.hold(body, node, true));
+  };
+  find("hottest").addEventListener("toggle", hottest);
+
+  return { tell, missing, probe, held };
+};

@@ -1,0 +1,233 @@
+"""The live view as a section of the page: its markup, its data blocks and its style."""
+
+import json
+from base64 import b64encode
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from reports.live.linkage import motion_text
+from reports.live.payload import LivePayload, live_payload
+from reports.live.words import peak_tables
+from reports.motion import motion_gaps
+from reports.pictures import PLAIN, Pictures
+from reports.verdict import DesignResult, PartResult
+from reports.words import brief, clean
+
+# The scripts of the live view, in the order in which the page's one script has them.
+SCRIPTS = (
+    "viewer", "fields", "camera", "scene", "overlay", "controls", "positions", "picture",
+    "readings", "app",
+)  # fmt: skip
+# name of a colour map -> (its name in matplotlib, what it is called)
+MAPS = {
+    "viridis": ("viridis", "Viridis (safe for colour-blind eyes)"),
+    "cividis": ("cividis", "Cividis (safe for colour-blind eyes)"),
+    "turbo": ("turbo", "Turbo (rainbow)"),
+    "signed": ("RdBu_r", ""),  # for fields with two signs, unless turbo is chosen
+}
+# field -> (its name, what the colour bar says)
+FIELDS = {
+    "mises": ("von Mises stress", "von Mises"),
+    "principal": ("Principal stress of largest size, signed", "principal, signed"),
+    "utilisation": ("Fatigue utilisation over the life, required safety included", "utilisation"),
+    "amplitude": ("Stress amplitude that counts for fatigue", "amplitude"),
+    "mean": ("Mean stress as Goodman takes it (tension only)", "mean"),
+    "displacement": ("Displacement", "displacement"),
+}
+_CURVE = 180  # points of the curve of the peak behind the slider
+
+
+@dataclass(frozen=True)
+class LiveSection:
+    """The live view: `body` for the page, `style` for its style sheet."""
+
+    body: Markup
+    style: str
+
+
+def live_section(
+    result: DesignResult, pictures: Pictures | None = None, mechanism: Markup | None = None
+) -> LiveSection:
+    """Live view of a result; the stills of `pictures` stand in until it runs.
+
+    `mechanism` is put under the slider. The scripts that run it are those of the page.
+    """
+    payload = live_payload(result)
+    body = _template().render(
+        parts=[_part(k, part, result, payload) for k, part in enumerate(result.parts)],
+        stills=_stills(result, pictures or Pictures()),
+        linked=bool(result.motion) and any(head["block"] for head in payload.header["parts"]),
+        fields=FIELDS,
+        maps={key: shown for key, (_, shown) in MAPS.items() if shown},
+        cycles=result.cycles,
+        mechanism=mechanism,
+        data={
+            "live-cycles": _json(cycles_data(result)),
+            "live-section": _json(_section_data(result, payload)),
+            "live-header": _json(payload.header),
+        },
+        blocks=[(name, Markup(text)) for name, text in payload.blocks],
+        motion=Markup(motion_text(result)),
+    )
+    return LiveSection(Markup(body), style_text())
+
+
+@cache
+def style_text() -> str:
+    """Style sheet of the section."""
+    return files("reports.live").joinpath("live.css").read_text(encoding="utf-8")
+
+
+def cycles_data(result: DesignResult) -> list[dict[str, Any]]:
+    """Every cycle's positions as the page's script reads them."""
+    data = []
+    for name, cycle in result.cycles.items():
+        phases = list(dict.fromkeys(cycle["phase"]))
+        number_of = {phase: k for k, phase in enumerate(phases)}
+        data.append(
+            {
+                "name": clean(name),
+                "shown": brief(name, 60),
+                "shown_name": brief(cycle["shown_name"], 40),
+                "unit": brief(cycle["unit"], 20),
+                "position": _rounded(cycle["position"], 7),
+                "time": _rounded(cycle["time"], 7) or None,
+                "phase": [brief(phase, 40) for phase in phases],
+                "phase_of": [number_of[phase] for phase in cycle["phase"]],
+            }
+        )
+    return data
+
+
+def _section_data(result: DesignResult, payload: LivePayload) -> dict[str, Any]:
+    """What the script needs beside the parts themselves."""
+    heads: Sequence[Mapping[str, Any]] = payload.header["parts"]
+    first = first_part(result, heads)
+    motions = list(result.motion.values())
+    return {
+        "maps": {key: table_text(name) for key, (name, _) in MAPS.items()},
+        "titles": {key: short for key, (_, short) in FIELDS.items()},
+        "names": [brief(part.name, 60) for part in result.parts],
+        "full_names": [clean(part.name) for part in result.parts],
+        "first": first,
+        "start": _start(result, heads, first),
+        "curves": [
+            [_curve(part, cycle) for cycle in result.cycles.values()] for part in result.parts
+        ],
+        "layers": brief(motions[0].layers_told, 400) if motions else "",
+        "gaps": _gaps(result),
+    }
+
+
+def _start(
+    result: DesignResult, heads: Sequence[Mapping[str, Any]], first: int
+) -> list[int] | None:
+    """Cycle and position that the page begins with: the worst of the part that is shown first."""
+    if first < 0:
+        return None
+    peak = heads[first]["peak"]
+    if peak:
+        return [peak["cycle"], peak["position"]]
+    curves = [_curve(result.parts[first], cycle) for cycle in result.cycles.values()]
+    known = [(curve["most"], -k, curve["at"]) for k, curve in enumerate(curves) if curve]
+    if not known:
+        return None
+    _, cycle, position = max(known)
+    return [-cycle, position]
+
+
+def _gaps(result: DesignResult) -> dict[str, str]:
+    """Why the motion of a cycle is not known, by the cycle's name."""
+    missing = [name for name in result.cycles if name not in result.motion]
+    return {clean(name): clean(why) for name, why in zip(missing, motion_gaps(result), strict=True)}
+
+
+def first_part(result: DesignResult, heads: Sequence[Mapping[str, Any]]) -> int:
+    """The part that is shown first: the deciding one, else one with stress; -1 if none is drawn."""
+    decides = result.deciding.part if result.checks else ""
+    order = sorted(
+        (k for k, head in enumerate(heads) if head["block"]),
+        key=lambda k: (not heads[k]["fields"], result.parts[k].name != decides, k),
+    )
+    return order[0] if order else -1
+
+
+def _curve(part: PartResult, cycle: Mapping[str, Any]) -> dict[str, Any] | None:
+    """The peak stress over a cycle: as a picture's bytes, 255 the largest; None if not known."""
+    peaks = np.asarray((cycle.get("peaks") or {}).get(part.name, ()), dtype=float)
+    if not len(peaks) or len(peaks) != len(cycle["position"]):
+        return None
+    most = float(peaks.max())
+    count = min(_CURVE, len(peaks))
+    starts = np.unique(np.linspace(0, len(peaks), count, endpoint=False).astype(int))
+    shares = np.maximum.reduceat(peaks, starts) / (most or 1.0)
+    return {
+        "most": float(f"{most:.5g}"),
+        "at": int(peaks.argmax()),
+        "heights": b64encode(np.rint(255 * shares).astype(np.uint8).tobytes()).decode(),
+    }
+
+
+@cache
+def table_text(name: str) -> str:
+    """Colour map of matplotlib as base64 of 256 times red, green, blue."""
+    from matplotlib import colormaps
+
+    colours = colormaps[name](np.linspace(0.0, 1.0, 256))[:, :3]
+    return b64encode(np.rint(255 * colours).astype(np.uint8).tobytes()).decode()
+
+
+def _part(
+    index: int, part: PartResult, result: DesignResult, payload: LivePayload
+) -> dict[str, Any]:
+    head = payload.header["parts"][index]
+    return {
+        "index": index,
+        "name": part.name,
+        "notes": list(head["notes"]),
+        "tables": peak_tables(part, head, result),
+    }
+
+
+def _stills(result: DesignResult, pictures: Pictures) -> list[tuple[str, str]]:
+    """(name of the part, base64 of its picture) of every part that has a picture of all of it."""
+    stills = []
+    for part in result.parts:
+        views = pictures.images.get(part.name, {})
+        image = views.get("whole") or views.get(PLAIN)
+        if image:
+            stills.append((part.name, b64encode(image).decode()))
+    return stills
+
+
+def _rounded(values: Sequence[float], digits: int) -> list[float]:
+    return [float(f"{value:.{digits}g}") for value in values]
+
+
+def _json(data: Any) -> Markup:
+    """JSON for a script element: nothing in it can end the element."""
+    text = json.dumps(data, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
+    for mark in "<>&\u2028\u2029":
+        text = text.replace(mark, f"\\u{ord(mark):04x}")
+    return Markup(text)
+
+
+@cache
+def _template() -> Any:
+    environment = Environment(
+        loader=PackageLoader("reports"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        finalize=lambda value: value if isinstance(value, Markup) else clean(value, lines=True),
+    )
+    environment.filters["brief"] = brief
+    return environment.get_template("live.html.j2")

@@ -1,0 +1,255 @@
+"""The live view where something is different: paper, dark, narrow, no WebGL, strange names."""
+
+from dataclasses import replace
+from io import BytesIO
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from .. import results
+from ..conftest import NO_GL
+from . import sections
+from .conftest import pixels, role, settle
+
+LONG = "a" * 10_000
+
+
+def written_as(tmp_path, result, **section):
+    path = tmp_path / "live.html"
+    path.write_text(sections.page(result, **section), encoding="utf-8")
+    return path
+
+
+def test_without_webgl_stills_and_words_stay_and_the_position_still_moves(viewed):
+    found = viewed(state="failed", flags=NO_GL)
+    page = found.page
+    assert page.locator(".live-stills img").count() == 3
+    assert page.locator(".live-stills").is_visible()
+    assert "WebGL2" in role(page, "note").inner_text()
+    assert role(page, "canvas").is_hidden()
+    slider = role(page, "slider")
+    slider.focus()
+    before = page.evaluate("ballesta.current.index")
+    page.keyboard.press("ArrowLeft" if before else "ArrowRight")
+    assert page.evaluate("ballesta.current.index") != before
+    assert found.asked == [page.url, *(url for url in found.asked if url.startswith("data:"))]
+
+
+def test_without_scripts_the_stills_and_the_numbers_are_there(opened, written):
+    page = opened(written, java_script_enabled=False).page
+    assert page.locator(".live-stills img").count() == 3
+    assert page.locator(".live-stills").is_visible()
+    assert page.locator(".live-transport").is_hidden()
+    assert page.locator("noscript p").is_visible()
+    page.locator(".live-tables summary").click()
+    rows = page.locator(".live-tables table").first.locator("tbody tr")
+    assert rows.count() >= 8
+
+
+def test_a_lost_context_shows_the_stills_and_comes_back(viewed):
+    page = viewed().page
+    before = pixels(page)
+    page.evaluate("window.loss = ballesta.live.context().getExtension('WEBGL_lose_context')")
+    page.evaluate("loss.loseContext()")
+    page.locator("html[data-live=lost]").wait_for(state="attached")
+    assert page.locator(".live-stills").is_visible()
+    assert "graphics" in role(page, "note").inner_text()
+    page.evaluate("ballesta.setPosition(0, 7); ballesta.setPosition(...window.start ?? [0, 0])")
+    page.locator("#live-tab-1").click()  # a part that is opened meanwhile
+    page.locator("#live-tab-0").click()
+    page.wait_for_timeout(200)
+    page.evaluate("loss.restoreContext()")
+    page.locator("html[data-live=ready]").wait_for(state="attached")
+    assert role(page, "note").is_hidden()
+    page.wait_for_timeout(100)
+    assert (np.abs(pixels(page) - before).max(axis=2) > 30).mean() < 0.05
+    page.locator("#live-tab-1").click()
+    settle(page)
+    assert (np.ptp(pixels(page), axis=2) > 60).mean() > 0.03
+
+
+def test_dark_mode_changes_the_ground_and_keeps_the_colours(viewed):
+    page = viewed().page
+    light = pixels(page)
+    page.emulate_media(color_scheme="dark")
+    page.wait_for_timeout(100)
+    dark = pixels(page)
+    assert light[200, 30].min() > 200
+    assert dark[200, 30].max() < 60
+    assert (np.ptp(dark, axis=2) > 60).mean() > 0.05
+
+
+def test_paper_gets_the_picture_of_the_moment_in_the_colours_of_paper(viewed):
+    found = viewed(color_scheme="dark")
+    page = found.page
+    page.evaluate("ballesta.setPosition(0, 15)")
+    page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
+    source = role(page, "printed").get_attribute("src")
+    assert source.startswith("data:image/png;base64,")
+    assert "peak" in role(page, "printed").get_attribute("alt")
+    page.emulate_media(media="print")
+    assert role(page, "printed").is_visible()
+    assert role(page, "canvas").is_hidden()
+    assert page.locator(".live-transport").is_hidden()
+    shot = page.locator(".live-frame").screenshot()
+    paper = np.asarray(Image.open(BytesIO(shot)).convert("RGB")).astype(int)
+    assert paper[150, 30].min() > 240
+    assert (np.ptp(paper, axis=2) > 60).mean() > 0.05
+    page.emulate_media(media="screen")
+    assert len(page.pdf()) > 20_000
+    found.assert_quiet()
+
+
+def test_a_phone_shows_it_without_scrolling_sideways(viewed):
+    page = viewed(width=360, height=700, has_touch=True).page
+    for tab in page.get_by_role("tab").all():
+        tab.click()
+        page.wait_for_timeout(60)
+        assert page.evaluate("document.documentElement.scrollWidth") <= 360
+    page.locator("#live-tab-0").click()
+    role(page, "deformed").check()
+    page.locator(".live-tables summary").click()
+    assert page.evaluate("document.documentElement.scrollWidth") <= 360
+    for control in page.locator("#live :is(button, select, input):visible").all():
+        box = control.bounding_box()
+        assert box["x"] >= 0
+        assert box["x"] + box["width"] <= 360 or control.get_attribute("role") == "tab"
+
+
+def test_names_from_a_stranger_are_only_words(tmp_path, viewed):
+    hostile = results.HOSTILE
+    made = sections.design()
+    names = {"ring": f"</script>{hostile}", "shaft": LONG, "plate": "<img src=x onerror=alert(1)>"}
+    cycles = {
+        f"{name} {hostile}": {
+            **cycle, "shown_name": hostile, "unit": f"<b>{LONG}",
+            "phase": [hostile] * len(cycle["phase"]),
+            "peaks": {names[part]: values for part, values in cycle["peaks"].items()},
+        }
+        for name, cycle in made.cycles.items()
+    }  # fmt: skip
+    parts = []
+    for part in made.parts:
+        fields = replace(
+            part.live,
+            notes=(hostile, LONG),
+            missing={field: f"{hostile} {why}" for field, why in part.live.missing.items()},
+            coefficients={f"{n} {hostile}": c for n, c in part.live.coefficients.items()},
+            peaks={f"{n} {hostile}": p for n, p in part.live.peaks.items()},
+            peak=part.live.peak and replace(
+                part.live.peak, cycle=f"{part.live.peak.cycle} {hostile}", place=hostile
+            ),
+        )  # fmt: skip
+        check = replace(part.checks[0], part=names[part.name])
+        parts.append(replace(part, name=names[part.name], live=fields, checks=[check]))
+    moved = sections.motion(list(names.values()))
+    moved.layers_told = hostile
+    result = replace(made, parts=parts, cycles=cycles, motion={f"turn {hostile}": moved})
+    found = viewed(written_as(tmp_path, result, pictures=sections.stills(result)), width=700)
+    page = found.page
+    page.on("dialog", lambda dialog: found.told.append(dialog.message))
+    for tab in page.get_by_role("tab").all():
+        tab.click()
+        page.wait_for_timeout(60)
+    role(page, "hottest").locator("summary").click()
+    page.locator(".live-tables summary").click()
+    assert page.locator("#live :is(b b, img:not([src^=data]):not([data-role]))").count() == 0
+    assert page.locator("#live script").count() == page.locator(
+        "#live script[type='application/json'], #live script[type='text/plain']"
+    ).count()  # fmt: skip
+    assert page.evaluate("document.documentElement.scrollWidth") <= 700
+    assert page.evaluate("ballesta.current.cycleName").startswith("turn <script>")
+    found.assert_quiet()
+
+
+def test_with_reduced_motion_play_is_a_step_and_nothing_runs(viewed):
+    page = viewed(reduced_motion="reduce").page
+    page.evaluate("ballesta.setPosition(0, 0)")
+    play = role(page, "play")
+    assert play.inner_text() == "Step"
+    play.click()
+    assert page.evaluate("[ballesta.current.index, ballesta.current.playing]") == [3, False]
+    page.wait_for_timeout(150)
+    assert page.evaluate("ballesta.current.index") == 3
+    assert role(page, "pace").is_hidden()
+
+
+def test_space_plays_and_pauses_and_the_cycle_comes_round(viewed):
+    page = viewed().page
+    page.evaluate("ballesta.setPosition(0, 71)")
+    role(page, "pace").select_option("4")
+    role(page, "canvas").focus()
+    page.keyboard.press(" ")
+    assert page.evaluate("ballesta.current.playing")
+    assert role(page, "play").inner_text() == "Pause"
+    page.wait_for_timeout(500)
+    page.keyboard.press(" ")
+    index = page.evaluate("ballesta.current.index")
+    assert index == int(index)
+    assert index < 60  # past the end, it began again
+    page.wait_for_timeout(100)
+    assert page.evaluate("[ballesta.current.index, ballesta.current.playing]") == [index, False]
+
+
+def test_another_cycle_keeps_the_share_that_was_gone(viewed):
+    page = viewed().page
+    page.evaluate("ballesta.setPosition(0, 36)")
+    role(page, "cycle").select_option(label="hold")
+    assert page.evaluate("[ballesta.current.cycle, ballesta.current.index]") == [1, 12]
+    assert role(page, "slider").get_attribute("max") == "24"
+
+
+def test_a_page_whose_parts_have_no_stress_still_follows_the_position(tmp_path, viewed):
+    made = sections.design()
+    bare = [replace(p, live=None) for p in made.parts]
+    page = viewed(written_as(tmp_path, replace(made, parts=bare, motion={}))).page
+    assert page.evaluate("ballesta.live.peak") is None
+    assert role(page, "field").is_disabled()
+    assert "not kept" in role(page, "told").inner_text()
+    page.evaluate("ballesta.setPosition(0, 9)")
+    assert "45 deg" in role(page, "reading").inner_text()
+
+
+def test_a_sheet_is_seen_from_both_sides(tmp_path, viewed):
+    flat = sections.part("sheet", sections.live(*sections.sheet(), hot=[0.0, 0.0, 0.0]))
+    made = replace(sections.design(), motion={})
+    peaks = {name: {"sheet": flat.live.peaks[name].tolist()} for name in made.cycles}
+    cycles = {name: {**cycle, "peaks": peaks[name]} for name, cycle in made.cycles.items()}
+    page = viewed(written_as(tmp_path, replace(made, parts=[flat], cycles=cycles))).page
+    for turn in ([1, 0, 0, 0], [0, 0, 1, 0]):  # from before and from behind
+        page.evaluate("(turn) => { ballesta.live.camera.turn = turn; ballesta.live.draw(); }", turn)
+        assert (np.ptp(pixels(page), axis=2) > 60).mean() > 0.2
+
+
+@pytest.mark.parametrize("empty", ["parts", "cycles"])
+def test_a_page_without_parts_or_cycles_says_so_and_breaks_nothing(tmp_path, viewed, empty):
+    made = replace(sections.design(), motion={})
+    if empty == "parts":
+        result = replace(made, parts=[])
+    else:
+        parts = [
+            replace(p, live=replace(p.live, coefficients={}, peaks={}, peak=None))
+            for p in made.parts
+        ]
+        result = replace(made, parts=parts, cycles={})
+    found = viewed(written_as(tmp_path, result))
+    if empty == "parts":
+        assert "Nothing can be drawn" in role(found.page, "note").inner_text()
+    else:
+        assert found.page.locator(".live-transport").is_hidden()
+        role(found.page, "field").select_option("utilisation")
+        assert found.page.evaluate("ballesta.live.peak.value") == pytest.approx(0.9, abs=0.05)
+    found.assert_quiet()
+
+
+def test_positions_are_refused_in_words_and_told_at_once(viewed):
+    page = viewed().page
+    assert page.evaluate(
+        "(() => { const seen = []; const stop = ballesta.onPosition((p) => seen.push(p.index));"
+        " ballesta.setPosition(0, 5.5); stop(); ballesta.setPosition(0, 1);"
+        " ballesta.setPosition(0, 1e9); return [seen.slice(1), ballesta.current.index]; })()"
+    ) == [[5.5], 72]
+    for wrong in ("7, 0", "0, NaN", "'x', 1"):
+        with pytest.raises(Exception, match="RangeError"):
+            page.evaluate(f"ballesta.setPosition({wrong})")

@@ -1,0 +1,308 @@
+"""The live view as a reader uses it: parts, positions, fields, probe, peak."""
+
+import numpy as np
+import pytest
+
+from reports.live.fields import von_mises
+
+from . import sections
+from .conftest import pixels, role, settle
+
+PEAK = "ballesta.live.peak.value"
+
+
+def test_it_is_ready_from_a_file_without_a_network_or_a_word_on_the_console(viewed):
+    found = viewed()
+    assert found.page.locator(".live-stills").is_hidden()
+    assert role(found.page, "canvas").is_visible()
+    assert role(found.page, "note").is_hidden()
+    found.assert_quiet()
+
+
+def test_the_picture_is_coloured_by_stress(viewed):
+    shown = pixels(viewed().page)
+    spread = shown.max(axis=2) - shown.min(axis=2)
+    assert (spread > 60).mean() > 0.05
+
+
+@pytest.mark.parametrize(("index", "part"), [(0, "ring"), (1, "shaft")])
+def test_the_peak_is_the_solvers_at_every_third_position(viewed, index, part):
+    """0.2 % of the cycle's peak: 0.1 % that the encoder may be off, and room for float32."""
+    page = viewed().page
+    page.locator(f"#live-tab-{index}").click()
+    settle(page)
+    live = next(p for p in sections.design().parts if p.name == part).live
+    for number, cycle in enumerate(sections.CYCLES):
+        columns = live.coefficients[cycle].shape[1]
+        asked = list(range(0, columns, 3 if columns > 30 else 1))
+        assert len(asked) >= 24
+        shown = page.evaluate(
+            "([cycle, asked]) => asked.map((index) => {"
+            "  ballesta.setPosition(cycle, index);"
+            "  return [ballesta.live.peak.part, ballesta.live.peak.value];"
+            "})",
+            [number, asked],
+        )
+        true = [von_mises(live.at(cycle, k)).max() for k in asked]
+        assert {owner for owner, _ in shown} == {index}
+        np.testing.assert_allclose(
+            [value for _, value in shown], true, rtol=0, atol=2e-3 * live.peaks[cycle].max()
+        )
+
+
+def test_keys_on_the_slider_change_picture_number_and_event(viewed):
+    page = viewed().page
+    page.evaluate(
+        "document.addEventListener('ballesta:position', (event) => { window.last = event.detail; })"
+    )
+    slider = role(page, "slider")
+    page.evaluate("ballesta.setPosition(0, 10)")
+    before, told = pixels(page), role(page, "peak").inner_text()
+    slider.focus()
+    page.keyboard.press("ArrowRight")
+    assert page.evaluate("[last.cycle, last.index, last.cycleName, last.part]") == [
+        0, 11, "turn", "ring",
+    ]  # fmt: skip
+    page.keyboard.press("Shift+ArrowRight")
+    assert page.evaluate("last.index") == 21
+    assert role(page, "peak").inner_text() != told
+    assert (np.abs(pixels(page) - before).max(axis=2) > 8).mean() > 0.01
+    assert slider.get_attribute("aria-valuetext").startswith("crank = 105")
+    assert "105 deg" in role(page, "reading").inner_text()
+    page.keyboard.press("End")
+    assert page.evaluate("last.index") == sections.POSITIONS - 1
+
+
+def test_the_mouse_on_the_slider_changes_the_position(viewed):
+    page = viewed().page
+    page.evaluate("ballesta.setPosition(0, 0)")
+    box = role(page, "slider").bounding_box()
+    before = page.evaluate(PEAK)
+    page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    assert abs(page.evaluate("ballesta.current.index") - 36) <= 1
+    assert page.evaluate(PEAK) != before
+
+
+def test_tabs_open_by_click_and_by_arrow_keys(viewed):
+    found = viewed()
+    page = found.page
+    tabs = page.get_by_role("tab")
+    assert tabs.all_inner_texts() == ["Whole linkage", "ring", "shaft", "plate"]
+    page.locator("#live-tab-1").click()
+    settle(page)
+    assert page.evaluate("[ballesta.live.tab, ballesta.current.part]") == [1, "shaft"]
+    page.keyboard.press("ArrowRight")
+    settle(page)
+    assert page.locator("#live-tab-2").get_attribute("aria-selected") == "true"
+    assert page.locator("#live-tab-1").get_attribute("tabindex") == "-1"
+    assert page.evaluate("ballesta.live.peak") is None  # the plate has no stress, and says why
+    assert "decided by a formula" in role(page, "told").inner_text()
+    page.keyboard.press("Home")
+    page.wait_for_timeout(300)
+    assert page.evaluate("[ballesta.live.tab, ballesta.current.part]") == [-1, None]
+    assert page.locator("#live-panel").get_attribute("aria-labelledby") == "live-tab-linkage"
+    found.assert_quiet()
+
+
+def test_the_whole_linkage_moves_and_shows_the_worst_part(viewed):
+    page = viewed().page
+    page.locator("#live-tab-linkage").click()
+    page.wait_for_timeout(300)
+    page.evaluate("ballesta.setPosition(0, 0)")
+    first = pixels(page)
+    assert page.evaluate("ballesta.live.marker.words").startswith("ring: peak ")
+    assert "Layers are spread" in role(page, "told").inner_text()
+    page.evaluate("ballesta.setPosition(0, 18)")
+    settle(page)
+    made = sections.design()
+    parts = {each.name: each.live for each in made.parts[:2]}
+    peaks = {name: von_mises(live.at("turn", 18)) for name, live in parts.items()}
+    owner = max(peaks, key=lambda name: peaks[name].max())
+    motion = made.motion["turn"]
+    x, y, angle = motion.parts[owner][9]  # the tenth of the kept positions, every second one
+    px, py, pz = parts[owner].nodes[peaks[owner].argmax()]
+    c, s = np.cos(angle), np.sin(angle)
+    point = [x + c * px - s * py, y + s * px + c * py, pz + motion.layer[owner], 1.0]
+    rows = np.reshape(page.evaluate("[...ballesta.live.camera.pixels()]"), (3, 4))
+    marker = page.evaluate("ballesta.live.marker")
+    assert marker["words"].startswith(owner)
+    np.testing.assert_allclose([marker["x"], marker["y"]], (rows @ point)[:2], atol=0.1)  # px
+    assert (np.abs(pixels(page) - first).max(axis=2) > 30).mean() > 0.02
+    page.evaluate("ballesta.setPosition(1, 3)")
+    assert "no motion is shown" in role(page, "told").inner_text()
+
+
+def test_fields_have_their_own_scale_and_missing_ones_say_why(viewed):
+    page = viewed().page
+    page.evaluate("ballesta.setPosition(0, 5)")
+    field, seen = role(page, "field"), []
+    for name in ("mises", "principal", "utilisation", "amplitude", "mean", "displacement"):
+        field.select_option(name)
+        seen.append((page.evaluate("ballesta.live.field"), *page.evaluate(
+            "[ballesta.live.range.from, ballesta.live.range.to]")))  # fmt: skip
+    assert [name for name, _, _ in seen] == [
+        "mises", "principal", "utilisation", "amplitude", "mean", "displacement",
+    ]  # fmt: skip
+    assert all(low == -high for name, low, high in seen if name in ("principal", "mean"))
+    assert dict((name, high) for name, _, high in seen)["utilisation"] == pytest.approx(
+        0.9, abs=0.05
+    )
+    page.locator("#live-tab-1").click()
+    settle(page)
+    assert page.evaluate("ballesta.live.field") == "mises"
+    assert field.locator("option[value=displacement]").is_disabled()
+    assert "rigid motion is unknown" in role(page, "missing").inner_text()
+    page.locator("#live-tab-0").click()  # what was chosen comes back where it is known
+    settle(page)
+    assert page.evaluate("ballesta.live.field") == "displacement"
+
+
+def test_maps_bands_own_scale_and_deformation_change_the_picture(viewed):
+    page = viewed().page
+    page.evaluate("ballesta.setPosition(0, 30)")
+    last = pixels(page)
+
+    def differs(least):
+        nonlocal last
+        now = pixels(page)
+        changed = (np.abs(now - last).max(axis=2) > 8).mean()
+        last = now
+        assert changed > least
+
+    role(page, "map").select_option("turbo")
+    differs(0.05)
+    role(page, "bands").check()
+    differs(0.02)
+    role(page, "own").check()
+    differs(0.05)
+    assert page.evaluate("ballesta.live.range.to") == pytest.approx(page.evaluate(PEAK))
+    role(page, "deformed").check()
+    differs(0.003)
+    assert role(page, "factor-told").inner_text().startswith("× ")
+    role(page, "factor").fill("60")
+    differs(0.003)
+
+
+def test_the_pointer_reads_the_value_and_a_click_holds_the_components(viewed):
+    """The held value is that of full precision at a node near by, to 0.2 % of the peak."""
+    page = viewed().page
+    page.evaluate("ballesta.setPosition(0, 20)")
+    canvas = role(page, "canvas")
+    box = canvas.bounding_box()
+    page.mouse.move(box["x"] + 5, box["y"] + box["height"] / 2)
+    settle(page)
+    assert "beside" in role(page, "probe").inner_text()
+    page.locator("[data-view=front]").click()
+    row = page.evaluate("[...ballesta.live.camera.pixels()]")
+    x, y = row[3] + 21 * row[0], row[7] + 12 * row[5]  # 21 and 12 mm from the axis, on the ring
+    page.mouse.move(box["x"] + x, box["y"] + y)
+    settle(page)
+    probe = page.evaluate("ballesta.live.probe")
+    live = sections.design().parts[0].live
+    near = np.linalg.norm(live.nodes - probe["place"], axis=1).argsort()[:4]
+    mises = von_mises(live.at("turn", 20))
+    assert mises[near].min() * 0.9 < probe["value"] < mises[near].max() * 1.1
+    page.mouse.click(box["x"] + x, box["y"] + y)
+    held = role(page, "pinned")
+    assert held.locator("td").count() == 10
+    value = float(held.locator("b").inner_text().split()[0])
+    assert np.abs(mises[near] - value).min() < 2e-3 * live.peaks["turn"].max()
+    sigma = [float(cell.replace("−", "-")) for cell in held.locator("td").all_inner_texts()]
+    assert sigma[-1] == pytest.approx(value, abs=0.01)  # rounding of the printed digits
+    page.evaluate("ballesta.setPosition(0, 40)")
+    assert held.locator("b").inner_text() != f"{value} MPa"
+    role(page, "unpin").click()
+    assert role(page, "pinned-box").is_hidden()
+
+
+def test_the_most_stressed_places_stand_in_a_table_that_leads_to_them(viewed):
+    page = viewed().page
+    page.evaluate("ballesta.setPosition(0, 0)")
+    box = role(page, "hottest")
+    box.locator("summary").click()
+    rows = box.locator("tbody tr")
+    assert rows.count() == 8
+    values = [float(text.split()[0]) for text in box.locator("td.n").all_inner_texts()]
+    assert values == sorted(values, reverse=True)
+    assert values[0] == pytest.approx(page.evaluate(PEAK), abs=0.01)
+    rows.nth(2).get_by_role("button").click()
+    assert role(page, "pinned").locator("b").inner_text() == f"{values[2]} MPa" or (
+        float(role(page, "pinned").locator("b").inner_text().split()[0]) == values[2]
+    )
+
+
+def _covered(live, node, towards):
+    """Whether a triangle that does not touch the node stands before it: Moeller and Trumbore."""
+    start = live.nodes[node]
+    corners = live.nodes[live.triangles[~(live.triangles == node).any(axis=1)]]
+    one, two = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    across = np.cross(towards, two)
+    scale = (one * across).sum(axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        u = ((start - corners[:, 0]) * across).sum(axis=1) / scale
+        round_ = np.cross(start - corners[:, 0], one)
+        v = (round_ * towards).sum(axis=1) / scale
+        far = (two * round_).sum(axis=1) / scale
+    return bool(((u >= 0) & (v >= 0) & (u + v <= 1) & (far > 1e-3)).any())
+
+
+def test_the_peaks_marker_knows_when_a_rim_hides_it(viewed):
+    page = viewed().page
+    page.evaluate("ballesta.setPosition(0, 0)")
+    live = sections.design().parts[0].live
+    node = int(von_mises(live.at("turn", 0)).argmax())
+    normal = np.zeros(3)
+    for a, b, c in live.triangles[(live.triangles == node).any(axis=1)]:
+        normal += np.cross(live.nodes[b] - live.nodes[a], live.nodes[c] - live.nodes[a])
+    seen = set()
+    for turn in np.random.default_rng(3).normal(size=(60, 4)):
+        marker, rows = page.evaluate(
+            "(turn) => { const { camera } = ballesta.live; camera.turn = turn;"
+            " camera.orbit(1e-9, 0); ballesta.live.draw();"
+            " return [ballesta.live.marker, camera.rows]; }",
+            (turn / np.linalg.norm(turn)).tolist(),
+        )
+        towards = np.array(rows[6:])
+        assert marker["hidden"] == _covered(live, node, towards)
+        assert marker["words"].endswith("hidden") == marker["hidden"]
+        seen.add((bool(normal @ towards > 0), marker["hidden"]))
+    assert (True, True) in seen  # its face is turned to the reader, and yet it is hidden
+    assert (True, False) in seen
+    assert (False, True) in seen
+
+
+def test_the_peak_view_turns_to_where_the_peak_is_seen(viewed):
+    page = viewed().page
+    page.evaluate("ballesta.setPosition(0, 0)")
+    page.locator("[data-view=front]").click()
+    page.locator("[data-view=peak]").click()
+    settle(page)
+    marker, size = page.evaluate("[ballesta.live.marker, ballesta.live.camera]")
+    assert not marker["hidden"]
+    assert marker["x"] == pytest.approx(size["width"] / 2, abs=1)
+    assert marker["y"] == pytest.approx(size["height"] / 2, abs=1)
+
+
+def test_drag_keys_and_buttons_turn_and_zoom(viewed):
+    page = viewed().page
+    canvas = role(page, "canvas")
+    page.locator("[data-view=iso]").click()
+    turn, scale = page.evaluate("[ballesta.live.camera.turn, ballesta.live.camera.scale]")
+    box = canvas.bounding_box()
+    page.mouse.move(box["x"] + 500, box["y"] + 200)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 560, box["y"] + 240, steps=4)
+    page.mouse.up()
+    turned = page.evaluate("ballesta.live.camera.turn")
+    assert turned != turn
+    page.keyboard.press("ArrowLeft")
+    assert page.evaluate("ballesta.live.camera.turn") != turned
+    page.keyboard.press("+")
+    assert page.evaluate("ballesta.live.camera.scale") == pytest.approx(1.25 * scale)
+    page.mouse.wheel(0, -200)  # the picture has the focus, so the wheel is its own
+    settle(page)
+    assert page.evaluate("ballesta.live.camera.scale") > 1.3 * scale
+    assert page.evaluate("scrollY") == 0
+    page.locator("[data-view=iso]").click()
+    assert page.evaluate("ballesta.live.camera.turn") == turn
+    assert page.evaluate("ballesta.live.camera.scale") == pytest.approx(scale)

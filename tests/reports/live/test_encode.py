@@ -1,0 +1,285 @@
+"""What a page is handed of a part: as exact as it says, whatever the fields are."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from reports.live.decode import decode
+from reports.live.encode import TOLERANCE, encode
+from reports.live.fields import LiveFields, grey, von_mises
+from reports.live.planes import Writer, read_planes
+
+from .surfaces import live, smooth, torus, turning, usual
+
+CYCLES = ["work", "idle"]
+SINGLE = 1e-6  # unit fields are in single precision
+
+
+@pytest.fixture(scope="module")
+def fields():
+    return usual()
+
+
+@pytest.fixture(scope="module")
+def written(fields):
+    return encode(fields, CYCLES)
+
+
+def order_of(fields, part):
+    """Which node of the page each node of the part has become."""
+    apart = np.linalg.norm(fields.nodes[:, None] - part.nodes[None], axis=2)
+    return apart.argmin(axis=1)
+
+
+def largest_error(fields, head, text, cycles):
+    """Of the von Mises stress over all nodes and positions, over each cycle's peak."""
+    part = decode(head, text)
+    order = order_of(fields, part)
+    worst = 0.0
+    for number, name in enumerate(cycles):
+        if name not in fields.coefficients:
+            continue
+        size = max(fields.peaks[name].max(), 1e-4 * max(p.max() for p in fields.peaks.values()))
+        for position in range(fields.coefficients[name].shape[1]):
+            exact = von_mises(fields.at(name, position))
+            off = np.abs(von_mises(part.stress(number, position))[order] - exact)
+            worst = max(worst, float(off.max()) / size)
+    return worst
+
+
+def test_stress_is_within_the_proven_error_at_every_node_and_position(fields, written):
+    share = written.head["accuracy"]["share"]
+    assert share <= TOLERANCE
+    found = largest_error(fields, written.head, written.text, CYCLES)
+    assert found <= share + SINGLE
+    assert found > share / 4  # the proof is no more careful than that, and steps are used
+    assert written.head["accuracy"]["measured"] <= found + SINGLE
+
+
+def test_displacement_is_within_its_proven_error(fields, written):
+    part = decode(written.head, written.text)
+    order = order_of(fields, part)
+    for number, name in enumerate(CYCLES):
+        count = fields.coefficients[name].shape[1]
+        exact = [fields.moved(name, k) for k in range(count)]
+        size = max(np.linalg.norm(one, axis=1).max() for one in exact)
+        off = [part.displacement(number, k)[order] - one for k, one in enumerate(exact)]
+        share = written.head["accuracy"]["displacement"]
+        assert share <= TOLERANCE
+        assert np.linalg.norm(off, axis=2).max() <= 1.05 * share * size  # size: of some positions
+
+
+def test_fields_over_the_duty_and_the_geometry_come_back(fields, written):
+    part = decode(written.head, written.text)
+    order = order_of(fields, part)
+    for name, values in fields.fatigue.items():
+        assert_allclose(part.fatigue[name][order], values, rtol=0, atol=values.max() / 8000)
+        assert written.head["scale"][name]["to"] == pytest.approx(values.max())
+    assert np.abs(part.nodes[order] - fields.nodes).max() <= 0.51 * 260 / 65535
+    first = {tuple(np.roll(t, -np.argmin(t))) for t in order[fields.triangles]}
+    assert first == {tuple(t) for t in part.triangles}
+
+
+def test_between_positions_the_loads_are_interpolated_and_not_the_stresses(fields, written):
+    part = decode(written.head, written.text)
+    half = part.stress(0, 10.5)
+    assert_allclose(half, (part.stress(0, 10) + part.stress(0, 11)) / 2, rtol=0, atol=1e-9)
+    assert not np.allclose(
+        von_mises(half), (von_mises(part.stress(0, 10)) + von_mises(part.stress(0, 11))) / 2
+    )
+
+
+def test_the_reported_peak_has_its_node_and_its_position(fields, written):
+    peak = written.head["peak"]
+    part = decode(written.head, written.text)
+    assert order_of(fields, part)[fields.peak.node] == peak["node"]
+    assert peak["position"] in written.head["cycles"][peak["cycle"]]["positions"]
+    shown = von_mises(part.stress(peak["cycle"], peak["position"]))
+    assert shown.max() == pytest.approx(peak["value"], rel=TOLERANCE)
+    assert shown[peak["node"]] == pytest.approx(peak["value"], rel=TOLERANCE)
+
+
+def test_the_same_fields_give_the_same_text(fields, written):
+    again = encode(usual(), CYCLES)
+    assert again.text == written.text
+    assert json.dumps(again.head) == json.dumps(written.head)
+
+
+def hot_node(nodes):
+    stress = smooth(nodes, 3) * 1e-3
+    stress[1, 17] = [900.0, -300.0, 20.0, 80.0, 0.0, 5.0]
+    return stress, {"work": turning(3, 30)}
+
+
+def random_numbers(nodes):
+    return np.random.default_rng(3).normal(size=(5, len(nodes), 6)), {"work": turning(5, 30)}
+
+
+def huge_coefficient(nodes):
+    coefficients = turning(4, 30)
+    coefficients[2] *= 1e9
+    return smooth(nodes, 4), {"work": coefficients}
+
+
+def huge_and_cancelling(nodes):
+    stress = smooth(nodes, 2)
+    stress = np.concatenate([stress, stress[:1] + 1e-3 * stress[1:]])
+    coefficients = turning(1, 30)
+    return stress, {
+        "work": np.concatenate([1e3 * coefficients, 0 * coefficients, -1e3 * coefficients])
+    }
+
+
+def small_cycle(nodes):
+    return smooth(nodes, 4), {"work": turning(4, 30), "idle": 2e-4 * turning(4, 20, seed=5)}
+
+
+def units_apart(nodes):
+    sizes = np.array([1e-7, 1.0, 1e5])[:, None]
+    return smooth(nodes, 3) / sizes[:, None], {"work": sizes * turning(3, 30)}
+
+
+def pressure(nodes):
+    """Almost the same stress in all directions: the von Mises stress is a small difference."""
+    stress = 1e-2 * smooth(nodes, 2)
+    stress[:, :, :3] += 100 * smooth(nodes, 2, seed=9)[:, :, :1]
+    return stress, {"work": turning(2, 30)}
+
+
+def one_position(nodes):
+    return smooth(nodes, 3), {"work": turning(3, 1)}
+
+
+def jumps(nodes):
+    random = np.random.default_rng(11)
+    return smooth(nodes, 6), {"work": random.normal(size=(6, 200)) * random.integers(2, size=200)}
+
+
+@pytest.mark.parametrize(
+    "case",
+    [hot_node, random_numbers, huge_coefficient, huge_and_cancelling, small_cycle, units_apart,
+     pressure, one_position, jumps],
+)  # fmt: skip
+def test_the_error_is_proven_for_fields_of_any_kind(case):
+    surface = torus(24, 12)
+    stress, coefficients = case(surface[0])
+    fields = live(stress, coefficients, surface)
+    done = encode(fields, CYCLES)
+    share = done.head["accuracy"]["share"]
+    assert share <= TOLERANCE
+    # what single precision of unit fields costs grows with how much they cancel
+    sums = sum(
+        np.abs(fields.stress[j]).max() * np.abs(c[j]).max()
+        for c in coefficients.values()
+        for j in range(len(stress))
+    )
+    left = 3e-7 * sums / max(p.max() for p in fields.peaks.values())
+    assert largest_error(fields, done.head, done.text, CYCLES) <= share + left
+
+
+def test_a_tolerance_that_is_asked_for_is_used(fields):
+    loose = encode(fields, CYCLES, 5e-3)
+    assert TOLERANCE < loose.head["accuracy"]["share"] <= 5e-3
+    assert len(loose.text) < 0.8 * len(encode(fields, CYCLES).text)
+
+
+def test_of_a_long_cycle_some_positions_are_carried_with_its_peak_and_the_page_says_so():
+    surface = torus(16, 8)
+    fields = live(smooth(surface[0], 4), {"work": turning(4, 3000)}, surface)
+    done = encode(fields, CYCLES)
+    told = done.head["cycles"][0]
+    assert told["count"] == 3000
+    assert len(told["positions"]) == 721
+    assert int(fields.peaks["work"].argmax()) in told["positions"]
+    assert [told["positions"][0], told["positions"][-1]] == [0, 2999]
+    assert "721 of 3000 of work" in " ".join(done.head["notes"])
+    between = done.head["accuracy"]["between"]
+    assert largest_error(fields, done.head, done.text, CYCLES) <= between + SINGLE < 2e-3
+    assert done.head["cycles"][1] is None
+
+
+def test_a_part_that_nothing_loads_says_so():
+    surface = torus(16, 8)
+    fields = live(smooth(surface[0], 3), {"work": np.zeros((3, 20))}, surface)
+    head = encode(fields, CYCLES).head
+    assert head["fields"] == 0
+    assert head["missing"]["mises"].startswith("nothing loads this part")
+    zero = live(np.zeros((2, len(surface[0]), 6)), {"work": turning(2, 20)}, surface)
+    assert encode(zero, CYCLES).head["fields"] == 0
+
+
+def test_a_surface_without_fields_has_its_reason():
+    nodes, triangles = torus(16, 8)
+    done = encode(grey(nodes, triangles, "decided by formula"), CYCLES)
+    assert done.head["fields"] == 0
+    assert done.head["notes"] == ["decided by formula"]
+    assert set(done.head["missing"].values()) == {"decided by formula"}
+    assert decode(done.head, done.text).nodes.shape == nodes.shape
+
+
+def test_a_single_triangle_is_a_surface():
+    fields = live(
+        np.ones((1, 3, 6)) * np.arange(1, 7),
+        {"work": np.ones((1, 1))},
+        (np.eye(3), np.array([[0, 1, 2]])),
+    )
+    done = encode(fields, ["work"])
+    assert_allclose(decode(done.head, done.text).stress(0, 0), fields.at("work", 0), atol=0.05)
+
+
+@pytest.mark.parametrize("what", ["stress", "displacement", "coefficients", "nodes", "utilisation"])
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_what_is_no_number_is_refused(fields, what, bad):
+    changes = {}
+    if what == "coefficients":
+        spoilt = fields.coefficients["idle"].copy()
+        spoilt[2, 5] = bad
+        changes["coefficients"] = {**fields.coefficients, "idle": spoilt}
+    elif what == "utilisation":
+        spoilt = fields.fatigue[what].copy()
+        spoilt[5] = bad
+        changes["fatigue"] = {**fields.fatigue, what: spoilt}
+    else:
+        spoilt = getattr(fields, what).copy()
+        spoilt.flat[5] = bad
+        changes[what] = spoilt
+    with pytest.raises(ValueError, match=rf"live fields: {what}.* holds {bad}"):
+        replace(fields, **changes)
+
+
+def test_arrays_that_do_not_fit_are_refused(fields):
+    with pytest.raises(ValueError, match=r"stress must have shape \(8, 720, 6\)"):
+        replace(fields, stress=fields.stress[:, :, :5])
+    with pytest.raises(ValueError, match="triangles name nodes 0 to 720 of 720"):
+        replace(fields, triangles=np.array([[0, 1, 720]]))
+    with pytest.raises(ValueError, match="needs nodes"):
+        LiveFields(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 0, 6)), None, {}, {})
+
+
+@pytest.mark.parametrize("planes", [[3], [0, 2, 1], []])
+def test_numbers_of_any_size_come_back_from_their_planes(planes):
+    random = np.random.default_rng(1)
+    arrays = [
+        random.integers(-(256**p) // 2, 256**p // 2, 50) if p else np.zeros(50) for p in planes
+    ]
+    arrays = [a.astype(np.int64) for a in arrays]
+    writer = Writer()
+    writer.add("some", arrays)
+    writer.add("other", [np.array([-(2**31), 2**31 - 1])])
+    found = read_planes(writer.text(), writer.layout)
+    assert len(found["some"]) == len(arrays)
+    for one, other in zip(found["some"], arrays, strict=True):
+        assert_array_equal(one, other)
+    assert_array_equal(found["other"][0], [-(2**31), 2**31 - 1])
+    with pytest.raises(ValueError, match="more than 32 bits"):
+        writer.add("large", [np.array([2**31])])
+
+
+def test_a_text_that_is_not_its_headers_is_refused(written):
+    head = json.loads(json.dumps(written.head))
+    head["coding"]["layout"][0]["length"] -= 1
+    with pytest.raises(ValueError, match="its header tells of"):
+        decode(head, written.text)

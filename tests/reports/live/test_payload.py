@@ -1,0 +1,121 @@
+"""The live view's data of a whole design, and what becomes of parts that are too large."""
+
+import json
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from reports.live.decode import decode
+from reports.live.encode import EncodedPart
+from reports.live.fields import grey
+from reports.live.payload import (
+    Budget,
+    has_fields,
+    live_payload,
+    with_encoded_fields,
+    without_fields,
+)
+from reports.verdict import Surface
+
+from ..results import HOSTILE, mixed
+from .surfaces import live, smooth, torus, turning, usual
+
+
+def design(**fields):
+    """The made-up design; its cycles are those of the fields, its parts as many."""
+    whole = mixed()
+    cycle = next(iter(whole.cycles.values()))
+    first = whole.parts[0]
+    parts = [replace(first, name=name, live=live) for name, live in fields.items()]
+    return replace(whole, parts=parts, cycles={"work": cycle, "idle": cycle})
+
+
+@pytest.fixture(scope="module")
+def fields():
+    return usual(count=4)
+
+
+def test_every_part_has_a_block_and_plain_data_in_the_header(fields):
+    nodes, triangles = torus(16, 8)
+    payload = live_payload(design(one=fields, two=grey(nodes, triangles, "by formula")))
+    header = json.loads(json.dumps(payload.header, allow_nan=False))
+    assert header["format"] == "ballesta-live/1"
+    assert header["cycles"] == ["work", "idle"]
+    assert [part["name"] for part in header["parts"]] == ["one", "two"]
+    assert [part["block"] for part in header["parts"]] == ["live-part-0", "live-part-1"]
+    assert [name for name, _ in payload.blocks] == ["live-part-0", "live-part-1"]
+    assert all(re.fullmatch(r"[A-Za-z0-9+/]+=*", text) for _, text in payload.blocks)
+    assert payload.notes == ["two: by formula"]
+    for part, (_, text) in zip(header["parts"], payload.blocks, strict=True):
+        assert len(decode(part, text).nodes) == part["nodes"]
+
+
+def test_the_limits_of_the_checks_stand_beside_the_fields(fields):
+    made = design(one=fields)
+    check = replace(made.parts[0].checks[0], kind="static", limit=300.0, required=1.5)
+    fatigue = replace(check, kind="fatigue", limit=200.0, required=1.25)
+    part = replace(made.parts[0], checks=[check, fatigue])
+    [head] = live_payload(replace(made, parts=[part])).header["parts"]
+    assert head["limits"] == {"yield": 300.0, "allowed": 200.0, "fatigue": 0.8}
+    [head] = live_payload(replace(made, parts=[replace(part, checks=[])])).header["parts"]
+    assert head["limits"] == {"yield": None, "allowed": None, "fatigue": None}
+
+
+def test_names_are_handed_on_as_they_are(fields):
+    [part] = live_payload(design(**{HOSTILE: fields})).header["parts"]
+    assert part["name"] == HOSTILE
+
+
+def test_an_encoded_result_gives_the_same_payload_and_a_hundredth_of_the_numbers(fields):
+    made = design(one=fields)
+    encoded = with_encoded_fields(made)
+    assert isinstance(encoded.parts[0].live, EncodedPart)
+    assert with_encoded_fields(encoded) is encoded
+    one, other = live_payload(made), live_payload(encoded)
+    assert (one.header, one.blocks, one.notes) == (other.header, other.blocks, other.notes)
+    assert has_fields(encoded)
+    assert not has_fields(without_fields(encoded))
+
+
+@pytest.mark.parametrize(
+    ("shown", "words"),
+    [("not meshed", "without a mesh"), ("von Mises [MPa]", "was not kept")],
+)
+def test_a_part_whose_fields_nobody_asked_for_is_its_bare_surface(shown, words):
+    nodes, triangles = torus(16, 8)
+    made = design(one=None)
+    surface = Surface(nodes, triangles, {shown: np.zeros(len(nodes))}, 0)
+    made = replace(made, parts=[replace(made.parts[0], surface=surface)])
+    payload = live_payload(made)
+    [head] = payload.header["parts"]
+    assert head["fields"] == 0
+    assert words in head["missing"]["mises"]
+    assert words in payload.notes[0]
+
+
+def test_a_large_page_raises_the_tolerance_first_and_says_so(fields):
+    made = design(one=fields, two=fields)
+    usual_size = sum(len(text) for _, text in live_payload(made).blocks)
+    payload = live_payload(made, Budget(coarse=usual_size - 1, most=usual_size))
+    assert sum(len(text) for _, text in payload.blocks) < usual_size
+    for part in payload.header["parts"]:
+        assert 1e-3 < part["accuracy"]["share"] <= 5e-3
+        assert "0.5 % of the cycle's peak, not to 0.1 %" in part["notes"][-1]
+    assert len(payload.notes) == 2
+
+
+def test_beyond_the_budget_the_largest_parts_lose_their_fields_and_the_page_says_so(fields):
+    surface = torus(16, 8)
+    small = live(smooth(surface[0], 2), {"work": turning(2, 20)}, surface)
+    made = design(large=fields, small=small)
+    coarse = live_payload(made, Budget(coarse=0))
+    room = sum(len(text) for _, text in coarse.blocks) - 1
+    large, other = live_payload(made, Budget(coarse=0, most=room)).header["parts"]
+    assert large["fields"] == 0
+    assert large["nodes"] == len(fields.nodes)
+    assert "left out of the live view" in large["missing"]["mises"]
+    assert other["fields"] == 2
+    nothing = live_payload(made, Budget(coarse=0, most=1)).header["parts"]
+    assert [part["fields"] for part in nothing] == [0, 0]

@@ -1,0 +1,155 @@
+"""The section of the live view as text: what the page's script and its readers are given."""
+
+import gzip
+import json
+import re
+from base64 import b64decode
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from reports.live.linkage import motion_text, series
+from reports.live.payload import live_payload
+from reports.live.section import (
+    FIELDS,
+    MAPS,
+    SCRIPTS,
+    cycles_data,
+    first_part,
+    live_section,
+    table_text,
+)
+from reports.live.words import peak_tables, rows_of
+from reports.verdict import Status
+
+from .. import results
+from . import sections
+
+
+def block(body, name):
+    return re.search(rf'<script type="[a-z/]+" id="{name}">(.*?)</script>', body, re.DOTALL)[1]
+
+
+def test_the_same_result_gives_the_same_section():
+    one, two = (live_section(sections.design()) for _ in range(2))
+    assert one == two
+
+
+def test_the_section_is_balanced_and_its_ids_are_single():
+    class Reader(HTMLParser):
+        def __init__(self):
+            super().__init__()
+            self.open, self.ids = [], []
+
+        def handle_starttag(self, tag, attrs):
+            self.ids += [value for name, value in attrs if name == "id"]
+            if tag not in ("img", "input", "br"):
+                self.open.append(tag)
+
+        def handle_endtag(self, tag):
+            assert self.open.pop() == tag
+
+    design = sections.design()
+    reader = Reader()
+    reader.feed(live_section(design, sections.stills(design)).body)
+    assert reader.open == []
+    assert len(reader.ids) == len(set(reader.ids))
+    assert {"live", "live-panel", "live-cycles", "live-header", "live-motion"} < set(reader.ids)
+
+
+def test_data_blocks_cannot_be_ended_by_a_name():
+    design = sections.design()
+    name = f"</script>{results.HOSTILE}"
+    parts = [replace(design.parts[0], name=name), *design.parts[1:]]
+    body = live_section(replace(design, parts=parts, motion={})).body
+    for data in ("live-section", "live-header"):
+        assert "</script>" in json.dumps(json.loads(block(body, data)))
+        assert not set("<>&") & set(block(body, data))
+
+
+def test_cycles_tell_positions_moments_and_phases():
+    design = sections.design()
+    turn, hold = cycles_data(design)
+    assert [turn["name"], hold["name"]] == list(sections.CYCLES)
+    np.testing.assert_allclose(turn["position"], design.cycles["turn"]["position"], rtol=1e-6)
+    phases = [turn["phase"][k] for k in turn["phase_of"]]
+    assert phases == design.cycles["turn"]["phase"]
+    assert turn["phase"] == ["out", "back"]
+
+
+@pytest.mark.parametrize("values", [[5.0, 5.0], [0.0, 1e3, -250.0, 0.125], [1e-9, 3e-9]])
+def test_a_series_is_right_to_half_a_step_of_its_range(values):
+    """Half of range / 60 000, and the six digits to which the step is written."""
+    made = series(np.array(values))
+    read = made["from"] + made["step"] * np.cumsum(made["d"])
+    tolerance = np.ptp(values) * (0.51 / 60_000 + 1e-6) + 1e-9 * np.abs(values).max()
+    np.testing.assert_allclose(read, values, rtol=0, atol=tolerance)
+
+
+def test_motion_tells_poses_of_parts_and_forces_at_pins():
+    design = sections.design()
+    turn, hold = json.loads(gzip.decompress(b64decode(motion_text(design))))
+    assert hold is None
+    assert turn["index"] == list(range(0, sections.POSITIONS, 2))
+    assert [part["z"] for part in turn["parts"]] == [0.0, 15.0, 30.0]
+    pin = turn["pins"][1]
+    assert (pin["on"], pin["minor"], pin["z"]) == (1, False, 12.0)
+    force = pin["fx"]["from"] + pin["fx"]["step"] * np.cumsum(pin["fx"]["d"])
+    true = design.motion["turn"].pins["shaft eye"].force[:, 0]
+    np.testing.assert_allclose(force, true, rtol=0, atol=1e-5 * np.ptp(true))
+    assert motion_text(replace(design, motion={})) == ""
+
+
+def test_tables_tell_the_worst_and_at_least_eight_positions_of_each_cycle():
+    design = sections.design()
+    heads = live_payload(design).header["parts"]
+    tables = peak_tables(design.parts[0], heads[0], design)
+    assert [table.cycle for table in tables] == list(sections.CYCLES)
+    for table in tables:
+        assert len(table.rows) >= 8
+        (worst,) = [row for row in table.rows if row.worst]
+        values = [float(row.value) for row in table.rows]
+        assert float(worst.value) == max(values)
+        peak = design.parts[0].live.peaks[table.cycle].max()
+        assert max(values) == pytest.approx(peak, rel=5e-4)  # four digits
+    assert sum("hot spot" in table.kind for table in tables) == 1
+    assert peak_tables(design.parts[2], heads[2], design) == []
+
+
+def test_a_short_cycle_is_told_whole():
+    assert rows_of(np.array([1.0, 3.0, 2.0])) == [0, 1, 2]
+
+
+def test_the_deciding_part_is_shown_first_if_its_stress_is_known():
+    design = sections.design()
+    heads = live_payload(design).header["parts"]
+    assert design.deciding.part == design.parts[first_part(design, heads)].name
+    hard = replace(design.parts[1].checks[0], value=400.0)
+    parts = [design.parts[0], replace(design.parts[1], checks=[hard]), design.parts[2]]
+    assert first_part(replace(design, parts=parts), heads) == 1
+    worst = replace(design.parts[2].checks[0], value=900.0)  # of the plate, which has no field
+    parts = [*design.parts[:2], replace(design.parts[2], checks=[worst])]
+    changed = replace(design, parts=parts)
+    assert changed.deciding.status is Status.FAIL
+    assert first_part(changed, heads) == 0
+    assert first_part(replace(design, parts=[]), []) == -1
+
+
+def test_colour_maps_are_tables_and_the_safe_ones_grow_lighter():
+    """Relative luminance of W3C's WCAG 2.1 grows along viridis and cividis."""
+    for name, _ in MAPS.values():
+        table = np.frombuffer(b64decode(table_text(name)), np.uint8).reshape(256, 3) / 255
+        if name in ("viridis", "cividis"):
+            linear = np.where(table <= 0.04045, table / 12.92, ((table + 0.055) / 1.055) ** 2.4)
+            assert (np.diff((linear @ [0.2126, 0.7152, 0.0722])[::8]) > 0).all()
+
+
+def test_the_scripts_are_there_and_name_every_field():
+    texts = {name: sections.source_of(name) for name in SCRIPTS}
+    assert all(texts.values())
+    told = re.search(r"FIELDS = (\[.*?\])", texts["fields"])[1]
+    assert json.loads(told) == list(FIELDS)
+    for text in texts.values():
+        assert not re.search(r"innerHTML|eval\(|https?:|setAttribute\(.on", text)
