@@ -287,6 +287,79 @@ def diff(
 
 
 @app.command()
+def why(
+    target: Annotated[
+        Path,
+        typer.Argument(metavar="DESIGN", help="a design file, a result.json or a folder of a run"),
+    ],
+    part: Annotated[str, typer.Argument(metavar="PART", help="else what decides")] = "",
+    kinds: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[KIND...]", help="of its checks: static, fatigue, buckling, ..."),
+    ] = None,
+    every: Annotated[
+        bool, typer.Option("--all", help="every check that is meant, not the nearest to its limit")
+    ] = False,
+    verbose: Annotated[
+        bool, typer.Option("--verbose", "-v", help="every symbol, formula and unit load")
+    ] = False,
+    json: Annotated[bool, typer.Option("--json", help="print the checks as a JSON list")] = False,
+    overrides: Overrides = None,
+    fidelity: Annotated[
+        str | None, typer.Option("--fidelity", metavar="RUNG", help="as of check; else auto")
+    ] = None,
+    store: Annotated[
+        Path | None,
+        typer.Option("--store", metavar="DIR", envvar="BALLESTA_STORE", help="as of check"),
+    ] = None,
+) -> None:
+    """Tell how the number of a check comes about: forces, stresses, formulas, limit, verdict.
+
+    A design file is checked first; of a result that is there nothing is computed again.
+
+    Exit code 0: told, whatever the verdict; 2: an input is wrong; 3: the numerics gave up.
+    """
+    from ballesta.why import Wanted, run_why
+
+    wanted = Wanted(part, tuple(kinds or ()), every, verbose, json)
+    raise typer.Exit(run_why(target, wanted, tuple(overrides or ()), fidelity, store))
+
+
+@app.command()
+def show(
+    design: OneDesign,
+    part: Annotated[
+        str | None, typer.Argument(metavar="PART", help="the part to begin with")
+    ] = None,
+    off_screen: Annotated[
+        Path | None,
+        typer.Option("--off-screen", metavar="FILE", help="write a PNG instead of a window"),
+    ] = None,
+    fidelity: Annotated[
+        str, typer.Option("--fidelity", metavar="RUNG", help="as of check; solid: stress of all")
+    ] = "auto",
+    within: Annotated[
+        str | None, typer.Option("--within", metavar="TIME", help="as of check")
+    ] = None,
+    overrides: Overrides = None,
+    store: Annotated[
+        Path | None,
+        typer.Option("--store", metavar="DIR", envvar="BALLESTA_STORE", help="as of check"),
+    ] = None,
+    no_store: Annotated[bool, typer.Option("--no-store", help="as of check")] = False,
+) -> None:
+    """Check a design and open a window with the stress of its parts at every position.
+
+    Exit code 0: shown, whatever the checks say; 2: an input is wrong, or there is no display;
+    3: the numerics gave up, or graphics libraries are missing (the message names them).
+    """
+    from ballesta.show import Wanted, run_show
+
+    wanted = Wanted(part, off_screen, fidelity, within, None if no_store else store)
+    raise typer.Exit(run_show(design, wanted, overrides or []))
+
+
+@app.command()
 def plan(design: OneDesign, overrides: Overrides = None) -> None:
     """Say what a check would model, without solving: parts, loads, unknowns, time and memory."""
     from ballesta.plan import plan_text

@@ -1,9 +1,6 @@
 """Stills of the parts, drawn by a process of its own: VTK kills it where GL is missing."""
 
 import json
-import os
-import signal
-import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -16,11 +13,11 @@ import numpy as np
 from reports.pictures_worker import PLAIN as PLAIN
 from reports.verdict import PartResult, Surface
 from reports.words import clean
+from reports.worker import CURE, run_worker
 
 VIEWS = ("whole", "peak")
 MODE = "mode"
 NOT_MESHED = "not meshed"  # the field of a surface that no stress is known on
-_CURE = "apt-get install libgl1 libegl1 libglu1-mesa libxft2 libxcursor1 libxinerama1 libgomp1"
 _WORKER = (sys.executable, "-m", "reports.pictures_worker")
 
 
@@ -64,7 +61,7 @@ def render_stills(
                 )
                 jobs.append({"field": clean(field_name), "views": list(views), "part": index})
         (folder / "jobs.json").write_text(json.dumps(jobs), encoding="utf-8")
-        problem = _run([*worker, name], folder, timeout)
+        problem = run_worker([*worker, name], folder, timeout).words
         images: dict[str, dict[str, bytes]] = {part.name: {} for part in parts}
         for index, job in enumerate(jobs):
             images[parts[job["part"]].name] |= _collected(folder, index, job["views"])
@@ -75,7 +72,7 @@ def render_stills(
     if not problem:
         return Pictures(images)
     lack = f"{missing} of {asked} pictures are missing"
-    cure = f"Where GL libraries are missing: {_CURE}"
+    cure = f"Where GL libraries are missing: {CURE}"
     return Pictures(images, f"{lack}: {problem}. {cure}")
 
 
@@ -97,37 +94,3 @@ def _shown(part: PartResult) -> list[tuple[Surface, Sequence[str]]]:
 def _collected(folder: Path, index: int, views: Sequence[str]) -> dict[str, bytes]:
     files = {view: folder / f"part_{index}_{view}.png" for view in views}
     return {view: file.read_bytes() for view, file in files.items() if file.is_file()}
-
-
-def _run(command: Sequence[str], folder: Path, timeout: float) -> str:
-    """Run the worker and tell what went wrong, "" if nothing."""
-    environment = dict(os.environ)
-    here = str(Path(__file__).resolve().parent.parent)
-    paths = [here, *filter(None, [environment.get("PYTHONPATH")])]
-    environment["PYTHONPATH"] = os.pathsep.join(paths)
-    if not environment.get("DISPLAY"):
-        environment["VTK_DEFAULT_OPENGL_WINDOW"] = "vtkEGLRenderWindow"
-    try:
-        done = subprocess.run(
-            command, cwd=folder, env=environment, timeout=timeout, check=False,
-            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-        )  # fmt: skip
-    except subprocess.TimeoutExpired:
-        return f"drawing took longer than {timeout:g} s and was stopped"
-    except OSError as error:
-        return f"the worker did not start ({clean(error)})"
-    if done.returncode == 0:
-        return ""
-    last = done.stderr.decode(errors="replace").strip().splitlines()[-1:]
-    said = f"; it said: {clean(last[0])[:300]}" if last else ""
-    return f"the worker ended with {_ending(done.returncode)}{said}"
-
-
-def _ending(code: int) -> str:
-    """Exit code in words; shells report a signal as 128 and its number."""
-    number = -code if code < 0 else code - 128
-    try:
-        name = signal.Signals(number).name
-    except ValueError:
-        return f"exit code {code}"
-    return f"exit code {code}, signal {name}"

@@ -1,0 +1,76 @@
+"""A design's parts in an interactive window: `ballesta show`."""
+
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+
+from ballesta.check import check_design
+from ballesta.design import read_design
+from ballesta.errors import DesignError
+from ballesta.names import no_such
+from ballesta.run import GAVE_UP, WRONG_INPUT, effort_of, guarded, progress, store_at
+from reports.window import Trouble, open_window, probe_window, window_picture
+from reports.window_files import scene_of
+from reports.words import brief, verdict_sentence
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What a user asks of `ballesta show`; picture: a file to draw in place of a window."""
+
+    part: str | None = None
+    picture: Path | None = None
+    fidelity: str = "auto"
+    within: str | None = None
+    store: Path | None = None
+
+
+def run_show(path: Path, wanted: Wanted, overrides: Sequence[str] = ()) -> int:
+    """Check a design and show its parts with their fields; returns the exit code.
+
+    0: shown, whatever the checks say; 2: an input is wrong, or there is no display; 3: the
+    numerics gave up, or nothing can be drawn here.
+    """
+
+    def work() -> int:
+        effort, store = effort_of(wanted.fidelity, wanted.within), store_at(wanted.store)
+        start = perf_counter()
+        design = read_design(path, overrides)
+        reading = perf_counter() - start
+        if wanted.part is not None and wanted.part not in design.parts:
+            raise DesignError(path, "PART", no_such("part", wanted.part, design.parts))
+        # before the check, which may take minutes
+        trouble = probe_window(off_screen=wanted.picture is not None)
+        if trouble is not None:
+            return _told(trouble)
+        with progress(path, len(design.parts)) as say:
+            result = check_design(
+                design, effort=effort, say=say, reading=reading, store=store, live=True
+            )
+        print(verdict_sentence(result), flush=True)
+        scene = scene_of(result)
+        for part in scene.parts:
+            if not part.live.n_fields:
+                why = part.live.missing.get("mises", "nothing loads it")
+                print(
+                    f"{brief(part.name, 40)} is shown without stress: {brief(why, 200)}",
+                    file=sys.stderr,
+                )
+        if wanted.picture is None:
+            trouble = open_window(scene, wanted.part)
+        else:
+            try:
+                trouble = window_picture(scene, wanted.picture, wanted.part)
+            except OSError as error:
+                problem = f"cannot be written: {error.strerror}"
+                raise DesignError(wanted.picture, "--off-screen", problem) from error
+        return 0 if trouble is None else _told(trouble)
+
+    return guarded(work)
+
+
+def _told(trouble: Trouble) -> int:
+    print(f"ballesta: show: {trouble.words}", file=sys.stderr)
+    return WRONG_INPUT if trouble.display else GAVE_UP

@@ -1,0 +1,105 @@
+import sys
+
+import pytest
+
+import ballesta.show
+from ballesta.cli import main
+from ballesta.show import Wanted, run_show
+from reports.window import probe_window, window_picture
+
+from .small_machine import MACHINE, PLATE
+
+
+@pytest.fixture
+def design(tmp_path):
+    path = tmp_path / "machine.toml"
+    path.write_text(MACHINE + PLATE, encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def shown(monkeypatch):
+    """What would be shown, by scenes and parts; the window itself stays closed."""
+    seen = []
+    monkeypatch.setattr(ballesta.show, "probe_window", lambda **_: None)
+    monkeypatch.setattr(ballesta.show, "open_window", lambda *found: seen.append(found))
+    return seen
+
+
+FORMULA = {"fidelity": "formula"}
+
+
+def test_a_design_is_checked_and_its_parts_shown_with_their_motion(design, shown, capsys):
+    assert run_show(design, Wanted("rod", **FORMULA)) == 0
+    ((scene, part),) = shown
+    assert part == "rod"
+    assert [each.name for each in scene.parts] == ["rod"]
+    assert scene.moves
+    said = capsys.readouterr()
+    assert "decided by rod" in said.out or "nearest to its limit is rod" in said.out
+    assert "rod is shown without stress: decided by formula" in said.err
+
+
+def test_a_part_that_is_not_there_is_told_before_anything_is_checked(design, shown, capsys):
+    assert run_show(design, Wanted("rood", **FORMULA)) == 2
+    assert "no part is named 'rood', did you mean rod?" in capsys.readouterr().err
+    assert shown == []
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="elsewhere DISPLAY says nothing")
+def test_without_a_display_nothing_is_checked_and_the_cure_is_named(design, monkeypatch, capsys):
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.setattr(ballesta.show, "check_design", None)  # it would fail
+    assert main(["show", str(design)]) == 2
+    said = capsys.readouterr().err
+    assert "there is no display" in said
+    assert "--off-screen FILE.png" in said
+
+
+@pytest.mark.parametrize(
+    ("code", "words"),
+    [
+        ("import os, signal; os.kill(os.getpid(), signal.SIGSEGV)", "signal SIGSEGV"),
+        ("import time; time.sleep(60)", "took longer than 0.5 s and was stopped"),
+    ],
+)
+def test_missing_graphics_libraries_end_it_with_words_and_their_cure(
+    design, monkeypatch, capsys, code, words
+):
+    worker = (sys.executable, "-c", code)
+    monkeypatch.setattr(
+        ballesta.show, "probe_window", lambda **how: probe_window(worker=worker, timeout=0.5, **how)
+    )
+    monkeypatch.setattr(ballesta.show, "check_design", None)
+    assert run_show(design, Wanted(picture=design.with_suffix(".png"), **FORMULA)) == 3
+    said = capsys.readouterr().err
+    assert words in said
+    assert "apt-get install libgl1 libegl1" in said
+    assert not design.with_suffix(".png").exists()
+
+
+def test_a_window_that_dies_after_the_check_is_told_too(design, monkeypatch, capsys):
+    worker = (sys.executable, "-c", "import os; os._exit(139)")
+    monkeypatch.setattr(ballesta.show, "probe_window", lambda **_: None)
+    monkeypatch.setattr(
+        ballesta.show, "window_picture", lambda *found: window_picture(*found, worker=worker)
+    )
+    assert run_show(design, Wanted(picture=design.with_suffix(".png"), **FORMULA)) == 3
+    assert "exit code 139, signal SIGSEGV" in capsys.readouterr().err
+
+
+def test_the_picture_of_the_window_is_written(design, capsys):
+    picture = design.with_name("window.png")
+    code = main(["show", str(design), "rod", "--off-screen", str(picture), "--fidelity", "formula"])
+    assert code == 0, capsys.readouterr().err
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_picture_that_cannot_be_written_is_a_wrong_input(design, monkeypatch, capsys):
+    def refused(*_):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(ballesta.show, "probe_window", lambda **_: None)
+    monkeypatch.setattr(ballesta.show, "window_picture", refused)
+    assert run_show(design, Wanted(picture=design.with_suffix(".png"), **FORMULA)) == 2
+    assert "--off-screen: cannot be written: Permission denied" in capsys.readouterr().err
