@@ -4,6 +4,7 @@
 # make bench  runs the benchmarks, writes bench/results.json
 # make trade  compares the rungs with solids, writes the bars of the ladder and docs/trade.md (hours)
 # make documents  compares the documents' published values, writes docs/documents.md, docs/hammer_leaf.md
+# make screens  checks all machines, writes the pictures of their reports in docs/screens
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
@@ -11,7 +12,7 @@ READY := $(VENV)/ready
 PEERS := $(VENV)/peers
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: demo test slow lint bench trade documents setup clean
+.PHONY: demo test slow lint bench trade documents screens setup clean
 .DEFAULT_GOAL := demo
 
 setup: $(READY)
@@ -62,6 +63,9 @@ trade: $(PEERS)
 documents: $(READY)
 	@$(BIN)/python tools/compare_documents.py
 	@$(BIN)/python tools/hammer_leaf.py
+
+screens: $(PEERS)
+	@$(BIN)/python tools/screens.py
 
 clean:
 	rm -rf $(VENV) out build *.egg-info .mypy_cache .ruff_cache .pytest_cache

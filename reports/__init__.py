@@ -1,6 +1,6 @@
 """What we tell people: the verdict as text, as a page with charts and pictures, and as files."""
 
-from reports.charts import cycle_chart, haigh_chart, utilisation_chart
+from reports.charts import cycle_charts, part_charts, utilisation_chart
 from reports.files import read_json, replacing, write_json, write_vtu
 from reports.page import report_html, write_report
 from reports.pictures import Pictures, render_stills
@@ -24,8 +24,8 @@ __all__ = [
     "Pictures",
     "Status",
     "Surface",
-    "cycle_chart",
-    "haigh_chart",
+    "cycle_charts",
+    "part_charts",
     "read_json",
     "render_stills",
     "replacing",

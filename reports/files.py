@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import secrets
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -14,6 +15,8 @@ import numpy as np
 from reports.verdict import DesignResult, PartResult
 
 _FORMAT = "ballesta-result/1"
+# a list of numbers as json spreads it over lines; no line ends inside of a string
+_NUMBERS = re.compile(r"\[\n\s+([^\[\]{}\"\n]+(?:\n\s+[^\[\]{}\"\n]+)*)\n\s*\]")
 
 
 @contextmanager
@@ -50,8 +53,12 @@ def plain(data: Any) -> Any:
 
 
 def write_json(result: DesignResult, path: str | Path) -> None:
-    """Write the result as JSON: keys in the order of the result, numbers to the last digit."""
+    """Write the result as JSON: keys in the order of the result, numbers to the last digit.
+
+    A list of numbers stands on one line.
+    """
     text = json.dumps(plain(result.to_dict()), allow_nan=False, ensure_ascii=False, indent=1)
+    text = _NUMBERS.sub(lambda found: "[" + re.sub(r"\s+", " ", found[1]) + "]", text)
     with replacing(path) as temporary:
         temporary.write_text(text + "\n", encoding="utf-8", newline="\n")
 

@@ -15,14 +15,17 @@ from urllib.parse import quote
 
 from markupsafe import Markup
 
+from reports.gauge import gauge
 from reports.page import environment
 from reports.svg import colour_variables
+from reports.verdict import Check
 from reports.words import clean, need_text, safety_text, utilisation_text
 
 STATIC_ROWS = 200  # that are there without a script
 ORDER = ("FAIL", "crashed", "out of memory", "out of time", "gave up", "wrong input", "not run",
          "UNDECIDED", "pass")  # fmt: skip
 _NUMBERS = ("value", "numerical", "model", "model_below", "limit", "required")
+_WORDS = ("part", "kind", "quantity", "unit", "cycle", "position", "place", "method", "basis")
 _TEXTS = ("part", "check", "quantity", "unit", "status", "cycle", "position", "place", "method",
           "note")  # fmt: skip
 
@@ -72,6 +75,7 @@ def index_html(
         designs=designs,
         counts=[(status, counts[status]) for status in ORDER if counts[status]],
         tones=tone,
+        lead=lead(counts),
         varied=[_spread(name, values) for name, values in varied.items()],
         columns=list(varied)[:6],
         left_out=left_out,
@@ -87,6 +91,19 @@ def index_html(
         script_hash=Markup(b64encode(sha256(script.encode()).digest()).decode()),
     )
     return text
+
+
+def lead(counts: Mapping[str, int]) -> str:
+    """How many designs pass, and what became of the others."""
+    total = sum(counts.values())
+    if not total:
+        return "No design was checked."
+    others = [
+        f"{counts[status]} {status}" for status in ORDER if status != "pass" and counts[status]
+    ]
+    passed = counts["pass"]
+    rest = f" The others: {', '.join(others)}." if others else ""
+    return f"{passed} of {total} design{'s' * (total > 1)} pass{'es' * (passed == 1)}.{rest}"
 
 
 def tone(status: str) -> str:
@@ -119,7 +136,7 @@ def _static_row(design: IndexDesign, inputs: Sequence[float | str | None]) -> di
         "href": quote(os.fsencode(design.link)),
         "inputs": ["" if v is None else f"{v:.6g}" if isinstance(v, float) else v
                    for v in inputs],
-        "part": "", "check": "", "safety": "", "need": "", "utilisation": "",
+        "part": "", "check": "", "safety": "", "need": "", "utilisation": "", "gauge": "",
         "told": "; ".join(filter(None, [design.error, *design.broken_gates, design.note])),
     }  # fmt: skip
     if check is None:
@@ -131,7 +148,15 @@ def _static_row(design: IndexDesign, inputs: Sequence[float | str | None]) -> di
         "safety": safety_text(safety),
         "need": need_text(check["required"]),
         "utilisation": utilisation_text(check["utilisation"]),
+        "gauge": _gauge(check),
     }
+
+
+def _gauge(check: Mapping[str, Any]) -> Markup:
+    """The drawn utilisation of a check that is plain data."""
+    fields: dict[str, Any] = dict.fromkeys(_WORDS, "")
+    fields |= {name: inf if check[name] is None else check[name] for name in _NUMBERS}
+    return gauge(Check(**fields))
 
 
 def _data(
@@ -185,7 +210,10 @@ def _data(
 
 @cache
 def _script() -> str:
-    return files("reports").joinpath("templates/index.js").read_text(encoding="utf-8")
+    folder = files("reports").joinpath("templates")
+    return "".join(
+        folder.joinpath(f"{n}.js").read_text(encoding="utf-8") for n in ("gauge", "index")
+    )
 
 
 @cache

@@ -1,6 +1,5 @@
-"""The report: one HTML page that stands alone, without scripts or anything from outside."""
+"""The report: one HTML page that stands alone, with a script of its own, nothing from outside."""
 
-from base64 import b64encode
 from collections.abc import Mapping
 from functools import cache
 from numbers import Integral
@@ -10,19 +9,29 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from reports.charts import cycle_chart, haigh_chart, utilisation_chart
 from reports.files import replacing
-from reports.pictures import PLAIN, Pictures
+from reports.gauge import limit_share
+from reports.page_inputs import sorted_assumptions, sorted_inputs
+from reports.page_parts import (
+    broken_of,
+    check_rows,
+    counts,
+    cycle_views,
+    part_views,
+    tiles,
+    worst_first,
+)
+from reports.pictures import Pictures
 from reports.svg import colour_variables
-from reports.verdict import DesignResult, HandCheck, PartResult
+from reports.verdict import DesignResult
 from reports.words import (
-    assumptions,
+    bar_words,
     brief,
-    broken_gates,
-    check_titles,
     clean,
     gate_sentence,
     gate_word,
+    headline,
+    moment,
     need_text,
     number,
     place_text,
@@ -44,65 +53,38 @@ def write_report(result: DesignResult, pictures: Pictures, path: str | Path) -> 
 
 def report_html(result: DesignResult, pictures: Pictures | None = None) -> str:
     """Page as text. The same result and pictures give the same page."""
+    from reports.live.section import live_section
+    from reports.mechanism_panel import mechanism_panel
+    from reports.page_script import script_hash, script_text
+
     pictures = pictures or Pictures(reason="no pictures were asked for")
+    rows = check_rows(result)
+    parts = part_views(result, rows, pictures)
+    linkage = worst_first([row for row in rows if any(row.check is c for c in result.linkage)])
     text: str = _template().render(
         result=result,
         status=str(result.status),
+        headline=headline(result),
         sentence=verdict_sentence(result),
-        deciding=result.deciding if result.checks else None,
-        titled=list(zip(result.checks, check_titles(result.checks), strict=True)),
-        broken=broken_gates(result),
-        assumptions=assumptions(result),
-        utilisation=Markup(utilisation_chart(result)),
-        cycles=[(name, Markup(cycle_chart(name, cycle))) for name, cycle in result.cycles.items()],
-        parts=[_part(part, result, pictures) for part in result.parts],
+        deciding=next((row for row in rows if row.decides), None),
+        rows=worst_first(rows),
+        counts=counts(result.checks),
+        tiles=tiles(parts, linkage),
+        broken=broken_of(result),
+        assumed=sorted_assumptions(result),
+        inputs=sorted_inputs(result),
+        parts=parts,
+        linkage=linkage,
+        cycles=cycle_views(result),
+        live=live_section(result, mechanism=mechanism_panel(result)),
         pictures_reason=pictures.reason,
+        limit_share=limit_share(),
+        script=Markup(script_text()),
+        script_hash=Markup(script_hash()),
         light=Markup(colour_variables(dark=False)),
         dark=Markup(colour_variables(dark=True)),
     )
     return text
-
-
-# What a picture shows: before and after the part's name for who cannot see it, and below it.
-_CAPTIONS = {
-    "whole": ("The whole part", "coloured by stress", "The whole part"),
-    "peak": (
-        "Surroundings of the peak",
-        "coloured by stress",
-        "Around the peak, which the dot marks",
-    ),
-    "mode": (
-        "Lowest buckling mode",
-        "coloured by displacement",
-        "The lowest buckling mode, exaggerated, on the first mesh; the dot moves most",
-    ),
-}
-
-
-def _captions(part: PartResult) -> dict[str, tuple[str, str, str]]:
-    """Captions of a part's pictures; one that was not meshed names what decided it."""
-    decided = ", ".join(dict.fromkeys(brief(check.method, 40) for check in part.checks))
-    told = f"Not meshed: decided by {decided or 'no check'}"
-    return {**_CAPTIONS, PLAIN: ("The whole part", "not meshed, without colours of stress", told)}
-
-
-def _part(part: PartResult, result: DesignResult, pictures: Pictures) -> dict[str, Any]:
-    """Collect what the template needs of one part beside the part itself."""
-    columns = list(dict.fromkeys(key for mesh in part.meshes for key in mesh))
-    images = pictures.images.get(part.name, {})
-    return {
-        "part": part,
-        "titled": list(zip(part.checks, check_titles(part.checks), strict=True)),
-        "images": [(view, b64encode(image).decode()) for view, image in images.items()],
-        "captions": _captions(part),
-        "columns": columns,
-        "haigh": Markup(haigh_chart(part, result.cycles)),
-    }
-
-
-def ratio(check: HandCheck) -> str:
-    """Ratio of the model's number to that by hand."""
-    return number(check.model / check.hand) if check.hand else "–"
 
 
 def value_text(value: Any) -> str:
@@ -112,7 +94,7 @@ def value_text(value: Any) -> str:
     if isinstance(value, str):
         return clean(value)
     if isinstance(value, Integral):
-        return f"{int(value):,}".replace(",", " ")  # a thin space
+        return f"{int(value):,}".replace(",", " ")
     if isinstance(value, Mapping):
         return ", ".join(f"{key}: {value_text(item)}" for key, item in value.items())
     if isinstance(value, list | tuple):
@@ -140,12 +122,13 @@ def environment() -> Environment:
         "safety": safety_text,
         "utilisation": utilisation_text,
         "bars": value_and_bars,
+        "bar_words": bar_words,
         "gate": gate_sentence,
         "gate_word": gate_word,
+        "moment": moment,
         "place": place_text,
         "reason": reason,
         "where": where,
-        "ratio": ratio,
         "value": value_text,
     }
     return result
@@ -153,4 +136,8 @@ def environment() -> Environment:
 
 @cache
 def _template() -> Any:
-    return environment().get_template("report.html.j2")
+    from reports.derivation_view import FILTERS
+
+    found = environment()
+    found.filters |= FILTERS
+    return found.get_template("report.html.j2")

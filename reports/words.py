@@ -128,6 +128,16 @@ def value_and_bars(check: Check) -> tuple[str, str, str]:
     )
 
 
+def bar_words(check: Check) -> str:
+    """The error bars of a check with what leaves them open; those that are 0 are left out."""
+    _, numerical, model = value_and_bars(check)
+    said = [
+        (f"{numerical} numerical", check.numerical),
+        (f"{model} model", check.model + check.below),
+    ]
+    return ", ".join(text.replace(" ", "\N{NO-BREAK SPACE}") for text, size in said if size) or "±0"
+
+
 def _band(check: Check, decimals: int | None) -> str:
     """The model band: ±, or + and − where it reaches differently far above and below."""
     above, below = (_bar(bar, decimals, "unknown") for bar in (check.model, check.below))
@@ -151,10 +161,14 @@ def check_titles(checks: Sequence[Check]) -> list[str]:
     ]
 
 
+def moment(check: Check) -> str:
+    """Where in the cycle."""
+    return ": ".join(text for text in (check.cycle, check.position) if text)
+
+
 def where(check: Check) -> str:
     """Where on the part and where in the cycle."""
-    when = ": ".join(text for text in (check.cycle, check.position) if text)
-    return ", ".join(text for text in (check.place, when) if text)
+    return ", ".join(text for text in (check.place, moment(check)) if text)
 
 
 def broken_gates(result: DesignResult) -> list[tuple[str, Gate]]:
@@ -229,6 +243,36 @@ def _wider(check: Check) -> str:
                 + ", so the value is a bound, not an estimate"
             )
     return ""
+
+
+def headline(result: DesignResult) -> str:
+    """The verdict for who reads one sentence: how many checks stand how."""
+    count = len(result.checks)
+    if not count:
+        return "Nothing was checked."
+    outcomes = [check.status for check in result.checks]
+    failed, open_ = outcomes.count(Status.FAIL), outcomes.count(Status.UNDECIDED)
+    gates = sum(1 for _, gate in broken_gates(result) if gate.binding)
+    doubt = f"{gates} validity gate{'s are' if gates > 1 else ' is'} broken"
+    if failed:
+        also = f"; {open_} more {_are(open_)} undecided" if open_ else ""
+        one, whose = ("s", "end of its") if failed == 1 else ("", "ends of their")
+        said = f"{failed} of {count} checks fail{one}, even at the lower {whose} error bars{also}"
+    elif open_:
+        said = (
+            f"No check fails, but {open_} of {count} {_are(open_)} undecided: the limit lies "
+            "within the error bars"
+        )
+    elif gates:
+        return f"Every check passes, but {doubt}: the numbers may not be trusted in that respect."
+    else:
+        checks = f"All {count} checks pass" if count > 1 else "The one check passes"
+        return f"{checks}, error bars included."
+    return f"{said}. Also, {doubt}." if gates else f"{said}."
+
+
+def _are(count: int) -> str:
+    return "is" if count == 1 else "are"
 
 
 def verdict_sentence(result: DesignResult) -> str:

@@ -65,9 +65,25 @@ def test_the_verdict_in_the_readme_is_what_the_command_prints(press):
     assert output == without_times(press.stdout)
 
 
+def test_the_derivation_in_the_readme_is_what_the_command_prints(press):
+    """Told from the result of the press: its numbers do not differ by the fourth digit."""
+    command, output = console(1)
+    assert command == "$ ballesta why out/toggle_press bar_upper fatigue"
+    folder = str(press.out / "toggle_press")
+    done = subprocess.run(
+        [sys.executable, "-m", "ballesta.cli", "why", folder, "bar_upper", "fatigue"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        env=os.environ | {"COLUMNS": "120"},
+        check=True,
+    )
+    assert output == without_times(done.stdout)
+
+
 def test_the_loads_in_the_readme_are_what_the_command_prints():
     """Round-off gates differ between machines: their numbers are not compared."""
-    command, output = console(1)
+    command, output = console(2)
     done = subprocess.run(
         [sys.executable, "-m", "ballesta.cli", *command.removeprefix("$ ballesta ").split()],
         cwd=ROOT,

@@ -1,4 +1,3 @@
-"use strict";
 // The table and the plot of a batch. Everything it shows comes from the page's own data block.
 {
   const byId = (id) => document.getElementById(id);
@@ -70,11 +69,6 @@
       }
       return cell;
     })]),
-    ...varied.slice(0, MOST_INPUTS).map((input) =>
-      column(input.name, (d) => input.values[d], (d) => {
-        const value = input.values[d];
-        return typeof value === "number" ? String(Number(value.toPrecision(6))) : value ?? "";
-      }, true)),
     column("design's verdict", (d) => rank.get(designs[d].status), (d) => {
       const cell = make("td");
       cell.append(make("span", designs[d].status, `word ${designs[d].tone}`));
@@ -82,6 +76,21 @@
     }),
     column("part", (d, c) => word("part", c) || null, (d, c) => word("part", c)),
     column("check", (d, c) => word("check", c) || null, (d, c) => word("check", c)),
+    column("utilisation", (d, c) => (c < 0 ? null : utilisation(c)), (d, c) => {
+      const cell = make("td", c < 0 ? "" : rounded(utilisation(c), 3, 1), "use");
+      if (c >= 0) cell.append(gaugeOf({
+        use: utilisation(c), per: checks.required[c] / checks.limit[c], tone: word("status", c),
+        numerical: checks.numerical[c], model: checks.model[c], below: checks.model_below[c],
+      }));
+      return cell;
+    }),
+    number("safety (need)", safety, (c) =>
+      (checks.value[c] ? rounded(safety(c), 3, -1) : "not loaded") + ` (${checks.required[c]})`),
+    ...varied.slice(0, MOST_INPUTS).map((input) =>
+      column(input.name, (d) => input.values[d], (d) => {
+        const value = input.values[d];
+        return typeof value === "number" ? String(Number(value.toPrecision(6))) : value ?? "";
+      }, true)),
     column("its verdict", (d, c) => (c < 0 ? null : rank.get(word("status", c))), (d, c) => {
       const cell = make("td");
       cell.append(make("span", word("status", c), `word ${word("status", c)}`));
@@ -92,9 +101,6 @@
     number("model", (c) => checks.model[c] ?? Infinity,
       (c) => `+${bar(checks.model[c])} −${bar(checks.model_below[c])}`),
     number("limit", (c) => checks.limit[c], (c) => rounded(checks.limit[c], 4)),
-    number("safety (need)", safety, (c) =>
-      (checks.value[c] ? rounded(safety(c), 3, -1) : "not loaded") + ` (${checks.required[c]})`),
-    number("utilisation", utilisation, (c) => rounded(utilisation(c), 3, 1)),
     column("mass [kg]", (d) => designs[d].mass, (d) => rounded(designs[d].mass, 4), true),
     column("where, how, what else", null, (d, c) => {
       const cell = make("td", undefined, "w");

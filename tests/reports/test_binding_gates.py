@@ -18,7 +18,7 @@ def test_the_verdict_passes_and_tells_what_does_not_hold():
     assert "PASS" in text
     assert "BROKEN" not in text.upper().replace("ARE BROKEN", "")
     page = Page(report_html(result)).text
-    assert "Does not hold loads: press: time of a cycle: 1.24 > 1.00" in page
+    assert "Does not hold press: time of a cycle: 1.24 > 1.00" in page
     assert "Gate broken" not in page
 
 

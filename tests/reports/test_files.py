@@ -44,6 +44,14 @@ def test_the_same_result_gives_the_same_bytes(tmp_path):
     assert (tmp_path / "a.vtu").read_bytes() == (tmp_path / "b.vtu").read_bytes()
 
 
+def test_a_list_of_numbers_stands_on_one_line(tmp_path):
+    result = results.design(warnings=["[\n 1,\n 2\n]", "[ 1,  2 ]"])
+    result.cycles["press"]["peaks"] = {"pin_B": [1.5, np.nan, -2e-9]}
+    write_json(result, tmp_path / "result.json")
+    assert '"pin_B": [1.5, null, -2e-09]' in (tmp_path / "result.json").read_text()
+    assert read_json(tmp_path / "result.json")["warnings"] == list(result.warnings)
+
+
 def test_hostile_names_survive_json(tmp_path):
     write_json(results.hostile(), tmp_path / "result.json")
     assert read_json(tmp_path / "result.json")["parts"][0]["name"] == results.HOSTILE

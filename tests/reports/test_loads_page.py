@@ -58,7 +58,8 @@ def test_hostile_names_are_shown_as_text():
 
 def test_ids_occur_once(press):
     text = loads_html(loads_results.result(press, press))
-    ids = [a["id"] for _, a in Page(text).tags if "id" in a and not a["id"].startswith("loads-")]
+    ids = [a["id"] for _, a in Page(text).tags if "id" in a]
+    ids = [each for each in ids if not re.match("c[0-9a-f]{8}-", each)]  # of equal charts
     assert sorted(ids) == sorted(set(ids))
 
 

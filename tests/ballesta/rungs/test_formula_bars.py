@@ -42,10 +42,14 @@ def test_section_forces_are_their_columns_times_what_acts(slides):
 
 
 def test_columns_of_nothing_are_left_out_and_one_is_kept_of_nothing_at_all():
+    names = [("nothing", "N"), ("something", "N mm")]
     points = Points(3)
-    columns = points.columns(np.array([[0.0, 0.0, 0.0], [1.0, 2.0, 3.0]]))
+    columns = points.columns(np.array([[0.0, 0.0, 0.0], [1.0, 2.0, 3.0]]), names)
     points.add_block("here", np.zeros((1, 3)), columns, np.ones((1, 6, 2)))
     assert points.history().coefficients.tolist() == [[1.0, 2.0, 3.0]]
+    assert points.units == [("something", "N mm")]
     still = Points(3)
-    still.add_block("here", np.zeros((1, 3)), still.columns(np.zeros((2, 3))), np.ones((1, 6, 2)))
+    none = still.columns(np.zeros((2, 3)), names)
+    still.add_block("here", np.zeros((1, 3)), none, np.ones((1, 6, 2)))
     assert still.history().coefficients.tolist() == [[0.0, 0.0, 0.0]]
+    assert still.units == [("nothing", "N")]

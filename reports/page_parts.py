@@ -1,0 +1,219 @@
+"""What the report's templates are given: checks as rows, parts, cycles, what to know first."""
+
+from base64 import b64encode
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import isfinite
+
+from markupsafe import Markup
+
+from reports.charts import Charts, cycle_charts, part_charts
+from reports.gauge import gauge
+from reports.loads_words import BrokenGates, broken_by_kind
+from reports.pictures import PLAIN, Pictures
+from reports.verdict import Check, DesignResult, Gate, HandCheck, PartResult, Status, deciding_of
+from reports.words import brief, check_titles, number
+
+ORDER = (Status.FAIL, Status.UNDECIDED, Status.PASS)  # worst first
+_OPEN_CYCLES = 3  # so many stand open at first; of more only the one that decides
+
+# What a picture shows: before and after the part's name for who cannot see it, and below it.
+_CAPTIONS = {
+    "whole": ("The whole part", "coloured by stress", "The whole part"),
+    "peak": (
+        "Surroundings of the peak",
+        "coloured by stress",
+        "Around the peak, which the dot marks",
+    ),
+    "mode": (
+        "Lowest buckling mode",
+        "coloured by displacement",
+        "The lowest buckling mode, exaggerated, on the first mesh; the dot moves most",
+    ),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """A check as the page shows it.
+
+    number   of the check in the result, for links
+    title    its kind, with the quantity where a part has two of the kind
+    decides  whether it decides the verdict; leads whether it is the worst of its part
+    gauge    its utilisation as a picture
+    place    (cycle, position, part) by their numbers, to be shown in the live view; None if unknown
+    """
+
+    number: int
+    check: Check
+    title: str
+    decides: bool
+    leads: bool
+    gauge: Markup
+    place: tuple[int, int, int] | None
+
+
+@dataclass(frozen=True, eq=False)
+class PartView:
+    """A part: its rows, worst first, its pictures (view, base64 of PNG) with captions, its charts.
+
+    hand     hand checks, each with the ratio of the model's number to it, in words
+    columns  of the table of its meshes
+    status   of its worst check, None without any
+    """
+
+    part: PartResult
+    rows: Sequence[Row]
+    images: Sequence[tuple[str, str]]
+    captions: Mapping[str, tuple[str, str, str]]
+    hand: Sequence[tuple[HandCheck, str]]
+    columns: Sequence[str]
+    charts: Charts
+
+    @property
+    def status(self) -> Status | None:
+        """Status of its worst check; None without checks."""
+        return self.rows[0].check.status if self.rows else None
+
+    @property
+    def broken(self) -> int:
+        """How many of its gates do not hold."""
+        return sum(not gate.holds for gate in self.part.gates)
+
+
+@dataclass(frozen=True, eq=False)
+class CycleView:
+    """A cycle: its name, number of positions, how often in the life, charts; whether it is open."""
+
+    name: str
+    count: int
+    duty: float
+    charts: Charts
+    open: bool
+
+
+def check_rows(result: DesignResult) -> list[Row]:
+    """All checks, in the order of the result."""
+    checks = result.checks
+    if not checks:
+        return []
+    owners = list(dict.fromkeys(check.part for check in checks))
+    leading = [deciding_of([c for c in checks if c.part == owner]) for owner in owners]
+    return [
+        Row(
+            number=number,
+            check=check,
+            title=title,
+            decides=check is result.deciding,
+            leads=any(check is lead for lead in leading),
+            gauge=gauge(check),
+            place=_place(check, result),
+        )
+        for number, (check, title) in enumerate(
+            zip(checks, check_titles(checks), strict=True), start=1
+        )
+    ]
+
+
+def worst_first(rows: Sequence[Row]) -> list[Row]:
+    """Rows by status, then by the upper end of their error bars; equal ones stay in order."""
+    return sorted(rows, key=lambda row: (ORDER.index(row.check.status), -_upper(row.check)))
+
+
+def _upper(check: Check) -> float:
+    bars = check.numerical + check.model
+    return (check.value + (bars if isfinite(bars) else 0.0)) * check.required / check.limit
+
+
+def _place(check: Check, result: DesignResult) -> tuple[int, int, int] | None:
+    """Where the live view shows what decides a check: its load case, else the part's peak."""
+    part = next((k for k, each in enumerate(result.parts) if each.name == check.part), None)
+    if part is None or check.cycle not in result.cycles:
+        return None
+    names = list(result.cycles)
+    if check.derivation is not None and check.derivation.cases:
+        case = check.derivation.cases[-1]
+        if case.cycle in names:
+            return names.index(case.cycle), case.index, part
+    peaks = (result.cycles[check.cycle].get("peaks") or {}).get(check.part)
+    if check.kind != "static" or peaks is None or not len(peaks):
+        return None
+    return names.index(check.cycle), max(range(len(peaks)), key=lambda k: float(peaks[k])), part
+
+
+def part_views(result: DesignResult, rows: Sequence[Row], pictures: Pictures) -> list[PartView]:
+    """All parts, in the order of the result."""
+    return [_part_view(part, result, rows, pictures) for part in result.parts]
+
+
+def _part_view(
+    part: PartResult, result: DesignResult, rows: Sequence[Row], pictures: Pictures
+) -> PartView:
+    mine = [row for row in rows if any(row.check is check for check in part.checks)]
+    images = pictures.images.get(part.name, {})
+    return PartView(
+        part=part,
+        rows=worst_first(mine),
+        images=[(view, b64encode(image).decode()) for view, image in images.items()],
+        captions=_captions(part),
+        hand=[(hand, ratio(hand)) for hand in part.hand_checks],
+        columns=list(dict.fromkeys(key for mesh in part.meshes for key in mesh)),
+        charts=part_charts(part, result),
+    )
+
+
+def ratio(check: HandCheck) -> str:
+    """Ratio of the model's number to that by hand."""
+    return number(check.model / check.hand) if check.hand else "–"
+
+
+def _captions(part: PartResult) -> dict[str, tuple[str, str, str]]:
+    """Captions of a part's pictures; one that was not meshed names what decided it."""
+    decided = ", ".join(dict.fromkeys(brief(check.method, 40) for check in part.checks))
+    told = f"Not meshed: decided by {decided or 'no check'}"
+    return {**_CAPTIONS, PLAIN: ("The whole part", "not meshed, without colours of stress", told)}
+
+
+def cycle_views(result: DesignResult) -> list[CycleView]:
+    """All cycles; where there are many, only the one that decides stands open."""
+    decides = result.deciding.cycle if result.checks else ""
+    few = len(result.cycles) <= _OPEN_CYCLES
+    return [
+        CycleView(
+            name=name,
+            count=len(result.cycles[name].get("position", ())),
+            duty=result.cycles[name].get("duty", 0),
+            charts=charts,
+            open=few or name == decides,
+        )
+        for name, charts in cycle_charts(result)
+    ]
+
+
+def tiles(parts: Sequence[PartView], linkage: Sequence[Row]) -> list[tuple[str, str, Row]]:
+    """Worst check of each part and of the linkage, worst first: (id of its section, name, row)."""
+    found = [(f"part-{n}", view.part.name, view.rows[0]) for n, view in enumerate(parts, 1)
+             if view.rows]  # fmt: skip
+    found += [("linkage", "linkage", row) for row in linkage[:1]]
+    order = {id(row): k for k, row in enumerate(worst_first([row for _, _, row in found]))}
+    return sorted(found, key=lambda tile: order[id(tile[2])])
+
+
+def counts(checks: Sequence[Check]) -> list[tuple[Status, int]]:
+    """How many checks have which status, worst first, without those that none has."""
+    found = Counter(check.status for check in checks)
+    return [(status, found[status]) for status in ORDER if found[status]]
+
+
+def broken_of(result: DesignResult) -> list[BrokenGates]:
+    """Gates that do not hold, those that the verdict depends on first, each kind once."""
+    owned = [*result.gates, *(_named(gate, part) for part in result.parts for gate in part.gates)]
+    return sorted(broken_by_kind(owned), key=lambda gates: not gates.binding)
+
+
+def _named(gate: Gate, part: PartResult) -> Gate:
+    """A gate of a part with the part in its name."""
+    if gate.name.startswith(f"{part.name}: "):
+        return gate
+    return replace(gate, name=f"{part.name}: {gate.name}")
