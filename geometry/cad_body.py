@@ -13,6 +13,7 @@ import numpy as np
 
 from geometry.mesh import FloatArray, IntArray, Interface, MassProperties, MeshError
 from geometry.meshing import Buildable, gmsh_session
+from geometry.skin import skin_of
 
 _COARSE = 1.5  # of the part's general element size
 _CURVED = 20  # facets on a full turn
@@ -89,7 +90,7 @@ def _integrals(gmsh: Any) -> tuple[float, FloatArray, float]:
 
 
 def _skin(gmsh: Any, size: float) -> tuple[FloatArray, IntArray]:
-    """Flat triangles on all faces, (n, 3) mm and (m, 3)."""
+    """Flat triangles on all faces of the solids, (n, 3) mm and (m, 3)."""
     for name, value in (
         ("Mesh.ElementOrder", 1),
         ("Mesh.MeshSizeMax", _COARSE * size),
@@ -97,9 +98,4 @@ def _skin(gmsh: Any, size: float) -> tuple[FloatArray, IntArray]:
     ):
         gmsh.option.setNumber(name, value)
     gmsh.model.mesh.generate(2)
-    tags, places, _ = gmsh.model.mesh.getNodes()
-    _, corners = gmsh.model.mesh.getElementsByType(2)
-    order = np.argsort(tags)
-    rows = order[np.searchsorted(tags[order], corners)].reshape(-1, 3)
-    used, triangles = np.unique(rows, return_inverse=True)
-    return places.reshape(-1, 3)[used], triangles.reshape(-1, 3).astype(np.int64)
+    return skin_of(gmsh)
