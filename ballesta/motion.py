@@ -14,6 +14,8 @@ from geometry.mesh import FloatArray, IntArray
 from reports.motion import MOST_POSITIONS, Motion, PinForce
 from reports.verdict import PartResult
 
+_STEP = np.radians(6.0) + 1e-9  # that a body turns by between two kept positions, at most
+
 
 def motions_of(
     design: Design, solved: Mapping[str, loads.CycleLoads], results: Sequence[PartResult]
@@ -53,7 +55,8 @@ def _motion(
         if len(result.charts.get("peaks", {}).get(cycle.name, ()))
     ]
     peaks += [int(np.hypot(*pin.force.T).argmax()) for pin in pins.values()]
-    rows = kept_rows(np.asarray(cycle.phase_of), peaks)
+    turned = np.unwrap(cycle.poses[:, :, 2], axis=0)
+    rows = kept_rows(np.asarray(cycle.phase_of), peaks, turned=turned)
     return Motion(
         index=rows,
         times=cycle.times[rows],
@@ -130,11 +133,20 @@ def _place(part: Part, interface: str, cycle: loads.CycleLoads) -> FloatArray:
     return cycle.point(body, named)
 
 
-def kept_rows(phase_of: IntArray, wanted: Sequence[int], most: int = MOST_POSITIONS) -> IntArray:
-    """Rows of a cycle's positions to keep, at most so many.
+def kept_rows(
+    phase_of: IntArray,
+    wanted: Sequence[int],
+    most: int = MOST_POSITIONS,
+    turned: FloatArray | None = None,
+) -> IntArray:
+    """Rows of a cycle's positions to keep, at most so many but for what turns.
 
     All if they are few. Else the wanted ones, both ends and both sides of every change of phase,
-    in this order, and evenly spread ones between them.
+    in this order, and evenly spread ones between them; then as many more that no body turns by
+    more than _STEP between two rows, where the cycle itself has such positions.
+
+    turned  (n, bodies) rad, without jumps; places between rows lie on straight lines, which cut
+            off arcs
     """
     n = len(phase_of)
     if n <= most:
@@ -144,7 +156,22 @@ def kept_rows(phase_of: IntArray, wanted: Sequence[int], most: int = MOST_POSITI
     kept = list(needed)[:most]
     others = np.setdiff1d(np.arange(n), kept)
     even = np.linspace(0, len(others) - 1, most - len(kept)).round().astype(np.int64)
-    return np.sort(np.concatenate([np.array(kept, dtype=np.int64), others[even]]))
+    rows = np.sort(np.concatenate([np.array(kept, dtype=np.int64), others[even]]))
+    return rows if turned is None else np.union1d(rows, _turning_rows(rows, turned))
+
+
+def _turning_rows(rows: IntArray, turned: FloatArray) -> IntArray:
+    """Rows to add so that no body turns by more than _STEP from one to the next, if it can be."""
+    kept = np.zeros(len(turned), dtype=bool)
+    kept[rows] = True
+    more, last = [], 0
+    for row in range(1, len(turned)):
+        if np.abs(turned[row] - turned[last]).max(initial=0.0) > _STEP and row - 1 > last:
+            last = row - 1
+            more.append(last)
+        if kept[row]:
+            last = row
+    return np.array(more, dtype=np.int64)
 
 
 def _at(load: loads.JointLoad, rows: IntArray) -> loads.JointLoad:

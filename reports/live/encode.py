@@ -45,9 +45,9 @@ def encode(live: LiveFields, cycles: Sequence[str], tolerance: float = TOLERANCE
     """Encode a part; the same fields give the same text.
 
     cycles     names of the design's cycles, in their order
-    tolerance  of each cycle's peak, by which the von Mises stress may be off anywhere; single precision of
-                the unit fields may cost more where they nearly cancel each other, which is then
-                said in the notes
+    tolerance  of each cycle's peak, by which the von Mises stress may be off anywhere; single
+               precision of the unit fields may cost more where they nearly cancel each other, which
+               is then said in the notes
 
     Raises ArithmeticError if the fields cannot be written that exactly, and ValueError if they do
     not have the peaks that the solver found.

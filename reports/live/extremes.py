@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from reports.live.fields import FloatArray, IntArray, LiveFields, principal_range
+from reports.live.accuracy import LENGTH_METRIC, lost_in_single
+from reports.live.fields import FloatArray, IntArray, LiveFields, RealArray, principal_range
 from reports.live.sampling import Sample
 
 _TOGETHER = 64  # positions
@@ -35,18 +36,28 @@ def displacements(live: LiveFields, kept: Mapping[str, IntArray]) -> dict[str, f
     moved = dict.fromkeys(kept, 0.0)
     if live.displacement is None:
         return moved
-    ways = np.ascontiguousarray(live.displacement.transpose(2, 1, 0), dtype=np.float64)
+    ways = np.ascontiguousarray(live.displacement.transpose(2, 0, 1))
+    lost = lost_in_single(live.displacement, live.coefficients, LENGTH_METRIC)
     for name, positions in kept.items():
         weights = live.coefficients[name][:, positions]
-        for first in range(0, len(positions), _TOGETHER):
-            some = weights[:, first : first + _TOGETHER]
-            square = np.zeros((len(live.nodes), some.shape[1]))
-            for way in ways:
-                part = way @ some
-                part *= part
-                square += part
-            moved[name] = max(moved[name], float(np.sqrt(square.max(initial=0.0))))
+        about = _lengths(ways, weights.astype(ways.dtype))
+        close = about >= about.max(initial=0.0) - 4 * (len(weights) + 4) * lost[name]
+        moved[name] = float(_lengths(ways.astype(np.float64), weights[:, close]).max())
     return moved
+
+
+def _lengths(ways: RealArray, weights: RealArray) -> FloatArray:
+    """Largest length over the nodes (K,) of sums of fields (3, M, n) times weights (M, K)."""
+    found = [np.zeros(0)]
+    for first in range(0, weights.shape[1], _TOGETHER):
+        some = weights[:, first : first + _TOGETHER].T
+        square = np.zeros((len(some), ways.shape[2]), dtype=ways.dtype)
+        for way in ways:
+            part = some @ way
+            part *= part
+            square += part
+        found.append(np.sqrt(square.max(axis=1).astype(np.float64)))
+    return np.concatenate(found)
 
 
 def principals(
@@ -57,27 +68,26 @@ def principals(
     No principal stress exceeds the mean stress by more than 2/3 of the von Mises stress, and that
     one is not above its peak at the position: only nodes that this bound leaves are looked at.
     """
-    ranges = [principal_range(stress.swapaxes(1, 2)) for stress in sample.stress.values()]
-    low, high = min(0.0, *(r[0] for r in ranges)), max(0.0, *(r[1] for r in ranges))
-    fields = live.stress.astype(np.float64)
-    means = np.ascontiguousarray(fields[:, :, :3].mean(axis=2).T)
+    low = high = 0.0
+    fields = live.stress
+    means = (fields[..., 0] + fields[..., 1] + fields[..., 2]) / 3
     for name, positions in kept.items():
         weights = live.coefficients[name][:, positions]
-        reach = 2 / 3 * (_MORE * live.peaks[name][positions] + sample.lost[name])
-        blocks = [
-            means @ weights[:, first : first + _TOGETHER]
-            for first in range(0, len(positions), _TOGETHER)
-        ]
-        most = np.concatenate([block.max(axis=0) for block in blocks])
-        least = np.concatenate([block.min(axis=0) for block in blocks])
+        reach = 2 / 3 * _MORE * live.peaks[name][positions]
+        reach += (len(fields) + 4) * sample.lost[name]  # sums in single precision, too
+        most, least = np.zeros(len(positions)), np.zeros(len(positions))
+        for first in range(0, len(positions), _TOGETHER):
+            some = slice(first, first + _TOGETHER)
+            block = weights[:, some].T.astype(means.dtype) @ means
+            most[some], least[some] = block.max(axis=1), block.min(axis=1)
         high = _highest(fields, means, weights, reach, most, high)
         low = -_highest(fields, means, -weights, reach, -least, -low)
     return low, high
 
 
 def _highest(
-    fields: FloatArray,
-    means: FloatArray,
+    fields: RealArray,
+    means: RealArray,
     weights: FloatArray,
     reach: FloatArray,
     most: FloatArray,
@@ -85,13 +95,14 @@ def _highest(
 ) -> float:
     """Largest principal stress over positions, or `known` if that is larger.
 
-    means (n, M) of the fields; reach and most (K,): how far a principal stress is above the mean
+    means (M, n) of the fields; reach and most (K,): how far a principal stress is above the mean
     stress at a position at most, and the largest mean stress there.
     """
     for position in np.argsort(-(most + reach), kind="stable"):
         if most[position] + reach[position] <= known:
             break
         drive = weights[:, position]
-        some = np.flatnonzero(means @ drive + reach[position] > known)
-        known = max(known, principal_range(np.tensordot(drive, fields[:, some], axes=1))[1])
+        some = np.flatnonzero(drive.astype(means.dtype) @ means + reach[position] > known)
+        stress = np.tensordot(drive, fields[:, some].astype(np.float64), axes=1)
+        known = max(known, principal_range(stress)[1])
     return known

@@ -115,7 +115,7 @@ def _with_required_safety(live: LiveFields, part: PartResult) -> LiveFields:
     """The fields with the utilisation that a check has: 1 just leaves the safety required."""
     required = next((check.required for check in part.checks if check.kind == "fatigue"), None)
     if required is None or "utilisation" not in live.fatigue:
-        return live
+        return replace(live, judged=False)
     return replace(
         live, fatigue={**live.fatigue, "utilisation": required * live.fatigue["utilisation"]}
     )

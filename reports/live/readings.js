@@ -47,9 +47,9 @@ const readingsOf = (view) => {
     if (view.isDeformed())
       find("factor-told").textContent = `× ${figures(view.factorOf(drawn[0]), 2)}`;
     const title = view.isLinkage() ? "Whole linkage" : section.names[view.shown.tab];
-    const told = worst && `, ${section.titles[field]}: ` +
+    const spoken = worst && `, ${section.titles[field]}: ` +
       `peak ${view.text(worst.found.peak, 3, worst)} at ${placeOf(worst, worst.found.node)}`;
-    view.canvas.setAttribute("aria-label", `${title}${told ?? ""}`);
+    view.canvas.setAttribute("aria-label", `${title}${spoken ?? ""}`);
     held();
     hottest();
   };

@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose
 from ballesta.duty_verdict import JOINED, duty_runs, duty_verdict
 from ballesta.finite_life import LifeTask, life_curve, lives_of, shortest_life
 from ballesta.materials import known_materials
+from fatigue import goodman
 
 STEEL = known_materials()["S355"]
 LIMIT = 150.0
@@ -73,6 +74,53 @@ def test_utilisation_at_points_is_that_of_the_worst_point_there():
     used = verdict.utilisation_at(np.arange(60))
     assert used.argmax() == verdict.peak.point
     assert_allclose(used.max() * LIMIT, verdict.peak.value)
+
+
+def two_places_two_cycles():
+    """Point 0 is loaded by the first cycle alone, point 1 by the second: 100 and 90 MPa."""
+    basis = np.zeros((2, 6, 2))
+    basis[0, 0, 0] = basis[1, 0, 1] = 1.0
+    coefficients = np.array([[100.0, -100, 0, 0, 0, 0], [0, 0, 0, 90, -90, 30]])
+    return verdict_on(basis, coefficients, {"a": slice(0, 3), "b": slice(3, 6)})
+
+
+def test_everywhere_a_point_that_another_cycle_loads_has_that_ones_utilisation():
+    found = two_places_two_cycles().everywhere
+    assert_allclose(found.utilisation, [100 / LIMIT, 90 / LIMIT])
+    assert_allclose(found.amplitude, [100, 90])
+    assert_allclose(found.mean, [0, 0], atol=1e-12)
+    assert found.goodman_only == 0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_everywhere_is_the_worst_of_all_paths_with_amplitude_and_mean_of_that_path(seed):
+    basis, coefficients = out_of_phase(seed)
+    verdict = verdict_on(basis, coefficients, {"a": slice(0, 9), "b": slice(9, 24)})
+    found = verdict.everywhere
+    assert len(verdict.runs) == 3
+    each = []
+    for run in verdict.runs.values():
+        path = np.ascontiguousarray(coefficients[:, run])
+        each.append(goodman(basis, path, LIMIT, STEEL.ultimate_stress))
+    planes = [v.plane_utilisation for v in verdict.verdicts.values()]
+    used = np.fmax([one.utilisation for one in each], planes)
+    assert_allclose(found.utilisation, used.max(axis=0), rtol=1e-12)
+    rows = np.arange(len(basis))
+    assert_allclose(found.amplitude, np.array([e.amplitude for e in each])[used.argmax(0), rows])
+    assert_allclose(found.mean, np.array([e.mean for e in each])[used.argmax(0), rows])
+    assert found.utilisation.max() * LIMIT == pytest.approx(verdict.peak.value)
+
+
+def test_places_that_findley_may_use_more_than_is_told_are_counted():
+    """Point 1 turns out of phase at two thirds of what decides: its plane was not needed."""
+    turn = 2 * np.pi * np.arange(36) / 36
+    basis = np.zeros((2, 6, 3))
+    basis[0, 0, 0] = basis[1, 0, 1] = 1.0
+    basis[1, 3, 2] = 3**-0.5
+    paths = np.stack([150 * np.cos(turn), 100 * np.cos(turn), 100 * np.sin(turn)])
+    verdict = verdict_on(basis, paths, {"a": slice(0, 36)})
+    assert np.isnan(verdict.worst.plane_utilisation[1])
+    assert verdict.everywhere.goodman_only == 1
 
 
 def test_the_pair_is_of_all_positions_of_all_cycles():

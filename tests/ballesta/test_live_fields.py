@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from ballesta.check import check_design
 from ballesta.effort import Effort
+from ballesta.halves import UTILISATION
 from ballesta.levels import Models
 from ballesta.part_loads import loads_on
 from ballesta.solid import EVERYTHING, check_solid
@@ -48,7 +49,8 @@ def test_the_fields_at_the_peak_are_those_of_the_surface_that_is_drawn(result):
     assert_allclose(von_mises(stress), drawn, rtol=0, atol=SINGLE * drawn.max())
     assert live.peak.node == surface.peak
     assert von_mises(stress)[live.peak.node] == pytest.approx(live.peak.value, rel=SINGLE)
-    assert_allclose(live.fatigue["utilisation"], surface.fields["fatigue utilisation"], rtol=1e-6)
+    assert_allclose(live.fatigue["utilisation"], surface.fields[UTILISATION], rtol=1e-6)
+    assert UTILISATION.endswith("without required safety")
 
 
 def test_displacements_differ_from_the_solvers_by_a_rigid_motion_alone(result):
@@ -100,6 +102,14 @@ def test_amplitude_and_mean_give_the_utilisation(result, tmp_path):
     assert np.median(fatigue["utilisation"] / goodman) == pytest.approx(1.0, rel=1e-5)
 
 
+def test_the_utilisation_times_the_required_safety_is_that_of_the_check(result):
+    (check,) = (check for check in result.checks if check.kind == "fatigue")
+    assert check.required > 1.1
+    used = check.required * result.live.fatigue["utilisation"].max()
+    assert used == pytest.approx(check.utilisation, rel=1e-6)
+    assert result.live.judged
+
+
 def test_the_fkm_chain_gives_its_own_utilisation_at_every_node(tmp_path, models):
     result = checked(tmp_path, models, "parts.rod.strength=fkm", "parts.rod.roughness=25 um")
     (check,) = (check for check in result.checks if check.kind == "fatigue")
@@ -110,6 +120,7 @@ def test_the_fkm_chain_gives_its_own_utilisation_at_every_node(tmp_path, models)
 def test_of_a_finite_life_the_utilisation_of_endless_life_is_drawn_and_said_to_be(tmp_path, models):
     result = checked(tmp_path, models, 'duty.life="finite"')
     assert "endless life" in result.live.notes[0]
+    assert not result.live.judged
 
 
 def test_without_a_duty_there_is_no_fatigue_and_a_reason(tmp_path, models):

@@ -196,3 +196,18 @@ def test_more_wanted_rows_than_may_be_kept_keep_the_first():
     rows = kept_rows(np.zeros(1000, dtype=int), range(900), most=10)
     assert len(rows) == 10
     assert {0, 999} <= {*rows.tolist()}
+
+
+@pytest.mark.parametrize(("turns", "n"), [(1, 3601), (50, 3601), (50, 1201), (7, 362)])
+def test_between_kept_rows_no_body_turns_by_more_than_six_degrees_if_it_can_be(turns, n):
+    angle = np.linspace(0.0, 2 * np.pi * turns, n)
+    turned = np.stack([angle, 0.3 * np.sin(angle)], axis=1)
+    rows = kept_rows(np.zeros(n, dtype=int), [n // 3], turned=turned)
+    each = 360 * turns / (n - 1)
+    assert np.degrees(np.abs(np.diff(turned[rows], axis=0)).max()) <= max(6.0, each) + 1e-6
+    assert {0, n - 1, n // 3} <= {*rows.tolist()}
+    if turns == 1:
+        assert len(rows) == MOST_POSITIONS
+    place = 100 * np.stack([np.cos(angle), np.sin(angle)], axis=1)  # of a crank's pin
+    shown = np.stack([np.interp(np.arange(n), rows, column[rows]) for column in place.T], axis=1)
+    assert np.linalg.norm(shown - place, axis=1).max() < 0.15

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from reports.motion import MOST_POSITIONS, between, motion_gaps
+from reports.motion import between, motion_gaps
 
 from . import loads_results, motion_results
 
@@ -56,7 +56,7 @@ def test_points_and_travels_are_those_of_the_solved_cycle():
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"index": np.arange(MOST_POSITIONS + 1)}, "keeps 1 to 361 rising positions, got 362"),
+        ({"index": np.arange(0)}, "keeps one or more rising positions, got 0"),
         ({"index": np.zeros(5, dtype=int)}, "rising"),
         ({"times": np.zeros(3)}, "times needs finite numbers"),
         ({"layer": {}}, "needs a layer"),

@@ -1,9 +1,12 @@
 """The live view as a reader uses it: parts, positions, fields, probe, peak."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from reports.live.fields import von_mises
+from reports.live.payload import live_payload
 
 from . import sections
 from .conftest import pixels, role, settle
@@ -213,6 +216,71 @@ def test_the_pointer_reads_the_value_and_a_click_holds_the_components(viewed):
     assert held.locator("b").inner_text() != f"{value} MPa"
     role(page, "unpin").click()
     assert role(page, "pinned-box").is_hidden()
+
+
+def test_no_digit_is_told_that_the_error_hides(viewed):
+    page = viewed().page
+    page.evaluate("ballesta.setPosition(0, 20)")
+    box = role(page, "canvas").bounding_box()
+    page.locator("[data-view=front]").click()
+    row = page.evaluate("[...ballesta.live.camera.pixels()]")
+    page.mouse.click(box["x"] + row[3] + 21 * row[0], box["y"] + row[7] + 12 * row[5])
+    shown = role(page, "pinned").locator("td").all_inner_texts()
+    off = live_payload(sections.design()).header["parts"][0]["accuracy"]["principal"][0]
+    assert len(shown) == 10
+    for text in shown:
+        decimals = len(text.partition(".")[2])
+        assert text == "0" or 10.0**-decimals > off / 10, (text, off)
+    assert any("." in text for text in shown)
+
+
+def written_on(page):
+    """The words that are written on the picture when it is drawn."""
+    return page.evaluate(
+        """() => {
+          const kept = CanvasRenderingContext2D.prototype.fillText, words = [];
+          CanvasRenderingContext2D.prototype.fillText = function (text, ...more) {
+            words.push(text);
+            kept.call(this, text, ...more);
+          };
+          ballesta.live.draw();
+          CanvasRenderingContext2D.prototype.fillText = kept;
+          return words;
+        }"""
+    )
+
+
+def test_the_colour_bar_marks_what_is_allowed_and_a_limit_where_utilisation_has_one(
+    viewed, tmp_path
+):
+    made = sections.design()
+    ring, *others = made.parts
+    peak = ring.live.peak.value
+    static = replace(ring.checks[0], limit=0.9 * peak)
+    fatigue = replace(static, kind="fatigue", value=90.0, limit=100.0, required=1.25)
+    for judged in (True, False):
+        part = replace(ring, checks=[static, fatigue], live=replace(ring.live, judged=judged))
+        file = tmp_path / f"{judged}.html"
+        file.write_text(sections.page(replace(made, parts=[part, *others])), encoding="utf-8")
+        page = viewed(file).page
+        page.locator("#live-tab-0").click()
+        settle(page)
+        words = written_on(page)
+        assert {"allowed", "yield"} <= {*words}
+        role(page, "field").select_option("utilisation")
+        used = 1.25 * ring.live.fatigue["utilisation"].max()
+        assert used > 1
+        assert page.evaluate("ballesta.live.range.to") == pytest.approx(used)
+        assert ("limit" in written_on(page)) is judged
+
+
+def test_the_linkage_says_that_grey_parts_are_not_in_its_peak(viewed):
+    page = viewed().page
+    page.evaluate("ballesta.setPosition(0, 5)")
+    page.locator("#live-tab-0").click()
+    assert "grey" not in role(page, "peak").inner_text()
+    page.locator("#live-tab-linkage").click()
+    role(page, "peak").get_by_text("grey parts are not counted").wait_for()
 
 
 def test_the_most_stressed_places_stand_in_a_table_that_leads_to_them(viewed):

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from reports.live.decode import decode
 from reports.live.encode import TOLERANCE, encode
-from reports.live.fields import LiveFields, grey, von_mises
+from reports.live.fields import LiveFields, grey, principal_range, von_mises
 from reports.live.planes import Writer, read_planes
 
 from .surfaces import live, smooth, torus, turning, usual
@@ -178,6 +178,71 @@ def test_the_error_is_proven_for_fields_of_any_kind(case):
     )
     left = 3e-7 * sums / max(p.max() for p in fields.peaks.values())
     assert largest_error(fields, done.head, done.text, CYCLES) <= share + left
+    assert not any("cancel" in note for note in done.head["notes"])
+
+
+@pytest.mark.parametrize("large", [1e4, 1e5, 1e7])
+def test_what_single_precision_costs_is_in_the_proven_error(large):
+    """Two unit loads of opposite sign, so large that their sum is what single precision loses."""
+    surface = torus(24, 12)
+    first, second = smooth(surface[0], 1)[0], smooth(surface[0], 1, seed=3)[0]
+    turn = turning(1, 30)
+    coefficients = {"work": np.concatenate([-large * turn, large * turn])}
+    fields = live(np.stack([first, first + second / large]), coefficients, surface)
+    done = encode(fields, CYCLES)
+    part = decode(done.head, done.text)
+    order = order_of(fields, part)
+    off = [
+        np.abs(von_mises(part.stress(0, k))[order] - von_mises(second * turn[0, k])).max()
+        for k in range(30)
+    ]
+    share = done.head["accuracy"]["share"]
+    assert max(off) <= share * fields.peaks["work"].max()
+    told = [note for note in done.head["notes"] if "nearly cancel each other" in note]
+    assert len(told) == (share > TOLERANCE)
+    if large >= 1e5:
+        assert share > TOLERANCE
+
+
+def test_peaks_that_the_fields_do_not_have_are_refused(fields):
+    wrong = fields.peaks["idle"].copy()
+    wrong[wrong.argmax()] *= 1.001
+    with pytest.raises(ValueError, match=r"peak at position \d+ of 'idle' is .* but the fields"):
+        encode(replace(fields, peaks={**fields.peaks, "idle": wrong}), CYCLES)
+
+
+def test_of_a_cycle_below_the_floor_the_page_says_what_its_error_is_of(fields):
+    assert "largest cycle's" not in encode(fields, CYCLES).head["accuracy"]["words"]
+    surface = torus(24, 12)
+    coefficients = {"work": turning(4, 30), "idle": 1e-7 * turning(4, 20, seed=5)}
+    tiny = live(smooth(surface[0], 4), coefficients, surface)
+    accuracy = encode(tiny, CYCLES).head["accuracy"]
+    assert "(or of 0.01 % of the largest cycle's, if that is more)" in accuracy["words"]
+    large, small = accuracy["mises"]
+    assert large == pytest.approx(accuracy["share"] * tiny.peaks["work"].max())
+    assert small == pytest.approx(1e-4 * large)
+
+
+def test_no_value_at_any_position_is_beyond_the_ends_of_the_scale():
+    """A short hydrostatic push between the sampled positions, which no peak tells of."""
+    surface = torus(16, 10)
+    plain = np.zeros((2, len(surface[0]), 6))
+    plain[0, :, 0] = 1.0
+    plain[1, :, :3] = 1.0
+    at = np.arange(361)
+    push = 400 * np.exp(-(((at - 53) / 3.0) ** 2)) - 300 * np.exp(-(((at - 157) / 3.0) ** 2))
+    moved = np.zeros((2, len(surface[0]), 3))
+    moved[0, :, 1], moved[1, :, 2] = 1e-4, 1e-3 * np.cos(np.arange(len(surface[0])))
+    fields = live(
+        plain, {"work": np.stack([100 * np.cos(at / 60) ** 2 + 1, push])}, surface,
+        displacement=moved,
+    )  # fmt: skip
+    scale = encode(fields, CYCLES).head["scale"]
+    values = [principal_range(fields.at("work", k)) for k in at]
+    assert scale["principal"]["from"] == pytest.approx(min(low for low, _ in values), rel=1e-6)
+    assert scale["principal"]["to"] == pytest.approx(max(high for _, high in values), rel=1e-6)
+    lengths = [np.linalg.norm(fields.moved("work", k), axis=1).max() for k in at]
+    assert scale["displacement"]["to"] == pytest.approx(max(lengths), rel=1e-6)
 
 
 def test_a_tolerance_that_is_asked_for_is_used(fields):
@@ -188,17 +253,33 @@ def test_a_tolerance_that_is_asked_for_is_used(fields):
 
 def test_of_a_long_cycle_some_positions_are_carried_with_its_peak_and_the_page_says_so():
     surface = torus(16, 8)
-    fields = live(smooth(surface[0], 4), {"work": turning(4, 3000)}, surface)
+    random = np.random.default_rng(4)
+    rough = turning(4, 3650) + 0.2 * random.normal(size=(4, 3650))
+    fields = live(smooth(surface[0], 4), {"work": rough}, surface)
     done = encode(fields, CYCLES)
     told = done.head["cycles"][0]
-    assert told["count"] == 3000
-    assert len(told["positions"]) == 721
+    assert told["count"] == 3650
+    assert len(told["positions"]) == 3601
     assert int(fields.peaks["work"].argmax()) in told["positions"]
-    assert [told["positions"][0], told["positions"][-1]] == [0, 2999]
-    assert "721 of 3000 of work" in " ".join(done.head["notes"])
-    between = done.head["accuracy"]["between"]
-    assert largest_error(fields, done.head, done.text, CYCLES) <= between + SINGLE < 2e-3
+    assert [told["positions"][0], told["positions"][-1]] == [0, 3649]
+    assert "3601 of 3650 of work" in " ".join(done.head["notes"])
+    accuracy = done.head["accuracy"]
+    between = accuracy["between"]
+    found = largest_error(fields, done.head, done.text, CYCLES)
+    assert accuracy["share"] < found <= between
+    assert "at any node and position that the page keeps, and by at most" in accuracy["words"]
+    assert accuracy["mises"][0] == pytest.approx(between * fields.peaks["work"].max())
     assert done.head["cycles"][1] is None
+
+
+def test_of_a_cycle_of_some_thousand_positions_all_are_carried():
+    surface = torus(16, 8)
+    fields = live(smooth(surface[0], 4), {"work": turning(4, 1500)}, surface)
+    done = encode(fields, CYCLES)
+    assert done.head["cycles"][0]["positions"] == list(range(1500))
+    assert "that the page keeps" not in done.head["accuracy"]["words"]
+    found = largest_error(fields, done.head, done.text, CYCLES)
+    assert found <= done.head["accuracy"]["share"]
 
 
 def test_a_part_that_nothing_loads_says_so():

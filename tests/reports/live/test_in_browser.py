@@ -130,6 +130,28 @@ def test_the_probe_reads_the_stress_of_one_node(shown, fields):
     assert found["largest"] == pytest.approx(np.linalg.norm(moved, axis=1).max(), rel=1e-6)
 
 
+def test_of_equal_principal_stresses_of_two_signs_the_one_in_tension_is_told(shown):
+    """Pure shear in all directions of a plane: round-off makes either one the larger."""
+    nodes, triangles = torus(24, 12)
+    angle = np.linspace(0, np.pi, len(nodes))
+    stress = np.zeros((1, len(nodes), 6))
+    stress[0, :, 0], stress[0, :, 3] = 100 * np.cos(2 * angle), 100 * np.sin(2 * angle)
+    stress[0, :, 1] = -stress[0, :, 0]
+    page, _, _ = shown(live(stress, {"work": np.ones((1, 1))}, (nodes, triangles)))
+    found = page.page.evaluate(
+        """() => [-1e-7, -1e-9, 0, 1e-9].map((more) => {
+          const one = [100, -100 + 100 * more, 0, 0, 0, 0];
+          const fields = one.map((value) => Float64Array.of(value));
+          const part = { n: 1, head: { cycles: [{ positions: [0] }],
+            scale: { principal: { from: 0, to: 1 } } }, over: {},
+            stress: { fields, worth: Array(6).fill(1), components: 6,
+              weights: [[Float64Array.of(1)]] } };
+          return api.fieldValues(part, 0, 0, "principal", new Float32Array(1)).peak;
+        })"""
+    )
+    assert_allclose(found, 100, rtol=1e-6)
+
+
 def test_peaks_over_a_cycle_are_those_of_its_positions(shown, fields):
     page, _, _ = shown(fields)
     found = page.page.evaluate(

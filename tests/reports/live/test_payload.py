@@ -55,12 +55,31 @@ def test_every_part_has_a_block_and_plain_data_in_the_header(fields):
 def test_the_limits_of_the_checks_stand_beside_the_fields(fields):
     made = design(one=fields)
     check = replace(made.parts[0].checks[0], kind="static", limit=300.0, required=1.5)
-    fatigue = replace(check, kind="fatigue", limit=200.0, required=1.25)
-    part = replace(made.parts[0], checks=[check, fatigue])
+    part = replace(made.parts[0], checks=[check])
     [head] = live_payload(replace(made, parts=[part])).header["parts"]
-    assert head["limits"] == {"yield": 300.0, "allowed": 200.0, "fatigue": 0.8}
+    assert head["limits"] == {"yield": 300.0, "allowed": 200.0, "fatigue": None}
     [head] = live_payload(replace(made, parts=[replace(part, checks=[])])).header["parts"]
     assert head["limits"] == {"yield": None, "allowed": None, "fatigue": None}
+
+
+@pytest.mark.parametrize(("judged", "limit"), [(True, 1.0), (False, None)])
+def test_the_utilisation_is_that_of_the_check_with_its_required_safety(fields, judged, limit):
+    fields = replace(fields, judged=judged)
+    made = design(one=fields)
+    used = float(fields.fatigue["utilisation"].max())
+    check = replace(
+        made.parts[0].checks[0], kind="fatigue", value=200 * used, limit=200.0, required=1.3
+    )
+    made = replace(made, parts=[replace(made.parts[0], checks=[check])])
+    payload = live_payload(made)
+    [head] = payload.header["parts"]
+    assert head["scale"]["utilisation"]["to"] == pytest.approx(check.utilisation)
+    drawn = decode(head, payload.blocks[0][1]).fatigue["utilisation"]
+    assert drawn.max() == pytest.approx(check.utilisation)
+    assert head["limits"]["fatigue"] == limit
+    assert head["scale"]["amplitude"]["to"] == pytest.approx(fields.fatigue["amplitude"].max())
+    without = replace(made, parts=[replace(made.parts[0], checks=[])])
+    assert live_payload(without).header["parts"][0]["limits"]["fatigue"] is None
 
 
 def test_names_are_handed_on_as_they_are(fields):

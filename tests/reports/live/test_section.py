@@ -153,3 +153,10 @@ def test_the_scripts_are_there_and_name_every_field():
     assert json.loads(told) == list(FIELDS)
     for text in texts.values():
         assert not re.search(r"innerHTML|eval\(|https?:|setAttribute\(.on", text)
+
+
+def test_fields_over_the_life_are_called_what_they_are():
+    body = live_section(sections.design()).body
+    assert "Mean stress as Goodman takes it (tension only)" in body
+    assert "Fatigue utilisation over the life, required safety included" in body
+    assert "Mean stress over the cycle" not in body
