@@ -14,6 +14,7 @@ import numpy as np
 
 import loads
 from ballesta.design_data import Design, Part
+from ballesta.explained.friction import with_friction
 from ballesta.levels import Level, Models, solve_level
 from ballesta.machine import cycle_of
 from ballesta.part_loads import PartLoads, loads_on
@@ -23,13 +24,51 @@ from ballesta.stressed import Stressed
 from fem.tie_tension import tie_tension
 from geometry.mesh import FloatArray
 from geometry.parts import LeafPack
+from reports.derivation import Derivation
 from reports.verdict import Check, Gate, PartResult
 
 # Tension over compression: worth telling; and where ties pull as hard as they press.
 _GAPS, _OPEN = 0.25, 1.0
+_INDEX = {"static": 0, "fatigue": 1}  # of the checks that friction widens
 
 _Compliance = loads.BeamCompliance | loads.MatrixCompliance | loads.JointCompliance
 Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
+
+
+@dataclass(frozen=True)
+class _Stiffer:
+    """Stresses of a pack with friction between its leaves over those of leaves that slide freely.
+
+    most, least  (static, fatigue)  of the bonded pack; at the least with any friction
+    """
+
+    most: tuple[float, float]
+    least: tuple[float, float]
+    words: str
+
+
+@dataclass(frozen=True)
+class LeafBand:
+    """What widens the stress checks of a part; nothing where there are no leaves to slide."""
+
+    _stiffer: _Stiffer | None
+
+    def __call__(self, check: Check) -> Check:
+        """Return a check with its model band widened."""
+        stiffer = self._of(check)
+        return check if stiffer is None else _banded(check, stiffer)
+
+    def explained(self, check: Check, derivation: Derivation) -> Derivation:
+        """Return a widened check's derivation with the terms by which it was widened."""
+        stiffer = self._of(check)
+        if stiffer is None:
+            return derivation
+        index = _INDEX[check.kind]
+        most, least = stiffer.most[index], stiffer.least[index]
+        return with_friction(derivation, check, most, least, stiffer.words)
+
+    def _of(self, check: Check) -> _Stiffer | None:
+        return self._stiffer if check.kind in _INDEX else None
 
 
 def with_leaf_checks(
@@ -50,7 +89,7 @@ def with_leaf_checks(
     )
     return replace(
         result,
-        checks=[band(check) for check in result.checks],
+        checks=[_told(band, check, band(check)) for check in result.checks],
         gates=[*result.gates, gap_gate(part, shape, free)],
     )
 
@@ -61,16 +100,22 @@ def leaf_band(
     part_loads: PartLoads,
     solved: Solved,
     level_of: Callable[[PartLoads], Stressed],
-) -> Callable[[Check], Check]:
+) -> LeafBand:
     """What widens a pack's stress checks to what friction between its leaves can make of them.
 
     level_of  the stress of leaves that slide freely under some loads, by any model
     """
     shape = part.geometry
     if not isinstance(shape, LeafPack) or shape.leaves == 1:
-        return lambda check: check
-    stiffer = _stiffer(design, part, shape, part_loads, solved, level_of)
-    return lambda check: _banded(check, stiffer)
+        return LeafBand(None)
+    return LeafBand(_stiffer(design, part, shape, part_loads, solved, level_of))
+
+
+def _told(band: LeafBand, free: Check, widened: Check) -> Check:
+    """A widened check with its terms in the derivation that it had before, if it had one."""
+    if free.derivation is None:
+        return widened
+    return replace(widened, derivation=band.explained(widened, free.derivation))
 
 
 def gap_gate(part: Part, shape: LeafPack, level: Level) -> Gate:
@@ -102,18 +147,6 @@ def gap_gate(part: Part, shape: LeafPack, level: Level) -> Gate:
         f"depends on it above {_OPEN:g}",
         binding=share > _OPEN,
     )
-
-
-@dataclass(frozen=True)
-class _Stiffer:
-    """Stresses of a pack with friction between its leaves over those of leaves that slide freely.
-
-    most, least  (static, fatigue)  of the bonded pack; at the least with any friction
-    """
-
-    most: tuple[float, float]
-    least: tuple[float, float]
-    words: str
 
 
 def _stiffer(
@@ -229,9 +262,7 @@ def pack_level(design: Design, part: Part, part_loads: PartLoads, models: Models
 
 def _banded(check: Check, stiffer: _Stiffer) -> Check:
     """Widen the model band of a stress check to what friction between the leaves can make of it."""
-    if check.kind not in ("static", "fatigue"):
-        return check
-    index = 0 if check.kind == "static" else 1
+    index = _INDEX[check.kind]
     most, least = stiffer.most[index], stiffer.least[index]
     told = f"bonded {most * check.value:.4g} MPa" if np.isfinite(most) else "bonded: unknown"
     if least < min(1.0, most):

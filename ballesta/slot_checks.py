@@ -2,11 +2,13 @@
 
 from collections.abc import Mapping
 from math import inf
+from typing import NamedTuple
 
 import numpy as np
 
 from ballesta.design_data import Design, Part, Roller
 from ballesta.errors import DesignError
+from ballesta.materials import Material
 from ballesta.part_loads import PartLoads
 from ballesta.ties import first_largest
 from fem.contact import HertzBody, HertzError, line_contact
@@ -17,6 +19,40 @@ from reports.verdict import Check
 # 0.300283 p0, and Tresca's yield begins where it is half the yield stress: p0 = 1.67 Sy.
 FIRST_YIELD = 0.5 / 0.300283
 _TURNED = 1e-6  # of force times length: a couple that is more than round-off
+
+
+class RollerMaterial(NamedTuple):
+    """Elasticity of a pin or roller, MPa, and where it is from."""
+
+    youngs_modulus: float
+    poisson_ratio: float
+    source: str
+
+
+def roller_material(roller: Roller) -> RollerMaterial:
+    """The stated material of a pin or roller; of one without, steel is assumed."""
+    stated = roller.material
+    if stated is None:
+        return RollerMaterial(210e3, 0.3, "assumed: steel")
+    return RollerMaterial(
+        stated.youngs_modulus, stated.poisson_ratio, f"{stated.name}: {stated.source}"
+    )
+
+
+def softer_of(part: Part, roller: Roller) -> Material:
+    """Whose yield limits the contact: the part's where nothing is stated of the roller."""
+    own, other = part.material, roller.material
+    return own if other is None or own.yield_stress <= other.yield_stress else other
+
+
+def round_quantity(name: str) -> str:
+    """What the check of a pin or roller on an interface is called."""
+    return f"Hertz pressure at {name}"
+
+
+def flat_quantity(name: str) -> str:
+    """What the check of a flat block on an interface is called."""
+    return f"mean pressure at {name}"
 
 
 def slot_checks(
@@ -58,18 +94,17 @@ def _round(
             f"a pin or roller takes no couple, but up to {most / 1e3:.3g} N m act here: the block "
             "turns with this part; leave the radius out, or make the joint a slot",
         )
-    own, other = part.material, roller.material
-    modulus, ratio = (210e3, 0.3) if other is None else (other.youngs_modulus, other.poisson_ratio)
+    own, other = part.material, roller_material(roller)
     found = line_contact(
         float(force[worst]) / interface.length,
         HertzBody(inf, own.youngs_modulus, own.poisson_ratio),
-        HertzBody(roller.radius, modulus, ratio),
+        HertzBody(roller.radius, other.youngs_modulus, other.poisson_ratio),
     )
-    softer = own if other is None or own.yield_stress <= other.yield_stress else other
+    softer = softer_of(part, roller)
     return Check(
         part=part.name,
         kind="contact",
-        quantity=f"Hertz pressure at {interface.name}",
+        quantity=round_quantity(interface.name),
         value=found.peak_pressure,
         unit="MPa",
         numerical=0.0,
@@ -100,7 +135,7 @@ def _flat(design: Design, part: Part, loads: PartLoads, interface: Interface) ->
     return Check(
         part=part.name,
         kind="contact",
-        quantity=f"mean pressure at {interface.name}",
+        quantity=flat_quantity(interface.name),
         value=float(pressure[worst]),
         unit="MPa",
         numerical=0.0,

@@ -4,15 +4,17 @@ import json
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
-from math import inf
+from math import inf, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ballesta.difference import results_at
 from ballesta.errors import DesignError
+from ballesta.explained.proven import with_derivation
 from ballesta.names import listed, no_such
 from ballesta.run import Say, effort_of, guarded, store_at
-from reports.derivation_data import derivation_of_data
+from reports.derivation_data import derivation_of_data, number_of, text_of
+from reports.formulas import FormulaError
 from reports.verdict import Check, deciding_of
 from reports.words import brief, check_titles
 
@@ -22,6 +24,8 @@ if TYPE_CHECKING:
 
 LINKAGE = "linkage"  # what stands for a part in the checks of the whole
 _HERE = Path("command line")
+_BARS = ("numerical", "model", "model_below")  # of a check: None for infinite
+_NUMBERS = ("value", "limit", "required")
 
 
 @dataclass(frozen=True)
@@ -62,6 +66,7 @@ def run_why(
         if all(check.derivation is None for check, _ in found):
             said = "has no derivation of that: it is of another version, check the design again"
             raise DesignError(target, "cannot be told", said)
+        found = [(_told_again(target, check), title) for check, title in found]
         if wanted.as_json:
             plain = [check.to_dict() for check, _ in found]
             print(json.dumps(plain, indent=1, allow_nan=False, ensure_ascii=False))
@@ -127,24 +132,51 @@ def _read(target: Path) -> list[Check]:
         raise DesignError(target, "cannot be told", told)
     (one,) = found.values()
     result = one()
-    plain = [*(c for part in result.data.get("parts", ()) for c in part.get("checks", ())),
-             *result.data.get("linkage", ())]  # fmt: skip
     try:
+        plain = [*(c for part in result.data.get("parts", ()) for c in part.get("checks", ())),
+                 *result.data.get("linkage", ())]  # fmt: skip
         return [check_of_data(check) for check in plain]
-    except (TypeError, ValueError, KeyError) as error:
-        told = f"is no result of this version ({error}): check the design again"
-        raise DesignError(Path(result.path), "cannot be told", told) from error
+    except (TypeError, ValueError, AttributeError) as error:
+        raise _of_another_version(Path(result.path), str(error)) from error
+
+
+def _of_another_version(target: Path, why: str) -> DesignError:
+    told = f"is no result of this version ({brief(why, 300)}): check the design again"
+    return DesignError(target, "cannot be told", told)
 
 
 def check_of_data(data: Mapping[str, Any]) -> Check:
     """Return the check that `Check.to_dict` has written; raises TypeError and ValueError."""
-    own = {field.name: data[field.name] for field in fields(Check) if field.name in data}
-    for bar in ("numerical", "model", "model_below"):
-        if own.get(bar) is None:
-            own[bar] = inf
-    derivation = own.pop("derivation", None)
+    if not isinstance(data, dict):
+        raise TypeError(f"{brief(data, 40)!r} is no check")
+    own: dict[str, Any] = {}
+    for field in fields(Check):
+        if field.name == "derivation" or field.name not in data:
+            continue
+        value = data[field.name]
+        if field.name in _BARS:
+            own[field.name] = inf if value is None else number_of(value)
+        else:
+            own[field.name] = (number_of if field.name in _NUMBERS else text_of)(value)
+    own |= {bar: inf for bar in _BARS if bar not in own}
+    derivation = data.get("derivation")
     made = None if derivation is None else derivation_of_data(derivation)
-    return Check(**own, derivation=made)
+    check = Check(**own, derivation=made)
+    if not isfinite(check.utilisation):
+        raise ValueError("a check's utilisation is not finite")
+    return check
+
+
+def _told_again(target: Path, check: Check) -> Check:
+    """A check whose derivation is asked again whether it gives its numbers; raises DesignError."""
+    if check.derivation is None:
+        return check
+    try:
+        _ = check.derivation.values
+    except FormulaError as error:
+        told = f"{check.part} {check.kind}: the formulas give no number: {error}"
+        raise _of_another_version(target, told) from error
+    return with_derivation(check, check.derivation)
 
 
 def wanted_checks(target: Path, checks: Sequence[Check], wanted: Wanted) -> list[tuple[Check, str]]:

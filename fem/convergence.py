@@ -19,12 +19,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-_ORDER = 2.0  # of recovered stress with quadratic elements
-_FINER = 1.1  # times smaller elements make a mesh finer at some point
-_SAFETY = 1.5  # times what is left of the last step
-_LEAST = 1 / 3  # of the last step, however much smaller the elements became
-_SCATTER = 0.45  # of the elements' scatter
-_REPEATS = 0.0025  # of the value, from mesh to mesh
+ORDER = 2.0  # of recovered stress with quadratic elements
+FINER = 1.1  # times smaller elements make a mesh finer at some point
+SAFETY = 1.5  # times what is left of the last step
+LEAST = 1 / 3  # of the last step, however much smaller the elements became
+SCATTER = 0.45  # of the elements' scatter
+REPEATS = 0.0025  # of the value, from mesh to mesh
 _GROWTH = 0.08  # the smallest exponent that counts; 0.46 is that of a square corner
 
 
@@ -50,13 +50,13 @@ class ErrorBar:
     @property
     def mesh(self) -> float:
         """What a finer mesh makes smaller."""
-        largest = max(self.discretisation, _SCATTER * self.scatter, self.notch)
-        return largest + _REPEATS * self.size
+        largest = max(self.discretisation, SCATTER * self.scatter, self.notch)
+        return largest + REPEATS * self.size
 
     @property
     def notch_decides(self) -> bool:
         """Whether the bar is what elements of this size miss in the notch."""
-        return self.notch > max(self.discretisation, _SCATTER * self.scatter)
+        return self.notch > max(self.discretisation, SCATTER * self.scatter)
 
     @property
     def value(self) -> float:
@@ -71,8 +71,8 @@ def discretisation_error(values: Sequence[float], sizes: Sequence[float]) -> flo
     """
     if len(values) < 2:
         raise ValueError("an error bar needs at least two meshes")
-    ratio = max(sizes[-2] / sizes[-1], _FINER)
-    return float(max(_SAFETY / (ratio**_ORDER - 1), _LEAST) * abs(values[-1] - values[-2]))
+    ratio = max(sizes[-2] / sizes[-1], FINER)
+    return float(max(SAFETY / (ratio**ORDER - 1), LEAST) * abs(values[-1] - values[-2]))
 
 
 def moves_like_singular(values: Sequence[float], sizes: Sequence[float], exponent: float) -> bool:
@@ -86,10 +86,10 @@ def moves_like_singular(values: Sequence[float], sizes: Sequence[float], exponen
     if exponent <= 0 or len(values) < 2:
         return False
     for before, after, coarse, fine in zip(values, values[1:], sizes, sizes[1:], strict=False):
-        if coarse < _FINER * fine:  # two meshes that are alike there tell nothing
+        if coarse < FINER * fine:  # two meshes that are alike there tell nothing
             continue
         predicted = (coarse / fine) ** exponent - 1
-        if abs(after - before) / max(abs(before), 1e-300) > max(predicted / 20, 2 * _REPEATS):
+        if abs(after - before) / max(abs(before), 1e-300) > max(predicted / 20, 2 * REPEATS):
             return True
     return False
 
@@ -106,7 +106,7 @@ def growth_exponent(values: Sequence[float], sizes: Sequence[float]) -> float:
         return 0.0
     exponents = []
     for k in range(1, len(values)):
-        if sizes[k - 1] < _FINER * sizes[k]:
+        if sizes[k - 1] < FINER * sizes[k]:
             exponents.append(0.0)
         else:
             step = np.log(values[k] / values[k - 1]) / np.log(sizes[k - 1] / sizes[k])

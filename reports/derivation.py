@@ -8,11 +8,15 @@ eigenvalue of thousands of unknowns, is a given number whose source says so.
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Self
+from math import isfinite
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from reports.formulas import COMPONENTS, FormulaError, Scope, Value, evaluate
+from reports.formulas import COMPONENTS, FormulaError, Scope, Value, evaluate, functions_of
+
+if TYPE_CHECKING:
+    from reports.verdict import Check
 
 ROUND_OFF = 1e-9  # of a check's value: how far its formulas may miss it
 
@@ -250,22 +254,46 @@ class Derivation:
             raise FormulaError(f"no number is named {symbol!r}")
         return value
 
-    def misses(self, value: float, limit: float) -> str:
-        """What the formulas miss of a check's value and limit, in words; "" for nothing."""
+    def misses(self, check: "Check") -> str:
+        """What the formulas miss of a check's value, limit and bars, in words; "" for nothing.
+
+        An infinite bar has no formula: the words of the bars must say why.
+        """
         try:
             pairs = [
-                ("a value", self.number(self.value), value),
-                ("a limit", self.number(self.limit), limit),
+                ("a value", self.number(self.value), check.value),
+                ("a limit", self.number(self.limit), check.limit),
                 *((one, self.number(one), self.number(other)) for one, other in self.equal),
             ]
+            told = [
+                f"the formulas give {what} of {found:.9g}, where {wanted:.9g} must stand"
+                for what, found, wanted in pairs
+                if not abs(found - wanted) <= ROUND_OFF * abs(wanted)
+            ]
+            for name, size, symbols in (
+                ("numerical bar", check.numerical, self.bars.numerical),
+                ("model band above", check.model, self.bars.above),
+                ("model band below", check.below, self.bars.below),
+            ):
+                told += self._missed_bar(name, size, symbols.split(), abs(check.value))
         except FormulaError as error:
             return f"the formulas give no number: {error}"
-        told = [
-            f"the formulas give {what} of {found:.9g}, where {wanted:.9g} must stand"
-            for what, found, wanted in pairs
-            if not abs(found - wanted) <= ROUND_OFF * abs(wanted)
-        ]
         return "; ".join(told)
+
+    def _missed_bar(
+        self, name: str, size: float, symbols: Sequence[str], value: float
+    ) -> Iterator[str]:
+        found = sum(self.number(symbol) for symbol in symbols)
+        if not isfinite(size):
+            if symbols:
+                yield f"the formulas give a {name} of {found:.9g}, where an infinite one must stand"
+            elif not self.bars.words:
+                yield f"nothing says why the {name} is infinite"
+        elif not abs(found - size) <= ROUND_OFF * max(value, size):
+            if symbols:
+                yield f"the formulas give a {name} of {found:.9g}, where {size:.9g} must stand"
+            else:
+                yield f"no formula gives the {name} of {size:.9g}"
 
     def with_items(self, title: str, items: Sequence[Item]) -> Self:
         """Return it with a section more."""
@@ -284,8 +312,21 @@ def _value_of(item: Item, scope: Scope) -> Value:
             return np.array(item.value, dtype=np.float64)
         return float(item.value)
     if isinstance(item, Superposition):
-        return np.array(item.stress)
+        stress = np.array(item.stress)
+        if not np.isfinite(stress).all():
+            raise FormulaError(f"the stress {item.symbol!r} is not finite")
+        return stress
     if isinstance(item, Step):
-        return evaluate(item.formula, scope)
-    rows = [evaluate(item.formula, row) for row in item.scopes(scope)]
-    return float(sum(float(row) for row in rows))
+        return _number(item, scope)
+    functions_of(item.formula)  # of no rows nothing would be read
+    total = float(sum(_number(item, row) for row in item.scopes(scope)))
+    if not isfinite(total):
+        raise FormulaError(f"the sum {item.symbol!r} is not finite")
+    return total
+
+
+def _number(item: Step | Sum, scope: Scope) -> float:
+    value = evaluate(item.formula, scope)
+    if not isinstance(value, float):
+        raise FormulaError(f"{item.symbol!r} must be a number, its formula gives a vector")
+    return value

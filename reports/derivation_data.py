@@ -1,7 +1,8 @@
 """Derivations as plain data and back, for result.json: givens, formulas, and their values."""
 
-from collections.abc import Mapping, Sequence
-from math import isfinite
+from collections.abc import Mapping
+from dataclasses import fields
+from math import inf, isfinite
 from typing import Any
 
 from reports.derivation import (
@@ -19,7 +20,8 @@ from reports.derivation import (
     Superposition,
     UnitLoad,
 )
-from reports.formulas import FormulaError, Value
+from reports.formulas import COMPONENTS, FormulaError, Value
+from reports.words import brief
 
 _ITEMS: Mapping[str, Any] = {
     "given": Given,
@@ -27,6 +29,7 @@ _ITEMS: Mapping[str, Any] = {
     "sum": Sum,
     "superposition": Superposition,
 }
+_WRENCH, _ACCELERATIONS = 6, (0, 4)  # how many numbers
 
 
 def plain_derivation(derivation: Derivation) -> dict[str, Any]:
@@ -80,65 +83,135 @@ def _item_data(item: Item, values: Mapping[str, Value]) -> dict[str, Any]:
 
 
 def derivation_of_data(data: Mapping[str, Any]) -> Derivation:
-    """Return the derivation that `Derivation.to_dict` has written; raises ValueError."""
+    """Return the derivation that `Derivation.to_dict` has written; raises ValueError.
+
+    What the file says is taken for nothing: every text, number and length is asked for.
+    """
     try:
         return Derivation(
-            cases=tuple(_case(case) for case in data["cases"]),
+            cases=tuple(_case(case) for case in _list(data["cases"])),
             sections=tuple(
-                Section(str(s["title"]), tuple(_item(item) for item in s["items"]))
-                for s in data["sections"]
+                Section(text_of(s["title"]), tuple(_item(item) for item in _list(s["items"])))
+                for s in _list(data["sections"])
             ),
-            value=str(data["value"]),
-            limit=str(data["limit"]),
-            bars=Bars(**{name: str(text) for name, text in data["bars"].items()}),
-            unproved=str(data["unproved"]),
-            equal=tuple((str(one), str(other)) for one, other in data["equal"]),
-            compared=tuple(Comparison(**one) for one in data["compared"]),
-            notes=tuple(str(note) for note in data["notes"]),
+            value=text_of(data["value"]),
+            limit=text_of(data["limit"]),
+            bars=Bars(**{name: text_of(text) for name, text in data["bars"].items()}),
+            unproved=text_of(data["unproved"]),
+            equal=tuple((text_of(one), text_of(other)) for one, other in _list(data["equal"])),
+            compared=tuple(
+                Comparison(**_own(Comparison, one, hand=number_of, model=number_of))
+                for one in _list(data["compared"])
+            ),
+            notes=tuple(text_of(note) for note in _list(data["notes"])),
         )
-    except (KeyError, TypeError, AttributeError) as error:
-        raise ValueError(f"not a derivation of this version: {error!r}") from error
+    except (KeyError, TypeError, AttributeError, ValueError) as error:
+        raise ValueError(f"not a derivation of this version: {brief(error, 120)}") from error
+
+
+def _own(made: Any, data: Mapping[str, Any], **read: Any) -> dict[str, Any]:
+    """The fields of a class from its data, each by what reads it: texts but for those named."""
+    if not isinstance(data, dict):
+        raise TypeError(f"{brief(data, 40)!r} has no fields")
+    names = {field.name for field in fields(made)}
+    odd = data.keys() - names
+    if odd:
+        raise TypeError(f"a {made.__name__} has no {brief(min(odd), 40)!r}")
+    return {name: read.get(name, text_of)(value) for name, value in data.items()}
 
 
 def _case(data: Mapping[str, Any]) -> LoadCase:
-    own = dict(data)
-    own["acting"] = tuple(
-        Acting(str(acts["interface"]), str(acts["on"]), _numbers(acts["wrench"]))
-        for acts in own["acting"]
+    return LoadCase(
+        **_own(
+            LoadCase,
+            data,
+            index=_index,
+            acting=lambda all_of_them: tuple(_acting(acts) for acts in _list(all_of_them)),
+            accelerations=lambda values: _numbers(values, *_ACCELERATIONS),
+        )
     )
-    own["accelerations"] = _numbers(own["accelerations"])
-    return LoadCase(**own)
+
+
+def _acting(data: Mapping[str, Any]) -> Acting:
+    return Acting(**_own(Acting, data, wrench=lambda values: _numbers(values, _WRENCH)))
 
 
 def _item(data: Mapping[str, Any]) -> Item:
     own = dict(data)
-    made = _ITEMS[own.pop("item")]
+    made = _ITEMS[text_of(own.pop("item"))]
     if made is Given:
-        value = own["value"]
-        own["value"] = _numbers(value) if isinstance(value, list) else _number(value)
-        return Given(**own)
+        return Given(**_own(Given, own, value=_number_or_vector, main=_flag))
     own.pop("value", None)
     if made is Step:
-        return Step(**own)
+        return Step(**_own(Step, own, main=_flag))
     if made is Sum:
-        own["names"] = tuple(str(name) for name in own["names"])
-        own["columns"] = tuple(
-            Column(str(c["symbol"]), str(c["meaning"]), str(c["unit"]), _numbers(c["values"]))
-            for c in own["columns"]
-        )
-        return Sum(**own)
-    own["loads"] = tuple(
-        UnitLoad(str(u["name"]), str(u["unit"]), _number(u["value"]), _numbers(u["stress"]))
-        for u in own["loads"]
+        return Sum(**_own(Sum, own, names=_texts, columns=_columns, main=_flag))
+    return Superposition(**_own(Superposition, own, loads=_loads, main=_flag))
+
+
+def _columns(data: Any) -> tuple[Column, ...]:
+    return tuple(Column(**_own(Column, one, values=_numbers)) for one in _list(data))
+
+
+def _loads(data: Any) -> tuple[UnitLoad, ...]:
+    def stress(values: Any) -> tuple[float, ...]:
+        return _numbers(values, len(COMPONENTS))
+
+    return tuple(
+        UnitLoad(**_own(UnitLoad, one, value=number_of, stress=stress)) for one in _list(data)
     )
-    return Superposition(**own)
 
 
-def _number(value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
-        raise TypeError(f"{value!r} is no number")
-    return float(value)
+def _list(value: Any) -> list[Any]:
+    if not isinstance(value, list):
+        raise TypeError(f"{brief(value, 40)!r} is no list")
+    return value
 
 
-def _numbers(values: Sequence[Any]) -> tuple[float, ...]:
-    return tuple(_number(value) for value in values)
+def text_of(value: Any) -> str:
+    """A text as such, which UTF-8 can hold; raises TypeError and UnicodeEncodeError."""
+    if not isinstance(value, str):
+        raise TypeError(f"{brief(value, 40)!r} is no text")
+    value.encode()
+    return value
+
+
+def number_of(value: Any) -> float:
+    """A finite number as a float; raises TypeError."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise TypeError(f"{brief(value, 40)!r} is no number")
+    try:
+        found = float(value)
+    except OverflowError:
+        found = inf
+    if not isfinite(found):
+        raise TypeError("a number is too large")
+    return found
+
+
+def _number_or_vector(value: Any) -> float | tuple[float, ...]:
+    return _numbers(value) if isinstance(value, list) else number_of(value)
+
+
+def _texts(values: Any) -> tuple[str, ...]:
+    return tuple(text_of(value) for value in _list(values))
+
+
+def _numbers(values: Any, *counts: int) -> tuple[float, ...]:
+    """The numbers of a list; of so many, where that is said."""
+    found = tuple(number_of(value) for value in _list(values))
+    if counts and len(found) not in counts:
+        raise TypeError(f"{len(found)} numbers stand where {counts[-1]} must")
+    return found
+
+
+def _index(value: Any) -> int:
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise TypeError(f"{brief(value, 40)!r} is no index")
+    return value
+
+
+def _flag(value: Any) -> bool:
+    if not isinstance(value, bool):
+        raise TypeError(f"{brief(value, 40)!r} is neither true nor false")
+    return value

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import floor, isfinite, log10
+from math import floor, inf, isfinite, log10
 
 import numpy as np
 
@@ -196,7 +196,9 @@ def _decimals(item: Superposition) -> int:
     """Decimals with which the largest number of a superposition has five digits: one to four."""
     sizes = [abs(one) for load in item.loads for one in load.contribution]
     largest = max([*sizes, *map(abs, item.stress)], default=0.0)
-    return int(min(max(_DIGITS - 1 - floor(log10(largest)), 1), 4)) if largest > 0 else 1
+    if not 0 < largest < inf:
+        return 1
+    return int(min(max(_DIGITS - 1 - floor(log10(largest)), 1), 4))
 
 
 def shares_of(item: Superposition) -> list[float]:
@@ -204,7 +206,10 @@ def shares_of(item: Superposition) -> list[float]:
 
     A contribution counts in the direction of the whole stress, as the gradient of von Mises has it.
     """
-    xx, yy, zz, xy, yz, zx = item.stress
+    scale = max(map(abs, item.stress))
+    if not 0 < scale < inf:
+        return [0.0] * len(item.loads)
+    xx, yy, zz, xy, yz, zx = (one / scale for one in item.stress)
     third = (xx + yy + zz) / 3
     own = np.array([xx - third, yy - third, zz - third])
     size = float(np.sqrt(1.5 * (own @ own) + 3 * (xy**2 + yz**2 + zx**2)))

@@ -9,6 +9,7 @@ three. The same tree is evaluated, written with symbols and written with numbers
 import ast
 import math
 import operator
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -24,6 +25,7 @@ Value = float | FloatArray
 Scope = Mapping[str, Value]
 
 _LONGEST = 2000  # characters of a formula
+_SHOWN = 60  # characters of it in a message
 _DEEPEST = 60  # brackets and signs inside each other
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")  # of a stress
 _TENSOR = [[0, 3, 5], [3, 1, 4], [5, 4, 2]]
@@ -152,18 +154,21 @@ def _tree(text: str) -> ast.expr:
     try:
         tree = ast.parse(text.replace("^", "**").strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-        raise FormulaError(f"{text!r} is no formula: {error}") from None
+        raise FormulaError(f"{_cut(text)} is no formula: {error}") from None
     _check(tree, text, 0)
     return tree
 
 
 def _check(node: ast.expr, text: str, depth: int) -> None:
     if depth > _DEEPEST:
-        raise FormulaError(f"{text[:60]!r} has more than {_DEEPEST} brackets inside each other")
+        raise FormulaError(f"{_cut(text)} has more than {_DEEPEST} brackets inside each other")
     match node:
         case ast.Constant(value=bool()):
-            raise FormulaError(f"{text!r}: {ast.unparse(node)} is no number")
-        case ast.Constant(value=int() | float()) | ast.Name():
+            raise FormulaError(f"{_cut(text)}: {ast.unparse(node)} is no number")
+        case ast.Constant(value=int() | float() as value):
+            if not abs(value) <= sys.float_info.max:
+                raise FormulaError(f"{_cut(text)} has a number that is too large")
+        case ast.Name():
             return
         case ast.UnaryOp(op=ast.USub(), operand=inner):
             _check(inner, text, depth + 1)
@@ -173,20 +178,18 @@ def _check(node: ast.expr, text: str, depth: int) -> None:
         case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]) if name in FUNCTIONS:
             shape = FUNCTIONS[name].shape
             if shape != "*" and len(arguments) != len(shape):
-                raise FormulaError(f"{text!r}: {name} takes {len(shape)}, got {len(arguments)}")
+                told = f"{name} takes {len(shape)}, got {len(arguments)}"
+                raise FormulaError(f"{_cut(text)}: {told}")
             for argument in arguments:
                 _check(argument, text, depth + 1)
         case _:
-            raise FormulaError(f"{text!r}: {ast.unparse(node)!r} is not understood")
+            said = ast.get_source_segment(text.replace("^", "**").strip(), node)
+            raise FormulaError(f"{_cut(text)}: {_cut(said or '')} is not understood")
 
 
-def symbols_of(text: str) -> list[str]:
-    """Symbols of a formula in the order in which they stand, each once; raises FormulaError."""
-    tree = _tree(text)
-    called = {id(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
-    named = [n for n in ast.walk(tree) if isinstance(n, ast.Name) and id(n) not in called]
-    named.sort(key=lambda name: (name.lineno, name.col_offset))
-    return [name for name in dict.fromkeys(name.id for name in named) if name != "pi"]
+def _cut(text: str) -> str:
+    """A formula in a message: quoted, and not longer than a line."""
+    return repr(text if len(text) <= _SHOWN else f"{text[:_SHOWN]}…")
 
 
 def functions_of(text: str) -> list[str]:
@@ -201,19 +204,35 @@ def functions_of(text: str) -> list[str]:
 
 
 def evaluate(text: str, scope: Scope) -> Value:
-    """Value of a formula: a number, or a vector as the symbols are; raises FormulaError."""
-    try:
-        value = _value(_tree(text), scope)
-    except FormulaError:
-        raise
-    except (ArithmeticError, TypeError, ValueError, IndexError) as error:
-        raise FormulaError(f"{text!r} has no value: {error}") from None
+    """Value of a formula: a float, or a float64 vector as the symbols are; raises FormulaError."""
+    value = _value_in(_tree(text), text, scope)
     if not np.isfinite(value).all():
-        raise FormulaError(f"{text!r} has no finite value")
+        raise FormulaError(f"{_cut(text)} has no finite value")
     return value
 
 
+def _value_in(node: ast.expr, text: str, scope: Scope) -> Value:
+    """Value of a node of a formula, which may be infinite; raises FormulaError."""
+    try:
+        with np.errstate(all="ignore"):
+            return _value(node, scope)
+    except FormulaError as error:
+        raise FormulaError(f"{_cut(text)}: {error}") from None
+    except (ArithmeticError, TypeError, ValueError, np.linalg.LinAlgError) as error:
+        raise FormulaError(f"{_cut(text)} has no value: {error}") from None
+
+
 def _value(node: ast.expr, scope: Scope) -> Value:
+    """Value of a node: a float or a float64 vector, no other number passes on the way."""
+    value = _worked(node, scope)
+    if isinstance(value, float):
+        return value
+    if isinstance(value, np.ndarray) and value.dtype == np.float64 and value.ndim == 1:
+        return value
+    raise FormulaError(f"it has no value: {value!r} is neither a real number nor a vector")
+
+
+def _worked(node: ast.expr, scope: Scope) -> object:
     match node:
         case ast.Constant(value=int() | float() as value):
             return float(value)
@@ -228,9 +247,20 @@ def _value(node: ast.expr, scope: Scope) -> Value:
         case ast.BinOp(left=left, right=right):
             return _BINARY[type(node.op)][2](_value(left, scope), _value(right, scope))
         case ast.Call(func=ast.Name(id=name), args=arguments):
-            return float(FUNCTIONS[name].work(*(_value(a, scope) for a in arguments)))
+            values = [_value(argument, scope) for argument in arguments]
+            function = FUNCTIONS[name]
+            shapes = function.shape if function.shape != "*" else "1" * len(values)
+            for given, size in zip(values, shapes, strict=True):
+                if np.shape(given) != (() if size == "1" else (int(size),)):
+                    wanted = "a number" if size == "1" else f"a vector of {size}"
+                    raise FormulaError(f"{name} takes {wanted}, got {_size_text(given)}")
+            return float(function.work(*values))
         case _:
             raise AssertionError("checked before")
+
+
+def _size_text(value: Value) -> str:
+    return "a number" if isinstance(value, float) else f"a vector of {len(value)}"
 
 
 def symbolic(text: str) -> str:
@@ -251,11 +281,11 @@ def substituted(text: str, scope: Scope, digits: int = 4) -> str:
     tree = _tree(text)
     if isinstance(tree, ast.Call) and isinstance(tree.func, ast.Name) and tree.func.id == _EXPANDED:
         try:
-            stress = _value(tree.args[0], scope)
+            stress = _value_in(tree.args[0], text, scope)
         except FormulaError:
             stress = 0.0
-        if not isinstance(stress, float):
-            return substituted(_EQUIVALENT, _components(stress), digits)
+        if np.shape(stress) == (len(COMPONENTS),):
+            return substituted(_EQUIVALENT, _components(np.asarray(stress)), digits)
 
     def put_in(name: str) -> str:
         if name not in scope:
@@ -290,7 +320,7 @@ def shown_symbol(name: str) -> str:
     """
     first, _, rest = name.partition("_")
     shown = _GREEK.get(first, first)
-    return f"{shown}_{_GREEK.get(rest, rest)}" if rest else shown
+    return f"{shown}_{_GREEK.get(rest, rest)}" if rest else shown or name
 
 
 def _written(node: ast.expr, leaf: Callable[[str], str]) -> str:

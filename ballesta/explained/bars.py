@@ -1,7 +1,7 @@
 """What the error bars of a stress check are made of."""
 
 from collections.abc import Mapping
-from math import degrees, isfinite, pi
+from math import degrees, pi
 
 from ballesta.design_data import Part
 from ballesta.judged import Bars as SolidBars
@@ -9,10 +9,12 @@ from ballesta.part_loads import PartLoads
 from ballesta.rungs.bands import NoBand
 from ballesta.rungs.checked import band_around
 from ballesta.rungs.model import RungModel
+from fem.convergence import FINER, LEAST, ORDER, REPEATS, SAFETY, SCATTER
 from reports.derivation import Bars, Given, Item, Step
 from reports.verdict import Check
 
 BARS = "Error bars"  # the title of their section
+ERROR = "e_r"  # the symbol of a rung's own error
 Told = tuple[Bars, list[Item]]
 _OF_MESH = "numerical: last refinement, scatter of the elements, series of the pins' pressure"
 _OF_ARCS = "model: arcs on which pins may press"
@@ -30,8 +32,8 @@ def rung_bars(part: Part, loads: PartLoads, model: RungModel, check: Check, valu
         numerical = "e_num"
         said = f"numerical error of the rung {model.rung} over its peak"
         items += [
-            Given("e_r", said, model.numerical, "", f"docs/theory/rungs_{model.rung}.md"),
-            Step(numerical, "numerical error bar", f"e_r*{value}", check.unit),
+            Given(ERROR, said, model.numerical, "", f"docs/theory/rungs_{model.rung}.md"),
+            Step(numerical, "numerical error bar", f"{ERROR}*{value}", check.unit),
         ]
     band = band_around(part, loads, model, check)
     if isinstance(band, NoBand):
@@ -64,27 +66,28 @@ def solid_bars(bars: SolidBars, check: Check, value: str, more: float = 0.0) -> 
     more  MPa, how far another criterion lies above
     """
     own = bars.numerical
-    if not isfinite(own.value):
+    items: list[Item] = []
+    if own.singular:
         told = Bars("", words="no numerical bar: the place is singular, no mesh settles it")
+    elif len(bars.values) < 2:
+        told = Bars("", words="no numerical bar: it takes two meshes")
     else:
         told = Bars("e_num", words=_OF_MESH)
-    items: list[Item] = []
-    if told.numerical and len(bars.values) > 1:
         items += [
             Given("v_1", "the value on the last mesh but one", bars.values[-2], "MPa", "the solid"),
             Given("h_1", "elements there on the last mesh but one", bars.sizes[-2], "mm"),
             Given("h_2", "elements there on the last mesh", bars.sizes[-1], "mm"),
-            Step("r_m", "refinement there", "max(h_1/h_2, 1.1)", "", _CALIBRATED),
-            Step("e_h", "left by the last refinement, of order 2",
-                 f"max(1.5/(r_m^2 - 1), 1/3)*abs({value} - v_1)", "MPa", _CALIBRATED),
+            Step("r_m", "refinement there", f"max(h_1/h_2, {FINER:g})", "", _CALIBRATED),
+            Step("e_h", f"left by the last refinement, of order {ORDER:g}",
+                 f"max({SAFETY:g}/(r_m^{ORDER:g} - 1), {_written(LEAST)})*abs({value} - v_1)",
+                 "MPa", _CALIBRATED),
             Given("e_s", "scatter of the elements that meet there", own.scatter, "MPa"),
             Given("e_n", "what elements of this size miss in the notch", own.notch, "MPa"),
             Given("e_t", "what the series of the pins' pressure misses", own.truncation, "MPa"),
             Step("e_num", "numerical error bar",
-                 f"max(e_h, 0.45*e_s, e_n) + 0.0025*{value} + e_t", "MPa", _CALIBRATED),
+                 f"max(e_h, {SCATTER:g}*e_s, e_n) + {REPEATS:g}*{value} + e_t", "MPa",
+                 _CALIBRATED),
         ]  # fmt: skip
-    else:
-        told = Bars("", words="no numerical bar: one mesh, or a singular place")
     above, below = _arcs(bars.by_arc, items)
     if more:
         items.append(Given("b_c", "how far another criterion lies above", more, "MPa", "the note"))
@@ -97,6 +100,12 @@ def solid_bars(bars: SolidBars, check: Check, value: str, more: float = 0.0) -> 
         items.append(Step(low, "model band below", below, "MPa", "docs/theory/bearing.md"))
     words = "; ".join(text for text in (told.words, _OF_ARCS if up or low else "") if text)
     return Bars(told.numerical, up, low, words), items
+
+
+def _written(share: float) -> str:
+    """A share as a fraction where it is one of a whole, such as 1/3."""
+    parts = round(1 / share)
+    return f"1/{parts}" if share == 1 / parts else f"{share:.17g}"
 
 
 def _arcs(by_arc: Mapping[float, float], items: list[Item]) -> tuple[str, str]:

@@ -8,6 +8,7 @@ from ballesta.linkage_frame import LinkageMode
 from ballesta.part_loads import PartLoads
 from ballesta.rungs.model import ElasticLoad
 from fem.buckling import BucklingMode
+from geometry.parts import LeafPack, PlateLink, PrismaticTube, ToggleBar, TubeRod
 from reports.derivation import (
     Bars,
     Comparison,
@@ -71,12 +72,13 @@ def linkage_share(design: Design, mode: LinkageMode, check: Check) -> Derivation
     """Of the share of the load under which the linkage buckles as a frame."""
     items = _factor(mode.factor, f"{mode.plane} mode of the linkage", "linkage_frames.md")
     compared: tuple[Comparison, ...] = ()
+    notes: tuple[str, ...] = ()
     if mode.body is not None and mode.effective_length is not None:
         items.append(
             Given("N", f"compression of {mode.body}, whose strain is the largest share of the mode",
                   mode.compression, "N", "the loads")
         )  # fmt: skip
-        compared = _alone(design, mode, check.value)
+        compared, notes = _alone(design, mode, check.value)
     bars, widths = _bars(mode)
     return Derivation(
         cases=(LoadCase("", mode.cycle, mode.position, mode.index, ()),),
@@ -91,6 +93,7 @@ def linkage_share(design: Design, mode: LinkageMode, check: Check) -> Derivation
         "together: no formula gives it",
         compared=compared,
         bars=bars,
+        notes=notes,
     )
 
 
@@ -118,21 +121,26 @@ def _factor(factor: float, what: str, page: str) -> list[Item]:
     ]  # fmt: skip
 
 
-def _alone(design: Design, mode: LinkageMode, share: float) -> tuple[Comparison, ...]:
-    """The share of Euler's force of the bar that is bent most, hinged between its own pins."""
+def _alone(
+    design: Design, mode: LinkageMode, share: float
+) -> tuple[tuple[Comparison, ...], tuple[str, ...]]:
+    """The share of Euler's force of the bar that is bent most, hinged between its own pins.
+
+    Where its shape has no such length, a note says so in its place.
+    """
     assert mode.effective_length is not None
-    part = next((p for p in design.parts.values() if p.body == mode.body), None)
-    length = None if part is None else getattr(part.geometry, "length", None)
-    if length is None:
-        return ()
-    return (
-        Comparison(
-            f"share of Euler's force of {mode.body} alone, hinged at its pins",
-            share * (length / mode.effective_length) ** 2,
-            share,
-            "",
-            f"N·L²/(π²·E·I) with N = {number_text(mode.compression)} N and L = "
-            f"{number_text(length)} mm; as part of the linkage it is as long as "
-            f"{number_text(mode.effective_length)} mm",
-        ),
+    shape = next(p.geometry for p in design.parts.values() if p.body == mode.body)
+    if not isinstance(shape, PrismaticTube | ToggleBar | TubeRod | PlateLink | LeafPack):
+        told = f"no comparison with Euler's force: {mode.body} is no bar between two pins"
+        return (), (told,)
+    length = shape.length
+    compared = Comparison(
+        f"share of Euler's force of {mode.body} alone, hinged at its pins",
+        share * (length / mode.effective_length) ** 2,
+        share,
+        "",
+        f"N·L²/(π²·E·I) with N = {number_text(mode.compression)} N and L = "
+        f"{number_text(length)} mm; as part of the linkage it is as long as "
+        f"{number_text(mode.effective_length)} mm",
     )
+    return (compared,), ()

@@ -7,10 +7,19 @@ import numpy as np
 import loads
 from ballesta.bushes import SHARE_BAND, bush_count, bush_diameter, bush_name, turning
 from ballesta.design_data import Design, Part, Roller
-from ballesta.explained.common import load_case, position_of, shear_yield, yield_stress
-from ballesta.lug_checks import lugs_of, pressed_lugs, torn_most
+from ballesta.design_model import StackEntry
+from ballesta.explained.common import load_case, shear_yield, yield_stress
+from ballesta.lug_checks import Pressed, Torn, lugs_of, pressed_lugs, torn_most
 from ballesta.part_loads import PartLoads
-from ballesta.slot_checks import FIRST_YIELD, couple_on
+from ballesta.slot_checks import (
+    FIRST_YIELD,
+    couple_on,
+    flat_quantity,
+    roller_material,
+    round_quantity,
+    softer_of,
+)
+from ballesta.ties import first_largest
 from geometry.cad_body import SolidBody
 from geometry.mesh import Interface, Mesh
 from geometry.parts import Pin
@@ -32,77 +41,82 @@ def lugs(
     holes = lugs_of(design, part, body)
     if not holes:
         return {}
-    most = pressed_lugs(part_loads, holes)[0]
-    found = {
-        "bearing": Derivation(
-            cases=(load_case(part, part_loads, most.position),),
-            sections=(
-                Section(
-                    "Demand",
-                    (
-                        Given("F", f"force of the pin in {most.lug.interface}", most.force, "N",
-                              _LOADS, main=True),
-                        Given("d", "diameter that presses", most.lug.diameter, "mm", _SHAPE),
-                        Given("t", "width that presses", most.lug.width, "mm", _SHAPE),
-                        Step("p", "mean pressure on the projected area", "F/(d*t)", "MPa",
-                             f"EN 1993-1-8:2005, table 3.10; {_FITS}", main=True),
-                    ),
-                ),
-                Section(
-                    "Limit",
-                    (
-                        Given("S_y", f"yield stress of {most.lug.softer.name}, the weaker of pin "
-                              "and hole", most.lug.softer.yield_stress, "MPa",
-                              most.lug.softer.source, main=True),
-                    ),
-                ),
-            ),
-            value="p",
-            limit="S_y",
-            bars=_EXACT,
-        )
-    }  # fmt: skip
+    found = {"bearing": _pressed(part, part_loads, pressed_lugs(part_loads, holes)[0])}
     torn = torn_most(part, part_loads, body, holes)
     if torn is not None:
-        found["shear-out"] = Derivation(
-            cases=(load_case(part, part_loads, torn.position),),
-            sections=(
-                Section(
-                    "Demand",
-                    (
-                        Given("F", f"pull of the pin in {torn.lug.interface} towards "
-                              f"{torn.ligament.until}", torn.force, "N", _LOADS, main=True),
-                        Given("A", "area of one of the two planes behind it", torn.area, "mm2",
-                              f"{_SHAPE}: {_FITS}"),
-                        Step("tau", "mean shear stress in both planes", "F/(2*A)", "MPa",
-                             _FITS, main=True),
-                    ),
-                ),
-                Section("Limit", (yield_stress(part), shear_yield())),
-            ),
-            value="tau",
-            limit="tau_y",
-            bars=_EXACT,
-        )  # fmt: skip
+        found["shear-out"] = _torn(part, part_loads, torn)
     return found
+
+
+def _pressed(part: Part, part_loads: PartLoads, most: Pressed) -> Derivation:
+    lug = most.lug
+    return Derivation(
+        cases=(load_case(part, part_loads, most.position),),
+        sections=(
+            Section(
+                "Demand",
+                (
+                    Given("F", f"force of the pin in {lug.interface}", most.force, "N", _LOADS,
+                          main=True),
+                    Given("d", "diameter that presses", lug.diameter, "mm", _SHAPE),
+                    Given("t", "width that presses", lug.width, "mm", _SHAPE),
+                    Step("p", "mean pressure on the projected area", "F/(d*t)", "MPa",
+                         f"EN 1993-1-8:2005, table 3.10; {_FITS}", main=True),
+                ),
+            ),
+            Section(
+                "Limit",
+                (
+                    Given("S_y", f"yield stress of {lug.softer.name}, the weaker of pin and hole",
+                          lug.softer.yield_stress, "MPa", lug.softer.source, main=True),
+                ),
+            ),
+        ),
+        value="p",
+        limit="S_y",
+        bars=_EXACT,
+    )  # fmt: skip
+
+
+def _torn(part: Part, part_loads: PartLoads, torn: Torn) -> Derivation:
+    return Derivation(
+        cases=(load_case(part, part_loads, torn.position),),
+        sections=(
+            Section(
+                "Demand",
+                (
+                    Given("F", f"pull of the pin in {torn.lug.interface} towards "
+                          f"{torn.ligament.until}", torn.force, "N", _LOADS, main=True),
+                    Given("A", "area of one of the two planes behind it", torn.area, "mm2",
+                          f"{_SHAPE}: {_FITS}"),
+                    Step("tau", "mean shear stress in both planes", "F/(2*A)", "MPa", _FITS,
+                         main=True),
+                ),
+            ),
+            Section("Limit", (yield_stress(part), shear_yield())),
+        ),
+        value="tau",
+        limit="tau_y",
+        bars=_EXACT,
+    )  # fmt: skip
 
 
 def bush(part: Part, part_loads: PartLoads, solved: Solved, check: Check) -> Derivation | None:
     """Of the pressure of a bush, or its pressure times speed; None for one that is not found."""
-    entry = next(
-        (
-            one
-            for one in part.stack
-            if one.bush is not None and check.quantity.endswith(f"bush of {bush_name(one)}")
-        ),
-        None,
+    named = [(one, bush_name(one)) for one in part.stack if one.bush is not None]
+    pressed = next((one for one, name in named if check.quantity == f"bush of {name}"), None)
+    slid = next(
+        (one for one, name in named if check.quantity == f"p v of the bush of {name}"), None
     )
+    entry = pressed or slid
     if entry is None or entry.bush is None:
         return None
-    position = position_of(part_loads, check)
-    speed = check.quantity.startswith("p v")
+    speed = entry is slid
+    turn = 0.0
     if speed:
-        position = _fastest(part_loads, solved, part, check) or position
+        position, turn = _fastest(part_loads, solved, part, entry, check.cycle)
+    else:
+        (position,) = first_largest(part_loads.resultant(bush_name(entry)))
     name, count = bush_name(entry), bush_count(entry)
     items: list[Item] = [
         Given("F", f"force of {name} on the pin", float(part_loads.resultant(name)[position]), "N",
@@ -116,11 +130,8 @@ def bush(part: Part, part_loads: PartLoads, solved: Solved, check: Check) -> Der
     value = "p"
     if speed:
         assert entry.bush.pv is not None
-        cycle = solved[check.cycle]
-        assert isinstance(cycle, loads.CycleLoads)
-        turn = float(turning(cycle, part, entry)[position - part_loads.cycles[check.cycle].start])
         items += [
-            Given("omega", "angular speed against the pin", abs(turn), "rad/s", _LOADS),
+            Given("omega", "angular speed against the pin", turn, "rad/s", _LOADS),
             Step("v", "sliding speed", "omega*d/2000", "m/s"),
             Step("q", "pressure times speed", "p*v", "MPa m/s", main=True),
         ]
@@ -148,15 +159,16 @@ def bush(part: Part, part_loads: PartLoads, solved: Solved, check: Check) -> Der
     )
 
 
-def _fastest(part_loads: PartLoads, solved: Solved, part: Part, check: Check) -> int | None:
-    """Position of the largest p v in the check's cycle: labels may repeat."""
-    cycle = solved.get(check.cycle)
-    entry = next(one for one in part.stack if check.quantity.endswith(f"of {bush_name(one)}"))
-    if not isinstance(cycle, loads.CycleLoads):
-        return None
-    columns = part_loads.cycles[check.cycle]
-    product = part_loads.resultant(bush_name(entry))[columns] * np.abs(turning(cycle, part, entry))
-    return int(columns.start) + int(product.argmax())
+def _fastest(
+    part_loads: PartLoads, solved: Solved, part: Part, entry: StackEntry, name: str
+) -> tuple[int, float]:
+    """Position of the largest p v in a computed cycle, as labels may repeat; the speed, rad/s."""
+    cycle = solved[name]
+    assert isinstance(cycle, loads.CycleLoads)
+    columns = part_loads.cycles[name]
+    speed = np.abs(turning(cycle, part, entry))
+    (at,) = first_largest(part_loads.resultant(bush_name(entry))[columns] * speed)
+    return int(columns.start) + at, float(speed[at])
 
 
 def contact(
@@ -164,20 +176,20 @@ def contact(
 ) -> Derivation | None:
     """Of the pressure of a contact that slides; None for one that is not found."""
     for name, interface in interfaces.items():
-        if interface.kind == "slide" and check.quantity.endswith(f" at {name}"):
-            roller = part.contacts.get(name)
-            if roller is None:
-                return _flat(part, part_loads, interface)
+        roller = part.contacts.get(name)
+        if interface.kind != "slide":
+            continue
+        if roller is None and check.quantity == flat_quantity(name):
+            return _flat(part, part_loads, interface)
+        if roller is not None and check.quantity == round_quantity(name):
             return _round(part, part_loads, interface, roller)
     return None
 
 
 def _round(part: Part, part_loads: PartLoads, interface: Interface, roller: Roller) -> Derivation:
     force = np.abs(part_loads.wrenches[interface.name][:, 1])
-    position = int(force.argmax())
-    own, other = part.material, roller.material
-    modulus, ratio = (210e3, 0.3) if other is None else (other.youngs_modulus, other.poisson_ratio)
-    softer = own if other is None or own.yield_stress <= other.yield_stress else other
+    (position,) = first_largest(force)
+    own, other, softer = part.material, roller_material(roller), softer_of(part, roller)
     johnson = "Johnson, Contact Mechanics, 1985, 4.2(c)"
     return Derivation(
         cases=(load_case(part, part_loads, position),),
@@ -192,8 +204,9 @@ def _round(part: Part, part_loads: PartLoads, interface: Interface, roller: Roll
                     Given("E_1", f"Young's modulus of {own.name}", own.youngs_modulus, "MPa",
                           own.source),
                     Given("nu_1", "its Poisson's ratio", own.poisson_ratio, "", own.source),
-                    Given("E_2", "Young's modulus of the roller", modulus, "MPa", "its material"),
-                    Given("nu_2", "its Poisson's ratio", ratio, "", "its material"),
+                    Given("E_2", "Young's modulus of the roller", other.youngs_modulus, "MPa",
+                          other.source),
+                    Given("nu_2", "its Poisson's ratio", other.poisson_ratio, "", other.source),
                     Step("E_s", "modulus of both",
                          "1/((1 - nu_1^2)/E_1 + (1 - nu_2^2)/E_2)", "MPa", johnson),
                     Step("b", "half width of the contact", "sqrt(4*N/l*r/(pi*E_s))", "mm", johnson),
@@ -222,7 +235,7 @@ def _flat(part: Part, part_loads: PartLoads, interface: Interface) -> Derivation
     force = np.abs(part_loads.wrenches[interface.name][:, 1])
     couple = couple_on(part_loads, interface)
     length, width = 2 * interface.patch, interface.length
-    position = int((force + 6 * couple / length).argmax())
+    (position,) = first_largest(force / (length * width) + 6 * couple / (width * length**2))
     return Derivation(
         cases=(load_case(part, part_loads, position),),
         sections=(

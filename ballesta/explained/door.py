@@ -5,24 +5,25 @@ from dataclasses import replace
 from math import isfinite
 
 import loads
-from ballesta.explained.bars import BARS, rung_bars
+from ballesta.explained.bars import BARS, ERROR, rung_bars
 from ballesta.explained.buckling import elastic_share
 from ballesta.explained.columns import columns
 from ballesta.explained.contacts import bush, contact, lugs
 from ballesta.explained.crooked import crooked
 from ballesta.explained.pins import pin
+from ballesta.explained.proven import unknown
+from ballesta.explained.proven import with_derivation as with_derivation
 from ballesta.explained.stresses import fatigue, static
 from ballesta.part_loads import PartLoads
 from ballesta.rungs.climb import Climb
 from ballesta.rungs.model import RungLevel
 from geometry.cad_body import SolidBody
 from geometry.mesh import Mesh
-from reports.derivation import Bars, Derivation, Given, Item, Section
-from reports.formulas import FormulaError
+from reports.derivation import Bars, Derivation, Section
 from reports.verdict import Check
 
 Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
-_MISSED = "the formulas written here do not give the check's number"
+_SHARE = "elastic load share"  # the quantity of a rung's buckling check
 
 
 def explained(
@@ -36,7 +37,8 @@ def explained(
 
     lugged  the part as its ligaments are known: meshed if it is from CAD
 
-    Those of a solid have theirs already (`ballesta.explained.solids`): its mesh is gone by now.
+    Those of a solid have theirs already (`ballesta.explained.solids`): its mesh is gone by now. A
+    check that nothing here knows gets one that says so (`ballesta.explained.proven.unknown`).
     """
     design, part, part_loads = climb.design, climb.part, climb.loads
     by_quantity = columns(design, part, part_loads) | crooked(design, part, part_loads)
@@ -44,7 +46,9 @@ def explained(
     of_kind: Mapping[str, Callable[[Check], Derivation | None]] = {
         "static": lambda check: _of_rung(climb, check),
         "fatigue": lambda check: _of_rung(climb, check),
-        "buckling": lambda check: by_quantity.get(check.quantity) or _of_rung(climb, check),
+        "buckling": lambda check: (
+            _of_rung(climb, check) if check.quantity == _SHARE else by_quantity.get(check.quantity)
+        ),
         "bearing": lambda check: by_kind.get(check.kind),
         "shear-out": lambda check: by_kind.get(check.kind),
         "pin bending": lambda check: pin(part, part_loads, check),
@@ -57,38 +61,8 @@ def explained(
         derivation = check.derivation
         if derivation is None and check.kind in of_kind:
             derivation = of_kind[check.kind](check)
-        done.append(check if derivation is None else with_derivation(check, derivation))
+        done.append(with_derivation(check, derivation or unknown(check)))
     return done
-
-
-def with_derivation(check: Check, derivation: Derivation) -> Check:
-    """Return a check with its derivation, which says so where it misses the check's numbers."""
-    derivation = _with_rest_of_bars(check, derivation)
-    missed = derivation.misses(check.value, check.limit)
-    if missed:
-        said = "; ".join(text for text in (derivation.unproved, f"{_MISSED}: {missed}") if text)
-        derivation = replace(derivation, unproved=said)
-    return replace(check, derivation=derivation)
-
-
-def _with_rest_of_bars(check: Check, derivation: Derivation) -> Derivation:
-    """Add what widened a check's bars after its model had told its own, such as friction."""
-    bars, more, symbols = derivation.bars, list[Item](), {}
-    for side, size in (("above", check.model), ("below", check.below)):
-        symbol = getattr(bars, side)
-        try:
-            own = derivation.number(symbol) if symbol else 0.0
-        except FormulaError:
-            continue
-        if not isfinite(size) or size - own <= 1e-9 * max(abs(check.value), own):
-            continue
-        name = f"w_{side}"
-        said = f"what widens the model band {side}: see the note of the check"
-        more.append(Given(name, said, size - own, check.unit))
-        symbols[side] = f"{symbol} {name}".strip()
-    if not more:
-        return derivation
-    return replace(derivation, bars=replace(bars, **symbols)).with_items("Wider still", more)
 
 
 def _of_rung(climb: Climb, check: Check) -> Derivation | None:
@@ -117,7 +91,7 @@ def _with_rung_bars(
         return replace(found, bars=Bars(words="nothing loads the part"))
     bars, items = rung_bars(climb.part, part_loads, level.model, check, found.value)
     if not isfinite(check.model) and bars.above:
-        bars, items = Bars(bars.numerical, words="no model band: see the note of the check"), [
-            item for item in items if item.symbol in ("e", bars.numerical)
-        ]  # fmt: skip
-    return replace(found, bars=bars, sections=(*found.sections, Section(BARS, tuple(items))))
+        bars = Bars(bars.numerical, words="no model band: see the note of the check")
+        items = [item for item in items if item.symbol in (ERROR, bars.numerical)]
+    found = replace(found, bars=bars, sections=(*found.sections, Section(BARS, tuple(items))))
+    return climb.bands[check.method].explained(check, found)

@@ -19,13 +19,19 @@ _ROWS = (0, 1, 3, 4, 5)  # of a wrench
 _BARS = "docs/theory/fits.md"
 
 
-def pin(part: Part, loads: PartLoads, check: Check) -> Derivation:
-    """Of a pin's bending, its shear, or both together."""
+_BOTH = "bending with shear, von Mises"  # what the check of both together is called
+_NOMINAL = {"pin bending": "nominal bending stress", "pin shear": "nominal shear stress"}
+
+
+def pin(part: Part, loads: PartLoads, check: Check) -> Derivation | None:
+    """Of a pin's bending, its shear, or both together; None for another quantity."""
     assert isinstance(part.geometry, Pin)
     wrenches = dict(loads.wrenches)
     pushed = pin_diagram(part.geometry, wrenches, spread=False, ends_only=True)
     pressed = pin_diagram(part.geometry, wrenches, spread=True, ends_only=True)
-    both = "von Mises" in check.quantity
+    both = check.kind == "pin bending" and check.quantity == _BOTH
+    if not both and not check.quantity.startswith(_NOMINAL[check.kind]):
+        return None
     if both:
         stress, even = pushed.equivalent_peaks, float(pressed.equivalent_peaks.max())
     elif check.kind == "pin shear":

@@ -7,7 +7,7 @@ from time import perf_counter
 
 from ballesta.design_data import Design, Part
 from ballesta.judged_fatigue import FatigueUse
-from ballesta.leaf_checks import Solved, leaf_band
+from ballesta.leaf_checks import LeafBand, Solved, leaf_band
 from ballesta.part_loads import PartLoads
 from ballesta.part_strength import fatigue_use
 from ballesta.rungs import beam, formula, plane
@@ -43,6 +43,7 @@ class Climb:
     asked      kinds of checks that a model decides: static, fatigue, buckling
     best       the narrowest estimate of each kind
     levels     rung -> its stress, judged
+    bands      rung -> what friction between leaves widened its checks by
     tried      rungs in the order in which they were tried or passed over
     doubted    kinds of which two rungs' bars have nothing in common: only a solid settles them
     live       whether a page will show the fields at every position
@@ -56,6 +57,7 @@ class Climb:
     asked: tuple[str, ...]
     best: dict[str, Estimate] = field(default_factory=dict)
     levels: dict[str, RungLevel] = field(default_factory=dict)
+    bands: dict[str, LeafBand] = field(default_factory=dict)
     tried: list[RungTried] = field(default_factory=list)
     unbuckled: bool = False
     doubted: set[str] = field(default_factory=set)
@@ -98,6 +100,7 @@ class Climb:
             if kind in wanted
         }
         self.levels[rung] = level
+        self.bands[rung] = band
         if model.buckling is not None and not model.buckling.share > 0.0:
             self.unbuckled = True
         for kind, estimate in found.items():

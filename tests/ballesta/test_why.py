@@ -1,6 +1,7 @@
 """`ballesta why`: which check is told, from a design file, a result.json or a folder."""
 
 import json
+from pathlib import Path
 
 import pytest
 
@@ -163,6 +164,115 @@ def test_what_is_no_result_is_refused(tmp_path, broken):
     path = tmp_path / "result.json"
     path.write_text(broken, encoding="utf-8")
     assert run_why(path, Wanted()) == 2
+
+
+def nested(depth):
+    value = []
+    for _ in range(depth):
+        value = [value]
+    return value
+
+
+FORMULAS = (
+    "(-8)^0.5", "9^9^9^9", "sigma", "s", "von_mises(1)", "1/0", "+".join(["1"] * 5000), "_", "",
+    "(" * 900 + "1", "-" * 1900 + "1", "a.b" * 300, "__import__('os')", "\ud800", "\0",
+)  # fmt: skip
+HOSTILE = (
+    None, True, -1, 0, 1e308, -1e308, 10**400, 5e-324, "", "x" * 10_000, "\ud800\0<script>",
+    [], {}, [1], nested(200), {"a": nested(50)}, *FORMULAS,
+)  # fmt: skip
+
+
+EVERY = 7  # place is altered, each value beginning at another
+
+
+def places(data, *before):
+    """Paths to everything in some plain data, of a list the first three and the last only."""
+    named = data.items() if isinstance(data, dict) else list(enumerate(data))
+    if isinstance(data, list):
+        named = [*named[:3], *named[3:][-1:]]
+    for key, value in named:
+        yield (*before, key)
+        if isinstance(value, dict | list):
+            yield from places(value, *before, key)
+
+
+def altered(data, path, value):
+    """The same data with one value in it replaced; `...` leaves it out."""
+    again = json.loads(json.dumps(data))
+    inside = again
+    for key in path[:-1]:
+        inside = inside[key]
+    if value is ...:
+        del inside[path[-1]]
+    else:
+        inside[path[-1]] = value
+    return again
+
+
+@pytest.fixture(scope="module")
+def two_checks(place):
+    """A result with a stress and a crooked column only: sums, superposition, root, bars."""
+    data = json.loads((place / "out" / "machine" / "result.json").read_text(encoding="utf-8"))
+    own = data["parts"][0]["checks"]
+    chosen = [
+        next(c for c in own if c["kind"] == "static"),
+        next(c for c in own if c["quantity"] == "crooked bar in plane"),
+    ]
+    return {"format": data["format"], "parts": [{"checks": chosen}], "linkage": []}
+
+
+@pytest.mark.parametrize("value", [..., *HOSTILE], ids=lambda value: str(value)[:12])
+def test_a_result_that_was_altered_is_told_or_refused_but_no_traceback_comes(
+    two_checks, tmp_path, capsys, value
+):
+    """Told: what changes no number, or says in words that the numbers do not follow."""
+    path = tmp_path / "result.json"
+    for where in list(places(two_checks))[len(str(value)) % EVERY :: EVERY]:
+        path.write_text(json.dumps(altered(two_checks, where, value)), encoding="utf-8")
+        for wanted in (Wanted(every=True, verbose=True), Wanted(every=True, as_json=True)):
+            code = run_why(path, wanted)
+            said = capsys.readouterr()
+            assert code in (0, 2), (where, said.err[-600:])
+            assert "Traceback" not in said.err
+            assert code == 0 or said.err.startswith("ballesta: "), where
+
+
+@pytest.mark.parametrize("formula", [f for f in FORMULAS if f not in ("sigma", "\ud800")])
+def test_a_formula_without_a_number_is_refused_in_words(two_checks, tmp_path, capsys, formula):
+    sections = two_checks["parts"][0]["checks"][0]["derivation"]["sections"]
+    (at,) = [k for k, s in enumerate(sections) if s["title"] == "Demand"]
+    where = ("parts", 0, "checks", 0, "derivation", "sections", at, "items", 0, "formula")
+    path = tmp_path / "result.json"
+    path.write_text(json.dumps(altered(two_checks, where, formula)), encoding="utf-8")
+    assert run_why(path, Wanted(every=True)) == 2
+    said = capsys.readouterr().err
+    assert "the formulas give no number" in said
+    assert len(said) < 1000
+
+
+def test_a_number_that_was_altered_is_told_beside_what_the_formulas_give(
+    two_checks, tmp_path, capsys
+):
+    value = two_checks["parts"][0]["checks"][0]["value"]
+    path = tmp_path / "result.json"
+    data = altered(two_checks, ("parts", 0, "checks", 0, "value"), value / 2)
+    path.write_text(json.dumps(data), encoding="utf-8")
+    assert run_why(path, Wanted(kinds=("static",))) == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert f"the formulas give a value of {value:.9g}, where {value / 2:.9g} must stand" in told
+
+
+def test_the_example_of_the_documentation_runs(result, tmp_path, monkeypatch):
+    page = Path(__file__).parents[2] / "docs" / "derivations.md"
+    code = page.read_text(encoding="utf-8").split("```")[-2]
+    (tmp_path / "out" / "toggle_press").mkdir(parents=True)
+    (tmp_path / "out" / "toggle_press" / "result.json").write_bytes(result.read_bytes())
+    monkeypatch.chdir(tmp_path)
+    names = {}
+    exec(code, names)
+    assert names["limit"] == names["check"].limit
+    assert names["missed"] == ""
 
 
 def test_a_missing_file_is_refused(tmp_path):

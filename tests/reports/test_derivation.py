@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 from html.parser import HTMLParser
+from math import inf
 
 import pytest
 
@@ -25,7 +26,7 @@ from reports.derivation_text import derivation_text
 from reports.derivation_view import FILTERS, formula_markup, view_of
 from reports.derivation_words import bar_texts, paragraphs, shares_of, status_texts
 from reports.formulas import FormulaError
-from reports.page import environment
+from reports.templating import environment
 from reports.verdict import Status
 
 from .results import HOSTILE, check
@@ -117,13 +118,49 @@ def test_a_symbol_that_is_given_twice_is_told():
 
 
 def test_what_the_formulas_miss_is_told():
-    own = derivation()
-    value = own.number("sigma")
-    assert own.misses(value, 355.0) == ""
-    assert own.misses(value * (1 + 1e-12), 355.0) == ""
-    assert "a value of 97.97" in own.misses(1.00001 * value, 355.0)
-    assert "a limit of 355" in own.misses(value, 354.0)
-    assert "q" in replace(own, equal=(("q", "S_y"),)).misses(value, 355.0)
+    own, one = derivation(), replace(explained(), limit=355.0)
+    assert own.misses(one) == ""
+    assert own.misses(replace(one, value=one.value * (1 + 1e-12))) == ""
+    assert "a value of 97.97" in own.misses(replace(one, value=1.00001 * one.value))
+    assert "a limit of 355" in own.misses(replace(one, limit=354.0))
+    assert "q" in replace(own, equal=(("q", "S_y"),)).misses(one)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"numerical": 0.98}, "the formulas give a numerical bar of 0.9797"),
+        ({"numerical": 0.0}, "the formulas give a numerical bar of 0.9797"),
+        ({"numerical": inf}, "where an infinite one must stand"),
+        ({"model": 1.0, "model_below": 0.0}, "no formula gives the model band above of 1"),
+        ({"model_below": 2.0}, "no formula gives the model band below of 2"),
+        ({"model": 1e-6, "model_below": 0.0}, "no formula gives the model band above of 1e-06"),
+    ],
+)
+def test_a_bar_that_no_formula_gives_is_told(changes, said):
+    one = replace(explained(), limit=355.0)
+    assert said in derivation().misses(replace(one, **changes))
+
+
+def test_an_infinite_bar_needs_words_and_no_formula():
+    one = replace(explained(), limit=355.0, model=inf, model_below=0.0)
+    assert derivation().misses(one) == ""
+    silent = derivation(bars=Bars("e_num"))
+    assert "nothing says why the model band above is infinite" in silent.misses(one)
+
+
+def test_a_sum_or_a_step_that_gives_a_vector_is_refused():
+    for item in (replace(SUM, symbol="w", formula="a*s"), Step("w", "", "s/2")):
+        with pytest.raises(FormulaError, match="'w' must be a number"):
+            _ = derivation().with_items("more", [item]).values
+
+
+def test_a_sum_that_no_number_can_hold_is_refused():
+    far = Sum("w", "", "a", ("1", "2"), (Column("a", "", "", (1.7e308, 1.7e308)),))
+    with pytest.raises(FormulaError, match="not finite"):
+        _ = derivation().with_items("more", [far]).values
+    with pytest.raises(FormulaError, match="no formula"):
+        _ = derivation().with_items("more", [Sum("w", "", "((", (), ())]).values
 
 
 def test_it_comes_back_from_json_as_it_was():

@@ -13,7 +13,6 @@ from reports.formulas import (
     shown_symbol,
     substituted,
     symbolic,
-    symbols_of,
 )
 
 STRESS = np.array([120.0, -30.0, 10.0, 25.0, -5.0, 8.0])
@@ -81,6 +80,12 @@ def test_vectors_are_added_and_scaled():
         "d d",
         "+".join(["d"] * 3000),
         "(" * 80 + "d" + ")" * 80 + "+" + "-" * 80 + "d",
+        "(" * 900 + "d" + ")" * 900,
+        "-" * 1900 + "d",
+        "d" + ".a" * 900,
+        "[" * 150 + "d" + "]" * 150,
+        "d\0",
+        "\ud800",
     ],
 )
 def test_what_is_no_formula_is_refused(text):
@@ -95,11 +100,23 @@ def test_what_is_no_formula_is_refused(text):
         ("sqrt(-1)", "no value"),
         ("10^400", "no"),
         ("x + 1", "'x' has no value"),
+        ("(-8)^0.5", "neither a real number"),
+        ("abs((-8)^0.5)", "neither a real number"),
+        ("9^9^9^9", "no value"),
+        ("9e999", "too large"),
+        ("9" * 400, "too large"),
+        ("asin(2)", "no value"),
+        ("von_mises(d)", "takes a vector of 6, got a number"),
+        ("von_mises(n)", "takes a vector of 6, got a vector of 3"),
+        ("sqrt(s)", "takes a number, got a vector of 6"),
+        ("max(d, s)", "takes a number, got a vector of 6"),
+        ("s + n", "no value"),
+        ("s/d", "no finite value"),
     ],
 )
 def test_a_formula_without_a_value_says_why(text, why):
     with pytest.raises(FormulaError, match=why):
-        evaluate(text, {"d": 0.0})
+        evaluate(text, {"d": 0.0, "s": STRESS, "n": STRESS[:3]})
 
 
 @pytest.mark.parametrize(
@@ -141,10 +158,26 @@ def test_von_mises_is_written_out_with_numbers():
     assert shown == "√(((5 − 0)² + (0 − 0)² + (0 − 5)²)/2 + 3·(2² + 0² + 0²))"
 
 
-def test_symbols_and_functions_are_found_in_their_order():
-    text = "max(b, a)*pi + sqrt(a)"
-    assert symbols_of(text) == ["b", "a"]
-    assert functions_of(text) == ["max", "sqrt"]
+@pytest.mark.parametrize("value", [1j, True, 3, "4", np.float32(1.0), np.zeros((2, 2)), None])
+def test_a_symbol_that_is_neither_a_float_nor_a_vector_is_refused(value):
+    with pytest.raises(FormulaError, match="neither a real number nor a vector"):
+        evaluate("d", {"d": value})
+
+
+def test_a_message_does_not_repeat_a_long_formula():
+    with pytest.raises(FormulaError) as raised:
+        evaluate("d.a" + "+d" * 900, {})
+    assert len(str(raised.value)) < 200
+
+
+def test_numbers_are_put_in_where_there_is_no_stress_to_write_out():
+    assert substituted("von_mises(1/0)", {}) == "σ_vM(1/0)"
+    assert substituted("von_mises(n)", {"n": STRESS[:3]}).startswith("σ_vM([120")
+    assert shown_symbol("_") == "_"
+
+
+def test_functions_are_found_in_their_order():
+    assert functions_of("max(b, a)*pi + sqrt(a)") == ["max", "sqrt"]
 
 
 def test_greek_letters_are_shown_as_such():

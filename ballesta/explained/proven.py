@@ -1,0 +1,45 @@
+"""Whether a derivation gives its check's numbers, and what stands for one that is not known."""
+
+from dataclasses import replace
+from math import isfinite
+
+from reports.derivation import Bars, Derivation, Given, Item, Section
+from reports.verdict import Check
+
+MISSED = "the formulas written here do not give all of the check's numbers"
+UNKNOWN = "no derivation of this check is known: its numbers are put in as the check has them"
+
+
+def with_derivation(check: Check, derivation: Derivation) -> Check:
+    """Return a check with its derivation, which says so where it misses the check's numbers."""
+    missed = derivation.misses(check)
+    if missed and missed not in derivation.unproved:
+        said = "; ".join(text for text in (derivation.unproved, f"{MISSED}: {missed}") if text)
+        derivation = replace(derivation, unproved=said)
+    return replace(check, derivation=derivation)
+
+
+def unknown(check: Check) -> Derivation:
+    """A derivation that derives nothing and says so."""
+    source = f"the check, by {check.method}"
+    bars, widths = {}, list[Item]()
+    for side, name, size in (
+        ("numerical", "numerical error bar", check.numerical),
+        ("above", "model band above", check.model),
+        ("below", "model band below", check.below),
+    ):
+        if size and isfinite(size):
+            bars[side] = f"e_{side}"
+            widths.append(Given(f"e_{side}", name, size, check.unit, source))
+    return Derivation(
+        cases=(),
+        sections=(
+            Section("Demand", (Given("v", check.quantity, check.value, check.unit, source, True),)),
+            Section("Limit", (Given("L", check.basis, check.limit, check.unit, source, True),)),
+            Section("Error bars", tuple(widths)),
+        ),
+        value="v",
+        limit="L",
+        bars=Bars(**bars, words="bars as the check has them"),
+        unproved=UNKNOWN,
+    )
