@@ -32,8 +32,16 @@ _RAYS = np.r_[0.0, np.linspace(1.0, 3.0, 9), np.geomspace(3.0, 30.0, 9)[1:]]
 
 
 def haigh_data(part: Part, level: Stressed, peak: FatiguePeak) -> dict[str, Any]:
-    """What `haigh_of` tells, and cycle -> path: mean and amplitude of each position, (n,) MPa."""
-    return haigh_of(part, level, peak) | {"paths": _paths(level, _chord(level, peak), peak)}
+    """What `haigh_of` tells, and more.
+
+    away   MPa, endurance limit away from notches and fretting
+    paths  cycle -> mean and amplitude of each position, (n,) MPa
+    """
+    assert level.duty is not None
+    return haigh_of(part, level, peak) | {
+        "away": float(level.duty.limit),
+        "paths": _paths(level, _chord(level, peak), peak),
+    }
 
 
 def _chord(level: Stressed, peak: FatiguePeak) -> tuple[int, int]:
@@ -81,7 +89,7 @@ def life_data(level: Stressed, peak: FatiguePeak, task: LifeTask, design: Design
     asked            what the design asks for, "infinite" or "finite" life
     required         safety on all loads
     why              why there is no line; "" where there is one
-    limit            MPa, endurance limit at the point
+    limit, away      MPa, endurance limit at the point, and away from notches and fretting
     line, below      (2, 2) cycles and MPa: to the knee, and on with the slope below it
     endless          whether a life without a cycle above the limit is infinite
     cycles           (n, 4) count, equivalent fully reversed amplitude (MPa), damage, and that
@@ -95,7 +103,7 @@ def life_data(level: Stressed, peak: FatiguePeak, task: LifeTask, design: Design
     why = why_no_curve(task.material, limit, axial=task.axial) or ""
     data: dict[str, Any] = {
         "asked": design.duty.life, "required": required, "chain": "Marin", "why": why,
-        "limit": limit, "line": [], "below": [],
+        "limit": limit, "away": float(duty.limit), "line": [], "below": [],
         "ultimate": task.material.ultimate_stress, "endless": task.endless,
         "allowed": task.allowed_damage, "damage": None,
     }  # fmt: skip

@@ -12,14 +12,16 @@ def convergence_data(
 ) -> dict[str, list[dict[str, Any]]]:
     """Kind of check -> one entry per mesh, coarse to fine.
 
-    unknowns  that a mesh of the whole part would have: those of half of it count twice
+    unknowns  of the mesh
+    half      whether the mesh is half of the part
     value     MPa
     bar       MPa, what a finer mesh makes smaller of the numerical error; None on the first mesh
     """
     return {
         kind: [
             {
-                "unknowns": level.unknowns * (2 if level.half else 1),
+                "unknowns": level.unknowns,
+                "half": level.half,
                 "value": what.value(level),
                 "bar": mesh_bar(what, levels[: k + 1]) * abs(what.value(level)) if k else None,
             }

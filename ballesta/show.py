@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 
-from ballesta.check import check_design
 from ballesta.design import read_design
 from ballesta.errors import DesignError
 from ballesta.names import no_such
@@ -14,6 +13,8 @@ from ballesta.run import GAVE_UP, WRONG_INPUT, effort_of, guarded, progress, sto
 from reports.window import Trouble, open_window, probe_window, window_picture
 from reports.window_files import scene_of
 from reports.words import brief, verdict_sentence
+
+_FIELDLESS = ("formula", "beam")  # rungs without a mesh
 
 
 @dataclass(frozen=True)
@@ -41,10 +42,21 @@ def run_show(path: Path, wanted: Wanted, overrides: Sequence[str] = ()) -> int:
         reading = perf_counter() - start
         if wanted.part is not None and wanted.part not in design.parts:
             raise DesignError(path, "PART", no_such("part", wanted.part, design.parts))
+        if wanted.picture is not None and wanted.picture.suffix.lower() != ".png":
+            problem = f'must be named .png, got "{wanted.picture.name}"'
+            raise DesignError(wanted.picture, "--off-screen", problem)
         # before the check, which may take minutes
         trouble = probe_window(off_screen=wanted.picture is not None)
         if trouble is not None:
             return _told(trouble)
+        if wanted.fidelity in _FIELDLESS:
+            print(
+                f"ballesta: show: --fidelity {wanted.fidelity} makes no mesh, so no part will have "
+                "a field: all are shown grey; auto, plane or solid gives fields",
+                file=sys.stderr,
+            )
+        from ballesta.check import check_design  # the solvers, which a trial does not need
+
         with progress(path, len(design.parts)) as say:
             result = check_design(
                 design, effort=effort, say=say, reading=reading, store=store, live=True

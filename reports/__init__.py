@@ -1,6 +1,6 @@
 """What we tell people: the verdict as text, as a page with charts and pictures, and as files."""
 
-from reports.charts import cycle_charts, part_charts, utilisation_chart
+from reports.charts import cycle_charts, part_charts
 from reports.files import read_json, replacing, write_json, write_vtu
 from reports.page import report_html, write_report
 from reports.pictures import Pictures, render_stills
@@ -30,7 +30,6 @@ __all__ = [
     "render_stills",
     "replacing",
     "report_html",
-    "utilisation_chart",
     "verdict_renderable",
     "verdict_text",
     "write_json",

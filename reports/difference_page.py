@@ -9,8 +9,8 @@ from markupsafe import Markup
 from reports.difference_summary import GROUPS, ROUND_OFF, Difference
 from reports.difference_text import change_text, summary_sentence, values_text
 from reports.files import replacing
-from reports.page import environment
 from reports.svg import colour_variables
+from reports.templating import environment
 
 
 def difference_html(difference: Difference) -> str:

@@ -25,7 +25,7 @@ def gauge(check: Check) -> Markup:
         *_bars(check, use),
         f'<path class="limit" d="M{_UNIT:g} 0V{_HEIGHT:g}"/>',
     ]
-    if use > _WIDTH:
+    if max(use, _high(check)) > _WIDTH:
         drawn.append(f'<path class="beyond" d="M{_WIDTH - 6:g} 3l5 {_MIDDLE - 3:g}l-5 5"/>')
     return Markup(
         f'<svg class="gauge {check.status}" viewBox="0 0 {_WIDTH:g} {_HEIGHT:g}" '
@@ -46,7 +46,7 @@ def _at(check: Check, value: float) -> float:
 def _bars(check: Check, use: float) -> list[str]:
     if not isfinite(check.numerical + check.model):
         return [_line("endless", min(max(0.0, _low(check)), _WIDTH), _WIDTH)]
-    low, high = _low(check), _at(check, check.value + check.numerical + check.model)
+    low, high = _low(check), _high(check)
     if high - low < 0.05:  # nothing to be seen
         return []
     drawn = [_line("model", low, high)]
@@ -55,6 +55,12 @@ def _bars(check: Check, use: float) -> list[str]:
         drawn.append(_line("numerical", use - numerical, use + numerical))
     ends = "".join(f"M{x:.2f} 4V{_HEIGHT - 4:g}" for x in (low, high) if 0 < x < _WIDTH)
     return [*drawn, f'<path class="ends" d="{ends}"/>'] if ends else drawn
+
+
+def _high(check: Check) -> float:
+    """Where the upper end of the bars is; of endless ones the value, since they are dotted."""
+    bars = check.numerical + check.model
+    return _at(check, check.value + (bars if isfinite(bars) else 0.0))
 
 
 def _low(check: Check) -> float:

@@ -16,8 +16,8 @@ from urllib.parse import quote
 from markupsafe import Markup
 
 from reports.gauge import gauge
-from reports.page import environment
 from reports.svg import colour_variables
+from reports.templating import environment
 from reports.verdict import Check
 from reports.words import clean, need_text, safety_text, utilisation_text
 

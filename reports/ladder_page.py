@@ -17,8 +17,8 @@ from reports.ladder_words import (
     value_and_bar,
     whole_bar,
 )
-from reports.page import environment
 from reports.svg import SERIES, colour, colour_variables, draw
+from reports.templating import environment
 from reports.verdict import Check
 from reports.words import brief, number
 

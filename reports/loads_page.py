@@ -23,8 +23,8 @@ from reports.loads_words import (
     header_sentences,
 )
 from reports.mechanism import arrow_scale, mechanism_data, mechanism_svg
-from reports.page import environment
 from reports.svg import colour_variables
+from reports.templating import environment
 from reports.words import brief, number, place_text, quantity_unit
 
 

@@ -23,10 +23,13 @@ from reports.mechanism_layout import ARROW, Layout
 from reports.mechanism_picture import TIP, Picture
 from reports.mechanism_places import both_ends, entry
 from reports.motion import Motion, PinForce, motion_gaps
+from reports.places import deciding_place
+from reports.templating import environment
 from reports.verdict import DesignResult
 from reports.words import brief, number, place_text, quantity_unit
 
 PREFIX = "mechanism"
+_PRINTED = 24  # rows of forces that paper has room for
 _STAYS = 1e-9  # of the linkage's size: a pin that moves less on its body is fixed there
 
 
@@ -46,6 +49,7 @@ def mechanism_panel(result: DesignResult) -> Markup | None:
     where = (
         f"cycle {brief(cycle, 40)}, {_where(result, cycle, int(result.motion[cycle].index[row]))}"
     )
+    tables = [_table(result, name) for name in names]
     text: str = _template().render(
         svg=Markup(picture.svg(f"The mechanism in {where}, with the forces at its pins")),
         where=where,
@@ -53,7 +57,8 @@ def mechanism_panel(result: DesignResult) -> Markup | None:
         torques=bool(layout.turning),
         efforts=_named([force.name for force in layout.linkage.forces]),
         gaps=motion_gaps(result),
-        tables=[_table(result, name) for name in names],
+        tables=tables,
+        short=sum(len(table["rows"]) for table in tables) <= _PRINTED,
         data=Markup(_packed(_data(result, names, picture))),
     )
     return Markup(text)
@@ -69,19 +74,17 @@ def _at_pins(motions: Sequence[Motion]) -> Iterator[tuple[FloatArray, FloatArray
 
 @cache
 def _template() -> Any:
-    from reports.page import environment  # the page is made of this panel
-
     return environment().get_template("mechanism.html.j2")
 
 
 def _start(result: DesignResult, names: Sequence[str]) -> tuple[str, int]:
-    """Cycle and kept row at which the part that decides has its peak, else the first of all."""
-    if result.checks:
-        decides = result.deciding
-        peaks = result.cycles.get(decides.cycle, {}).get("peaks", {}).get(decides.part)
-        if decides.cycle in names and peaks is not None and len(peaks):
-            motion = result.motion[decides.cycle]
-            return decides.cycle, round(motion.row_of(float(np.argmax(peaks))))
+    """Cycle and kept row nearest to what decides the verdict, else the first of all."""
+    place = deciding_place(result)
+    if place is not None:
+        cycle, position, _ = place
+        name = list(result.cycles)[cycle]
+        if name in names:
+            return name, round(result.motion[name].row_of(position))
     return names[0], 0
 
 
@@ -161,7 +164,6 @@ def _data(result: DesignResult, names: Sequence[str], picture: Picture) -> dict[
     index_of = {part.name: index for index, part in enumerate(result.parts)}
     stretch_of = {name: k for k, name in enumerate(names)}
     return {
-        "unit": round(layout.unit, 6),
         "tip": round(TIP * layout.unit, 6),
         "joints": len(layout.joints),
         "marks": [

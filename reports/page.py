@@ -1,12 +1,9 @@
 """The report: one HTML page that stands alone, with a script of its own, nothing from outside."""
 
-from collections.abc import Mapping
 from functools import cache
-from numbers import Integral
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from reports.files import replacing
@@ -21,27 +18,29 @@ from reports.page_parts import (
     tiles,
     worst_first,
 )
+from reports.page_words import (
+    cure_of,
+    has_place,
+    mirrored,
+    page_bars,
+    page_headline,
+    reach_words,
+    rungs_beside,
+    swings,
+)
 from reports.pictures import Pictures
 from reports.svg import colour_variables
+from reports.templating import environment
 from reports.verdict import DesignResult
-from reports.words import (
-    bar_words,
-    brief,
-    clean,
-    gate_sentence,
-    gate_word,
-    headline,
-    moment,
-    need_text,
-    number,
-    place_text,
-    reason,
-    safety_text,
-    utilisation_text,
-    value_and_bars,
-    verdict_sentence,
-    where,
-)
+from reports.words import verdict_sentence
+
+_WORDS = {
+    "bar_words": page_bars,
+    "reach": reach_words,
+    "cure": cure_of,
+    "mirrored": mirrored,
+    "rungs_beside": rungs_beside,
+}
 
 
 def write_report(result: DesignResult, pictures: Pictures, path: str | Path) -> None:
@@ -61,10 +60,12 @@ def report_html(result: DesignResult, pictures: Pictures | None = None) -> str:
     rows = check_rows(result)
     parts = part_views(result, rows, pictures)
     linkage = worst_first([row for row in rows if any(row.check is c for c in result.linkage)])
+    said, doubts = page_headline(result)
     text: str = _template().render(
         result=result,
         status=str(result.status),
-        headline=headline(result),
+        headline=said,
+        doubts=doubts,
         sentence=verdict_sentence(result),
         deciding=next((row for row in rows if row.decides), None),
         rows=worst_first(rows),
@@ -87,57 +88,11 @@ def report_html(result: DesignResult, pictures: Pictures | None = None) -> str:
     return text
 
 
-def value_text(value: Any) -> str:
-    """Fact or number of a mesh as text: whole numbers whole, others to four digits."""
-    if isinstance(value, bool) or value is None:
-        return {True: "yes", False: "no", None: "–"}[value]
-    if isinstance(value, str):
-        return clean(value)
-    if isinstance(value, Integral):
-        return f"{int(value):,}".replace(",", " ")
-    if isinstance(value, Mapping):
-        return ", ".join(f"{key}: {value_text(item)}" for key, item in value.items())
-    if isinstance(value, list | tuple):
-        return ", ".join(value_text(item) for item in value)
-    try:
-        return number(value, 4)
-    except (TypeError, ValueError):
-        return clean(value)
-
-
-def environment() -> Environment:
-    """Return a new environment that finds the templates and escapes what they are given."""
-    result = Environment(
-        loader=PackageLoader("reports"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        finalize=lambda value: value if isinstance(value, Markup) else clean(value, lines=True),
-    )
-    result.filters |= {
-        "brief": brief,
-        "need": need_text,
-        "number": number,
-        "safety": safety_text,
-        "utilisation": utilisation_text,
-        "bars": value_and_bars,
-        "bar_words": bar_words,
-        "gate": gate_sentence,
-        "gate_word": gate_word,
-        "moment": moment,
-        "place": place_text,
-        "reason": reason,
-        "where": where,
-        "value": value_text,
-    }
-    return result
-
-
 @cache
 def _template() -> Any:
     from reports.derivation_view import FILTERS
 
     found = environment()
-    found.filters |= FILTERS
+    found.filters |= FILTERS | _WORDS
+    found.tests |= {"with_place": has_place, "swinging": swings}
     return found.get_template("report.html.j2")

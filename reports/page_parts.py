@@ -11,7 +11,9 @@ from markupsafe import Markup
 from reports.charts import Charts, cycle_charts, part_charts
 from reports.gauge import gauge
 from reports.loads_words import BrokenGates, broken_by_kind
+from reports.page_words import doubt_of
 from reports.pictures import PLAIN, Pictures
+from reports.places import Place, place_of
 from reports.verdict import Check, DesignResult, Gate, HandCheck, PartResult, Status, deciding_of
 from reports.words import brief, check_titles, number
 
@@ -43,6 +45,8 @@ class Row:
     decides  whether it decides the verdict; leads whether it is the worst of its part
     gauge    its utilisation as a picture
     place    (cycle, position, part) by their numbers, to be shown in the live view; None if unknown
+    doubt    what a pass rests on that does not hold, in a few words
+    part     whose check it is; None for the linkage
     """
 
     number: int
@@ -51,7 +55,9 @@ class Row:
     decides: bool
     leads: bool
     gauge: Markup
-    place: tuple[int, int, int] | None
+    place: Place | None
+    doubt: str = ""
+    part: PartResult | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +114,9 @@ def check_rows(result: DesignResult) -> list[Row]:
             decides=check is result.deciding,
             leads=any(check is lead for lead in leading),
             gauge=gauge(check),
-            place=_place(check, result),
+            place=place_of(check, result),
+            doubt=doubt_of(check, result),
+            part=next((part for part in result.parts if part.name == check.part), None),
         )
         for number, (check, title) in enumerate(
             zip(checks, check_titles(checks), strict=True), start=1
@@ -124,22 +132,6 @@ def worst_first(rows: Sequence[Row]) -> list[Row]:
 def _upper(check: Check) -> float:
     bars = check.numerical + check.model
     return (check.value + (bars if isfinite(bars) else 0.0)) * check.required / check.limit
-
-
-def _place(check: Check, result: DesignResult) -> tuple[int, int, int] | None:
-    """Where the live view shows what decides a check: its load case, else the part's peak."""
-    part = next((k for k, each in enumerate(result.parts) if each.name == check.part), None)
-    if part is None or check.cycle not in result.cycles:
-        return None
-    names = list(result.cycles)
-    if check.derivation is not None and check.derivation.cases:
-        case = check.derivation.cases[-1]
-        if case.cycle in names:
-            return names.index(case.cycle), case.index, part
-    peaks = (result.cycles[check.cycle].get("peaks") or {}).get(check.part)
-    if check.kind != "static" or peaks is None or not len(peaks):
-        return None
-    return names.index(check.cycle), max(range(len(peaks)), key=lambda k: float(peaks[k])), part
 
 
 def part_views(result: DesignResult, rows: Sequence[Row], pictures: Pictures) -> list[PartView]:

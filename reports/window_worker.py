@@ -47,7 +47,7 @@ class Window:
         self.colours: Any = self.pyvista.LookupTable("viridis", n_values=_SMOOTH)
         self.colours.nan_color = "lightgrey"
         self.meshes = [self._surface(k) for k in range(len(scene.parts))]
-        self.plotter.add_scalar_bar(
+        self.bar: Any = self.plotter.add_scalar_bar(
             " ", mapper=self.meshes[0][1].mapper, color="black", vertical=True, fmt="%.3g",
             n_labels=6, position_x=0.92, position_y=0.2, height=0.6, width=0.05,
             title_font_size=16, label_font_size=15,
@@ -209,6 +209,7 @@ class Window:
         )
         self.colours.scalar_range = (low, high)
         shown = scene.shown(view)
+        self.bar.SetVisibility(any(scene.values(part, view) is not None for part in shown))
         for part, (mesh, actor, edges, lines) in enumerate(self.meshes):
             for each in (actor, lines):
                 if each is not None:

@@ -235,10 +235,14 @@ def reason(check: Check) -> str:
 
 def _wider(check: Check) -> str:
     """Say of a bar that is wider than its value that the model tells little more than a bound."""
-    for bar, owner in ((check.numerical, "numerical"), (check.model, "model")):
+    _, numerical, model = value_and_bars(check)
+    for bar, owner, written in (
+        (check.numerical, "numerical", numerical),
+        (check.model, "model", model),
+    ):
         if check.value and bar > check.value:
             return (
-                f"; its {owner} bar is wider than the value: {_bar(bar, None, owner)} on "
+                f"; its {owner} bar is wider than the value: {written} on "
                 f"{number(check.value)} {check.unit}".rstrip()
                 + ", so the value is a bound, not an estimate"
             )

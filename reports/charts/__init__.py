@@ -4,7 +4,6 @@ from reports.charts.chart import Chart, Charts, Missing, Series
 from reports.charts.cycles import cycle_charts
 from reports.charts.overlay import curves_chart
 from reports.charts.parts import part_charts
-from reports.charts.utilisation import utilisation_chart
 
 __all__ = [
     "Chart",
@@ -14,5 +13,4 @@ __all__ = [
     "curves_chart",
     "cycle_charts",
     "part_charts",
-    "utilisation_chart",
 ]

@@ -13,6 +13,7 @@ from reports.words import brief, number
 
 _TITLE = "Convergence of the governing stress"
 _WORDS = {"static": "peak von Mises stress", "fatigue": "equivalent amplitude"}
+_WHOLE = ("the part", "half of the part")  # by whether a mesh is half of it
 _ROOM = 0.004  # of the value, that the axis shows at least
 
 
@@ -31,6 +32,7 @@ def convergence_chart(part: PartResult) -> Chart | Missing:
     svg = drawing(plot, f"Convergence of the {kind} stress of {brief(part.name, 40)}", 2.8)
     columns = [
         "check",
+        "mesh of",
         "unknowns",
         "value [MPa]",
         "± numerical [MPa]",
@@ -43,7 +45,14 @@ def convergence_chart(part: PartResult) -> Chart | Missing:
             before = meshes[k - 1]["value"] if k else None
             change = "–" if not before else f"{fixed(100 * (mesh['value'] / before - 1), 2)} %"
             rows.append(
-                [name, f"{mesh['unknowns']:d}", number(mesh["value"], 5), _bar(bar), change]
+                [
+                    name,
+                    _WHOLE[_half(mesh)],
+                    f"{mesh['unknowns']:d}",
+                    number(mesh["value"], 5),
+                    _bar(bar),
+                    change,
+                ]
             )
     return Chart("convergence", _TITLE, _caption(kind, entries, check), svg, columns, rows)
 
@@ -55,6 +64,11 @@ def _check(part: PartResult, kind: str, entries: Sequence[Mapping[str, Any]]) ->
         if check.kind == kind and check.method.startswith("solid"):
             return check if abs(check.value - value) <= 1e-6 * value else None
     return None
+
+
+def _half(entry: Mapping[str, Any]) -> bool:
+    """Whether an entry's mesh is half of the part, cut at its plane of symmetry."""
+    return bool(entry.get("half"))
 
 
 def _use(part: PartResult, kind: str) -> float:
@@ -82,7 +96,9 @@ def _draw(
     room = max(0.18 * (most - least), _ROOM * most)
     first, last = min(unknowns) / 1.35, max(unknowns) * 1.8
     plane = Plane(figure, (first, last), (least - room, most + 1.4 * room), logarithmic="x")
-    plane.titles("unknowns of the mesh, of the whole part [–]", f"{_WORDS.get(kind, kind)} [MPa]")
+    halves = [_half(entry) for entry in entries]
+    of_all = f", of {_WHOLE[True]}" if all(halves) else ""
+    plane.titles(f"unknowns of the mesh{of_all} [–]", f"{_WORDS.get(kind, kind)} [MPa]")
     ticks = sorted({unknowns[0], unknowns[-1]}) if len(unknowns) < 4 else unknowns[::2]
     plane.axes.set_xticks(ticks, [f"{tick:,.0f}".replace(",", "\u2009") for tick in ticks])
     plane.axes.ticklabel_format(axis="y", useOffset=False, style="plain")
@@ -103,8 +119,9 @@ def _draw(
                        markersize=9)  # fmt: skip
         plane.line([[x, value]], color=SERIES[0], marker="o", markersize=6.5)
         plane.avoid([[x, value]])
-    for x, value in zip(unknowns, values, strict=True):
-        plane.name(number(value, 4), [[x, value]], SERIES[0], weight="bold")
+    for x, value, half in zip(unknowns, values, halves, strict=True):
+        told = f", {_WHOLE[True]}" if half and not all(halves) else ""
+        plane.name(f"{number(value, 4)}{told}", [[x, value]], SERIES[0], weight="bold")
     allowed = None if check is None else check.limit / check.required
     if allowed is not None and plane.axes.get_ylim()[0] < allowed < plane.axes.get_ylim()[1]:
         line = plane.line([[first, allowed], [last, allowed]], color=colour("fail"), linewidth=1.5)

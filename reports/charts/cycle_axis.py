@@ -19,6 +19,7 @@ from reports.words import brief, place_text
 _LEAST = 0.08  # of the width, that a phase has at least
 _SLIP = 1e-9  # of the way, by which a position may go back by rounding
 _GAP = 0.012  # of the width, between two phases
+_ALIKE = 0.02  # of a scale: phases whose scales differ by less have the same
 _APART = 0.062  # of the width, that two numbers on the axis need
 _RIGHT_ANGLES = {"deg": (30.0, 45.0, 60.0, 90.0, 180.0, 360.0)}
 
@@ -50,6 +51,16 @@ class CycleAxis:
     def label(self) -> str:
         """Name and unit."""
         return f"{self.name} [{self.unit}]"
+
+    @property
+    def scales_told(self) -> str:
+        """That the phases have different scales, in a sentence; "" where they have one."""
+        ways = [abs(float(self.values[run[-1]] - self.values[run[0]])) for run in self.runs]
+        wide = [float(self.across[run[-1]] - self.across[run[0]]) for run in self.runs]
+        per = [width / way for width, way in zip(wide, ways, strict=True) if way > 0]
+        if len(self.runs) < 2 or (len(per) == len(ways) and max(per) < (1 + _ALIKE) * min(per)):
+            return ""
+        return f"Along {self.name} each phase has its own scale."
 
     def at(self, index: int) -> str:
         """A position in words."""

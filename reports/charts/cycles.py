@@ -71,7 +71,7 @@ def loads_chart(name: str, axis: CycleAxis, cycle: Mapping[str, Any]) -> Chart |
     told = "Size of the force on each interface, whatever its direction."
     if len(groups) < len(links):
         told += f" Loads that differ by less than {100 * _ALIKE:g} % of the largest are one curve."
-    return Chart("loads", title, told, svg, columns, rows, series)
+    return Chart("loads", title, _with_scales(told, axis), svg, columns, rows, series)
 
 
 def _alike(curves: Mapping[str, FloatArray], tolerance: float) -> list[list[str]]:
@@ -134,7 +134,8 @@ def drive_chart(name: str, axis: CycleAxis, cycle: Mapping[str, Any]) -> Chart |
         panels.append(Panel("power", unit, curves))
     svg, series = over_cycle(f"Efforts and powers over cycle {brief(name, 40)}", axis, panels)
     columns, rows = cycle_table(axis, panels)
-    return Chart("drive", title, _work_told(cycle, powers), svg, columns, rows, series)
+    told = _with_scales(_work_told(cycle, powers), axis)
+    return Chart("drive", title, told, svg, columns, rows, series)
 
 
 def _work_told(cycle: Mapping[str, Any], powers: Mapping[str, FloatArray]) -> str:
@@ -204,7 +205,13 @@ def peaks_chart(
         told.insert(0, f"Above the chart: {'; '.join(beyond)}.")
     if bars:
         told.append("Bars: error of the static check's value.")
-    return Chart("peaks", title, " ".join(told[: _NOTES + 2]), svg, columns, rows, series)
+    caption = _with_scales(" ".join(told[: _NOTES + 2]), axis)
+    return Chart("peaks", title, caption, svg, columns, rows, series)
+
+
+def _with_scales(caption: str, axis: CycleAxis) -> str:
+    """The caption, and that the axis is not to scale from phase to phase where it is not."""
+    return f"{caption} {axis.scales_told}".strip()
 
 
 def _static(part: PartResult) -> Check | None:

@@ -17,6 +17,8 @@ from reports.words import brief, need_text, number, safety_text
 
 _TITLE = "Haigh diagram"
 _ROWS = 13
+_ALIKE = 1e-3  # of a limit: what differs by less is the same
+LOWERED = "by the notch or fretting factor at this place"
 SWING = "the swing from the least stressed state to this position"
 _RULES = {"Findley": "Findley's plane", "Miner": "Miner's sum", "FKM": "the FKM guideline"}
 
@@ -45,7 +47,7 @@ def haigh_chart(part: PartResult, result: DesignResult) -> Chart | Missing:
     def plot(figure: Any) -> Any:
         plane = _plane(figure, data, limit, point)
         _lines(plane, data, limit, rule, check)
-        _points(plane, data, point, used, list(paths.values()))
+        _points(plane, data, point, _safety_told(data, used, check), list(paths.values()))
         return lambda: _marks(plane, data, paths)
 
     label = f"Haigh diagram of {brief(part.name, 40)}"
@@ -60,6 +62,14 @@ def limit_line(data: Mapping[str, Any]) -> FloatArray:
     if data.get("line"):
         return np.array(data["line"], dtype=float)
     return np.array([[0.0, data["endurance"]], [data["ultimate"], 0.0]], dtype=float)
+
+
+def limit_told(data: Mapping[str, Any], limit: float) -> str:
+    """How an endurance limit, MPa, comes from that away from notches; "" where it is the same."""
+    away = float(data.get("away") or limit)
+    if not limit < (1.0 - _ALIKE) * away:
+        return ""
+    return f"{number(away)} MPa / {away / limit:.3g} = {number(limit)} MPa"
 
 
 def utilisation(data: Mapping[str, Any], points: FloatArray) -> FloatArray:
@@ -119,9 +129,25 @@ def _lines(
         plane.name(text, line, tint, prefer=0.72, weight="bold")
 
 
+def _decider(data: Mapping[str, Any]) -> str:
+    """The criterion that decides where it is not the diagram's own, else ""."""
+    criterion = str(data.get("criterion"))
+    return criterion if criterion in _RULES and criterion != "FKM" else ""
+
+
+def _safety_told(data: Mapping[str, Any], used: float, check: Check | None) -> str:
+    """The critical point's safety in this diagram, and the check's where another rule decides."""
+    safety = f"safety {safety_text(1 / used if used else np.inf)}"
+    other = _decider(data)
+    if not other or check is None:
+        return f"critical point, {safety}"
+    return f"{safety} by Goodman ({other} decides: {safety_text(check.safety)})"
+
+
 def _points(
-    plane: Plane, data: Mapping[str, Any], point: FloatArray, used: float, paths: list[FloatArray]
+    plane: Plane, data: Mapping[str, Any], point: FloatArray, safety: str, paths: list[FloatArray]
 ) -> None:
+    used = float(utilisation(data, point[None])[0])
     cloud = _cloud(data)
     plane.dots(cloud, SERIES[4], 2.6)
     if used > 0 and isfinite(used):
@@ -133,8 +159,7 @@ def _points(
         plane.line(path[kept], color=SERIES[1], linewidth=1.5)
     plane.line([point], crossed=True, color=SERIES[1], marker="o", markersize=8)
     plane.avoid([point])
-    plane.name(f"critical point, safety {safety_text(1 / used if used else np.inf)}", [point],
-               SERIES[1], weight="bold")  # fmt: skip
+    plane.name(safety, [point], SERIES[1], weight="bold")
     if used > 0 and isfinite(used):
         plane.name("ray of all loads", [point, point / used], ink(), prefer=0.6)
 
@@ -172,11 +197,14 @@ def _caption(data: Mapping[str, Any], check: Check | None, rule: str, used: floa
     )
     told.append(f"The dotted ray shows how far all loads may grow: × {safety_text(1 / used)}."
                 if used else "The point is not loaded.")  # fmt: skip
-    other = _RULES.get(str(data.get("criterion")))
-    if check is not None and other and rule == "Goodman":
+    lowered = limit_told(data, float(data["endurance"]))
+    if lowered and rule == "Goodman":
+        told.append(f"The line begins at the endurance limit, lowered {LOWERED}: {lowered}.")
+    other = _decider(data)
+    if check is not None and other:
         told.append(
-            f"The check is decided by {other}, with a safety of {safety_text(check.safety)}; this "
-            "diagram shows what Goodman says of the same point."
+            f"The check is decided by {_RULES[other]}, with a safety of "
+            f"{safety_text(check.safety)}; this diagram shows what Goodman says of the same point."
         )
     elif check is not None and not check.method.startswith("solid"):
         told.append(f"Stress by {brief(check.method, 40)}; its error bars stand with the check.")

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from reports.charts.chart import Chart, Missing, Series
-from reports.charts.haigh import SWING, path_of, utilisation
+from reports.charts.haigh import LOWERED, SWING, limit_told, path_of, utilisation
 from reports.charts.numbers import FloatArray, decimals_of, fixed, numbers
 from reports.charts.over_cycle import cursor_text
 from reports.charts.plane import LABEL, Plane, drawing, ink
@@ -130,11 +130,21 @@ def _lines(plane: Plane, data: Mapping[str, Any]) -> None:
         plane.name("S-N line", upper, SERIES[0], prefer=0.4, weight="bold")
     if endless or not line:
         level = plane.line([[start, limit], [last, limit]], **strong)
-        plane.name("endurance limit", level, SERIES[0], prefer=0.8, weight="bold")
+        plane.name(_limit_name(data), level, SERIES[0], prefer=0.8, weight="bold")
     if data["below"]:
         below = plane.line(data["below"], color=SERIES[0], linewidth=1.4, linestyle=(0, (1.5, 1.5)))
-        told = "where larger cycles do damage" if endless else "no endurance limit"
-        plane.name(told, below, SERIES[0], prefer=0.5)
+        if endless:
+            plane.name("where larger cycles do damage", below, SERIES[0], prefer=0.5)
+        else:
+            plane.line([[start, limit]], color=SERIES[0], marker="o", markersize=5)
+            plane.name(_limit_name(data), [[start, limit]], SERIES[0], weight="bold")
+
+
+def _limit_name(data: Mapping[str, Any]) -> str:
+    """What the limit is: of a metal whose line goes on below its knee, the strength there."""
+    if data["endless"] or not data["line"]:
+        return "endurance limit"
+    return f"strength at {times(float(data['line'][-1][0]))} cycles"
 
 
 def _duty(plane: Plane, data: Mapping[str, Any], cycles: FloatArray) -> None:
@@ -200,9 +210,9 @@ def _marks(plane: Plane, paths: Mapping[int, tuple[float, FloatArray]]) -> Marks
 
 
 def _caption(data: Mapping[str, Any], cycles: FloatArray, check: Check | None) -> str:
-    told = []
+    told, name = [], _limit_name(data)
     if data["why"]:
-        told.append(f"{data['why'][0].upper()}{data['why'][1:]}. Shown is the endurance limit.")
+        told.append(f"{data['why'][0].upper()}{data['why'][1:]}. Shown is the {name}.")
     elif data["damage"] is None:
         told.append("The guideline's line of the component; each point is the largest swing of a "
                     "cycle of the duty.")  # fmt: skip
@@ -210,12 +220,15 @@ def _caption(data: Mapping[str, Any], cycles: FloatArray, check: Check | None) -
         allowed = number(data["allowed"])
         told.append(f"Miner's sum of the life is {_damage(data['damage'])}, allowed {allowed}.")
     else:
-        told.append("No cycle exceeds the endurance limit, so Miner's sum is 0.")
+        told.append(f"No cycle exceeds the {name}, so Miner's sum is 0.")
     if data["asked"] == "infinite":
-        told.append("The check asks for infinite life: the endurance limit decides, not the line.")
+        told.append(f"The check asks for infinite life: the {name} decides, not the line.")
     else:
         safety = f": safety {safety_text(check.safety)} on all loads" if check else ""
         told.append(f"The check asks for a finite life{safety}.")
+    lowered = limit_told(data, float(data["limit"]))
+    if lowered:
+        told.append(f"The {name} is lowered {LOWERED}: {lowered}.")
     small = int((cycles[:, 1] < _LEAST * float(data["limit"])).sum())
     left = float(data["left_out"])
     if small or left:
@@ -230,7 +243,7 @@ def _table(data: Mapping[str, Any], cycles: FloatArray) -> tuple[list[str], list
     columns = ["what", "cycles", "amplitude, fully reversed [MPa]",
                f"with all loads × {need_text(data['required'])} [MPa]", "damage"]  # fmt: skip
     end = "no end" if data["endless"] else "–"
-    rows = [["endurance limit", end, _mpa(data["limit"]), "–", "–"]]
+    rows = [[_limit_name(data), end, _mpa(data["limit"]), "–", "–"]]
     for points, text in ((data["line"], "S-N line"), (data["below"], "below the knee")):
         rows += [[text, times(n), _mpa(s), "–", "–"] for n, s in points]
 

@@ -170,6 +170,7 @@ const liveView = (root) => {
         view.worst = body;
     }
     view.range = rangeOf(view, view.unit());
+    showMap(find("map"), mapOf(view), SIGNED.includes(view.field));
     view.readings.tell();
     view.ask();
   };
@@ -205,8 +206,9 @@ const liveView = (root) => {
     update();
   };
   const on = {
-    ...Object.fromEntries(["field", "map", "bands", "own", "deformed", "forces", "factor"]
+    ...Object.fromEntries(["field", "bands", "own", "deformed", "forces", "factor"]
       .map((name) => [name, choose(name)])),
+    map: (value) => choose("map")(value === "signed" ? "viridis" : value),
     orbit: (dx, dy) => picture.moved((camera) => camera.orbit(dx, dy)),
     pan: (dx, dy) => picture.moved((camera) => camera.pan(dx, dy)),
     zoom: (factor, x, y) => picture.moved((camera) => camera.zoom(factor, x, y)),
@@ -277,9 +279,10 @@ const liveView = (root) => {
       await open(view.shown.tab);
     } catch (error) {
       page.dataset.live = "failed";
-      const stills = root.querySelector(".live-stills")
-        ? "The pictures below stand still" : "A still picture stands with each part";
-      note(`Nothing moves here: ${error.message}. ${stills}; every number stands in the tables.`);
+      const moving = document.getElementById("mechanism")
+        ? "slider, mechanism and charts" : "slider and charts";
+      note(`The 3-D picture is missing: ${error.message}. Without it the ${moving} work; ` +
+        "a still picture stands with each part, and every number in the tables.");
       return;
     }
     bind();

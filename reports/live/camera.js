@@ -30,6 +30,13 @@ const VIEWS = {
 const FIRST_VIEWS = [0.55, -0.55].flatMap((pitch) =>
   [-0.6, 0.6, Math.PI - 0.6, Math.PI + 0.6].map((yaw) => slanted(yaw, pitch)));
 
+// Directions evenly spread over the sphere: points of a spiral.
+const spiral = (count) => Array.from({ length: count }, (_, k) => {
+  const height = 1 - (2 * k + 1) / count, angle = Math.PI * (1 + Math.sqrt(5)) * (k + 0.5);
+  const ring = Math.sqrt(1 - height * height);
+  return [ring * Math.cos(angle), height, ring * Math.sin(angle)];
+});
+
 // The turn that brings a direction of the scene to point at the reader, y as upright as can be.
 const facing = (x, y, z) => {
   const flat = Math.hypot(x, z);

@@ -51,6 +51,16 @@ const bindTools = (find, on) => {
   find("factor-auto").addEventListener("click", () => on.factor(0));
 };
 
+// Show the map in use; that of fields with two signs and those of the others are never both open.
+const showMap = (select, used, signed) => {
+  for (const option of select.options) {
+    const other = signed
+      ? ["viridis", "cividis"].includes(option.value) : option.value === "signed";
+    option.hidden = option.disabled = other;
+  }
+  select.value = used;
+};
+
 // One finger or button turns; shift, the right button or two fingers move; two fingers also zoom.
 const bindPicture = (canvas, on) => {
   const fingers = new Map();

@@ -4,6 +4,10 @@
 const SIGNED = ["principal", "mean"]; // fields whose zero stands in the middle of the colours
 const BANDS = 10;
 
+// The colour map in use: a field of two signs has its own, unless turbo is chosen.
+const mapOf = ({ field, shown }) =>
+  (SIGNED.includes(field) && shown.map !== "turbo" ? "signed" : shown.map);
+
 // Which values the colours stand for: {from, to, table, bands, title}, or null without a field.
 const rangeOf = ({ drawn, field, shown, section, tables }, unit) => {
   const found = drawn.map((body) => body.found).filter(Boolean);
@@ -17,7 +21,7 @@ const rangeOf = ({ drawn, field, shown, section, tables }, unit) => {
     from = -to;
   } else from = Math.min(0, from);
   if (!(to > from)) to = from + 1;
-  const name = signed && shown.map !== "turbo" ? "signed" : shown.map;
+  const name = mapOf({ field, shown });
   const title = `${section.titles[field]}${unit ? ` [${unit}]` : ""}`;
   return { from, to, table: tables[name], bands: shown.bands ? BANDS : 0, title };
 };
@@ -181,16 +185,12 @@ const pictureOf = (view) => {
   const goTo = (body, node) => {
     const { normals } = body.part, { angle } = body.pose, c = Math.cos(angle), s = Math.sin(angle);
     const [nx, ny, nz] = normals.subarray(3 * node, 3 * node + 3);
-    const n = [c * nx - s * ny, s * nx + c * ny, nz];
-    const ways = [n, [0, 1, 0], [0, -1, 0]];
-    for (let tilt = -2; tilt <= 2; tilt++)
-      for (let turn = 0; turn < 16; turn++) {
-        const up = tilt * Math.PI / 6, round = turn * Math.PI / 8;
-        ways.push([Math.cos(up) * Math.cos(round), Math.sin(up), Math.cos(up) * Math.sin(round)]);
-      }
-    const towards = (way) => way[0] * n[0] + way[1] * n[1] + way[2] * n[2];
-    ways.sort((a, b) => towards(b) - towards(a));
+    const n = [c * nx - s * ny, s * nx + c * ny, nz], iso = rowsOf(VIEWS.iso).slice(6);
+    const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    const towards = (way) => dot(way, n) + 0.5 * dot(way, iso); // a little from above and aside
+    const ways = spiral(200).sort((a, b) => towards(b) - towards(a));
     const seen = ways.find((way) => {
+      if (!(dot(way, n) > 0.1)) return false;
       camera.turn = facing(...way);
       return !spotOf(body, node).hidden;
     });

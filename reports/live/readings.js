@@ -22,7 +22,7 @@ const readingsOf = (view) => {
   const tell = () => {
     const { worst, field, range, drawn } = view, over = field && isConstant(field);
     find("peak-name").textContent = over || !positions.current
-      ? "Peak over the life" : `Peak at ${positions.text(view.cycle(), positions.current.index)}`;
+      ? "Peak over the duty" : `Peak at ${positions.text(view.cycle(), positions.current.index)}`;
     const unknown = drawn.some((body) => body.plain) ? "; grey parts are not counted" : "";
     if (worst)
       write("peak", view.text(worst.found.peak, 4, worst),
@@ -41,7 +41,7 @@ const readingsOf = (view) => {
     const told = view.isLinkage()
       ? [section.layers, view.motionNow() ? "Arrows: forces on the parts at their pins."
         : section.gaps[positions.current?.cycleName] ?? ""]
-      : [head?.accuracy?.words, ...(head?.notes ?? [])];
+      : [field === "mises" && head?.accuracy?.words, ...(head?.notes ?? [])];
     find("told").textContent = told.filter(Boolean).join(" ");
     find("factor-box").hidden = !view.isDeformed();
     if (view.isDeformed())
@@ -60,7 +60,7 @@ const readingsOf = (view) => {
     for (const { part } of view.isLinkage() ? [] : view.drawn)
       for (const name of FIELDS) {
         const words = hasField(part, name) ? "" : whyNot(part, name);
-        if (words) why.set(words, [...(why.get(words) ?? []), section.titles[name]]);
+        if (words && !part.head.notes?.includes(words)) why.set(words, [...(why.get(words) ?? []), section.titles[name]]);
       }
     find("missing").replaceChildren(...[...why].map(([words, names]) =>
       element("li", `Not shown (${names.join("; ")}): ${words}`)));

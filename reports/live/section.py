@@ -9,14 +9,14 @@ from importlib.resources import files
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from reports.live.linkage import motion_text
 from reports.live.payload import LivePayload, live_payload
 from reports.live.words import peak_tables
 from reports.motion import motion_gaps
-from reports.pictures import PLAIN, Pictures
+from reports.places import deciding_place
+from reports.templating import environment
 from reports.verdict import DesignResult, PartResult
 from reports.words import brief, clean
 
@@ -30,13 +30,14 @@ MAPS = {
     "viridis": ("viridis", "Viridis (safe for colour-blind eyes)"),
     "cividis": ("cividis", "Cividis (safe for colour-blind eyes)"),
     "turbo": ("turbo", "Turbo (rainbow)"),
-    "signed": ("RdBu_r", ""),  # for fields with two signs, unless turbo is chosen
+    # for fields with two signs, unless turbo is chosen
+    "signed": ("RdBu_r", "Blue to red, white at 0"),
 }
 # field -> (its name, what the colour bar says)
 FIELDS = {
     "mises": ("von Mises stress", "von Mises"),
     "principal": ("Principal stress of largest size, signed", "principal, signed"),
-    "utilisation": ("Fatigue utilisation over the life, required safety included", "utilisation"),
+    "utilisation": ("Fatigue utilisation over the duty, required safety included", "utilisation"),
     "amplitude": ("Stress amplitude that counts for fatigue", "amplitude"),
     "mean": ("Mean stress as Goodman takes it (tension only)", "mean"),
     "displacement": ("Displacement", "displacement"),
@@ -52,20 +53,20 @@ class LiveSection:
     style: str
 
 
-def live_section(
-    result: DesignResult, pictures: Pictures | None = None, mechanism: Markup | None = None
-) -> LiveSection:
-    """Live view of a result; the stills of `pictures` stand in until it runs.
+def live_section(result: DesignResult, mechanism: Markup | None = None) -> LiveSection:
+    """Live view of a result.
 
-    `mechanism` is put under the slider. The scripts that run it are those of the page.
+    `mechanism` stands beside the picture, on narrow screens under the slider. The scripts that run
+    it are those of the page.
     """
     payload = live_payload(result)
     body = _template().render(
         parts=[_part(k, part, result, payload) for k, part in enumerate(result.parts)],
-        stills=_stills(result, pictures or Pictures()),
         linked=bool(result.motion) and any(head["block"] for head in payload.header["parts"]),
         fields=FIELDS,
-        maps={key: shown for key, (_, shown) in MAPS.items() if shown},
+        maps={key: shown for key, (_, shown) in MAPS.items()},
+        meshed=any(part.meshes for part in result.parts),
+        stressed=any(head["fields"] for head in payload.header["parts"]),
         cycles=result.cycles,
         mechanism=mechanism,
         data={
@@ -129,7 +130,13 @@ def _section_data(result: DesignResult, payload: LivePayload) -> dict[str, Any]:
 def _start(
     result: DesignResult, heads: Sequence[Mapping[str, Any]], first: int
 ) -> list[int] | None:
-    """Cycle and position that the page begins with: the worst of the part that is shown first."""
+    """Cycle and position that the page begins with: those that decide the verdict, if known.
+
+    Else the worst of the part that is shown first.
+    """
+    place = deciding_place(result)
+    if place is not None:
+        return list(place[:2])
     if first < 0:
         return None
     peak = heads[first]["peak"]
@@ -196,17 +203,6 @@ def _part(
     }
 
 
-def _stills(result: DesignResult, pictures: Pictures) -> list[tuple[str, str]]:
-    """(name of the part, base64 of its picture) of every part that has a picture of all of it."""
-    stills = []
-    for part in result.parts:
-        views = pictures.images.get(part.name, {})
-        image = views.get("whole") or views.get(PLAIN)
-        if image:
-            stills.append((part.name, b64encode(image).decode()))
-    return stills
-
-
 def _rounded(values: Sequence[float], digits: int) -> list[float]:
     return [float(f"{value:.{digits}g}") for value in values]
 
@@ -221,13 +217,4 @@ def _json(data: Any) -> Markup:
 
 @cache
 def _template() -> Any:
-    environment = Environment(
-        loader=PackageLoader("reports"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        finalize=lambda value: value if isinstance(value, Markup) else clean(value, lines=True),
-    )
-    environment.filters["brief"] = brief
-    return environment.get_template("live.html.j2")
+    return environment().get_template("live.html.j2")

@@ -87,6 +87,12 @@ def test_where_no_cycle_exceeds_the_endurance_limit_no_cycle_does_damage(light):
     assert sn["limit"] == light.parts[0].charts["haigh"]["endurance"]
 
 
+def test_both_diagrams_tell_the_limit_away_from_notches_that_the_check_states(light):
+    away = check_of(light, "fatigue").limit
+    for key in ("haigh", "sn"):
+        assert light.parts[0].charts[key]["away"] == away
+
+
 def test_damages_of_the_listed_cycles_add_up_to_miners_sum(tmp_path):
     result = result_of(tmp_path, HEAVY, 'duty.life="finite"', "duty.cycles.turn=1e4")
     sn = result.parts[0].charts["sn"]
@@ -152,8 +158,8 @@ def test_convergence_ends_with_the_values_of_the_checks(meshed):
         assert_allclose(meshes[-1]["value"], check.value, rtol=1e-12)
         assert meshes[0]["bar"] is None
         assert 0 < meshes[-1]["bar"] <= check.numerical * (1 + 1e-12)
-    own = [mesh["unknowns"] * (2 if mesh["body"] == "half" else 1) for mesh in part.meshes]
-    assert [m["unknowns"] for m in part.charts["convergence"]["static"]] == own
+    own = [(mesh["unknowns"], mesh["body"] == "half") for mesh in part.meshes]
+    assert [(m["unknowns"], m["half"]) for m in part.charts["convergence"]["static"]] == own
 
 
 def test_the_data_of_the_charts_is_json(light, meshed):

@@ -1,9 +1,12 @@
+import subprocess
 import sys
 
 import pytest
 
+import ballesta.check
 import ballesta.show
 from ballesta.cli import main
+from ballesta.errors import DesignError
 from ballesta.show import Wanted, run_show
 from reports.window import probe_window, window_picture
 
@@ -49,7 +52,7 @@ def test_a_part_that_is_not_there_is_told_before_anything_is_checked(design, sho
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="elsewhere DISPLAY says nothing")
 def test_without_a_display_nothing_is_checked_and_the_cure_is_named(design, monkeypatch, capsys):
     monkeypatch.delenv("DISPLAY", raising=False)
-    monkeypatch.setattr(ballesta.show, "check_design", None)  # it would fail
+    monkeypatch.setattr(ballesta.check, "check_design", None)  # it would fail
     assert main(["show", str(design)]) == 2
     said = capsys.readouterr().err
     assert "there is no display" in said
@@ -70,7 +73,7 @@ def test_missing_graphics_libraries_end_it_with_words_and_their_cure(
     monkeypatch.setattr(
         ballesta.show, "probe_window", lambda **how: probe_window(worker=worker, timeout=0.5, **how)
     )
-    monkeypatch.setattr(ballesta.show, "check_design", None)
+    monkeypatch.setattr(ballesta.check, "check_design", None)
     assert run_show(design, Wanted(picture=design.with_suffix(".png"), **FORMULA)) == 3
     said = capsys.readouterr().err
     assert words in said
@@ -103,3 +106,34 @@ def test_a_picture_that_cannot_be_written_is_a_wrong_input(design, monkeypatch, 
     monkeypatch.setattr(ballesta.show, "window_picture", refused)
     assert run_show(design, Wanted(picture=design.with_suffix(".png"), **FORMULA)) == 2
     assert "--off-screen: cannot be written: Permission denied" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["window.jpg", "window", "window.png.svg"])
+def test_only_a_png_is_drawn_in_place_of_a_window(design, monkeypatch, capsys, name):
+    monkeypatch.setattr(ballesta.show, "probe_window", None)  # it would fail
+    assert run_show(design, Wanted(picture=design.with_name(name), **FORMULA)) == 2
+    assert f'--off-screen: must be named .png, got "{name}"' in capsys.readouterr().err
+
+
+def test_that_no_part_will_have_a_field_is_told_before_the_check(
+    design, shown, monkeypatch, capsys
+):
+    def stopped(*_, **__):
+        raise DesignError(design, "part", "stopped here")
+
+    monkeypatch.setattr(ballesta.check, "check_design", stopped)
+    for fidelity in ("formula", "beam", "solid"):
+        assert run_show(design, Wanted(fidelity=fidelity)) == 2
+        said = capsys.readouterr().err
+        assert "stopped here" in said
+        assert ("no part will have a field" in said) == (fidelity != "solid")
+    assert shown == []
+
+
+def test_the_solvers_are_imported_after_the_trial_of_a_window():
+    code = (
+        "import sys, ballesta.show; "
+        "sys.exit(', '.join({'skfem', 'gmsh', 'ballesta.check'} & set(sys.modules)) or 0)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr

@@ -4,14 +4,13 @@ import json
 import re
 import xml.etree.ElementTree as ET
 from dataclasses import replace
-from math import inf
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 from fem.column_curves import eurocode_stress, perry_robertson
-from reports.charts import cycle_charts, part_charts, utilisation_chart
+from reports.charts import cycle_charts, part_charts
 from reports.charts.buckling import column_curves
 from reports.charts.haigh import utilisation
 from reports.svg import COLOURS, colour_variables
@@ -26,7 +25,7 @@ KEYS = {"haigh", "sn", "buckling", "ladder", "convergence"}
 def charts():
     """Every chart of the made-up press, by its key."""
     result = made.design()
-    found = [utilisation_chart(result), *part_charts(result.parts[0], result).charts]
+    found = [*part_charts(result.parts[0], result).charts]
     found += [chart for _, own in cycle_charts(result) for chart in own.charts]
     return {chart.key: chart for chart in found}
 
@@ -46,7 +45,7 @@ def column(chart, name):
 
 
 def test_a_whole_result_has_every_chart(charts):
-    assert set(charts) == KEYS | {"utilisation", "loads", "drive", "peaks"}
+    assert set(charts) == KEYS | {"loads", "drive", "peaks"}
     for chart in charts.values():
         assert chart.title
         assert chart.caption
@@ -95,7 +94,6 @@ def test_axes_have_units_and_lines_their_names(charts):
                      "a0", "a", "b", "c", "d", "λ = 108"},
         "ladder": {"time [s]", "limit", "static", "fatigue", "formula 0.020 s", "solid 12 s"},
         "convergence": {"peak von Mises stress [MPa]", "30\u2009123"},
-        "utilisation": {"limit", "utilisation [–]", "static", "0.60"},
     }  # fmt: skip
     for key, wanted in expected.items():
         assert wanted <= set(texts(charts[key].svg)), key
@@ -126,6 +124,21 @@ def test_what_the_cursor_reads_off_a_thinned_curve_is_the_curve(n):
         assert_allclose([max(row["value"]), min(row["value"])], [values.max(), values.min()],
                         atol=1e-3)  # fmt: skip
     assert sum(len(chart.svg) for chart in found.charts) < 45_000
+
+
+@pytest.mark.parametrize(
+    ("position", "phase", "told"),
+    [
+        ([0.0, 1.0, 2.0, 200.0], ["a", "a", "b", "b"], True),
+        ([0.0, 1.0, 2.0, 3.0], ["a", "a", "b", "b"], False),
+        ([0.0, 1.0, 2.0, 200.0], ["a"] * 4, False),
+        ([0.0, 1.0, 5.0], ["a", "a", "dwell"], True),
+    ],
+)
+def test_phases_of_different_scales_are_told(position, phase, told):
+    cycle = {"position": position, "phase": phase, "links": {"eye": [1.0] * len(position)}}
+    ((_, found),) = cycle_charts(results.design(cycles={"run": cycle}))
+    assert ("each phase has its own scale" in found.charts[0].caption) is told
 
 
 def test_loads_that_are_alike_are_one_curve_and_all_stand_in_the_table():
@@ -183,6 +196,35 @@ def test_the_haigh_path_ends_in_the_critical_point_with_its_utilisation(charts):
     assert path["x"][k] == max(path["x"])
     assert path["y"][k] == min(path["y"])  # up is less
     assert "safety 3.14" in " ".join(texts(charts["haigh"].svg))
+
+
+def test_the_haigh_diagram_says_which_rule_decides_where_it_is_not_goodman():
+    result = made.design(haigh=made.haigh(183) | {"criterion": "Findley"})
+    found = part_charts(result.parts[0], result).charts
+    shown = " ".join(texts(next(c for c in found if c.key == "haigh").svg))
+    assert "safety 3.14 by Goodman (Findley decides: 3.94)" in shown  # 150 / 38, rounded down
+
+
+def test_a_limit_that_a_notch_lowers_is_told_with_its_factor(charts):
+    lowered = {"away": 195.0}
+    result = made.design(haigh=made.haigh(183) | lowered, sn=made.sn(**lowered))
+    found = {chart.key: chart for chart in part_charts(result.parts[0], result).charts}
+    for key in ("haigh", "sn"):
+        told = "by the notch or fretting factor at this place: 195 MPa / 1.3 = 150 MPa"
+        assert told in found[key].caption
+        assert "factor" not in charts[key].caption
+
+
+def test_a_metal_without_an_endurance_limit_has_a_strength_at_its_knee():
+    """The line's knee in the data is at 10⁶ cycles."""
+    result = made.design(sn=made.sn(endless=False))
+    found = part_charts(result.parts[0], result).charts
+    chart = next(each for each in found if each.key == "sn")
+    assert "strength at 10⁶ cycles decides, not the line" in chart.caption
+    assert chart.rows[0][0] == "strength at 10⁶ cycles"
+    assert "strength at 10⁶ cycles" in texts(chart.svg)
+    told = " ".join([chart.caption, *texts(chart.svg), *map(" ".join, chart.rows)])
+    assert "endurance limit" not in told
 
 
 def test_the_utilisation_by_fkms_line_is_that_of_its_ray():
@@ -271,8 +313,30 @@ def test_the_ladder_tells_what_was_taken_and_what_was_passed_over(charts):
 def test_convergence_is_of_the_stress_that_governs(charts):
     assert "peak von Mises stress [MPa]" in texts(charts["convergence"].svg)
     rows = [row for row in charts["convergence"].rows if row[0] == "static"]
-    assert [row[3] for row in rows] == ["–", "4.00"]  # the check's, not the mesh's alone
-    assert rows[1][4] == "2.17 %"
+    assert [row[4] for row in rows] == ["–", "4.00"]  # the check's, not the mesh's alone
+    assert rows[1][5] == "2.17 %"
+
+
+@pytest.mark.parametrize(
+    ("halves", "axis", "points"),
+    [
+        ((False, False), "unknowns of the mesh [–]", {"138.0", "141.0"}),
+        ((True, True), "unknowns of the mesh, of half of the part [–]", {"138.0", "141.0"}),
+        ((False, True), "unknowns of the mesh [–]", {"138.0", "141.0, half of the part"}),
+    ],
+)
+def test_convergence_says_which_meshes_are_half_of_the_part(halves, axis, points):
+    meshes = [
+        entry | {"half": half}
+        for entry, half in zip(made.CONVERGENCE["static"], halves, strict=True)
+    ]
+    result = made.design(convergence={"static": meshes})
+    found = part_charts(result.parts[0], result).charts
+    chart = next(each for each in found if each.key == "convergence")
+    assert {axis, *points} <= set(texts(chart.svg))
+    assert column(chart, "unknowns") == ["30123", "81234"]  # as in the tables, not twice
+    whole = {False: "the part", True: "half of the part"}
+    assert column(chart, "mesh of") == [whole[half] for half in halves]
 
 
 def test_what_is_missing_is_told_in_words():
@@ -289,7 +353,6 @@ def test_what_is_missing_is_told_in_words():
     measured = {"position": [0.0, 1.0], "links": {"a": [1.0, 2.0]}}
     ((_, run),) = cycle_charts(results.design(cycles={"run": measured}))
     assert [chart.key for chart in run.charts] == ["loads"]
-    assert utilisation_chart(results.design(results.part(checks=[]))) is None
 
 
 def test_gaps_and_odd_values_are_drawn():
@@ -317,24 +380,6 @@ def test_a_place_that_is_passed_twice_in_a_phase_is_shown_over_time():
     assert "number of the position [–]" in texts(untimed.charts[0].svg)
 
 
-def test_every_check_has_its_bar_and_its_number():
-    chart = utilisation_chart(results.mixed())
-    shown = texts(chart.svg)
-    for text in ("bar_upper", "pin_B", "1.56", "0.60 ±∞", "▸", "fatigue"):
-        assert text in shown
-    assert "Dotted" in chart.caption
-    assert len(chart.rows) == len(results.mixed().checks)
-
-
-def test_a_hundredfold_utilisation_and_an_unloaded_part_are_drawn():
-    checks = [
-        results.check(value=9000.0),
-        results.check(kind="idle", value=0.0, numerical=0.0, model=inf),
-    ]
-    chart = utilisation_chart(results.design(results.part(checks=checks)))
-    assert {"38.03", "0.00 ±∞"} <= set(texts(chart.svg))
-
-
 def test_hostile_names_stay_text():
     hostile = results.hostile()
     for _, found in cycle_charts(hostile):
@@ -345,4 +390,3 @@ def test_hostile_names_stay_text():
     for chart in part_charts(bad, hostile).charts:
         assert "<script" not in chart.svg
         ET.fromstring(chart.svg)
-    ET.fromstring(utilisation_chart(hostile).svg)

@@ -8,8 +8,8 @@ import pytest
 from markupsafe import Markup
 
 from reports.charts import cycle_charts, part_charts
-from reports.page import environment
 from reports.svg import colour_variables
+from reports.templating import environment
 
 from . import chart_results as made
 

@@ -12,8 +12,8 @@ from markupsafe import Markup
 from numpy.testing import assert_allclose
 
 from reports.mechanism_panel import mechanism_panel
-from reports.page import environment
 from reports.svg import colour_variables
+from reports.templating import environment
 
 from . import motion_results, results
 from .test_page import Page
@@ -287,3 +287,9 @@ def test_data_that_cannot_be_unpacked_leave_the_picture_as_it_is(opened, tmp_pat
     found.page.locator("#mechanism[data-state=failed]").wait_for(state="attached")
     assert "it cannot move here" in found.page.locator(".mechanism-reading").inner_text()
     found.assert_quiet()
+
+
+@pytest.mark.parametrize(("most", "printed"), [(0, False), (1000, True)])
+def test_paper_gets_the_table_of_forces_only_if_it_is_short(monkeypatch, press, most, printed):
+    monkeypatch.setattr("reports.mechanism_panel._PRINTED", most)
+    assert ('<details class="printed">' in mechanism_panel(press)) is printed

@@ -11,9 +11,9 @@ from itertools import pairwise
 import pytest
 
 from reports import Pictures, report_html, write_report
-from reports.page import value_text
 from reports.page_parts import ratio
 from reports.page_script import SCRIPTS, script_text
+from reports.templating import value_text
 from reports.verdict import Gate, HandCheck
 
 from . import results
@@ -129,7 +129,8 @@ def test_the_verdict_comes_first_with_what_decides_it_and_why():
     assert "FAIL (under 2 assumptions); decided by bar_upper fatigue, safety 0.833" in text
     order = [
         "1 of 5 checks fails, even at the lower end of its error bars; 2 more are undecided.",
-        "bar_upper fatigue decides: Goodman", "allowed 115 MPa", "decided by", "Know this first",
+        "bar_upper fatigue decides, error bars included: Goodman", "allowed 115 MPa", "decided by",
+        "Know this first",
         "Warning", "All 3 validity gates hold", "Not checked", "Assumed by ballesta",
         "All checks, worst first", "Live view", "Checks of bar_upper", "By hand", "Checks of pin_B",
         "Cycles", "Stated by the design file", "Set on the command line", "Not stated",

@@ -10,6 +10,7 @@ from reports.derivation import Derivation, Given, LoadCase, Section, Step
 from reports.verdict import Gate
 
 from . import motion_results, results
+from .conftest import NO_GL
 from .live import sections
 
 PIXEL = bytes.fromhex(
@@ -304,3 +305,17 @@ def test_only_tables_that_must_be_scrolled_are_stops_of_the_keyboard(shown):
     hand = page.locator("#part-1 [aria-label='Hand calculations'][tabindex='0']")
     hand.wait_for()
     assert hand.evaluate("each => each.scrollWidth > each.clientWidth")
+
+
+def test_without_webgl_a_still_stands_with_each_part_and_the_position_moves(opened, written):
+    found = opened(written("fail"), flags=NO_GL)
+    page = found.page
+    page.locator("html[data-live=failed]").wait_for(state="attached")
+    assert "WebGL2" in page.locator("[data-role=note]").inner_text()
+    for part in ("#part-1", "#part-2"):
+        assert page.locator(f"{part} .pictures img").count() == 2
+    images = page.locator("img[src^='data:']").evaluate_all("all => all.length")
+    assert images == 4  # none of them twice
+    page.evaluate("ballesta.setPosition(0, 7)")
+    assert page.evaluate("ballesta.current.index") == 7
+    found.assert_quiet()

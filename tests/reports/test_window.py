@@ -199,6 +199,14 @@ def test_stress_is_coloured_and_what_is_not_known_is_grey(pictures):
     assert coloured(pictures["grey"]) < 0.2 * coloured(pictures["first"])
 
 
+def test_the_colour_bar_stands_only_beside_what_is_coloured(pictures):
+    def coloured(image):
+        return (np.ptp(image[200:600, 1180:], axis=2) > 60).mean()
+
+    assert coloured(pictures["first"]) > 0.05
+    assert coloured(pictures["grey"]) == 0
+
+
 @pytest.mark.parametrize(
     ("code", "words"),
     [

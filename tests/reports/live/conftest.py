@@ -14,10 +14,9 @@ from . import sections
 
 @pytest.fixture(scope="session")
 def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Page of the small design with pictures of its parts."""
+    """Page of the small design."""
     path = tmp_path_factory.mktemp("live") / "live.html"
-    design = sections.design()
-    path.write_text(sections.page(design, pictures=sections.stills(design)), encoding="utf-8")
+    path.write_text(sections.page(sections.design()), encoding="utf-8")
     return path
 
 

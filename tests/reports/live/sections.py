@@ -4,16 +4,13 @@ from base64 import b64encode
 from dataclasses import replace
 from hashlib import sha256
 from importlib.resources import files
-from io import BytesIO
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from PIL import Image
 
 from reports.live.fields import LiveFields, LivePeak, grey, von_mises
 from reports.live.section import SCRIPTS, live_section
-from reports.pictures import Pictures
 from reports.verdict import Check, DesignResult, PartResult, Surface
 
 POSITIONS = 73
@@ -204,18 +201,11 @@ def source_of(name: str) -> str:
 
 def report_style() -> str:
     """Style of the report, whose tokens the live view uses."""
-    from reports.page import environment
     from reports.svg import colour_variables
+    from reports.templating import environment
 
     return (
         environment()
         .get_template("report.css")
         .render(light=colour_variables(dark=False), dark=colour_variables(dark=True))
     )
-
-
-def stills(result: DesignResult) -> Pictures:
-    """A small picture of every part."""
-    out = BytesIO()
-    Image.new("RGB", (9, 6), "white").save(out, "png")
-    return Pictures({each.name: {"whole": out.getvalue()} for each in result.parts})

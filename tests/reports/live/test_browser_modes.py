@@ -5,6 +5,7 @@ from io import BytesIO
 
 import numpy as np
 import pytest
+from markupsafe import Markup
 from PIL import Image
 
 from .. import results
@@ -21,12 +22,14 @@ def written_as(tmp_path, result, **section):
     return path
 
 
-def test_without_webgl_stills_and_words_stay_and_the_position_still_moves(viewed):
+def test_without_webgl_words_stay_and_the_position_still_moves(viewed):
     found = viewed(state="failed", flags=NO_GL)
     page = found.page
-    assert page.locator(".live-stills img").count() == 3
-    assert page.locator(".live-stills").is_visible()
-    assert "WebGL2" in role(page, "note").inner_text()
+    note = role(page, "note").inner_text()
+    assert "3-D picture is missing" in note
+    assert "WebGL2" in note
+    assert "slider and charts work" in note  # this page has no mechanism
+    assert page.locator(".live-lead").is_hidden()
     assert role(page, "canvas").is_hidden()
     slider = role(page, "slider")
     slider.focus()
@@ -36,24 +39,22 @@ def test_without_webgl_stills_and_words_stay_and_the_position_still_moves(viewed
     assert found.asked == [page.url, *(url for url in found.asked if url.startswith("data:"))]
 
 
-def test_without_scripts_the_stills_and_the_numbers_are_there(opened, written):
+def test_without_scripts_the_numbers_are_there(opened, written):
     page = opened(written, java_script_enabled=False).page
-    assert page.locator(".live-stills img").count() == 3
-    assert page.locator(".live-stills").is_visible()
     assert page.locator(".live-transport").is_hidden()
     assert page.locator("noscript p").is_visible()
+    assert page.locator(".live-lead").is_hidden()
     page.locator(".live-tables summary").click()
     rows = page.locator(".live-tables table").first.locator("tbody tr")
     assert rows.count() >= 8
 
 
-def test_a_lost_context_shows_the_stills_and_comes_back(viewed):
+def test_a_lost_context_is_told_and_comes_back(viewed):
     page = viewed().page
     before = pixels(page)
     page.evaluate("window.loss = ballesta.live.context().getExtension('WEBGL_lose_context')")
     page.evaluate("loss.loseContext()")
     page.locator("html[data-live=lost]").wait_for(state="attached")
-    assert page.locator(".live-stills").is_visible()
     assert "graphics" in role(page, "note").inner_text()
     page.evaluate("ballesta.setPosition(0, 7); ballesta.setPosition(...window.start ?? [0, 0])")
     page.locator("#live-tab-1").click()  # a part that is opened meanwhile
@@ -117,6 +118,37 @@ def test_a_phone_shows_it_without_scrolling_sideways(viewed):
         assert box["x"] + box["width"] <= 360 or control.get_attribute("role") == "tab"
 
 
+def test_the_mechanism_stands_beside_the_picture_and_on_a_phone_below_the_slider(tmp_path, viewed):
+    figure = Markup('<figure style="margin:0"><svg viewBox="0 0 4 3"></svg></figure>')
+    path = written_as(tmp_path, sections.design(), mechanism=figure)
+    page = viewed(path, width=1280).page
+    places = ("picture", ".live-frame"), ("mechanism", ".live-mechanism svg"), (
+        "slider", ".live-transport")  # fmt: skip
+
+    def boxes():
+        return {name: page.locator(selector).bounding_box() for name, selector in places}
+
+    wide = boxes()
+    assert wide["mechanism"]["x"] > wide["picture"]["x"] + wide["picture"]["width"]
+    assert 0.6 < wide["picture"]["width"] / wide["slider"]["width"] < 0.75
+    bottom = wide["slider"]["y"] + wide["slider"]["height"]
+    assert wide["mechanism"]["y"] + wide["mechanism"]["height"] < wide["slider"]["y"] < bottom < 900
+    page.set_viewport_size({"width": 360, "height": 700})
+    narrow = boxes()
+    order = sorted(narrow, key=lambda name: narrow[name]["y"])
+    assert order == ["picture", "slider", "mechanism"]
+
+
+def test_the_slider_stays_in_sight_while_the_tables_are_read(viewed):
+    for width in (900, 1280):
+        page = viewed(width=width, height=700).page
+        page.locator(".live-tables summary").click()
+        page.locator(".live-tables").evaluate("e => scrollTo(0, e.getBoundingClientRect().top)")
+        page.wait_for_timeout(50)
+        box = page.locator(".live-transport").bounding_box()
+        assert 0 < box["y"] < 100
+
+
 def test_names_from_a_stranger_are_only_words(tmp_path, viewed):
     hostile = results.HOSTILE
     made = sections.design()
@@ -146,7 +178,7 @@ def test_names_from_a_stranger_are_only_words(tmp_path, viewed):
     moved = sections.motion(list(names.values()))
     moved.layers_told = hostile
     result = replace(made, parts=parts, cycles=cycles, motion={f"turn {hostile}": moved})
-    found = viewed(written_as(tmp_path, result, pictures=sections.stills(result)), width=700)
+    found = viewed(written_as(tmp_path, result), width=700)
     page = found.page
     page.on("dialog", lambda dialog: found.told.append(dialog.message))
     for tab in page.get_by_role("tab").all():

@@ -16,7 +16,6 @@ PEAK = "ballesta.live.peak.value"
 
 def test_it_is_ready_from_a_file_without_a_network_or_a_word_on_the_console(viewed):
     found = viewed()
-    assert found.page.locator(".live-stills").is_hidden()
     assert role(found.page, "canvas").is_visible()
     assert role(found.page, "note").is_hidden()
     found.assert_quiet()
@@ -349,6 +348,69 @@ def test_the_peak_view_turns_to_where_the_peak_is_seen(viewed):
     assert not marker["hidden"]
     assert marker["x"] == pytest.approx(size["width"] / 2, abs=1)
     assert marker["y"] == pytest.approx(size["height"] / 2, abs=1)
+
+
+def test_the_peak_view_is_as_square_and_as_high_as_what_stands_before_the_peak_allows(viewed):
+    """Against 400 other directions: none that sees the peak has a better sum of both."""
+    page = viewed().page
+    page.evaluate("ballesta.setPosition(0, 0)")
+    page.locator("[data-view=iso]").click()
+    iso = np.array(page.evaluate("ballesta.live.camera.rows")[6:])
+    page.locator("[data-view=peak]").click()
+    towards = np.array(page.evaluate("ballesta.live.camera.rows")[6:])
+    live = sections.design().parts[0].live
+    node = int(von_mises(live.at("turn", 0)).argmax())
+    normal = np.zeros(3)
+    for a, b, c in live.triangles[(live.triangles == node).any(axis=1)]:
+        normal += np.cross(live.nodes[b] - live.nodes[a], live.nodes[c] - live.nodes[a])
+    normal /= np.linalg.norm(normal)
+    assert normal @ towards > 0.1
+    ways = np.random.default_rng(5).normal(size=(400, 3))
+    ways /= np.linalg.norm(ways, axis=1)[:, None]
+    best = max(
+        way @ (normal + 0.5 * iso)
+        for way in ways
+        if way @ normal > 0.1 and not _covered(live, node, way)
+    )
+    assert towards @ (normal + 0.5 * iso) > best - 0.15  # directions 14 degrees apart
+
+
+def test_the_map_in_use_is_the_one_that_is_named(viewed):
+    page = viewed().page
+    field, shown = role(page, "field"), role(page, "map")
+
+    def open_options():
+        return shown.locator("option:not(:disabled)").evaluate_all("all => all.map((o) => o.value)")
+
+    shown.select_option("cividis")
+    assert open_options() == ["viridis", "cividis", "turbo"]
+    field.select_option("principal")
+    assert shown.input_value() == "signed"
+    assert open_options() == ["turbo", "signed"]
+    field.select_option("mises")
+    assert shown.input_value() == "cividis"  # what was chosen comes back
+    field.select_option("principal")
+    before = pixels(page)
+    shown.select_option("turbo")
+    assert (np.abs(pixels(page) - before).max(axis=2) > 8).mean() > 0.05
+    shown.select_option("signed")
+    assert shown.input_value() == "signed"
+    assert (np.abs(pixels(page) - before).max(axis=2) > 8).mean() < 0.01
+
+
+def test_nothing_is_told_twice_and_the_bound_of_a_field_only_with_it(viewed):
+    page = viewed().page
+    page.locator("#live-tab-0").click()
+    settle(page)
+    for field, told in (("mises", True), ("utilisation", False)):
+        role(page, "field").select_option(field)
+        assert ("differs from the solver's von Mises" in role(page, "told").inner_text()) is told
+    page.locator("#live-tab-2").click()
+    settle(page)
+    page.get_by_text("decided by a formula").first.wait_for()
+    below = page.locator(".live-below > .live-viewer")
+    words = below.locator("[data-role=told], [data-role=missing]").all_inner_texts()
+    assert " ".join(words).count("not meshed: decided by a formula") == 1
 
 
 def test_drag_keys_and_buttons_turn_and_zoom(viewed):

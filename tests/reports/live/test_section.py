@@ -9,6 +9,7 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
+from markupsafe import Markup
 
 from reports.live.linkage import motion_text, series
 from reports.live.payload import live_payload
@@ -53,7 +54,7 @@ def test_the_section_is_balanced_and_its_ids_are_single():
 
     design = sections.design()
     reader = Reader()
-    reader.feed(live_section(design, sections.stills(design)).body)
+    reader.feed(live_section(design).body)
     assert reader.open == []
     assert len(reader.ids) == len(set(reader.ids))
     assert {"live", "live-panel", "live-cycles", "live-header", "live-motion"} < set(reader.ids)
@@ -158,5 +159,24 @@ def test_the_scripts_are_there_and_name_every_field():
 def test_fields_over_the_life_are_called_what_they_are():
     body = live_section(sections.design()).body
     assert "Mean stress as Goodman takes it (tension only)" in body
-    assert "Fatigue utilisation over the life, required safety included" in body
+    assert "Fatigue utilisation over the duty, required safety included" in body
     assert "Mean stress over the cycle" not in body
+
+
+@pytest.mark.parametrize(("meshes", "command"), [([], True), ([{"body": "whole"}], False)])
+def test_the_lead_promises_stress_only_where_a_part_has_a_field(meshes, command):
+    design = sections.design()
+    assert "recomputed in this page" in live_section(design).body
+    grey = [replace(part, live=design.parts[2].live, meshes=meshes) for part in design.parts]
+    body = live_section(replace(design, parts=grey)).body
+    assert "recomputed in this page" not in body
+    assert "No part has a field of stress" in body
+    assert ("--fidelity solid" in body) is command
+
+
+@pytest.mark.parametrize("marked", [True, False])
+def test_the_mechanism_stands_with_the_picture_and_before_the_slider(marked):
+    figure = Markup('<figure id="mechanism"></figure>') if marked else None
+    body = live_section(sections.design(), mechanism=figure).body
+    places = [body.find(f'id="{name}"') for name in ("live-panel", "mechanism", "live-transport")]
+    assert (places == sorted(places) and min(places) > 0) is marked

@@ -1,0 +1,46 @@
+"""Where in the cycles, and on which part, a check is decided: what the page shows at first."""
+
+from reports.verdict import Check, DesignResult
+
+Place = tuple[int, int, int]  # cycle, position in it, part: by their numbers in the result
+
+
+def deciding_place(result: DesignResult) -> Place | None:
+    """Where the check that decides the verdict is decided, else its part's peak in its cycle.
+
+    None without checks, and where neither is known.
+    """
+    if not result.checks:
+        return None
+    decides = result.deciding
+    return place_of(decides, result) or _peak(decides, result)
+
+
+def place_of(check: Check, result: DesignResult) -> Place | None:
+    """Where what decides a check is: its load case, else for a static one its part's peak.
+
+    None where that is not known, as for a check of the linkage as a whole.
+    """
+    part = _part(check, result)
+    if part is None or check.cycle not in result.cycles:
+        return None
+    names = list(result.cycles)
+    if check.derivation is not None and check.derivation.cases:
+        case = check.derivation.cases[-1]
+        if case.cycle in names:
+            return names.index(case.cycle), case.index, part
+    return _peak(check, result) if check.kind == "static" else None
+
+
+def _part(check: Check, result: DesignResult) -> int | None:
+    return next((k for k, each in enumerate(result.parts) if each.name == check.part), None)
+
+
+def _peak(check: Check, result: DesignResult) -> Place | None:
+    """Where the part of a check has its largest stress in the cycle of the check."""
+    part = _part(check, result)
+    peaks = (result.cycles.get(check.cycle, {}).get("peaks") or {}).get(check.part)
+    if part is None or peaks is None or not len(peaks):
+        return None
+    position = max(range(len(peaks)), key=lambda k: float(peaks[k]))
+    return list(result.cycles).index(check.cycle), position, part
