@@ -19,16 +19,22 @@ def deciding_place(result: DesignResult) -> Place | None:
 def place_of(check: Check, result: DesignResult) -> Place | None:
     """Where what decides a check is: its load case, else for a static one its part's peak.
 
-    None where that is not known, as for a check of the linkage as a whole.
+    Of the two ends of a swing the one that stresses the part more. None where that is not known,
+    as for a check of the linkage as a whole.
     """
     part = _part(check, result)
     if part is None or check.cycle not in result.cycles:
         return None
     names = list(result.cycles)
-    if check.derivation is not None and check.derivation.cases:
-        case = check.derivation.cases[-1]
-        if case.cycle in names:
-            return names.index(case.cycle), case.index, part
+    cases = () if check.derivation is None else check.derivation.cases
+    places = [(names.index(case.cycle), case.index) for case in cases if case.cycle in names]
+    if places:
+        peaks = [result.cycles[names[k]].get("peaks") or {} for k, _ in places]
+        stress = [
+            float(each[check.part][index]) if check.part in each else 0.0
+            for each, (_, index) in zip(peaks, places, strict=True)
+        ]
+        return *places[stress.index(max(stress))], part
     return _peak(check, result) if check.kind == "static" else None
 
 

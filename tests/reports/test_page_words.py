@@ -157,9 +157,9 @@ def test_two_positions_of_a_fatigue_check_are_explained():
         assert any(title.startswith("The swing between") for title in titles) == expected
 
 
-def derived(check, index):
-    case = LoadCase("s", "press", "x", index, ())
-    return replace(check, derivation=Derivation(cases=(case,), sections=(), value="v", limit="e"))
+def derived(check, *indices):
+    cases = tuple(LoadCase("s", "press", "x", index, ()) for index in indices)
+    return replace(check, derivation=Derivation(cases=cases, sections=(), value="v", limit="e"))
 
 
 def test_all_views_begin_where_the_deciding_check_is_decided():
@@ -181,6 +181,18 @@ def test_all_views_begin_where_the_deciding_check_is_decided():
     position = result.cycles["press"]["position"][index]
     assert f'data-show="{cycle} {index} ' in page
     assert f"cycle press, x = {position:.5g} mm" in page
+
+
+@pytest.mark.parametrize("ends", [(3, 5), (5, 3)])
+def test_of_a_swing_the_end_that_stresses_the_part_more_is_shown(ends):
+    peaks = [0.0] * 12
+    peaks[3], peaks[5] = 200.0, 0.5
+    check = derived(replace(results.FAILING, part="bar_upper", cycle="press"), *ends)
+    part = results.part(checks=[check])
+    cycle = results.cycle() | {"peaks": {part.name: peaks}}
+    result = results.design(part, cycles={"press": cycle})
+    assert part.name == check.part
+    assert place_of(check, result) == (0, 3, 0)
 
 
 def test_without_a_load_case_the_part_s_peak_is_shown_where_it_is_known():
