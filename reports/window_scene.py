@@ -20,9 +20,9 @@ LINKAGE = -1  # in place of a part: all of them, where they are in the machine
 FIELDS = {
     "mises": ("von Mises stress", "MPa"),
     "principal": ("signed principal stress", "MPa"),
-    "utilisation": ("fatigue utilisation", ""),
+    "utilisation": ("fatigue utilisation without required safety", ""),
     "amplitude": ("stress amplitude over the duty", "MPa"),
-    "mean": ("mean stress over the duty", "MPa"),
+    "mean": ("mean stress over the duty (tension)", "MPa"),
     "displacement": ("displacement", "mm"),
 }
 SIGNED = ("principal", "mean")
