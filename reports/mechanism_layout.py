@@ -32,17 +32,30 @@ class Drawable(Protocol):
     """A cycle that can be drawn: `loads.CycleLoads`, or the thinned `reports.motion.Motion`."""
 
     @property
-    def linkage(self) -> Linkage: ...  # noqa: D102
+    def linkage(self) -> Linkage:
+        """The mechanism."""
+
     @property
-    def times(self) -> FloatArray: ...  # noqa: D102
+    def times(self) -> FloatArray:
+        """(k,) s, from the start of the cycle."""
+
     @property
-    def poses(self) -> FloatArray: ...  # noqa: D102
+    def poses(self) -> FloatArray:
+        """(k, bodies, 3): mm, mm, rad."""
+
     @property
-    def reactions(self) -> Mapping[str, JointLoad]: ...  # noqa: D102
+    def reactions(self) -> Mapping[str, JointLoad]:
+        """Forces and moments at each joint."""
+
     @property
-    def efforts(self) -> Mapping[str, FloatArray]: ...  # noqa: D102
-    def point(self, body: str, point: str) -> FloatArray: ...  # noqa: D102
-    def travel(self, joint: str) -> FloatArray: ...  # noqa: D102
+    def efforts(self) -> Mapping[str, FloatArray]:
+        """(k,) N or N mm of each force and torque of the linkage."""
+
+    def point(self, body: str, point: str) -> FloatArray:
+        """Where a point of a body is (k, 2), mm."""
+
+    def travel(self, joint: str) -> FloatArray:
+        """How far a pin is along its slot or guide (k,), mm."""
 
 
 class Layout:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from reports.live.fields import LiveFields, LivePeak
+from reports.live.fields import LiveFields, LivePeak, with_required_safety
 from reports.motion import Motion
 from reports.verdict import DesignResult
 from reports.window_scene import Scene, ShownCycle, ShownPart
@@ -26,7 +26,7 @@ def scene_of(result: DesignResult) -> Scene:
     for part in result.parts:
         if not isinstance(part.live, LiveFields):
             raise ValueError(f"part {part.name!r} has no fields; it was not checked for them")
-        parts.append(ShownPart(part.name, part.live))
+        parts.append(ShownPart(part.name, with_required_safety(part.live, part.checks)))
     order = {part.name: k for k, part in enumerate(parts)}
     cycles = [
         _cycle(name, cycle, result.motion.get(name), order) for name, cycle in result.cycles.items()

@@ -20,7 +20,7 @@ LINKAGE = -1  # in place of a part: all of them, where they are in the machine
 FIELDS = {
     "mises": ("von Mises stress", "MPa"),
     "principal": ("signed principal stress", "MPa"),
-    "utilisation": ("fatigue utilisation without required safety", ""),
+    "utilisation": ("fatigue utilisation, required safety included", ""),
     "amplitude": ("stress amplitude over the duty", "MPa"),
     "mean": ("mean stress over the duty (tension)", "MPa"),
     "displacement": ("displacement", "mm"),

@@ -1,6 +1,7 @@
 """A part among the column curves: stress against slenderness, in and out of its plane."""
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from math import pi
 from typing import Any
 
@@ -73,27 +74,32 @@ def column_curves(data: Mapping[str, Any]) -> dict[str, Curve]:
             return float("nan")
         return strength * (1 - strength * slenderness**2 / (4 * pi**2 * young))
 
+    def crooked(eta: Curve, slenderness: float) -> float:
+        return perry_robertson(euler(slenderness), strength, eta(slenderness))
+
+    def eurocode(curve: str, slenderness: float) -> float:
+        return eurocode_stress(euler(slenderness), strength, curve)
+
     curves: dict[str, Curve] = {"yield": lambda _: strength, "Johnson": johnson, "Euler": euler}
-    for name, eta in _etas(data).items():
-        curves[name] = lambda s, eta=eta: perry_robertson(euler(s), strength, eta(s))  # type: ignore[misc]
-    for name in IMPERFECTION:
-        curves[f"Eurocode 3 {name}"] = lambda s, name=name: eurocode_stress(  # type: ignore[misc]
-            euler(s), strength, name
-        )
+    curves |= {name: partial(crooked, eta) for name, eta in _etas(data).items()}
+    curves |= {f"Eurocode 3 {name}": partial(eurocode, name) for name in IMPERFECTION}
     return curves
 
 
 def _etas(data: Mapping[str, Any]) -> dict[str, Curve]:
     """Perry and Robertson's eta: one curve, or one for each plane where crookedness is stated."""
+
+    def robertson(slenderness: float) -> float:
+        return _ROBERTSON * slenderness
+
+    def constant(eta: float, _: float) -> float:
+        return eta
+
     stated = {p["plane"]: p["eta"] for p in data["planes"]}
     if all(eta is None for eta in stated.values()):
-        return {"Perry-Robertson": lambda slenderness: _ROBERTSON * slenderness}
+        return {"Perry-Robertson": robertson}
     return {
-        f"Perry-Robertson {plane}": (
-            (lambda slenderness: _ROBERTSON * slenderness)
-            if eta is None
-            else (lambda _, eta=eta: float(eta))  # type: ignore[misc]
-        )
+        f"Perry-Robertson {plane}": robertson if eta is None else partial(constant, float(eta))
         for plane, eta in stated.items()
     }
 

@@ -49,7 +49,7 @@ const liveView = (root) => {
   const header = liveHeader(), section = jsonOf("live-section"), heads = header.parts;
   const motionText = document.getElementById("live-motion")?.textContent;
   const bodies = new Map(); // index of a part -> promise of its body
-  let frame = 0, motion = null;
+  let frame = 0, motion = null, opened = Promise.resolve();
   const view = {
     root, find, section, canvas: find("canvas"), camera: new Camera(), scene: null,
     tables: Object.fromEntries(
@@ -120,7 +120,8 @@ const liveView = (root) => {
     }
     return drawn;
   };
-  const open = async (tab) => {
+  const open = (tab) => (opened = openTab(tab));
+  const openTab = async (tab) => {
     const first = page.dataset.live === undefined;
     Object.assign(view, { held: null, pointer: null, drawn: [], empty: "Reading…" });
     view.shown.tab = tab;
@@ -290,13 +291,13 @@ const liveView = (root) => {
     chooseField();
     update();
   };
-  return { view, picture, start };
+  return { view, picture, start, opened: () => opened };
 };
 
 {
   const root = document.getElementById("live");
   if (root) {
-    const { view, picture, start } = liveView(root);
+    const { view, picture, start, opened } = liveView(root);
     globalThis.ballesta.live = { // for tests and benches
       get tab() { return view.shown.tab; },
       get field() { return view.field; },
@@ -310,7 +311,8 @@ const liveView = (root) => {
       camera: view.camera,
       draw: () => picture.paint(), // now, as when a step is timed
       context: () => view.scene.gl,
+      get opened() { return started.then(opened); }, // when the chosen tab is shown, or its error
     };
-    start();
+    const started = start();
   }
 }

@@ -1,11 +1,13 @@
 """What is known of a part at every node of its surface, at every position of every cycle."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+
+from reports.verdict import Check
 
 FloatArray = npt.NDArray[np.float64]
 RealArray = npt.NDArray[np.floating[Any]]
@@ -154,6 +156,16 @@ class LiveFields:
                     f"live fields: {what} holds {values[tuple(bad[0])]} at [{place}]; one such "
                     "number would spoil every position"
                 )
+
+
+def with_required_safety(live: LiveFields, checks: Sequence[Check]) -> LiveFields:
+    """The fields with the utilisation that a part's checks have: 1 just leaves what is required."""
+    required = next((check.required for check in checks if check.kind == "fatigue"), None)
+    if required is None or "utilisation" not in live.fatigue:
+        return replace(live, judged=False)
+    return replace(
+        live, fatigue={**live.fatigue, "utilisation": required * live.fatigue["utilisation"]}
+    )
 
 
 def grey(nodes: Any, triangles: Any, why: str) -> LiveFields:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from reports.live.encode import TOLERANCE, EncodedPart, encode
-from reports.live.fields import LiveFields, grey
+from reports.live.fields import LiveFields, grey, with_required_safety
 from reports.verdict import DesignResult, PartResult
 from reports.words import brief
 
@@ -101,7 +101,7 @@ def has_fields(result: DesignResult) -> bool:
 def _fields_of(part: PartResult) -> LiveFields | EncodedPart:
     live: LiveFields | EncodedPart | None = getattr(part, "live", None)
     if isinstance(live, LiveFields):
-        return _with_required_safety(live, part)
+        return with_required_safety(live, part.checks)
     if live is not None:
         return live
     why = "its stress over the cycle was not kept when it was checked"
@@ -109,16 +109,6 @@ def _fields_of(part: PartResult) -> LiveFields | EncodedPart:
         methods = ", ".join(dict.fromkeys(check.method for check in part.checks))
         why = f"decided by {methods or 'no check'}, without a mesh: no stress all over its surface"
     return grey(np.asarray(part.surface.nodes), np.asarray(part.surface.triangles), why)
-
-
-def _with_required_safety(live: LiveFields, part: PartResult) -> LiveFields:
-    """The fields with the utilisation that a check has: 1 just leaves the safety required."""
-    required = next((check.required for check in part.checks if check.kind == "fatigue"), None)
-    if required is None or "utilisation" not in live.fatigue:
-        return replace(live, judged=False)
-    return replace(
-        live, fatigue={**live.fatigue, "utilisation": required * live.fatigue["utilisation"]}
-    )
 
 
 def _size(encoded: Sequence[EncodedPart]) -> int:

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 REQUIRED = os.environ.get("BALLESTA_BROWSER") == "required"  # as .ci/run sets it
+SLOWED = float(os.environ.get("BALLESTA_BROWSER_SLOWED", 1))  # times; finds tests that race a page
 SOFTWARE_GL = ("--disable-gpu", "--enable-unsafe-swiftshader", "--use-angle=swiftshader")
 NO_GL = ("--disable-gpu", "--disable-3d-apis")
 # Said of every picture that goes from WebGL to a screen without a graphics card.
@@ -80,6 +81,9 @@ def opened(launch: Callable[..., Any]) -> Iterator[Callable[..., Opened]]:
         contexts.append(made)
         made.set_offline(True)
         page = made.new_page()
+        if SLOWED > 1:
+            throttle = made.new_cdp_session(page)
+            throttle.send("Emulation.setCPUThrottlingRate", {"rate": SLOWED})
         result = Opened(page)
         page.on(
             "console",

@@ -73,6 +73,14 @@ def test_a_result_without_fields_is_refused():
         scene_of(motion_results.press())
 
 
+def test_utilisation_counts_the_required_safety_as_the_page_does(result):
+    part, *others = result.parts
+    judged = results.check(part.name, kind="fatigue", required=1.25)
+    made = replace(result, parts=[replace(part, checks=[judged]), *others])
+    shown = scene_of(made).values(0, View(0, field="utilisation"))
+    assert_allclose(shown, 1.25 * part.live.fatigue["utilisation"], rtol=1e-6)
+
+
 def test_a_scene_comes_back_from_its_folder(tmp_path, scene):
     write_scene(scene, tmp_path)
     again = read_scene(tmp_path)

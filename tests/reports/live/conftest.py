@@ -26,7 +26,8 @@ def viewed(opened: Callable[..., Any], written: Path) -> Callable[..., Any]:
 
     def view(path: Path | None = None, *, state: str = "ready", **how: Any) -> Any:
         found = opened(path or written, **{"width": 900, "height": 900} | how)
-        found.page.locator(f"html[data-live={state}]").wait_for(state="attached", timeout=10_000)
+        found.page.locator(f"html[data-live={state}]").wait_for(state="attached")
+        settle(found.page)
         return found
 
     return view
@@ -41,8 +42,13 @@ def pixels(page: Any) -> Any:
 
 
 def settle(page: Any) -> None:
-    """Wait until what changed is drawn."""
-    page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    """Wait until the chosen tab is open and what changed is drawn."""
+    page.evaluate(
+        """async () => {
+          await ballesta.live.opened;
+          for (let k = 0; k < 2; k++) await new Promise(requestAnimationFrame);
+        }"""
+    )
 
 
 def role(page: Any, name: str) -> Any:

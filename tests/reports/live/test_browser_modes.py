@@ -59,11 +59,10 @@ def test_a_lost_context_is_told_and_comes_back(viewed):
     page.evaluate("ballesta.setPosition(0, 7); ballesta.setPosition(...window.start ?? [0, 0])")
     page.locator("#live-tab-1").click()  # a part that is opened meanwhile
     page.locator("#live-tab-0").click()
-    page.wait_for_timeout(200)
+    settle(page)
     page.evaluate("loss.restoreContext()")
     page.locator("html[data-live=ready]").wait_for(state="attached")
     assert role(page, "note").is_hidden()
-    page.wait_for_timeout(100)
     assert (np.abs(pixels(page) - before).max(axis=2) > 30).mean() < 0.05
     page.locator("#live-tab-1").click()
     settle(page)
@@ -74,7 +73,6 @@ def test_dark_mode_changes_the_ground_and_keeps_the_colours(viewed):
     page = viewed().page
     light = pixels(page)
     page.emulate_media(color_scheme="dark")
-    page.wait_for_timeout(100)
     dark = pixels(page)
     assert light[200, 30].min() > 200
     assert dark[200, 30].max() < 60
@@ -106,7 +104,7 @@ def test_a_phone_shows_it_without_scrolling_sideways(viewed):
     page = viewed(width=360, height=700, has_touch=True).page
     for tab in page.get_by_role("tab").all():
         tab.click()
-        page.wait_for_timeout(60)
+        settle(page)
         assert page.evaluate("document.documentElement.scrollWidth") <= 360
     page.locator("#live-tab-0").click()
     role(page, "deformed").check()
@@ -144,7 +142,7 @@ def test_the_slider_stays_in_sight_while_the_tables_are_read(viewed):
         page = viewed(width=width, height=700).page
         page.locator(".live-tables summary").click()
         page.locator(".live-tables").evaluate("e => scrollTo(0, e.getBoundingClientRect().top)")
-        page.wait_for_timeout(50)
+        settle(page)
         box = page.locator(".live-transport").bounding_box()
         assert 0 < box["y"] < 100
 
@@ -183,7 +181,7 @@ def test_names_from_a_stranger_are_only_words(tmp_path, viewed):
     page.on("dialog", lambda dialog: found.told.append(dialog.message))
     for tab in page.get_by_role("tab").all():
         tab.click()
-        page.wait_for_timeout(60)
+        settle(page)
     role(page, "hottest").locator("summary").click()
     page.locator(".live-tables summary").click()
     assert page.locator("#live :is(b b, img:not([src^=data]):not([data-role]))").count() == 0
@@ -215,11 +213,10 @@ def test_space_plays_and_pauses_and_the_cycle_comes_round(viewed):
     page.keyboard.press(" ")
     assert page.evaluate("ballesta.current.playing")
     assert role(page, "play").inner_text() == "Pause"
-    page.wait_for_timeout(500)
+    page.wait_for_function("ballesta.current.index < 60")  # past the end, it began again
     page.keyboard.press(" ")
     index = page.evaluate("ballesta.current.index")
     assert index == int(index)
-    assert index < 60  # past the end, it began again
     page.wait_for_timeout(100)
     assert page.evaluate("[ballesta.current.index, ballesta.current.playing]") == [index, False]
 
