@@ -43,7 +43,7 @@ def bushes_not_checked(part: Part, solved: Solved) -> list[str]:
     if not runs:
         return []
     return [
-        f"NOT CHECKED: p v of the bush of {bush_name(entry)} in {', '.join(runs)}: measured loads "
+        f"NOT CHECKED: {sliding_quantity(entry)} in {', '.join(runs)}: measured loads "
         "tell no relative speeds"
         for entry in part.stack
         if entry.bush is not None and entry.bush.pv is not None
@@ -52,7 +52,6 @@ def bushes_not_checked(part: Part, solved: Solved) -> list[str]:
 
 def _pressure_check(design: Design, part: Part, part_loads: PartLoads, entry: StackEntry) -> Check:
     assert entry.bush is not None
-    name = bush_name(entry)
     pressure = _pressure(part, part_loads, entry)
     (worst,) = first_largest(pressure)
     value = float(pressure[worst])
@@ -62,7 +61,7 @@ def _pressure_check(design: Design, part: Part, part_loads: PartLoads, entry: St
     return Check(
         part=part.name,
         kind="bush",
-        quantity=f"bush of {name}",
+        quantity=pressed_quantity(entry),
         value=value,
         unit="MPa",
         numerical=0.0,
@@ -107,7 +106,7 @@ def _pv_check(
         Check(
             part=part.name,
             kind="bush",
-            quantity=f"p v of the bush of {bush_name(entry)}",
+            quantity=sliding_quantity(entry),
             value=value / 1e3,
             unit="MPa m/s",
             numerical=0.0,
@@ -177,3 +176,13 @@ def bush_name(entry: StackEntry) -> str:
     name = entry.body or entry.force
     assert name is not None
     return name
+
+
+def pressed_quantity(entry: StackEntry) -> str:
+    """What the check of a bush's pressure is called."""
+    return f"bush of {bush_name(entry)}"
+
+
+def sliding_quantity(entry: StackEntry) -> str:
+    """What the check of a bush's pressure times speed is called."""
+    return f"p v of the bush of {bush_name(entry)}"

@@ -2,11 +2,10 @@
 
 from typing import Any
 
-from ballesta.column_limits import ColumnCase, Plane, cases_of, planes_of
-from ballesta.column_moments import axial_compression
+from ballesta.column_limits import Plane, planes_of
 from ballesta.design_data import Design, Part
 from ballesta.part_loads import PartLoads
-from ballesta.ties import first_largest
+from ballesta.stability import axial_compression, judged_columns, worst_compression
 
 
 def column_data(design: Design, part: Part, loads: PartLoads) -> dict[str, Any] | None:
@@ -23,12 +22,10 @@ def column_data(design: Design, part: Part, loads: PartLoads) -> dict[str, Any] 
 
     None for a part that has no sections or is never compressed.
     """
-    if not part.geometry.sections:
+    worst = worst_compression(part, loads)
+    if worst is None:
         return None
     force = axial_compression(part, loads)
-    (worst,) = first_largest(force)
-    if not force[worst] > 0:
-        return None
     return {
         "youngs_modulus": part.material.youngs_modulus,
         "yield": part.material.yield_stress,
@@ -45,25 +42,17 @@ def column_data(design: Design, part: Part, loads: PartLoads) -> dict[str, Any] 
 
 def _plane_data(part: Part, plane: Plane, force: float) -> dict[str, Any]:
     curve = part.column.curve
-    pairs = zip(cases_of(part, plane), cases_of(part, plane, stiffest=True), strict=True)
-    case, stiff = min(pairs, key=lambda pair: pair[0].limit(curve) * pair[0].section.area)
+    judged = judged_columns(part, plane, force)
+    case, stress, _ = judged.deciding
     return {
         "plane": plane.name,
         "section": case.section.name,
         "area": case.section.area,
         "slenderness": case.strength.slenderness,
-        "stiffest": min(stiff.strength.slenderness, case.strength.slenderness),
+        "stiffest": min(judged.held.strength.slenderness, case.strength.slenderness),
         "length": case.length,
-        "stress": force / case.section.area,
+        "stress": stress,
         "limit": case.limit(curve),
-        "law": case.strength.governs if curve is None else f"Eurocode 3 curve {curve}",
-        "eta": _eta(part, plane, case),
+        "law": case.law(curve),
+        "eta": case.eta,
     }
-
-
-def _eta(part: Part, plane: Plane, case: ColumnCase) -> float | None:
-    """Perry and Robertson's eta of a stated crookedness; None without one."""
-    if part.column.crookedness is None or not case.whole:
-        return None
-    inertia, depth = plane.built_up(case.section)
-    return part.column.crookedness * case.section.area * depth / inertia

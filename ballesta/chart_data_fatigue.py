@@ -13,7 +13,7 @@ import numpy as np
 import fatigue
 from ballesta.design_data import Design, Part
 from ballesta.duty_verdict import DutyVerdict, FatiguePeak
-from ballesta.fatigue_facts import haigh_of, path_of
+from ballesta.fatigue_facts import deciding_pair, haigh_of
 from ballesta.finite_life import LifeTask, life_curve, lives_of, why_no_curve
 from ballesta.fkm_strength import fkm_points, slopes_of
 from ballesta.judged_fatigue import FkmUse
@@ -40,19 +40,8 @@ def haigh_data(part: Part, level: Stressed, peak: FatiguePeak) -> dict[str, Any]
     assert level.duty is not None
     return haigh_of(part, level, peak) | {
         "away": float(level.duty.limit),
-        "paths": _paths(level, _chord(level, peak), peak),
+        "paths": _paths(level, deciding_pair(level, peak), peak),
     }
-
-
-def _chord(level: Stressed, peak: FatiguePeak) -> tuple[int, int]:
-    """The deciding pair of positions; where Findley's plane decides, the ends of the chord."""
-    if peak.criterion != "Findley":
-        return peak.pair
-    run = path_of(level, peak)
-    path = np.ascontiguousarray(level.coefficients[:, run])
-    chords = fatigue.goodman(level.history.basis[[peak.point]], path, 1.0, 1.0)
-    first, second = (int(run[k]) for k in chords.pair[0])
-    return first, second
 
 
 def _paths(

@@ -18,7 +18,7 @@ from ballesta.design_data import Design
 from ballesta.elastic_parts import compliances_of, without_unknown_contacts
 from ballesta.errors import DesignError
 from ballesta.explained.buckling import linkage_share
-from ballesta.explained.door import with_derivation
+from ballesta.explained.proven import with_derivation
 from ballesta.gates import load_gates
 from ballesta.levels import Bodies, Models
 from ballesta.linkage_frame import LinkageMode, linkage_check, worst_mode

@@ -22,6 +22,12 @@ app = typer.Typer(
 
 Designs = Annotated[list[Path], typer.Argument(metavar="DESIGN...", help="design files (TOML)")]
 OneDesign = Annotated[Path, typer.Argument(metavar="DESIGN", help="a design file (TOML)")]
+Fields = Annotated[
+    bool,
+    typer.Option(
+        "--fields", help="mesh also the parts whose checks need no mesh, to look at their stress"
+    ),
+]
 Overrides = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="override a value, e.g. parts.bar.wall=5mm"),
@@ -54,6 +60,7 @@ def check(
             "--within", metavar="TIME", help="begin no solid that would take longer, e.g. 60s"
         ),
     ] = None,
+    fields: Fields = False,
     baseline: Annotated[
         bool,
         typer.Option("--write-baseline", help="write NAME.baseline.json beside each design"),
@@ -89,6 +96,7 @@ def check(
         fidelity=fidelity,
         within=within,
         store=None if no_store else store,
+        fields=fields,
     )
     raise typer.Exit(code)
 
@@ -336,11 +344,12 @@ def show(
         typer.Option("--off-screen", metavar="FILE", help="write a PNG instead of a window"),
     ] = None,
     fidelity: Annotated[
-        str, typer.Option("--fidelity", metavar="RUNG", help="as of check; solid: stress of all")
+        str, typer.Option("--fidelity", metavar="RUNG", help="as of check")
     ] = "auto",
     within: Annotated[
         str | None, typer.Option("--within", metavar="TIME", help="as of check")
     ] = None,
+    fields: Fields = False,
     overrides: Overrides = None,
     store: Annotated[
         Path | None,
@@ -355,7 +364,7 @@ def show(
     """
     from ballesta.show import Wanted, run_show
 
-    wanted = Wanted(part, off_screen, fidelity, within, None if no_store else store)
+    wanted = Wanted(part, off_screen, fidelity, within, None if no_store else store, fields)
     raise typer.Exit(run_show(design, wanted, overrides or []))
 
 

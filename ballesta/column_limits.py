@@ -14,7 +14,7 @@ from math import inf, pi, sqrt
 
 from ballesta.design_data import Design, Part
 from ballesta.machine import interface_distance
-from fem.column_curves import IMPERFECTION, eurocode_stress, perry_robertson
+from fem.column_curves import IMPERFECTION, ROBERTSON, eurocode_stress, perry_robertson
 from fem.columns import ColumnStrength, column_strength
 from fem.tapered_columns import (
     CLAMPED,
@@ -27,7 +27,6 @@ from fem.tapered_columns import (
 from geometry.sections import Section
 
 UNKNOWN_CURVE = "c"  # EN 1993-1-1, table 6.2: solid sections and those that are no standard profile
-_ROBERTSON = 0.003  # of the slenderness
 _JOINED = 1e-6  # of the column's length
 
 
@@ -77,7 +76,8 @@ class ColumnCase:
     stepped   whether the whole part changes its section
     length    mm, effective: the hinged, even column of this section with the same Euler force
     strength  yield, Johnson and Euler
-    perry     MPa, Perry-Robertson with the stated crookedness, else 0.003 times the slenderness
+    eta       stress of the stated crookedness over the axial one; None without one
+    perry     MPa, Perry-Robertson with that eta, else 0.003 times the slenderness
     curves    MPa by Eurocode 3, by the curve's name
     """
 
@@ -86,12 +86,17 @@ class ColumnCase:
     stepped: bool
     length: float
     strength: ColumnStrength
+    eta: float | None
     perry: float
     curves: dict[str, float]
 
     def limit(self, curve: str | None) -> float:
         """Axial stress, MPa, that the section carries: by a column curve, or by the handbook."""
         return self.strength.critical if curve is None else self.curves[curve]
+
+    def law(self, curve: str | None) -> str:
+        """What gives that limit."""
+        return self.strength.governs if curve is None else f"Eurocode 3 curve {curve}"
 
     def safeties(self, stress: float, yield_stress: float) -> dict[str, float]:
         """Every limit over the axial stress, by name."""
@@ -174,16 +179,18 @@ def _case(part: Part, plane: Plane, section: Section, length: float, *, whole: b
     strength = column_strength(
         section.area, inertia, length, material.yield_stress, material.youngs_modulus
     )
-    eta = _ROBERTSON * strength.slenderness
+    stated = None
     if part.column.crookedness is not None and whole:
         built_up, depth = plane.built_up(section)
-        eta = part.column.crookedness * section.area * depth / built_up
+        stated = part.column.crookedness * section.area * depth / built_up
+    eta = ROBERTSON * strength.slenderness if stated is None else stated
     return ColumnCase(
         section,
         whole,
         is_stepped(part),
         length,
         strength,
+        stated,
         perry_robertson(strength.euler, material.yield_stress, eta),
         {
             name: eurocode_stress(strength.euler, material.yield_stress, name)

@@ -14,17 +14,20 @@ class Effort:
     fidelity  "auto", "formula", "beam", "plane" or "solid"
     within    s from the start of the check, after which no solid is begun; None for no limit
     pinned    part -> kind of check -> the rung that must decide it; other parts as `fidelity` says
+    fields    whether parts whose checks need no mesh get one, for a page or a window to draw
     """
 
     fidelity: str = AUTO
     within: float | None = None
     pinned: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    fields: bool = False
 
     @property
     def options(self) -> list[str]:
         """The options of the command line that ask for it."""
         found = [] if self.fidelity == AUTO else [f"--fidelity {self.fidelity}"]
-        return found if self.within is None else [*found, f"--within {self.within:g}s"]
+        found += [] if self.within is None else [f"--within {self.within:g}s"]
+        return [*found, "--fields"] if self.fields else found
 
 
 DEFAULT_EFFORT = Effort()

@@ -39,21 +39,25 @@ def path_of(level: Stressed, peak: FatiguePeak) -> IntArray:
     return runs.get(JOINED, next(iter(runs.values())))
 
 
+def deciding_pair(level: Stressed, peak: FatiguePeak) -> tuple[int, int]:
+    """Positions of the deciding pair; where Findley's plane decides, the longest chord's ends."""
+    if peak.criterion != "Findley":
+        return peak.pair
+    run = path_of(level, peak)
+    path = np.ascontiguousarray(level.coefficients[:, run])
+    chords = fatigue.goodman(level.history.basis[[peak.point]], path, 1.0, 1.0)
+    first, second = (int(run[k]) for k in chords.pair[0])
+    return first, second
+
+
 def chord_at(level: Stressed, peak: FatiguePeak) -> tuple[float, float, float]:
     """Amplitude, mean as Goodman counts it, and mean along the chord with its sign, MPa.
 
-    Of the deciding pair; where Findley's plane decides, of the longest chord. The mean along the
-    chord is an equivalent stress, below 0 in compression, where the largest principal stress is 0
-    at a free surface.
+    Of the `deciding_pair`. The mean along the chord is an equivalent stress, below 0 in
+    compression, where the largest principal stress is 0 at a free surface.
     """
-    point, pair = peak.point, list(peak.pair)
-    if peak.criterion == "Findley":
-        run = path_of(level, peak)
-        path = np.ascontiguousarray(level.coefficients[:, run])
-        chords = fatigue.goodman(level.history.basis[[point]], path, 1.0, 1.0)
-        pair = [int(run[k]) for k in chords.pair[0]]
-    path = np.ascontiguousarray(level.coefficients[:, pair])
-    chord = fatigue.chord_path(level.history.basis[point], path, (0, 1))
+    path = np.ascontiguousarray(level.coefficients[:, list(deciding_pair(level, peak))])
+    chord = fatigue.chord_path(level.history.basis[peak.point], path, (0, 1))
     return chord.amplitude, chord.mean, float(chord.along.mean())
 
 

@@ -156,8 +156,9 @@ def _irregularity(design: Design, name: str, cycle: loads.CycleLoads) -> list[Ga
                 drive.irregularity,
                 drive.allowed,
                 "(fastest - slowest) / mean speed that the uneven torque would give; the loads "
-                f"assume constant speed. A flywheel of {number(drive.flywheel * 1e-3)} kg m2 in "
-                f"all, reduced to the driver, brings it to {number(drive.allowed)}",
+                "assume constant speed",
+                cure=f"A flywheel of {number(drive.flywheel * 1e-3)} kg m2 in all, reduced to the "
+                f"driver, brings it to {number(drive.allowed)}",
             )
         )
     return gates

@@ -72,7 +72,7 @@ def rung_fields(loads: PartLoads, level: RungLevel, surface: Surface) -> LiveFie
             surface.nodes,
             surface.triangles,
             f"decided by {level.model.rung}, without a mesh: its stress is known at the places "
-            "that decide, not all over its surface",
+            "that decide, not all over its surface; ballesta check --fields meshes it, to look at",
         )
     return sheet_fields(loads, level, level.model.sheet)
 

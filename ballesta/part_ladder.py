@@ -10,6 +10,7 @@ import loads
 from ballesta.bushes import bush_checks, bushes_not_checked
 from ballesta.cost import check_seconds
 from ballesta.design_data import Design, Part
+from ballesta.drawn import undrawn, with_drawn_fields
 from ballesta.effort import DEFAULT_EFFORT as DEFAULT_EFFORT
 from ballesta.effort import SOLID
 from ballesta.effort import Effort as Effort
@@ -29,6 +30,7 @@ from fem.solvers import SolverError
 from geometry.cad_body import SolidBody
 from geometry.mesh import Mesh, MeshError, TooManyElementsError
 from geometry.parts.step_part import StepPart
+from reports.live.fields import LiveFields
 from reports.verdict import Check, PartResult
 
 Say = Callable[[str], None]
@@ -56,6 +58,7 @@ def check_parts(
     deadline = inf if effort.within is None else begun + effort.within
     climbs: dict[str, Climb] = {}
     waiting: list[str] = []
+    settled: list[str] = []  # without a mesh
     solids: dict[str, frozenset[str]] = {}
     results: dict[str, PartResult] = {}
     for part in design.parts.values():
@@ -71,6 +74,7 @@ def check_parts(
                 waiting.append(part.name)
             else:
                 results[part.name] = cheap_result(climb, models, live=live)
+                settled.append(part.name)
     if effort.within is not None:
         costs = {name: _cost(design, climbs[name], models) for name in waiting}
         waiting.sort(key=lambda name: costs[name])
@@ -80,6 +84,7 @@ def check_parts(
             if climb.levels and deadline < inf and perf_counter() + costs[name] > deadline:
                 _leave(climb, costs[name], deadline - perf_counter())
                 results[name] = cheap_result(climb, models, live=live)
+                settled.append(name)
             else:
                 say(f"{name}: solving")
                 pinned = solids.get(name)
@@ -94,7 +99,22 @@ def check_parts(
                     live=live,
                 )
         models.keep_only({climbs[other].part.geometry for other in waiting[done + 1 :]})
+    for name in settled if live and effort.fields else []:
+        results[name] = _drawn(design, climbs[name], results[name], models, deadline, say)
+        models.keep_only(set())
     return [_with_formulas(climbs[name], results[name], solved, models) for name in design.parts]
+
+
+def _drawn(
+    design: Design, climb: Climb, result: PartResult, models: Models, deadline: float, say: Say
+) -> PartResult:
+    """The result with stress to look at, if there is time for a mesh."""
+    if deadline < inf and isinstance(result.live, LiveFields):
+        cost, left = _cost(design, climb, models), deadline - perf_counter()
+        if cost > left:
+            why = f"about {cost:.0f} s for its mesh, {max(left, 0.0):.0f} s are left"
+            return replace(result, live=undrawn(result.live, why))
+    return with_drawn_fields(design, climb.part, climb.loads, climb.use, result, models, say)
 
 
 def _cost(design: Design, climb: Climb, models: Models) -> float:

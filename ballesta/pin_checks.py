@@ -15,6 +15,10 @@ from geometry.mesh import FloatArray
 from geometry.parts import Pin
 from reports.verdict import Check
 
+# What the checks are called; their derivations know them by it.
+BENDING = "nominal bending stress 32 M/(pi d^3)"
+SHEAR = "nominal shear stress 4/3 of 4 V/(pi d^2)"
+TOGETHER = "bending with shear, von Mises"
 _COUNTS = 1.01  # times bending or shear alone, from which their sum is a check of its own
 
 
@@ -34,7 +38,7 @@ def pin_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
         pressed.most_bent,
         pushed,
         "pin bending",
-        "nominal bending stress 32 M/(pi d^3)",
+        BENDING,
         pressures,
     )
     shear = _check(
@@ -45,16 +49,15 @@ def pin_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
         pressed.most_sheared,
         pushed,
         "pin shear",
-        "nominal shear stress 4/3 of 4 V/(pi d^2)",
+        SHEAR,
         "",
     )
     both = pushed.equivalent_peaks
     alone = max(bending.value, np.sqrt(3) * shear.value)
     if both.max() <= _COUNTS * alone:
         return [bending, shear]
-    name = "bending with shear, von Mises"
     even = float(pressed.equivalent_peaks.max())
-    more = _check(design, part, loads, both, even, pushed, "pin bending", name, "")
+    more = _check(design, part, loads, both, even, pushed, "pin bending", TOGETHER, "")
     return [bending, shear, more]
 
 

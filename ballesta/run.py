@@ -35,10 +35,12 @@ def check_all(
     fidelity: str = "auto",
     within: str | None = None,
     store: Path | None = None,
+    fields: bool = False,
 ) -> int:
     """Check designs one after the other and write their results; returns the exit code.
 
-    store  folder of what earlier checks have left; None for none
+    store   folder of what earlier checks have left; None for none
+    fields  whether parts whose checks need no mesh get one, for the live view
 
     Verdicts go to standard output, progress and errors to standard error.
     """
@@ -51,7 +53,7 @@ def check_all(
     for path, folder in zip(designs, folders, strict=True):
 
         def one(path: Path = path, folder: Path = folder) -> int:
-            effort = effort_of(fidelity, within)
+            effort = effort_of(fidelity, within, fields=fields)
             result = check_to_folder(
                 path, folder, overrides, baseline=baseline, effort=effort, store=opened[0]
             )
@@ -87,7 +89,7 @@ def store_at(folder: Path | None) -> "Store | None":
     return Store(folder, limit=int(limit * GIB))
 
 
-def effort_of(fidelity: str, within: str | None) -> "Effort":
+def effort_of(fidelity: str, within: str | None, *, fields: bool = False) -> "Effort":
     """What the options of the command line ask for; raises DesignError."""
     from ballesta.effort import FIDELITIES, Effort
     from ballesta.names import no_such
@@ -96,7 +98,7 @@ def effort_of(fidelity: str, within: str | None) -> "Effort":
     if fidelity not in FIDELITIES:
         raise DesignError(here, "--fidelity", no_such("rung", fidelity, FIDELITIES))
     if within is None:
-        return Effort(fidelity)
+        return Effort(fidelity, fields=fields)
     from ballesta.units import measure
 
     try:
@@ -105,7 +107,7 @@ def effort_of(fidelity: str, within: str | None) -> "Effort":
         raise DesignError(here, "--within", str(error)) from error
     if not seconds > 0:
         raise DesignError(here, "--within", f'must be above 0 s, got "{within}"')
-    return Effort(fidelity, seconds)
+    return Effort(fidelity, seconds, fields=fields)
 
 
 def check_to_folder(

@@ -26,6 +26,7 @@ class Wanted:
     fidelity: str = "auto"
     within: str | None = None
     store: Path | None = None
+    fields: bool = False
 
 
 def run_show(path: Path, wanted: Wanted, overrides: Sequence[str] = ()) -> int:
@@ -36,7 +37,8 @@ def run_show(path: Path, wanted: Wanted, overrides: Sequence[str] = ()) -> int:
     """
 
     def work() -> int:
-        effort, store = effort_of(wanted.fidelity, wanted.within), store_at(wanted.store)
+        effort = effort_of(wanted.fidelity, wanted.within, fields=wanted.fields)
+        store = store_at(wanted.store)
         start = perf_counter()
         design = read_design(path, overrides)
         reading = perf_counter() - start
@@ -49,10 +51,10 @@ def run_show(path: Path, wanted: Wanted, overrides: Sequence[str] = ()) -> int:
         trouble = probe_window(off_screen=wanted.picture is not None)
         if trouble is not None:
             return _told(trouble)
-        if wanted.fidelity in _FIELDLESS:
+        if wanted.fidelity in _FIELDLESS and not wanted.fields:
             print(
                 f"ballesta: show: --fidelity {wanted.fidelity} makes no mesh, so no part will have "
-                "a field: all are shown grey; auto, plane or solid gives fields",
+                "a field: all are shown grey; --fields gives each a mesh to look at",
                 file=sys.stderr,
             )
         from ballesta.check import check_design  # the solvers, which a trial does not need

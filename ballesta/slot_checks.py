@@ -81,7 +81,7 @@ def _round(
     design: Design, part: Part, loads: PartLoads, interface: Interface, roller: Roller
 ) -> Check | None:
     """Check a pin or roller on the flat flank; None where nothing ever presses."""
-    force = np.abs(loads.wrenches[interface.name][:, 1])
+    force = force_across(loads, interface)
     (worst,) = first_largest(force)
     if not force[worst] > 0:
         return None
@@ -126,10 +126,9 @@ def _round(
 
 def _flat(design: Design, part: Part, loads: PartLoads, interface: Interface) -> Check:
     """Check a flat block: mean pressure, and what a couple on the block adds at its end."""
-    force = np.abs(loads.wrenches[interface.name][:, 1])
-    couple = couple_on(loads, interface)
+    force, couple = force_across(loads, interface), couple_on(loads, interface)
     length, width = 2 * interface.patch, interface.length
-    pressure = force / (length * width) + 6 * couple / (width * length**2)
+    pressure = flat_pressure(loads, interface)
     (worst,) = first_largest(pressure)
     turned = couple[worst] > _TURNED * force[worst] * length
     return Check(
@@ -152,6 +151,18 @@ def _flat(design: Design, part: Part, loads: PartLoads, interface: Interface) ->
         + "; a flat block, whose sharp edges press without a bound: they are not modelled; "
         f"state contacts.{interface.name}.radius for a pin or roller",
     )
+
+
+def flat_pressure(loads: PartLoads, interface: Interface) -> FloatArray:
+    """Pressure (n,) at the end of a flat block, MPa: the mean, and what the couple adds."""
+    force, couple = force_across(loads, interface), couple_on(loads, interface)
+    length, width = 2 * interface.patch, interface.length
+    return force / (length * width) + 6 * couple / (width * length**2)
+
+
+def force_across(loads: PartLoads, interface: Interface) -> FloatArray:
+    """Force (n,) across a sliding contact, N."""
+    return np.asarray(np.abs(loads.wrenches[interface.name][:, 1]))
 
 
 def couple_on(loads: PartLoads, interface: Interface) -> FloatArray:

@@ -32,7 +32,7 @@ from ballesta.stress_words import fatigue_words, static_words
 from fem.buckling import BucklingMode
 from fem.error_estimate import refined_sizes, stress_error
 from fem.unit_solutions import UnitSolutions
-from geometry.mesh import FloatArray, MeshError, TooManyElementsError
+from geometry.mesh import FloatArray, MassProperties, MeshError, TooManyElementsError
 from geometry.meshing import Buildable
 from geometry.sizing import SizeField
 from reports.verdict import Check, Gate, HandCheck, PartResult, Status, Surface
@@ -87,108 +87,153 @@ def check_solid(
     allowed. The finer ones are halves where shape and loads allow it: the first may buckle
     sideways. Raises MeshError and SolverError.
     """
-    limit = endurance_of(part)
     static = StaticPeak(loads)
     use = fatigue_use(design, part, loads)
     both: list[Judged] = [static] if use is None else [static, use]
     judged = [what for what in both if (what is static and "static" in asked.kinds)
               or (what is use and "fatigue" in asked.kinds)]  # fmt: skip
 
-    def told_of(
-        levels: Sequence[Level],
-        wanted: Sequence[Judged],
-        by_hand: Sequence[HandCheck] | None = None,
-    ) -> list[Check]:
-        told = []
-        for what in wanted:
-            bars = bars_of(what, part, levels, design.accuracy)
-            check = _stress_check(design, part, loads, levels[-1], what, bars)
-            if by_hand is not None:
-                check = of_solid(design, part, loads, levels[-1], what, bars, check, by_hand)
-            told.append(check)
-        return told
-
     def enough(levels: Sequence[Level]) -> str:
-        return asked.enough(told_of(levels, judged))
+        return asked.enough(_stress_checks(design, part, loads, levels, judged))
 
+    limit = endurance_of(part).value
     levels, sizes, stopped = solve_levels(
-        design, part, loads, models, judged, limit.value, say, asked, enough
+        design, part, loads, models, judged, limit, say, asked, enough
     )
     finest = levels[-1]
     by_hand = hand_checks(part, loads, finest)
     # buckling alone is asked of one mesh, on which a stress has no error bar
-    checks = told_of(levels, both if len(levels) > 1 else judged, by_hand)
+    stressed = _stress_checks(
+        design, part, loads, levels, both if len(levels) > 1 else judged, by_hand
+    )
     if stopped:
-        checks = [
+        stressed = [
             replace(check, note=f"{check.note}; {stopped}")
             if check.numerical > design.accuracy * check.value
             else check
-            for check in checks
+            for check in stressed
         ]
-    checks += column_checks(design, part, loads)
-    eigen = None
-    whole = [(level.solutions, level.coefficients) for level in levels if not level.half]
+    buckled = _Buckled()
     if "buckling" in asked.kinds:
-        eigen = eigenvalue_check(design, part, loads, whole, finest.peak.position)
-    if eigen and eigen[0].status is Status.UNDECIDED and finest.half:
-        whole.append(_whole_again(part, loads, models, finest, sizes))
-        eigen = eigenvalue_check(design, part, loads, whole, finest.peak.position)
+        buckled = _judge_buckling(design, part, loads, models, levels, sizes)
     assumed = assumed_of(design, part, finest)
     if finest.half:
         assumed.append(MEANING)
+    no_column = column_told(part, loads)
+    if no_column:
+        assumed.append(no_column)
+    if buckled.untold:
+        assumed.append(buckled.untold)
     properties = models.body(part.geometry).mass_properties(part.material.density)
     gates = gates_of(design, part, loads, levels, properties)
-    size = float(np.ptp(finest.solutions.mesh.nodes, axis=0).max())
-    facts = facts_of(part, loads, properties, size, None if part.fkm else limit)
-    facts |= column_facts(design, part, loads)
-    if asked.modes:
-        facts |= frequency_facts(part, levels[0].solutions)
-    told = column_told(part, loads)
-    if told:
-        assumed.append(told)
-    peak = None
     if use is not None:
-        peak = use.worst(finest)
-        gates.append(
-            Gate(
-                f"{part.name}: fatigue safety",
-                use.safety_missed(finest),
-                *RESCALED,
-            )
-        )
-        if isinstance(use, FkmUse):  # no fact of the other chain
-            facts |= use.found(finest).facts()
-            peak = None
-        else:
-            facts |= fatigue_facts(part, finest, peak, life_task(design, part))
-    if eigen:
-        unknowns = whole[-1 if "two" in eigen[0].method else 0][0].loads.shape[0]
-        told_by = solid_share(design, part, loads, eigen[0], eigen[1], unknowns)
-        checks.append(replace(eigen[0], derivation=told_by))
-    elif "buckling" not in asked.kinds:
-        pass
-    elif levels[0].solutions.ties is not None:
-        assumed.append("buckling of a stack of bodies that slide on each other is not computed")
-    elif part.body is not None:
-        assumed.append(
-            "the solid does not buckle at the positions asked: no factor is positive before its "
-            "stress is a tenth of Young's modulus"
-        )
+        missed = use.safety_missed(finest)
+        gates.append(Gate(f"{part.name}: fatigue safety", missed, *RESCALED))
     return PartResult(
         name=part.name,
         shape=part.shape,
         material=part.material.name,
-        checks=checks,
+        checks=[*stressed, *column_checks(design, part, loads), *buckled.checks],
         gates=gates,
         hand_checks=by_hand,
         meshes=[{"body": "half" if lv.half else "whole", **mesh_row(lv)} for lv in levels],
-        facts=facts,
+        facts=_facts(design, part, loads, levels, use, properties, asked),
         charts=charts_of(design, part, loads, finest, use, levels),
         surface=shown_surface(loads, finest),
         assumed=assumed,
-        mode=None if eigen is None else _mode_of(whole, eigen[1]),
+        mode=buckled.mode,
         live=solid_fields(loads, finest, use) if asked.live else None,
     )
+
+
+def _stress_checks(
+    design: Design,
+    part: Part,
+    loads: PartLoads,
+    levels: Sequence[Level],
+    wanted: Sequence[Judged],
+    by_hand: Sequence[HandCheck] | None = None,
+) -> list[Check]:
+    """Check what is wanted on the last mesh; with derivations where hand checks are given."""
+    found = []
+    for what in wanted:
+        bars = bars_of(what, part, levels, design.accuracy)
+        check = _stress_check(design, part, loads, levels[-1], what, bars)
+        if by_hand is not None:
+            check = of_solid(part, loads, levels[-1], what, bars, check, by_hand)
+        found.append(check)
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class _Buckled:
+    """Whether a solid buckles.
+
+    checks  by its lowest factor, none without one
+    untold  why there is none, in words; "" where nothing is to be said
+    mode    the surface as it buckles
+    """
+
+    checks: Sequence[Check] = ()
+    untold: str = ""
+    mode: Surface | None = None
+
+
+def _judge_buckling(
+    design: Design,
+    part: Part,
+    loads: PartLoads,
+    models: Models,
+    levels: Sequence[Level],
+    sizes: SizeField | None,
+) -> _Buckled:
+    """Ask the whole solid for its lowest factor; of finer halves a whole one where it decides.
+
+    sizes  of the elements of the last mesh
+    """
+    finest = levels[-1]
+    whole = [(level.solutions, level.coefficients) for level in levels if not level.half]
+    found = eigenvalue_check(design, part, loads, whole, finest.peak.position)
+    if found and found[0].status is Status.UNDECIDED and finest.half:
+        whole.append(_whole_again(part, loads, models, finest, sizes))
+        found = eigenvalue_check(design, part, loads, whole, finest.peak.position)
+    if found:
+        check, mode = found
+        unknowns = whole[-1 if "two" in check.method else 0][0].loads.shape[0]
+        derivation = solid_share(design, part, loads, check, mode, unknowns)
+        return _Buckled([replace(check, derivation=derivation)], "", _mode_of(whole, mode))
+    if levels[0].solutions.ties is not None:
+        said = "buckling of a stack of bodies that slide on each other is not computed"
+        return _Buckled(untold=said)
+    if part.body is None:
+        return _Buckled()
+    return _Buckled(
+        untold="the solid does not buckle at the positions asked: no factor is positive before its "
+        "stress is a tenth of Young's modulus"
+    )
+
+
+def _facts(
+    design: Design,
+    part: Part,
+    loads: PartLoads,
+    levels: Sequence[Level],
+    use: FatigueUse | None,
+    properties: MassProperties,
+    asked: Asked,
+) -> dict[str, float | str]:
+    """What is told beside the checks, by name; of fatigue by the chain that judges the part."""
+    finest = levels[-1]
+    size = float(np.ptp(finest.solutions.mesh.nodes, axis=0).max())
+    facts = facts_of(part, loads, properties, size, None if part.fkm else endurance_of(part))
+    facts |= column_facts(design, part, loads)
+    if asked.modes:
+        facts |= frequency_facts(part, levels[0].solutions)
+    if isinstance(use, FkmUse):
+        facts |= use.found(finest).facts()
+    elif use is not None:
+        facts |= fatigue_facts(part, finest, use.worst(finest), life_task(design, part))
+    return facts
 
 
 def _mode_of(

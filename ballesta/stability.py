@@ -19,6 +19,8 @@ from fem.worst_position import buckling_at, worst_buckling
 from geometry.mesh import FloatArray
 from reports.verdict import Check, Status
 
+# What the check of the elastic buckling load is called, by whatever model.
+ELASTIC_SHARE = "elastic load share"
 # Half-width of the bar while only the first mesh has been asked, times its fineness. From there to
 # the finest mesh the factor falls by 1.4 % for the toggle bar; for local modes of thin-walled tubes
 # by 22 % at fineness 1, 46 % at 0.5 and 79 % at 0.35.
@@ -46,7 +48,7 @@ def column_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
             Check(
                 part=part.name,
                 kind="buckling",
-                quantity=f"column {plane.name}",
+                quantity=column_quantity(plane),
                 value=stress,
                 unit="MPa",
                 numerical=0.0,
@@ -58,12 +60,17 @@ def column_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
                 position=loads.labels[worst],
                 place=case.section.name,
                 method="formula",
-                basis=f"{_law(part, case)}; slenderness {case.strength.slenderness:.1f} over "
-                f"{_length(case)}; Euler {case.strength.euler:.4g} MPa; value is axial stress",
+                basis=f"{case.law(part.column.curve)}; slenderness {case.strength.slenderness:.1f} "
+                f"over {_length(case)}; Euler {case.strength.euler:.4g} MPa; value is axial stress",
                 note=judged.told(part),
             )
         )
     return [*checks, *crooked_checks(design, part, loads)]
+
+
+def column_quantity(plane: Plane) -> str:
+    """What the check of a column in a plane is called."""
+    return f"column {plane.name}"
 
 
 def column_facts(design: Design, part: Part, loads: PartLoads) -> dict[str, float | str]:
@@ -109,10 +116,12 @@ class JudgedColumns:
     """A plane's columns under one force.
 
     found     (case, axial stress, safety), the least safety first
-    stiffest  the least safety with the stiffest ends
+    held      what has the least safety, with the stiffest ends
+    stiffest  the least safety of all with the stiffest ends
     """
 
     found: tuple[tuple[ColumnCase, float, float], ...]
+    held: ColumnCase
     stiffest: float
 
     @property
@@ -141,7 +150,7 @@ class JudgedColumns:
         if others:
             told += "; other sections, safety: " + "; ".join(
                 f"{c.section.name}{'' if c.whole else ' by itself'}: {value:.2f} "
-                f"({_law(part, c)}, slenderness {c.strength.slenderness:.1f})"
+                f"({c.law(part.column.curve)}, slenderness {c.strength.slenderness:.1f})"
                 for c, _, value in others
             )
         return told
@@ -154,11 +163,10 @@ def judged_columns(part: Part, plane: Plane, force: float) -> JudgedColumns:
     for case in cases_of(part, plane):
         stress = force / case.section.area
         found.append((case, stress, case.limit(curve) / stress))
-    stiffest = min(
-        case.limit(curve) * case.section.area / force
-        for case in cases_of(part, plane, stiffest=True)
-    )
-    return JudgedColumns(tuple(sorted(found, key=lambda entry: entry[2])), stiffest)
+    held = cases_of(part, plane, stiffest=True)
+    order = sorted(range(len(found)), key=lambda k: found[k][2])
+    stiffest = min(case.limit(curve) * case.section.area / force for case in held)
+    return JudgedColumns(tuple(found[k] for k in order), held[order[0]], stiffest)
 
 
 def worst_compression(part: Part, loads: PartLoads) -> int | None:
@@ -171,12 +179,6 @@ def worst_compression(part: Part, loads: PartLoads) -> int | None:
     force = axial_compression(part, loads)
     (worst,) = first_largest(force)
     return worst if force[worst] > 0 else None
-
-
-def _law(part: Part, case: ColumnCase) -> str:
-    """Which limit a section is judged by."""
-    curve = part.column.curve
-    return case.strength.governs if curve is None else f"Eurocode 3 curve {curve}"
 
 
 def _length(case: ColumnCase) -> str:
@@ -237,7 +239,7 @@ def eigenvalue_check(
         return Check(
             part=part.name,
             kind="buckling",
-            quantity="elastic load share",
+            quantity=ELASTIC_SHARE,
             value=1 / mode.factor,
             unit="",
             numerical=max(bar / mode.factor, missed),

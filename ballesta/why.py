@@ -2,18 +2,16 @@
 
 import json
 import sys
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
-from math import inf, isfinite
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ballesta.difference import results_at
 from ballesta.errors import DesignError
 from ballesta.explained.proven import with_derivation
 from ballesta.names import listed, no_such
 from ballesta.run import Say, effort_of, guarded, store_at
-from reports.derivation_data import derivation_of_data, number_of, text_of
 from reports.formulas import FormulaError
 from reports.verdict import Check, deciding_of
 from reports.words import brief, check_titles
@@ -24,8 +22,6 @@ if TYPE_CHECKING:
 
 LINKAGE = "linkage"  # what stands for a part in the checks of the whole
 _HERE = Path("command line")
-_BARS = ("numerical", "model", "model_below")  # of a check: None for infinite
-_NUMBERS = ("value", "limit", "required")
 
 
 @dataclass(frozen=True)
@@ -135,7 +131,7 @@ def _read(target: Path) -> list[Check]:
     try:
         plain = [*(c for part in result.data.get("parts", ()) for c in part.get("checks", ())),
                  *result.data.get("linkage", ())]  # fmt: skip
-        return [check_of_data(check) for check in plain]
+        return [Check.from_dict(check) for check in plain]
     except (TypeError, ValueError, AttributeError) as error:
         raise _of_another_version(Path(result.path), str(error)) from error
 
@@ -143,28 +139,6 @@ def _read(target: Path) -> list[Check]:
 def _of_another_version(target: Path, why: str) -> DesignError:
     told = f"is no result of this version ({brief(why, 300)}): check the design again"
     return DesignError(target, "cannot be told", told)
-
-
-def check_of_data(data: Mapping[str, Any]) -> Check:
-    """Return the check that `Check.to_dict` has written; raises TypeError and ValueError."""
-    if not isinstance(data, dict):
-        raise TypeError(f"{brief(data, 40)!r} is no check")
-    own: dict[str, Any] = {}
-    for field in fields(Check):
-        if field.name == "derivation" or field.name not in data:
-            continue
-        value = data[field.name]
-        if field.name in _BARS:
-            own[field.name] = inf if value is None else number_of(value)
-        else:
-            own[field.name] = (number_of if field.name in _NUMBERS else text_of)(value)
-    own |= {bar: inf for bar in _BARS if bar not in own}
-    derivation = data.get("derivation")
-    made = None if derivation is None else derivation_of_data(derivation)
-    check = Check(**own, derivation=made)
-    if not isfinite(check.utilisation):
-        raise ValueError("a check's utilisation is not finite")
-    return check
 
 
 def _told_again(target: Path, check: Check) -> Check:

@@ -43,7 +43,8 @@ LIMITS = {
     "peak off, % of the cycle's": 0.2,
 }
 _IMAGE = np.array([1, 1, 1, 1, -1, -1])
-_SCRIPTS = Path(__file__).parents[1] / "reports" / "live"
+_FOLDER = Path(__file__).parents[1] / "reports" / "live"
+_SCRIPTS = ("data", "viewer", "fields")
 _PAGE = """<!doctype html><meta charset="utf-8"><title>bench</title>
 <script type="text/plain" id="text">{text}</script>
 <script type="application/json" id="head">{head}</script>
@@ -117,7 +118,7 @@ async def browsed(part: EncodedPart, positions: list[int]) -> dict[str, Any]:
     """What decoding and stepping take in Chromium, best of three pages, and the peaks it finds."""
     from playwright.async_api import async_playwright
 
-    script = "".join((_SCRIPTS / name).read_text() for name in ("viewer.js", "fields.js"))
+    script = "".join((_FOLDER / f"{name}.js").read_text() for name in _SCRIPTS)
     head = json.dumps({**part.head, "name": "part"}).replace("<", "\\u003c")
     async with async_playwright() as playwright:
         browser = await playwright.chromium.launch(

@@ -19,6 +19,8 @@ IMPERFECTION = {"a0": 0.13, "a": 0.21, "b": 0.34, "c": 0.49, "d": 0.76}
 # residual stress together
 BOW = {"a0": 350.0, "a": 300.0, "b": 250.0, "c": 200.0, "d": 150.0}
 
+ROBERTSON = 0.003  # of the slenderness: Robertson's eta, where no crookedness is stated
+
 _PLATEAU = 0.2  # slenderness up to which Eurocode's curves carry the yield stress
 
 
@@ -30,6 +32,19 @@ def transition_slenderness(yield_stress: float, youngs_modulus: float) -> float:
     """
     _check(yield_stress=yield_stress, youngs_modulus=youngs_modulus)
     return pi * sqrt(2 * youngs_modulus / yield_stress)
+
+
+def johnson_stress(slenderness: float, yield_stress: float, youngs_modulus: float) -> float:
+    """Johnson's parabola, MPa, of a slenderness up to that of the transition to Euler.
+
+    It touches Euler's hyperbola there at half the yield stress (Shigley, Mechanical Engineering
+    Design, 10th ed., section 4-13).
+
+    >>> round(johnson_stress(transition_slenderness(350.0, 210e3), 350.0, 210e3), 9)
+    175.0
+    """
+    _check(yield_stress=yield_stress, youngs_modulus=youngs_modulus)
+    return yield_stress * (1 - yield_stress * slenderness**2 / (4 * pi**2 * youngs_modulus))
 
 
 def perry_robertson(euler: float, yield_stress: float, eta: float) -> float:

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fem.column_curves import johnson_stress, transition_slenderness
+
 
 @dataclass(frozen=True)
 class ColumnStrength:
@@ -40,10 +42,9 @@ def column_strength(
             raise ValueError(f"the column's {name} must be above 0, got {value}")
     slenderness = length / np.sqrt(inertia / area)
     euler = np.pi**2 * youngs_modulus / slenderness**2 if slenderness else float("inf")
-    transition = np.pi * np.sqrt(2 * youngs_modulus / yield_stress)
-    if slenderness >= transition:
+    if slenderness >= transition_slenderness(yield_stress, youngs_modulus):
         return ColumnStrength(float(slenderness), float(euler), "Euler", None, float(euler))
-    johnson = yield_stress * (1 - yield_stress * slenderness**2 / (4 * np.pi**2 * youngs_modulus))
+    johnson = johnson_stress(slenderness, yield_stress, youngs_modulus)
     governs = "yield" if johnson > 0.999 * yield_stress else "Johnson"
     return ColumnStrength(float(slenderness), float(johnson), governs, float(johnson), float(euler))
 

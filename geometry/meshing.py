@@ -12,6 +12,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from geometry.graphics import INSTALL
 from geometry.memory import check_memory, compactness_of
 from geometry.mesh import (
     FloatArray,
@@ -109,8 +110,7 @@ def gmsh_session() -> Iterator[Any]:
         import gmsh
     except OSError as error:
         raise MeshError(
-            f"gmsh cannot be loaded ({error}); on Debian and Ubuntu: apt-get install "
-            "libgl1 libegl1 libglu1-mesa libxft2 libxcursor1 libxinerama1 libgomp1"
+            f"gmsh cannot be loaded ({error}); on Debian and Ubuntu: {INSTALL}"
         ) from error
     gmsh.initialize(readConfigFiles=False, interruptible=False)
     try:

@@ -23,6 +23,7 @@ from loads.elements import (
 )
 from loads.forces import ForceSolution, JointLoad, solve_forces
 from loads.history import LoadHistory
+from loads.kinematics import Kinematics
 from loads.laws import Contact, Law, Table
 from loads.linkage import Linkage
 from loads.measured import MeasuredBody, MeasuredLoad, MeasuredLoads
@@ -54,6 +55,7 @@ __all__ = [
     "Joint",
     "JointCompliance",
     "JointLoad",
+    "Kinematics",
     "Law",
     "Linkage",
     "LinkageError",

@@ -192,10 +192,7 @@ class CycleLoads:
 
     def travel(self, joint: str) -> FloatArray:
         """Return how far a pin is along its slot or guide (n,) [mm], from the line's point."""
-        found = self.linkage.joint(joint)
-        if not isinstance(found, Prismatic | Slot):
-            raise LinkageError(f"joint {joint!r} is neither a slot nor a guide")
-        return self._kinematics.travel(self.poses, found)
+        return self._kinematics.travel_of(self.poses, joint)
 
     @cached_property
     def slot_margin(self) -> Mapping[str, float]:

@@ -321,6 +321,13 @@ class Kinematics:
         """Return how far point b is along the line from its point a (n,) [mm]."""
         return dot(self.line(poses, joint), self.separation(poses, joint))
 
+    def travel_of(self, poses: FloatArray, joint: str) -> FloatArray:
+        """Return the travel (n,) [mm] of a joint by its name; raises LinkageError for others."""
+        found = self.linkage.joint(joint)
+        if not isinstance(found, Prismatic | Slot):
+            raise LinkageError(f"joint {joint!r} is neither a slot nor a guide")
+        return self.travel(poses, found)
+
     def sliding(self, poses: FloatArray, rates: FloatArray, joint: Prismatic | Slot) -> FloatArray:
         """Return how fast body b slides along the line of body a (n,) [mm/s]."""
         arm_a = self.arm(poses, joint.body_a, joint.point_a) + self.separation(poses, joint)

@@ -96,14 +96,13 @@ def _main(derivation: Derivation) -> list[tuple[str, str]]:
         for item in stresses[:2]
     ]
     for section, paragraph in zip(_filled(derivation), paragraphs(derivation), strict=True):
-        label = _label(section.title)
         told = [
             _in_short(line)
             for item, line in zip(section.items, paragraph.lines, strict=True)
             if line.main and not isinstance(item, Superposition)
         ]
-        if told and label != "bars":
-            found.append((label, "; ".join(told)))
+        if told:
+            found.append((_label(section.title), "; ".join(told)))
     return found
 
 
@@ -112,8 +111,8 @@ def _filled(derivation: Derivation) -> list[Section]:
 
 
 _LABELS = (
-    ("limit", "limit"), ("demand", "demand"), ("error", "bars"), ("wider", "bars"),
-    ("stress", "stress"), ("amplitude", "cycle"), ("on the", "plane"), ("safety", "safety"),
+    ("limit", "limit"), ("demand", "demand"), ("stress", "stress"), ("amplitude", "cycle"),
+    ("on the", "plane"), ("safety", "safety"),
 )  # fmt: skip
 
 

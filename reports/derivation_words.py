@@ -73,7 +73,7 @@ class Paragraph:
 
 
 def paragraphs(derivation: Derivation) -> list[Paragraph]:
-    """All sections as text; of one that has no values the error stands in their place."""
+    """All sections as text; an item without a value says "no value"."""
     found = []
     for section in derivation.sections:
         lines, tables = [], []
@@ -275,8 +275,6 @@ def status_texts(check: Check) -> list[str]:
     """Which rule gives the status, with numbers put in."""
     unit = f" {check.unit}".rstrip()
     need, limit = need_text(check.required), f"{number_text(check.limit)}{unit}"
-    high = check.value + check.numerical + check.model
-    low = check.value - check.numerical - check.below
 
     def against(sign: str, bars: Sequence[float], end: float) -> str:
         shown = [number_text(bar) if isfinite(bar) else "∞" for bar in bars if bar]
@@ -285,11 +283,11 @@ def status_texts(check: Check) -> list[str]:
         sizes = f"({sizes})" if shown else sizes
         return f"{sizes}·{need} = {total}{unit} {'≤' if holds else '>'} {limit}"
 
-    holds = high * check.required <= check.limit
-    texts = [against("+", (check.numerical, check.model), high)]
+    holds = check.upper * check.required <= check.limit
+    texts = [against("+", (check.numerical, check.model), check.upper)]
     if check.status is not Status.PASS:
-        holds = low * check.required <= check.limit
-        texts.append(against("−", (check.numerical, check.below), low))
+        holds = check.lower * check.required <= check.limit
+        texts.append(against("−", (check.numerical, check.below), check.lower))
     rule = {
         Status.PASS: "pass, as the upper end of the bars holds the limit",
         Status.FAIL: "FAIL, as even the lower end of the bars exceeds the limit",

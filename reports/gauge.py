@@ -44,7 +44,7 @@ def _at(check: Check, value: float) -> float:
 
 
 def _bars(check: Check, use: float) -> list[str]:
-    if not isfinite(check.numerical + check.model):
+    if not isfinite(check.upper):
         return [_line("endless", min(max(0.0, _low(check)), _WIDTH), _WIDTH)]
     low, high = _low(check), _high(check)
     if high - low < 0.05:  # nothing to be seen
@@ -59,13 +59,11 @@ def _bars(check: Check, use: float) -> list[str]:
 
 def _high(check: Check) -> float:
     """Where the upper end of the bars is; of endless ones the value, since they are dotted."""
-    bars = check.numerical + check.model
-    return _at(check, check.value + (bars if isfinite(bars) else 0.0))
+    return _at(check, check.upper if isfinite(check.upper) else check.value)
 
 
 def _low(check: Check) -> float:
-    below = check.numerical + check.below
-    return _at(check, check.value - below) if isfinite(below) else 0.0
+    return _at(check, check.lower) if isfinite(check.lower) else 0.0
 
 
 def _line(name: str, start: float, end: float) -> str:

@@ -1,13 +1,11 @@
 """The index of a batch: one HTML page that stands alone, with a table of all checks and a plot."""
 
-import json
 import os
 from base64 import b64encode
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from hashlib import sha256
 from importlib.resources import files
 from math import inf
 from typing import Any
@@ -17,7 +15,7 @@ from markupsafe import Markup
 
 from reports.gauge import gauge
 from reports.svg import colour_variables
-from reports.templating import environment
+from reports.templating import environment, json_markup, script_hash
 from reports.verdict import Check
 from reports.words import clean, need_text, safety_text, utilisation_text
 
@@ -25,7 +23,6 @@ STATIC_ROWS = 200  # that are there without a script
 ORDER = ("FAIL", "crashed", "out of memory", "out of time", "gave up", "wrong input", "not run",
          "UNDECIDED", "pass")  # fmt: skip
 _NUMBERS = ("value", "numerical", "model", "model_below", "limit", "required")
-_WORDS = ("part", "kind", "quantity", "unit", "cycle", "position", "place", "method", "basis")
 _TEXTS = ("part", "check", "quantity", "unit", "status", "cycle", "position", "place", "method",
           "note")  # fmt: skip
 
@@ -38,7 +35,8 @@ class IndexDesign:
     status        "pass", "UNDECIDED", "FAIL", or why it has no verdict; error, stage tell more
     note          what else is to be known of it; broken_gates those that the verdict depends on
     mass          kg, of all parts; None if unknown
-    checks        as `Check.to_dict`, with "check", its title, and "governing"
+    checks        as `Check.to_dict`, "basis" may be left out; with "check", its title, and
+                  "governing"
     link          of its own page, relative to the index; "" for none
     thumbnail     PNG; empty for none
     """
@@ -84,11 +82,11 @@ def index_html(
             for index, design in enumerate(designs[:STATIC_ROWS])
         ],
         static_rows=STATIC_ROWS,
-        data=Markup(_data(designs, varied)),
+        data=json_markup(_data(designs, varied)),
         light=Markup(colour_variables(dark=False)),
         dark=Markup(colour_variables(dark=True)),
         script=Markup(script),
-        script_hash=Markup(b64encode(sha256(script.encode()).digest()).decode()),
+        script_hash=Markup(script_hash(script)),
     )
     return text
 
@@ -148,21 +146,14 @@ def _static_row(design: IndexDesign, inputs: Sequence[float | str | None]) -> di
         "safety": safety_text(safety),
         "need": need_text(check["required"]),
         "utilisation": utilisation_text(check["utilisation"]),
-        "gauge": _gauge(check),
+        "gauge": gauge(Check.from_dict({"basis": "", **check})),
     }
-
-
-def _gauge(check: Mapping[str, Any]) -> Markup:
-    """The drawn utilisation of a check that is plain data."""
-    fields: dict[str, Any] = dict.fromkeys(_WORDS, "")
-    fields |= {name: inf if check[name] is None else check[name] for name in _NUMBERS}
-    return gauge(Check(**fields))
 
 
 def _data(
     designs: Sequence[IndexDesign], varied: Mapping[str, Sequence[float | str | None]]
-) -> str:
-    """Everything as JSON for the script: columns of numbers, and texts by their place in a list."""
+) -> dict[str, Any]:
+    """Everything that the script needs: columns of numbers, and texts by their place in a list."""
     texts: dict[str, int] = {}
 
     def known(text: object) -> int:
@@ -177,7 +168,7 @@ def _data(
         checks[name] = [known(check[name]) for _, check in owned]
     for name in _NUMBERS:
         checks[name] = [check[name] for _, check in owned]
-    data = {
+    return {
         "order": ORDER,
         "designs": [
             {
@@ -203,9 +194,6 @@ def _data(
         "checks": checks,
         "texts": list(texts),
     }  # fmt: skip
-    text = json.dumps(data, separators=(",", ":"), allow_nan=False, ensure_ascii=True)
-    # a name must not end the script element
-    return text.replace("<", "\\u003c").replace("&", "\\u0026")
 
 
 @cache

@@ -1,10 +1,6 @@
 """The loads as one HTML page that stands alone: moving pictures, charts, gates and extremes."""
 
-import json
-from base64 import b64encode
 from functools import cache
-from hashlib import sha256
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -23,8 +19,9 @@ from reports.loads_words import (
     header_sentences,
 )
 from reports.mechanism import arrow_scale, mechanism_data, mechanism_svg
+from reports.page_script import joined
 from reports.svg import colour_variables
-from reports.templating import environment
+from reports.templating import environment, json_markup, script_hash
 from reports.words import brief, number, place_text, quantity_unit
 
 
@@ -47,19 +44,17 @@ def loads_html(result: LoadsResult) -> str:
         light=Markup(colour_variables(dark=False)),
         dark=Markup(colour_variables(dark=True)),
         script=Markup(script),
-        script_hash=Markup(b64encode(sha256(script.encode()).digest()).decode()),
+        script_hash=Markup(script_hash(script)),
     )
     return text
 
 
 def _cycle(cycle: ShownCycle, prefix: str) -> dict[str, Any]:
     """What the template needs of one cycle beside the cycle itself."""
-    data = json.dumps(plain(mechanism_data(cycle, prefix)), separators=(",", ":"))
     return {
         "cycle": cycle,
         "svg": Markup(mechanism_svg(cycle, prefix)),
-        # a name must not end the script element
-        "data": Markup(data.replace("<", "\\u003c").replace("&", "\\u0026")),
+        "data": json_markup(plain(mechanism_data(cycle, prefix))),
         "scale": arrow_scale(cycle),
         "chart": Markup(_chart(cycle)),
         "drives": [
@@ -141,7 +136,7 @@ def extremes_cells(extremes: Extremes, largest: float) -> list[str]:
 
 @cache
 def _script() -> str:
-    return files("reports").joinpath("templates/loads.js").read_text(encoding="utf-8")
+    return joined("scripts/arrows.js", "templates/loads.js")
 
 
 @cache

@@ -152,7 +152,7 @@ def _gates(gates: Sequence[Gate], width: int) -> list[str]:
     lines = table(["gate", "", "value", "limit"], rows, {2, 3}, width)
     for broken in broken_by_kind(gates):
         word = "BROKEN" if broken.binding else "DOES NOT HOLD"
-        lines += labelled(word, f"{brief(broken.sentence, 300)}. {broken.meaning}", width)
+        lines += labelled(word, f"{brief(broken.sentence, 300)}. {broken.told}", width)
     return lines
 
 

@@ -147,11 +147,20 @@ def _span(span: ContactSpan, cycle: ShownCycle, length: str) -> str:
 
 @dataclass(frozen=True)
 class BrokenGates:
-    """Gates of one kind that do not hold, of one cycle or several, in a sentence."""
+    """Gates of one kind that do not hold, of one cycle or several, in a sentence.
+
+    meaning, cure  of the worst of them, as the gate has them
+    """
 
     binding: bool
     sentence: str
     meaning: str
+    cure: str = ""
+
+    @property
+    def told(self) -> str:
+        """What was measured, and then the cure if there is one."""
+        return f"{self.meaning}. {self.cure}" if self.cure else self.meaning
 
 
 def broken_by_kind(gates: Sequence[Gate]) -> list[BrokenGates]:
@@ -165,13 +174,13 @@ def broken_by_kind(gates: Sequence[Gate]) -> list[BrokenGates]:
     for (kind, binding), found in kinds.items():
         if len(found) == 1:
             ((_, gate),) = found
-            result.append(BrokenGates(binding, gate_sentence(gate), gate.meaning))
+            result.append(BrokenGates(binding, gate_sentence(gate), gate.meaning, gate.cure))
             continue
         each = ", ".join(f"{cycle} {number(gate.value)}" for cycle, gate in found)
         limits = {number(gate.limit) for _, gate in found}
         limit = f", limit {limits.pop()}" if len(limits) == 1 else ""
         worst, gate = max(found, key=lambda entry: entry[1].value / entry[1].limit)
-        meanings = {gate.meaning for _, gate in found}
-        of = "" if len(meanings) == 1 else f"The worst, {worst}: "
-        result.append(BrokenGates(binding, f"{kind}: {each}{limit}", f"{of}{gate.meaning}"))
+        alike = len({gate.told for _, gate in found}) == 1
+        meaning = gate.meaning if alike else f"The worst, {worst}: {gate.meaning}"
+        result.append(BrokenGates(binding, f"{kind}: {each}{limit}", meaning, gate.cure))
     return result

@@ -5,9 +5,6 @@ recalled. The script is reports/scripts/mechanism.js; without it the picture sta
 that decides the verdict, with the forces there.
 """
 
-import gzip
-import json
-from base64 import b64encode
 from collections.abc import Iterator, Sequence
 from functools import cache
 from typing import Any
@@ -16,13 +13,13 @@ import numpy as np
 from markupsafe import Markup
 
 from loads import Angle, PointCoordinate
-from reports.live.linkage import series
 from reports.loads_figures import FloatArray
 from reports.mechanism import force_text
 from reports.mechanism_layout import ARROW, Layout
 from reports.mechanism_picture import TIP, Picture
 from reports.mechanism_places import both_ends, entry
 from reports.motion import Motion, PinForce, motion_gaps
+from reports.packed import packed_json, series
 from reports.places import deciding_place
 from reports.templating import environment
 from reports.verdict import DesignResult
@@ -59,7 +56,7 @@ def mechanism_panel(result: DesignResult) -> Markup | None:
         gaps=motion_gaps(result),
         tables=tables,
         short=sum(len(table["rows"]) for table in tables) <= _PRINTED,
-        data=Markup(_packed(_data(result, names, picture))),
+        data=Markup(packed_json(_data(result, names, picture))),
     )
     return Markup(text)
 
@@ -131,25 +128,37 @@ def _tidy(value: float, largest: float, factor: float) -> str:
     return "0" if abs(value) <= 1e-9 * largest else number(float(value) * factor, 4)
 
 
-def _packed(data: Any) -> str:
-    """Base64 of gzip of JSON."""
-    text = json.dumps(data, separators=(",", ":"), allow_nan=False)
-    return b64encode(gzip.compress(text.encode(), 9, mtime=0)).decode()
-
-
 def _data(result: DesignResult, names: Sequence[str], picture: Picture) -> dict[str, Any]:
-    """What the script moves by.
+    """What the script moves by, packed by reports/packed.py, which says what a series is.
 
-    bodies   of the linkage, the ground first; places below are (body, x, y) in a body's frame,
-             mm, y up
-    marks    (body, x, y, lift) of every pin drawn; the reaction of joint k acts at mark k
-    spans    (body, x, y, body, x, y, length of the barrel) of forces between two points
-    pushes   (body, x, y) where forces act; torques likewise
-    pins     {name, part: its index, at: place, or null where it slides} of the pin forces
-    parts    {body, mark: of a part that is a pin, else null} by index of the part, or null
-    efforts  {name, unit, factor} of forces, then torques
-    cycles   by cycle of the page {index, poses, reactions, pushes, torques, pins, places, scale}:
-             scale in mm per N, index the positions that are kept, the others series; or null
+    A place is [body, x, y]: in the frame of a body of the linkage, mm, y up; body 0 is the ground.
+
+    tip      mm, half the length of an arrow's tip
+    joints   how many there are; the reaction of joint k acts at mark k
+    marks    [*place, lift] of every joint, then of forces that act elsewhere; a label stands `lift`
+             mm beside and above it
+    spans    [*place, *place, mm, length of the barrel] of forces that reach from point to point
+    pushes   place at which each force acts, where its arrow ends
+    turning  place of each torque, about which its arc is drawn
+    pins     {name, part, body, at} of each force at a pin: its interface; the part that it acts on,
+             -1 where that is not shown; that part's body; [x, y] on it, null where it slides
+    parts    for each part of the result {body, mark: of one that is a pin, else null}, or null
+             where it does not move with the linkage
+    names    of the parts
+    efforts  {name, unit, factor to that unit} of the forces, then of the torques
+    cycles   for each cycle of the page, null where nobody knows the motion:
+
+    index      the positions of the cycle that are kept; a series has a value for each
+    scale      mm of an arrow for each N
+    longest    the force of the longest arrow, in words
+    turned     N mm, the torque of the longest arc
+    poses      series x [mm], y [mm], angle [rad] of each body but the ground
+    reactions  series x, y [N] at each joint
+    pushes     series x, y [N] of each force in `pushes`
+    efforts    series [N, N mm] of each of `efforts`
+    torques    series [N mm] of each of `turning`, as its arc is drawn
+    pins       series x, y [N] of each of `pins`
+    places     series x, y [mm], in the machine's frame, of each of `pins` that slides
     """
     layout = picture.layout
     linkage = layout.linkage

@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
-from loads import JointLoad, Linkage, LinkageError, Prismatic, Slot
+from loads import JointLoad, Kinematics, Linkage
 from reports.verdict import DesignResult
 from reports.words import brief
 
@@ -85,41 +86,17 @@ class Motion:
         """Row (fractional) of the kept positions at a row (fractional) of the cycle's positions."""
         return float(np.interp(position, self.index, np.arange(len(self.index))))
 
-    def frame(self, part: str, row: float) -> tuple[float, float, float]:
-        """The part's frame at a row, between two rows in between: x, y [mm] and angle [rad]."""
-        x, y, angle = between(self.parts[part], row)
-        return float(x), float(y), float(angle)
-
-    def placed(self, part: str, nodes: FloatArray, row: float) -> FloatArray:
-        """Nodes (n, 3) of a part's frame, in the machine's frame at a row, mm."""
-        x, y, angle = self.frame(part, row)
-        c, s = np.cos(angle), np.sin(angle)
-        result = np.empty_like(nodes, dtype=np.float64)
-        result[:, 0] = x + c * nodes[:, 0] - s * nodes[:, 1]
-        result[:, 1] = y + s * nodes[:, 0] + c * nodes[:, 1]
-        result[:, 2] = nodes[:, 2] + self.layer[part]
-        return result
+    @cached_property
+    def _kinematics(self) -> Kinematics:
+        return Kinematics(self.linkage)
 
     def point(self, body: str, point: str) -> FloatArray:
         """Where a point of a body is (k, 2), mm."""
-        x, y = self.linkage.body(body).place(point)
-        pose = self.poses[:, self.linkage.body_names.index(body)]
-        c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
-        return np.stack([pose[:, 0] + c * x - s * y, pose[:, 1] + s * x + c * y], axis=1)
+        return self._kinematics.point(self.poses, body, point)
 
     def travel(self, joint: str) -> FloatArray:
         """How far a pin is along its slot or guide (k,), mm from the line's point."""
-        found = self.linkage.joint(joint)
-        if not isinstance(found, Prismatic | Slot):
-            raise LinkageError(f"joint {joint!r} is neither a slot nor a guide")
-        apart = self.point(found.body_b, found.point_b) - self.point(found.body_a, found.point_a)
-        turned = self.poses[:, self.linkage.body_names.index(found.body_a), 2]
-        along = np.array(found.direction) / np.hypot(*found.direction)
-        c, s = np.cos(turned), np.sin(turned)
-        return np.asarray(
-            apart[:, 0] * (c * along[0] - s * along[1])
-            + apart[:, 1] * (s * along[0] + c * along[1])
-        )
+        return self._kinematics.travel_of(self.poses, joint)
 
 
 def between(rows: FloatArray, row: float) -> FloatArray:

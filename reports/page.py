@@ -19,7 +19,6 @@ from reports.page_parts import (
     worst_first,
 )
 from reports.page_words import (
-    cure_of,
     has_place,
     mirrored,
     page_bars,
@@ -37,7 +36,6 @@ from reports.words import verdict_sentence
 _WORDS = {
     "bar_words": page_bars,
     "reach": reach_words,
-    "cure": cure_of,
     "mirrored": mirrored,
     "rungs_beside": rungs_beside,
 }

@@ -130,8 +130,8 @@ def worst_first(rows: Sequence[Row]) -> list[Row]:
 
 
 def _upper(check: Check) -> float:
-    bars = check.numerical + check.model
-    return (check.value + (bars if isfinite(bars) else 0.0)) * check.required / check.limit
+    end = check.upper if isfinite(check.upper) else check.value
+    return end * check.required / check.limit
 
 
 def part_views(result: DesignResult, rows: Sequence[Row], pictures: Pictures) -> list[PartView]:

@@ -68,7 +68,7 @@ def upper_utilisation(check: Check) -> float | None:
     bars = check.numerical + check.model
     if bars < _NOISE * check.value or not bars:
         return None
-    return (check.value + bars) * check.required / check.limit
+    return check.upper * check.required / check.limit
 
 
 def reach_words(check: Check) -> str:
@@ -98,14 +98,12 @@ def _binding(gates: Sequence[Gate]) -> list[Gate]:
 
 def page_headline(result: DesignResult) -> tuple[str, str]:
     """The headline, and what it leaves out: estimates over what is allowed, passes in doubt."""
-    said, more = headline(result), []
-    over = _over(result)
+    over, more = _over(result), []
     if over is not None:
         check, title = over
         share = 100.0 * (check.utilisation - 1.0)
         by = f"{share:{'.0f' if share >= 10 else '.2g'}} %" if share >= 0.1 else "up to 0.1 %"
         named = f"{brief(check.part, 40)} {brief(title, 40)}"
-        said = said.replace("No check fails,", "No check fails for certain,", 1)
         more.append(
             f"The best estimate of {named} is {by} over what is allowed; within its error bars it "
             "may hold."
@@ -113,7 +111,7 @@ def page_headline(result: DesignResult) -> tuple[str, str]:
     broken = _binding(result.gates)
     if broken and any(check.status is Status.PASS for check in result.checks):
         more.append(f"A pass below is not proven: the loads are not valid ({_kinds(broken)}).")
-    return said, " ".join(more)
+    return headline(result, doubted=over is not None), " ".join(more)
 
 
 def _over(result: DesignResult) -> tuple[Check, str] | None:
@@ -134,16 +132,6 @@ def _kinds(gates: Sequence[Gate]) -> str:
     return ", ".join([*shown, *(["more"] if len(kinds) > len(shown) else [])])
 
 
-def cure_of(gates_meaning: str) -> tuple[str, str]:
-    """Split what a gate means into what to do about it, if it says so, and the rest.
-
-    >>> cure_of("speed is uneven. A flywheel of 2 kg m2 brings it to 0.1")
-    ('A flywheel of 2 kg m2 brings it to 0.1', 'speed is uneven')
-    """
-    rest, found, cure = gates_meaning.partition(". A flywheel ")
-    return (f"A flywheel {cure}", rest) if found else ("", gates_meaning)
-
-
 def mirrored(check: Check, part: PartResult | None) -> str:
     """The place of a check that was found on a half, as it is on the other half; else ""."""
     if part is None or not part.meshes or part.meshes[-1].get("body") != "half":
@@ -161,8 +149,8 @@ def has_place(check: Check) -> bool:
 
 
 def swings(check: Check) -> bool:
-    """Whether a check is of the swing between two positions rather than of one."""
-    return check.kind == "fatigue" and " to " in check.position
+    """Whether a check is of the swing between two positions rather than of one, as for fatigue."""
+    return check.kind == "fatigue"
 
 
 def rungs_beside(part: PartResult) -> list[RungBeside]:

@@ -10,14 +10,14 @@ from typing import Any
 
 import numpy as np
 
+from geometry.graphics import INSTALL
 from reports.pictures_worker import PLAIN as PLAIN
 from reports.verdict import PartResult, Surface
 from reports.words import clean
-from reports.worker import CURE, run_worker
+from reports.worker import run_worker
 
 VIEWS = ("whole", "peak")
 MODE = "mode"
-NOT_MESHED = "not meshed"  # the field of a surface that no stress is known on
 _WORKER = (sys.executable, "-m", "reports.pictures_worker")
 
 
@@ -72,7 +72,7 @@ def render_stills(
     if not problem:
         return Pictures(images)
     lack = f"{missing} of {asked} pictures are missing"
-    cure = f"Where GL libraries are missing: {CURE}"
+    cure = f"Where GL libraries are missing: {INSTALL}"
     return Pictures(images, f"{lack}: {problem}. {cure}")
 
 
@@ -86,7 +86,7 @@ def stress_field(surface: Surface) -> str:
 
 def _shown(part: PartResult) -> list[tuple[Surface, Sequence[str]]]:
     """Surfaces of a part, and the views of each."""
-    views = (PLAIN,) if list(part.surface.fields) == [NOT_MESHED] else VIEWS
+    views = (PLAIN,) if part.surface.is_bare else VIEWS
     shown: list[tuple[Surface, Sequence[str]]] = [(part.surface, views)]
     return shown if part.mode is None else [*shown, (part.mode, (MODE,))]
 

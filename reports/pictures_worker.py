@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from reports.surface_style import FACES, LIGHTING, LINES, MARK, sharp_edges
+
 FloatArray = npt.NDArray[np.float64]
 
 SIZE = (900, 600)
@@ -46,26 +48,22 @@ def still(data: dict[str, Any], field: str, view: str) -> bytes:
     surface = pyvista.PolyData(nodes, faces)
     surface.point_data[field] = data["values"]
     plotter = pyvista.Plotter(
-        off_screen=True, window_size=list(SIZE), lighting="light kit", shape=(1, 2),
+        off_screen=True, window_size=list(SIZE), lighting=LIGHTING, shape=(1, 2),
         col_weights=[_SCENE, 1 - _SCENE], border=False,
     )  # fmt: skip
     plotter.set_background("white", all_renderers=True)
     plotter.subplot(0, 0)
-    # Much ambient light: shading tells the shape, and must not change what a colour says.
     colours = {"color": "lightgrey"} if view == PLAIN else {"scalars": field, "cmap": "viridis"}
     actor = plotter.add_mesh(
-        surface, **colours, nan_color="lightgrey", smooth_shading=False,
-        ambient=0.6, diffuse=0.42, specular=0.0, show_scalar_bar=False,
-    )  # fmt: skip
+        surface, **colours, **FACES, nan_color="lightgrey", show_scalar_bar=False
+    )
     seen = view_of if view == "peak" else corner_view
     direction, hidden = (_ISOMETRIC, False) if view == PLAIN else seen(nodes, triangles, peak)
     diagonal = float(np.linalg.norm(np.ptp(nodes, axis=0)))
-    edges = surface.extract_feature_edges(
-        feature_angle=35, manifold_edges=False, non_manifold_edges=False
-    )
+    edges = sharp_edges(surface)
     if edges.n_points:
         edges.points += 2e-3 * diagonal * direction  # clear of the faces they bound
-        plotter.add_mesh(edges, color="black", line_width=1.5, opacity=0.6, lighting=False)
+        plotter.add_mesh(edges, **LINES)
     if view != PLAIN:
         _mark_peak(plotter, data, field, direction, hidden)
     _place_camera(plotter, nodes, peak, direction, view)
@@ -86,7 +84,7 @@ def _mark_peak(
     diagonal = float(np.linalg.norm(np.ptp(nodes, axis=0)))
     # The marker floats towards the camera, so that nothing hides it.
     plotter.add_points(
-        (nodes[peak] + diagonal * direction)[None, :], color="#d81b60", point_size=26,
+        (nodes[peak] + diagonal * direction)[None, :], color=MARK, point_size=26,
         render_points_as_spheres=True,
     )  # fmt: skip
     quantity, unit = _quantity_and_unit(field)

@@ -1,6 +1,9 @@
 """What every page is made with: the templates, and how they write what they are given."""
 
+import json
+from base64 import b64encode
 from collections.abc import Mapping
+from hashlib import sha256
 from numbers import Integral
 from typing import Any
 
@@ -40,6 +43,19 @@ def value_text(value: Any) -> str:
         return number(value, 4)
     except (TypeError, ValueError):
         return clean(value)
+
+
+def script_hash(text: str) -> str:
+    """Hash of a script as a content security policy names it."""
+    return f"sha256-{b64encode(sha256(text.encode()).digest()).decode()}"
+
+
+def json_markup(data: Any) -> Markup:
+    """JSON for a script element: nothing in it can end the element."""
+    text = json.dumps(data, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
+    for mark in "<>&\u2028\u2029":
+        text = text.replace(mark, f"\\u{ord(mark):04x}")
+    return Markup(text)
 
 
 def environment() -> Environment:

@@ -62,7 +62,7 @@ def verdict_text(
             text = f"{brief(part.name, 24)}: {tried_sentence(part.rungs)}"
             lines += labelled("LADDER", text, width)
     for owner, gate in broken_gates(result):
-        text = f"{brief(owner, 40)}: {brief(gate_sentence(gate), 200)}; {brief(gate.meaning, 300)}"
+        text = f"{brief(owner, 40)}: {brief(gate_sentence(gate), 200)}; {brief(gate.told, 300)}"
         lines += labelled("GATE BROKEN" if gate.binding else "DOES NOT HOLD", text, width)
     if result.not_checked:
         text = ", ".join(brief(item, 80) for item in result.not_checked)

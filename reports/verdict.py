@@ -4,13 +4,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from math import inf, isfinite
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 if TYPE_CHECKING:
     from reports.derivation import Derivation
     from reports.live.encode import EncodedPart
     from reports.live.fields import LiveFields
     from reports.motion import Motion
+
+NOT_MESHED = "not meshed"  # the only field on the surface of a part that no stress is known on
+_BARS = ("numerical", "model", "model_below")  # of a check: None in plain data where infinite
+_NUMBERS = ("value", "limit", "required")
 
 
 class Status(StrEnum):
@@ -80,11 +84,21 @@ class Check:
     @property
     def status(self) -> Status:
         """PASS when the upper end of the bars holds the limit, FAIL when the lower end does not."""
-        if (self.value + self.numerical + self.model) * self.required <= self.limit:
+        if self.upper * self.required <= self.limit:
             return Status.PASS
-        if (self.value - self.numerical - self.below) * self.required > self.limit:
+        if self.lower * self.required > self.limit:
             return Status.FAIL
         return Status.UNDECIDED
+
+    @property
+    def upper(self) -> float:
+        """The upper end of the error bars, in `unit`; infinite if either has no end."""
+        return self.value + self.numerical + self.model
+
+    @property
+    def lower(self) -> float:
+        """The lower end of the error bars, in `unit`; it may lie below 0."""
+        return self.value - self.numerical - self.below
 
     @property
     def below(self) -> float:
@@ -118,12 +132,40 @@ class Check:
             **derived,
         }
 
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Self:
+        """Return the check that `to_dict` has written; raises TypeError and ValueError.
+
+        What else stands in the data is left out.
+        """
+        from reports.derivation_data import derivation_of_data, number_of, text_of
+
+        if not isinstance(data, Mapping):
+            raise TypeError(f"{str(data)[:40]!r} is no check")
+        own: dict[str, Any] = {bar: inf for bar in _BARS}
+        for name in cls.__dataclass_fields__:
+            if name not in data:
+                continue
+            value = data[name]
+            if name == "derivation":
+                own[name] = None if value is None else derivation_of_data(value)
+            elif name in _BARS:
+                own[name] = inf if value is None else number_of(value)
+            else:
+                own[name] = (number_of if name in _NUMBERS else text_of)(value)
+        check = cls(**own)
+        if not isfinite(check.utilisation):
+            raise ValueError("a check's utilisation is not finite")
+        return check
+
 
 @dataclass(frozen=True)
 class Gate:
     """A measured number that must stay below a limit for the result to be valid.
 
+    meaning  what the number is, in words
     binding  whether the verdict depends on it: a drive that is too weak leaves the stresses right
+    cure     what makes it hold, a sentence without its full stop; "" where nothing simple does
     """
 
     name: str
@@ -131,11 +173,17 @@ class Gate:
     limit: float
     meaning: str
     binding: bool = True
+    cure: str = ""
 
     @property
     def holds(self) -> bool:
         """Whether the result may be trusted in this respect."""
         return bool(self.value <= self.limit)
+
+    @property
+    def told(self) -> str:
+        """What the number is, and then the cure if there is one."""
+        return f"{self.meaning}. {self.cure}" if self.cure else self.meaning
 
     def to_dict(self) -> dict[str, Any]:
         """The gate as plain data."""
@@ -146,6 +194,7 @@ class Gate:
             "holds": self.holds,
             "meaning": self.meaning,
             "binding": self.binding,
+            "cure": self.cure,
         }
 
 
@@ -201,6 +250,11 @@ class Surface:
     triangles: Any
     fields: Mapping[str, Any]
     peak: int
+
+    @property
+    def is_bare(self) -> bool:
+        """Whether no stress is known on it: its part was not meshed."""
+        return list(self.fields) == [NOT_MESHED]
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,11 +11,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from geometry.graphics import INSTALL
 from reports.files import replacing
 from reports.window_files import write_scene
 from reports.window_scene import Scene
 from reports.window_worker import NO_WINDOW
-from reports.worker import CURE, run_worker
+from reports.worker import run_worker
 
 _WORKER = (sys.executable, "-m", "reports.window_worker")
 _PROBING = 60.0  # s
@@ -88,4 +89,4 @@ def _trouble(code: int | None, words: str) -> Trouble | None:
     if code == NO_WINDOW:
         said = os.environ.get("DISPLAY", "")
         return Trouble(_NO_DISPLAY.format(said=f" (DISPLAY is {said[:60]})"), display=True)
-    return Trouble(f"{words}. Where GL libraries are missing: {CURE}")
+    return Trouble(f"{words}. Where GL libraries are missing: {INSTALL}")

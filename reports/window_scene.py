@@ -181,7 +181,7 @@ class Scene:
     def _peaks(self, part: int, cycle: int) -> FloatArray | None:
         return self.parts[part].live.peaks.get(self.cycles[cycle].name) if self.cycles else None
 
-    def bulge(self, part: int, view: View) -> float:
+    def bulge(self, part: int) -> float:
         """By how much displacements are exaggerated where they are drawn."""
         largest = max(
             (self._range(part, k, "displacement")[1] for k in range(len(self.cycles))), default=0.0
@@ -192,7 +192,7 @@ class Scene:
         """The nodes (n, 3) in the part's frame, displaced if that is asked for, mm."""
         live = self.parts[part].live
         moved = self._moved(part, view) if view.deformed else None
-        return live.nodes if moved is None else live.nodes + self.bulge(part, view) * moved
+        return live.nodes if moved is None else live.nodes + self.bulge(part) * moved
 
     def matrix(self, part: int, view: View) -> FloatArray:
         """From the part's frame to the picture's (4, 4): the machine's for the linkage."""
@@ -265,7 +265,7 @@ class Scene:
             on = f" on {brief(self.parts[peak[0]].name, 30)}" if view.part == LINKAGE else ""
             lines.append(f"largest now{on}: {number(peak[2], 4)} {unit}".rstrip())
         if view.deformed and view.part != LINKAGE:
-            lines.append(f"displacements drawn {number(self.bulge(view.part, view), 2)} times")
+            lines.append(f"displacements drawn {number(self.bulge(view.part), 2)} times")
         return lines
 
     def _row(self, view: View) -> float:

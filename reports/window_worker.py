@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from reports.surface_style import FACES, LIGHTING, LINES, MARK, sharp_edges
 from reports.window_files import read_scene
 from reports.window_scene import FIELDS, LINKAGE, SIGNED, Scene
 
@@ -40,7 +41,7 @@ class Window:
         self.scene, self.view = scene, scene.first_view(part)
         self.playing = False
         self.plotter: Any = self.pyvista.Plotter(
-            off_screen=off_screen, window_size=list(SIZE), lighting="light kit",
+            off_screen=off_screen, window_size=list(SIZE), lighting=LIGHTING,
             title=f"ballesta: {scene.title[:80]}",
         )  # fmt: skip
         self.plotter.set_background("white")
@@ -68,22 +69,16 @@ class Window:
         faces = np.column_stack([np.full(len(live.triangles), 3), live.triangles]).ravel()
         mesh = self.pyvista.PolyData(live.nodes.copy(), faces)
         mesh.point_data["node"] = np.arange(len(live.nodes))
-        edges = mesh.extract_feature_edges(
-            feature_angle=35, manifold_edges=False, non_manifold_edges=False
-        )
+        edges = sharp_edges(mesh)
         mesh.point_data["shown"] = np.zeros(len(live.nodes))
-        # Much ambient light: shading tells the shape, and must not change what a colour says.
         actor = self.plotter.add_mesh(
-            mesh, scalars="shown", cmap=self.colours, smooth_shading=False, ambient=0.6,
-            diffuse=0.42, specular=0.0, show_scalar_bar=False, reset_camera=False,
+            mesh, scalars="shown", cmap=self.colours, **FACES, show_scalar_bar=False,
+            reset_camera=False,
         )  # fmt: skip
         actor.mapper.lookup_table = self.colours
         lines = None
         if edges.n_points:
-            lines = self.plotter.add_mesh(
-                edges, color="black", line_width=1.5, opacity=0.6, lighting=False,
-                reset_camera=False,
-            )  # fmt: skip
+            lines = self.plotter.add_mesh(edges, **LINES, reset_camera=False)
         return mesh, actor, edges, lines
 
     def _slider(self) -> Any:
@@ -243,7 +238,7 @@ class Window:
         turn = self.scene.matrix(part, self.view)
         place = turn[:3, :3] @ self.scene.shape(part, self.view)[node] + turn[:3, 3]
         self.plotter.add_point_labels(
-            place[None, :], ["largest"], name="largest", point_color="#d81b60", point_size=16,
+            place[None, :], ["largest"], name="largest", point_color=MARK, point_size=16,
             render_points_as_spheres=True, always_visible=True, shape_color="white",
             shape_opacity=0.8, text_color="black", font_size=13, reset_camera=False, render=False,
         )  # fmt: skip

@@ -205,8 +205,7 @@ def gate_sentence(gate: Gate) -> str:
 
 def reason(check: Check) -> str:
     """Why a check has the status that it has, in words."""
-    high = check.value + check.numerical + check.model
-    low = check.value - check.numerical - check.below
+    high, low = check.upper, check.lower
     least = safety_text(check.limit / high) if high else ""
     has = f"safety {safety_text(check.safety)}, needs {need_text(check.required)}"
     if not check.value:
@@ -249,8 +248,11 @@ def _wider(check: Check) -> str:
     return ""
 
 
-def headline(result: DesignResult) -> str:
-    """The verdict for who reads one sentence: how many checks stand how."""
+def headline(result: DesignResult, *, doubted: bool = False) -> str:
+    """The verdict for who reads one sentence: how many checks stand how.
+
+    doubted  whether the best estimate of an undecided check is over what is allowed
+    """
     count = len(result.checks)
     if not count:
         return "Nothing was checked."
@@ -264,8 +266,8 @@ def headline(result: DesignResult) -> str:
         said = f"{failed} of {count} checks fail{one}, even at the lower {whose} error bars{also}"
     elif open_:
         said = (
-            f"No check fails, but {open_} of {count} {_are(open_)} undecided: the limit lies "
-            "within the error bars"
+            f"No check fails{' for certain' if doubted else ''}, but {open_} of {count} "
+            f"{_are(open_)} undecided: the limit lies within the error bars"
         )
     elif gates:
         return f"Every check passes, but {doubt}: the numbers may not be trusted in that respect."

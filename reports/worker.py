@@ -9,8 +9,6 @@ from pathlib import Path
 
 from reports.words import clean
 
-CURE = "apt-get install libgl1 libegl1 libglu1-mesa libxft2 libxcursor1 libxinerama1 libgomp1"
-
 
 @dataclass(frozen=True)
 class Ended:

@@ -66,13 +66,9 @@ def screens() -> list[Screen]:
     linkage = ("#live-tab-linkage",)
     found = []
     for machine, called in MACHINES.items():
-        # the hammer's parts are decided by formulas: it has motion to show, but no fields
-        clicks = linkage if machine == "spring_hammer" else ()
         found += [
             Screen(machine, "verdict", f"{called}: the verdict and what to know first"),
-            Screen(
-                machine, "live", f"{called}: the live view", "#live", clicks, "dark", height=920
-            ),
+            Screen(machine, "live", f"{called}: the live view", "#live", (), "dark", height=920),
         ]
     found += [
         Screen("toggle_press", "linkage", "toggle press: the whole linkage", "#live", linkage),
@@ -92,7 +88,7 @@ def check(machines: Sequence[str], folder: Path, fidelity: str) -> None:
         done = subprocess.run(
             [
                 sys.executable, "-m", "ballesta.cli", "check", f"designs/{machine}.toml",
-                "--fidelity", fidelity, "--out", str(folder),
+                "--fidelity", fidelity, "--fields", "--out", str(folder),
             ],
             cwd=ROOT, stdout=subprocess.DEVNULL, check=False,
         )  # fmt: skip
@@ -141,15 +137,18 @@ def taken(chromium: Any, screen: Screen, report: Path) -> bytes:
 
 
 def small(png: bytes) -> bytes:
-    """A picture as WebP of at most MOST_BYTES, as good as that allows."""
+    """A picture as WebP of at most MOST_BYTES, as good as that allows; else raises SystemExit."""
     with Image.open(BytesIO(png)) as image:
         colours = image.convert("RGB")
     for quality in range(88, 30, -6):
         out = BytesIO()
         colours.save(out, format="WEBP", quality=quality, method=6)
         if out.tell() <= MOST_BYTES:
-            break
-    return out.getvalue()
+            return out.getvalue()
+    raise SystemExit(
+        f"a screen takes {out.tell() / 1000:.0f} kB even at the lowest quality, at most "
+        f"{MOST_BYTES / 1000:.0f} kB are allowed: take a smaller window"
+    )
 
 
 def filled(text: str, folder: str, known: Sequence[Screen]) -> str:

@@ -13,7 +13,6 @@ from fem.convergence import FINER, LEAST, ORDER, REPEATS, SAFETY, SCATTER
 from reports.derivation import Bars, Given, Item, Step
 from reports.verdict import Check
 
-BARS = "Error bars"  # the title of their section
 ERROR = "e_r"  # the symbol of a rung's own error
 Told = tuple[Bars, list[Item]]
 _OF_MESH = "numerical: last refinement, scatter of the elements, series of the pins' pressure"
@@ -60,7 +59,7 @@ def rung_bars(part: Part, loads: PartLoads, model: RungModel, check: Check, valu
     return Bars(numerical, "b_up", "b_lo", words), items
 
 
-def solid_bars(bars: SolidBars, check: Check, value: str, more: float = 0.0) -> Told:
+def solid_bars(bars: SolidBars, value: str, more: float = 0.0) -> Told:
     """Of a solid: what its last refinement leaves, scatter, series and notch; arcs of contact.
 
     more  MPa, how far another criterion lies above

@@ -1,9 +1,10 @@
 """Elastic buckling by eigenvalues, of a solid and of the linkage: what no formula gives."""
 
 from ballesta.design_data import Design, Part
-from ballesta.explained.bars import BARS
 from ballesta.explained.columns import euler_alone
 from ballesta.explained.common import load_case, position_of
+from ballesta.explained.elastic import share_items
+from ballesta.explained.proven import BARS
 from ballesta.linkage_frame import LinkageMode
 from ballesta.part_loads import PartLoads
 from ballesta.rungs.model import ElasticLoad
@@ -25,14 +26,13 @@ from reports.verdict import Check
 _ONE = Given("one", "the load itself", 1.0, "", "at 1 it buckles", main=True)
 
 
-def elastic_share(
-    design: Design, part: Part, loads: PartLoads, load: ElasticLoad, method: str
-) -> Derivation:
+def elastic_share(design: Design, part: Part, loads: PartLoads, load: ElasticLoad) -> Derivation:
     """Of the share of the elastic buckling load by a rung below the solid."""
+    items = load.explain() if load.bar is None else share_items(load.bar)
     return Derivation(
         cases=(load_case(part, loads, load.position),),
         sections=(
-            Section(f"Demand: {load.words}", tuple(load.explain())),
+            Section(f"Demand: {load.words}", tuple(items)),
             Section("Limit", (_ONE,)),
         ),
         value="share",

@@ -8,9 +8,15 @@ from ballesta.column_limits import (
 )
 from ballesta.design_data import Design, Part
 from ballesta.explained.common import load_case, yield_stress, young
+from ballesta.explained.proven import BARS
 from ballesta.part_loads import PartLoads
-from ballesta.stability import axial_compression, judged_columns, worst_compression
-from fem.column_curves import IMPERFECTION
+from ballesta.stability import (
+    axial_compression,
+    column_quantity,
+    judged_columns,
+    worst_compression,
+)
+from fem.column_curves import IMPERFECTION, ROBERTSON
 from reports.derivation import (
     Bars,
     Comparison,
@@ -46,13 +52,13 @@ def columns(design: Design, part: Part, loads: PartLoads) -> dict[str, Derivatio
                 Given("n_2", "safety with the stiffest ends", judged.stiffest, "", _THEORY),
                 Step("b_lo", "model band below", "sigma*(1 - S/sigma/n_2)", "MPa"),
             ]
-        found[f"column {plane.name}"] = Derivation(
+        found[column_quantity(plane)] = Derivation(
             cases=(load_case(part, loads, worst),),
             sections=(
                 Section("Demand", tuple(_demand(case, force))),
                 Section("Limit", tuple(_limit(part, plane, case))),
                 Section("Other limits of the same column", tuple(_others(part, plane, case))),
-                Section("Error bars", tuple(items)),
+                Section(BARS, tuple(items)),
             ),
             value="sigma",
             limit="S",
@@ -73,7 +79,7 @@ def _demand(case: ColumnCase, force: float) -> list[Item]:
 
 def _limit(part: Part, plane: Plane, case: ColumnCase) -> list[Item]:
     curve = part.column.curve
-    governs = case.strength.governs if curve is None else f"Eurocode 3 curve {curve}"
+    governs = case.law(curve)
     if curve is not None:
         formula, source, last = "S_y*chi", _EUROCODE, _curve(curve)
     elif governs == "Euler":
@@ -137,7 +143,8 @@ def _others(part: Part, plane: Plane, case: ColumnCase) -> list[Item]:
             Step("eta_P", "stress of the crookedness over the axial", "e_0*A/W", "", _PERRY),
         ]
     else:
-        found.append(Step("eta_P", "crookedness of common steel bars", "0.003*lam", "", _PERRY))
+        said = "crookedness of common steel bars"
+        found.append(Step("eta_P", said, f"{ROBERTSON:g}*lam", "", _PERRY))
     found += [
         Step("h", "half sum", "(S_y + (1 + eta_P)*sigma_E)/2", "MPa", _PERRY),
         Step("S_P", "by Perry and Robertson", "S_y*sigma_E/(h + sqrt(h^2 - S_y*sigma_E))", "MPa",

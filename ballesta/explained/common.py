@@ -1,10 +1,10 @@
-"""What every derivation begins with: the load case, the limit that is given, a check's place."""
+"""What derivations share: load cases, the limit that is given, a chord, a check's place."""
 
 from collections.abc import Iterable
 
 from ballesta.design_data import Part
 from ballesta.part_loads import PartLoads
-from reports.derivation import Acting, Given, LoadCase, Step
+from reports.derivation import Acting, Given, LoadCase, Section, Step
 from reports.verdict import Check
 
 
@@ -35,6 +35,35 @@ def position_of(loads: PartLoads, check: Check) -> int:
 def numbers(values: Iterable[float]) -> tuple[float, ...]:
     """Plain numbers of an array."""
     return tuple(float(value) for value in values)
+
+
+def amplitude_and_mean(compressed: str, source: str) -> Section:
+    """Amplitude and mean of the longest chord, from s_1 to s_2.
+
+    compressed  what is said of a mean in compression, which counts as 0
+    """
+    mean = f"mean: largest principal stress of the middle{compressed}"
+    return Section(
+        "Amplitude and mean",
+        (
+            Step(
+                "sigma_a",
+                "amplitude: half the chord, von Mises",
+                "von_mises((s_1 - s_2)/2)",
+                "MPa",
+                source,
+                main=True,
+            ),
+            Step(
+                "sigma_m",
+                mean,
+                "max(0, largest_principal((s_1 + s_2)/2))",
+                "MPa",
+                source,
+                main=True,
+            ),
+        ),
+    )
 
 
 def yield_stress(part: Part) -> Given:

@@ -5,16 +5,27 @@ from collections.abc import Mapping
 import numpy as np
 
 import loads
-from ballesta.bushes import SHARE_BAND, bush_count, bush_diameter, bush_name, turning
+from ballesta.bushes import (
+    SHARE_BAND,
+    bush_count,
+    bush_diameter,
+    bush_name,
+    pressed_quantity,
+    sliding_quantity,
+    turning,
+)
 from ballesta.design_data import Design, Part, Roller
 from ballesta.design_model import StackEntry
 from ballesta.explained.common import load_case, shear_yield, yield_stress
+from ballesta.explained.proven import BARS
 from ballesta.lug_checks import Pressed, Torn, lugs_of, pressed_lugs, torn_most
 from ballesta.part_loads import PartLoads
 from ballesta.slot_checks import (
     FIRST_YIELD,
     couple_on,
+    flat_pressure,
     flat_quantity,
+    force_across,
     roller_material,
     round_quantity,
     softer_of,
@@ -103,11 +114,9 @@ def _torn(part: Part, part_loads: PartLoads, torn: Torn) -> Derivation:
 
 def bush(part: Part, part_loads: PartLoads, solved: Solved, check: Check) -> Derivation | None:
     """Of the pressure of a bush, or its pressure times speed; None for one that is not found."""
-    named = [(one, bush_name(one)) for one in part.stack if one.bush is not None]
-    pressed = next((one for one, name in named if check.quantity == f"bush of {name}"), None)
-    slid = next(
-        (one for one, name in named if check.quantity == f"p v of the bush of {name}"), None
-    )
+    entries = [one for one in part.stack if one.bush is not None]
+    pressed = next((one for one in entries if check.quantity == pressed_quantity(one)), None)
+    slid = next((one for one in entries if check.quantity == sliding_quantity(one)), None)
     entry = pressed or slid
     if entry is None or entry.bush is None:
         return None
@@ -151,7 +160,7 @@ def bush(part: Part, part_loads: PartLoads, solved: Solved, check: Check) -> Der
         sections=(
             Section("Demand", tuple(items)),
             Section("Limit", (limit,)),
-            Section("Error bars", tuple(band)),
+            Section(BARS, tuple(band)),
         ),
         value=value,
         limit=limit.symbol,
@@ -187,8 +196,7 @@ def contact(
 
 
 def _round(part: Part, part_loads: PartLoads, interface: Interface, roller: Roller) -> Derivation:
-    force = np.abs(part_loads.wrenches[interface.name][:, 1])
-    (position,) = first_largest(force)
+    (position,) = first_largest(force_across(part_loads, interface))
     own, other, softer = part.material, roller_material(roller), softer_of(part, roller)
     johnson = "Johnson, Contact Mechanics, 1985, 4.2(c)"
     return Derivation(
@@ -197,8 +205,7 @@ def _round(part: Part, part_loads: PartLoads, interface: Interface, roller: Roll
             Section(
                 "Demand",
                 (
-                    Given("N", f"force across the contact {interface.name}",
-                          float(force[position]), "N", _LOADS, main=True),
+                    _across(part_loads, interface, position),
                     Given("l", "width of the flat", interface.length, "mm", _SHAPE),
                     Given("r", "radius of the pin or roller", roller.radius, "mm", _DESIGN),
                     Given("E_1", f"Young's modulus of {own.name}", own.youngs_modulus, "MPa",
@@ -231,23 +238,26 @@ def _round(part: Part, part_loads: PartLoads, interface: Interface, roller: Roll
     )  # fmt: skip
 
 
+def _across(part_loads: PartLoads, interface: Interface, position: int) -> Given:
+    """The force across a contact at a position."""
+    force = float(force_across(part_loads, interface)[position])
+    said = f"force across the contact {interface.name}"
+    return Given("N", said, force, "N", _LOADS, main=True)
+
+
 def _flat(part: Part, part_loads: PartLoads, interface: Interface) -> Derivation:
-    force = np.abs(part_loads.wrenches[interface.name][:, 1])
-    couple = couple_on(part_loads, interface)
-    length, width = 2 * interface.patch, interface.length
-    (position,) = first_largest(force / (length * width) + 6 * couple / (width * length**2))
+    (position,) = first_largest(flat_pressure(part_loads, interface))
+    couple = float(couple_on(part_loads, interface)[position])
     return Derivation(
         cases=(load_case(part, part_loads, position),),
         sections=(
             Section(
                 "Demand",
                 (
-                    Given("N", f"force across the contact {interface.name}",
-                          float(force[position]), "N", _LOADS, main=True),
-                    Given("C", "couple on the block about its middle", float(couple[position]),
-                          "N mm", _LOADS),
-                    Given("l", "length of the block", length, "mm", _SHAPE),
-                    Given("b", "its width", width, "mm", _SHAPE),
+                    _across(part_loads, interface, position),
+                    Given("C", "couple on the block about its middle", couple, "N mm", _LOADS),
+                    Given("l", "length of the block", 2 * interface.patch, "mm", _SHAPE),
+                    Given("b", "its width", interface.length, "mm", _SHAPE),
                     Step("p", "pressure at the block's end", "N/(l*b) + 6*C/(b*l^2)", "MPa",
                          _FITS, main=True),
                 ),

@@ -5,25 +5,24 @@ from dataclasses import replace
 from math import isfinite
 
 import loads
-from ballesta.explained.bars import BARS, ERROR, rung_bars
+from ballesta.explained.bars import ERROR, rung_bars
 from ballesta.explained.buckling import elastic_share
 from ballesta.explained.columns import columns
 from ballesta.explained.contacts import bush, contact, lugs
 from ballesta.explained.crooked import crooked
 from ballesta.explained.pins import pin
-from ballesta.explained.proven import unknown
-from ballesta.explained.proven import with_derivation as with_derivation
+from ballesta.explained.proven import BARS, unknown, with_derivation
 from ballesta.explained.stresses import fatigue, static
 from ballesta.part_loads import PartLoads
 from ballesta.rungs.climb import Climb
 from ballesta.rungs.model import RungLevel
+from ballesta.stability import ELASTIC_SHARE
 from geometry.cad_body import SolidBody
 from geometry.mesh import Mesh
 from reports.derivation import Bars, Derivation, Section
 from reports.verdict import Check
 
 Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
-_SHARE = "elastic load share"  # the quantity of a rung's buckling check
 
 
 def explained(
@@ -47,7 +46,9 @@ def explained(
         "static": lambda check: _of_rung(climb, check),
         "fatigue": lambda check: _of_rung(climb, check),
         "buckling": lambda check: (
-            _of_rung(climb, check) if check.quantity == _SHARE else by_quantity.get(check.quantity)
+            _of_rung(climb, check)
+            if check.quantity == ELASTIC_SHARE
+            else by_quantity.get(check.quantity)
         ),
         "bearing": lambda check: by_kind.get(check.kind),
         "shear-out": lambda check: by_kind.get(check.kind),
@@ -74,13 +75,13 @@ def _of_rung(climb: Climb, check: Check) -> Derivation | None:
         load = level.model.buckling
         if load is None:
             return None
-        found = elastic_share(design, part, part_loads, load, check.method)
+        found = elastic_share(design, part, part_loads, load)
     elif check.kind == "static":
         found = static(part, part_loads, level)
     else:
         if climb.use is None:
             return None
-        found = fatigue(design, part, part_loads, level, climb.use)
+        found = fatigue(part, part_loads, level, climb.use)
     return _with_rung_bars(found, part_loads, climb, level, check)
 
 

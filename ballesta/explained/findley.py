@@ -6,7 +6,7 @@ import numpy as np
 
 from ballesta.design_data import Part
 from ballesta.explained.common import load_case, numbers
-from ballesta.explained.marin import marin_section, ultimate
+from ballesta.explained.marin import at_point, limit_section
 from ballesta.explained.superposed import PATTERNS, superposed
 from ballesta.judged_fatigue import FatigueUse
 from ballesta.part_loads import PartLoads
@@ -64,10 +64,7 @@ def findley(part: Part, loads: PartLoads, level: Stressed, use: FatigueUse) -> D
                     ),
                 ),
             ),
-            Section(
-                "Limit: endurance limit by Marin's factors",
-                (ultimate(part), *marin_section(part).items),
-            ),
+            limit_section(part),
             Section("Demand", tuple(_demand(level, use, point))),
         ),
         value="sigma",
@@ -79,9 +76,7 @@ def findley(part: Part, loads: PartLoads, level: Stressed, use: FatigueUse) -> D
 def _demand(level: Stressed, use: FatigueUse, point: int) -> list[Item]:
     sine = "(2*t_r - 1)"
     return [
-        Given("K_f", "fretting or fatigue notch factor there",
-              use.limit / float(level.limits[point]), "", "the part's shape"),
-        Step("S_p", "endurance limit at the point", "S_e/K_f", "MPa"),
+        *at_point(level, use, point),
         Given("t_r", "limit in reversed torsion over that in bending: 1/√3", DUCTILE, "",
               "von Mises"),
         Step("k", "weight of the normal stress", f"{sine}/sqrt(1 - {sine}^2)", "", _SOURCE),

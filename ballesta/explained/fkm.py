@@ -1,7 +1,7 @@
 """The FKM guideline's chain at the worst point, as docs/theory/strength.md has it."""
 
 from ballesta.design_data import Part
-from ballesta.explained.common import load_case
+from ballesta.explained.common import amplitude_and_mean, load_case
 from ballesta.explained.superposed import PATTERNS, superposed
 from ballesta.fkm_strength import FkmJudgement
 from ballesta.judged_fatigue import FkmUse
@@ -23,22 +23,14 @@ def fkm(part: Part, loads: PartLoads, level: Stressed, use: FkmUse) -> Derivatio
                 "Stress at the point, at both ends of its longest chord",
                 tuple(superposed(level, loads, found.point, k, symbol) for k, symbol in pair),
             ),
-            Section(
-                "Amplitude and mean",
-                (
-                    Step("sigma_a", "amplitude: half the chord, von Mises",
-                         "von_mises((s_1 - s_2)/2)", "MPa", _BOOK, main=True),
-                    Step("sigma_m", "mean: largest principal stress of the middle, not below 0",
-                         "max(0, largest_principal((s_1 + s_2)/2))", "MPa", _BOOK, main=True),
-                ),
-            ),
+            amplitude_and_mean(", not below 0", _BOOK),
             Section("Limit: component strength without support", tuple(_limit(use))),
             Section("Demand", tuple(_demand(found))),
         ),
         value="sigma",
         limit="sigma_ref",
         notes=(PATTERNS,),
-    )  # fmt: skip
+    )
 
 
 def _limit(use: FkmUse) -> list[Item]:

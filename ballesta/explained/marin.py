@@ -1,20 +1,30 @@
 """The endurance limit by Marin's factors, as docs/theory/strength.md has it."""
 
 from ballesta.design_data import Part
+from ballesta.judged_fatigue import FatigueUse
 from ballesta.part_strength import endurance_of
+from ballesta.stressed import Stressed
 from fatigue.marin import LARGEST_SPECIMEN_LIMIT, LOADS, SURFACES
 from reports.derivation import Given, Item, Section, Step
 
 BOOK = "Shigley, 9th ed."
 
 
-def marin_section(part: Part) -> Section:
+def limit_section(part: Part) -> Section:
     """S_e of a part away from notches, from the ultimate strength S_u."""
     return Section("Limit: endurance limit by Marin's factors", tuple(_items(part)))
 
 
-def ultimate(part: Part) -> Given:
-    """The ultimate strength of a part's material."""
+def at_point(level: Stressed, use: FatigueUse, point: int) -> list[Item]:
+    """The endurance limit S_p at a point, where fretting may lower it."""
+    factor = use.limit / float(level.limits[point])
+    return [
+        Given("K_f", "fretting or fatigue notch factor there", factor, "", "the part's shape"),
+        Step("S_p", "endurance limit at the point", "S_e/K_f", "MPa"),
+    ]
+
+
+def _ultimate(part: Part) -> Given:
     material = part.material
     said = f"ultimate strength of {material.name}"
     return Given("S_u", said, material.ultimate_stress, "MPa", material.source)
@@ -25,6 +35,7 @@ def _items(part: Part) -> list[Item]:
     load = "axial" if evenly else "bending"
     limit = endurance_of(part)
     return [
+        _ultimate(part),
         *_specimen(part),
         _surface(part),
         *_size(part),

@@ -6,7 +6,7 @@ import numpy as np
 
 from ballesta.design_data import Part
 from ballesta.explained.common import load_case
-from ballesta.explained.marin import BOOK, marin_section, ultimate
+from ballesta.explained.marin import BOOK, limit_section
 from ballesta.explained.superposed import PATTERNS, superposed
 from ballesta.finite_life import DutyLife, life_curve
 from ballesta.judged_fatigue import LifeUse
@@ -33,10 +33,7 @@ def miner(part: Part, loads: PartLoads, level: Stressed, use: LifeUse) -> Deriva
         ),
         sections=(
             Section("Stress at the point, at both ends of the cycle that harms most", largest),
-            Section(
-                "Limit: endurance limit by Marin's factors",
-                (ultimate(part), *marin_section(part).items),
-            ),
+            limit_section(part),
             Section(
                 "Safety",
                 tuple(_without_end(life, at, use.ultimate) if endless else _miner(use, life, at)),

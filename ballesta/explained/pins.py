@@ -6,7 +6,9 @@ import numpy as np
 
 from ballesta.design_data import Part
 from ballesta.explained.common import load_case, shear_yield, yield_stress
+from ballesta.explained.proven import BARS
 from ballesta.part_loads import PartLoads
+from ballesta.pin_checks import BENDING, SHEAR, TOGETHER
 from ballesta.pin_diagrams import ANGLES, PinDiagram, pin_diagram
 from ballesta.ties import first_largest
 from geometry.mesh import FloatArray
@@ -16,11 +18,7 @@ from reports.verdict import Check
 
 _UNITS = (("F_x", "N"), ("F_y", "N"), ("M_x", "N mm"), ("M_y", "N mm"), ("M_z", "N mm"))
 _ROWS = (0, 1, 3, 4, 5)  # of a wrench
-_BARS = "docs/theory/fits.md"
-
-
-_BOTH = "bending with shear, von Mises"  # what the check of both together is called
-_NOMINAL = {"pin bending": "nominal bending stress", "pin shear": "nominal shear stress"}
+_FITS = "docs/theory/fits.md"
 
 
 def pin(part: Part, loads: PartLoads, check: Check) -> Derivation | None:
@@ -29,15 +27,15 @@ def pin(part: Part, loads: PartLoads, check: Check) -> Derivation | None:
     wrenches = dict(loads.wrenches)
     pushed = pin_diagram(part.geometry, wrenches, spread=False, ends_only=True)
     pressed = pin_diagram(part.geometry, wrenches, spread=True, ends_only=True)
-    both = check.kind == "pin bending" and check.quantity == _BOTH
-    if not both and not check.quantity.startswith(_NOMINAL[check.kind]):
-        return None
+    both, sheared = check.quantity == TOGETHER, check.quantity == SHEAR
     if both:
         stress, even = pushed.equivalent_peaks, float(pressed.equivalent_peaks.max())
-    elif check.kind == "pin shear":
+    elif sheared:
         stress, even = pushed.shear_stress, pressed.most_sheared
-    else:
+    elif check.quantity == BENDING:
         stress, even = pushed.bending_stress, pressed.most_bent
+    else:
+        return None
     position, section = first_largest(stress)
     weights = _weights(part.geometry, list(wrenches), section)
     acting = {name: wrench[position] for name, wrench in wrenches.items()}
@@ -46,13 +44,13 @@ def pin(part: Part, loads: PartLoads, check: Check) -> Derivation | None:
               float(pushed.diameter[section]), "mm", "the part's shape")
     ]  # fmt: skip
     twisted = abs(float(pushed.torque[position, section])) > 0
-    if both or check.kind == "pin shear":
+    if both or sheared:
         items += _sheared(acting, weights, twisted)
-    if both or check.kind != "pin shear":
+    if not sheared:
         items += _bent(acting, weights)
     if both:
         items += _together(pushed, position, section)
-    value = "sigma" if both else "tau" if check.kind == "pin shear" else "sigma_b"
+    value = "sigma" if both else "tau" if sheared else "sigma_b"
     limit = [yield_stress(part)] + ([shear_yield()] if value == "tau" else [])
     return Derivation(
         cases=(load_case(part, loads, position),),
@@ -60,10 +58,10 @@ def pin(part: Part, loads: PartLoads, check: Check) -> Derivation | None:
             Section("Demand", tuple(items)),
             Section("Limit", tuple(limit)),
             Section(
-                "Error bars",
+                BARS,
                 (
                     Given("v", "the value where every lug presses evenly over its width", even,
-                          "MPa", _BARS),
+                          "MPa", _FITS),
                     Step("b_up", "model band above", f"max(0, v - {value})", "MPa"),
                     Step("b_lo", "model band below", f"max(0, {value} - v)", "MPa"),
                 ),

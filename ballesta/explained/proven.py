@@ -6,6 +6,7 @@ from math import isfinite
 from reports.derivation import Bars, Derivation, Given, Item, Section
 from reports.verdict import Check
 
+BARS = "Error bars"  # the title of their section, in every derivation
 MISSED = "the formulas written here do not give all of the check's numbers"
 UNKNOWN = "no derivation of this check is known: its numbers are put in as the check has them"
 
@@ -36,7 +37,7 @@ def unknown(check: Check) -> Derivation:
         sections=(
             Section("Demand", (Given("v", check.quantity, check.value, check.unit, source, True),)),
             Section("Limit", (Given("L", check.basis, check.limit, check.unit, source, True),)),
-            Section("Error bars", tuple(widths)),
+            Section(BARS, tuple(widths)),
         ),
         value="v",
         limit="L",

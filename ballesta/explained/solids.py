@@ -3,8 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from ballesta.design_data import Design, Part
-from ballesta.explained.bars import BARS, solid_bars
+from ballesta.design_data import Part
+from ballesta.explained.bars import solid_bars
+from ballesta.explained.proven import BARS
 from ballesta.explained.stresses import fatigue, static
 from ballesta.judged import Bars, Judged
 from ballesta.judged_fatigue import FatigueUse
@@ -15,7 +16,6 @@ from reports.verdict import Check, HandCheck
 
 
 def of_solid(
-    design: Design,
     part: Part,
     part_loads: PartLoads,
     level: Level,
@@ -27,10 +27,10 @@ def of_solid(
     """Return a solid's stress check with its derivation."""
     more = 0.0
     if isinstance(judged, FatigueUse):
-        found, (more, _) = fatigue(design, part, part_loads, level, judged), judged.band(level)
+        found, (more, _) = fatigue(part, part_loads, level, judged), judged.band(level)
     else:
         found = static(part, part_loads, level)
-    told, items = solid_bars(bars, check, found.value, more)
+    told, items = solid_bars(bars, found.value, more)
     compared = tuple(
         Comparison(hand.quantity, hand.hand, hand.model, hand.unit, hand.formula)
         for hand in by_hand

@@ -1,16 +1,16 @@
 """Derivations of the stress checks: the largest von Mises stress, and fatigue by each criterion."""
 
-from ballesta.design_data import Design, Part
-from ballesta.explained.common import load_case, yield_stress
+from ballesta.design_data import Part
+from ballesta.explained.common import amplitude_and_mean, load_case, yield_stress
 from ballesta.explained.findley import findley
 from ballesta.explained.fkm import fkm
-from ballesta.explained.marin import BOOK, marin_section, ultimate
+from ballesta.explained.marin import BOOK, at_point, limit_section
 from ballesta.explained.miner import miner
 from ballesta.explained.superposed import PATTERNS, superposed
 from ballesta.judged_fatigue import FatigueUse, FkmUse, LifeUse
 from ballesta.part_loads import PartLoads
 from ballesta.stressed import Stressed
-from reports.derivation import Derivation, Given, Item, Section, Step
+from reports.derivation import Derivation, Section, Step
 
 
 def static(part: Part, loads: PartLoads, level: Stressed) -> Derivation:
@@ -31,9 +31,7 @@ def static(part: Part, loads: PartLoads, level: Stressed) -> Derivation:
     )
 
 
-def fatigue(
-    design: Design, part: Part, loads: PartLoads, level: Stressed, use: FatigueUse
-) -> Derivation:
+def fatigue(part: Part, loads: PartLoads, level: Stressed, use: FatigueUse) -> Derivation:
     """Of the largest equivalent amplitude over the duty, by what has judged it."""
     if isinstance(use, FkmUse):
         return fkm(part, loads, level, use)
@@ -55,28 +53,8 @@ def _goodman(part: Part, loads: PartLoads, level: Stressed, use: FatigueUse) -> 
         cases=(load_case(part, loads, first, "s_1"), load_case(part, loads, second, "s_2")),
         sections=(
             Section("Stress at the point, at both ends of its longest chord", stresses),
-            Section(
-                "Amplitude and mean",
-                (
-                    Step(
-                        "sigma_a",
-                        "amplitude: half the chord, von Mises",
-                        "von_mises((s_1 - s_2)/2)",
-                        "MPa",
-                        "docs/theory/multiaxial.md",
-                        main=True,
-                    ),
-                    Step(
-                        "sigma_m",
-                        "mean: largest principal stress of the middle; compression earns nothing",
-                        "max(0, largest_principal((s_1 + s_2)/2))",
-                        "MPa",
-                        "docs/theory/multiaxial.md",
-                        main=True,
-                    ),
-                ),
-            ),
-            _with_ultimate(part),
+            amplitude_and_mean("; compression earns nothing", "docs/theory/multiaxial.md"),
+            limit_section(part),
             Section(
                 "Demand",
                 (
@@ -103,17 +81,3 @@ def _goodman(part: Part, loads: PartLoads, level: Stressed, use: FatigueUse) -> 
         limit="S_e",
         notes=(PATTERNS,),
     )
-
-
-def _with_ultimate(part: Part) -> Section:
-    marin = marin_section(part)
-    return Section(marin.title, (ultimate(part), *marin.items))
-
-
-def at_point(level: Stressed, use: FatigueUse, point: int) -> list[Item]:
-    """The endurance limit S_p at a point, where fretting may lower it."""
-    factor = use.limit / float(level.limits[point])
-    return [
-        Given("K_f", "fretting or fatigue notch factor there", factor, "", "the part's shape"),
-        Step("S_p", "endurance limit at the point", "S_e/K_f", "MPa"),
-    ]

@@ -7,7 +7,7 @@ from typing import Any
 
 from ballesta.regression.bands import Band, band_of, mass_band
 from ballesta.regression.file import Baseline
-from ballesta.regression.record import LINKAGE, MASS, verdicts_of
+from ballesta.regression.record import ELASTIC_SHARE, LINKAGE, MASS, verdicts_of
 from ballesta.regression.verdicts import is_mesh_noise, worst
 
 _NOTHING = 1e-9  # of a limit: a smaller value is no load, and its changes are round-off
@@ -159,7 +159,7 @@ def _left(
 
 def _safety_moved(name: str, was: Found, found: Found, band: Band) -> Iterator[Row]:
     """The row of a safety that left its band; a part without load has none."""
-    name += ", buckling factor" if name.endswith("elastic load share") else ", safety"
+    name += ", buckling factor" if name.endswith(ELASTIC_SHARE) else ", safety"
     before, now = was["safety"], found["safety"]
     uses = [0.0 if safety is None else 1 / safety for safety in (before, now)]
     if abs(uses[1] - uses[0]) <= _NOTHING:

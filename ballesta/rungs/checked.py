@@ -12,6 +12,7 @@ from ballesta.rungs.estimate import Estimate
 from ballesta.rungs.families import family_of
 from ballesta.rungs.model import RungLevel, RungModel
 from ballesta.rungs.proportions import proportions_of, unknown_load
+from ballesta.stability import ELASTIC_SHARE
 from ballesta.stress_words import Words, fatigue_words, static_words
 from ballesta.stressed import judge
 from reports.verdict import Check
@@ -91,7 +92,7 @@ def _buckling_estimate(design: Design, part: Part, loads: PartLoads, model: Rung
     check = Check(
         part=part.name,
         kind=BUCKLING,
-        quantity="elastic load share",
+        quantity=ELASTIC_SHARE,
         value=model.buckling.share,
         unit="",
         numerical=0.0,

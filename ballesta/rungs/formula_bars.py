@@ -8,21 +8,18 @@ import numpy as np
 
 from ballesta.column_moments import axial_compression
 from ballesta.design_data import Part
-from ballesta.explained import elastic
 from ballesta.part_loads import PartLoads
 from ballesta.rungs.formula_points import Points, along_x, in_section, sheared
-from ballesta.rungs.model import ElasticLoad
+from ballesta.rungs.model import ElasticLoad, PressedColumn, PressedStretch
 from ballesta.rungs.unit_names import acceleration_units, wrench_units
 from ballesta.ties import first_largest
 from fem.bar_forces import BarForces, BarLoads, balanced_bar, deflection
 from fem.lateral_buckling import column_force, lateral_share
 from geometry.mesh import FloatArray
-from reports.derivation import Item
 
 _STATIONS = 33  # of deflection and lateral buckling
 _IN_PLANE = "in plane: Euler's column"
 _SIDEWAYS = "out of plane: Euler's column and lateral buckling of the bent bar"
-_PLANES = (_IN_PLANE, _SIDEWAYS)
 _KINDS = {
     "axial": "axial force",
     "shear": "shear force",
@@ -215,32 +212,25 @@ def elastic_load(
     flat, across = (young * mass.at(i, places) for i in (mass.inertia_z, mass.inertia_y))
     racking = np.inf if mass.racking is None else young * mass.at(mass.racking, places)
     twisting = young / (2 * (1 + ratio)) * mass.at(mass.torsion, places)
+    moment = bar.at(places).moment_z
     shares = {
         _IN_PLANE: force / column_force(flat, np.inf, length),
         _SIDEWAYS: lateral_share(
-            force / column_force(across, racking, length),
-            bar.at(places).moment_z,
-            across,
-            twisting,
-            length,
+            force / column_force(across, racking, length), moment, across, twisting, length
         ),
         "a stretch by itself: plates and columns": force * local,
     }
     words = max(shares, key=lambda name: float(shares[name].max()))
     share = np.maximum(shares[words], 0.0)
     (position,) = first_largest(share)
-
-    def explain() -> list[Item]:
-        pressed = float(force[position])
-        if words not in _PLANES:
-            return elastic.by_itself(pressed, local)
-        if words == _IN_PLANE:
-            return elastic.as_column(pressed, flat, inf, length)
-        bent = float(
-            lateral_share(
-                np.zeros(1), bar.at(places).moment_z[:, [position]], across, twisting, length
-            )[0]
-        )
-        return elastic.sideways(pressed, across, racking, length, bent)
-
-    return ElasticLoad(float(share[position]), int(position), words, explain)
+    pressed = float(force[position])
+    made_of: PressedColumn | PressedStretch
+    if words == _IN_PLANE:
+        made_of = PressedColumn(pressed, flat, inf, length)
+    elif words == _SIDEWAYS:
+        bent = moment[:, [position]]
+        alone = float(lateral_share(np.zeros(1), bent, across, twisting, length)[0])
+        made_of = PressedColumn(pressed, across, racking, length, alone)
+    else:
+        made_of = PressedStretch(pressed, local)
+    return ElasticLoad(float(share[position]), position, words, bar=made_of)

@@ -18,6 +18,37 @@ from reports.derivation import Item
 UnitName = tuple[str, str]
 
 
+@dataclass(frozen=True, eq=False)
+class PressedColumn:
+    """A bar between its pins, at the position where its share is largest.
+
+    force      N, compression
+    stiffness  (k,) N mm2, E I of the section at even places from pin to pin
+    shear      N, shear stiffness there, (k,) or of all; infinite where no shear strain is counted
+    length     mm, between the pins
+    sideways   share that its moments alone are of those that buckle it sideways; None where the
+               share is the compression's alone
+    """
+
+    force: float
+    stiffness: FloatArray
+    shear: FloatArray | float
+    length: float
+    sideways: float | None = None
+
+
+@dataclass(frozen=True)
+class PressedStretch:
+    """A stretch of a part that buckles by itself.
+
+    force  N, compression
+    local  1/N, share that 1 N is of the compression under which it buckles
+    """
+
+    force: float
+    local: float
+
+
 @dataclass(frozen=True)
 class ElasticLoad:
     """The largest share that a position's load is of the part's elastic buckling load.
@@ -27,6 +58,7 @@ class ElasticLoad:
     words     how it buckles, and by which formula
     explain   the items of a derivation of the share, whose symbol is `share`, made when asked for
     unproved  why no formula gives the share, in words; "" for one that is a formula's
+    bar       what the rung `formula` makes the share of; None of a rung that explains it itself
     """
 
     share: float
@@ -34,6 +66,7 @@ class ElasticLoad:
     words: str
     explain: Callable[[], Sequence[Item]] = field(default=tuple, compare=False, repr=False)
     unproved: str = ""
+    bar: PressedColumn | PressedStretch | None = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -22,9 +22,7 @@ from ballesta.solid import RESCALED, Asked, Say, check_solid
 from ballesta.stability import column_checks, column_facts, column_told
 from fem.near_incompressible import LARGEST_RATIO, MEANING
 from geometry.cad_body import CadBody
-from reports.verdict import Check, Gate, PartResult, RungTried, Status, Surface
-
-NOT_MESHED = "not meshed"  # the only field on the surface of such a part
+from reports.verdict import NOT_MESHED, Check, Gate, PartResult, RungTried, Status, Surface
 
 
 def cheap_result(climb: Climb, models: Models, *, live: bool = False) -> PartResult:

@@ -9,7 +9,9 @@ import numpy as np
 
 from fem.column_curves import (
     IMPERFECTION,
+    ROBERTSON,
     eurocode_stress,
+    johnson_stress,
     perry_robertson,
     transition_slenderness,
 )
@@ -23,7 +25,6 @@ from reports.verdict import DesignResult, PartResult
 from reports.words import brief, need_text, number, safety_text
 
 _TITLE = "Buckling: column curves"
-_ROBERTSON = 0.003  # of the slenderness: Perry and Robertson's eta without a stated crookedness
 _N = 161
 _MARKS = ("o", "^", "s", "D")
 
@@ -72,7 +73,7 @@ def column_curves(data: Mapping[str, Any]) -> dict[str, Curve]:
     def johnson(slenderness: float) -> float:
         if slenderness > transition:
             return float("nan")
-        return strength * (1 - strength * slenderness**2 / (4 * pi**2 * young))
+        return johnson_stress(slenderness, strength, young)
 
     def crooked(eta: Curve, slenderness: float) -> float:
         return perry_robertson(euler(slenderness), strength, eta(slenderness))
@@ -90,7 +91,7 @@ def _etas(data: Mapping[str, Any]) -> dict[str, Curve]:
     """Perry and Robertson's eta: one curve, or one for each plane where crookedness is stated."""
 
     def robertson(slenderness: float) -> float:
-        return _ROBERTSON * slenderness
+        return ROBERTSON * slenderness
 
     def constant(eta: float, _: float) -> float:
         return eta
@@ -234,7 +235,7 @@ def _caption(data: Mapping[str, Any]) -> str:
     if any(one["stiffest"] < one["slenderness"] for one in data["planes"]):
         told.append("Bar: from ends that are hinged to ends that are as stiff as their forks.")
     if all(one["eta"] is None for one in data["planes"]):
-        told.append("Perry-Robertson with 0.003 times the slenderness as crookedness.")
+        told.append(f"Perry-Robertson with {ROBERTSON:g} times the slenderness as crookedness.")
     told.append("The crooked bar with its bending has a check of its own.")
     return " ".join(told)
 

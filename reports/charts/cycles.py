@@ -36,13 +36,8 @@ def cycle_charts(result: DesignResult) -> list[tuple[str, Charts]]:
 def _of_cycle(result: DesignResult, index: int, name: str, cycle: Mapping[str, Any]) -> Charts:
     axis = cycle_axis(index, cycle)
     if axis is None:
-        titles = (
-            ("loads", "Loads of the interfaces"),
-            ("drive", "Drive"),
-            ("peaks", "Peak stress"),
-        )
         why = "the cycle has no positions"
-        return Charts((), tuple(Missing(key, title, why) for key, title in titles))
+        return Charts((), tuple(Missing(key, title, why) for key, title in _TITLES.items()))
     return gathered(
         [
             lambda: loads_chart(name, axis, cycle),

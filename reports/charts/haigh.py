@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from fatigue import goodman_utilisation
 from reports.charts.chart import Chart, Missing, Series
 from reports.charts.numbers import FloatArray, decimals_of, fixed, numbers
 from reports.charts.over_cycle import cursor_text
@@ -52,7 +53,7 @@ def haigh_chart(part: PartResult, result: DesignResult) -> Chart | Missing:
 
     label = f"Haigh diagram of {brief(part.name, 40)}"
     svg = drawing(plot, label, 3.4)
-    columns, rows = _table(data, point, used, check, result)
+    columns, rows = _table(data, point, used, result)
     caption = _caption(data, check, rule, used)
     return Chart("haigh", _TITLE, caption, svg, columns, rows, series if paths else ())
 
@@ -76,7 +77,8 @@ def utilisation(data: Mapping[str, Any], points: FloatArray) -> FloatArray:
     """Utilisation (n,) of points (n, 2) by the diagram's line, stresses in proportion."""
     mean, amplitude = np.maximum(points[:, 0], 0.0), points[:, 1]
     if not data.get("line"):
-        return np.asarray(amplitude / data["endurance"] + mean / data["ultimate"])
+        endurance, ultimate = float(data["endurance"]), float(data["ultimate"])
+        return goodman_utilisation(amplitude, mean, endurance, ultimate)
     line = limit_line(data)
     ratio = line[:, 0] / line[:, 1]  # mean over amplitude, which is the same along a ray
     own = np.divide(mean, amplitude, out=np.full(len(mean), ratio[-1]), where=amplitude > 0)
@@ -212,9 +214,8 @@ def _caption(data: Mapping[str, Any], check: Check | None, rule: str, used: floa
 
 
 def _table(
-    data: Mapping[str, Any], point: FloatArray, used: float, check: Check | None,
-    result: DesignResult,
-) -> tuple[list[str], list[list[str]]]:  # fmt: skip
+    data: Mapping[str, Any], point: FloatArray, used: float, result: DesignResult
+) -> tuple[list[str], list[list[str]]]:
     columns = ["point", "mean [MPa]", "amplitude [MPa]", "utilisation"]
     rows = [_row("critical point", point, used)]
     limit = limit_line(data)

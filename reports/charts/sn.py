@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from fatigue import MeanStressMaterial, equivalent_amplitude
 from reports.charts.chart import Chart, Missing, Series
 from reports.charts.haigh import LOWERED, SWING, limit_told, path_of, utilisation
 from reports.charts.numbers import FloatArray, decimals_of, fixed, numbers
@@ -69,9 +70,8 @@ def reversed_amplitude(
     """
     if haigh.get("line"):
         return utilisation(haigh, path) * float(data["limit"])
-    left = 1.0 - np.maximum(path[:, 0], 0.0) / float(data["ultimate"])
-    with np.errstate(divide="ignore"):
-        return np.asarray(np.where(left > 0, path[:, 1] / np.maximum(left, 1e-300), np.inf))
+    material = MeanStressMaterial(float(data["ultimate"]), float(haigh["yield"]))
+    return equivalent_amplitude(path[:, 1], path[:, 0], material)
 
 
 def _plane(figure: Any, data: Mapping[str, Any], cycles: FloatArray) -> Plane:

@@ -1,7 +1,6 @@
 // The live view: opens parts, keeps what is shown, and draws when something changed.
 
 const LINKAGE = -1; // the tab of all parts together
-const bytesOf = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
 
 // The curve of the peak behind the slider; it follows the part, needs no WebGL.
 const trackOf = (root, section, partShown) => {
@@ -46,7 +45,7 @@ const trackOf = (root, section, partShown) => {
 const liveView = (root) => {
   const find = (role) => root.querySelector(`[data-role=${role}]`);
   const page = document.documentElement;
-  const header = liveHeader(), section = jsonOf("live-section"), heads = header.parts;
+  const { parts: heads } = jsonOf("live-header"), section = jsonOf("live-section");
   const motionText = document.getElementById("live-motion")?.textContent;
   const bodies = new Map(); // index of a part -> promise of its body
   let frame = 0, motion = null, opened = Promise.resolve();
@@ -59,7 +58,7 @@ const liveView = (root) => {
       deformed: false, forces: true, factor: 0,
     },
     drawn: [], field: null, range: null, worst: null, held: null, pointer: null, empty: "",
-    marker: null, probe: null,
+    marker: null, probe: null, unmoved: "", // why there is no motion though the page has one
     isReady: () => page.dataset.live === "ready",
     isLinkage: () => view.shown.tab === LINKAGE,
     cycle: () => positions.current?.cycle ?? 0,
@@ -96,8 +95,9 @@ const liveView = (root) => {
     find("note").textContent = words;
     find("note").hidden = !words;
   };
-  const motionRead = (motionText ? readMotion(motionText) : Promise.resolve(null))
-    .then((read) => { motion = read; });
+  const motionRead = (motionText ? readMotion(motionText) : Promise.resolve(null)).then(
+    (read) => { motion = read; },
+    ({ message }) => { view.unmoved = `No motion and no forces are shown: ${message}.`; });
 
   const bodyOf = (index) => {
     const head = heads[index], block = head.block && document.getElementById(head.block);
@@ -113,7 +113,8 @@ const liveView = (root) => {
   const collect = async (tab) => { // null when the reader went on meanwhile
     if (tab === LINKAGE) await motionRead;
     const drawn = [];
-    for (const index of tab === LINKAGE ? heads.keys() : [tab]) {
+    const wanted = tab !== LINKAGE ? [tab] : view.unmoved ? [] : heads.keys();
+    for (const index of wanted) {
       const body = await bodyOf(index);
       if (view.shown.tab !== tab) return null;
       if (body) drawn.push(body);
@@ -132,7 +133,8 @@ const liveView = (root) => {
       const drawn = await collect(tab);
       if (drawn === null) return;
       view.drawn = drawn;
-      view.empty = drawn.length ? "" : heads[tab]?.notes.join(" ") || "There is nothing to draw.";
+      const why = tab === LINKAGE ? view.unmoved : heads[tab].notes.join(" ");
+      view.empty = drawn.length ? "" : why || "There is nothing to draw.";
     } catch (error) {
       if (first) throw error;
       if (view.shown.tab !== tab) return;
@@ -163,10 +165,11 @@ const liveView = (root) => {
     const cycle = view.cycle(), index = positions.current?.index ?? 0;
     const moving = view.isLinkage() ? view.motionNow() : null;
     view.worst = null;
+    const row = moving && rowIn(moving.index, index);
     for (const body of view.drawn) {
       fill(body, cycle, index);
       shape(body, cycle, index);
-      body.pose = (moving && poseAt(moving.parts[body.index], rowOf(moving, index))) ?? NO_POSE;
+      body.pose = (moving && poseAt(moving.parts[body.index], row)) ?? NO_POSE;
       if (body.found && !(Math.abs(view.worst?.found.peak) >= Math.abs(body.found.peak)))
         view.worst = body;
     }
@@ -220,7 +223,7 @@ const liveView = (root) => {
       const corner = hit.weights.indexOf(Math.max(...hit.weights)), { part } = hit.body;
       view.hold(hit.body, part.node[part.triangles[hit.corner + corner]]);
     },
-    toggle: () => positions.transport?.toggle(),
+    toggle: () => transport?.toggle(),
   };
   const print = () => { // what paper shows: scene and writing in one, in the colours of paper
     if (!view.isReady()) return;

@@ -70,6 +70,7 @@ def encode(live: LiveFields, cycles: Sequence[str], tolerance: float = TOLERANCE
         "displacement": False,
         "cycles": [None] * len(cycles),
         "scale": {},
+        "decides": live.decides,
         "missing": dict(live.missing),
         "notes": list(live.notes),
         "peak": None,
@@ -78,7 +79,14 @@ def encode(live: LiveFields, cycles: Sequence[str], tolerance: float = TOLERANCE
     }
     _add_fatigue(head, writer, live, order, near)
     if live.n_fields:
-        _add_stress(head, writer, live, order, near, cycles, tolerance)
+        found = _fit(live, tolerance)
+        if found is None:
+            nothing = "nothing loads this part at any position: its stress is zero"
+            head["missing"] |= dict.fromkeys(("mises", "principal", "displacement"), nothing)
+            head["notes"].append(nothing)
+        else:
+            _write_fields(writer, found, order, near, cycles)
+            _tell_fields(head, live, found, cycles, tolerance)
     if live.peak is not None:
         head["peak"] = {
             "node": int(rank[live.peak.node]),
@@ -90,23 +98,35 @@ def encode(live: LiveFields, cycles: Sequence[str], tolerance: float = TOLERANCE
     return EncodedPart(head, writer.text())
 
 
-def _add_stress(
-    head: dict[str, Any],
-    writer: Writer,
-    live: LiveFields,
-    order: IntArray,
-    near: Neighbours,
-    cycles: Sequence[str],
-    tolerance: float,
-) -> None:
-    """Add the stress and displacement fields, and the coefficients of the kept positions."""
+@dataclass(frozen=True, eq=False)
+class _Fit:
+    """The fields over the cycles, in whole steps.
+
+    sample    positions at which the stress was looked at, and what it is there
+    kept      cycle -> (k,) numbers of the positions that the page carries
+    groups    "stress", and "displacement" where that is known and not nothing
+    measured  largest error of the von Mises stress that was found, over its cycle's peak
+    ways      cycle -> mm, the largest displacement
+    """
+
+    sample: Sample
+    kept: Mapping[str, IntArray]
+    groups: Mapping[str, Fitted]
+    measured: float
+    ways: Mapping[str, float]
+
+    @property
+    def stress(self) -> Fitted:
+        """The stress fields."""
+        return self.groups["stress"]
+
+
+def _fit(live: LiveFields, tolerance: float) -> _Fit | None:
+    """Fit the stress and displacement fields at the kept positions; None where nothing loads."""
     sample = looked_at(live)
     peaks = sizes_with_floor(sample.peaks)
     if not any(peaks.values()):
-        nothing = "nothing loads this part at any position: its stress is zero"
-        head["missing"] |= dict.fromkeys(("mises", "principal", "displacement"), nothing)
-        head["notes"].append(nothing)
-        return
+        return None
     wanted = {name: at.tolist() for name, at in sample.positions.items()}
     combined, kept = kept_positions(live.stress, live.coefficients, peaks, STRESS_METRIC, wanted)
     stress = fitted(
@@ -127,34 +147,47 @@ def _add_stress(
             live.displacement, live.coefficients, moved, LENGTH_METRIC, wanted
         )
         groups["displacement"] = fitted(combined, kept, LENGTH_METRIC, np.ones(3), tolerance, lost)
-    for name, group in groups.items():
+    return _Fit(sample, kept, groups, measured, ways)
+
+
+def _write_fields(
+    writer: Writer, found: _Fit, order: IntArray, near: Neighbours, cycles: Sequence[str]
+) -> None:
+    """Write the fields, and behind them their weights at the kept positions, cycle by cycle."""
+    for name, group in found.groups.items():
         arrays = [row for field in group.fields[:, order] for row in field.T]
         writer.add(name, _less_expected(arrays, near))
+    for number, cycle in enumerate(cycles):
+        if cycle in found.kept:
+            for name, group in found.groups.items():
+                writer.add(f"{name} weights {number}", _bent(group.weights[cycle]))
+
+
+def _tell_fields(
+    head: dict[str, Any],
+    live: LiveFields,
+    found: _Fit,
+    cycles: Sequence[str],
+    tolerance: float,
+) -> None:
+    """Tell in the header what the fields are worth, and how exact they are."""
+    kept, stress = found.kept, found.stress
     head |= {
         "fields": len(stress.fields),
-        "displacement": "displacement" in groups,
-        "cycles": [
-            None
-            if name not in kept
-            else {"positions": kept[name].tolist(), "count": live.coefficients[name].shape[1]}
-            for name in cycles
-        ],
-        "accuracy": _accuracy(groups, measured, sample, _thinned(live, kept), cycles),
+        "displacement": "displacement" in found.groups,
+        "cycles": [{"positions": kept[name].tolist()} if name in kept else None for name in cycles],
+        "accuracy": _accuracy(found, _thinned(live, kept), cycles),
     }
     head["notes"] += [*_left_out(live, kept, stress), *_cancelling(stress, tolerance)]
-    head["scale"] |= scales(live, sample, kept, ways)
+    head["scale"] |= scales(live, found.sample, kept, found.ways)
     head["coding"] |= {
         name: {
             "fields": len(group.fields),
             "steps": group.steps.tolist(),
             "weights": [group.sizes.get(cycle, 0.0) for cycle in cycles],
         }
-        for name, group in groups.items()
+        for name, group in found.groups.items()
     }
-    for number, cycle in enumerate(cycles):
-        if cycle in kept:
-            for name, group in groups.items():
-                writer.add(f"{name} weights {number}", _bent(group.weights[cycle]))
 
 
 def _thinned(live: LiveFields, kept: Mapping[str, IntArray]) -> list[str]:
@@ -210,15 +243,9 @@ def _cancelling(stress: Fitted, tolerance: float) -> list[str]:
     ]
 
 
-def _accuracy(
-    groups: Mapping[str, Fitted],
-    measured: float,
-    sample: Sample,
-    thinned: Collection[str],
-    cycles: Sequence[str],
-) -> dict[str, Any]:
+def _accuracy(found: _Fit, thinned: Collection[str], cycles: Sequence[str]) -> dict[str, Any]:
     """How far the drawing may be off; thinned: cycles of which some positions are left out."""
-    stress = groups["stress"]
+    stress, sample, moved = found.stress, found.sample, found.groups.get("displacement")
     sizes = sizes_with_floor(sample.peaks)
     count = sum(len(at) for at in sample.positions.values())
     floor = kept = between = ""
@@ -231,18 +258,18 @@ def _accuracy(
         f"What is drawn differs from the solver's von Mises stress by at most "
         f"{100 * stress.bound:.2g} % of the cycle's peak{floor} at any node and position{kept}"
         f"{between}, proven when the page was written; at {count} positions "
-        f"{100 * measured:.2g} % was measured."
+        f"{100 * found.measured:.2g} % was measured."
     )
     more = {name: stress.between / stress.bound if name in thinned else 1.0 for name in sizes}
     off = [more[name] * sizes[name] if name in sizes else None for name in cycles]
     return {
         "share": stress.bound,
         "between": stress.between,
-        "measured": measured,
+        "measured": found.measured,
         "positions": count,
         "mises": [None if size is None else stress.bound * size for size in off],
         "principal": [None if size is None else stress.principal * size for size in off],
-        "displacement": groups["displacement"].bound if "displacement" in groups else None,
+        "displacement": None if moved is None else moved.bound,
         "words": words,
     }
 

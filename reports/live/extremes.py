@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from reports.live.accuracy import LENGTH_METRIC, lost_in_single
-from reports.live.fields import FloatArray, IntArray, LiveFields, RealArray, principal_range
+from reports.live.fields import FloatArray, IntArray, LiveFields, RealArray, largest_principal
 from reports.live.sampling import Sample
 
 _TOGETHER = 64  # positions
@@ -21,10 +21,10 @@ def scales(
     kept   cycle -> positions that count
     moved  cycle -> largest displacement at these, of `displacements`
     """
-    low, high = principals(live, sample, kept)
+    most = largest_size(live, sample, kept)
     scale: dict[str, dict[str, Any]] = {
         "mises": {"from": 0.0, "to": max(sample.peaks.values(), default=0.0), "unit": "MPa"},
-        "principal": {"from": low, "to": high, "unit": "MPa"},
+        "principal": {"from": -most, "to": most, "unit": "MPa"},  # 0 is in the middle
     }
     if any(moved.values()):
         scale["displacement"] = {"from": 0.0, "to": max(moved.values()), "unit": "mm"}
@@ -60,15 +60,14 @@ def _lengths(ways: RealArray, weights: RealArray) -> FloatArray:
     return np.concatenate(found)
 
 
-def principals(
-    live: LiveFields, sample: Sample, kept: Mapping[str, IntArray]
-) -> tuple[float, float]:
-    """Smallest and largest principal stress at some positions, MPa; 0 is counted in.
+def largest_size(live: LiveFields, sample: Sample, kept: Mapping[str, IntArray]) -> float:
+    """Largest size of a principal stress at some positions, MPa.
 
     No principal stress exceeds the mean stress by more than 2/3 of the von Mises stress, and that
     one is not above its peak at the position: only nodes that this bound leaves are looked at.
+    Pull and push are bounded together: one that stays far below the other is not searched for.
     """
-    low = high = 0.0
+    known = 0.0
     fields = live.stress
     means = (fields[..., 0] + fields[..., 1] + fields[..., 2]) / 3
     for name, positions in kept.items():
@@ -80,9 +79,10 @@ def principals(
             some = slice(first, first + _TOGETHER)
             block = weights[:, some].T.astype(means.dtype) @ means
             most[some], least[some] = block.max(axis=1), block.min(axis=1)
-        high = _highest(fields, means, weights, reach, most, high)
-        low = -_highest(fields, means, -weights, reach, -least, -low)
-    return low, high
+        ways = [(weights, most), (-weights, -least)]
+        for signed, mean in sorted(ways, key=lambda way: -float((way[1] + reach).max(initial=0))):
+            known = _highest(fields, means, signed, reach, mean, known)
+    return known
 
 
 def _highest(
@@ -104,5 +104,5 @@ def _highest(
         drive = weights[:, position]
         some = np.flatnonzero(drive.astype(means.dtype) @ means + reach[position] > known)
         stress = np.tensordot(drive, fields[:, some].astype(np.float64), axes=1)
-        known = max(known, principal_range(stress)[1])
+        known = largest_principal(stress, known)
     return known

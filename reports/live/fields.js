@@ -6,7 +6,7 @@
 
 const {
   FIELDS, isConstant, hasField, whyNot, fieldValues,
-  displacementAt, stressAt, peaksOver, misesOf, principalsOf,
+  displacementAt, stressAt, misesOf, principalsOf,
 } = (() => {
   const FIELDS = ["mises", "principal", "utilisation", "amplitude", "mean", "displacement"];
   const OVER_DUTY = new Set(["utilisation", "amplitude", "mean"]);
@@ -75,19 +75,6 @@ const {
       out[k % 6] += weights[Math.floor(k / 6)] * worth[k % 6] * fields[k][node];
     }
     return out;
-  }
-
-  // A field's peak at every kept position of a cycle.
-  function peaksOver(part, cycle, field) {
-    const kept = part.head.cycles[cycle];
-    if (kept === null || !hasField(part, field)) return null;
-    const positions = Int32Array.from(kept.positions);
-    const out = new Float32Array(part.n);
-    const values = new Float32Array(positions.length);
-    for (let k = 0; k < positions.length; k += 1) {
-      values[k] = fieldValues(part, cycle, positions[k], field, out).peak;
-    }
-    return { positions, values };
   }
 
   function misesOf([xx, yy, zz, xy, yz, zx]) {
@@ -186,17 +173,8 @@ const {
   function weightsAt(part, group, cycle, index) {
     const kept = part.head.cycles[cycle];
     if (group === undefined || !kept) return null;
-    const { positions } = kept;
-    let low = 0;
-    let high = positions.length - 1;
-    while (high - low > 1) {
-      const middle = (low + high) >> 1;
-      if (positions[middle] <= index) low = middle;
-      else high = middle;
-    }
-    const width = positions[high] - positions[low];
-    const share = width > 0 ? Math.min(1, Math.max(0, (index - positions[low]) / width)) : 0;
-    return group.weights[cycle].map((row) => row[low] + share * (row[high] - row[low]));
+    const row = rowIn(kept.positions, index);
+    return group.weights[cycle].map((weights) => atRow(weights, row));
   }
 
   function extremes(values) {
@@ -223,6 +201,6 @@ const {
 
   return {
     FIELDS, isConstant, hasField, whyNot, fieldValues,
-    displacementAt, stressAt, peaksOver, misesOf, principalsOf,
+    displacementAt, stressAt, misesOf, principalsOf,
   };
 })();

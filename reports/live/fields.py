@@ -60,6 +60,7 @@ class LiveFields:
                   utilisation without the required safety
     judged        whether that utilisation, times the required safety, is what the check judges;
                   a finite life is counted otherwise
+    decides       whether checks are decided by this stress; one of a mesh to look at decides none
     missing       field -> why there is none, in words
     notes         what else a reader should know of the fields, in words
     peaks         name of a cycle -> (n_positions,) MPa, largest von Mises stress at each position
@@ -77,6 +78,7 @@ class LiveFields:
     peaks: Mapping[str, FloatArray]
     fatigue: Mapping[str, RealArray] = field(default_factory=dict)
     judged: bool = False
+    decides: bool = True
     missing: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     peak: LivePeak | None = None
@@ -190,30 +192,30 @@ def von_mises(stress: npt.NDArray[Any]) -> FloatArray:
 
 
 def principal_range(stress: npt.NDArray[Any]) -> tuple[float, float]:
-    """Smallest and largest principal stress of stress (..., 6), MPa; 0 is counted in.
+    """Smallest and largest principal stress of stress (..., 6), MPa; 0 is counted in."""
+    rows = stress.reshape(-1, 6).astype(np.float64)
+    return -largest_principal(-rows), largest_principal(rows)
+
+
+def largest_principal(rows: FloatArray, known: float = 0.0) -> float:
+    """Largest principal stress of stress (n, 6), MPa, or `known` if that is larger.
 
     No principal value of a deviator exceeds 2/3 of its von Mises stress: points that cannot hold
-    an extreme by that bound are not looked at.
+    the extreme by that bound are not looked at.
     """
-    rows = stress.reshape(-1, 6).astype(np.float64)
-    mean, reach = rows[:, :3].mean(axis=1), von_mises(rows) * (2 / 3)
-    return -_largest_principal(-rows, reach - mean), _largest_principal(rows, reach + mean)
-
-
-def _largest_principal(rows: FloatArray, bounds: FloatArray) -> float:
-    """Largest principal stress of rows (n, 6) under bounds (n,) of it, not less than 0."""
-    if len(rows) <= _TOGETHER:
-        return max(0.0, _highest(rows))
-    high = np.argpartition(bounds, -_TOGETHER)[-_TOGETHER:]
-    largest = max(0.0, _highest(rows[high]))
-    left = np.flatnonzero(bounds > largest)
-    left = left[np.argsort(-bounds[left], kind="stable")]
+    bounds = rows[:, :3].mean(axis=1) + von_mises(rows) * (2 / 3)
+    left = np.flatnonzero(bounds > known)
+    if len(left) > _TOGETHER:  # what the most promising hold leaves few of the others
+        high = left[np.argpartition(bounds[left], -_TOGETHER)[-_TOGETHER:]]
+        known = max(known, _highest(rows[high]))
+        left = left[bounds[left] > known]
+        left = left[np.argsort(-bounds[left], kind="stable")]
     for first in range(0, len(left), _TOGETHER):
         some = left[first : first + _TOGETHER]
-        if bounds[some[0]] <= largest:
+        if bounds[some].max() <= known:
             break
-        largest = max(largest, _highest(rows[some]))
-    return largest
+        known = max(known, _highest(rows[some]))
+    return known
 
 
 def _highest(rows: FloatArray) -> float:

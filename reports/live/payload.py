@@ -9,10 +9,8 @@ import numpy as np
 from reports.live.encode import TOLERANCE, EncodedPart, encode
 from reports.live.fields import LiveFields, grey, with_required_safety
 from reports.verdict import DesignResult, PartResult
-from reports.words import brief
 
 FORMAT = "ballesta-live/1"
-NOT_MESHED = "not meshed"  # the field of a surface that no stress is known on
 
 
 @dataclass(frozen=True)
@@ -38,12 +36,10 @@ class LivePayload:
 
     header  plain data; viewer.js says what stands in it
     blocks  id and text of each block, base64
-    notes   what a reader should know of the fields that are missing or less exact, in words
     """
 
     header: Mapping[str, Any]
     blocks: Sequence[tuple[str, str]]
-    notes: Sequence[str]
 
 
 def live_payload(result: DesignResult, budget: Budget = BUDGET) -> LivePayload:
@@ -52,7 +48,7 @@ def live_payload(result: DesignResult, budget: Budget = BUDGET) -> LivePayload:
     A part whose fields nobody has asked for is its bare surface.
     """
     parts: list[dict[str, Any]] = []
-    blocks, notes = [], []
+    blocks = []
     for number, part in enumerate(with_encoded_fields(result, budget).parts):
         assert isinstance(part.live, EncodedPart)
         head = dict(part.live.head)
@@ -60,10 +56,7 @@ def live_payload(result: DesignResult, budget: Budget = BUDGET) -> LivePayload:
         head["limits"] = {**_limits(part), **head["limits"]}
         parts.append({"name": part.name, "block": block, **head})
         blocks.append((block, part.live.text))
-        notes += [f"{brief(part.name)}: {note}" for note in head["notes"]]
-    return LivePayload(
-        {"format": FORMAT, "cycles": list(result.cycles), "parts": parts}, blocks, notes
-    )
+    return LivePayload({"format": FORMAT, "parts": parts}, blocks)
 
 
 def with_encoded_fields(result: DesignResult, budget: Budget = BUDGET) -> DesignResult:
@@ -95,17 +88,16 @@ def without_fields(result: DesignResult) -> DesignResult:
 
 def has_fields(result: DesignResult) -> bool:
     """Whether a page of the result can be written as one of a fresh check would be."""
-    return all(getattr(part, "live", None) is not None for part in result.parts)
+    return all(part.live is not None for part in result.parts)
 
 
 def _fields_of(part: PartResult) -> LiveFields | EncodedPart:
-    live: LiveFields | EncodedPart | None = getattr(part, "live", None)
-    if isinstance(live, LiveFields):
-        return with_required_safety(live, part.checks)
-    if live is not None:
-        return live
+    if isinstance(part.live, LiveFields):
+        return with_required_safety(part.live, part.checks)
+    if part.live is not None:
+        return part.live
     why = "its stress over the cycle was not kept when it was checked"
-    if list(part.surface.fields) == [NOT_MESHED]:
+    if part.surface.is_bare:
         methods = ", ".join(dict.fromkeys(check.method for check in part.checks))
         why = f"decided by {methods or 'no check'}, without a mesh: no stress all over its surface"
     return grey(np.asarray(part.surface.nodes), np.asarray(part.surface.triangles), why)

@@ -159,7 +159,7 @@ const pictureOf = (view) => {
   const forces = () => {
     const motion = view.motionNow();
     if (!motion || !(motion.most > 0)) return;
-    const row = rowOf(motion, positions.current.index), rows = camera.pixels();
+    const row = rowIn(motion.index, positions.current.index), rows = camera.pixels();
     const own = view.isLinkage() ? null : poseAt(motion.parts[view.shown.tab], row);
     if (!view.isLinkage() && !own) return;
     const pins = motion.pins.filter((pin) => (own ? pin.on === view.shown.tab : !pin.minor));
@@ -177,8 +177,7 @@ const pictureOf = (view) => {
       overlay.arrow(tail[0], tail[1], head[0], head[1]);
     }
     const told = roundStep(0.3 * motion.most, 1);
-    overlay.forceScale(told / motion.most * long,
-      told >= 1e4 ? `${figures(told / 1000, 2)} kN` : `${figures(told, 2)} N`);
+    overlay.forceScale(told / motion.most * long, forceText(told));
   };
 
   // Turn to where a node is seen, as squarely as can be, and go near it.

@@ -3,13 +3,16 @@
 const element = (tag, text, more = {}) =>
   Object.assign(document.createElement(tag), { textContent: text, ...more });
 
+const sentence = (words) =>
+  `${words[0].toUpperCase()}${words.slice(1)}${/[.!?]$/.test(words) ? "" : "."}`;
+
 const readingsOf = (view) => {
   const { find, section } = view;
 
+  const ownerOf = (body) => (view.isLinkage() ? `${section.names[body.index]}: ` : "");
   const placeOf = (body, node) => {
-    const at = Array.from(body.part.positions.subarray(3 * node, 3 * node + 3), (v, axis) =>
-      `${"xyz"[axis]} ${(Math.abs(v) < 0.05 ? 0 : v).toFixed(1).replace("-", "−")}`);
-    return `${view.isLinkage() ? `${section.names[body.index]}: ` : ""}${at.join(", ")} mm`;
+    const place = body.part.positions.subarray(3 * node, 3 * node + 3);
+    return ownerOf(body) + placeText(place);
   };
   const write = (role, strong, small) => {
     const parts = [];
@@ -30,8 +33,9 @@ const readingsOf = (view) => {
     else write("peak", "–", view.empty ||
       (field ? "this cycle does not load it" : "no field of stress is known"));
     const most = field === "mises" || !field ? view.mostOfCycle() : null;
-    find("worst-name").textContent = !most ? "Colour scale" : field
-      ? "Peak of the cycle, by the solver" : "Largest stress of the cycle, by its model";
+    const decides = field && drawn.every((body) => body.part.head.decides);
+    find("worst-name").textContent = !most ? "Colour scale" : decides
+      ? "Peak of the cycle, by the solver" : "Largest stress of the cycle, by what decides";
     find("worst-go").hidden = !most;
     if (most)
       write("worst", `${figures(most.most, 4)} MPa`, `at ${positions.text(view.cycle(), most.at)}`);
@@ -41,8 +45,8 @@ const readingsOf = (view) => {
     const told = view.isLinkage()
       ? [section.layers, view.motionNow() ? "Arrows: forces on the parts at their pins."
         : section.gaps[positions.current?.cycleName] ?? ""]
-      : [field === "mises" && head?.accuracy?.words, ...(head?.notes ?? [])];
-    find("told").textContent = told.filter(Boolean).join(" ");
+      : [field === "mises" && head?.accuracy?.words, ...(head?.notes ?? []), view.unmoved];
+    find("told").textContent = told.filter(Boolean).map(sentence).join(" ");
     find("factor-box").hidden = !view.isDeformed();
     if (view.isDeformed())
       find("factor-told").textContent = `× ${figures(view.factorOf(drawn[0]), 2)}`;
@@ -60,7 +64,8 @@ const readingsOf = (view) => {
     for (const { part } of view.isLinkage() ? [] : view.drawn)
       for (const name of FIELDS) {
         const words = hasField(part, name) ? "" : whyNot(part, name);
-        if (words && !part.head.notes?.includes(words)) why.set(words, [...(why.get(words) ?? []), section.titles[name]]);
+        if (words && !part.head.notes?.includes(words))
+          why.set(words, [...(why.get(words) ?? []), section.titles[name]]);
       }
     find("missing").replaceChildren(...[...why].map(([words, names]) =>
       element("li", `Not shown (${names.join("; ")}): ${words}`)));
@@ -79,9 +84,8 @@ const readingsOf = (view) => {
       (sum, weight, c) => sum + weight * list[size * triangles[corner + c] + k], 0);
     const value = body.found ? blend(body.values, 1, 0) : null;
     const place = [0, 1, 2].map((k) => blend(at, 3, k));
-    const owner = view.isLinkage() ? `${section.names[body.index]}: ` : "";
     write("probe", value === null ? "–" : view.text(value, 4, body),
-      `${owner}${place.map((v, k) => `${"xyz"[k]} ${figures(v, 4)}`).join(", ")} mm`);
+      ownerOf(body) + placeText(place));
     view.probe = { part: body.index, value, place };
     return value;
   };

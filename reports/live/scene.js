@@ -2,12 +2,12 @@
 // A value is one float per vertex; its colour is looked up for each pixel, so that contours follow
 // the value and bands stay sharp.
 
-const _VERTEX = `#version 300 es
+const VERTEX = `#version 300 es
 in vec3 place; in vec3 normal; in float value;
 uniform mat4 clip; uniform mat3 turn;
 out vec3 facing; out float shown;
 void main() { gl_Position = clip * vec4(place, 1.0); facing = turn * normal; shown = value; }`;
-const _FRAGMENT = `#version 300 es
+const FRAGMENT = `#version 300 es
 precision highp float;
 in vec3 facing; in float shown;
 uniform sampler2D map; uniform vec2 range; uniform float bands; uniform vec4 plain;
@@ -22,10 +22,10 @@ void main() {
   vec3 tint = texelFetch(map, ivec2(t * 255.0 + 0.5, 0), 0).rgb;
   colour = vec4(mix(tint, plain.rgb, plain.a) * light, 1.0);
 }`;
-const _EDGE_VERTEX = `#version 300 es
+const EDGE_VERTEX = `#version 300 es
 in vec3 place; uniform mat4 clip;
 void main() { gl_Position = clip * vec4(place, 1.0); }`;
-const _EDGE_FRAGMENT = `#version 300 es
+const EDGE_FRAGMENT = `#version 300 es
 precision mediump float; uniform vec4 ink; out vec4 colour;
 void main() { colour = vec4(ink.rgb * ink.a, ink.a); }`;
 
@@ -78,7 +78,7 @@ class Body {
 }
 
 // Whether WebGL2 is drawn by the processor: multisampling would then cost 2.5 times the time.
-const _drawnBySoftware = () => {
+const drawnBySoftware = () => {
   const gl = document.createElement("canvas").getContext("webgl2");
   if (!gl) throw new Error("this browser gives no WebGL2");
   const told = gl.getExtension("WEBGL_debug_renderer_info");
@@ -91,7 +91,7 @@ class Scene {
   // Raises an Error in words when there is no WebGL2.
   constructor(canvas, { lost, restored }) {
     this.canvas = canvas;
-    this.software = _drawnBySoftware();
+    this.software = drawnBySoftware();
     const wanted = { antialias: !this.software, alpha: true, premultipliedAlpha: true };
     this.gl = this.canvas.getContext("webgl2", wanted);
     if (!this.gl) throw new Error("this browser gives no WebGL2");
@@ -102,29 +102,29 @@ class Scene {
       lost();
     });
     this.canvas.addEventListener("webglcontextrestored", () => {
-      this._prepare();
+      this.prepare();
       restored();
     });
-    this._prepare();
+    this.prepare();
   }
 
   get isLost() { return this.gl.isContextLost(); }
 
-  _prepare() {
+  prepare() {
     const gl = this.gl;
-    this.surface = this._program(_VERTEX, _FRAGMENT,
+    this.surface = this.program(VERTEX, FRAGMENT,
       ["clip", "turn", "map", "range", "bands", "plain"]);
-    this.edge = this._program(_EDGE_VERTEX, _EDGE_FRAGMENT, ["clip", "ink"]);
+    this.edge = this.program(EDGE_VERTEX, EDGE_FRAGMENT, ["clip", "ink"]);
     this.map = gl.createTexture();
     this.mapShown = null;
     gl.enable(gl.DEPTH_TEST);
     gl.depthFunc(gl.LEQUAL);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
     gl.polygonOffset(1, 1);
-    for (const body of this.bodies) this._upload(body);
+    for (const body of this.bodies) this.upload(body);
   }
 
-  _program(vertex, fragment, uniforms) {
+  program(vertex, fragment, uniforms) {
     const gl = this.gl, program = gl.createProgram();
     for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
       const shader = gl.createShader(kind);
@@ -142,10 +142,10 @@ class Scene {
 
   add(body) {
     this.bodies.add(body);
-    if (!this.isLost) this._upload(body);
+    if (!this.isLost) this.upload(body);
   }
 
-  _upload(body) {
+  upload(body) {
     const gl = this.gl, { part } = body;
     const array = (data, at, size, usage) => {
       const buffer = gl.createBuffer();
@@ -184,7 +184,7 @@ class Scene {
     gl.bufferSubData(gl.ARRAY_BUFFER, 0, shape ? body.shape : body.values);
   }
 
-  _useMap(table) {
+  useMap(table) {
     const gl = this.gl;
     gl.bindTexture(gl.TEXTURE_2D, this.map);
     if (this.mapShown === table) return;
@@ -212,7 +212,7 @@ class Scene {
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     const drawn = bodies.filter((body) => body.handles);
     gl.useProgram(this.surface.program);
-    this._useMap(look.table);
+    this.useMap(look.table);
     gl.uniform2f(this.surface.range, look.from, look.to);
     gl.uniform1f(this.surface.bands, look.bands);
     gl.disable(gl.BLEND);
@@ -237,62 +237,3 @@ class Scene {
     gl.bindVertexArray(null);
   }
 }
-
-// The motion of the whole linkage, as reports/live/linkage.py writes it: for each cycle null or
-// {index, parts: [null | {x, y, angle, z}], pins: [{on, interface, x, y, fx, fy, z}], most: N}.
-const readMotion = async (text) => {
-  const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-  const cycles = JSON.parse(await new Response(stream).text());
-  const spell = (owner) => {
-    for (const [key, value] of Object.entries(owner ?? {})) {
-      if (!value?.d) continue;
-      let sum = 0;
-      owner[key] = Float64Array.from(value.d, (d) => value.from + value.step * (sum += d));
-    }
-  };
-  for (const motion of cycles) {
-    if (!motion) continue;
-    motion.parts.forEach(spell);
-    motion.pins.forEach(spell);
-    motion.most = 0;
-    for (const { fx, fy } of motion.pins)
-      for (let k = 0; k < fx.length; k++)
-        motion.most = Math.max(motion.most, Math.hypot(fx[k], fy[k]));
-  }
-  return cycles;
-};
-
-// Row (fractional) of a motion's kept positions at a position of its cycle.
-const rowOf = ({ index }, position) => {
-  let low = 0, high = index.length - 1;
-  while (high - low > 1) {
-    const middle = (low + high) >> 1;
-    if (index[middle] <= position) low = middle; else high = middle;
-  }
-  if (high === low) return low;
-  return low + Math.min(1, Math.max(0, (position - index[low]) / (index[high] - index[low])));
-};
-const atRow = (list, row) => {
-  const low = Math.floor(row), high = Math.min(low + 1, list.length - 1);
-  return list[low] + (row - low) * (list[high] - list[low]);
-};
-const poseAt = (part, row) => part && {
-  x: atRow(part.x, row), y: atRow(part.y, row), angle: atRow(part.angle, row), z: part.z,
-};
-
-// The corners of the bodies' boxes wherever they are in the cycle, (3 * n) mm.
-const cornersOver = (motion, bodies) => {
-  const points = [], rows = motion.index.length, step = Math.max(1, Math.floor(rows / 36));
-  for (const { index, bounds } of bodies) {
-    const part = motion.parts[index];
-    for (let row = 0; part && row < rows; row += step) {
-      const c = Math.cos(part.angle[row]), s = Math.sin(part.angle[row]);
-      for (let corner = 0; corner < 8; corner++) {
-        const [x, y, z] = [0, 1, 2].map((axis) => bounds[(corner >> axis) & 1][axis]);
-        points.push(part.x[row] + c * x - s * y, part.y[row] + s * x + c * y, part.z + z);
-      }
-    }
-  }
-  return Float64Array.from(points);
-};

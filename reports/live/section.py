@@ -1,6 +1,5 @@
 """The live view as a section of the page: its markup, its data blocks and its style."""
 
-import json
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -16,15 +15,10 @@ from reports.live.payload import LivePayload, live_payload
 from reports.live.words import peak_tables
 from reports.motion import motion_gaps
 from reports.places import deciding_place
-from reports.templating import environment
+from reports.templating import environment, json_markup
 from reports.verdict import DesignResult, PartResult
 from reports.words import brief, clean
 
-# The scripts of the live view, in the order in which the page's one script has them.
-SCRIPTS = (
-    "viewer", "fields", "camera", "scene", "overlay", "controls", "positions", "picture",
-    "readings", "app",
-)  # fmt: skip
 # name of a colour map -> (its name in matplotlib, what it is called)
 MAPS = {
     "viridis": ("viridis", "Viridis (safe for colour-blind eyes)"),
@@ -70,9 +64,9 @@ def live_section(result: DesignResult, mechanism: Markup | None = None) -> LiveS
         cycles=result.cycles,
         mechanism=mechanism,
         data={
-            "live-cycles": _json(cycles_data(result)),
-            "live-section": _json(_section_data(result, payload)),
-            "live-header": _json(payload.header),
+            "live-cycles": json_markup(cycles_data(result)),
+            "live-section": json_markup(_section_data(result, payload)),
+            "live-header": json_markup(payload.header),
         },
         blocks=[(name, Markup(text)) for name, text in payload.blocks],
         motion=Markup(motion_text(result)),
@@ -205,14 +199,6 @@ def _part(
 
 def _rounded(values: Sequence[float], digits: int) -> list[float]:
     return [float(f"{value:.{digits}g}") for value in values]
-
-
-def _json(data: Any) -> Markup:
-    """JSON for a script element: nothing in it can end the element."""
-    text = json.dumps(data, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
-    for mark in "<>&\u2028\u2029":
-        text = text.replace(mark, f"\\u{ord(mark):04x}")
-    return Markup(text)
 
 
 @cache

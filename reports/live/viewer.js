@@ -40,19 +40,16 @@
 // scale[field] are the ends of a field over all nodes and all kept positions. utilisation counts
 // the required safety in: limits.fatigue is 1, or null where the check counts it in another way.
 // limits.yield and .allowed are MPa, of the von Mises stress, without and with required safety.
+// decides is false where no check is decided by this stress: one of a mesh to look at alone.
+// scale.principal is even on both sides of 0.
 
-const { liveHeader, decodePart } = (() => {
+const decodePart = (() => {
   // Edges at which the surface turns by more are drawn, and shaded as sharp.
   const CREASE = Math.cos((40 * Math.PI) / 180);
 
-  function liveHeader() {
-    const block = document.getElementById("live-header");
-    return block === null ? null : JSON.parse(block.textContent);
-  }
-
   // A part's geometry and fields out of its text and its entry in the header. Rejects with words.
   async function decodePart(text, head) {
-    const take = planeReader(await unzipped(text), head.coding.layout);
+    const take = planeReader(await unzipped(text, "the stress"), head.coding.layout);
     const n = head.nodes;
     const corners = readTriangles(take("triangles"), head.triangles);
     const near = lowerNeighbours(corners, n);
@@ -82,22 +79,6 @@ const { liveHeader, decodePart } = (() => {
       }
     }
     return part;
-  }
-
-  async function unzipped(text) {
-    if (typeof DecompressionStream !== "function") {
-      throw new Error("this browser is too old to unpack the stress: no DecompressionStream");
-    }
-    try {
-      const packed = atob(text.trim());
-      const bytes = new Uint8Array(packed.length);
-      for (let i = 0; i < bytes.length; i += 1) bytes[i] = packed.charCodeAt(i);
-      const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-      return new Uint8Array(await new Response(stream).arrayBuffer());
-    } catch (error) {
-      const told = "the stress in this page is damaged: it cannot be unpacked";
-      throw new Error(told, { cause: error });
-    }
   }
 
   // What takes the next section's arrays: sections must be asked for in their order.
@@ -337,5 +318,5 @@ const { liveHeader, decodePart } = (() => {
     return c;
   }
 
-  return { liveHeader, decodePart };
+  return decodePart;
 })();

@@ -13,25 +13,14 @@
 
   const made = (name, parent) => parent.appendChild(document.createElementNS(SVG, name));
 
-  // The place of an index in a rising list, as a fraction; null outside of it.
-  const placeIn = (list, index) => {
-    const last = list.length - 1;
-    if (last < 0 || index < list[0] || index > list[last]) return null;
-    let low = 0, high = last;
-    while (high - low > 1) {
-      const middle = (low + high) >> 1;
-      if (list[middle] <= index) low = middle; else high = middle;
-    }
-    if (high === low || index === list[high]) return high;
-    return low + (index - list[low]) / (list[high] - list[low]);
-  };
+  // The row of an index in a rising list, as a fraction; null outside of it.
+  const placeIn = (list, index) =>
+    (index >= list[0] && index <= list[list.length - 1] ? rowIn(list, index) : null);
   const valueAt = (values, place) => {
     if (place === null) return null;
     if (!Array.isArray(values)) return values;
-    const low = Math.floor(place), share = place - low;
-    if (share === 0) return values[low];
-    if (values[low] === null || values[low + 1] === null) return null;
-    return values[low] + share * (values[low + 1] - values[low]);
+    if (values[Math.floor(place)] === null || values[Math.ceil(place)] === null) return null;
+    return atRow(values, place);
   };
 
   const chartOf = (svg) => {

@@ -1,42 +1,13 @@
 // Moves the mechanism with the page's position, and tells the forces at its pins. Everything comes
-// from the data block that reports/mechanism_panel.py explains: base64 of gzip of JSON, in which a
-// series {from, step, d} has value k = from + step * (d[0] + ... + d[k]). Lengths are mm with y up,
-// as the machine has them; the picture's y points down.
-
-const mechanism = (() => {
+// from the data block that reports/mechanism_panel.py explains. Lengths are mm with y up, as the
+// machine has them; the picture's y points down.
+{
   const figure = document.getElementById("mechanism");
   const block = document.getElementById("mechanism-data");
-  if (!figure || !block || !globalThis.ballesta?.onPosition) return null;
-  const svg = figure.querySelector("svg");
+  const svg = figure?.querySelector("svg");
   const find = (role) => figure.querySelector(`[data-role=${role}]`);
   const drawn = (kind, k) => document.getElementById(`mechanism-${kind}-${k}`);
-
-  const unpacked = async () => {
-    const bytes = Uint8Array.from(atob(block.textContent), (letter) => letter.charCodeAt(0));
-    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-    return new Response(stream).json();
-  };
-  const values = ({ from, step, d }) => {
-    let sum = 0;
-    return Float64Array.from(d, (change) => from + step * (sum += change));
-  };
   const SERIES = ["poses", "reactions", "pushes", "efforts", "torques", "pins", "places"];
-
-  const path = (x0, y0, x1, y1, tip) => { // an arrow, or nothing where it is too short for its tip
-    const length = Math.hypot(x1 - x0, y1 - y0);
-    if (length < 0.4 * tip) return "";
-    const [ux, uy] = [tip * (x1 - x0) / length, tip * (y1 - y0) / length];
-    return `M${x0} ${y0}L${x1} ${y1}M${x1} ${y1}L${x1 - 2 * ux - uy} ${y1 - 2 * uy + ux}` +
-      `M${x1} ${y1}L${x1 - 2 * ux + uy} ${y1 - 2 * uy - ux}`;
-  };
-  const arc = (share, tip) => { // about the origin, the longer the larger the torque; ccw above 0
-    if (Math.abs(share) < 0.02) return "";
-    const r = 5 * tip, turn = 1.6 * Math.PI * Math.abs(share), way = share > 0 ? -1 : 1;
-    const [c, s] = [Math.cos(way * turn), Math.sin(way * turn)];
-    const [x, y, ux, uy] = [r * c, r * s, -way * s * tip, way * c * tip];
-    return `M${r} 0A${r} ${r} 0 ${turn > Math.PI ? 1 : 0} ${way > 0 ? 1 : 0} ${x} ${y}` +
-      `M${x} ${y}L${x - 2 * ux - uy} ${y - 2 * uy + ux}M${x} ${y}L${x - 2 * ux + uy} ${y - 2 * uy - ux}`;
-  };
 
   const start = (data) => {
     const cycles = data.cycles.map((cycle) => cycle && { ...cycle, ready: false });
@@ -51,19 +22,10 @@ const mechanism = (() => {
     const prepared = (k) => {
       const cycle = cycles[k];
       if (cycle && !cycle.ready) {
-        for (const name of SERIES) cycle[name] = cycle[name].map(values);
+        for (const name of SERIES) cycle[name] = cycle[name].map(series);
         cycle.ready = true;
       }
       return cycle;
-    };
-    const rowOf = (index, position) => { // fractional row of the kept positions
-      let [low, high] = [0, index.length - 1];
-      while (high - low > 1) {
-        const middle = (low + high) >> 1;
-        if (index[middle] <= position) low = middle; else high = middle;
-      }
-      const step = index[high] - index[low];
-      return step > 0 ? low + Math.min(1, Math.max(0, (position - index[low]) / step)) : low;
     };
 
     const show = (state) => {
@@ -72,12 +34,8 @@ const mechanism = (() => {
       const cycle = prepared(state.cycle);
       svg.classList.toggle("still", !cycle);
       if (!cycle) { rest(state); return; }
-      const row = rowOf(cycle.index, state.index);
-      const low = Math.floor(row), share = row - low;
-      const at = (list, k) => {
-        const series = list[k];
-        return share ? series[low] + share * (series[low + 1] - series[low]) : series[low];
-      };
+      const row = rowIn(cycle.index, state.index);
+      const at = (list, k) => atRow(list[k], row);
       const pose = (body) => body === 0 ? [0, 0, 0]
         : [0, 1, 2].map((axis) => at(cycle.poses, 3 * (body - 1) + axis));
       const bodies = Array.from({ length: cycle.poses.length / 3 + 1 }, (_, body) => pose(body));
@@ -106,24 +64,24 @@ const mechanism = (() => {
       const { scale } = cycle, { tip } = data, whole = open === null;
       for (let k = 0; k < data.joints; k++) {
         const [[x, y], [fx, fy]] = [marks[k], vector(cycle.reactions, k)];
-        draw(drawn("arrow", k), whole ? path(x, y, x + scale * fx, y + scale * fy, tip) : "");
+        draw(drawn("arrow", k), whole ? arrowPath(x, y, x + scale * fx, y + scale * fy, tip) : "");
       }
       data.pushes.forEach((push, k) => { // a pushing force is drawn up to where it acts
         const [[x, y], [fx, fy]] = [place(push), vector(cycle.pushes, k)];
         draw(drawn("arrow", data.joints + k),
-          whole ? path(x - scale * fx, y - scale * fy, x, y, tip) : "");
+          whole ? arrowPath(x - scale * fx, y - scale * fy, x, y, tip) : "");
       });
       data.turning.forEach((turning, k) => {
         const [x, y] = place(turning);
         drawn("torque", k).setAttribute("transform", `translate(${x} ${y})`);
-        draw(drawn("torque", k), arc(at(cycle.torques, k) / cycle.turned, tip));
+        draw(drawn("torque", k), torquePath(at(cycle.torques, k) / cycle.turned, tip));
       });
       let sliding = 0;
       const forces = data.pins.map((pin, k) => {
         const [fx, fy] = vector(cycle.pins, k);
         const [x, y] = pin.at ? place([pin.body, ...pin.at]) : vector(cycle.places, sliding++);
         draw(arrowsOfPins[k],
-          pin.part === open ? path(x, y, x + scale * fx, y + scale * fy, tip) : "");
+          pin.part === open ? arrowPath(x, y, x + scale * fx, y + scale * fy, tip) : "");
         return Math.hypot(fx, fy);
       });
       tell(state, open, forces, data.efforts.map((_, k) => at(cycle.efforts, k)));
@@ -142,7 +100,6 @@ const mechanism = (() => {
       if (body !== null) drawn("body", body)?.classList.add("open");
       if (shown && shown.mark !== null) drawn("point", shown.mark)?.classList.add("open");
     };
-    const force = (newton) => newton >= 1e4 ? `${figures(newton / 1000)} kN` : `${figures(newton)} N`;
     const where = ({ name, position, unit, phase }) =>
       [`${name} = ${figures(position, 4)}${unit ? ` ${unit}` : ""}`, phase];
     const tell = (state, open, forces, efforts) => {
@@ -153,7 +110,7 @@ const mechanism = (() => {
       key.hidden = open === null;
       if (open !== null) {
         const own = data.pins.map(({ name, part }, k) =>
-          part === open ? `${name} ${force(forces[k])}` : "").filter(Boolean);
+          part === open ? `${name} ${forceText(forces[k])}` : "").filter(Boolean);
         key.textContent = `forces on ${data.names[open]}, which is drawn thick: ${own.join(", ")}.`;
       }
       svg.setAttribute("aria-label",
@@ -175,15 +132,17 @@ const mechanism = (() => {
     };
     const draw = (element, d) => element.setAttribute("d", d);
     const line = (element, x1, y1, x2, y2) => {
-      for (const [name, value] of Object.entries({ x1, y1, x2, y2 })) element.setAttribute(name, value);
+      for (const [name, value] of Object.entries({ x1, y1, x2, y2 }))
+        element.setAttribute(name, value);
     };
 
     ballesta.onPosition(show);
     figure.dataset.state = "ready";
   };
 
-  return unpacked().then(start).catch((error) => { // the picture stays as it was drawn
-    figure.dataset.state = "failed";
-    find("reading").textContent += ` · it cannot move here: ${error.message}`;
-  });
-})();
+  if (figure && block)
+    unzippedJson(block.textContent, "the motion").then(start).catch((error) => {
+      figure.dataset.state = "failed"; // the picture stays as it was drawn
+      find("reading").textContent += ` · it cannot move here: ${error.message}`;
+    });
+}

@@ -1,5 +1,5 @@
 // What the page does beside its live view: links into it, folds that open for their links and for
-// printing, the copy button, and which section is being read. Without it nothing is missing but ease.
+// printing, the copy button, and which section is being read. Without it only ease is missing.
 {
   const all = (choice) => [...document.querySelectorAll(choice)];
 
@@ -17,7 +17,9 @@
     for (; place; place = place.parentElement) if (place.tagName === "DETAILS") place.open = true;
   };
   const openToHash = () => {
-    try { openTo(decodeURIComponent(location.hash.slice(1))); } catch { /* not a place of this page */ }
+    try {
+      openTo(decodeURIComponent(location.hash.slice(1)));
+    } catch { /* not a place of this page */ }
   };
   addEventListener("hashchange", openToHash);
   openToHash();

@@ -15,18 +15,18 @@ const gaugeOf = ({ use, per, tone, numerical, model, below }) => {
   line("track", 0, END);
   svg.append(make("rect", { class: "fill", y: 3, width: within(use), height: 10 }));
   const low = below === null || numerical === null ? 0 : use - (numerical + below) * per;
-  if (numerical === null || model === null) line("endless", low, END);
-  else {
-    const high = use + (numerical + model) * per;
-    if ((high - low) * UNIT >= 0.05) {
-      line("model", low, high);
-      if (numerical) line("numerical", use - numerical * per, use + numerical * per);
-      for (const end of [low, high])
-        if (end > 0 && end * UNIT < END)
-          svg.append(make("path", { class: "ends", d: `M${within(end)} 4V12` }));
-    }
+  const endless = numerical === null || model === null; // dotted, and its end is not drawn
+  const high = endless ? use : use + (numerical + model) * per;
+  if (endless) line("endless", low, END);
+  else if ((high - low) * UNIT >= 0.05) { // else nothing to be seen
+    line("model", low, high);
+    if (numerical) line("numerical", use - numerical * per, use + numerical * per);
+    const ends = [low, high].filter((end) => end > 0 && end * UNIT < END);
+    const marks = ends.map((end) => `M${within(end)} 4V12`).join("");
+    if (marks) svg.append(make("path", { class: "ends", d: marks }));
   }
   svg.append(make("path", { class: "limit", d: `M${UNIT} 0V16` }));
-  if (use * UNIT > END) svg.append(make("path", { class: "beyond", d: `M${END - 6} 3l5 5l-5 5` }));
+  if (Math.max(use, high) * UNIT > END)
+    svg.append(make("path", { class: "beyond", d: `M${END - 6} 3l5 5l-5 5` }));
   return svg;
 };

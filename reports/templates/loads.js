@@ -1,4 +1,3 @@
-"use strict";
 // Moves the pictures of mechanisms. Everything it shows comes from the page's own data blocks.
 for (const figure of document.querySelectorAll("figure.motion")) {
   const data = JSON.parse(figure.querySelector("script").textContent);
@@ -13,23 +12,6 @@ for (const figure of document.querySelectorAll("figure.motion")) {
   const line = (element, x0, y0, x1, y1) => {
     for (const [name, value] of Object.entries({ x1: x0, y1: y0, x2: x1, y2: y1 }))
       element.setAttribute(name, value);
-  };
-  const head = (x, y, ux, uy) => {
-    const t = data.tip;
-    return `M${x} ${y}L${x - t * (2 * ux + uy)} ${y - t * (2 * uy - ux)}` +
-      `M${x} ${y}L${x - t * (2 * ux - uy)} ${y - t * (2 * uy + ux)}`;
-  };
-  const arrow = (x0, y0, x1, y1) => {
-    const length = Math.hypot(x1 - x0, y1 - y0);
-    if (length < 0.4 * data.tip) return "";
-    return `M${x0} ${y0}L${x1} ${y1}` + head(x1, y1, (x1 - x0) / length, (y1 - y0) / length);
-  };
-  const bend = (share) => { // an arc about the origin, the longer the larger the torque; ccw above 0
-    if (Math.abs(share) < 0.02) return "";
-    const r = 5 * data.tip, turn = 1.6 * Math.PI * Math.abs(share), way = share > 0 ? -1 : 1;
-    const [x, y] = [r * Math.cos(way * turn), r * Math.sin(way * turn)];
-    return `M${r} 0A${r} ${r} 0 ${turn > Math.PI ? 1 : 0} ${way > 0 ? 1 : 0} ${x} ${y}` +
-      head(x, y, -way * Math.sin(way * turn), way * Math.cos(way * turn));
   };
 
   const show = (k) => {
@@ -53,12 +35,14 @@ for (const figure of document.querySelectorAll("figure.motion")) {
       line(part("span", i), x0, y0, x1, y1);
       line(part("barrel", i), x0, y0, x0 + share * (x1 - x0), y0 + share * (y1 - y0));
     }
-    for (let i = 0; 4 * i < data.arrows[k].length; i++)
-      part("arrow", i).setAttribute("d", arrow(...data.arrows[k].slice(4 * i, 4 * i + 4)));
+    for (let i = 0; 4 * i < data.arrows[k].length; i++) {
+      const ends = data.arrows[k].slice(4 * i, 4 * i + 4);
+      part("arrow", i).setAttribute("d", arrowPath(...ends, data.tip));
+    }
     for (let i = 0; i < data.torques[k].length; i++) {
       const [x, y] = data.centres[k].slice(2 * i, 2 * i + 2);
       part("torque", i).setAttribute("transform", `translate(${x} ${y})`);
-      part("torque", i).setAttribute("d", bend(data.torques[k][i]));
+      part("torque", i).setAttribute("d", torquePath(data.torques[k][i], data.tip));
     }
     slider.value = k;
     slider.setAttribute("aria-valuetext", data.readings[k]);
@@ -82,7 +66,8 @@ for (const figure of document.querySelectorAll("figure.motion")) {
     playing = on;
     button.textContent = on ? "Pause" : "Play";
     if (!on) return;
-    began = performance.now() - period * (frame === last ? 0 : data.times[frame] / data.times[last]);
+    const gone = frame === last ? 0 : data.times[frame] / data.times[last];
+    began = performance.now() - period * gone;
     requestAnimationFrame(tick);
   };
 

@@ -82,9 +82,8 @@ def test_json_is_a_list_of_results_and_nothing_else(command, tmp_path):
         "--json",
         "--out",
         str(tmp_path),
-        *COARSE,
-        "--set",
-        "parts.bar_lower.mesh.fineness=0.4",
+        "--fidelity",
+        "formula",
         out=tmp_path,
     )
     (result,) = json.loads(run.stdout)

@@ -171,7 +171,7 @@ def test_an_uneven_crank_breaks_its_gate_and_the_flywheel_is_told():
     gate = gates(file=CRANK, cycles=["at_300"])["at_300: speed irregularity of drive"]
     assert gate.binding
     assert not gate.holds
-    inertia = float(re.search(r"flywheel of ([\d.]+) kg m2", gate.meaning)[1])
+    inertia = float(re.search(r"flywheel of ([\d.]+) kg m2", gate.cure)[1])
     # with this inertia on the crank the irregularity is that which is allowed
     mended = gates(f"bodies.crank.inertia={inertia} kg m2", file=CRANK, cycles=["at_300"])[
         "at_300: speed irregularity of drive"

@@ -13,6 +13,8 @@ from ballesta.motion import kept_rows
 from ballesta.store.records import from_record, to_record
 from reports.motion import MOST_POSITIONS, motion_gaps
 
+from ..reports.motion_results import placed
+
 DESIGNS = Path(__file__).parents[2] / "designs"
 
 
@@ -126,7 +128,7 @@ def test_parts_that_share_a_joint_do_not_stand_in_each_other_where_they_meet(che
             for part in (one, other):
                 place = interface_places(design, part, motion)[joint][0]
                 surface = surfaces[part.name]
-                nodes = motion.placed(part.name, np.asarray(surface.nodes), 0)
+                nodes = placed(motion, part.name, surface.nodes, 0)
                 away = np.hypot(*(nodes[:, :2] - place).T)
                 near = (away <= 1.05 * away.min())[surface.triangles].any(axis=1)
                 z = nodes[surface.triangles[near], 2]

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from loads import GROUND, JointLoad
-from reports.motion import Motion, PinForce
+from reports.motion import Motion, PinForce, between
 
 from . import loads_results, results
 
@@ -37,6 +37,16 @@ def motion(shown, parts, forces, every=1, layer=None):
         poses=loads.poses[rows],
         reactions={name: rows_of(load, rows) for name, load in loads.reactions.items()},
         efforts={name: effort[rows] for name, effort in loads.efforts.items()},
+    )
+
+
+def placed(motion, part, nodes, row):
+    """Nodes (n, 3) of a part's frame, in the machine's frame at a row (fractional), mm."""
+    x, y, angle = between(motion.parts[part], row)
+    c, s = np.cos(angle), np.sin(angle)
+    across, up, height = np.asarray(nodes).T
+    return np.column_stack(
+        [x + c * across - s * up, y + s * across + c * up, height + motion.layer[part]]
     )
 
 

@@ -76,6 +76,14 @@ def test_gates_of_one_kind_are_told_together_with_their_cycles():
     gates.append(Gate("at_1: joints closed", 1.0, 1e-6, "gap"))
     alike, gap = broken_by_kind(gates)
     assert alike.sentence == "speed irregularity: at_3 0.300, at_2 0.200, limit 0.100"
-    assert alike.meaning == "The worst, at_3: flywheel 3"
+    assert alike.meaning == alike.told == "The worst, at_3: flywheel 3"
     assert gap.sentence == "at_1: joints closed: 1.00 > 1e-06"
     assert gap.meaning == "gap"
+
+
+def test_gates_with_different_cures_tell_that_of_the_worst():
+    gates = [Gate(f"at_{k}: uneven", k, 0.1, "speed", cure=f"flywheel {k}") for k in (1, 3, 2)]
+    (alike,) = broken_by_kind(gates)
+    assert alike.told == "The worst, at_3: speed. flywheel 3"
+    (same,) = broken_by_kind([replace(gate, cure="one") for gate in gates])
+    assert (same.meaning, same.cure) == ("speed", "one")

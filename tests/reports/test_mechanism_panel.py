@@ -18,7 +18,10 @@ from reports.templating import environment
 from . import motion_results, results
 from .test_page import Page
 
-SCRIPTS = ("live/positions.js", "scripts/mechanism.js")
+SCRIPTS = (
+    "live/data.js", "live/numbers.js", "live/positions.js", "scripts/arrows.js",
+    "scripts/mechanism.js",
+)  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -285,7 +288,8 @@ def test_data_that_cannot_be_unpacked_leave_the_picture_as_it_is(opened, tmp_pat
     path.write_text(broken, encoding="utf-8")
     found = opened(path)
     found.page.locator("#mechanism[data-state=failed]").wait_for(state="attached")
-    assert "it cannot move here" in found.page.locator(".mechanism-reading").inner_text()
+    told = found.page.locator(".mechanism-reading").inner_text()
+    assert "it cannot move here: the motion in this page is damaged" in told
     found.assert_quiet()
 
 

@@ -18,7 +18,7 @@ def test_a_node_is_turned_moved_and_lifted_by_its_part_s_frame(press):
     motion = press.motion["press"]
     nodes = np.array([[0.0, 0.0, 0.0], [250.0, 0.0, 3.0]])
     for row in (0, len(motion.index) // 2):
-        origin, end = motion.placed("bar_lower", nodes, row)
+        origin, end = motion_results.placed(motion, "bar_lower", nodes, row)
         assert_allclose(origin, [0, 0, 10])  # C is the origin of the machine
         knee = motion.point("lower", "B")[row]
         assert_allclose(end, [*knee, 13.0], atol=1e-9)
@@ -27,7 +27,7 @@ def test_a_node_is_turned_moved_and_lifted_by_its_part_s_frame(press):
 def test_between_two_rows_the_frame_is_between_theirs(press):
     motion = press.motion["press"]
     low, high = motion.parts["bar_upper"][3:5]
-    assert_allclose(motion.frame("bar_upper", 3.25), 0.75 * low + 0.25 * high)
+    assert_allclose(between(motion.parts["bar_upper"], 3.25), 0.75 * low + 0.25 * high)
     assert_allclose(between(motion.parts["bar_upper"], 1e9), motion.parts["bar_upper"][-1])
     assert_allclose(between(motion.parts["bar_upper"], -1.0), motion.parts["bar_upper"][0])
 

@@ -12,6 +12,7 @@ from reports.verdict import Gate
 from . import motion_results, results
 from .conftest import NO_GL
 from .live import sections
+from .live.conftest import settle
 
 PIXEL = bytes.fromhex(
     "89504e470d0a1a0a0000000d49484452000000010000000108060000001f15c4890000000d49444154789c6360"
@@ -89,7 +90,8 @@ def shown(opened, written):
 def test_a_page_opens_without_a_word_on_the_console_and_asks_for_nothing(shown, name, scheme):
     found = shown(name, color_scheme=scheme)
     found.page.mouse.wheel(0, 4000)
-    found.page.wait_for_timeout(100)
+    found.page.wait_for_function("scrollY > 0")
+    settle(found.page)
     found.assert_quiet()
     ground = found.page.evaluate("getComputedStyle(document.body).backgroundColor")
     assert (ground == "rgb(255, 255, 255)") == (scheme == "light")

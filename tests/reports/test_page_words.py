@@ -8,7 +8,6 @@ from reports.derivation import Derivation, LoadCase
 from reports.gauge import gauge
 from reports.live.section import live_section
 from reports.page_words import (
-    cure_of,
     mirrored,
     page_bars,
     page_headline,
@@ -101,12 +100,13 @@ def test_a_broken_gate_of_a_part_marks_the_passes_of_that_part_alone():
 
 
 def test_what_to_do_about_a_gate_comes_first():
-    meaning = "The worst, fast: uneven. A flywheel of 2 kg m2 brings it to 0.1"
-    assert cure_of(meaning) == ("A flywheel of 2 kg m2 brings it to 0.1", "The worst, fast: uneven")
-    assert cure_of("too slow") == ("", "too slow")
-    gate = Gate("press: uneven", 2.0, 0.1, meaning)
+    cure = "A flywheel of 2 kg m2 brings it to 0.1"
+    gate = Gate("press: uneven", 2.0, 0.1, "speed varies", cure=cure)
     text = Page(report_html(results.design(gates=[gate]))).text
-    assert text.index("A flywheel of 2 kg m2") < text.index("The worst, fast")
+    assert text.index(f"{cure}.") < text.index("speed varies")
+    assert f"speed varies. {cure}" in text  # in the table of the gates
+    assert gate.to_dict()["cure"] == cure
+    assert replace(gate, cure="").told == "speed varies"
 
 
 def rung(name, *checks):

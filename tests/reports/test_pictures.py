@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from ballesta.rungs import result as ladder_result
 from reports import report_html
-from reports.pictures import NOT_MESHED, render_stills, stress_field
+from reports.pictures import render_stills, stress_field
 from reports.pictures_worker import SIZE, corner_view, view_of
+from reports.verdict import NOT_MESHED
 
 from . import results
 
@@ -74,10 +74,6 @@ def test_a_part_that_was_not_meshed_is_grey_without_a_marker_or_a_colour_bar():
     page = report_html(results.design(part), pictures)
     assert "Not meshed: decided by formula." in page
     assert 'alt="The whole part of bar_upper, not meshed, without colours of stress"' in page
-
-
-def test_the_name_of_a_field_that_is_not_meshed_is_that_of_the_ladder():
-    assert ladder_result.NOT_MESHED == NOT_MESHED
 
 
 def test_hostile_names_are_drawn():

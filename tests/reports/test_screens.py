@@ -54,6 +54,9 @@ def test_a_picture_is_packed_until_it_is_small_enough(tool, monkeypatch):
     assert len(packed) <= 3 * len(loose) // 4
     with Image.open(BytesIO(packed)) as image:
         assert image.size == (400, 300)
+    monkeypatch.setattr(tool, "MOST_BYTES", 100)
+    with pytest.raises(SystemExit, match="even at the lowest quality"):
+        tool.small(png.getvalue())
 
 
 def test_the_text_shows_screens_that_are_there_and_small(tool):

@@ -139,7 +139,7 @@ def test_the_linkage_is_shown_where_the_parts_are_and_its_pins_with_them(scene, 
     for k, name in enumerate(("bar_upper", "bar_lower")):
         turn = scene.matrix(k, view)
         node = np.array([[250.0, 0.0, 5.0]])
-        expected = motion.placed(name, node, motion.row_of(41))[0]
+        expected = motion_results.placed(motion, name, node, motion.row_of(41))[0]
         assert_allclose((turn @ [*node[0], 1])[:3], expected, atol=1e-9)
     place, force = scene.pins(view)[0]
     own_place, own_force = scene.pins(View(0, 0, 41))[0]  # the same one in the part's own frame

@@ -11,11 +11,14 @@ from ballesta.check import check_design
 from ballesta.effort import Effort
 from ballesta.explained import bars, buckling, contacts
 from ballesta.explained.bars import solid_bars
-from ballesta.explained.door import explained, with_derivation
+from ballesta.explained.door import explained
+from ballesta.explained.elastic import share_items
 from ballesta.explained.friction import with_friction
-from ballesta.explained.proven import UNKNOWN
+from ballesta.explained.proven import UNKNOWN, with_derivation
 from ballesta.judged import Bars as SolidBars
+from ballesta.rungs.model import PressedColumn, PressedStretch
 from fem.convergence import ErrorBar
+from fem.lateral_buckling import column_force
 from reports.derivation import Bars, Derivation, Given, Section, Step
 from reports.verdict import Status
 
@@ -230,22 +233,20 @@ def test_p_v_is_told_where_it_is_largest_also_at_the_first_position(climbed, mon
     assert derivation.number("omega") == 3.0
 
 
-def test_a_singular_place_and_a_single_mesh_are_told_apart(solids):
-    check = found(solids["marin"], "static")
+def test_a_singular_place_and_a_single_mesh_are_told_apart():
     plain = SolidBars(ErrorBar(1.0, 1.0, 0.0, 100.0), 0.0, 0.0, "", (99.0, 100.0), (2.0, 1.0))
     singular = replace(plain, numerical=replace(plain.numerical, singular=0.4))
-    assert "singular" in solid_bars(singular, check, "sigma")[0].words
-    assert "two meshes" in solid_bars(replace(plain, values=(1.0,)), check, "sigma")[0].words
-    assert solid_bars(plain, check, "sigma")[0].numerical == "e_num"
+    assert "singular" in solid_bars(singular, "sigma")[0].words
+    assert "two meshes" in solid_bars(replace(plain, values=(1.0,)), "sigma")[0].words
+    assert solid_bars(plain, "sigma")[0].numerical == "e_num"
 
 
-def test_the_constants_of_a_solid_s_bar_are_those_of_its_computation(solids, monkeypatch):
-    check = found(solids["marin"], "static")
+def test_the_constants_of_a_solid_s_bar_are_those_of_its_computation(monkeypatch):
     plain = SolidBars(ErrorBar(1.0, 1.0, 0.0, 100.0), 0.0, 0.0, "", (99.0, 100.0), (2.0, 1.0))
     for name, value in (("FINER", 1.7), ("SAFETY", 2.5), ("LEAST", 0.3), ("SCATTER", 0.7),
                         ("REPEATS", 0.004), ("ORDER", 3.0)):  # fmt: skip
         monkeypatch.setattr(bars, name, value)
-    items = {item.symbol: item for item in solid_bars(plain, check, "sigma")[1]}
+    items = {item.symbol: item for item in solid_bars(plain, "sigma")[1]}
     assert items["r_m"].formula == "max(h_1/h_2, 1.7)"
     assert items["e_h"].formula == "max(2.5/(r_m^3 - 1), 0.29999999999999999)*abs(sigma - v_1)"
     assert items["e_num"].formula == "max(e_h, 0.7*e_s, e_n) + 0.004*sigma + e_t"
@@ -261,6 +262,24 @@ def test_a_bar_of_another_shape_is_compared_with_euler_in_words(tmp_path):
     compared, notes = buckling._alone(SimpleNamespace(parts={"rod": shape}), mode, 0.5)
     assert compared == ()
     assert "no comparison with Euler's force: rod" in notes[0]
+
+
+BENDING, SHEAR = np.linspace(1e6, 2e6, 9), np.linspace(3e4, 5e4, 9)
+
+
+@pytest.mark.parametrize(
+    ("bar", "share"),
+    [
+        (PressedColumn(500.0, BENDING, np.inf, 90.0), 500 / column_force(BENDING, np.inf, 90.0)),
+        (PressedColumn(500.0, BENDING, SHEAR, 90.0), 500 / column_force(BENDING, SHEAR, 90.0)),
+        (PressedColumn(0.0, BENDING, 4e4, 90.0, sideways=0.3), 0.3),
+        (PressedStretch(500.0, local=1e-3), 0.5),
+        (PressedStretch(-500.0, local=1e-3), 0.0),
+    ],
+)
+def test_the_share_of_a_bar_follows_from_its_numbers(bar, share):
+    own = Derivation((), (Section("all", tuple(share_items(bar))),), "share", "share")
+    assert own.number("share") == pytest.approx(share, rel=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -13,12 +13,12 @@ from ballesta.effort import Effort
 from ballesta.explained.friction import WIDER
 from ballesta.explained.proven import UNKNOWN
 from ballesta.store.records import from_record, to_record
-from ballesta.why import check_of_data
 from reports.derivation import Given, Step, Superposition
 from reports.derivation_text import derivation_text
 from reports.derivation_words import shares_of, status_texts
 from reports.files import plain
 from reports.formulas import evaluate
+from reports.verdict import Check
 
 DESIGNS = Path(__file__).parents[3] / "designs"
 FEWER = {  # positions: what is derived does not depend on how many there are
@@ -116,7 +116,7 @@ def test_the_forces_of_the_load_case_are_those_of_the_position_in_the_result(mac
 def test_a_derivation_comes_back_from_result_json_as_it_was(machine):
     for check in machine.checks:
         text = json.dumps(plain(check.to_dict()), allow_nan=False)
-        again = check_of_data(json.loads(text))
+        again = Check.from_dict(json.loads(text))
         assert again == replace(check, model_below=again.model_below)
         assert again.derivation == check.derivation
 

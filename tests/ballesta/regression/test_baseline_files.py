@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from ballesta import stability
 from ballesta.regression.compare import compare
 from ballesta.regression.file import (
     BaselineError,
@@ -13,7 +14,7 @@ from ballesta.regression.file import (
     read_baseline,
     write_record,
 )
-from ballesta.regression.record import record_of, rungs_of
+from ballesta.regression.record import ELASTIC_SHARE, record_of, rungs_of
 
 from .records import STATIC, record
 
@@ -22,6 +23,11 @@ def written(folder, bands=None, **values):
     path = folder / "press.baseline.json"
     write_record(path, record(**values), bands or {})
     return path
+
+
+def test_the_check_that_a_rung_decides_is_known_by_the_name_that_it_has():
+    """The constant is written twice: a record is read without the solvers."""
+    assert ELASTIC_SHARE == stability.ELASTIC_SHARE
 
 
 def test_a_baseline_stands_beside_its_design(tmp_path):

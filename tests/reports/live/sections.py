@@ -3,14 +3,14 @@
 from base64 import b64encode
 from dataclasses import replace
 from hashlib import sha256
-from importlib.resources import files
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
 from reports.live.fields import LiveFields, LivePeak, grey, von_mises
-from reports.live.section import SCRIPTS, live_section
+from reports.live.section import live_section
+from reports.page_script import LIVE, joined
 from reports.verdict import Check, DesignResult, PartResult, Surface
 
 POSITIONS = 73
@@ -178,8 +178,7 @@ def design(**changes) -> DesignResult:
 def page(result: DesignResult, **section: Any) -> str:
     """A page with nothing but the live view, under the report's content security policy."""
     made = live_section(result, **section)
-    sources = "\n".join(source_of(name) for name in SCRIPTS)
-    script = f'(() => {{ "use strict";\n{sources}\n}})();'
+    script = joined(*(f"live/{name}.js" for name in LIVE))
     digest = b64encode(sha256(script.encode()).digest()).decode()
     policy = (
         f"default-src 'none'; script-src 'sha256-{digest}'; style-src 'unsafe-inline'; "
@@ -192,11 +191,6 @@ def page(result: DesignResult, **section: Any) -> str:
         f"<style>{report_style()}\n{made.style}</style></head><body><main>{made.body}</main>"
         f"<script>{script}</script></body></html>"
     )
-
-
-def source_of(name: str) -> str:
-    """Source of a script of the live view."""
-    return files("reports.live").joinpath(f"{name}.js").read_text(encoding="utf-8")
 
 
 def report_style() -> str:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+import reports.live.fields
 from reports.live.accuracy import (
     LENGTH_METRIC,
     STRESS_METRIC,
@@ -12,10 +13,12 @@ from reports.live.accuracy import (
     largest_sizes,
 )
 from reports.live.combine import combine
-from reports.live.fields import principal_range, von_mises
+from reports.live.extremes import largest_size
+from reports.live.fields import largest_principal, principal_range, von_mises
 from reports.live.fitting import FLOOR, sizes_with_floor
+from reports.live.sampling import looked_at
 
-from .surfaces import smooth, torus, turning
+from .surfaces import live, smooth, torus, turning
 
 
 @pytest.fixture(scope="module")
@@ -119,3 +122,25 @@ def test_the_range_of_principal_stresses_is_exact():
     values = np.linalg.eigvalsh(tensor)
     assert principal_range(stress) == (values.min(), values.max())
     assert principal_range(np.zeros((300, 6))) == (0.0, 0.0)
+    assert largest_principal(stress, 0.99 * values.max()) == values.max()
+    assert largest_principal(stress, 1e3) == 1e3
+
+
+def test_a_bar_that_is_pushed_all_over_is_not_searched_for_the_pull_that_it_lacks(monkeypatch):
+    """The bound on its pull, a third of its push, is loose at every node and position."""
+    surface = torus(60, 60)
+    pushed = np.zeros((2, 3600, 6))
+    pushed[0, :, 0] = -np.linspace(99.0, 100.0, 3600)
+    pushed[1, :, 1] = 1e-3
+    angle = np.linspace(0.0, np.pi, 400)
+    fields = live(pushed, {"work": np.stack([np.sin(angle), angle])}, surface)
+    looked, highest = [], reports.live.fields._highest
+
+    def counted(rows):
+        looked.append(len(rows))
+        return highest(rows)
+
+    monkeypatch.setattr(reports.live.fields, "_highest", counted)
+    most = largest_size(fields, looked_at(fields), {"work": np.arange(400)})
+    assert most == pytest.approx(100.0, rel=1e-4)
+    assert sum(looked) < 3 * 3600, "of 1 440 000 nodes at positions"

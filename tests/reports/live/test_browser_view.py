@@ -52,11 +52,9 @@ def test_the_peak_is_the_solvers_at_every_third_position(viewed, index, part):
         )
 
 
-def test_keys_on_the_slider_change_picture_number_and_event(viewed):
+def test_keys_on_the_slider_change_picture_number_and_position(viewed):
     page = viewed().page
-    page.evaluate(
-        "document.addEventListener('ballesta:position', (event) => { window.last = event.detail; })"
-    )
+    page.evaluate("() => { ballesta.onPosition((state) => { window.last = state; }); }")
     slider = role(page, "slider")
     page.evaluate("ballesta.setPosition(0, 10)")
     before, told = pixels(page), role(page, "peak").inner_text()
@@ -283,6 +281,21 @@ def test_the_linkage_says_that_grey_parts_are_not_in_its_peak(viewed):
     role(page, "peak").get_by_text("grey parts are not counted").wait_for()
 
 
+@pytest.mark.parametrize(("decides", "named"), [(True, "by the solver"), (False, "what decides")])
+def test_a_mesh_to_look_at_is_not_told_as_what_decides(viewed, tmp_path, decides, named):
+    made = sections.design()
+    ring, *others = made.parts
+    live = replace(ring.live, decides=decides, notes=("drawn to be looked at", "another note."))
+    file = tmp_path / "looked_at.html"
+    parts = [replace(ring, live=live), *others]
+    file.write_text(sections.page(replace(made, parts=parts)), encoding="utf-8")
+    page = viewed(file).page
+    page.locator("#live-tab-0").click()
+    settle(page)
+    assert role(page, "worst-name").inner_text().endswith(named)
+    assert "Drawn to be looked at. Another note." in role(page, "told").inner_text()
+
+
 def test_the_most_stressed_places_stand_in_a_table_that_leads_to_them(viewed):
     page = viewed().page
     page.evaluate("ballesta.setPosition(0, 0)")
@@ -410,7 +423,7 @@ def test_nothing_is_told_twice_and_the_bound_of_a_field_only_with_it(viewed):
     page.get_by_text("decided by a formula").first.wait_for()
     below = page.locator(".live-below > .live-viewer")
     words = below.locator("[data-role=told], [data-role=missing]").all_inner_texts()
-    assert " ".join(words).count("not meshed: decided by a formula") == 1
+    assert " ".join(words).count("decided by a formula") == 1
 
 
 def test_drag_keys_and_buttons_turn_and_zoom(viewed):

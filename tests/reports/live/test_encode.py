@@ -239,8 +239,9 @@ def test_no_value_at_any_position_is_beyond_the_ends_of_the_scale():
     )  # fmt: skip
     scale = encode(fields, CYCLES).head["scale"]
     values = [principal_range(fields.at("work", k)) for k in at]
-    assert scale["principal"]["from"] == pytest.approx(min(low for low, _ in values), rel=1e-6)
-    assert scale["principal"]["to"] == pytest.approx(max(high for _, high in values), rel=1e-6)
+    most = max(max(-low, high) for low, high in values)
+    assert scale["principal"]["from"] == -scale["principal"]["to"]
+    assert scale["principal"]["to"] == pytest.approx(most, rel=1e-6)
     lengths = [np.linalg.norm(fields.moved("work", k), axis=1).max() for k in at]
     assert scale["displacement"]["to"] == pytest.approx(max(lengths), rel=1e-6)
 
@@ -258,7 +259,6 @@ def test_of_a_long_cycle_some_positions_are_carried_with_its_peak_and_the_page_s
     fields = live(smooth(surface[0], 4), {"work": rough}, surface)
     done = encode(fields, CYCLES)
     told = done.head["cycles"][0]
-    assert told["count"] == 3650
     assert len(told["positions"]) == 3601
     assert int(fields.peaks["work"].argmax()) in told["positions"]
     assert [told["positions"][0], told["positions"][-1]] == [0, 3649]

@@ -16,18 +16,19 @@ from reports.live.fields import grey, von_mises
 from .surfaces import live, smooth, torus, turning, usual
 
 CYCLES = ["work", "idle"]
+SCRIPTS = ("data", "viewer", "fields")
 PAGE = """<!doctype html><html lang="en"><meta charset="utf-8"><title>fields</title>
 <script type="application/json" id="live-header">{header}</script>
 <script type="text/plain" id="live-part-0">{text}</script>
 <script>
 {script}
 globalThis.api = {{
-  liveHeader, decodePart, FIELDS, isConstant, hasField, whyNot, fieldValues, displacementAt,
-  stressAt, peaksOver, misesOf, principalsOf,
+  jsonOf, decodePart, FIELDS, isConstant, hasField, whyNot, fieldValues, displacementAt,
+  stressAt, misesOf, principalsOf,
 }};
 </script></html>"""
 DECODED = """async () => {
-  const head = api.liveHeader().parts[0];
+  const head = api.jsonOf("live-header").parts[0];
   const part = await api.decodePart(document.getElementById("live-part-0").textContent, head);
   globalThis.part = part;
   return Object.fromEntries(["node", "positions", "normals", "triangles", "edges"].map(
@@ -48,7 +49,7 @@ def shown(opened, tmp_path):
         done = encode(fields, CYCLES)
         header = json.dumps({"parts": [{"name": name, **done.head}]}).replace("<", "\\u003c")
         folder = Path(reports.live.__file__).parent
-        script = "".join((folder / file).read_text() for file in ("viewer.js", "fields.js"))
+        script = "".join((folder / f"{name}.js").read_text() for name in SCRIPTS)
         file = tmp_path / "fields.html"
         file.write_text(PAGE.format(header=header, text=text or done.text, script=script))
         page = opened(file)
@@ -152,17 +153,6 @@ def test_of_equal_principal_stresses_of_two_signs_the_one_in_tension_is_told(sho
     assert_allclose(found, 100, rtol=1e-6)
 
 
-def test_peaks_over_a_cycle_are_those_of_its_positions(shown, fields):
-    page, _, _ = shown(fields)
-    found = page.page.evaluate(
-        "() => { const p = api.peaksOver(part, 1, 'mises');"
-        " return { positions: Array.from(p.positions), values: Array.from(p.values) }; }"
-    )
-    assert found["positions"] == list(range(37))
-    exact = fields.peaks["idle"]
-    assert_allclose(found["values"], exact, rtol=0, atol=TOLERANCE * exact.max())
-
-
 def test_what_a_part_has_not_is_told_in_words(shown):
     surface = torus(16, 8)
     fields = live(
@@ -183,7 +173,6 @@ def test_what_a_part_has_not_is_told_in_words(shown):
     assert found is None
     assert not values.any()
     assert nodal(page, 1, 0, "utilisation")[1] is None
-    assert ask("api.peaksOver(part, 0, 'mises')") is None
     page.assert_quiet()
 
 

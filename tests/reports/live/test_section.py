@@ -6,23 +6,25 @@ import re
 from base64 import b64decode
 from dataclasses import replace
 from html.parser import HTMLParser
+from importlib.resources import files
 
 import numpy as np
 import pytest
 from markupsafe import Markup
 
-from reports.live.linkage import motion_text, series
+from reports.live.linkage import motion_text
 from reports.live.payload import live_payload
 from reports.live.section import (
     FIELDS,
     MAPS,
-    SCRIPTS,
     cycles_data,
     first_part,
     live_section,
     table_text,
 )
 from reports.live.words import peak_tables, rows_of
+from reports.packed import series
+from reports.page_script import LIVE
 from reports.verdict import Status
 
 from .. import results
@@ -148,7 +150,8 @@ def test_colour_maps_are_tables_and_the_safe_ones_grow_lighter():
 
 
 def test_the_scripts_are_there_and_name_every_field():
-    texts = {name: sections.source_of(name) for name in SCRIPTS}
+    folder = files("reports.live")
+    texts = {name: folder.joinpath(f"{name}.js").read_text(encoding="utf-8") for name in LIVE}
     assert all(texts.values())
     told = re.search(r"FIELDS = (\[.*?\])", texts["fields"])[1]
     assert json.loads(told) == list(FIELDS)

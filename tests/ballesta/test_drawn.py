@@ -1,0 +1,99 @@
+"""Stress to look at: parts that a formula settles get one mesh where a picture is asked for."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ballesta.check import check_design
+from ballesta.effort import Effort
+from reports.live.fields import von_mises
+from reports.live.payload import with_encoded_fields
+
+from .small_machine import PLATE, machine
+
+BY_FORMULA = Effort("formula")
+DRAWN = replace(BY_FORMULA, fields=True)
+
+
+def checked(folder, effort, *overrides, live=True):
+    return check_design(machine(folder, PLATE, *overrides), effort=effort, live=live)
+
+
+@pytest.fixture(scope="module")
+def bare(tmp_path_factory):
+    (part,) = checked(tmp_path_factory.mktemp("bare"), BY_FORMULA).parts
+    return part
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory):
+    return checked(tmp_path_factory.mktemp("drawn"), DRAWN)
+
+
+@pytest.fixture(scope="module")
+def drawn(result):
+    (part,) = result.parts
+    return part
+
+
+def test_without_the_option_the_part_is_grey_and_names_it(bare):
+    assert bare.live.n_fields == 0
+    assert "--fields" in bare.live.missing["mises"]
+
+
+def test_the_checks_are_those_of_the_formula_to_the_last_bit(bare, drawn):
+    assert drawn.checks == bare.checks
+    assert drawn.meshes == []
+
+
+def test_the_picture_is_near_what_the_formula_says_and_decides_nothing(drawn):
+    static = next(check for check in drawn.checks if check.kind == "static")
+    low, high = static.value - static.below, static.value + static.model
+    assert 0.9 * low < drawn.live.peak.value < 1.1 * high
+    peak = drawn.live.peak
+    stress = drawn.live.at(peak.cycle, peak.position)
+    assert von_mises(stress)[peak.node] == pytest.approx(peak.value, rel=1e-5)
+    assert drawn.live.displacement is not None
+    assert {*drawn.live.fatigue} == {"utilisation", "amplitude", "mean"}
+    assert not drawn.live.decides
+    assert not drawn.live.judged
+    assert "decides no check" in drawn.live.notes[0]
+    assert "formula" in drawn.live.notes[0]
+
+
+def test_the_page_is_told_that_it_decides_nothing(result):
+    (part,) = with_encoded_fields(result).parts
+    assert part.live.head["decides"] is False
+    assert part.live.head["limits"]["fatigue"] is None
+    assert result.command.endswith("--fidelity formula --fields") or (
+        "--fidelity formula --fields" in result.command
+    )
+
+
+def test_a_part_that_cannot_be_meshed_stays_grey_with_its_checks_and_the_reason(tmp_path, bare):
+    few = "parts.rod.mesh.most_unknowns=1000"
+    (part,) = checked(tmp_path, DRAWN, few).parts
+    assert part.live.n_fields == 0
+    assert "mesh.most_unknowns is 1000" in part.live.missing["mises"]
+    assert "no stress to look at" in part.live.notes[-1]
+    assert [check.value for check in part.checks] == [check.value for check in bare.checks]
+
+
+def test_no_mesh_is_begun_that_there_is_no_time_for(tmp_path):
+    (part,) = checked(tmp_path, replace(DRAWN, within=1e-3)).parts
+    assert part.live.n_fields == 0
+    assert "s are left" in part.live.missing["mises"]
+
+
+def test_nothing_is_meshed_where_nobody_looks(tmp_path, monkeypatch):
+    monkeypatch.setattr("ballesta.part_ladder.with_drawn_fields", None)
+    (part,) = checked(tmp_path, DRAWN, live=False).parts
+    assert part.live is None
+
+
+def test_the_fields_of_a_solid_stay_those_that_decide(tmp_path):
+    solid = Effort("solid", fields=True)
+    (part,) = checked(tmp_path, solid, 'accuracy="50 %"').parts
+    assert part.live.decides
+    assert np.isfinite(part.checks[0].numerical)
