@@ -14,7 +14,6 @@ import pytest
 ROOT = Path(__file__).parents[2]
 PRESS = "designs/toggle_press.toml"
 AS_SIZED = "designs/toggle_press_as_sized.toml"
-COARSE = ["--set", "parts.bar_upper.mesh.fineness=0.4"]
 
 
 def test_the_press_is_judged_by_its_exit_code(press):

@@ -103,6 +103,21 @@ def opened(launch: Callable[..., Any]) -> Iterator[Callable[..., Opened]]:
         context.close()
 
 
+def until(page: Any, condition: str) -> None:
+    """Wait until an expression of the page is true, at most 2000 pictures.
+
+    `wait_for_function` builds its function from text, which the policy of the pages forbids.
+    """
+    page.evaluate(
+        """async () => {
+          for (let k = 0; !(CONDITION); k++) {
+            if (k === 2000) throw new Error("never: " + `CONDITION`);
+            await new Promise(requestAnimationFrame);
+          }
+        }""".replace("CONDITION", condition)
+    )
+
+
 def _missing(why: str) -> None:
     if REQUIRED:
         pytest.fail(why)

@@ -10,7 +10,7 @@ from reports.derivation import Derivation, Given, LoadCase, Section, Step
 from reports.verdict import Gate
 
 from . import motion_results, results
-from .conftest import NO_GL
+from .conftest import NO_GL, until
 from .live import sections
 from .live.conftest import settle
 
@@ -90,7 +90,7 @@ def shown(opened, written):
 def test_a_page_opens_without_a_word_on_the_console_and_asks_for_nothing(shown, name, scheme):
     found = shown(name, color_scheme=scheme)
     found.page.mouse.wheel(0, 4000)
-    found.page.wait_for_function("scrollY > 0")
+    until(found.page, "scrollY > 0")
     settle(found.page)
     found.assert_quiet()
     ground = found.page.evaluate("getComputedStyle(document.body).backgroundColor")

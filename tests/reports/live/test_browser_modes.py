@@ -14,7 +14,7 @@ from PIL import Image
 from reports.packed import packed_json
 
 from .. import results
-from ..conftest import NO_GL
+from ..conftest import NO_GL, until
 from . import sections
 from .conftest import pixels, role, settle
 
@@ -121,6 +121,38 @@ def test_a_phone_shows_it_without_scrolling_sideways(viewed):
         assert box["x"] + box["width"] <= 360 or control.get_attribute("role") == "tab"
 
 
+def test_two_fingers_zoom_about_their_middle_and_move(viewed):
+    page = viewed(width=360, height=700, has_touch=True).page
+    box = role(page, "canvas").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    touch = page.context.new_cdp_session(page)
+
+    def fingers(kind, *places):
+        points = [{"x": a, "y": b, "id": k} for k, (a, b) in enumerate(places)]
+        touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    def seen():
+        settle(page)
+        scale = page.evaluate("ballesta.live.camera.scale")
+        return scale, np.reshape(page.evaluate("[...ballesta.live.camera.pixels()]"), (3, 4))
+
+    (scale, rows), turn = seen(), page.evaluate("ballesta.live.camera.turn")
+    fingers("touchStart", (x - 30, y), (x + 30, y))
+    for spread in (36, 48, 60):
+        fingers("touchMove", (x - spread, y), (x + spread, y))
+    wider, _ = seen()
+    assert wider == pytest.approx(2 * scale, rel=0.02)
+    fingers("touchMove", (x - 60, y + 25), (x + 60, y + 25))
+    again, moved = seen()
+    fingers("touchEnd")
+    assert again == pytest.approx(wider, rel=0.02)
+    middle = np.array([x - box["x"], y - box["y"]])
+    start = middle + 2 * (rows[:2, 3] - middle)  # where the part's origin is after the zoom
+    np.testing.assert_allclose(moved[:2, 3] - start, [0, 25], atol=2)
+    assert page.evaluate("ballesta.live.camera.turn") == turn
+    assert page.evaluate("scrollY") == 0
+
+
 def test_the_mechanism_stands_beside_the_picture_and_on_a_phone_below_the_slider(tmp_path, viewed):
     figure = Markup('<figure style="margin:0"><svg viewBox="0 0 4 3"></svg></figure>')
     path = written_as(tmp_path, sections.design(), mechanism=figure)
@@ -218,10 +250,7 @@ def test_space_plays_and_pauses_and_the_cycle_comes_round(viewed):
     page.keyboard.press(" ")
     assert page.evaluate("ballesta.current.playing")
     assert role(page, "play").inner_text() == "Pause"
-    for _ in range(200):  # the page's policy lets no condition of the test run in it
-        page.wait_for_timeout(50)
-        if page.evaluate("ballesta.current.index") < 60:
-            break  # past the end, it began again
+    until(page, "ballesta.current.index < 60")  # past the end, it began again
     page.keyboard.press(" ")
     index = page.evaluate("ballesta.current.index")
     assert index == int(index)
