@@ -1,0 +1,105 @@
+"""What the index of a large batch takes in a browser without a GPU.
+
+python -m bench.index_page   prints JSON, exits with 1 if a limit is broken; some seconds
+
+2 000 designs of 20 checks each, all of them in the table; best of three openings and sorts.
+"""
+
+import asyncio
+import json
+import os
+import platform
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from reports.index_page import IndexDesign, index_html
+from reports.verdict import Check
+
+LIMITS = {"open ms": 2000.0, "sort ms": 1000.0}
+DESIGNS, CHECKS, TRIES = 2000, 20, 3
+_SORT = """() => {
+  const view = document.getElementById("view");
+  view.value = "all";
+  view.dispatchEvent(new Event("change"));
+  const heads = [...document.querySelectorAll("th button")];
+  const head = heads.find((button) => button.textContent === "value");
+  const start = performance.now();
+  head.click();
+  document.body.offsetHeight; // laid out
+  return performance.now() - start;
+}"""
+
+
+def index() -> str:
+    """The page of a made-up batch."""
+    designs = []
+    for k in range(DESIGNS):
+        checks = []
+        for n in range(CHECKS):
+            made = Check(
+                part="bar", kind="static", quantity="von Mises stress", unit="MPa", numerical=1.0,
+                value=1.0 + (37 * (CHECKS * k + n)) % (DESIGNS * CHECKS), model=0.0, limit=355.0,
+                required=1.5, cycle="press", position="x = 2 mm", place="knee", method="solid",
+                basis="",
+            )  # fmt: skip
+            checks.append(made.to_dict() | {"check": "static", "governing": n == 0})
+        name = f"d{k:04d}"
+        designs.append(
+            IndexDesign(
+                name=name,
+                title=name,
+                file=f"{name}.toml",
+                status="pass",
+                error="",
+                stage="",
+                note="",
+                broken_gates=[],
+                mass=1.5,
+                checks=checks,
+                link=f"{name}/report.html",
+                thumbnail=b"",
+            )
+        )
+    return index_html("batch", designs, {"wall [mm]": [float(k) for k in range(DESIGNS)]})
+
+
+async def browsed(file: Path) -> dict[str, Any]:
+    """Open the page and sort it by value."""
+    from playwright.async_api import async_playwright
+
+    opened, sorted_ = [], []
+    async with async_playwright() as playwright:
+        browser = await playwright.chromium.launch(
+            executable_path=shutil.which("chromium"), args=["--disable-gpu"], chromium_sandbox=False
+        )
+        for _ in range(TRIES):
+            page = await browser.new_page(viewport={"width": 1180, "height": 815})
+            start = perf_counter()
+            await page.goto(file.as_uri())
+            opened.append(1e3 * (perf_counter() - start))
+            sorted_.append(await page.evaluate(_SORT))
+            await page.close()
+        version = browser.version
+        await browser.close()
+    return {"browser": f"Chromium {version}", "open ms": min(opened), "sort ms": min(sorted_)}
+
+
+def main() -> int:
+    """Measure, print, and compare with the limits."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "index.html"
+        file.write_text(index(), encoding="utf-8")
+        found = asyncio.run(browsed(file.resolve()))
+        size = file.stat().st_size / 1e6
+    broken = [name for name, limit in LIMITS.items() if found[name] > limit]
+    machine = f"{os.cpu_count()} cores, {platform.machine()}, no GPU"
+    print(json.dumps({"machine": machine, "page, MB": size, **found, "broken": broken}, indent=1))
+    return 1 if broken else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
