@@ -15,6 +15,7 @@ import loads
 from ballesta.balance import balance_gates, measured_loads, not_measured
 from ballesta.design import read_design
 from ballesta.design_data import Design
+from ballesta.drawn import undrawn_warnings
 from ballesta.elastic_parts import compliances_of, without_unknown_contacts
 from ballesta.errors import DesignError
 from ballesta.explained.buckling import linkage_share
@@ -141,6 +142,7 @@ def check_design(
         ],
         warnings=[
             *time_warnings(results),
+            *undrawn_warnings(results),
             *claim_warnings(design, results),
             *unloaded_warnings(results),
             *shaken,

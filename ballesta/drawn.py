@@ -4,11 +4,13 @@
 settled its verdict. One mesh is enough for that; it has no error bar, and the page says so.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from ballesta.design_data import Design, Part
+from ballesta.halves import shown_surface
 from ballesta.judged_fatigue import FatigueUse
-from ballesta.levels import Models, solve_level
+from ballesta.levels import Level, Models, solve_level
 from ballesta.live_fields import solid_fields
 from ballesta.part_loads import PartLoads
 from ballesta.part_strength import elastic_of, endurance_of
@@ -18,7 +20,8 @@ from geometry.mesh import MeshError, TooManyElementsError
 from reports.live.fields import LiveFields
 from reports.verdict import PartResult
 
-UNDRAWN = "no stress to look at: "
+TO_LOOK_AT = ", to look at"  # ends the names of its fields
+_UNDRAWN = "no stress to look at: "
 
 
 def with_drawn_fields(
@@ -41,7 +44,7 @@ def with_drawn_fields(
         return result
     say(f"{part.name}: meshing, to draw its stress")
     try:
-        drawn = _fields(design, part, loads, use, models)
+        level = _level(design, part, loads, models)
     except (MeshError, SolverError, TooManyElementsError) as error:
         return replace(result, live=undrawn(live, str(error)))
     methods = ", ".join(dict.fromkeys(check.method for check in result.checks))
@@ -49,23 +52,35 @@ def with_drawn_fields(
         "drawn from one mesh, to be looked at: its stress has no error bar and decides no check; "
         f"the checks are decided by {methods}"
     )
+    drawn = solid_fields(loads, level, use)
     drawn = replace(drawn, decides=False, judged=False, notes=(note, *drawn.notes))
-    return replace(result, live=drawn)
+    surface = shown_surface(loads, level)
+    named = {f"{name}{TO_LOOK_AT}": values for name, values in surface.fields.items()}
+    return replace(result, live=drawn, surface=replace(surface, fields=named))
 
 
 def undrawn(live: LiveFields, why: str) -> LiveFields:
     """The bare surface of a part, and why it cannot be drawn with its stress."""
-    told = UNDRAWN + why
-    return replace(live, missing=dict.fromkeys(live.missing, told), notes=(*live.notes, told))
+    told = _UNDRAWN + why
+    return replace(live, missing=dict.fromkeys(live.missing, told), notes=(told,))
 
 
-def _fields(
-    design: Design, part: Part, loads: PartLoads, use: FatigueUse | None, models: Models
-) -> LiveFields:
+def undrawn_warnings(results: Sequence[PartResult]) -> list[str]:
+    """Parts whose stress was asked for and could not be drawn, and why."""
+    return [
+        f"{result.name}: {note}"
+        for result in results
+        if isinstance(result.live, LiveFields)
+        for note in result.live.notes
+        if note.startswith(_UNDRAWN)
+    ]
+
+
+def _level(design: Design, part: Part, loads: PartLoads, models: Models) -> Level:
     fineness = FIRST * part.fineness
     check_first_mesh(part, 3 * len(models.mesh(part.geometry, fineness).nodes))
     solutions = models.solutions(part.geometry, fineness, elastic_of(part))
-    level = solve_level(
+    return solve_level(
         solutions,
         fineness,
         loads,
@@ -74,4 +89,3 @@ def _fields(
         design.duty.cycles,
         part.geometry.notch_factors,
     )
-    return solid_fields(loads, level, use)

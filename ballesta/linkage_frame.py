@@ -200,7 +200,7 @@ class _Search:
         if stride > 1:
             about: dict[_Place, None] = {}
             for places in found.values():
-                largest, _ = max(places)
+                largest = max((value for value, _ in places), default=0.0)
                 for name, k in (place for value, place in places if value >= _NEAR * largest):
                     last = len(self._cycles[name].positions)
                     near = np.arange(max(0, k - stride + 1), min(last, k + stride))

@@ -259,9 +259,24 @@ def bar_texts(check: Check, *, formulas: bool = True) -> list[str]:
         parts = [_bar_formula(derivation, symbol) for symbol in symbols.split()]
         if formulas and size and isfinite(size) and parts:
             text += f" = {' + '.join(parts)}"
+        elif size and isfinite(size) and len(parts) > 1:
+            shares = _shares(derivation, symbols.split())
+            text += f" ({shares})" if shares else ""
         if size:
             found.append(f"{name}{text}")
     return [*(found or ["none"]), *([derivation.bars.words] if derivation.bars.words else [])]
+
+
+def _shares(derivation: Derivation, symbols: Sequence[str]) -> str:
+    """What a bar of several terms is made of, the largest first; "" where a term has no value."""
+    values, items = _values(derivation), {item.symbol: item for item in derivation.items}
+    told = []
+    for symbol in symbols:
+        value = values.get(symbol)
+        if not isinstance(value, float) or symbol not in items:
+            return ""
+        told.append((value, items[symbol].meaning))
+    return ", ".join(f"{meaning} {number_text(value)}" for value, meaning in sorted(told)[::-1])
 
 
 def _bar_formula(derivation: Derivation, symbol: str) -> str:

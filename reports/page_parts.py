@@ -164,7 +164,14 @@ def _captions(part: PartResult) -> dict[str, tuple[str, str, str]]:
     """Captions of a part's pictures; one that was not meshed names what decided it."""
     decided = ", ".join(dict.fromkeys(brief(check.method, 40) for check in part.checks))
     told = f"Not meshed: decided by {decided or 'no check'}"
-    return {**_CAPTIONS, PLAIN: ("The whole part", "not meshed, without colours of stress", told)}
+    captions = {
+        **_CAPTIONS,
+        PLAIN: ("The whole part", "not meshed, without colours of stress", told),
+    }
+    if part.meshes or part.surface.is_bare:
+        return captions
+    beside = f"; of one mesh, to look at: the checks are decided by {decided or 'no model'}"
+    return {view: (one, two, said + beside) for view, (one, two, said) in captions.items()}
 
 
 def cycle_views(result: DesignResult) -> list[CycleView]:

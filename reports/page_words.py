@@ -19,6 +19,7 @@ from reports.words import (
 LOADS_IN_DOUBT = "loads not valid"
 PART_IN_DOUBT = "a gate of the part is broken"
 NO_BAR = "no error bar stated"
+_NAMED = 3  # failing checks in the headline
 _NOISE = 1e-3  # of the value: a bar that reaches less far is not written
 _PLACE = re.compile(r"\(-?[\d.]+, -?[\d.]+, (-?[\d.]+)\)")
 
@@ -97,9 +98,12 @@ def _binding(gates: Sequence[Gate]) -> list[Gate]:
 
 
 def page_headline(result: DesignResult) -> tuple[str, str]:
-    """The headline, and what it leaves out: estimates over what is allowed, passes in doubt."""
+    """The headline, and what it leaves out: what fails, or may; passes in doubt."""
     over, more = _over(result), []
-    if over is not None:
+    failing = _failing(result)
+    if len(failing) > 1:  # of one alone the card tells everything
+        more.append(f"Failing: {', '.join(failing)}.")
+    elif over is not None and not failing:
         check, title = over
         share = 100.0 * (check.utilisation - 1.0)
         by = f"{share:{'.0f' if share >= 10 else '.2g'}} %" if share >= 0.1 else "up to 0.1 %"
@@ -112,6 +116,19 @@ def page_headline(result: DesignResult) -> tuple[str, str]:
     if broken and any(check.status is Status.PASS for check in result.checks):
         more.append(f"A pass below is not proven: the loads are not valid ({_kinds(broken)}).")
     return headline(result, doubted=over is not None), " ".join(more)
+
+
+def _failing(result: DesignResult) -> list[str]:
+    """The checks that fail, the worst first, with their utilisation; three and how many more."""
+    titled = zip(result.checks, check_titles(result.checks), strict=True)
+    failed = [(check, title) for check, title in titled if check.status is Status.FAIL]
+    failed.sort(key=lambda pair: -pair[0].utilisation)
+    told = [
+        f"{brief(check.part, 40)} {brief(title, 40)} at {utilisation_text(check.utilisation)}"
+        for check, title in failed[:_NAMED]
+    ]
+    left = len(failed) - len(told)
+    return [*told, f"{left} more"] if left else told
 
 
 def _over(result: DesignResult) -> tuple[Check, str] | None:

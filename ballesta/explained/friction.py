@@ -35,6 +35,9 @@ def with_friction(
             Step("w_lo", "friction adds below", f"(1 - f_lo)*{value}", check.unit),
         ]
         bars = replace(bars, below=f"{bars.below} w_lo".strip())
+    if items:
+        wider = "friction between the leaves, from sliding to bonded, makes it wider"
+        bars = replace(bars, words=_joined(bars.words, wider))
     found = replace(derivation, bars=bars)
     return found.with_items(WIDER, items) if items else found
 

@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from ballesta.check import check_design
+from ballesta.drawn import undrawn_warnings
 from ballesta.effort import Effort
 from reports.live.fields import von_mises
 from reports.live.payload import with_encoded_fields
+from reports.page_parts import _captions
 
 from .small_machine import PLATE, machine
 
@@ -62,6 +64,15 @@ def test_the_picture_is_near_what_the_formula_says_and_decides_nothing(drawn):
     assert "formula" in drawn.live.notes[0]
 
 
+def test_still_and_vtu_show_what_is_drawn_and_say_that_it_is_to_look_at(drawn, bare):
+    assert bare.surface.is_bare
+    assert not drawn.surface.is_bare
+    assert all(name.endswith(", to look at") for name in drawn.surface.fields)
+    shown = drawn.surface.fields["von Mises [MPa], to look at"]
+    assert shown.max() == pytest.approx(drawn.live.peak.value, rel=1e-12)
+    assert "to look at: the checks are decided by formula" in _captions(drawn)["whole"][2]
+
+
 def test_the_page_is_told_that_it_decides_nothing(result):
     (part,) = with_encoded_fields(result).parts
     assert part.live.head["decides"] is False
@@ -76,7 +87,9 @@ def test_a_part_that_cannot_be_meshed_stays_grey_with_its_checks_and_the_reason(
     (part,) = checked(tmp_path, DRAWN, few).parts
     assert part.live.n_fields == 0
     assert "mesh.most_unknowns is 1000" in part.live.missing["mises"]
-    assert "no stress to look at" in part.live.notes[-1]
+    (note,) = part.live.notes  # no advice to ask for what was asked for
+    assert note.startswith("no stress to look at: ")
+    assert undrawn_warnings([part]) == [f"rod: {note}"]
     assert [check.value for check in part.checks] == [check.value for check in bare.checks]
 
 

@@ -194,6 +194,20 @@ def test_a_linkage_without_bars_or_cycles_has_no_mode(tmp_path):
     assert worst_mode(design, {}) is None
 
 
+@pytest.mark.parametrize("positions", [25, 1301])  # fewer and more than are asked at first
+def test_a_linkage_that_is_only_pulled_has_no_mode(tmp_path, positions):
+    """The crank points at the slider, which pulls both: nothing is compressed."""
+    design = machine(
+        tmp_path, BAR, f"cycles.turn.positions={positions}", 'points.A="60, 0 mm"',
+        'points.B="220, 0 mm"', 'cycles.turn.start="0 deg"', 'cycles.turn.phases[0].to="20 deg"',
+        'cycles.turn.phases[0].forces.push="-4000 N"',
+    )  # fmt: skip
+    runs = solved(design)
+    (rod,) = (load for load in runs["turn"].body_loads("rod") if load.point == "B")
+    assert (np.hypot(*rod.force.T) > 1e3).all()
+    assert worst_mode(design, runs) is None
+
+
 @pytest.mark.slow
 def test_a_crank_whose_block_nothing_else_holds_sideways_is_held_by_the_slot():
     """Quick return: the crank is pinned to the ground and to the block only."""

@@ -78,6 +78,20 @@ def test_an_estimate_over_what_is_allowed_is_told_though_no_check_fails():
     assert more == ""
 
 
+def test_of_several_that_fail_the_worst_are_named_and_what_may_hold_is_not():
+    failing = [
+        results.check(kind=kind, value=value)
+        for kind, value in (("static", 400.0), ("buckling", 700.0), ("bearing", 500.0),
+                            ("shear-out", 450.0))
+    ]  # fmt: skip
+    said, more = page_headline(results.design(results.part(checks=[OVER, *failing])))
+    assert "4 of 5 checks fail" in said
+    assert more.startswith("Failing: bar_upper buckling at 2.96, bar_upper bearing at 2.12, ")
+    assert more.endswith(", 1 more.")
+    _, alone = page_headline(results.design(results.part(checks=[OVER, failing[0]])))
+    assert alone == ""
+
+
 def test_a_pass_under_invalid_loads_is_marked_in_words_and_not_proven():
     result = results.design(gates=[LOADS])
     page = Page(report_html(result))

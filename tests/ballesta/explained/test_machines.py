@@ -15,7 +15,7 @@ from ballesta.explained.proven import UNKNOWN
 from ballesta.store.records import from_record, to_record
 from reports.derivation import Given, Step, Superposition
 from reports.derivation_text import derivation_text
-from reports.derivation_words import shares_of, status_texts
+from reports.derivation_words import bar_texts, shares_of, status_texts
 from reports.files import plain
 from reports.formulas import evaluate
 from reports.verdict import Check
@@ -59,6 +59,9 @@ def test_only_friction_between_leaves_widens_a_band_and_shows_its_terms(machine)
                 widened.add((check.part, check.kind))
                 words = " ".join(item.meaning for item in section.items)
                 assert "that of leaves that slide" in words
+                told = " ".join(bar_texts(check, formulas=False))
+                assert "(friction adds above " in told  # the larger share first
+                assert "friction between the leaves, from sliding to bonded" in told
     assert widened == {(name, kind) for name in packs for kind in ("static", "fatigue")}
 
 
