@@ -11,13 +11,16 @@ from ballesta.design_model import BodyPartEntry, DesignFile, StepPartEntry
 from ballesta.design_strength import FkmStrength, fkm_of
 from ballesta.errors import DesignError, Problems
 from ballesta.materials import Material, known_materials
-from ballesta.names import listed, no_such
+from ballesta.names import LINKAGE, listed, no_such
 from ballesta.step_parts import step_geometry
 from geometry.parameters import GIVEN_BY_DESIGN, GIVEN_BY_LINKAGE, ParameterError
 from geometry.parts import SHAPES, Pin, Seat
 from geometry.parts.step_part import StepPart
+from reports.words import clipped
 
 SLIDING = ("contact", "slot")  # interfaces of shapes on which a slot or guide of the linkage runs
+_LONGEST = 200  # bytes of a name: systems allow 255 for a file, with its suffix
+_SHOWN = 40  # letters of a name that is longer
 
 
 def materials_of(file: DesignFile, problems: Problems) -> dict[str, Material]:
@@ -34,6 +37,18 @@ def materials_of(file: DesignFile, problems: Problems) -> dict[str, Material]:
     return materials
 
 
+def _why_no_name(name: str) -> str:
+    """Why no part may have a name; "" where one may."""
+    if name == LINKAGE:
+        return "stands for the linkage as a whole; give the part another name"
+    if (size := len(name.encode())) > _LONGEST:
+        return (
+            f"a part's name is that of its file, so it has at most {_LONGEST} letters, got {size}; "
+            "give the part a shorter name"
+        )
+    return ""
+
+
 def parts_of(
     file: DesignFile,
     bodies: Mapping[str, Body],
@@ -48,6 +63,10 @@ def parts_of(
     owners: dict[tuple[str, str], str] = {}
     for name, entry in file.parts.items():
         key = f"parts.{name}"
+        if unusable := _why_no_name(name):
+            file_of_it = sources.file_of(key)
+            problems.take(DesignError(file_of_it, f"parts.{clipped(name, _SHOWN)}", unusable))
+            continue
         kind = "body" if isinstance(entry, BodyPartEntry) else "joint"
         place = getattr(entry, kind)
         first = owners.setdefault((kind, place), name)

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from ballesta.effort import Effort
 
 RESULT = "result.json"
+_JSON_NAMES = {list: "a list", str: "a text", bool: "true or false", type(None): "null"}
 
 
 @dataclass(frozen=True)
@@ -92,14 +93,19 @@ def _importance(design: DesignDifference) -> tuple[int, float]:
     return -len(design.changes.get(VERDICTS, ())), -design.largest
 
 
+def result_files(folder: Path) -> list[Path]:
+    """Every result.json in a folder and in those inside of it, but for hidden ones."""
+    return sorted(
+        file
+        for file in folder.rglob(RESULT)
+        if not any(step.startswith(".") for step in file.relative_to(folder).parts)
+    )
+
+
 def results_at(path: Path, effort: "Effort | None", say: Say) -> dict[str, Callable[[], Found]]:
     """What reads or makes each of the results behind a path, by name; raises DesignError."""
     if path.is_dir():
-        files = sorted(
-            file
-            for file in path.rglob(RESULT)
-            if not any(step.startswith(".") for step in file.relative_to(path).parts)
-        )
+        files = result_files(path)
         if not files:
             raise DesignError(
                 path,
@@ -108,15 +114,20 @@ def results_at(path: Path, effort: "Effort | None", say: Say) -> dict[str, Calla
             )
         named = {file.parent.relative_to(path).as_posix(): file for file in files}
         own = path.resolve().name
-        return {own if name == "." else name: partial(_read, file) for name, file in named.items()}
+        return {
+            own if name == "." else name: partial(read_result, file) for name, file in named.items()
+        }
     if path.suffix.lower() == ".json":
         name = path.resolve().parent.name if path.name == RESULT else path.stem
-        return {name: partial(_read, path)}
+        return {name: partial(read_result, path)}
     return {path.stem: partial(_checked, path, effort, say)}
 
 
-def _read(path: Path) -> Found:
-    """Read a result, also of another version of the tool."""
+def read_result(path: Path, cannot: str = "cannot be compared") -> Found:
+    """Read a result, also of another version of the tool; raises DesignError.
+
+    cannot  what is said of a file that is no result
+    """
     try:
         data = json.loads(path.read_text(encoding="utf-8"), parse_constant=_refuse)
     except FileNotFoundError:
@@ -130,11 +141,11 @@ def _read(path: Path) -> Found:
         raise DesignError(path, "cannot be read", f"is not JSON: {error}") from None
     found = data.get("format") if isinstance(data, dict) else None
     if not isinstance(found, str) or not found.startswith("ballesta-result/"):
-        told = f"format {found!r}" if isinstance(found, str) else "no format"
+        told = f"has format {found!r}" if isinstance(found, str) else "has no format"
+        if not isinstance(data, dict):
+            told = f"holds {_JSON_NAMES.get(type(data), 'a number')}"
         raise DesignError(
-            path,
-            "cannot be compared",
-            f"must be a {RESULT} that ballesta check wrote, it has {told}",
+            path, cannot, f"must be a {RESULT} that ballesta check wrote, it {brief(told, 100)}"
         )
     return Found(str(path), data)
 

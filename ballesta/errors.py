@@ -3,6 +3,8 @@
 from collections.abc import Callable
 from pathlib import Path
 
+from reports.words import clean
+
 
 class DesignError(Exception):
     """A design file that cannot be checked as written."""
@@ -12,7 +14,8 @@ class DesignError(Exception):
         self.file, self.key, self.problem = file, key, problem
 
     def __str__(self) -> str:
-        return f"{self.file}: {self.key}: {self.problem}"
+        """One line, whatever names the file's author has chosen."""
+        return clean(f"{self.file}: {self.key}: {self.problem}")
 
 
 class DesignErrors(DesignError):

@@ -3,6 +3,8 @@
 import difflib
 from collections.abc import Iterable
 
+LINKAGE = "linkage"  # what stands for a part in the checks of the whole
+
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
     """Return the known name that looks most like `name`, or None when none does."""

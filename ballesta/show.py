@@ -1,17 +1,20 @@
 """A design's parts in an interactive window: `ballesta show`."""
 
+import os
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
 
 from ballesta.design import read_design
+from ballesta.difference import RESULT
 from ballesta.errors import DesignError
 from ballesta.names import no_such
 from ballesta.run import GAVE_UP, WRONG_INPUT, effort_of, guarded, progress, store_at
 from reports.window import Trouble, open_window, probe_window, window_picture
 from reports.window_files import scene_of
+from reports.window_scene import Scene
 from reports.words import brief, verdict_sentence
 
 _FIELDLESS = ("formula", "beam")  # rungs without a mesh
@@ -39,13 +42,13 @@ def run_show(path: Path, wanted: Wanted, overrides: Sequence[str] = ()) -> int:
     def work() -> int:
         effort = effort_of(wanted.fidelity, wanted.within, fields=wanted.fields)
         store = store_at(wanted.store)
+        _refuse_result(path)
         start = perf_counter()
         design = read_design(path, overrides)
         reading = perf_counter() - start
         if wanted.part is not None and wanted.part not in design.parts:
             raise DesignError(path, "PART", no_such("part", wanted.part, design.parts))
-        if wanted.picture is not None and wanted.picture.suffix.lower() != ".png":
-            problem = f'must be named .png, got "{wanted.picture.name}"'
+        if wanted.picture is not None and (problem := _why_no_picture(wanted.picture)):
             raise DesignError(wanted.picture, "--off-screen", problem)
         # before the check, which may take minutes
         trouble = probe_window(off_screen=wanted.picture is not None)
@@ -64,7 +67,7 @@ def run_show(path: Path, wanted: Wanted, overrides: Sequence[str] = ()) -> int:
                 design, effort=effort, say=say, reading=reading, store=store, live=True
             )
         print(verdict_sentence(result), flush=True)
-        scene = scene_of(result)
+        scene = _advising(scene_of(result))
         for part in scene.parts:
             if not part.live.n_fields:
                 why = part.live.missing.get("mises", "nothing loads it")
@@ -80,9 +83,56 @@ def run_show(path: Path, wanted: Wanted, overrides: Sequence[str] = ()) -> int:
             except OSError as error:
                 problem = f"cannot be written: {error.strerror}"
                 raise DesignError(wanted.picture, "--off-screen", problem) from error
+            if trouble is None:
+                print(f"written: {wanted.picture}")
         return 0 if trouble is None else _told(trouble)
 
     return guarded(work)
+
+
+def _refuse_result(path: Path) -> None:
+    """Refuse a result, and the folder of one, in place of a design; raises DesignError."""
+    if path.is_dir():
+        what = "is a directory, not a design file"
+    elif path.name == RESULT and path.is_file():
+        what = "is a result, not a design file"
+    else:
+        return
+    raise DesignError(
+        path,
+        "cannot be read",
+        f"{what}: show needs the design file (.toml), which it checks itself; a result has no "
+        "fields, its report.html shows them in a browser",
+    )
+
+
+def _why_no_picture(file: Path) -> str:
+    """Why no picture can be written to a file, as far as that is known beforehand; "" for none."""
+    if file.suffix.lower() != ".png":
+        return f'must be named .png, got "{file.name}"'
+    if file.is_dir():
+        return f"is a folder, name a file in it such as {file / 'window.png'}"
+    folder = next(folder for folder in file.absolute().parents if folder.exists())
+    if not folder.is_dir():
+        return f"cannot be written: {folder} is no folder"
+    if not os.access(folder, os.W_OK | os.X_OK):
+        return f"cannot be written: no permission to write in {folder}"
+    return ""
+
+
+def _advising(scene: Scene) -> Scene:
+    """The scene with words that advise this command and not the other one of that option."""
+
+    def own(words: str) -> str:
+        return words.replace("ballesta check --fields", "ballesta show --fields")
+
+    parts = []
+    for part in scene.parts:
+        live = part.live
+        missing = {name: own(why) for name, why in live.missing.items()}
+        notes = tuple(own(note) for note in live.notes)
+        parts.append(replace(part, live=replace(live, missing=missing, notes=notes)))
+    return replace(scene, parts=parts)
 
 
 def _told(trouble: Trouble) -> int:

@@ -5,12 +5,12 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from ballesta.difference import results_at
+from ballesta.difference import RESULT, read_result, result_files
 from ballesta.errors import DesignError
 from ballesta.explained.proven import with_derivation
-from ballesta.names import listed, no_such
+from ballesta.names import LINKAGE, listed, no_such
 from ballesta.run import Say, effort_of, guarded, store_at
 from reports.formulas import FormulaError
 from reports.verdict import Check, deciding_of
@@ -20,8 +20,10 @@ if TYPE_CHECKING:
     from ballesta.effort import Effort
     from ballesta.store.store import Store
 
-LINKAGE = "linkage"  # what stands for a part in the checks of the whole
+_UNTOLD = "cannot be told"
 _HERE = Path("command line")
+_WRITTEN = (".html", ".vtu")  # files that a check writes beside its result
+_LISTED = 20  # results of a folder of many
 
 
 @dataclass(frozen=True)
@@ -61,7 +63,7 @@ def run_why(
         found = wanted_checks(target, checks, wanted)
         if all(check.derivation is None for check, _ in found):
             said = "has no derivation of that: it is of another version, check the design again"
-            raise DesignError(target, "cannot be told", said)
+            raise DesignError(target, _UNTOLD, said)
         found = [(_told_again(target, check), title) for check, title in found]
         if wanted.as_json:
             plain = [check.to_dict() for check, _ in found]
@@ -92,6 +94,8 @@ def checks_behind(
                 told = f"belongs to a design file; {target} is a result, which is told as it is"
                 raise DesignError(_HERE, option, told)
         return _read(target)
+    if target.suffix.lower() in _WRITTEN and target.is_file():
+        raise _beside(target)
     effort = effort_of(fidelity or "auto", None)
     return list(_checked(target, tuple(overrides), effort, store_at(store), say, part))
 
@@ -122,23 +126,60 @@ def _checked(
 
 def _read(target: Path) -> list[Check]:
     """The checks of a result that was written; raises DesignError."""
-    found = results_at(target, None, lambda _: None)
-    if len(found) > 1:
-        told = f"has {len(found)} results, name one of them: {brief(listed(found), 400)}"
-        raise DesignError(target, "cannot be told", told)
-    (one,) = found.values()
-    result = one()
+    result = read_result(_one_result(target), _UNTOLD)
     try:
-        plain = [*(c for part in result.data.get("parts", ()) for c in part.get("checks", ())),
-                 *result.data.get("linkage", ())]  # fmt: skip
-        return [Check.from_dict(check) for check in plain]
+        plain = {
+            f"parts[{part}].checks[{k}]": check
+            for part, own in enumerate(result.data.get("parts", ()))
+            for k, check in enumerate(own.get("checks", ()))
+        }
+        plain |= {f"linkage[{k}]": c for k, c in enumerate(result.data.get("linkage", ()))}
+        return [_check_at(key, check) for key, check in plain.items()]
     except (TypeError, ValueError, AttributeError) as error:
         raise _of_another_version(Path(result.path), str(error)) from error
 
 
+def _check_at(key: str, data: Any) -> Check:
+    """A check from its data; raises ValueError with the key of what is wrong."""
+    try:
+        return Check.from_dict(data)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{key}: {error}") from error
+
+
+def _one_result(target: Path) -> Path:
+    """The result that is meant by its file or by a folder with no other; raises DesignError."""
+    if not target.is_dir():
+        return target
+    files = result_files(target)
+    if not files:
+        designs = sorted(target.glob("*.toml"))
+        advice = (
+            f"ballesta why {designs[0]} tells of a design file"
+            if designs
+            else f"ballesta check FILE --out {target} writes one"
+        )
+        raise DesignError(target, _UNTOLD, f"there is no {RESULT} in the folder; {advice}")
+    if len(files) > 1:
+        named = [str(file.parent) for file in files]
+        more = f" and {len(named) - _LISTED} more" if len(named) > _LISTED else ""
+        told = f"has {len(named)} results, name one of them: {listed(named[:_LISTED])}{more}"
+        raise DesignError(target, _UNTOLD, told)
+    return files[0]
+
+
+def _beside(target: Path) -> DesignError:
+    """What to give in place of a page or a drawing that a check has written."""
+    result = target.with_name(RESULT)
+    advice = "name a design file (.toml) or a result"
+    if result.is_file():
+        advice = f"the result stands beside it: ballesta why {result}"
+    return DesignError(target, _UNTOLD, f"is neither a design file nor a result; {advice}")
+
+
 def _of_another_version(target: Path, why: str) -> DesignError:
     told = f"is no result of this version ({brief(why, 300)}): check the design again"
-    return DesignError(target, "cannot be told", told)
+    return DesignError(target, _UNTOLD, told)
 
 
 def _told_again(target: Path, check: Check) -> Check:
@@ -157,7 +198,7 @@ def wanted_checks(target: Path, checks: Sequence[Check], wanted: Wanted) -> list
     """Return the checks that are meant, each with its title; raises DesignError for none."""
     titled = list(zip(checks, check_titles(checks), strict=True))
     if not titled:
-        raise DesignError(target, "cannot be told", "nothing was checked")
+        raise DesignError(target, _UNTOLD, "nothing was checked")
     if wanted.part:
         names = list(dict.fromkeys(check.part for check in checks))
         if wanted.part not in names:

@@ -1,7 +1,7 @@
 """What a check of a design says: checks with their error bars, gates, and the verdict."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import MISSING, dataclass, field
 from enum import StrEnum
 from math import inf, isfinite
 from typing import TYPE_CHECKING, Any, Self
@@ -147,12 +147,24 @@ class Check:
             if name not in data:
                 continue
             value = data[name]
-            if name == "derivation":
-                own[name] = None if value is None else derivation_of_data(value)
-            elif name in _BARS:
-                own[name] = inf if value is None else number_of(value)
-            else:
-                own[name] = (number_of if name in _NUMBERS else text_of)(value)
+            try:
+                if name == "derivation":
+                    own[name] = None if value is None else derivation_of_data(value)
+                elif name in _BARS:
+                    own[name] = inf if value is None else number_of(value)
+                else:
+                    own[name] = (number_of if name in _NUMBERS else text_of)(value)
+            except TypeError as error:
+                raise TypeError(f"{name}: {error}") from error
+            except ValueError as error:  # a UnicodeEncodeError has other arguments
+                raise ValueError(f"{name}: {error}") from error
+        missing = [
+            name
+            for name, one in cls.__dataclass_fields__.items()
+            if one.default is MISSING and name not in own
+        ]
+        if missing:
+            raise TypeError(f"a check must have {', '.join(missing)}")
         check = cls(**own)
         if not isfinite(check.utilisation):
             raise ValueError("a check's utilisation is not finite")

@@ -11,7 +11,7 @@ import numpy as np
 from reports.live.fields import LiveFields, LivePeak, with_required_safety
 from reports.motion import Motion
 from reports.verdict import DesignResult
-from reports.window_scene import Scene, ShownCycle, ShownPart
+from reports.window_scene import Scene, ShownCycle, ShownPart, Worst
 
 _TREE, _ARRAYS = "scene.json", "scene.npz"
 _MARK = "$array"
@@ -26,12 +26,23 @@ def scene_of(result: DesignResult) -> Scene:
     for part in result.parts:
         if not isinstance(part.live, LiveFields):
             raise ValueError(f"part {part.name!r} has no fields; it was not checked for them")
-        parts.append(ShownPart(part.name, with_required_safety(part.live, part.checks)))
+        live = with_required_safety(part.live, part.checks)
+        parts.append(ShownPart(part.name, live, _worst(part.name, result)))
     order = {part.name: k for k, part in enumerate(parts)}
     cycles = [
         _cycle(name, cycle, result.motion.get(name), order) for name, cycle in result.cycles.items()
     ]
     return Scene(result.name, parts, cycles)
+
+
+def _worst(part: str, result: DesignResult) -> Worst | None:
+    """Where a part's stress is largest, from the peaks of the cycles; None where nobody knows."""
+    found = None
+    for k, cycle in enumerate(result.cycles.values()):
+        peaks = np.asarray((cycle.get("peaks") or {}).get(part, ()), dtype=np.float64)
+        if peaks.size and (found is None or peaks.max() > found.value):
+            found = Worst(k, int(peaks.argmax()), float(peaks.max()))
+    return found
 
 
 def _cycle(
@@ -71,7 +82,7 @@ def write_scene(scene: Scene, folder: Path) -> None:
             return [[key, plain(value)] for key, value in thing.items()]
         if isinstance(thing, list | tuple):
             return [plain(each) for each in thing]
-        if isinstance(thing, LiveFields | LivePeak | ShownPart | ShownCycle):
+        if isinstance(thing, LiveFields | LivePeak | ShownPart | ShownCycle | Worst):
             return {field.name: plain(getattr(thing, field.name)) for field in fields(thing)}
         return thing.item() if isinstance(thing, np.generic) else thing
 
@@ -103,7 +114,8 @@ def _part_of(tree: dict[str, Any]) -> ShownPart:
         live[name] = dict(live[name])
     live["notes"] = tuple(live["notes"])
     live["peak"] = None if live["peak"] is None else LivePeak(**live["peak"])
-    return ShownPart(tree["name"], LiveFields(**live))
+    worst = None if tree["worst"] is None else Worst(**tree["worst"])
+    return ShownPart(tree["name"], LiveFields(**live), worst)
 
 
 def _cycle_of(tree: dict[str, Any]) -> ShownCycle:

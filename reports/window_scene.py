@@ -30,12 +30,25 @@ _SAMPLES = 25  # positions of a cycle from which limits of colours are taken, be
 _BULGE = 0.05  # of a part's size: how far the largest displacement is drawn
 
 
+@dataclass(frozen=True)
+class Worst:
+    """Where a part is stressed most: number of the cycle, position of it, MPa."""
+
+    cycle: int
+    position: int
+    value: float
+
+
 @dataclass(frozen=True, eq=False)
 class ShownPart:
-    """A part: fields at its nodes (live), or a bare surface with the reason."""
+    """A part: fields at its nodes (live), or a bare surface with the reason.
+
+    worst  as the checks found it, also of a part without fields; None where nobody knows
+    """
 
     name: str
     live: LiveFields
+    worst: Worst | None = None
 
     @cached_property
     def size(self) -> float:
@@ -87,17 +100,30 @@ class Scene:
         """Where to begin: the part that is asked for, else one with stress, at its peak."""
         k = next((k for k, shown in enumerate(self.parts) if shown.name == part), None)
         if k is None:
-            k = next((k for k, p in enumerate(self.parts) if p.live.peak is not None), 0)
+            k = next((k for k, p in enumerate(self.parts) if p.live.peak is not None), None)
+        if k is None:
+            k = max(range(len(self.parts)), key=self._worst_of)
         return self.at_peak(View(k))
 
     def at_peak(self, view: View) -> View:
-        """The view at the worst position of the worst part that is shown."""
+        """The view at the worst position of the worst part that is shown.
+
+        Of parts that all are grey it is where the checks found their largest stress.
+        """
         peaks = [p for k in self.shown(view) if (p := self.parts[k].live.peak) is not None]
         if not peaks:
-            return view
+            k = max(self.shown(view), key=self._worst_of, default=None)
+            worst = None if k is None else self.parts[k].worst
+            if worst is None:
+                return view
+            return replace(view, cycle=worst.cycle, position=worst.position)
         peak = max(peaks, key=lambda each: each.value)
         cycle = next((k for k, c in enumerate(self.cycles) if c.name == peak.cycle), None)
         return view if cycle is None else replace(view, cycle=cycle, position=peak.position)
+
+    def _worst_of(self, part: int) -> float:
+        worst = self.parts[part].worst
+        return -1.0 if worst is None else worst.value
 
     def shown(self, view: View) -> list[int]:
         """The parts that a view shows."""
@@ -264,9 +290,24 @@ class Scene:
         else:
             on = f" on {brief(self.parts[peak[0]].name, 30)}" if view.part == LINKAGE else ""
             lines.append(f"largest now{on}: {number(peak[2], 4)} {unit}".rstrip())
+        if peak is not None:
+            lines += self._undecided(view)
         if view.deformed and view.part != LINKAGE:
             lines.append(f"displacements drawn {number(self.bulge(view.part), 2)} times")
         return lines
+
+    def _undecided(self, view: View) -> list[str]:
+        """Say of stress that was computed to be looked at only that no check rests on it."""
+        shown = [k for k in self.shown(view) if self.parts[k].live.n_fields]
+        names = [self.parts[k].name for k in shown if not self.parts[k].live.decides]
+        if not names:
+            return []
+        of = "" if len(names) == len(shown) else f" (of {brief(', '.join(names), 60)})"
+        return [f"to look at{of}: no error bar, decides no check"]
+
+    def place(self, view: View) -> str:
+        """Which of the cycle's positions is shown, as people count."""
+        return f"position {view.position + 1} of {self.cycles[view.cycle].n}"
 
     def _row(self, view: View) -> float:
         cycle = self.cycles[view.cycle]

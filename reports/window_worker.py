@@ -85,11 +85,13 @@ class Window:
         """The slider over the cycle; none of a scene without positions."""
         if not self.scene.cycles:
             return None
-        return self.plotter.add_slider_widget(
+        slider = self.plotter.add_slider_widget(
             self._slide, [0, max(1, self._last)], value=0, fmt="%.0f",
-            title="", pointa=(0.3, 0.1), pointb=(0.7, 0.1), color="black", style="modern",
-            interaction_event="always",
+            title=" ", title_height=0.02, pointa=(0.3, 0.1), pointb=(0.7, 0.1), color="black",
+            style="modern", interaction_event="always",
         )  # fmt: skip
+        slider.GetRepresentation().ShowSliderLabelOff()  # a bare number would read as an angle
+        return slider
 
     def _slide(self, value: float) -> None:
         if self.slider is not None:
@@ -224,8 +226,10 @@ class Window:
         self._point()
         self.words.SetText(2, "\n".join(scene.told(view)))
         if self.slider is not None:
-            self.slider.GetRepresentation().SetMaximumValue(max(1, self._last))
-            self.slider.GetRepresentation().SetValue(view.position)
+            told = self.slider.GetRepresentation()
+            told.SetMaximumValue(max(1, self._last))
+            told.SetValue(view.position)
+            told.SetTitleText(scene.place(view))
         self.plotter.render()
 
     def _mark(self) -> None:

@@ -11,6 +11,8 @@ from ballesta.design import read_design
 from ballesta.errors import DesignError, DesignErrors
 from ballesta.templates import new_design
 
+from .small_machine import PLATE, machine
+
 TEXT = new_design("toggle_press")
 
 
@@ -138,6 +140,36 @@ def test_a_file_that_is_no_design_is_refused(content, message, tmp_path):
         file.write_bytes(content)
     with pytest.raises(DesignError, match=message):
         read_design(file)
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        (
+            "linkage",
+            r"press\.toml: parts\.linkage: stands for the linkage as a whole; give the part another name",
+        ),
+        ("x" * 201, r"press\.toml: parts\.x{39}…: a part's name .* at most 200 letters, got 201"),
+    ],
+)
+def test_a_part_may_not_have_the_name_of_the_whole_or_one_that_no_file_can_have(
+    name, message, tmp_path
+):
+    with pytest.raises(DesignError, match=message):
+        read(tmp_path, ("[parts.pin_B]", f"[parts.{name}]"))
+
+
+@pytest.mark.parametrize("name", ["Linkage", "x" * 200])
+def test_a_part_may_have_any_other_name(name, tmp_path):
+    assert name in machine(tmp_path, PLATE.replace("parts.rod", f"parts.{name}")).parts
+
+
+def test_an_error_is_one_line_also_where_a_name_is_not(tmp_path):
+    with pytest.raises(DesignError) as caught:
+        read(tmp_path, ("[parts.pin_B]", '[parts."pin\\nB\\u001b[31m"]'))
+    assert len(str(caught.value).splitlines()) == 1
+    assert "\x1b" not in str(caught.value)
+    assert "parts.pin B" in str(caught.value)
 
 
 def test_a_directory_is_refused(tmp_path):

@@ -286,7 +286,7 @@ def test_hidden_folders_of_a_run_are_left_alone(folder, tmp_path):
         (None, "there is no such file"),
         (b"{", "is not JSON"),
         (b"\xff\xfe", "is not UTF-8 text"),
-        (b"[]", "no format"),
+        (b"[]", "it holds a list"),
         (b'{"format": "ballesta-baseline/1"}', "format 'ballesta-baseline/1'"),
         (b'{"format": "ballesta-result/1", "x": NaN}', "holds no NaN"),
     ],

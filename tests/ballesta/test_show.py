@@ -108,6 +108,56 @@ def test_a_picture_that_cannot_be_written_is_a_wrong_input(design, monkeypatch, 
     assert "--off-screen: cannot be written: Permission denied" in capsys.readouterr().err
 
 
+def test_a_picture_that_could_not_be_written_is_refused_before_the_check(
+    design, monkeypatch, capsys
+):
+    monkeypatch.setattr(ballesta.show, "probe_window", None)  # it would fail
+    folder = design.with_name("folder.png")
+    folder.mkdir()
+    for picture, said in (
+        (folder, f"is a folder, name a file in it such as {folder / 'window.png'}"),
+        (design / "a" / "window.png", f"cannot be written: {design} is no folder"),
+    ):
+        assert run_show(design, Wanted(picture=picture, **FORMULA)) == 2
+        assert f"{picture}: --off-screen: {said}" in capsys.readouterr().err
+
+
+def test_it_is_told_where_the_picture_was_written(design, monkeypatch, capsys):
+    monkeypatch.setattr(ballesta.show, "probe_window", lambda **_: None)
+    monkeypatch.setattr(ballesta.show, "window_picture", lambda *_: None)
+    picture = design.with_name("new") / "window.png"
+    assert run_show(design, Wanted(picture=picture, **FORMULA)) == 0
+    assert f"written: {picture}\n" in capsys.readouterr().out
+
+
+def test_a_result_is_refused_with_what_is_needed(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(ballesta.show, "probe_window", None)  # it would fail
+    (tmp_path / "result.json").write_text("{}", encoding="utf-8")
+    for target in (tmp_path, tmp_path / "result.json"):
+        assert run_show(target, Wanted(**FORMULA)) == 2
+        assert "show needs the design file (.toml)" in capsys.readouterr().err
+
+
+def test_its_words_advise_its_own_option(design, shown, capsys):
+    assert run_show(design, Wanted("rod", **FORMULA)) == 0
+    assert "ballesta show --fields meshes it" in capsys.readouterr().err
+    ((scene, _),) = shown
+    (live,) = (part.live for part in scene.parts)
+    told = [*scene.told(scene.first_view()), *live.missing.values(), *live.notes]
+    assert any("ballesta show --fields" in words for words in told)
+    assert not any("ballesta check" in words for words in told)
+
+
+def test_it_begins_at_the_worst_position_also_without_a_field(design, shown):
+    assert run_show(design, Wanted(**FORMULA)) == 0
+    ((scene, _),) = shown
+    (part,) = scene.parts
+    assert part.live.peak is None
+    view = scene.first_view()
+    assert (view.cycle, view.position) == (part.worst.cycle, part.worst.position)
+    assert part.worst.value > 0
+
+
 @pytest.mark.parametrize("name", ["window.jpg", "window", "window.png.svg"])
 def test_only_a_png_is_drawn_in_place_of_a_window(design, monkeypatch, capsys, name):
     monkeypatch.setattr(ballesta.show, "probe_window", None)  # it would fail

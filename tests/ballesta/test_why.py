@@ -1,6 +1,7 @@
 """`ballesta why`: which check is told, from a design file, a result.json or a folder."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,8 @@ from ballesta.check import check_file
 from ballesta.cli import main
 from ballesta.effort import Effort
 from ballesta.errors import DesignError
-from ballesta.why import LINKAGE, Wanted, checks_behind, run_why, wanted_checks
+from ballesta.names import LINKAGE
+from ballesta.why import Wanted, checks_behind, run_why, wanted_checks
 from reports.files import write_json
 
 from .small_machine import MACHINE, PLATE
@@ -145,8 +147,44 @@ def test_a_folder_of_several_results_asks_for_one(result, tmp_path):
     for name in ("a", "b"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "result.json").write_text(result.read_text("utf-8"), "utf-8")
-    with pytest.raises(DesignError, match="has 2 results, name one of them: a, b"):
+    named = re.escape(f"{tmp_path}: cannot be told: has 2 results, name one of them: ")
+    with pytest.raises(DesignError, match=f"{named}{tmp_path / 'a'}, {tmp_path / 'b'}$"):
         checks_behind(tmp_path)
+
+
+def test_of_a_folder_of_very_many_results_some_are_named_whole_and_the_others_counted(tmp_path):
+    names = [f"a_design_with_a_long_name_{k:02}" for k in range(23)]
+    for name in names:
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "result.json").write_text("{}", "utf-8")
+    with pytest.raises(DesignError) as caught:
+        checks_behind(tmp_path)
+    told = str(caught.value)
+    assert all(str(tmp_path / name) in told for name in names[:20])
+    assert told.endswith(f"{names[19]} and 3 more")
+
+
+def test_a_folder_without_a_result_is_told_with_what_to_give(tmp_path, capsys):
+    assert run_why(tmp_path, Wanted()) == 2
+    said = capsys.readouterr().err
+    assert "cannot be told: there is no result.json in the folder; ballesta check FILE" in said
+    (tmp_path / "press.toml").write_text("", "utf-8")
+    assert run_why(tmp_path, Wanted()) == 2
+    assert f"ballesta why {tmp_path / 'press.toml'} tells of a design" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["report.html", "rod.vtu"])
+def test_of_what_is_written_beside_a_result_the_result_is_named(result, tmp_path, capsys, name):
+    file = tmp_path / name
+    file.write_text("<html>", "utf-8")
+    assert run_why(file, Wanted()) == 2
+    assert "neither a design file nor a result; name a design file" in capsys.readouterr().err
+    (tmp_path / "result.json").write_text(result.read_text("utf-8"), "utf-8")
+    assert run_why(file, Wanted()) == 2
+    named = f"the result stands beside it: ballesta why {tmp_path / 'result.json'}"
+    assert named in capsys.readouterr().err
+    assert run_why(tmp_path / "none.html", Wanted()) == 2
+    assert "there is no such file" in capsys.readouterr().err
 
 
 def test_a_result_of_an_earlier_version_has_no_derivations_and_says_so(result, tmp_path, capsys):
@@ -164,6 +202,44 @@ def test_what_is_no_result_is_refused(tmp_path, broken):
     path = tmp_path / "result.json"
     path.write_text(broken, encoding="utf-8")
     assert run_why(path, Wanted()) == 2
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        ([1], "it holds a list"),
+        (None, "it holds null"),
+        (7, "it holds a number"),
+        ({}, "it has no format"),
+        ({"format": "x" * 500}, "it has format 'xxx"),
+    ],
+)
+def test_of_json_that_is_no_result_it_is_told_what_it_is(tmp_path, capsys, data, said):
+    path = tmp_path / "result.json"
+    path.write_text(json.dumps(data), encoding="utf-8")
+    assert run_why(path, Wanted()) == 2
+    told = capsys.readouterr().err
+    assert "cannot be told: must be a result.json that ballesta check wrote" in told
+    assert said in told
+    assert "compared" not in told
+    assert len(told) < 400
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "said"),
+    [
+        (("parts", 0, "checks", 1, "limit"), "7", "parts[0].checks[1]: limit: '7' is no number"),
+        (("parts", 0, "checks", 0, "unit"), 7, "parts[0].checks[0]: unit: '7' is no text"),
+        (("parts", 0, "checks", 0, "unit"), ..., "parts[0].checks[0]: a check must have unit"),
+        (("linkage", 0, "part"), [], "linkage[0]: part: '[]' is no text"),
+    ],
+)
+def test_of_an_altered_result_the_key_is_named(result, tmp_path, capsys, path, value, said):
+    data = json.loads(result.read_text(encoding="utf-8"))
+    file = tmp_path / "result.json"
+    file.write_text(json.dumps(altered(data, path, value)), encoding="utf-8")
+    assert run_why(file, Wanted()) == 2
+    assert said in capsys.readouterr().err
 
 
 def nested(depth):

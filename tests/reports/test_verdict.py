@@ -54,3 +54,23 @@ def test_a_check_comes_back_from_its_plain_data(check):
 def test_what_is_no_check_is_refused(data):
     with pytest.raises((TypeError, ValueError)):
         Check.from_dict(data)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "said"),
+    [
+        ("value", "1", "value: '1' is no number"),
+        ("part", 1, "part: '1' is no text"),
+        ("model", [], r"model: '\[\]' is no number"),
+        ("derivation", {}, "derivation: not a derivation"),
+        ("part", "\ud800", "part: .*surrogates not allowed"),
+    ],
+)
+def test_the_key_of_a_wrong_value_is_named(key, value, said):
+    with pytest.raises((TypeError, ValueError), match=f"^{said}"):
+        Check.from_dict(results.PASSING.to_dict() | {key: value})
+
+
+def test_what_a_check_lacks_is_named():
+    with pytest.raises(TypeError, match="a check must have part, kind, quantity"):
+        Check.from_dict({})

@@ -15,7 +15,7 @@ from PIL import Image
 from reports.live.fields import LiveFields, LivePeak, grey
 from reports.window import open_window, probe_window, window_picture
 from reports.window_files import read_scene, scene_of, write_scene
-from reports.window_scene import LINKAGE, View, signed_principal
+from reports.window_scene import LINKAGE, View, Worst, signed_principal
 from reports.window_worker import NO_WINDOW, SIZE
 from reports.worker import run_worker
 
@@ -90,6 +90,7 @@ def test_a_scene_comes_back_from_its_folder(tmp_path, scene):
         assert (one.live.stress == other.live.stress).all()
         assert one.live.missing == other.live.missing
         assert one.live.peak == other.live.peak
+        assert one.worst == other.worst
     view = replace(scene.first_view(), part=LINKAGE)
     assert again.shown(view) == scene.shown(view) == [0, 1, 2]
     assert_allclose(again.matrix(1, view), scene.matrix(1, view))
@@ -101,7 +102,46 @@ def test_it_begins_at_the_worst_position_of_the_part_that_is_asked_for(scene):
     last = scene.cycles[0].n - 1
     assert scene.first_view() == View(0, 0, last)
     assert scene.first_view("bar_lower") == View(1, 0, last)
-    assert scene.first_view("pin_B") == View(2, 0, 0)  # nothing is known of its stress
+
+
+def test_a_grey_part_begins_where_the_peaks_of_the_cycles_say(scene, result):
+    peaks = result.cycles["rig"]["peaks"]["pin_B"]
+    worst = Worst(1, int(np.argmax(peaks)), float(max(peaks)))
+    assert scene.parts[2].live.peak is None
+    assert scene.parts[2].worst == worst
+    assert scene.first_view("pin_B") == View(2, worst.cycle, worst.position)
+
+
+def test_where_all_are_grey_it_begins_with_the_worst(scene):
+    bare = scene.parts[2].live
+    worst = (Worst(0, 3, 5.0), None, Worst(1, 7, 8.0))
+    grey_ones = [
+        replace(part, live=bare, worst=at) for part, at in zip(scene.parts, worst, strict=True)
+    ]
+    all_grey = replace(scene, parts=grey_ones)
+    assert all_grey.first_view() == View(2, 1, 7)
+    assert all_grey.first_view("bar_upper") == View(0, 0, 3)
+    assert all_grey.first_view("bar_lower") == View(1, 0, 0)  # nobody knows
+    nothing = replace(scene, parts=[replace(part, worst=None) for part in grey_ones])
+    assert nothing.first_view() == View(0, 0, 0)
+
+
+def test_a_position_is_counted_as_people_do(scene):
+    n = scene.cycles[0].n
+    assert scene.place(View(0)) == f"position 1 of {n}"
+    assert scene.place(View(0, 0, n - 1)) == f"position {n} of {n}"
+
+
+def test_stress_that_decides_no_check_is_told_to_be_for_looking_at(scene):
+    one, other, bare = scene.parts
+    drawn = replace(one, live=replace(one.live, decides=False))
+    mixed = replace(scene, parts=[drawn, other, bare])
+    said = "to look at: no error bar, decides no check"
+    assert said in mixed.told(View(0))
+    assert said not in mixed.told(View(1))
+    assert said not in mixed.told(View(0, field="amplitude"))  # not known: nothing is seen
+    assert "to look at (of bar_upper): no error bar, decides no check" in mixed.told(View(LINKAGE))
+    assert not any("to look at" in line for line in scene.told(View(LINKAGE)))
 
 
 def test_the_field_is_the_superposition_and_its_limits_hold_over_the_cycle(scene):
