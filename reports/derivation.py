@@ -268,7 +268,7 @@ class Derivation:
             told = [
                 f"the formulas give {what} of {found:.9g}, where {wanted:.9g} must stand"
                 for what, found, wanted in pairs
-                if not abs(found - wanted) <= ROUND_OFF * abs(wanted)
+                if not (isfinite(wanted) and abs(found - wanted) <= ROUND_OFF * abs(wanted))
             ]
             for name, size, symbols in (
                 ("numerical bar", check.numerical, self.bars.numerical),

@@ -67,9 +67,13 @@ const liveView = (root) => {
     ask: () => { frame ||= requestAnimationFrame(() => { frame = 0; picture.paint(); }); },
     unit: () =>
       view.drawn.map((body) => body.part.head.scale[view.field]?.unit).find(Boolean) ?? "",
-    offOf: (body, field) => body?.part.head.accuracy?.[field]?.[view.cycle()] ?? 0, // MPa
+    offOf: (body, field) => { // in the field's unit; one over the duty is in whole steps
+      const head = body?.part.head;
+      return isConstant(field) ? (head?.coding.fatigue[field] ?? 0) / 2
+        : head?.accuracy?.[field === "displacement" ? "moved" : field]?.[view.cycle()] ?? 0;
+    },
     text: (value, digits = 4, body = null) => {
-      const off = ["mises", "principal"].includes(view.field) ? view.offOf(body, view.field) : 0;
+      const off = view.field ? view.offOf(body, view.field) : 0;
       return `${within(value, off, digits)} ${view.unit()}`.trim();
     },
     isDeformed: () => view.shown.deformed && !view.isLinkage() && view.drawn.length > 0 &&

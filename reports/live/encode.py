@@ -128,6 +128,8 @@ def _fit(live: LiveFields, tolerance: float) -> _Fit | None:
     if not any(peaks.values()):
         return None
     wanted = {name: at.tolist() for name, at in sample.positions.items()}
+    if live.peak is not None:  # of equal ones it may be another than the largest to the last digit
+        wanted[live.peak.cycle].append(live.peak.position)
     combined, kept = kept_positions(live.stress, live.coefficients, peaks, STRESS_METRIC, wanted)
     stress = fitted(
         combined, kept, STRESS_METRIC, _STRESS_STEPS, tolerance, _shares(sample.lost, peaks)
@@ -246,7 +248,7 @@ def _cancelling(stress: Fitted, tolerance: float) -> list[str]:
 def _accuracy(found: _Fit, thinned: Collection[str], cycles: Sequence[str]) -> dict[str, Any]:
     """How far the drawing may be off; thinned: cycles of which some positions are left out."""
     stress, sample, moved = found.stress, found.sample, found.groups.get("displacement")
-    sizes = sizes_with_floor(sample.peaks)
+    sizes, ways = sizes_with_floor(sample.peaks), sizes_with_floor(found.ways)
     count = sum(len(at) for at in sample.positions.values())
     floor = kept = between = ""
     if any(0 < sample.peaks[name] < size for name, size in sizes.items()):
@@ -260,16 +262,21 @@ def _accuracy(found: _Fit, thinned: Collection[str], cycles: Sequence[str]) -> d
         f"{between}, proven when the page was written; at {count} positions "
         f"{100 * found.measured:.2g} % was measured."
     )
-    more = {name: stress.between / stress.bound if name in thinned else 1.0 for name in sizes}
-    off = [more[name] * sizes[name] if name in sizes else None for name in cycles]
+
+    def off(own: Mapping[str, float], at_kept: float, left_out: float) -> list[float | None]:
+        """What each cycle's field may be off by, in its unit."""
+        share = {name: left_out if name in thinned else at_kept for name in own}
+        return [share[name] * own[name] if name in own else None for name in cycles]
+
     return {
         "share": stress.bound,
         "between": stress.between,
         "measured": found.measured,
         "positions": count,
-        "mises": [None if size is None else stress.bound * size for size in off],
-        "principal": [None if size is None else stress.principal * size for size in off],
+        "mises": off(sizes, stress.bound, stress.between),
+        "principal": off(sizes, stress.principal, stress.principal_between),
         "displacement": None if moved is None else moved.bound,
+        "moved": None if moved is None else off(ways, moved.bound, moved.between),
         "words": words,
     }
 

@@ -33,7 +33,8 @@ class Fitted:
     sizes      cycle -> what one whole step of a weight is worth, in the unit of the sum
     bound      proven largest error at kept positions, over the size of the position's cycle
     principal  the same of a principal stress; 0 of displacements
-    between    the same at positions that were left out, taken from the straight line
+    between    as bound, at positions that were left out, taken from the straight line
+    principal_between  as principal, at those
     """
 
     fields: npt.NDArray[np.int64]
@@ -43,6 +44,7 @@ class Fitted:
     bound: float
     principal: float
     between: float
+    principal_between: float
 
 
 def sizes_with_floor(sizes: Mapping[str, float]) -> dict[str, float]:
@@ -107,6 +109,8 @@ def fitted(
     fields, steps, bound, principal = _stepped(
         combined.fields, around, metric, components, max(tolerance - other, _LEAST * tolerance)
     )
+    reached = max(between, at_kept)
+    more = digits + _SINGLE * reach.principal  # a principal stress may exceed the cycle's size
     used = np.flatnonzero(fields.reshape(rank, -1).any(axis=1))
     return Fitted(
         fields=fields[used],
@@ -114,8 +118,9 @@ def fitted(
         weights={name: weights[used] for name, weights in whole.items()},
         sizes={name: combined.sizes[name] * 2.0**-_WEIGHT_BITS for name in kept},
         bound=bound + other,
-        principal=principal + reach.principal * at_kept + digits if principal else 0.0,
-        between=bound + reach.norm * max(between, at_kept) + digits,
+        principal=principal + reach.principal * at_kept + more if principal else 0.0,
+        between=bound + reach.norm * reached + digits,
+        principal_between=principal + reach.principal * reached + more if principal else 0.0,
     )
 
 

@@ -123,7 +123,10 @@ def _coarser(
         f"{100 * TOLERANCE:g} %: the page would be larger than "
         f"{budget.coarse / 1e6:g} MB"
     )
-    return encode(replace(live, notes=(*live.notes, note)), cycles, budget.tolerance)
+    coarse = encode(live, cycles, budget.tolerance)
+    if coarse.head["accuracy"]["share"] > budget.tolerance:  # its own note says to what
+        return coarse
+    return replace(coarse, head={**coarse.head, "notes": [*coarse.head["notes"], note]})
 
 
 def _bare(part: PartResult, encoded: Sequence[EncodedPart], budget: Budget) -> LiveFields:

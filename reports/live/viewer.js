@@ -35,7 +35,8 @@
 // The largest error of the von Mises stress that both can make at any node and kept position is
 // proven when the page is written: accuracy.share, of the peak of the position's cycle, or of 1e-4
 // of the largest cycle's peak, if that is more; accuracy.between at positions that were left out.
-// accuracy.mises[Q] and .principal[Q] are the same in MPa over all of cycle Q.
+// accuracy.mises[Q] and .principal[Q] are the same in MPa over all of cycle Q, .moved[Q] of the
+// displacement in mm; fields over the duty are off by half of coding.fatigue[name].
 //
 // scale[field] are the ends of a field over all nodes and all kept positions. utilisation counts
 // the required safety in: limits.fatigue is 1, or null where the check counts it in another way.

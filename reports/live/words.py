@@ -43,7 +43,9 @@ def peak_tables(part: PartResult, head: Mapping[str, Any], result: DesignResult)
         if not len(peaks) or len(peaks) != len(cycle["position"]):
             continue
         kind = "largest stress of the part's model, which is no field on its surface"
-        if head["fields"]:
+        if head["fields"] and not head["decides"]:
+            kind = "largest stress of the model that decides, which is not the one that is drawn"
+        elif head["fields"]:
             kind = "largest von Mises stress on the surface"
             if head["peak"] and head["peak"]["cycle"] == index:
                 kind += f"; the reported peak is at {brief(head['peak']['place'], 120)}"

@@ -1,17 +1,20 @@
 """What the charts draw is what the checks and the loads say."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 import fatigue
-from ballesta import chart_data_fatigue
-from ballesta.check import check_file
+from ballesta import chart_data_fatigue, chart_data_meshes
+from ballesta.check import check_design, check_file
 from ballesta.effort import Effort
+from reports.charts.haigh import utilisation
+from reports.formulas import evaluate
 
-from .small_machine import MACHINE, PLATE
+from .small_machine import MACHINE, PLATE, machine
 
 HEAVY = 'cycles.turn.phases[0].forces.push="36000 N"'
 FORMULA = Effort("formula")
@@ -57,6 +60,27 @@ def test_the_path_in_haighs_diagram_ends_in_the_critical_point_and_nowhere_beyon
     assert check.quantity.startswith("Goodman")
     used = haigh["amplitude"] / haigh["endurance"] + haigh["mean"] / haigh["ultimate"]
     assert_allclose(used, 1 / check.safety, rtol=1e-9)
+
+
+def test_the_path_in_haighs_diagram_begins_where_the_deciding_pair_is_stressed_less(light):
+    derivation = check_of(light, "fatigue").derivation
+    stress = {s: evaluate(f"von_mises({s})", derivation.values) for s in ("s_1", "s_2")}
+    assert abs(stress["s_1"] - stress["s_2"]) > 0.01 * max(stress.values())
+    index = {case.symbol: case.index for case in derivation.cases}
+    haigh = light.parts[0].charts["haigh"]
+    amplitude = np.array(haigh["paths"]["turn"]["amplitude"])
+    first, last = sorted(stress, key=lambda symbol: stress[symbol])
+    assert amplitude[index[first]] == pytest.approx(0.0, abs=1e-9 * haigh["amplitude"])
+    assert amplitude[index[last]] == pytest.approx(haigh["amplitude"])
+
+
+def test_a_swing_in_compression_has_no_mean():
+    """From nothing to 60 MPa of push, and of pull: half of it is the amplitude."""
+    pushed = np.zeros((6, 2))
+    pushed[:3, 0], pushed[0, 1] = (-60.0, -80.0, -90.0), 60.0
+    swings = chart_data_fatigue._swings(pushed, np.zeros(6))
+    assert swings["mean"] == pytest.approx([0.0, 30.0])
+    assert swings["amplitude"][1] == pytest.approx(30.0)
 
 
 def test_powers_integrate_to_the_works_and_a_closed_cycle_without_friction_gives_all_back(light):
@@ -107,6 +131,29 @@ def test_damages_of_the_listed_cycles_add_up_to_miners_sum(tmp_path):
     assert_allclose(harm, count / (knee * (amplitude / limit) ** -slope), rtol=1e-9)
 
 
+def test_below_its_knee_the_line_falls_as_haibach_has_it(tmp_path):
+    """With the slope 2 k - 1, a thousand times as many cycles on."""
+    sn = result_of(tmp_path, HEAVY).parts[0].charts["sn"]
+    (first, start), (knee, limit) = sn["line"]
+    slope = np.log(knee / first) / np.log(start / limit)
+    (at, same), (far, low) = sn["below"]
+    assert (at, same, far) == (knee, limit, 1e3 * knee)
+    assert_allclose(low, limit * 1e3 ** (-1 / (2 * slope - 1)), rtol=1e-9)
+
+
+@pytest.mark.parametrize("listed", [0, 1])
+def test_what_is_not_listed_of_a_duty_is_told_with_its_damage(tmp_path, monkeypatch, listed):
+    monkeypatch.setattr(chart_data_fatigue, "_MOST_CYCLES", listed)
+    changes = (HEAVY, 'duty.life="finite"', "duty.cycles.turn=1e4")
+    sn = result_of(tmp_path, *changes).parts[0].charts["sn"]
+    assert len(sn["cycles"]) == listed
+    own = sum(harm for _, _, harm, _ in sn["cycles"])
+    assert_allclose(own + sn["left_damage"], sn["damage"], rtol=1e-12)
+    if not listed:
+        assert sn["left_damage"] > 0
+        assert sn["left_out"] >= 1e4
+
+
 def test_the_required_safety_lifts_a_cycle_by_more_than_itself_where_it_has_a_mean(light):
     """Goodman: n a/(1 - n m/S_u); the safety that just reaches the limit is the check's."""
     sn, haigh = (light.parts[0].charts[key] for key in ("sn", "haigh"))
@@ -131,6 +178,16 @@ def test_the_column_stands_where_its_checks_say(light):
     assert column["required"] == check.required
 
 
+def test_the_stiffest_ends_of_a_column_clamp_the_part_itself(tmp_path):
+    """A plate of 8 mm between forks: half of its 161 mm over t/sqrt(12), not the 400 mm stated."""
+    result = result_of(tmp_path, text=PLATE + 'column = { out_of_plane = "400 mm" }\n')
+    planes = {one["plane"]: one for one in result.parts[0].charts["column"]["planes"]}
+    held = planes["out of plane"]
+    assert check_of(result, "buckling", "column out of plane").below > 0
+    assert_allclose(held["slenderness"], 400 / (8 / 12**0.5))
+    assert_allclose(held["stiffest"], 0.5 * np.hypot(144, 72) / (8 / 12**0.5))
+
+
 def test_a_part_without_a_duty_has_no_diagram_of_fatigue(tmp_path):
     charts = result_of(tmp_path, "duty.cycles={}").parts[0].charts
     assert {"haigh", "fkm", "sn"}.isdisjoint(charts)
@@ -149,6 +206,44 @@ def test_fkms_line_passes_where_its_safety_says_and_carries_no_goodman(meshed):
     assert (np.diff(line[:, 0] / line[:, 1]) > 0).all()
     (cycle,) = charts["sn"]["cycles"]
     assert_allclose(charts["sn"]["limit"] / cycle[1], check.safety, rtol=1e-9)
+
+
+def test_fkms_s_n_line_has_its_cycle_with_count_and_required_safety(meshed):
+    sn = meshed.parts[0].charts["sn"]
+    (cycle,) = sn["cycles"]
+    count, amplitude, _, raised = cycle
+    assert count == 1e6
+    assert_allclose(raised, sn["required"] * amplitude)
+    assert sn["required"] > 1.1
+    assert_allclose(sn["line"][-1], [1e6, sn["limit"]])
+
+
+def test_aluminium_endures_less_for_ever_than_at_the_knee_of_fkms_line(tmp_path):
+    overrides = ('parts.rod.strength="fkm"', 'parts.rod.material="6082-T6"')
+    sn = result_of(tmp_path, *overrides, effort=Effort("solid")).parts[0].charts["sn"]
+    (_, _), (knee, at_knee) = sn["line"]
+    (_, start), (far, low) = sn["below"]
+    assert (start, far) == (at_knee, 1e3 * knee)
+    assert sn["limit"] < 0.9 * at_knee
+    assert low <= sn["limit"] * (1 + 1e-9)
+
+
+def test_a_cloud_of_fkms_diagram_is_used_as_its_points_are_on_their_own_strength(tmp_path):
+    design = machine(tmp_path, PLATE, 'accuracy="50 %"', 'parts.rod.strength="fkm"')
+    (part,) = check_design(design, effort=Effort("solid"), live=True).parts
+    fkm = part.charts["fkm"]
+    shown = utilisation(fkm, np.array(fkm["cloud"]))
+    known = np.unique(part.live.fatigue["utilisation"])
+    nearest = known[np.clip(np.searchsorted(known, shown), 1, len(known) - 1)[:, None] - [0, 1]]
+    assert (np.abs(nearest / shown[:, None] - 1).min(axis=1) < 1e-5).all()
+
+
+def test_a_mesh_s_bar_is_of_the_meshes_up_to_it(monkeypatch):
+    monkeypatch.setattr(chart_data_meshes, "mesh_bar", lambda what, levels: 0.1 * len(levels))
+    levels = [SimpleNamespace(unknowns=k, half=False) for k in (10, 20, 30)]
+    judged = {"static": SimpleNamespace(value=lambda level: float(level.unknowns))}
+    meshes = chart_data_meshes.convergence_data(levels, judged)["static"]
+    assert [mesh["bar"] for mesh in meshes] == [None, pytest.approx(4.0), pytest.approx(9.0)]
 
 
 def test_convergence_ends_with_the_values_of_the_checks(meshed):

@@ -4,15 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from ballesta.check import check_design
 from ballesta.drawn import undrawn_warnings
 from ballesta.effort import Effort
+from ballesta.part_strength import endurance_of
+from geometry.parts import PlateLink
 from reports.live.fields import von_mises
 from reports.live.payload import with_encoded_fields
 from reports.page_parts import _captions
 
-from .small_machine import PLATE, machine
+from .small_machine import MACHINE, PLATE, machine
 
 BY_FORMULA = Effort("formula")
 DRAWN = replace(BY_FORMULA, fields=True)
@@ -71,6 +74,46 @@ def test_still_and_vtu_show_what_is_drawn_and_say_that_it_is_to_look_at(drawn, b
     shown = drawn.surface.fields["von Mises [MPa], to look at"]
     assert shown.max() == pytest.approx(drawn.live.peak.value, rel=1e-12)
     assert "to look at: the checks are decided by formula" in _captions(drawn)["whole"][2]
+
+
+def goodman_of(fatigue, limit, ultimate):
+    """Utilisation by amplitude and mean, and which share of the nodes Goodman's rule decides."""
+    used = fatigue["amplitude"] / limit + fatigue["mean"] / ultimate
+    assert (fatigue["utilisation"] > used * (1 - 1e-5)).all()
+    return np.median(fatigue["utilisation"] / used)
+
+
+def test_the_utilisation_that_is_drawn_is_of_the_part_s_own_limit_and_strength(drawn, tmp_path):
+    part = machine(tmp_path, PLATE).parts["rod"]
+    limit, ultimate = endurance_of(part).value, part.material.ultimate_stress
+    assert goodman_of(drawn.live.fatigue, limit, ultimate) == pytest.approx(1.0, rel=1e-5)
+    (check,) = (check for check in drawn.checks if check.kind == "fatigue")
+    assert check.limit == pytest.approx(limit)
+    low, high = check.value - check.below, check.value + check.model
+    assert 0.9 * low < limit * drawn.live.fatigue["utilisation"].max() < 1.1 * high
+
+
+def test_where_a_surface_frets_its_own_limit_is_drawn(tmp_path, drawn, monkeypatch):
+    """The first hole as if a pin fretted there: a third of the limit, and of nothing else."""
+    monkeypatch.setattr(PlateLink, "notch_factors", {"first": 3.0})
+    (part,) = checked(tmp_path, DRAWN).parts
+    plain, lowered = drawn.live.fatigue, part.live.fatigue
+    radius = np.hypot(*part.live.nodes[:, :2].T)
+    at_hole = np.abs(radius - 6.0) < 1e-3
+    limit = endurance_of(machine(tmp_path, PLATE).parts["rod"]).value
+    more = (lowered["utilisation"] - plain["utilisation"])[at_hole]
+    assert_allclose(more, 2 * plain["amplitude"][at_hole] / limit, rtol=1e-3)
+    assert_allclose(lowered["utilisation"][~at_hole], plain["utilisation"][~at_hole], rtol=1e-6)
+
+
+def test_a_cycle_that_the_duty_has_not_does_not_use_what_is_drawn(tmp_path, drawn):
+    harder = MACHINE[MACHINE.index("[cycles.turn]") : MACHINE.index("[duty]")]
+    harder = harder.replace("turn]", "harder]").replace("400 N", "900 N")
+    design = machine(tmp_path, PLATE + harder)
+    (part,) = check_design(design, effort=DRAWN, live=True).parts
+    assert part.live.peak.cycle == "harder"
+    assert part.live.peak.value > 1.5 * drawn.live.peak.value
+    assert_allclose(part.live.fatigue["utilisation"], drawn.live.fatigue["utilisation"], rtol=1e-6)
 
 
 def test_the_page_is_told_that_it_decides_nothing(result):

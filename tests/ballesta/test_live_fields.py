@@ -1,16 +1,22 @@
 """What a page is given of a part at every position: the solver's fields, of the whole part."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
+from ballesta import live_fields
 from ballesta.check import check_design
+from ballesta.duty_verdict import NodalUse
 from ballesta.effort import Effort
 from ballesta.halves import UTILISATION
+from ballesta.leaf_checks import pack_level
 from ballesta.levels import Models
+from ballesta.live_fields import solid_fields
 from ballesta.part_loads import loads_on
+from ballesta.part_strength import fatigue_use
 from ballesta.solid import EVERYTHING, check_solid
 from fem.unit_solutions import rigid_modes
 from reports.live.fields import von_mises
@@ -19,6 +25,17 @@ from .small_machine import PLATE, machine, solved
 
 SINGLE = 1e-5  # of the peak: unit fields are in single precision
 LIVE = replace(EVERYTHING, live=True)
+HARDER = (
+    PLATE
+    + """
+[cycles.harder]
+coordinate = "crank.angle"
+start = "90 deg"
+pace = { coordinate = "crank.angle", speed = "10 rad/s" }
+positions = 25
+phases = [{ name = "round", to = "450 deg", forces = { push = "900 N" }, solve = "drive" }]
+"""
+)
 
 
 @pytest.fixture(scope="module")
@@ -27,9 +44,9 @@ def models():
     return Models()
 
 
-def checked(folder, models, *overrides):
+def checked(folder, models, *overrides, text=PLATE):
     """The rod as a solid, on coarse meshes."""
-    design = machine(folder, PLATE, 'accuracy="50 %"', *overrides)
+    design = machine(folder, text, 'accuracy="50 %"', *overrides)
     part = design.parts["rod"]
     return check_solid(design, part, loads_on(design, part, solved(design)), models, asked=LIVE)
 
@@ -117,10 +134,66 @@ def test_the_fkm_chain_gives_its_own_utilisation_at_every_node(tmp_path, models)
     assert used.max() == pytest.approx(check.value / check.limit, rel=1e-5)
 
 
+@pytest.mark.parametrize("strength", ["marin", "fkm"])
+def test_of_several_cycles_the_peak_is_told_in_its_own_and_each_node_has_its_worst_use(
+    tmp_path, models, strength
+):
+    overrides = [f"parts.rod.strength={strength}", "duty.cycles={turn=1e6, harder=1e3}"]
+    result = checked(tmp_path, models, *overrides, text=HARDER)
+    live = result.live
+    assert list(live.coefficients) == ["turn", "harder"]
+    assert live.peak.cycle == "harder"
+    assert 0 <= live.peak.position < 25
+    stress = von_mises(live.at("harder", live.peak.position))
+    assert stress[live.peak.node] == pytest.approx(live.peak.value, rel=SINGLE)
+    (check,) = (check for check in result.checks if check.kind == "fatigue")
+    used = check.required * live.fatigue["utilisation"].max()
+    assert used == pytest.approx(check.utilisation, rel=SINGLE)
+
+
+@pytest.mark.parametrize("strength", ["marin", "fkm"])
+def test_no_node_is_used_less_by_two_cycles_than_by_one_of_them(tmp_path, models, strength):
+    """On one mesh. The other cycle is the same at nine tenths of the speed, and a little gentler.
+
+    Its bound without support is above what the first one uses, its use with support is not.
+    """
+    other = HARDER.replace("10 rad/s", "9 rad/s").replace("900 N", "400 N")
+    used = []
+    for cycles in ("turn=1e6", "harder=1e3", "turn=1e6, harder=1e3"):
+        design = machine(
+            tmp_path, other, f"parts.rod.strength={strength}", f"duty.cycles={{{cycles}}}"
+        )
+        part = design.parts["rod"]
+        loads = loads_on(design, part, solved(design))
+        level = pack_level(design, part, loads, models)
+        fields = solid_fields(loads, level, fatigue_use(design, part, loads))
+        used.append(fields.fatigue["utilisation"])
+    first, second, both = used
+    assert (both >= np.maximum(first, second) * (1 - 1e-5)).all()
+    assert second.max() < 0.999 * first.max()
+
+
+def test_amplitude_and_mean_of_the_fkm_chain_are_those_of_its_diagram(tmp_path, models):
+    result = checked(tmp_path, models, "parts.rod.strength=fkm")
+    fatigue, diagram = result.live.fatigue, result.charts["fkm"]
+    worst = fatigue["utilisation"].argmax()
+    for name in ("amplitude", "mean"):
+        assert fatigue[name][worst] == pytest.approx(diagram[name], rel=1e-5)
+
+
 def test_of_a_finite_life_the_utilisation_of_endless_life_is_drawn_and_said_to_be(tmp_path, models):
     result = checked(tmp_path, models, 'duty.life="finite"')
     assert "endless life" in result.live.notes[0]
     assert not result.live.judged
+
+
+def test_that_some_nodes_have_goodman_s_use_alone_is_said():
+    values = np.ones(3)
+    for count in (0, 2):
+        level = SimpleNamespace(duty=SimpleNamespace(everywhere=NodalUse(*[values] * 3, count)))
+        _, missing, notes = live_fields._fatigue(level, SimpleNamespace())
+        assert missing == {}
+        assert any("Findley's may be higher" in note for note in notes) == (count > 0)
 
 
 def test_without_a_duty_there_is_no_fatigue_and_a_reason(tmp_path, models):
@@ -144,6 +217,20 @@ def test_a_part_without_a_mesh_is_its_bare_surface_with_the_reason(tmp_path):
     (part,) = check_design(machine(tmp_path, PLATE), effort=Effort("formula"), live=True).parts
     assert_array_equal(part.live.nodes, part.surface.nodes)
     assert part.live.missing["mises"].startswith("decided by formula, without a mesh")
+
+
+def test_of_a_sheet_that_is_bent_the_peak_is_on_the_face_that_has_it(tmp_path):
+    """Seen from the other side the loads bend it the other way: the peak is on the other face."""
+    heights = []
+    for offset in ("10 mm", "-10 mm"):
+        design = machine(tmp_path, PLATE, f'parts.rod.offsets={{second="{offset}"}}')
+        (part,) = check_design(design, effort=Effort("plane"), live=True).parts
+        live = part.live
+        stress = von_mises(live.at(live.peak.cycle, live.peak.position))
+        assert stress[live.peak.node] == pytest.approx(live.peak.value, rel=SINGLE)
+        heights.append(live.nodes[live.peak.node, 2])
+    assert heights == [pytest.approx(-heights[1]), pytest.approx(-heights[0])]
+    assert abs(heights[0]) == pytest.approx(4.0)
 
 
 def test_a_sheet_is_drawn_with_its_reported_peak_and_no_sides(tmp_path):

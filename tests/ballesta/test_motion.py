@@ -1,6 +1,7 @@
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,11 +10,14 @@ from numpy.testing import assert_allclose
 from ballesta.check import check_design
 from ballesta.design import read_design
 from ballesta.effort import Effort
-from ballesta.motion import kept_rows
+from ballesta.motion import kept_rows, part_frame
+from ballesta.motion_layers import Skin, layers
+from ballesta.motion_layers import _distance as distance_from
 from ballesta.store.records import from_record, to_record
 from reports.motion import MOST_POSITIONS, motion_gaps
 
 from ..reports.motion_results import placed
+from .small_machine import PLATE, machine, solved
 
 DESIGNS = Path(__file__).parents[2] / "designs"
 
@@ -136,6 +140,74 @@ def test_parts_that_share_a_joint_do_not_stand_in_each_other_where_they_meet(che
             low = np.maximum(filled[0][:, None, 0], filled[1][None, :, 0])
             high = np.minimum(filled[0][:, None, 1], filled[1][None, :, 1])
             assert (high <= low + 1e-9).all(), (one.name, other.name)
+
+
+# the rod's frame runs from A to C, so the plate stands askew in it; and the crank as a plate
+ASKEW = """
+[forces.tug]
+body = "rod"
+at = "C"
+direction = "1, 0"
+"""
+CRANK = PLATE.replace("parts.rod", "parts.crank").replace('"rod"', '"crank"')
+CRANK = CRANK.replace('first = "A", second = "B"', 'first = "O", second = "A"')
+
+
+def askew(folder):
+    forces = 'cycles.turn.phases[0].forces={push="400 N", tug="0 N"}'
+    pins = 'bodies.rod.pins=["A", "C", "B"]'
+    return machine(folder, PLATE + ASKEW, 'points.C="40, 100 mm"', pins, forces)
+
+
+def test_a_part_that_stands_askew_in_its_body_ends_at_its_second_joint(tmp_path):
+    design = askew(tmp_path)
+    part = design.parts["rod"]
+    points = design.bodies["rod"].points
+    assert abs(points["B"][1] - points["A"][1]) > 50
+    cycle = solved(design)["turn"]
+    frame = part_frame(design, part, cycle)
+    along = np.stack([np.cos(frame[:, 2]), np.sin(frame[:, 2])], axis=1)
+    length = np.hypot(*np.subtract(points["B"], points["A"]))
+    assert_allclose(frame[:, :2], cycle.point("rod", "A"), atol=1e-9)
+    assert_allclose(frame[:, :2] + length * along, cycle.point("rod", "B"), atol=1e-6)
+
+
+def test_the_distance_from_a_joint_is_that_in_the_part_s_own_frame(tmp_path):
+    design = askew(tmp_path)
+    points = design.bodies["rod"].points
+    length = np.hypot(*np.subtract(points["B"], points["A"]))
+    nodes = np.array([[0.0, 0.0, 1.0], [length, 0.0, 2.0], [length, 5.0, -1.0]])
+    skin = Skin(nodes, np.array([[0, 1, 2]]))
+    rod = design.parts["rod"]
+    assert_allclose(distance_from(design, rod, skin, "B"), [length, 0.0, 5.0], atol=1e-9)
+    aside = distance_from(design, rod, skin, "C")
+    assert aside[:2] == pytest.approx(
+        [np.hypot(*np.subtract(points["C"], points[k])) for k in "AB"]
+    )
+
+
+def test_plates_side_by_side_stand_where_their_offsets_meet(tmp_path):
+    """The crank's pin pushes 1 mm below its middle, the rod's 9 mm above its own."""
+    offsets = ('parts.crank.offsets={second="-1 mm"}', 'parts.rod.offsets={first="9 mm"}')
+    design = machine(tmp_path, CRANK + PLATE, *offsets)
+    motion = check_design(design, effort=Effort("formula"), live=True).motion["turn"]
+    assert "drawn aside" not in motion.layers_told
+    assert motion.layer["rod"] - motion.layer["crank"] == pytest.approx(-1 - 9)
+    assert motion.pins["crank second"].z == pytest.approx(motion.layer["crank"] - 1)
+    assert motion.pins["rod first"].z == pytest.approx(motion.layer["rod"] + 9)
+    assert motion.pins["rod second"].z == pytest.approx(motion.layer["rod"])
+
+
+def test_an_eye_above_its_part_s_plane_is_at_its_lug_s_height_on_the_pin():
+    lug = SimpleNamespace(body="rod", at=10.0, single=True)
+    pin = SimpleNamespace(name="pin", body=None, joint="A", stack=[lug], interfaces={}, offsets={})
+    rod = SimpleNamespace(
+        name="rod", body="rod", joint=None, stack=[], interfaces={"eye": "A"}, offsets={},
+        geometry=SimpleNamespace(heights={"eye": 4.0}),
+    )  # fmt: skip
+    design = SimpleNamespace(parts={"pin": pin, "rod": rod}, joints={"A": ("rod",)}, slides={})
+    height, _ = layers(design, {})
+    assert height["rod"] + 4.0 == pytest.approx(height["pin"] + 10.0)
 
 
 def test_layers_are_as_stated_and_what_is_drawn_aside_is_told(checked):

@@ -13,6 +13,9 @@ from fem.column_curves import eurocode_stress, perry_robertson
 from reports.charts import cycle_charts, part_charts
 from reports.charts.buckling import column_curves
 from reports.charts.haigh import utilisation
+from reports.charts.over_cycle import Bar, Curve, Limit, Panel, over_cycle
+from reports.charts.plane import Plane
+from reports.charts.sn import reversed_amplitude
 from reports.svg import COLOURS, colour_variables
 
 from . import chart_results as made
@@ -42,6 +45,32 @@ def cursor(chart):
 
 def column(chart, name):
     return [row[chart.columns.index(name)] for row in chart.rows]
+
+
+@pytest.fixture
+def drawn(monkeypatch):
+    """Return what draws a chart of a made-up part, and gives the lines (k, 2) on it."""
+    lines, line = [], Plane.line
+
+    def noted(self, points, **style):
+        lines.append(np.asarray(points, dtype=float).reshape(-1, 2))
+        return line(self, points, **style)
+
+    monkeypatch.setattr(Plane, "line", noted)
+
+    def draw(key, **data):
+        result = made.design(**data)
+        lines.clear()
+        wanted = next(c for c in part_charts(result.parts[0], result).charts if c.key == key)
+        assert wanted.svg
+        return list(lines)
+
+    return draw
+
+
+def has_line(lines, points):
+    wanted = np.array(points, dtype=float)
+    return any(one.shape == wanted.shape and np.allclose(one, wanted) for one in lines)
 
 
 def test_a_whole_result_has_every_chart(charts):
@@ -97,6 +126,21 @@ def test_axes_have_units_and_lines_their_names(charts):
     }  # fmt: skip
     for key, wanted in expected.items():
         assert wanted <= set(texts(charts[key].svg)), key
+
+
+def test_a_panel_has_0_and_its_bars_in_sight_and_limits_that_are_not_far_away():
+    pushed = Curve("pushed", np.array([-30.0, -10.0, np.nan]))
+    low, high = Panel("force", "N", [pushed]).span
+    assert low < -30
+    assert high >= 0
+    bar = Bar(0, 0, below=20.0, above=45.0)
+    low, high = Panel("force", "N", [pushed], bars=[bar]).span
+    assert low < -50
+    assert high > 15
+    pulled = Curve("pulled", np.array([10.0, 30.0]))
+    low, high = Panel("force", "N", [pulled], [Limit(80.0, "near"), Limit(100.0, "far")]).span
+    assert low == 0
+    assert 80 < high < 100
 
 
 def test_phases_are_named_and_the_short_one_is_as_wide_as_its_positions(charts):
@@ -185,6 +229,38 @@ def test_the_bar_of_the_static_check_is_drawn_only_on_its_own_curve():
         assert told in next(c for c in found.charts if c.key == "peaks").caption
 
 
+def test_the_bar_of_the_peak_reaches_as_far_down_as_the_check_says_and_the_limit_is_allowed(
+    monkeypatch,
+):
+    panels, draw = [], over_cycle
+
+    def noted(label, axis, given):
+        panels.extend(given)
+        return draw(label, axis, given)
+
+    monkeypatch.setattr("reports.charts.cycles.over_cycle", noted)
+    peaks = np.asarray(made.cycle()["peaks"]["bar_upper"])
+    static = replace(results.PASSING, kind="static", part="bar_upper", cycle="press", unit="MPa",
+                     value=float(peaks.max()), numerical=2.0, model=30.0, model_below=5.0,
+                     limit=300.0, required=1.5)  # fmt: skip
+    part = results.part(name="bar_upper", checks=[static])
+    cycle_charts(results.design(part, cycles={"press": made.cycle()}))
+    (panel,) = (one for one in panels if one.quantity == "von Mises")
+    (bar,) = panel.bars
+    assert (bar.below, bar.above) == (7.0, 32.0)
+    assert bar.index == peaks.argmax()
+    assert [limit.value for limit in panel.limits] == [200.0]
+
+
+def test_a_mean_power_is_the_work_over_the_time_of_the_cycle():
+    """8400 N mm in 4.2 s."""
+    cycle = made.cycle() | {"works": {"cylinder": -8400.0, "process": 8400.0}}
+    assert cycle["time"][-1] == 4.2
+    charts = cycle_charts(replace(made.design(), cycles={"press": cycle}))[0][1].charts
+    told = next(chart for chart in charts if chart.key == "drive").caption
+    assert "process: work 8.40 J, mean power 2.00 W." in told
+
+
 def test_the_haigh_path_ends_in_the_critical_point_with_its_utilisation(charts):
     data = cursor(charts["haigh"])
     use = data["rows"][2]
@@ -196,6 +272,23 @@ def test_the_haigh_path_ends_in_the_critical_point_with_its_utilisation(charts):
     assert path["x"][k] == max(path["x"])
     assert path["y"][k] == min(path["y"])  # up is less
     assert "safety 3.14" in " ".join(texts(charts["haigh"].svg))
+
+
+def test_the_haigh_diagram_has_the_required_safety_below_its_limit_and_the_ray_up_to_it(drawn):
+    """Required is 1.3 on all loads; Goodman: 35/150 + 40/470 of what the point may have."""
+    lines = drawn("haigh")
+    assert has_line(lines, [[0, 150], [470, 0]])
+    assert has_line(lines, [[0, 150 / 1.3], [470 / 1.3, 0]])
+    used = 35 / 150 + 40 / 470
+    assert has_line(lines, [[40, 35], [40 / used, 35 / used]])
+
+
+def test_the_haigh_table_ends_the_ray_on_the_line(charts):
+    (end,) = (row for row in charts["haigh"].rows if row[0] == "end of the ray")
+    mean, amplitude, used = map(float, end[1:])
+    assert used == 1.0
+    assert amplitude / 150 + mean / 470 == pytest.approx(1.0, abs=0.005)
+    assert mean / amplitude == pytest.approx(40 / 35, rel=0.01)
 
 
 def test_the_haigh_diagram_says_which_rule_decides_where_it_is_not_goodman():
@@ -251,6 +344,19 @@ def test_the_duty_stands_on_the_s_n_line_as_often_as_it_runs(charts):
     assert_allclose(max(use["value"]), 35 / (1 - 40 / 470), atol=0.01)
 
 
+def test_the_required_safety_lifts_a_cycle_from_its_own_amplitude(drawn):
+    equivalent = 35 / (1 - 40 / 470)
+    lines = drawn("sn")
+    assert has_line(lines, [[1.1e7, equivalent], [1.1e7, 1.35 * equivalent]])
+    assert has_line(lines, [[1.1e7, 1.35 * equivalent]])
+
+
+def test_by_fkm_a_position_s_reversed_amplitude_is_its_use_of_the_limit():
+    points = np.array([[0.0, 75.0], [67.5, 67.5], [300.0, 30.0]])
+    found = reversed_amplitude(made.fkm(9), made.sn(limit=150.0), points)
+    assert_allclose(found, [75.0, 75.0, 37.5])
+
+
 @pytest.mark.parametrize(
     ("changes", "told"),
     [
@@ -299,6 +405,21 @@ def test_the_column_moves_with_the_compression(charts):
     assert_allclose(max(first["value"]), 60.0)
     assert first["x"] < second["x"]
     assert "safety 5.50" in " ".join(texts(charts["buckling"].svg))
+
+
+def test_the_column_s_mark_is_what_the_required_safety_leaves_of_its_limit(drawn):
+    lines = drawn("buckling")
+    assert has_line(lines, [[40, 330 / 3]])
+    assert has_line(lines, [[40, 60], [40, 330]])
+
+
+def test_the_table_of_column_curves_has_the_safety_by_each(charts):
+    chart = charts["buckling"]
+    (row,) = (row for row in chart.rows if row[0].startswith("safety in plane"))
+    euler = np.pi**2 * 210e3 / 40**2
+    shown = dict(zip(chart.columns, row, strict=True))
+    assert float(shown["yield [MPa]"]) == pytest.approx(355 / 60, abs=0.005)
+    assert float(shown["Euler [MPa]"]) == pytest.approx(euler / 60, abs=0.005)
 
 
 def test_the_ladder_tells_what_was_taken_and_what_was_passed_over(charts):

@@ -104,6 +104,15 @@ def test_the_line_stands_at_the_position_and_dots_on_the_curves(charts):
     assert charts.locator("figure.loads").last.locator(".cursor circle").count() == 2
 
 
+def test_the_dot_of_a_curve_is_higher_where_its_value_is_larger(charts):
+    heights = []
+    for index in (0, 121):  # the end of the press phase, where all peaks are
+        go(charts, 1, index)
+        circle = charts.locator("figure.peaks").last.locator(".cursor circle").first
+        heights.append(float(circle.get_attribute("cy")))
+    assert heights[1] < heights[0] - 20  # y goes down
+
+
 def test_the_dot_climbs_haighs_path_to_the_critical_point(charts):
     ys = []
     for index in (0, 45, 91):

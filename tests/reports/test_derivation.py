@@ -142,6 +142,10 @@ def test_a_bar_that_no_formula_gives_is_told(changes, said):
     assert said in derivation().misses(replace(one, **changes))
 
 
+def test_an_infinite_limit_is_no_formula_s():
+    assert "where inf must stand" in derivation().misses(replace(explained(), limit=inf))
+
+
 def test_an_infinite_bar_needs_words_and_no_formula():
     one = replace(explained(), limit=355.0, model=inf, model_below=0.0)
     assert derivation().misses(one) == ""
@@ -337,3 +341,14 @@ def test_the_keyboard_opens_it(opened, written):
     found.page.keyboard.press("Tab")
     found.page.keyboard.press("Enter")
     assert found.page.locator("details").first.locator("table").first.is_visible()
+
+
+def test_the_rule_of_an_undecided_check_takes_each_bar_on_its_own_side():
+    one = replace(explained(), value=100.0, numerical=2.0, model=30.0, model_below=5.0,
+                  limit=130.0, required=1.2)  # fmt: skip
+    assert one.status is Status.UNDECIDED
+    upper, lower, _ = status_texts(one)
+    assert upper.startswith("(100 + 2 + 30)·1.2 = 158.4")
+    assert "> 130" in upper
+    assert lower.startswith("(100 − 2 − 5)·1.2 = 111.6")
+    assert "≤ 130" in lower

@@ -41,6 +41,16 @@ def test_von_mises_of_uniaxial_stress_is_that_stress_and_of_shear_root_three_tim
     assert_allclose(evaluate("von_mises(s)", {"s": np.eye(6)[3]}), sqrt(3))
 
 
+@pytest.mark.parametrize(("shear", "axes"), [(3, (0, 1)), (4, (1, 2)), (5, (2, 0))])
+def test_each_shear_stress_acts_between_its_own_axes(shear, axes):
+    stress, normal = np.zeros(6), np.zeros(3)
+    stress[shear] = 7.0
+    normal[list(axes)] = 0.6, 0.8
+    scope = {"s": stress, "n": normal}
+    assert evaluate("normal_stress(s, n)", scope) == pytest.approx(2 * 0.6 * 0.8 * 7.0)
+    assert evaluate("shear_stress(s, n)", scope) == pytest.approx(7.0 * (0.8**2 - 0.6**2))
+
+
 def test_on_a_plane_stress_is_resolved_as_a_rotation_has_it():
     """Turning the axes by 30 deg about z; Mohr's circle."""
     turn = np.radians(30)

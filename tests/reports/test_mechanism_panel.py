@@ -141,6 +141,21 @@ def test_every_pin_force_stands_in_a_table_with_where_it_is_largest(press, panel
     assert "rig: no motion is shown" in text
 
 
+def test_the_table_has_the_components_of_each_largest_force(press, panel):
+    (table,) = re.findall(r'<table data-cycle="0">.*?</table>', panel, re.DOTALL)
+    rows = re.findall(r"<tr><th scope=\"row\".*?</tr>", table, re.DOTALL)
+    pins = list(press.motion["press"].pins.values())
+    assert len(rows) == len(pins)
+    turned = 0
+    for row, pin in zip(rows, pins, strict=True):
+        cells = re.findall(r'<td class="n">([^<]*)</td>', row)
+        size, x, y = (float(cell.replace("−", "-")) for cell in cells[:3])
+        force = pin.force[np.hypot(*pin.force.T).argmax()] / 1000
+        assert [size, x, y] == pytest.approx([np.hypot(*force), *force], rel=1e-3, abs=1e-6)
+        turned += abs(x - y) > 0.1 * size
+    assert turned
+
+
 def test_hostile_names_are_text():
     panel = mechanism_panel(motion_results.hostile())
     assert "<script>alert" not in panel
@@ -228,6 +243,34 @@ def test_an_arrow_is_as_long_as_its_force_over_the_largest(shown, press):
     data = unpacked(mechanism_panel(press))
     scale = data["cycles"][0]["scale"]
     assert [x1 - x0, y0 - y1] == pytest.approx((scale * force[row]).tolist(), rel=1e-3, abs=0.02)
+
+
+def test_a_reaction_is_drawn_the_way_it_acts_and_an_effort_is_told_in_its_unit(shown, press):
+    found = shown(press)
+    data = unpacked(mechanism_panel(press))
+    cycle = data["cycles"][0]
+    reactions = [values(one) for one in cycle["reactions"]]
+    row = int(np.hypot(*reactions[:2]).argmax())
+    index = int(press.motion["press"].index[row])
+    found.page.evaluate(f"openPart(-1); ballesta.setPosition(0, {index})")
+    compared = 0
+    for k in range(data["joints"]):
+        force = np.array([reactions[2 * k][row], reactions[2 * k + 1][row]])
+        path = found.page.evaluate(
+            f"document.getElementById('mechanism-arrow-{k}').getAttribute('d')"
+        )
+        if path:
+            x0, y0, x1, y1 = numbers(path)[:4]
+            wanted = (cycle["scale"] * force).tolist()
+            assert [x1 - x0, y0 - y1] == pytest.approx(wanted, rel=1e-3, abs=0.02)
+            compared += abs(wanted[0]) > 1
+    assert compared
+    reading = found.page.locator(".mechanism-reading").inner_text()
+    for effort, series in zip(data["efforts"], cycle["efforts"], strict=True):
+        told = re.search(rf"{effort['name']} (\S+) {effort['unit']}", reading)[1]
+        size = effort["factor"] * values(series)[row]
+        assert float(told.replace("−", "-")) == pytest.approx(size, rel=6e-3, abs=6e-3)
+    found.assert_quiet()
 
 
 def test_every_arrow_stays_in_the_picture(press, panel):

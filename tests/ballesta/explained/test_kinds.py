@@ -14,17 +14,21 @@ from ballesta.explained.bars import solid_bars
 from ballesta.explained.door import explained
 from ballesta.explained.elastic import share_items
 from ballesta.explained.friction import with_friction
+from ballesta.explained.pins import pin
 from ballesta.explained.proven import UNKNOWN, with_derivation
 from ballesta.judged import Bars as SolidBars
+from ballesta.pin_checks import pin_checks
 from ballesta.rungs.model import PressedColumn, PressedStretch
+from ballesta.slot_checks import slot_checks
 from fem.convergence import ErrorBar
 from fem.lateral_buckling import column_force
+from reports.charts.buckling import column_curves
 from reports.derivation import Bars, Derivation, Given, Section, Step
 from reports.verdict import Status
 
-from ..small_machine import PLATE, machine
+from ..small_machine import PLATE, loads_of, machine
 from ..test_bush_checks import PIN
-from ..test_slot_checks import LEVER
+from ..test_slot_checks import LEVER, MESH, lever
 
 SLOT = ('points.P="144, -120 mm"', 'points.T="144, 100 mm"', 'ground=["O", "P"]')
 ROLLER = '"10 mm"\ncontacts = { slot = { radius = "6 mm" } }\n'
@@ -51,6 +55,10 @@ def found(result, kind, words=""):
         (COLUMN.replace("COLUMN", 'curve = "c"'), ()),
         (COLUMN.replace("COLUMN", 'curve = "a0"'), ("parts.rod.thickness=1 mm",)),
         (COLUMN.replace("COLUMN", 'crookedness = "1 mm", eccentricity = "0.3 mm"'), ()),
+        (
+            COLUMN.replace("COLUMN", 'crookedness = "1 mm", eccentricity = "0.3 mm"'),
+            ('cycles.turn.pace.speed="200 rad/s"',),  # inertia: it yields beside its middle
+        ),
         (COLUMN.replace("COLUMN", 'out_of_plane = "400 mm", fork_stiffness = "1 N m/rad"'), ()),
         (BUSH, ()),
         (LEVER, SLOT),
@@ -123,6 +131,59 @@ def test_a_column_shows_all_its_limits(tmp_path):
     assert {"sigma_E", "S", "S_P", "S_c"} <= steps
     limits = [derivation.number(symbol) for symbol in ("sigma_E", "S", "S_P", "S_c")]
     assert min(limits) > 0
+
+
+def test_perry_and_robertson_s_limit_beside_the_others_is_that_of_the_chart(tmp_path):
+    """By the stated crookedness, and by the slenderness of a part that states none."""
+    stated = COLUMN.replace("COLUMN", 'crookedness = "1 mm"')
+    for text in (PLATE, stated):
+        result = result_of(tmp_path, text)
+        curves = column_curves(result.parts[0].charts["column"])
+        for plane in result.parts[0].charts["column"]["planes"]:
+            own = found(result, "buckling", f"column {plane['plane']}").derivation
+            name = "Perry-Robertson" + (f" {plane['plane']}" if text is stated else "")
+            assert own.number("S_P") == pytest.approx(curves[name](plane["slenderness"]), rel=1e-9)
+            if text is stated:
+                assert own.number("eta_P") == pytest.approx(plane["eta"], rel=1e-9)
+            assert own.number("S_c") == pytest.approx(
+                curves["Eurocode 3 c"](plane["slenderness"]), rel=1e-9
+            )
+
+
+def test_a_bar_of_the_linkage_stands_beside_euler_s_force_of_its_own_length(tmp_path):
+    """The plate of 30 x 8 mm, bent over its 8 mm."""
+    (check,) = result_of(tmp_path, PLATE).linkage
+    (one,) = check.derivation.compared
+    euler = np.pi**2 * 210e3 * (30 * 8**3 / 12) / (144**2 + 72**2)
+    assert one.hand == pytest.approx(check.derivation.number("N") / euler, rel=1e-6)
+    assert one.model == check.value
+
+
+def test_the_pressure_under_a_block_that_is_turned_has_its_couple(tmp_path):
+    design = lever(tmp_path)
+    rows = [(0.0, 80.0, 80.0 * 60.0), (0.0, 800.0, 120.0 * 800.0 + 500.0)]
+    loads = loads_of({"slot": rows}, {"slot": np.array([60.0, 120.0])})
+    part = design.parts["lever"]
+    (check,) = slot_checks(design, part, loads, MESH.interfaces)
+    derivation = contacts.contact(part, loads, MESH.interfaces, check)
+    assert derivation.misses(check) == ""
+    assert derivation.number("C") == pytest.approx(500.0)
+
+
+def test_a_pin_that_friction_twists_follows_from_its_formulas(climbed):
+    climb, *_ = climbed["pin_A"]
+    wrenches = {name: wrench.copy() for name, wrench in climb.loads.wrenches.items()}
+    for sign, wrench in zip((1, -1), wrenches.values(), strict=True):
+        wrench[:, 5] += sign * 4e3
+    loads = replace(climb.loads, wrenches=wrenches)
+    checks = pin_checks(climb.design, climb.part, loads)
+    assert checks
+    twisted = 0
+    for check in checks:
+        derivation = pin(climb.part, loads, check)
+        assert derivation.misses(check) == "", check.quantity
+        twisted += any(item.symbol == "T" for item in derivation.items)
+    assert twisted
 
 
 def test_the_stress_of_a_pin_in_two_directions_is_findley_s(tmp_path):

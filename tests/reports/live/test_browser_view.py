@@ -1,5 +1,6 @@
 """The live view as a reader uses it: parts, positions, fields, probe, peak."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -215,6 +216,16 @@ def test_the_pointer_reads_the_value_and_a_click_holds_the_components(viewed):
     assert role(page, "pinned-box").is_hidden()
 
 
+def test_displacements_are_drawn_as_a_twentieth_of_the_part_rounded_up(viewed):
+    page = viewed().page
+    role(page, "deformed").check()
+    factor = float(role(page, "factor-told").inner_text().removeprefix("× "))
+    head = live_payload(sections.design()).header["parts"][0]
+    size = np.linalg.norm(np.subtract(*head["bounds"]))
+    share = factor * head["scale"]["displacement"]["to"] / size
+    assert 0.0499 <= share <= 0.1251
+
+
 def test_no_digit_is_told_that_the_error_hides(viewed):
     page = viewed().page
     page.evaluate("ballesta.setPosition(0, 20)")
@@ -229,6 +240,30 @@ def test_no_digit_is_told_that_the_error_hides(viewed):
         decimals = len(text.partition(".")[2])
         assert text == "0" or 10.0**-decimals > off / 10, (text, off)
     assert any("." in text for text in shown)
+
+
+def test_no_digit_of_a_field_over_the_duty_or_a_displacement_is_told_that_its_steps_hide(viewed):
+    """`text` with the value of the node that has the least of each field, but more than nothing."""
+    page = viewed().page
+    head = live_payload(sections.design()).header["parts"][0]
+    for field, off in (
+        ("utilisation", head["coding"]["fatigue"]["utilisation"] / 2),
+        ("displacement", head["accuracy"]["moved"][0]),
+    ):
+        role(page, "field").select_option(field)
+        box = role(page, "canvas").bounding_box()
+        least = ""
+        for across in range(6, 95, 4):
+            x, y = box["x"] + across / 100 * box["width"], box["y"] + box["height"] / 2
+            page.mouse.click(x, y)
+            if role(page, "pinned-box").is_visible():
+                text = role(page, "pinned").locator("b").inner_text().split()[0]
+                value = float(text.replace("−", "-"))
+                if value and (not least or value < float(least)):
+                    least = text
+        assert least
+        decimals = len(least.partition(".")[2])
+        assert 10.0**-decimals > off / 10, (field, least, off)
 
 
 def written_on(page):
@@ -309,6 +344,23 @@ def test_the_most_stressed_places_stand_in_a_table_that_leads_to_them(viewed):
     assert values[0] == pytest.approx(page.evaluate(PEAK), abs=0.01)
     rows.nth(2).get_by_role("button").click()
     assert float(role(page, "pinned").locator("b").inner_text().split()[0]) == values[2]
+
+
+def test_the_most_stressed_places_are_a_little_apart_from_each_other(viewed):
+    """By 3 % of the part's diagonal at least, but no farther than it takes."""
+    page = viewed().page
+    page.evaluate("ballesta.setPosition(0, 0)")
+    box = role(page, "hottest")
+    box.locator("summary").click()
+    box.locator("tbody tr").first.wait_for()
+    told = [
+        re.findall(r"[xyz] (−?[\d.]+)", row) for row in box.locator("tbody tr").all_inner_texts()
+    ]
+    places = np.array([[float(one.replace("−", "-")) for one in row] for row in told])
+    head = live_payload(sections.design()).header["parts"][0]
+    size = np.linalg.norm(np.subtract(*head["bounds"]))
+    apart = np.linalg.norm(places[:, None] - places, axis=2)[np.triu_indices(8, 1)] / size
+    assert 0.029 < apart.min() < 0.06
 
 
 def _covered(live, node, towards):

@@ -7,13 +7,13 @@ from numpy.testing import assert_allclose
 from reports.packed import packed_json, series
 from reports.page_script import joined
 
-NAMES = "rowIn, atRow, series, unzippedJson, placeText, forceText"
+NAMES = "rowIn, atRow, series, unzippedJson, placeText, forceText, cornersOver"
 
 
 @pytest.fixture
 def read(opened, tmp_path):
     """Return what evaluates an expression of the helpers."""
-    script = joined("live/data.js", "live/numbers.js").replace(
+    script = joined("live/data.js", "live/numbers.js", "live/motion.js").replace(
         "})();", f"Object.assign(window, {{ {NAMES} }}); }})();"
     )
     path = tmp_path / "data.html"
@@ -51,3 +51,21 @@ def test_places_and_forces_are_told_in_one_way(read):
     assert read("placeText([1.25, -0.04, -30])") == "x 1.3, y 0.0, z −30.0 mm"
     told = [read(f"forceText({newton})") for newton in (0, 4.567, 9999, 12345, 2e6)]
     assert told == ["0 N", "4.57 N", "9999 N", "12.3 kN", "2000 kN"]
+
+
+def test_the_corners_of_a_moving_box_are_those_of_the_turned_and_moved_box(read):
+    x, y, angle = [1.0, -20.0], [5.0, 7.0], [0.0, 0.5]
+    low, high = [-1.0, -2.0, -3.0], [4.0, 2.0, 3.0]
+    found = read(
+        "([part, bounds]) => Array.from(cornersOver({ index: [0, 1], parts: [part] },"
+        " [{ index: 0, bounds }]))",
+        [{"x": x, "y": y, "angle": angle, "z": 10.0}, [low, high]],
+    )
+    box = np.array([[a, b, c] for a in (low[0], high[0]) for b in (low[1], high[1])
+                    for c in (low[2], high[2])])  # fmt: skip
+    wanted = []
+    for k in (0, 1):
+        c, s = np.cos(angle[k]), np.sin(angle[k])
+        turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+        wanted += (box @ turn.T + [x[k], y[k], 10.0]).tolist()
+    assert_allclose(sorted(np.reshape(found, (-1, 3)).tolist()), sorted(wanted), atol=1e-12)

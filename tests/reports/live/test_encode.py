@@ -12,7 +12,7 @@ from reports.live.encode import TOLERANCE, encode
 from reports.live.fields import LiveFields, grey, principal_range, von_mises
 from reports.live.planes import Writer, read_planes
 
-from .surfaces import live, smooth, torus, turning, usual
+from .surfaces import live, peak_of, smooth, torus, turning, usual
 
 CYCLES = ["work", "idle"]
 SINGLE = 1e-6  # unit fields are in single precision
@@ -181,6 +181,36 @@ def test_the_error_is_proven_for_fields_of_any_kind(case):
     assert not any("cancel" in note for note in done.head["notes"])
 
 
+def largest_principal_error(fields, head, text):
+    """Of any principal stress over all nodes and kept positions of the first cycle, MPa."""
+    part = decode(head, text)
+    order = order_of(fields, part)
+    worst = 0.0
+    for position in head["cycles"][0]["positions"]:
+        pair = fields.at("work", position), part.stress(0, position)[order]
+        values = [np.linalg.eigvalsh(one[:, [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(-1, 3, 3))
+                  for one in pair]  # fmt: skip
+        worst = max(worst, float(np.abs(values[0] - values[1]).max()))
+    return worst
+
+
+@pytest.mark.parametrize("case", [random_numbers, pressure])
+def test_what_weights_in_whole_steps_cost_is_in_the_proven_errors(case, monkeypatch):
+    """Of 8 bits they cost more than the fields; of a pressure most of it is mean stress."""
+    monkeypatch.setattr("reports.live.fitting._WEIGHT_BITS", 8)
+    surface = torus(24, 12)
+    stress, coefficients = case(surface[0])
+    fields = live(stress, coefficients, surface)
+    done = encode(fields, CYCLES)
+    accuracy = done.head["accuracy"]
+    assert accuracy["share"] > 1.5 * TOLERANCE
+    assert largest_error(fields, done.head, done.text, CYCLES) <= accuracy["share"]
+    off = largest_principal_error(fields, done.head, done.text)
+    assert off <= accuracy["principal"][0]
+    if case is pressure:
+        assert off > 5 * accuracy["mises"][0]
+
+
 @pytest.mark.parametrize("large", [1e4, 1e5, 1e7])
 def test_what_single_precision_costs_is_in_the_proven_error(large):
     """Two unit loads of opposite sign, so large that their sum is what single precision loses."""
@@ -270,6 +300,48 @@ def test_of_a_long_cycle_some_positions_are_carried_with_its_peak_and_the_page_s
     assert "at any node and position that the page keeps, and by at most" in accuracy["words"]
     assert accuracy["mises"][0] == pytest.approx(between * fields.peaks["work"].max())
     assert done.head["cycles"][1] is None
+
+
+def test_at_positions_left_out_no_principal_stress_is_off_by_more_than_is_told():
+    """Of a pressure the straight lines miss much more than of its von Mises stress."""
+    surface = torus(16, 8)
+    stress = 0.02 * smooth(surface[0], 2)
+    stress[:, :, :3] += smooth(surface[0], 2, seed=9)[:, :, :1]
+    rough = turning(2, 3700) + 0.2 * np.random.default_rng(4).normal(size=(2, 3700))
+    fields = live(stress, {"work": rough}, surface)
+    done = encode(fields, CYCLES)
+    part = decode(done.head, done.text)
+    order = order_of(fields, part)
+    left = sorted({*range(3700)} - {*done.head["cycles"][0]["positions"]})
+    assert len(left) == 99
+    worst = 0.0
+    for position in left:
+        pair = fields.at("work", position), part.stress(0, position)[order]
+        values = [np.linalg.eigvalsh(one[:, [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(-1, 3, 3))
+                  for one in pair]  # fmt: skip
+        worst = max(worst, float(np.abs(values[0] - values[1]).max()))
+    told = done.head["accuracy"]
+    assert 5 * told["mises"][0] < worst <= told["principal"][0]
+
+
+def test_the_reported_peak_is_carried_also_where_an_equal_one_is_the_largest():
+    surface = torus(16, 8)
+    rough = turning(3, 4200) + 0.2 * np.random.default_rng(4).normal(size=(3, 4200))
+    fields = live(smooth(surface[0], 3), {"work": rough}, surface)
+    kept = encode(fields, CYCLES).head["cycles"][0]["positions"]
+    other = min({*range(4200)} - {*kept})
+    peak = replace(peak_of(fields), position=other)
+    assert other in encode(replace(fields, peak=peak), CYCLES).head["cycles"][0]["positions"]
+
+
+def test_displacements_and_fields_over_the_duty_tell_what_they_may_be_off_by(fields, written):
+    part = decode(written.head, written.text)
+    order = order_of(fields, part)
+    for number, name in enumerate(CYCLES):
+        told = written.head["accuracy"]["moved"][number]
+        for position in range(fields.coefficients[name].shape[1]):
+            off = part.displacement(number, position)[order] - fields.moved(name, position)
+            assert np.linalg.norm(off, axis=1).max() <= told
 
 
 def test_of_a_cycle_of_some_thousand_positions_all_are_carried():

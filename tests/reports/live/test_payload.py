@@ -124,6 +124,20 @@ def test_a_large_page_raises_the_tolerance_first_and_says_so(fields):
     assert all(len(part["notes"]) == 1 for part in payload.header["parts"])
 
 
+def test_a_part_that_cannot_be_drawn_that_exactly_is_not_said_to_be():
+    """Its unit loads cancel: single precision costs more than the raised tolerance."""
+    surface = torus(24, 12)
+    first, second = smooth(surface[0], 1)[0], smooth(surface[0], 1, seed=3)[0]
+    turn = 1e5 * turning(1, 30)
+    made = live(
+        np.stack([first, first + 1e-5 * second]), {"work": np.concatenate([-turn, turn])}, surface
+    )
+    (head,) = live_payload(design(one=made), Budget(coarse=0)).header["parts"]
+    assert head["accuracy"]["share"] > 5e-3
+    assert not any("the page would be larger" in note for note in head["notes"])
+    assert any("nearly cancel each other" in note for note in head["notes"])
+
+
 def test_beyond_the_budget_the_largest_parts_lose_their_fields_and_the_page_says_so(fields):
     surface = torus(16, 8)
     small = live(smooth(surface[0], 2), {"work": turning(2, 20)}, surface)

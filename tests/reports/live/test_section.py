@@ -72,6 +72,48 @@ def test_data_blocks_cannot_be_ended_by_a_name():
         assert not set("<>&") & set(block(body, data))
 
 
+def test_the_curve_behind_the_slider_has_every_peak_also_of_a_long_cycle():
+    """180 points tell of 5000 positions: each has the largest of its stretch."""
+    design = sections.design()
+    turn = design.cycles["turn"]
+    name = design.parts[0].name
+    peaks = np.full(5000, 10.0)
+    peaks[[17, 2503]] = 80.0, 100.0
+    long = {**turn, "position": np.arange(5000.0), "time": np.arange(5000.0),
+            "phase": ["round"] * 5000, "peaks": {name: peaks}}  # fmt: skip
+    changed = replace(design, cycles={**design.cycles, "turn": long}, motion={})
+    curve = json.loads(block(live_section(changed).body, "live-section"))["curves"][0][0]
+    heights = np.frombuffer(b64decode(curve["heights"]), dtype=np.uint8)
+    assert len(heights) == 180
+    assert (curve["most"], curve["at"]) == (100.0, 2503)
+    assert sorted(heights.tolist())[-3:] == [26, 204, 255]
+    assert heights.argmax() == 2503 * 180 // 5000
+
+
+def test_a_page_without_a_deciding_place_begins_at_the_largest_stress_of_all_cycles():
+    design = sections.design()
+    name = design.parts[0].name
+    cycles = {
+        key: {**cycle, "peaks": {name: np.linspace(1.0, most, len(cycle["position"]))}}
+        for (key, cycle), most in zip(design.cycles.items(), (50.0, 90.0), strict=True)
+    }
+    part = replace(design.parts[0], checks=[], live=replace(design.parts[0].live, peak=None))
+    body = live_section(replace(design, cycles=cycles, parts=[part], motion={})).body
+    last = len(list(design.cycles.values())[1]["position"]) - 1
+    assert json.loads(block(body, "live-section"))["start"] == [1, last]
+
+
+def test_a_table_of_a_model_that_is_not_drawn_does_not_call_its_stress_the_surface_s():
+    design = sections.design()
+    heads = [dict(head) for head in live_payload(design).header["parts"]]
+    (own, *_) = peak_tables(design.parts[0], heads[0], design)
+    assert own.kind.startswith("largest von Mises stress on the surface")
+    (other, *_) = peak_tables(design.parts[0], heads[0] | {"decides": False}, design)
+    assert (
+        other.kind == "largest stress of the model that decides, which is not the one that is drawn"
+    )
+
+
 def test_cycles_tell_positions_moments_and_phases():
     design = sections.design()
     turn, hold = cycles_data(design)
