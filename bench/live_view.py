@@ -16,7 +16,7 @@ import shutil
 import sys
 import tempfile
 from pathlib import Path
-from time import process_time
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -31,7 +31,7 @@ from geometry.halves import Half
 from reports.live.encode import EncodedPart, encode
 from reports.live.fields import LiveFields
 
-PARTS, POSITIONS = 5, 361
+PARTS, POSITIONS, TRIES = 5, 361, 3
 FINENESS = 1.96  # the next coarser mesh has 29 000 surface nodes
 LIMITS = {
     "12 fields, MB": 9.0,
@@ -108,10 +108,13 @@ def part_of(surface: dict[str, Any], number: int, count: int, *, moved: bool) ->
 
 
 def encoded(parts: list[LiveFields]) -> tuple[list[EncodedPart], float]:
-    """The parts as text, and the processor time that took, s."""
-    start = process_time()
-    done = [encode(part, ["cycle"]) for part in parts]
-    return done, process_time() - start
+    """The parts as text, and how long that took, s: the best of some tries."""
+    taken = []
+    for _ in range(TRIES):
+        start = perf_counter()
+        done = [encode(part, ["cycle"]) for part in parts]
+        taken.append(perf_counter() - start)
+    return done, min(taken)
 
 
 async def browsed(part: EncodedPart, positions: list[int]) -> dict[str, Any]:
