@@ -10,11 +10,10 @@ from dataclasses import replace
 from ballesta.design_data import Design, Part
 from ballesta.halves import shown_surface
 from ballesta.judged_fatigue import FatigueUse
-from ballesta.levels import Level, Models, solve_level
+from ballesta.levels import Models
 from ballesta.live_fields import solid_fields
 from ballesta.part_loads import PartLoads
-from ballesta.part_strength import elastic_of, endurance_of
-from ballesta.solid import FIRST, Say, check_first_mesh
+from ballesta.solid import Say, first_level
 from fem.solvers import SolverError
 from geometry.mesh import MeshError, TooManyElementsError
 from reports.live.fields import LiveFields
@@ -44,7 +43,7 @@ def with_drawn_fields(
         return result
     say(f"{part.name}: meshing, to draw its stress")
     try:
-        level = _level(design, part, loads, models)
+        level = first_level(design, part, loads, models)
     except (MeshError, SolverError, TooManyElementsError) as error:
         return replace(result, live=undrawn(live, str(error)))
     methods = ", ".join(dict.fromkeys(check.method for check in result.checks))
@@ -74,18 +73,3 @@ def undrawn_warnings(results: Sequence[PartResult]) -> list[str]:
         for note in result.live.notes
         if note.startswith(_UNDRAWN)
     ]
-
-
-def _level(design: Design, part: Part, loads: PartLoads, models: Models) -> Level:
-    fineness = FIRST * part.fineness
-    check_first_mesh(part, 3 * len(models.mesh(part.geometry, fineness).nodes))
-    solutions = models.solutions(part.geometry, fineness, elastic_of(part))
-    return solve_level(
-        solutions,
-        fineness,
-        loads,
-        endurance_of(part).value,
-        part.material.ultimate_stress,
-        design.duty.cycles,
-        part.geometry.notch_factors,
-    )

@@ -15,11 +15,10 @@ import numpy as np
 import loads
 from ballesta.design_data import Design, Part
 from ballesta.explained.friction import with_friction
-from ballesta.levels import Level, Models, solve_level
+from ballesta.levels import Level, Models
 from ballesta.machine import cycle_of
 from ballesta.part_loads import PartLoads, loads_on
-from ballesta.part_strength import elastic_of, endurance_of
-from ballesta.solid import FIRST
+from ballesta.solid import first_level
 from ballesta.stressed import Stressed
 from fem.tie_tension import tie_tension
 from geometry.mesh import FloatArray
@@ -83,9 +82,9 @@ def with_leaf_checks(
     shape = part.geometry
     if not isinstance(shape, LeafPack) or shape.leaves == 1:
         return result
-    free = pack_level(design, part, part_loads, models)
+    free = first_level(design, part, part_loads, models)
     band = leaf_band(
-        design, part, part_loads, solved, lambda other: pack_level(design, part, other, models)
+        design, part, part_loads, solved, lambda other: first_level(design, part, other, models)
     )
     return replace(
         result,
@@ -243,21 +242,6 @@ def _stiffened(
         cycle.linkage, compliance=tuple(stiffer(entry) for entry in cycle.linkage.compliance)
     )
     return loads.run_cycle(linkage, cycle_of(design, design.cycles[cycle.name]))
-
-
-def pack_level(design: Design, part: Part, part_loads: PartLoads, models: Models) -> Level:
-    """Solve a part on its first mesh under some loads."""
-    fineness = FIRST * part.fineness
-    solutions = models.solutions(part.geometry, fineness, elastic_of(part))
-    return solve_level(
-        solutions,
-        fineness,
-        part_loads,
-        endurance_of(part).value,
-        part.material.ultimate_stress,
-        design.duty.cycles,
-        part.geometry.notch_factors,
-    )
 
 
 def _banded(check: Check, stiffer: _Stiffer) -> Check:

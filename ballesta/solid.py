@@ -332,6 +332,21 @@ def solve_levels(
         sizes = wanted
 
 
+def first_level(design: Design, part: Part, loads: PartLoads, models: Models) -> Level:
+    """Solve a whole part on its first mesh under some loads; raises MeshError and SolverError."""
+    fineness = FIRST * part.fineness
+    check_first_mesh(part, 3 * len(models.mesh(part.geometry, fineness).nodes))
+    return solve_level(
+        models.solutions(part.geometry, fineness, elastic_of(part)),
+        fineness,
+        loads,
+        endurance_of(part).value,
+        part.material.ultimate_stress,
+        design.duty.cycles,
+        part.geometry.notch_factors,
+    )
+
+
 def check_first_mesh(part: Part, unknowns: int) -> None:
     """Raise TooManyElementsError if the first mesh of a part is more than it may have."""
     if unknowns > part.most_unknowns:

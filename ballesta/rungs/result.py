@@ -9,7 +9,7 @@ import numpy as np
 
 from ballesta.chart_data import charts_of
 from ballesta.fatigue_facts import fatigue_facts
-from ballesta.leaf_checks import leaf_band, pack_level, with_leaf_checks
+from ballesta.leaf_checks import leaf_band, with_leaf_checks
 from ballesta.levels import Models
 from ballesta.live_fields import rung_fields
 from ballesta.part_facts import SMALL_DISPLACEMENT, facts_of
@@ -18,7 +18,7 @@ from ballesta.rungs.checked import BALANCE, BUCKLING, FATIGUE, STATIC
 from ballesta.rungs.climb import SOLID, Climb, answered
 from ballesta.rungs.estimate import Estimate
 from ballesta.rungs.model import RungLevel
-from ballesta.solid import RESCALED, Asked, Say, check_solid
+from ballesta.solid import RESCALED, Asked, Say, check_solid, first_level
 from ballesta.stability import column_checks, column_facts, column_told
 from fem.near_incompressible import LARGEST_RATIO, MEANING
 from geometry.cad_body import CadBody
@@ -154,7 +154,7 @@ def _enough(climb: Climb, models: Models) -> Callable[[Sequence[Check]], str]:
         climb.part,
         climb.loads,
         climb.solved,
-        lambda loads: pack_level(climb.design, climb.part, loads, models),
+        lambda loads: first_level(climb.design, climb.part, loads, models),
     )
 
     def enough(checks: Sequence[Check]) -> str:

@@ -12,12 +12,11 @@ from ballesta.check import check_design
 from ballesta.duty_verdict import NodalUse
 from ballesta.effort import Effort
 from ballesta.halves import UTILISATION
-from ballesta.leaf_checks import pack_level
 from ballesta.levels import Models
 from ballesta.live_fields import solid_fields
 from ballesta.part_loads import loads_on
 from ballesta.part_strength import fatigue_use
-from ballesta.solid import EVERYTHING, check_solid
+from ballesta.solid import EVERYTHING, check_solid, first_level
 from fem.unit_solutions import rigid_modes
 from reports.live.fields import von_mises
 
@@ -165,7 +164,7 @@ def test_no_node_is_used_less_by_two_cycles_than_by_one_of_them(tmp_path, models
         )
         part = design.parts["rod"]
         loads = loads_on(design, part, solved(design))
-        level = pack_level(design, part, loads, models)
+        level = first_level(design, part, loads, models)
         fields = solid_fields(loads, level, fatigue_use(design, part, loads))
         used.append(fields.fatigue["utilisation"])
     first, second, both = used
