@@ -35,15 +35,13 @@ demo: $(READY)
 	@$(BIN)/ballesta check designs/toggle_press.toml --out out || test $$? -eq 1
 	@echo "report: out/toggle_press/report.html"
 
-# A module's tests stay in one process: they share what it has computed. Processes side by side
-# with one thread each: threads of their own would wait for each other.
-ALONE := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
-
+# A module's tests stay in one process: they share what it has computed. Each takes one thread
+# (tests/conftest.py): threads of their own would wait for each other.
 test: $(PEERS)
-	@$(ALONE) $(BIN)/python -m pytest -m "not slow" --numprocesses auto --maxprocesses 4 --dist loadscope
+	@$(BIN)/python -m pytest -m "not slow" --numprocesses auto --maxprocesses 4 --dist loadscope
 
 slow: $(PEERS)
-	@$(ALONE) $(BIN)/python -m pytest -m slow --numprocesses auto --maxprocesses 2 --dist loadscope
+	@$(BIN)/python -m pytest -m slow --numprocesses auto --maxprocesses 2 --dist loadscope
 	@$(BIN)/python -m pytest designs
 
 lint: $(READY)

@@ -40,6 +40,7 @@ from ballesta.store.loads import stored_loads
 from ballesta.store.store import Store
 from ballesta.warnings_of import claim_warnings, design_warnings, unloaded_warnings
 from fem.allocation import keep_freed_memory
+from fem.threads import one_thread, policy
 from geometry.mesh import MeshError, TooManyElementsError
 from geometry.parts.step_part import StepPart
 from reports.verdict import Check, DesignResult, PartResult
@@ -80,6 +81,7 @@ def check_file(
     return check_design(design, effort=effort, say=say, reading=reading, store=store)
 
 
+@one_thread()
 def check_design(
     design: Design,
     *,
@@ -354,6 +356,7 @@ def versions() -> dict[str, str]:
     names = ("ballesta", "gmsh", "scikit-fem", "scikit-sparse", "numpy", "scipy", "meshio")
     return {
         **{name: version(name) for name in names},
+        "threads": policy(),
         "python": platform.python_version(),
         "platform": f"{sys.platform} {platform.machine()}",
     }

@@ -438,8 +438,16 @@ def version() -> None:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code when called from Python with arguments."""
+    from fem.threads import one_thread, policy
+
     try:
-        app(args=None if argv is None else list(argv), standalone_mode=True)
+        policy()
+    except ValueError as error:
+        print(f"ballesta: environment: {error}", file=sys.stderr)
+        return 2
+    try:
+        with one_thread():
+            app(args=None if argv is None else list(argv), standalone_mode=True)
     except SystemExit as stop:
         if argv is None:
             raise

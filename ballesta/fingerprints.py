@@ -5,7 +5,6 @@ form here is refused.
 """
 
 import hashlib
-import os
 import platform
 import struct
 import sys
@@ -17,12 +16,13 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fem.threads import policy
+
 if TYPE_CHECKING:
     from ballesta.design_data import Design, Part
 
 PACKAGES = ("ballesta", "reports", "fem", "fatigue", "loads", "geometry")
 _LIBRARIES = ("gmsh", "numpy", "pypardiso", "rainflow", "scikit-fem", "scikit-sparse", "scipy")
-_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 _MESH = ("fineness", "most_unknowns")
 _GEOMETRY = ("shape", "geometry")
 _NOT_LOADS = frozenset(
@@ -160,7 +160,7 @@ def libraries() -> Mapping[str, str]:
         "python": f"{platform.python_implementation()} {platform.python_version()}",
         "platform": f"{sys.platform} {platform.machine()}",
         "processor": _processor(),
-        "threads": _threads(),
+        "threads": policy(),  # sums come in another order with others
     }
 
 
@@ -179,12 +179,6 @@ def _processor() -> str:
         return platform.processor()
     named = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
     return next(named, platform.processor())
-
-
-def _threads() -> str:
-    """How many threads linear algebra may take: sums come in another order with others."""
-    stated = [f"{name}={os.environ[name]}" for name in _THREADS if os.environ.get(name)]
-    return " ".join(stated) or f"{os.cpu_count()} cores"
 
 
 def stages_of(design: "Design") -> dict[str, str]:

@@ -9,6 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from fem.ordering import dissection, permuted
+from fem.threads import LARGE, threads_for
 from geometry.mesh import FloatArray, IntArray
 
 BACKWARD_LIMIT = 1e-12
@@ -103,9 +104,19 @@ def factorize(
         except ImportError as error:
             missing.append(f"{name} cannot be loaded: {error}")
         else:
+            if upper.shape[0] >= LARGE:
+                apply = _threaded(apply, upper.shape[0])
             slow = "; slow" if missing and name == "SuperLU" else ""
             return Factor(f"{name} ({'; '.join(missing)}{slow})" if missing else name, upper, apply)
     raise SolverError("; ".join(missing))
+
+
+def _threaded(apply: Apply, unknowns: int) -> Apply:
+    def threaded(right: FloatArray) -> FloatArray:
+        with threads_for(unknowns):
+            return apply(right)
+
+    return threaded
 
 
 def _cholmod(upper: sp.csr_array, place: IntArray | None) -> Apply:
@@ -113,9 +124,10 @@ def _cholmod(upper: sp.csr_array, place: IntArray | None) -> Apply:
 
     order = dissection(upper, cholmod) if place is None else np.argsort(place, kind="stable")
     try:
-        factor = cholmod.cholesky(
-            permuted(upper, order), mode="supernodal", ordering_method="natural"
-        )
+        with threads_for(len(order)):
+            factor = cholmod.cholesky(
+                permuted(upper, order), mode="supernodal", ordering_method="natural"
+            )
     except cholmod.CholmodError as error:
         raise SolverError(f"{_INDEFINITE}: {error}") from error
 
@@ -134,7 +146,8 @@ def _pardiso(upper: sp.csr_array, _: IntArray | None) -> Apply:
     # a matrix of type 2 is symmetric positive definite and given by its upper triangle
     solver = PyPardisoSolver(mtype=2)
     try:
-        solver.factorize(upper)
+        with threads_for(upper.shape[0]):
+            solver.factorize(upper)
     except PyPardisoError as error:
         solver.free_memory(everything=True)
         raise SolverError(f"{_INDEFINITE}: {error}") from error

@@ -11,6 +11,9 @@ from typing import Any
 
 import pytest
 
+from fem.threads import ONE_THREAD
+
+os.environ.update(ONE_THREAD)  # before any test loads a library that has threads of its own
 ROOT = Path(__file__).parent.parent
 
 

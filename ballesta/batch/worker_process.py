@@ -12,15 +12,8 @@ from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
 
-ONE_THREAD = {
-    name: "1"
-    for name in (
-        "OMP_NUM_THREADS",
-        "OPENBLAS_NUM_THREADS",
-        "MKL_NUM_THREADS",
-        "NUMEXPR_NUM_THREADS",
-    )
-}
+from fem.threads import ONE_THREAD
+
 _ROOT = Path(__file__).resolve().parents[2]
 _LONGEST_LOG = 4000  # bytes of what a worker said last
 

@@ -1,7 +1,6 @@
 """Checks in a process of their own, so that the user's modules and ours never meet."""
 
 import json
-import os
 import signal
 import site
 import subprocess
@@ -11,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 WORKER = Path(__file__).resolve().with_name("worker.py")
-_ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 _LAST_LINES = 15
 
 
@@ -33,7 +31,7 @@ def measure(
     rungs: Mapping[str, Mapping[str, str]] | None = None,
     timeout: float | None = None,
 ) -> dict[str, Any]:
-    """Check a design in an isolated process with one thread; returns its record (`record_of`).
+    """Check a design in an isolated process, of one thread; returns its record (`record_of`).
 
     fidelity  of parts whose rungs are not pinned
     rungs     part -> kind of check -> the rung that decides it
@@ -45,7 +43,6 @@ def measure(
     process = subprocess.Popen(
         command,
         cwd=design.resolve().parent,  # so that no digest or message has a path of this machine
-        env=os.environ | _ONE_THREAD,
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,

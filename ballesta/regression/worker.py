@@ -5,6 +5,7 @@
 Prints one JSON table on standard output: the record, or the error's exit code and words.
 """
 
+import os
 import sys
 from importlib.util import find_spec
 from pathlib import Path
@@ -28,6 +29,9 @@ def _home(package: str) -> Path | None:
 
 if __name__ == "__main__":
     import_from_root()
+    from fem.threads import ONE_THREAD
+
+    os.environ.update(ONE_THREAD)  # before a library that has threads is loaded
     from ballesta.regression.work import main
 
     sys.exit(main())
