@@ -32,7 +32,7 @@ _TOLD_AFTER = ("encoding the fields", "writing the report")  # the verdict is th
 
 
 def environment(**stated: str) -> dict[str, str]:
-    """This process' environment with nothing said of threads but what is stated."""
+    """The environment, with nothing about threads but what is stated."""
     kept = {k: v for k, v in os.environ.items() if not k.endswith(("_THREADS", "_THREAD_LIMIT"))}
     return kept | stated
 

@@ -9,6 +9,7 @@ team is off throughout, as `fem.threads` has it.
 import json
 import os
 import sys
+from collections.abc import Callable
 from time import perf_counter, process_time
 from typing import Any
 
@@ -45,31 +46,31 @@ def measured(upper: Any, place: Any, runs: int) -> dict[str, list[float]]:
     """Least wall and processor seconds of factorisation and solves by number of threads."""
     import numpy as np
 
+    import fem.solvers
     import fem.threads
     from fem.solvers import factorize
 
     right = np.random.default_rng(0).standard_normal((upper.shape[0], COLUMNS))
     times: dict[str, list[list[float]]] = {}
-    fem.threads.LARGE = 0
+    fem.threads.LARGE = fem.solvers.LARGE = 0
     for _ in range(runs):
         for threads in [n for n in (1, 2, 4) if n <= (os.cpu_count() or 1)]:
             os.environ[fem.threads.OWN] = str(threads)
-            row = []
-            factor = None
-            for step in ("factorise", "solve"):
-                wall, processor = perf_counter(), process_time()
-                with fem.threads.threads_for(upper.shape[0]):
-                    if factor is None:
-                        factor = factorize(upper, place=place)
-                    else:
-                        factor.apply(right)
-                row += [perf_counter() - wall, process_time() - processor]
-                assert step
+            factor, factorising = _timed(lambda: factorize(upper, place=place))
+            _, solving = _timed(lambda factor=factor: factor.apply(right))
+            row = [*factorising, *solving]
             times.setdefault(str(threads), []).append(row)
     return {
         n: [round(min(column), 3) for column in zip(*rows, strict=True)]
         for n, rows in times.items()
     }
+
+
+def _timed(work: Callable[[], Any]) -> tuple[Any, tuple[float, float]]:
+    """An answer, and its wall and processor seconds."""
+    wall, processor = perf_counter(), process_time()
+    answer = work()
+    return answer, (perf_counter() - wall, process_time() - processor)
 
 
 def main(arguments: list[str]) -> None:
