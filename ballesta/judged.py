@@ -64,8 +64,8 @@ class Judged(ABC):
         """Coefficients (n_basis,) of the load states whose stress it is made of."""
 
     @abstractmethod
-    def direct(self, level: Level, arc: float) -> float:
-        """The quantity under bearing pressures as they are, on an arc, without a series."""
+    def direct(self, level: Level, arcs: Sequence[float]) -> list[float]:
+        """The quantity under bearing pressures as they are, on arcs (rad), without a series."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,16 +94,18 @@ class StaticPeak(Judged):
         """Scatter of the elements that meet at the point, MPa."""
         return level.scatter(self.states(level)[0], level.peak.point)
 
-    def direct(self, level: Level, arc: float) -> float:
+    def direct(self, level: Level, arcs: Sequence[float]) -> list[float]:
         """The peak at the same position under pressures as they are."""
-        return peak_of(direct_under(self.loads, level, level.peak.position, arc))
+        stress = direct_under(self.loads, level, level.peak.position, arcs)
+        return [peak_of(stress[:, :, k]) for k in range(len(arcs))]
 
 
 def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float) -> Bars:
     """Numerical bar, model band and a note for a quantity known on several meshes."""
     finest = levels[-1]
     value = judged.value(finest)
-    by_arc = {arc: judged.direct(finest, arc) for arc in arcs_of(part, finest)}
+    arcs = arcs_of(part, finest)
+    by_arc = dict(zip(arcs, judged.direct(finest, arcs), strict=True)) if arcs else {}
     values = [judged.value(level) for level in levels]
     sizes = sizes_at_peak(judged, levels)
     angle, exponent = _singular_edge(judged, levels)
@@ -169,10 +171,20 @@ def arcs_of(part: Part, level: Level) -> list[float]:
     return [pi] if narrow >= pi else [pi, (pi + narrow) / 2, narrow]
 
 
-def direct_under(loads: PartLoads, level: Level, position: int, arc: float) -> FloatArray:
-    """Surface stress (n, 6) at a position under bearing pressures as they are, on an arc, MPa."""
-    wrenches = {name: wrench[position] for name, wrench in loads.wrenches.items()}
-    return direct_stress(level.solutions, wrenches, level.coefficients[:, position], arc)
+def direct_under(
+    loads: PartLoads, level: Level, position: int, arcs: Sequence[float]
+) -> FloatArray:
+    """Surface stress (n, 6, n_arcs) at a position under bearing pressures as they are, MPa.
+
+    All arcs (rad) are solved together, and once per level and position.
+    """
+    key = position, tuple(arcs)
+    if key not in level.direct_stresses:
+        wrenches = {name: wrench[position] for name, wrench in loads.wrenches.items()}
+        level.direct_stresses[key] = direct_stress(
+            level.solutions, wrenches, level.coefficients[:, position], arcs
+        )
+    return level.direct_stresses[key]
 
 
 def _singular_edge(judged: Judged, levels: Sequence[Level]) -> tuple[float, float]:

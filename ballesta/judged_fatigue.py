@@ -1,5 +1,6 @@
 """How a part's fatigue is judged: Goodman and Findley, a finite life, or the FKM guideline."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import isfinite
 from weakref import WeakKeyDictionary
@@ -64,11 +65,11 @@ class FatigueUse(Judged):
         factor = self.limit / float(level.limits[point])
         return self._over_pair(level) * (factor * swing + middle * self.limit / self.ultimate)
 
-    def direct(self, level: Level, arc: float) -> float:
+    def direct(self, level: Level, arcs: Sequence[float]) -> list[float]:
         """The quantity between the same two positions under pressures as they are."""
-        pair = [direct_under(self.loads, level, k, arc) for k in self.worst(level).pair]
-        stress = np.stack(pair, axis=2)
-        return self._over_pair(level) * self._of_pair(stress, level.limits)
+        pair = [direct_under(self.loads, level, k, arcs) for k in self.worst(level).pair]
+        stress, share = np.stack(pair, axis=2), self._over_pair(level)
+        return [share * self._of_pair(stress[..., k], level.limits) for k in range(len(arcs))]
 
     def band(self, level: Stressed) -> tuple[float, str]:
         """How far another criterion of the same strength lies above, MPa, and what is said of it.
@@ -193,12 +194,12 @@ class FkmUse(FatigueUse):
         more = found.utilisation_with(found.amplitude + swing, found.mean + middle)
         return (more - found.utilisation) * self.strength.reference
 
-    def direct(self, level: Level, arc: float) -> float:
+    def direct(self, level: Level, arcs: Sequence[float]) -> list[float]:
         """The quantity between the same two positions under pressures as they are."""
         found = self.found(level)
-        pair = [direct_under(self.loads, level, k, arc) for k in found.pair]
-        used = found.utilisation_between(np.stack(pair, axis=2))
-        return float(used.max()) * self.strength.reference
+        stress = np.stack([direct_under(self.loads, level, k, arcs) for k in found.pair], axis=2)
+        used = [found.utilisation_between(stress[..., k]) for k in range(len(arcs))]
+        return [float(one.max()) * self.strength.reference for one in used]
 
     def safety_missed(self, level: Stressed) -> float:
         """How far from 1 the safety is that all loads times the safety leave."""

@@ -126,8 +126,17 @@ class Level(Stressed):
         return np.searchsorted(self.history.nodes, found.nodes), found.angles
 
     @cached_property
+    def direct_stresses(self) -> dict[tuple[int, tuple[float, ...]], FloatArray]:
+        """Stress (n, 6, n_arcs) that was solved besides the basis, by position and arcs, MPa."""
+        return {}
+
+    @cached_property
     def _sizes(self) -> FloatArray:
         return element_sizes(self.solutions.mesh)
+
+    @cached_property
+    def _notch_errors(self) -> dict[int, float]:
+        return {}
 
     def size_at(self, point: int) -> float:
         """Mean size of the elements that meet at a surface point, mm."""
@@ -142,8 +151,10 @@ class Level(Stressed):
 
     def notch_error(self, point: int) -> float:
         """Error of the stress at a surface point in a notch, as a share of it."""
-        curvature = concave_curvature(self.solutions.mesh, int(self.history.nodes[point]))
-        return notch_error(self.size_at(point), curvature)
+        if point not in self._notch_errors:
+            curvature = concave_curvature(self.solutions.mesh, int(self.history.nodes[point]))
+            self._notch_errors[point] = notch_error(self.size_at(point), curvature)
+        return self._notch_errors[point]
 
     def place(self, point: int) -> str:
         """Where a point is, in words."""
@@ -203,9 +214,8 @@ class Level(Stressed):
 
     def scatter(self, coefficients: FloatArray, point: int) -> float:
         """Scatter of the elements that meet at a point under some load state, MPa."""
-        return float(
-            self.solutions.recovery.scatter(self.solutions.displacement @ coefficients)[point]
-        )
+        displacement = self.solutions.displacement @ coefficients
+        return float(self.solutions.recovery.scatter(displacement, np.array([point]))[0])
 
 
 def solve_level(

@@ -18,7 +18,7 @@ from fem.elements import Elements, FacetQuadrature
 from fem.recovery import Recovery
 from fem.solvers import Factor, factorize
 from fem.unit_solutions import Elastic, rigid_modes
-from geometry.mesh import FloatArray, IntArray, Mesh, MeshError, boundary_facets
+from geometry.mesh import FloatArray, IntArray, Mesh, MeshError
 
 Traction = Callable[[FloatArray, FloatArray], FloatArray]
 _DEGREE = 8
@@ -37,7 +37,7 @@ def unknowns(nodes: IntArray, axes: str = "xyz") -> IntArray:
 
 def surface_normals(mesh: Mesh, name: str, degree: int = _DEGREE) -> FloatArray:
     """Unit outward normals at the quadrature points of a named surface, (n_facets, n_q, 3)."""
-    named, outer = mesh.surfaces[name], boundary_facets(mesh.elements)
+    named, outer = mesh.surfaces[name], mesh.facets
     corners = np.sort(np.concatenate([outer[:, :3], named[:, :3]]), axis=1)
     _, key = np.unique(corners, axis=0, return_inverse=True)
     row = np.full(len(corners), -1)

@@ -4,7 +4,7 @@ What the unit loads cannot say of themselves is measured with it at the position
 truncation of the bearing series, and how much depends on the arc on which a pin presses.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -19,29 +19,29 @@ def direct_stress(
     solutions: UnitSolutions,
     wrenches: Mapping[str, FloatArray],
     coefficients: FloatArray,
-    arc: float,
+    arcs: Sequence[float],
 ) -> FloatArray:
-    """Surface stress (n_points, 6) at one position with cosine pressures on an arc, MPa.
+    """Surface stress (n_points, 6, n_arcs) at one position with cosine pressures on arcs, MPa.
 
     wrenches      interface -> (6,) N, N mm
     coefficients  (n_basis,) of that position; used as they are for end faces, clamps, sliding
                   contacts, inertia, and the couples about x and y of pins that tilt
-    arc           rad, full angle of contact of every bore and journal
+    arcs          rad, full angles of contact of every bore and journal
     """
-    load = np.zeros(len(solutions.loads))
+    load = np.zeros((len(solutions.loads), len(arcs)))
     column = 0
     for unit in solutions.interfaces:
         columns = slice(column, column + len(unit.names))
         column = columns.stop
         kept = np.array([not _is_bearing(unit) or name in _TILTING for name in unit.names])
-        load += solutions.loads[:, columns][:, kept] @ coefficients[columns][kept]
+        load += (solutions.loads[:, columns][:, kept] @ coefficients[columns][kept])[:, None]
         if _is_bearing(unit):
             planar = np.asarray(wrenches[unit.interface.name])[[0, 1, 5]]
-            load += direct_bearing(solutions.elements, unit.interface, planar, arc)
+            for k, arc in enumerate(arcs):
+                load[:, k] += direct_bearing(solutions.elements, unit.interface, planar, arc)
     inertia = slice(column, column + len(ACCELERATIONS))
-    load += solutions.loads[:, inertia] @ coefficients[inertia]
-    displacement = solutions.solve(load[:, None])
-    return solutions.recovery.surface_stress(displacement)[:, :, 0]
+    load += (solutions.loads[:, inertia] @ coefficients[inertia])[:, None]
+    return solutions.recovery.surface_stress(solutions.solve(load))
 
 
 def has_bearings(solutions: UnitSolutions) -> bool:

@@ -9,7 +9,7 @@ order (h / rho)^2; measured on fillets of 0.15 to 2 mm between bars under bendin
 
 import numpy as np
 
-from geometry.mesh import FloatArray, Mesh, boundary_facets
+from geometry.mesh import FloatArray, Mesh
 
 _SHARE = 0.17  # of the peak times (h / rho)^2
 _SIDES = ((0, 1), (1, 2), (2, 0))
@@ -19,7 +19,7 @@ _CORNERS = ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))
 def concave_curvature(mesh: Mesh, node: int) -> float:
     """Largest concave curvature, 1/mm, of the surface of the elements that meet at a node."""
     near = np.unique(mesh.elements[(mesh.elements == node).any(axis=1)])
-    facets = boundary_facets(mesh.elements)
+    facets = mesh.facets
     corners = mesh.nodes[facets[np.isin(facets[:, :3], near).any(axis=1)]]
     normals = np.stack([facet_normals(corners, r, s) for r, s in _CORNERS], axis=1)
     largest = 0.0

@@ -95,32 +95,42 @@ class Recovery:
         stress *= shear
         return stress
 
-    def surface_stress(self, displacement: FloatArray) -> FloatArray:
-        """Stress (n_points, 6, m) at the surface nodes, MPa."""
+    def surface_stress(
+        self, displacement: FloatArray, at: IntArray | slice = slice(None)
+    ) -> FloatArray:
+        """Stress (n_points, 6, m) at the surface nodes, or those of some indices `at`, MPa."""
         columns = displacement.reshape(len(displacement), -1)
         total = np.zeros((len(self.points), 6 * columns.shape[1]))
-        for part in _chunks(self._touching, _CHUNK):
+        for part in _chunks(self._meeting(at), _CHUNK):
             stress = self.quadrature_stress(columns, part)
             total += self._averaging(part) @ stress.reshape(-1, total.shape[1])
         total /= self._weight[:, None]
         stress = total.reshape(len(self.points), 6, -1)
         stress[np.isin(self.points, self.elements.mesh.cut_nodes), 4:] = 0.0  # the mirror's cancel
-        return stress
+        return np.asarray(stress[at])
 
-    def scatter(self, displacement: FloatArray) -> FloatArray:
+    def scatter(self, displacement: FloatArray, at: IntArray | slice = slice(None)) -> FloatArray:
         """Von Mises size (n_points,) of the elements' scatter about the recovered stress, MPa.
 
-        displacement (3 n_nodes,): the weighted root mean square over the elements at each node.
+        displacement (3 n_nodes,): the weighted root mean square over the elements at each node,
+        or at the surface nodes of some indices `at`.
         """
-        mean = self.surface_stress(displacement)[:, :, 0]
-        total = np.zeros(len(self.points))
-        for part in _chunks(self._touching, 10 * _CHUNK):
+        mean, total = np.zeros((len(self.points), 6)), np.zeros(len(self.points))
+        mean[at] = self.surface_stress(displacement, at)[:, :, 0]
+        for part in _chunks(self._meeting(at), 10 * _CHUNK):
             stress = self.quadrature_stress(displacement, part)[..., 0]
             element, node, place = self._meetings(part)
             away = np.matmul(self._continuation, stress)[element, node] - mean[place]
             squares = von_mises(away) ** 2 * self._volumes[part[element]]
             total += np.bincount(place, squares, minlength=len(total))
-        return np.asarray(np.sqrt(total / self._weight))
+        return np.asarray(np.sqrt(total[at] / self._weight[at]))
+
+    def _meeting(self, at: IntArray | slice) -> IntArray:
+        """Elements that meet at surface nodes, of the indices `at` among `points`."""
+        if isinstance(at, slice) and at == slice(None):
+            return self._touching
+        wanted = np.isin(self.elements.mesh.elements[self._touching], self.points[at]).any(axis=1)
+        return np.asarray(self._touching[wanted])
 
     @cached_property
     def _volumes(self) -> FloatArray:

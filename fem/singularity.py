@@ -12,7 +12,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from fem.notch_resolution import facet_normals
-from geometry.mesh import FloatArray, IntArray, Mesh, boundary_facets
+from geometry.mesh import FloatArray, IntArray, Mesh
 
 _SHARP = np.radians(12)  # a turn of the surface beyond what curved facets leave between them
 
@@ -36,7 +36,7 @@ def reentrant_edges(mesh: Mesh) -> ReentrantEdges:
     through three points of a circle does not meet it at the right angle; twice what the facets' own
     turn lets expect of that is not taken for an edge.
     """
-    facets = boundary_facets(mesh.elements)
+    facets = mesh.facets
     edges = facets[:, [[0, 1, 3], [1, 2, 4], [2, 0, 5]]].reshape(-1, 3)
     corners = mesh.nodes[facets]
     normals = np.stack([facet_normals(corners, *_MIDDLES[side]) for side in range(3)], axis=1)

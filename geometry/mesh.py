@@ -188,7 +188,7 @@ class Mesh:
 
     def _check_touching(self) -> None:
         """MeshError where the body touches itself along a line, as beside a hole tangent to it."""
-        corners = self._boundary[:, :3]
+        corners = self.facets[:, :3]
         sides = np.sort(corners[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
         pairs, counts = np.unique(sides, axis=0, return_counts=True)
         lines = pairs[counts > 2]
@@ -231,7 +231,8 @@ class Mesh:
         return np.asarray(determinants.min(axis=1) / np.where(mean > 0, mean, 1.0))
 
     @cached_property
-    def _boundary(self) -> IntArray:
+    def facets(self) -> IntArray:
+        """Facets that belong to one element only, (n, 6): of a half with its cut."""
         return boundary_facets(self.elements)
 
     @cached_property
@@ -247,8 +248,8 @@ class Mesh:
     @cached_property
     def boundary(self) -> IntArray:
         """Facets of the part's own surface, (n, 6): without the cut of a half."""
-        cut = np.isin(self._boundary[:, :3], self.cut_nodes).all(axis=1)
-        return np.asarray(self._boundary[~cut])
+        cut = np.isin(self.facets[:, :3], self.cut_nodes).all(axis=1)
+        return np.asarray(self.facets[~cut])
 
     @cached_property
     def volume(self) -> float:

@@ -1,6 +1,7 @@
 """Element sizes that follow an error estimate on an earlier mesh of the same part."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,8 @@ _EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
 class SizeField:
     """Wanted element sizes at the corners of an earlier mesh; between them they are linear.
 
+    Fields with the same numbers are equal, so that equal parts share their meshes.
+
     nodes     (n, 3) mm
     elements  (m, 4) corner node indices
     sizes     (n,)   mm, at the nodes; those of no corner are not used
@@ -30,6 +33,16 @@ class SizeField:
             raise ValueError(f"{len(self.nodes)} nodes need as many sizes, got {self.sizes.shape}")
         if not self.sizes[self.elements].min() > 0:
             raise ValueError("element sizes must be above 0")
+
+    @cached_property
+    def _content(self) -> tuple[bytes, ...]:
+        return tuple(np.asarray(a).tobytes() for a in (self.nodes, self.elements, self.sizes))
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, SizeField) and self._content == other._content
+
+    def __hash__(self) -> int:
+        return hash(self._content)
 
     def to_gmsh(self, gmsh: Any) -> int:
         """Add the field to gmsh's current model and return its tag."""

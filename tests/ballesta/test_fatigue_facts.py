@@ -129,11 +129,11 @@ def test_one_per_cent_of_all_stresses_is_one_per_cent_of_what_is_judged(monkeypa
     value = use.value(level)
     assert use.scatter(level) == pytest.approx(0.01 * value, rel=1e-6)
 
-    def raised(loads, level, position, arc):
-        return 1.01 * level.history.basis[:, :, position]
+    def raised(loads, level, position, arcs):
+        return 1.01 * level.history.basis[:, :, position, None]
 
     monkeypatch.setattr(ballesta.judged_fatigue, "direct_under", raised)
-    assert use.direct(level, np.pi) == pytest.approx(1.01 * value, rel=1e-6)
+    assert use.direct(level, [np.pi]) == pytest.approx([1.01 * value], rel=1e-6)
 
 
 def test_findley_judges_a_circle_higher_than_the_chord_it_rests_on():

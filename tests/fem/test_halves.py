@@ -165,8 +165,8 @@ def test_error_estimate_and_scatter_of_a_half_are_those_of_the_whole(pair):
 
 def test_a_pressure_on_an_arc_gives_a_half_the_stress_of_the_whole(bar):
     wrenches = {name: wrench[2] for name, wrench in bar.wrenches.items()}
-    half = direct_stress(bar.half, wrenches, bar.of_half[:, 2], 2.0)
-    whole = direct_stress(bar.whole, wrenches, bar.of_whole[:, 2], 2.0)
+    half = direct_stress(bar.half, wrenches, bar.of_half[:, 2], [2.0])[..., 0]
+    whole = direct_stress(bar.whole, wrenches, bar.of_whole[:, 2], [2.0])[..., 0]
     whole = whole[np.searchsorted(bar.whole.recovery.points, bar.half.recovery.points)]
     assert_allclose(half, whole, rtol=0, atol=1e-8 * np.abs(whole).max())
 
