@@ -21,7 +21,7 @@ from ballesta.errors import DesignError
 from ballesta.explained.buckling import linkage_share
 from ballesta.explained.proven import with_derivation
 from ballesta.gates import load_gates
-from ballesta.levels import Bodies, Models
+from ballesta.levels import Models
 from ballesta.linkage_frame import LinkageMode, linkage_check, worst_mode
 from ballesta.machine import cycle_of, interface_distance, linkage_of, part_placing
 from ballesta.motion import motions_of
@@ -204,7 +204,7 @@ def _assumed_here(design: Design) -> list[tuple[str, str]]:
 
 
 def part_masses(
-    design: Design, models: Bodies, say: Say = lambda _: None
+    design: Design, models: Models, say: Say = lambda _: None
 ) -> dict[str, tuple[float, tuple[float, float], float]]:
     """Mass, centre and inertia of every body that has a part, in the body's frame."""
     masses = {}

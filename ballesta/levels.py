@@ -4,12 +4,11 @@ from collections.abc import Mapping, Set
 from dataclasses import dataclass
 from functools import cached_property
 from time import perf_counter
-from typing import Protocol
 
 import numpy as np
 
 from ballesta.part_loads import PartLoads
-from ballesta.store.meshes import stored_body, stored_mesh
+from ballesta.store.meshes import stored_body, stored_mesh, stored_skin
 from ballesta.store.solutions import stored_solutions
 from ballesta.store.store import Store
 from ballesta.stressed import Stressed, judge
@@ -19,18 +18,12 @@ from fem.singularity import reentrant_edges
 from fem.stress_history import StressHistory
 from fem.unit_loads import ACCELERATIONS, IN_PLANE, inertia_of, resultants
 from fem.unit_solutions import Elastic, UnitSolutions, solve_unit_loads
-from geometry.cad_body import CadBody, SolidBody
+from geometry.cad_body import Skin, SolidBody
+from geometry.closed_form import closed_body
 from geometry.halves import Half
 from geometry.mesh import SYMMETRY, FloatArray, IntArray, MassProperties, Mesh
 from geometry.meshing import Buildable
 from geometry.sizing import SizeField, element_sizes
-
-
-class Bodies(Protocol):
-    """What knows bodies without meshing them."""
-
-    def body(self, shape: Buildable) -> SolidBody:
-        """Return what is known of a shape without a mesh of it; raises MeshError."""
 
 
 class Models:
@@ -45,16 +38,28 @@ class Models:
         self._solutions: dict[
             tuple[Buildable, float, SizeField | None, Elastic], UnitSolutions
         ] = {}
-        self._bodies: dict[Buildable, CadBody] = {}
+        self._bodies: dict[Buildable, SolidBody] = {}
+        self._skins: dict[Buildable, Skin] = {}
         self.seconds: dict[str, float] = {"mesh": 0.0, "solve": 0.0}
 
-    def body(self, shape: Buildable) -> CadBody:
-        """Return what the CAD kernel knows of a shape, without a mesh of it."""
+    def body(self, shape: Buildable) -> SolidBody:
+        """Return what is known of a shape without a mesh, in closed form or by the CAD kernel.
+
+        Raises MeshError.
+        """
         if shape not in self._bodies:
             start = perf_counter()
-            self._bodies[shape] = stored_body(self.store, shape)
+            self._bodies[shape] = closed_body(shape) or stored_body(self.store, shape)
             self.seconds["mesh"] += perf_counter() - start
         return self._bodies[shape]
+
+    def skin(self, shape: Buildable) -> Skin:
+        """Return a coarse surface of a shape, to draw it; raises MeshError."""
+        if shape not in self._skins:
+            start = perf_counter()
+            self._skins[shape] = stored_skin(self.store, shape)
+            self.seconds["mesh"] += perf_counter() - start
+        return self._skins[shape]
 
     def mesh(self, shape: Buildable, fineness: float, sizes: SizeField | None = None) -> Mesh:
         """Return the mesh of a shape; `sizes` asks for smaller elements in places."""

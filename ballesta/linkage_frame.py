@@ -30,7 +30,7 @@ from reports.verdict import Check
 
 COARSE, MIDDLE, FINE = 4, 8, 16  # pieces of a bar's longest stretch
 _COARSE_ERROR = 0.03  # of a factor, how much higher the coarse frame may be than the fine one
-_RANKED = 600  # positions over all cycles that are asked at first
+_RANKED = 40  # positions of a cycle that are asked at first, besides those of largest forces
 _NEAR = 0.95  # of the largest share: about which of these all positions are asked
 _PLANES = {"in plane": IN_PLANE, "out of plane": OUT_OF_PLANE}
 Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
@@ -161,11 +161,15 @@ def linkage_check(design: Design, mode: LinkageMode) -> Check:
     )
 
 
-def _spread(run: loads.CycleLoads, stride: int) -> IntArray:
-    """Every so many-th position of a cycle, and the ends of its phases."""
+def _spread(run: loads.CycleLoads, stride: int, sizes: FloatArray) -> IntArray:
+    """Every so many-th position of a cycle, the ends of its phases, and where a force is largest.
+
+    sizes  (n, c) N, forces over the cycle
+    """
     borders = np.flatnonzero(np.diff(run.phase_of))
     ends = [0, *borders, *(borders + 1), len(run.positions) - 1]
-    return np.union1d(np.arange(0, len(run.positions), stride), ends)
+    peaks = [*sizes.argmax(axis=0), *sizes.argmin(axis=0)]
+    return np.unique([*range(0, len(run.positions), stride), *ends, *peaks])
 
 
 class _Search:
@@ -189,24 +193,27 @@ class _Search:
         """1/factor and place by case, largest first; cases without a factor above 0 are left out.
 
         Left out are those whose 1/factor cannot come near the largest, as the matrix's norm shows.
-        Of many positions some are asked that are spread evenly, the ends of phases among them, and
-        then all about those that come near the largest; a cycle's positions lie as dense as its
-        loads change. Raises loads.LinkageError where something moves without strain.
+        Of many positions some are asked that are spread evenly, the ends of phases and the largest
+        forces among them, and then all about those that come near the largest; a cycle's positions
+        lie as dense as its loads change. Raises loads.LinkageError where something moves without
+        strain.
         """
         found: dict[_Case, list[tuple[float, _Place]]] = {}
-        stride = -(-sum(len(run.positions) for run in self._cycles.values()) // _RANKED)
-        spread = {name: _spread(run, stride) for name, run in self._cycles.items()}
+        strides = {name: -(-len(run.positions) // _RANKED) for name, run in self._cycles.items()}
+        spread = {
+            name: _spread(run, strides[name], self._forces[name].sizes())
+            for name, run in self._cycles.items()
+        }
         self._rank(found, [(name, int(k)) for name, some in spread.items() for k in some])
-        if stride > 1:
-            about: dict[_Place, None] = {}
-            for places in found.values():
-                largest = max((value for value, _ in places), default=0.0)
-                for name, k in (place for value, place in places if value >= _NEAR * largest):
-                    last = len(self._cycles[name].positions)
-                    near = np.arange(max(0, k - stride + 1), min(last, k + stride))
-                    left = np.setdiff1d(near, spread[name])
-                    about |= dict.fromkeys((name, int(j)) for j in left)
-            self._rank(found, list(about))
+        about: dict[_Place, None] = {}
+        for places in found.values():
+            largest = max((value for value, _ in places), default=0.0)
+            for name, k in (place for value, place in places if value >= _NEAR * largest):
+                last, stride = len(self._cycles[name].positions), strides[name]
+                near = np.arange(max(0, k - stride + 1), min(last, k + stride))
+                left = np.setdiff1d(near, spread[name])
+                about |= dict.fromkeys((name, int(j)) for j in left)
+        self._rank(found, list(about))
         return {case: sorted(places, reverse=True) for case, places in found.items() if places}
 
     def _rank(

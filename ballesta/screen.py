@@ -31,8 +31,6 @@ from ballesta.rungs.result import reported_level, rung_gates
 from ballesta.side_by_side import offset_gates
 from ballesta.stability import column_checks
 from geometry.cad_body import SolidBody
-from geometry.closed_form import closed_body
-from geometry.meshing import Buildable
 from reports.verdict import Check, Gate, Status, deciding_of, status_of
 
 NOT_ASKED = (
@@ -127,31 +125,13 @@ def _overrides(variation: Variation) -> tuple[str, ...]:
     return tuple(variation)
 
 
-class _Bodies:
-    """Bodies in closed form, else of the CAD kernel."""
-
-    def __init__(self, models: Models) -> None:
-        self._models = models
-        self._closed: dict[Buildable, SolidBody] = {}
-
-    def body(self, shape: Buildable) -> SolidBody:
-        """What is known of a shape without a mesh; raises MeshError."""
-        if shape not in self._closed:
-            found = closed_body(shape)
-            if found is None:
-                return self._models.body(shape)
-            self._closed[shape] = found
-        return self._closed[shape]
-
-
 class _Known:
     """A design whose cycles are solved, to solve those of its variations by."""
 
     def __init__(self, design: Design) -> None:
         self.design = design
         self.models = Models()
-        self.bodies = _Bodies(self.models)
-        masses = part_masses(design, self.bodies)
+        masses = part_masses(design, self.models)
         self._linkages: dict[str, loads.Linkage] = {}
         self._cycles: dict[str, loads.Cycle] = {}
         self._solved: dict[str, loads.CycleLoads] = {}
@@ -189,7 +169,7 @@ def _screened(known: _Known, overrides: tuple[str, ...]) -> Screened:
 
 
 def _checked(known: _Known, design: Design, overrides: tuple[str, ...]) -> Screened:
-    masses = part_masses(design, known.bodies)
+    masses = part_masses(design, known.models)
     solved, afresh = known.solve(design, masses)
     if design.dynamics.apply:
         solved = with_dynamics(design, solved, vibration_of(design, solved))
@@ -203,7 +183,7 @@ def _checked(known: _Known, design: Design, overrides: tuple[str, ...]) -> Scree
     weights: dict[str, float] = {}
     for part in design.parts.values():
         with told_of_part(design, part):
-            body = known.bodies.body(part.geometry)
+            body = known.models.body(part.geometry)
             weights[part.name] = body.mass_properties(part.material.density).mass
             why = _check_part(known, design, part, body, runs, checks, gates)
         if why:

@@ -1,79 +1,84 @@
-"""A part's body from the CAD kernel alone: its mass, its interfaces and a coarse skin; no mesh.
+"""What is known of a part without a mesh: its mass and its interfaces; and a coarse skin to draw.
 
-What a part that is not meshed needs all the same: the linkage its mass properties, checks by
-formula its holes, and a report its picture.
+The linkage needs the mass properties, checks by formula the holes, and a report a picture.
 """
 
-from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from math import pi
+from typing import Any, TypeVar
 
 import numpy as np
 
 from geometry.mesh import FloatArray, IntArray, Interface, MassProperties, MeshError
-from geometry.meshing import Buildable, gmsh_session
+from geometry.meshing import Body, Buildable, gmsh_session
 from geometry.skin import skin_of
+
+T = TypeVar("T")
 
 _COARSE = 1.5  # of the part's general element size
 _CURVED = 20  # facets on a full turn
+_SMALLEST = 0.5  # of the facets' length on the smallest bore: rounder corners take fewer facets
 
 
 @dataclass(frozen=True, eq=False)
-class SolidBody(ABC):
+class SolidBody:
     """What is known of a body that is not meshed, in the part's own axes.
 
     interfaces  name -> Interface
     volume      mm3
     centre      (3,) mm, of mass
     second      mm5, second moment of volume about z through the centre
+    size        mm, largest size along an axis
     """
 
     interfaces: Mapping[str, Interface]
     volume: float
     centre: FloatArray
     second: float
+    size: float
 
     def mass_properties(self, density: float) -> MassProperties:
         """Mass, centre and inertia of the body at a density in t/mm3."""
         return MassProperties(density * self.volume, self.centre, density * self.second)
 
-    @property
-    @abstractmethod
-    def size(self) -> float:
-        """Largest size along an axis, mm."""
-
 
 @dataclass(frozen=True, eq=False)
-class CadBody(SolidBody):
-    """A body as the CAD kernel knows it.
+class Skin:
+    """A body's surface as flat triangles, each seen from outside counter-clockwise.
 
-    nodes       (n, 3) mm, of a skin of flat triangles
+    nodes       (n, 3) mm
     triangles   (m, 3) indices of them
     """
 
     nodes: FloatArray
     triangles: IntArray
 
-    @property
-    def size(self) -> float:
-        """Largest size along an axis, mm."""
-        return float(np.ptp(self.nodes, axis=0).max())
+
+def cad_body(shape: Buildable) -> SolidBody:
+    """Build a shape and ask the CAD kernel for what it knows; raises MeshError."""
+
+    def known(gmsh: Any, body: Body) -> SolidBody:
+        interfaces = {interface.name: interface for interface in body.interfaces}
+        return SolidBody(interfaces, *_integrals(gmsh), _extent(gmsh))
+
+    return _built(shape, known)
 
 
-def cad_body(shape: Buildable) -> CadBody:
-    """Build a shape and ask the kernel for what it knows; raises MeshError."""
+def cad_skin(shape: Buildable) -> Skin:
+    """Build a shape and cover its faces with triangles; raises MeshError."""
+    return _built(shape, _skin)
+
+
+def _built(shape: Buildable, known: Callable[[Any, Body], T]) -> T:
+    """What is asked of gmsh with the shape built in its model."""
     with gmsh_session() as gmsh:
         try:
-            body = shape.build(gmsh)
-            volume, centre, second = _integrals(gmsh)
-            nodes, triangles = _skin(gmsh, body.size)
+            return known(gmsh, shape.build(gmsh))
         except MeshError:
             raise
         except Exception as error:  # gmsh raises bare Exception only
             raise MeshError(f"gmsh could not build the part: {error}") from error
-    interfaces = {interface.name: interface for interface in body.interfaces}
-    return CadBody(interfaces, volume, centre, second, nodes, triangles)
 
 
 def _integrals(gmsh: Any) -> tuple[float, FloatArray, float]:
@@ -89,13 +94,22 @@ def _integrals(gmsh: Any) -> tuple[float, FloatArray, float]:
     return volume, centre, float((own + volumes * arms).sum())
 
 
-def _skin(gmsh: Any, size: float) -> tuple[FloatArray, IntArray]:
-    """Flat triangles on all faces of the solids, (n, 3) mm and (m, 3)."""
+def _extent(gmsh: Any) -> float:
+    """Largest size of all solids together along an axis, mm."""
+    boxes = [gmsh.model.getBoundingBox(3, tag) for _, tag in gmsh.model.getEntities(3)]
+    low, high = np.moveaxis(np.reshape(boxes, (-1, 2, 3)), 1, 0)
+    return float((high.max(axis=0) - low.min(axis=0)).max())
+
+
+def _skin(gmsh: Any, body: Body) -> Skin:
+    """Flat triangles on all faces of the solids."""
+    radii = [interface.radius for interface in body.interfaces if interface.radius]
     for name, value in (
         ("Mesh.ElementOrder", 1),
-        ("Mesh.MeshSizeMax", _COARSE * size),
+        ("Mesh.MeshSizeMax", _COARSE * body.size),
+        ("Mesh.MeshSizeMin", _SMALLEST * 2 * pi / _CURVED * min(radii, default=0.0)),
         ("Mesh.MeshSizeFromCurvature", _CURVED),
     ):
         gmsh.option.setNumber(name, value)
     gmsh.model.mesh.generate(2)
-    return skin_of(gmsh)
+    return Skin(*skin_of(gmsh))

@@ -19,22 +19,7 @@ _GAUSS_POINTS = 24  # per piece; the pieces are smooth in the root of the distan
 ClosedShape = ToggleBar | PrismaticTube | Pin | PlateLink | LeafPack
 
 
-@dataclass(frozen=True, eq=False)
-class ClosedBody(SolidBody):
-    """A body known by formulas alone.
-
-    extent  mm, its largest size along an axis
-    """
-
-    extent: float
-
-    @property
-    def size(self) -> float:
-        """Largest size along an axis, mm."""
-        return self.extent
-
-
-def closed_body(shape: object) -> ClosedBody | None:
+def closed_body(shape: object) -> SolidBody | None:
     """Return what formulas know of a shape; None for one that needs the CAD kernel."""
     match shape:
         case ToggleBar():
@@ -72,12 +57,12 @@ class _Moments:
     def __sub__(self, other: "_Moments") -> "_Moments":
         return self + _Moments(-other.volume, -other.first, -other.second)
 
-    def body(self, shape: ClosedShape, extent: float) -> ClosedBody:
+    def body(self, shape: ClosedShape, extent: float) -> SolidBody:
         """The body with its second moment about its own centre."""
         x = self.first / self.volume
         second = self.second - self.volume * x**2
         interfaces = {interface.name: interface for interface in shape.placed_interfaces}
-        return ClosedBody(interfaces, self.volume, np.array([x, 0.0, 0.0]), second, extent)
+        return SolidBody(interfaces, self.volume, np.array([x, 0.0, 0.0]), second, extent)
 
 
 def _box(start: float, stop: float, width: float, thickness: float) -> _Moments:
@@ -102,7 +87,7 @@ def _half_disc(x: float, radius: float, thickness: float, outward: float) -> _Mo
     return _Moments(volume, first, volume * radius**2 / 2 + 2 * x * first - volume * x**2)
 
 
-def _plate_link(shape: PlateLink) -> ClosedBody:
+def _plate_link(shape: PlateLink) -> SolidBody:
     thick, half = shape.thickness, shape.width / 2
     solid = _box(0.0, shape.length, shape.width, thick)
     solid += _half_disc(0.0, half, thick, -1.0) + _half_disc(shape.length, half, thick, 1.0)
@@ -111,20 +96,20 @@ def _plate_link(shape: PlateLink) -> ClosedBody:
     return solid.body(shape, max(shape.length + shape.width, thick))
 
 
-def _leaf_pack(shape: LeafPack) -> ClosedBody:
+def _leaf_pack(shape: LeafPack) -> SolidBody:
     high = shape.leaves * shape.thickness
     stop = shape.length + shape.overhang
     solid = _box(-shape.arm, stop, high, shape.width)
     return solid.body(shape, max(shape.arm + stop, high, shape.width))
 
 
-def _prismatic_tube(shape: PrismaticTube) -> ClosedBody:
+def _prismatic_tube(shape: PrismaticTube) -> SolidBody:
     cheek = _box(0.0, shape.length, shape.width, 2 * shape.wall)
     solid = cheek + _side_walls(shape, np.zeros_like, shape.length, ())
     return solid.body(shape, max(shape.length, shape.width))
 
 
-def _toggle_bar(shape: ToggleBar) -> ClosedBody:
+def _toggle_bar(shape: ToggleBar) -> SolidBody:
     stop = shape.length + shape.overhang
     corner, cut = shape.cutout_corner, shape.cutout_length - shape.overhang
 
@@ -181,7 +166,7 @@ def _gauss(cuts: list[float]) -> tuple[FloatArray, FloatArray]:
     return (root**2).ravel(), weight.ravel()
 
 
-def _pin(shape: Pin) -> ClosedBody:
+def _pin(shape: Pin) -> SolidBody:
     """A solid of revolution about z: cylinders, and necks with their fillets."""
     whole, fillet = shape.diameter / 2, shape.step_fillet
     low, high = shape.ends
@@ -196,7 +181,7 @@ def _pin(shape: Pin) -> ClosedBody:
     volume, first, second = total
     interfaces = {interface.name: interface for interface in shape.placed_interfaces}
     centre = np.array([0.0, 0.0, first / volume])
-    return ClosedBody(interfaces, volume, centre, second, max(high - low, shape.diameter))
+    return SolidBody(interfaces, volume, centre, second, max(high - low, shape.diameter))
 
 
 def _cylinder(radius: float, low: float, high: float) -> FloatArray:

@@ -21,7 +21,7 @@ from ballesta.rungs.model import RungLevel
 from ballesta.solid import RESCALED, Asked, Say, check_solid, first_level
 from ballesta.stability import column_checks, column_facts, column_told
 from fem.near_incompressible import LARGEST_RATIO, MEANING
-from geometry.cad_body import CadBody
+from geometry.cad_body import Skin
 from reports.verdict import NOT_MESHED, Check, Gate, PartResult, RungTried, Status, Surface
 
 
@@ -46,7 +46,7 @@ def cheap_result(climb: Climb, models: Models, *, live: bool = False) -> PartRes
         gates.append(Gate(f"{part.name}: fatigue safety", missed, *RESCALED))
     told = column_told(part, loads)
     assumed = [f"{climb.tried[-1].rung}: {level.model.neglects}"]
-    surface = _unstressed(body)
+    surface = _unstressed(models.skin(part.geometry))
     return PartResult(
         name=part.name,
         shape=part.shape,
@@ -104,8 +104,8 @@ def rung_gates(climb: Climb, level: RungLevel, size: float) -> list[Gate]:
     return gates
 
 
-def _unstressed(body: CadBody) -> Surface:
-    return Surface(body.nodes, body.triangles, {NOT_MESHED: np.zeros(len(body.nodes))}, 0)
+def _unstressed(skin: Skin) -> Surface:
+    return Surface(skin.nodes, skin.triangles, {NOT_MESHED: np.zeros(len(skin.nodes))}, 0)
 
 
 def solid_result(

@@ -1,7 +1,7 @@
 """Bodies and meshes from the store."""
 
 from ballesta.store.store import Store
-from geometry.cad_body import CadBody, cad_body
+from geometry.cad_body import Skin, SolidBody, cad_body, cad_skin
 from geometry.mesh import Mesh
 from geometry.meshing import Buildable, mesh_shape
 from geometry.sizing import SizeField
@@ -9,11 +9,18 @@ from geometry.sizing import SizeField
 _PACKAGES = ("geometry",)
 
 
-def stored_body(store: Store | None, shape: Buildable) -> CadBody:
+def stored_body(store: Store | None, shape: Buildable) -> SolidBody:
     """Return what the CAD kernel knows of a shape; raises MeshError."""
     if store is None:
         return cad_body(shape)
     return store.remember("body", _PACKAGES, shape, lambda: cad_body(shape))
+
+
+def stored_skin(store: Store | None, shape: Buildable) -> Skin:
+    """Return a coarse surface of a shape, to draw it; raises MeshError."""
+    if store is None:
+        return cad_skin(shape)
+    return store.remember("skin", _PACKAGES, shape, lambda: cad_skin(shape))
 
 
 def stored_mesh(

@@ -163,3 +163,14 @@ def test_a_body_that_is_not_its_own_mirror_image_is_refused(box):
 
 def test_a_box_about_the_plane_is_halved():
     assert_allclose(mesh_shape(Half(Box())).volume, 1000, rtol=1e-9)
+
+
+def test_equal_size_fields_are_one_by_their_numbers():
+    """Two equal bars ask for the same mesh although each has its own field."""
+    corners, elements = np.vstack([np.zeros(3), np.eye(3)]), np.array([[0, 1, 2, 3]])
+    one, same, finer = (
+        SizeField(corners.copy(), elements.copy(), np.full(4, size)) for size in (2.0, 2.0, 1.0)
+    )
+    assert one == same
+    assert one != finer
+    assert len({one, same, finer}) == 2
