@@ -17,7 +17,6 @@ from functools import cached_property
 from math import isfinite, pi
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ballesta.column_first_order import GRID, FirstOrder, first_order
 from ballesta.column_limits import Plane, planes_of, whole_force
@@ -133,6 +132,8 @@ class CrookedColumn:
         top = 1 - 1e-12
         if over(top) <= 0:
             return float(most)
+        from scipy.optimize import brentq
+
         return float(most * brentq(over, 0.0, top, xtol=1e-15, rtol=1e-13))
 
 

@@ -7,6 +7,7 @@ and describe themselves in its JSON schema.
 
 import math
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from operator import ge, gt, le, lt
@@ -69,20 +70,66 @@ _FACTOR = re.compile(
 )
 
 
+@dataclass(frozen=True)
+class Unit:
+    """One of a unit: its size in pint's root units, and their powers."""
+
+    size: float
+    powers: Mapping[str, float]
+
+    def __mul__(self, other: "Unit") -> "Unit":
+        names = self.powers.keys() | other.powers.keys()
+        powers = {name: self.powers.get(name, 0) + other.powers.get(name, 0) for name in names}
+        return Unit(self.size * other.size, {name: p for name, p in powers.items() if p})
+
+    def __pow__(self, power: int) -> "Unit":
+        return Unit(self.size**power, {name: p * power for name, p in self.powers.items()})
+
+
+_LENGTH, _TIME, _ANGLE = {"meter": 1}, {"second": 1}, {"radian": 1}
+_FORCE = {"gram": 1, "meter": 1, "second": -2}
+_PRESSURE = {"gram": 1, "meter": -1, "second": -2}
+# The units that nearly all designs are written in: pint, which knows all others, takes half a
+# second to load.
+KNOWN_UNITS = {
+    **{name: Unit(size, _LENGTH) for name, size in (("mm", 1e-3), ("cm", 1e-2), ("m", 1.0),
+                                                    ("um", 1e-6), ("km", 1e3))},
+    **{name: Unit(size, _FORCE) for name, size in (("N", 1e3), ("kN", 1e6), ("MN", 1e9))},
+    **{name: Unit(size, {"gram": 1}) for name, size in (("g", 1.0), ("kg", 1e3), ("t", 1e6),
+                                                        ("tonne", 1e6))},
+    **{name: Unit(size, _PRESSURE) for name, size in (("Pa", 1e3), ("kPa", 1e6), ("MPa", 1e9),
+                                                      ("GPa", 1e12), ("bar", 1e8))},
+    **{name: Unit(size, _TIME) for name, size in (("s", 1.0), ("ms", 1e-3), ("min", 60.0),
+                                                  ("h", 3600.0))},
+    **{name: Unit(size, _ANGLE) for name, size in (("rad", 1.0), ("deg", math.pi / 180))},
+    "Hz": Unit(1.0, {"second": -1}),
+    "percent": Unit(0.01, {}),
+}  # fmt: skip
+
+
 @lru_cache(maxsize=1)
 def _registry() -> "pint.UnitRegistry[float]":
-    import pint  # half a second: not for `ballesta --help`
+    import pint
 
     return pint.UnitRegistry()
 
 
-@lru_cache(maxsize=1024)
-def _unit(text: str) -> "pint.Quantity[float]":
-    """Return one of the unit in root units; raises ValueError in the user's words."""
+def pint_unit(name: str) -> Unit:
+    """Return one of a unit that pint knows; raises ValueError for any other."""
     import pint
 
     registry = _registry()
-    result = registry.Quantity(1.0)
+    try:
+        root = registry.Quantity(1.0, registry.parse_units(name)).to_root_units()
+    except pint.UndefinedUnitError as error:
+        raise ValueError(str(error)) from error
+    return Unit(float(root.magnitude), dict(root.unit_items()))
+
+
+@lru_cache(maxsize=1024)
+def _unit(text: str) -> Unit:
+    """Return one of the unit in root units; raises ValueError in the user's words."""
+    result = Unit(1.0, {})
     position = 0
     while position < len(text):
         factor = _FACTOR.match(text, position)
@@ -92,27 +139,28 @@ def _unit(text: str) -> "pint.Quantity[float]":
         position = factor.end()
         if name == "1":
             continue
+        name = {"°": "deg", "%": "percent"}.get(name, name)
         try:
-            unit = registry.parse_units({"°": "degree", "%": "percent"}.get(name, name))
-        except (pint.UndefinedUnitError, ValueError):
+            unit = KNOWN_UNITS.get(name) or pint_unit(name)
+        except ValueError:
             guess = nearest(name, _COMMON_UNITS)
             hint = f", did you mean {guess}?" if guess else ""
             raise ValueError(f'unit "{name}" is unknown{hint}') from None
         power = int(digits or {"²": 2, "³": 3, None: 1}[superscript])
-        result = result * registry.Quantity(1.0, unit).to_root_units() ** (
-            -power if operator == "/" else power
-        )
+        result = result * unit ** (-power if operator == "/" else power)
     return result
 
 
-def _title(found: "pint.Quantity[float]") -> str:
+def _title(found: Unit) -> str:
     for dimension in DIMENSIONS.values():
-        if _unit(dimension.unit).units == found.units:
+        if _unit(dimension.unit).powers == found.powers:
             return dimension.title
     for unit, title in _OTHER_TITLES.items():
-        if _unit(unit).units == found.units:
+        if _unit(unit).powers == found.powers:
             return title
-    return f"in {found.units:~}"
+    from pint.util import UnitsContainer
+
+    return f"in {_registry().Unit(UnitsContainer(found.powers)):~}"
 
 
 def _shown(value: object) -> str:
@@ -159,8 +207,8 @@ def measure(value: object, *accepted: str) -> Measured:
         raise ValueError(f"{must_be}: {error}") from None
     for name in accepted:
         own = _unit(DIMENSIONS[name].unit)
-        if own.units == unit.units:
-            return Measured(number * (unit.magnitude / own.magnitude), name)
+        if own.powers == unit.powers:
+            return Measured(number * (unit.size / own.size), name)
     raise ValueError(f"{must_be}, which is {_title(unit)}")
 
 

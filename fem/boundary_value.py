@@ -11,7 +11,6 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
-import skfem
 
 from fem.assembly import Pattern, full, stiffness
 from fem.elements import Elements, FacetQuadrature
@@ -37,6 +36,8 @@ def unknowns(nodes: IntArray, axes: str = "xyz") -> IntArray:
 
 def surface_normals(mesh: Mesh, name: str, degree: int = _DEGREE) -> FloatArray:
     """Unit outward normals at the quadrature points of a named surface, (n_facets, n_q, 3)."""
+    import skfem
+
     named, outer = mesh.surfaces[name], mesh.facets
     corners = np.sort(np.concatenate([outer[:, :3], named[:, :3]]), axis=1)
     _, key = np.unique(corners, axis=0, return_inverse=True)

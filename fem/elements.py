@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import skfem
 
 from geometry.mesh import FloatArray, IntArray, Mesh
 
@@ -37,6 +36,8 @@ class Elements:
 
     @cached_property
     def _rule(self) -> tuple[FloatArray, FloatArray]:
+        import skfem
+
         points, weights = skfem.quadrature.get_quadrature(skfem.refdom.RefTet, 2)
         if points.shape != (3, 4):
             raise AssertionError("the four-point rule is expected")
@@ -45,6 +46,8 @@ class Elements:
     @cached_property
     def _shape(self) -> tuple[FloatArray, FloatArray]:
         """Shape functions (n_q, 10) and their slopes (n_q, 10, 3) in the reference element."""
+        import skfem
+
         element = skfem.ElementTetP2()  # numbers its nodes as the mesh does
         both = [element.lbasis(self._rule[0], node) for node in range(10)]
         values = np.stack([value for value, _ in both], axis=1)
@@ -106,6 +109,8 @@ class Elements:
         return self._surfaces[name, degree]
 
     def _surface(self, name: str, degree: int) -> FacetQuadrature:
+        import skfem
+
         rule, weights = skfem.quadrature.get_quadrature(skfem.refdom.RefTri, degree)
         facets = self.mesh.surfaces[name]
         corners = self.mesh.nodes[facets]  # (f, 6, 3)

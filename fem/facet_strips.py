@@ -8,7 +8,6 @@ of the facets.
 from dataclasses import dataclass
 
 import numpy as np
-import skfem
 
 from geometry.mesh import FloatArray, IntArray, Mesh
 
@@ -40,6 +39,8 @@ class FacetStrips:
 
 def cut_along_x(mesh: Mesh, surface: str, lines: FloatArray) -> FacetStrips:
     """Quadrature over a named surface, cut at the places x = `lines`, mm."""
+    import skfem
+
     facets = mesh.surfaces[surface]
     corners = np.broadcast_to(np.eye(3), (len(facets), 3, 3))  # barycentric, (m, corner, 3)
     owner: IntArray = np.arange(len(facets), dtype=np.int64)

@@ -6,7 +6,6 @@ the sum of strains at the points only its first power: what slender parts need.
 
 import numpy as np
 import scipy.sparse as sp
-import skfem
 
 from fem.assembly import Pattern
 from fem.elements import Elements
@@ -79,6 +78,8 @@ def mass(pattern: Pattern, density: float) -> sp.csr_array:
     The block of nodes a and b is delta_ij sum_q w density N_a N_b, by a rule of degree 4: exact in
     elements with straight edges.
     """
+    import skfem
+
     points, weights = skfem.quadrature.get_quadrature(skfem.refdom.RefTet, _MASS_DEGREE)
     element = skfem.ElementTetP2()
     both = [element.lbasis(points, node) for node in range(10)]

@@ -5,7 +5,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import skfem
 
 from geometry.mesh import FloatArray, IntArray
 from geometry.plane_mesh import PlaneMesh
@@ -42,6 +41,8 @@ class PlaneElements:
 
     @cached_property
     def _basis(self) -> Any:
+        import skfem
+
         corners, elements = np.unique(self.mesh.elements[:, :3], return_inverse=True)
         straight = skfem.MeshTri1(
             np.ascontiguousarray(self.mesh.nodes[corners].T),
@@ -91,6 +92,8 @@ class PlaneElements:
 
     def edge(self, name: str) -> EdgeQuadrature:
         """Quadrature over a named edge of the mesh; raises MeshError for an unknown name."""
+        import skfem
+
         self.mesh.edge_nodes(name)
         pieces = self.mesh.edges[name]
         (s,), weights = skfem.quadrature.get_quadrature(skfem.refdom.RefLine, _EDGE_DEGREE)

@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-import skfem
 
 from geometry.mesh import Mesh
 
@@ -13,6 +12,8 @@ def to_scikit_fem(mesh: Mesh) -> Any:
 
     scikit-fem numbers nodes in its own way: `doflocs` tells where each one is.
     """
+    import skfem
+
     corners, elements = np.unique(mesh.elements[:, :4], return_inverse=True)
     elements = elements.reshape(-1, 4)
     straight = skfem.MeshTet1(

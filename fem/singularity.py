@@ -9,7 +9,6 @@ finite-element peak there grows with every refinement and means nothing.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
 from fem.notch_resolution import facet_normals
 from geometry.mesh import FloatArray, IntArray, Mesh
@@ -65,6 +64,8 @@ def singular_exponent(interior_angle: float) -> float:
     >>> round(singular_exponent(3 * 3.141592653589793 / 2), 4)
     0.4555
     """
+    from scipy.optimize import brentq
+
     if interior_angle <= np.pi * (1 + 1e-9):
         return 0.0
     root = brentq(

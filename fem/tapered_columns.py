@@ -24,7 +24,6 @@ from math import inf
 from typing import Self
 
 import numpy as np
-from scipy.optimize import brentq
 
 from fem.column_counter import GAUSS, SHEARED, ColumnCounter
 from geometry.mesh import FloatArray
@@ -186,6 +185,8 @@ def _lowest(stretches: tuple[tuple[float, ...], ...], start: ColumnEnd, end: Col
 
     A design asks for the same column once for each section and plane that it is judged in.
     """
+    from scipy.optimize import brentq
+
     counter = ColumnCounter(np.array(stretches), (start.fixings, end.fixings))
     ceiling = counter.ceiling
     low, high = 0.0, min(1.0, ceiling)

@@ -11,7 +11,6 @@ ch. 11): the squared singular values of S sqrt(M). All of them are found; none c
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from loads.bodies import FloatArray, IntArray, LinkageError
 from loads.cycle_loads import CycleLoads
@@ -147,6 +146,8 @@ def followed(modes: LinkageModes, count: int) -> tuple[IntArray, FloatArray, Flo
     back at the last position, if that is the first one again: 1, -1, or 0 for another mode or none.
     Of two neighbouring positions those modes belong together that move most of the mass alike.
     """
+    from scipy.optimize import linear_sum_assignment
+
     weighted = modes.shapes * np.sqrt(modes.lumps.masses)[:, None]
     n = len(weighted)
     columns, signs = np.zeros((n, count), dtype=int), np.ones((n, count))

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from geometry.mesh import FloatArray, Interface, MeshError
 from geometry.meshing import Body, Region
@@ -303,6 +302,8 @@ class StepPart:
 
     def build(self, gmsh: Any) -> Body:
         """Read the solid into gmsh's current model and move it into the part's frame."""
+        from scipy.spatial.transform import Rotation
+
         if file_hash(self.path) != self.sha256:
             raise MeshError(f"{self.path.name} has changed since it was first read")
         tag, _ = import_solid(gmsh, self.path)

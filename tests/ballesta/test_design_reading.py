@@ -14,7 +14,7 @@ from ballesta.errors import DesignError
 from ballesta.materials import known_materials
 from ballesta.overrides import parse_override
 from ballesta.templates import new_design, templates
-from ballesta.units import measure, measure_pair
+from ballesta.units import KNOWN_UNITS, measure, measure_pair, pint_unit
 
 DESIGNS = Path(__file__).parents[2] / "designs"
 PRESS = DESIGNS / "toggle_press.toml"
@@ -145,3 +145,13 @@ def test_known_materials_say_where_their_values_come_from():
     assert {"S275", "S355", "C45", "42CrMo4"} <= set(known_materials())
     assert all("EN " in material.source for material in known_materials().values())
     assert known_materials()["42CrMo4"].ultimate_stress == 900.0
+
+
+@pytest.mark.parametrize("name", KNOWN_UNITS)
+def test_the_units_of_most_designs_are_those_that_pint_knows(name):
+    assert KNOWN_UNITS[name] == pint_unit(name)
+
+
+def test_units_beside_the_table_are_read_by_pint():
+    assert measure("1 psi", "stress").value == pytest.approx(6.894757293168e-3, rel=1e-12)
+    assert measure("2 lbf", "force").value == pytest.approx(2 * 4.4482216152605, rel=1e-12)
