@@ -176,9 +176,9 @@ def direct_under(
 ) -> FloatArray:
     """Surface stress (n, 6, n_arcs) at a position under bearing pressures as they are, MPa.
 
-    All arcs (rad) are solved together, and once per level and position.
+    All arcs (rad) are solved together, and once per level for positions with the same loads.
     """
-    key = position, tuple(arcs)
+    key = level.coefficients[:, position].tobytes(), tuple(arcs)
     if key not in level.direct_stresses:
         wrenches = {name: wrench[position] for name, wrench in loads.wrenches.items()}
         level.direct_stresses[key] = direct_stress(

@@ -6,7 +6,7 @@ drive for a force that first rises and then falls again towards the dead centre,
 holds nothing. If the drive can give the largest of them, nothing stops the linkage there.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +22,7 @@ from loads.path import Path, trace
 
 _POSITIONS = 400
 _DOUBLINGS = 200
+_TOGETHER = 34  # places between which a sign changes, asked together
 _STEP = 0.02  # of the size of the linkage, the first way looked ahead
 
 
@@ -149,15 +150,31 @@ def _process_value(path: Path, resisting: Force, value: float) -> float:
 
 
 def _dead_centre(path: Path, resisting: Force, ends: FloatArray) -> float:
-    low, high = float(ends[0]), float(ends[1])
-    sign = np.sign(_process_share(path, resisting, np.array([low]))[0])
-    for _ in range(200):
-        middle = 0.5 * (low + high)
-        if middle in (low, high):
-            break
-        same = np.sign(_process_share(path, resisting, np.array([middle]))[0]) == sign
-        low, high = (middle, high) if same else (low, middle)
+    def share(values: FloatArray) -> FloatArray:
+        return _process_share(path, resisting, values)
+
+    low, high = _crossing(share, float(ends[0]), float(ends[1]))
     return 0.5 * (low + high)
+
+
+def _crossing(
+    function: Callable[[FloatArray], FloatArray], low: float, high: float
+) -> tuple[float, float]:
+    """Return neighbouring numbers between which a function changes its sign from that at `low`.
+
+    Of two places it is asked many between them together: the linkage closes at all of them at once.
+    """
+    sign = np.sign(function(np.array([low]))[0])
+    while True:
+        values = np.linspace(low, high, _TOGETHER)
+        inside = values[1:-1]
+        inside = inside[(inside != low) & (inside != high)]
+        if not len(inside):
+            return low, high
+        others = np.flatnonzero(np.sign(function(inside)) != sign)
+        first = int(others[0]) if len(others) else len(inside)
+        ends = [low, *inside.tolist(), high]
+        low, high = ends[first], ends[first + 1]
 
 
 def _touched(
@@ -174,13 +191,11 @@ def _touched(
     crossing = np.flatnonzero(off[1:] * off[:-1] <= 0.0)
     if not len(crossing):
         return None
-    low, high = values[crossing[-1]], values[crossing[-1] + 1]
-    sign = np.sign(off[crossing[-1]])
-    for _ in range(100):
-        middle = 0.5 * (low + high)
-        same = np.sign(_process_value(path, resisting, float(middle)) - touch) == sign
-        low, high = (middle, high) if same else (low, middle)
-    return float(high)
+
+    def beyond(values: FloatArray) -> FloatArray:
+        return kinematics.value(resisting.coordinate, path.at(values).poses) - touch
+
+    return _crossing(beyond, *(float(value) for value in values[crossing[-1] :][:2]))[1]
 
 
 def _sense(path: Path, resisting: Force, start: float, dead_centre: float) -> int:
