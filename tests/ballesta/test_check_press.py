@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+import ballesta.levels
 from ballesta.check import check_file, part_masses, solve_cycles
 from ballesta.design import read_design
 from ballesta.levels import Models, solve_level
@@ -18,6 +19,7 @@ from ballesta.part_ladder import Effort
 from ballesta.part_loads import loads_on
 from ballesta.part_strength import elastic_of, endurance_of
 from ballesta.solid import check_solid
+from geometry.sizing import SizeField
 from reports.verdict import Status
 
 SOLID = Effort("solid")
@@ -164,9 +166,21 @@ def test_the_press_result_says_what_it_assumed_and_warns_of_the_drive(press):
         assert any("cosine pressure" in said for said in part_of(press, name).assumed)
 
 
-def test_equal_bars_share_their_first_mesh(press):
+def test_equal_bars_have_the_same_meshes(press):
     upper, lower = part_of(press, "bar_upper"), part_of(press, "bar_lower")
-    assert upper.meshes[0]["unknowns"] == lower.meshes[0]["unknowns"]
+    assert [m["unknowns"] for m in upper.meshes] == [m["unknowns"] for m in lower.meshes]
+
+
+def test_equal_sizes_are_meshed_once(monkeypatch):
+    """The second of two equal bars asks for the same sizes with a field of its own."""
+    meshed = []
+    monkeypatch.setattr(
+        ballesta.levels, "stored_mesh", lambda store, *key: meshed.append(key) or len(meshed)
+    )
+    corners, elements = np.vstack([np.zeros(3), np.eye(3)]), np.array([[0, 1, 2, 3]])
+    models = Models()
+    fields = [SizeField(corners.copy(), elements, np.full(4, size)) for size in (2.0, 2.0, 1.0)]
+    assert [models.mesh("bar", 0.7, sizes) for sizes in fields] == [1, 1, 2]
 
 
 def process_force(solved, cycle, phase, at):

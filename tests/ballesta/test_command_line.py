@@ -30,6 +30,17 @@ def test_the_table_names_part_check_bars_limit_and_place(press):
     assert re.search(r"WARNING .*2\.\d % reserve", press.stdout)
 
 
+def test_reading_a_design_loads_no_library_that_it_has_no_use_for():
+    """Each takes a tenth of a second or more; pint is loaded for a unit beside the usual ones."""
+    heavy = ["pint", "skfem", "scipy.optimize", "matplotlib.figure", "pyvista", "gmsh"]
+    code = (
+        "import sys; from ballesta.check import read_design; "
+        f"read_design({str(ROOT / PRESS)!r}); print([m for m in {heavy} if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
 def test_progress_is_one_line_per_step_when_piped(press):
     lines = press.stderr.splitlines()
     assert any("loads" in line for line in lines)

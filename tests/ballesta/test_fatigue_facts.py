@@ -7,12 +7,14 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+import ballesta.judged
 import ballesta.judged_fatigue
 from ballesta.design_strength import FkmStrength
 from ballesta.duty_verdict import FatiguePeak, duty_runs, duty_verdict
 from ballesta.fatigue_facts import fatigue_facts
 from ballesta.finite_life import LifeTask
 from ballesta.fkm_strength import fkm_judgement, fkm_points
+from ballesta.judged import direct_under
 from ballesta.judged_fatigue import FatigueUse
 from ballesta.materials import known_materials
 from fatigue import FkmMaterial
@@ -134,6 +136,23 @@ def test_one_per_cent_of_all_stresses_is_one_per_cent_of_what_is_judged(monkeypa
 
     monkeypatch.setattr(ballesta.judged_fatigue, "direct_under", raised)
     assert use.direct(level, [np.pi]) == pytest.approx([1.01 * value], rel=1e-6)
+
+
+def test_positions_of_equal_loads_share_one_solve(monkeypatch):
+    """The closed cycle comes back to its first loads; a third position has others."""
+    asked = []
+
+    def solved(solutions, wrenches, coefficients, arcs):
+        asked.append(coefficients.tolist())
+        return np.full((1, 6, len(arcs)), coefficients[0])
+
+    monkeypatch.setattr(ballesta.judged, "direct_stress", solved)
+    coefficients = np.array([[1.0, 2.0, 1.0]])
+    level = SimpleNamespace(solutions=None, coefficients=coefficients, direct_stresses={})
+    loads = SimpleNamespace(wrenches={"pin": np.zeros((3, 6))})
+    found = [direct_under(loads, level, k, [np.pi, 2.0])[0, 0, 0] for k in (0, 1, 2, 0)]
+    assert found == [1.0, 2.0, 1.0, 1.0]
+    assert asked == [[1.0], [2.0]]
 
 
 def test_findley_judges_a_circle_higher_than_the_chord_it_rests_on():

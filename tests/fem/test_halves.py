@@ -161,6 +161,9 @@ def test_error_estimate_and_scatter_of_a_half_are_those_of_the_whole(pair):
     other = pair.whole.recovery.scatter(states[1][:, 0])
     other = other[np.searchsorted(pair.whole.recovery.points, pair.half.recovery.points)]
     assert_allclose(scatter, other, rtol=0, atol=1e-7 * other.max())
+    some = np.argsort(scatter)[[-1, -50, 50]]
+    alone = pair.half.recovery.scatter(states[0][:, 0], some)
+    assert_allclose(alone, scatter[some], rtol=1e-12)
 
 
 def test_a_pressure_on_an_arc_gives_a_half_the_stress_of_the_whole(bar):
@@ -169,6 +172,16 @@ def test_a_pressure_on_an_arc_gives_a_half_the_stress_of_the_whole(bar):
     whole = direct_stress(bar.whole, wrenches, bar.of_whole[:, 2], [2.0])[..., 0]
     whole = whole[np.searchsorted(bar.whole.recovery.points, bar.half.recovery.points)]
     assert_allclose(half, whole, rtol=0, atol=1e-8 * np.abs(whole).max())
+
+
+def test_arcs_that_are_solved_together_have_each_its_own_stress(bar):
+    wrenches = {name: wrench[2] for name, wrench in bar.wrenches.items()}
+    arcs = [np.pi, 2.5, 2.0]
+    together = direct_stress(bar.half, wrenches, bar.of_half[:, 2], arcs)
+    for k, arc in enumerate(arcs):
+        alone = direct_stress(bar.half, wrenches, bar.of_half[:, 2], [arc])[..., 0]
+        assert_allclose(together[..., k], alone, rtol=0, atol=1e-9 * np.abs(alone).max())
+    assert np.abs(together[..., 0] - together[..., 2]).max() > 0.01 * np.abs(together).max()
 
 
 def test_the_cut_of_a_half_is_none_of_its_surface(bar):
