@@ -169,7 +169,7 @@ def _with_cycles(design: Design, names: Sequence[str]) -> Design:
 
 
 def _masses(design: Design, models: Models, say: Say) -> Masses:
-    """Mass properties of the bodies that take them from their parts; meshes only for those."""
+    """Mass properties of the bodies that take them from their parts."""
     seen = {name for run in design.measured.values() for name in run.loads.bodies}
     needed = [
         body.name
@@ -180,7 +180,7 @@ def _masses(design: Design, models: Models, say: Say) -> Masses:
     ]
     if not needed:
         return {}
-    say(f"the mass of {', '.join(needed)} comes from its part, which is meshed for it")
+    say(f"the mass of {', '.join(needed)} comes from its part")
     try:
         return part_masses(design, models)
     except MeshError as error:
