@@ -123,7 +123,7 @@ def pint_unit(name: str) -> Unit:
         root = registry.Quantity(1.0, registry.parse_units(name)).to_root_units()
     except pint.UndefinedUnitError as error:
         raise ValueError(str(error)) from error
-    powers = {str(unit): float(power) for unit, power in root.unit_items()}
+    powers: dict[str, Any] = dict(root.unit_items())
     return Unit(float(root.magnitude), powers)
 
 
