@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ballesta.effort import Effort
     from ballesta.store.results import KeptResult
     from ballesta.store.store import Store
+    from reports.pictures import Pictures
     from reports.verdict import DesignResult
 
 Say = Callable[[str], None]
@@ -128,6 +129,7 @@ def check_to_folder(
     from ballesta.effort import DEFAULT_EFFORT
     from ballesta.store.results import keep_files, recalled_result
     from reports.live.payload import has_fields, without_fields
+    from reports.pictures import drawing, prepare_drawing
 
     effort = effort or DEFAULT_EFFORT
     kept = recalled_result(store, path, overrides, effort)
@@ -138,7 +140,8 @@ def check_to_folder(
             if kept.files:
                 write_kept(kept, folder)
             else:
-                files = write_folder(kept.result, folder, say)
+                with drawing(kept.result) as pictures:
+                    files = write_folder(kept.result, pictures, folder, say)
                 keep_files(store, path, overrides, effort, replace(kept, result=result), files)
             if baseline:
                 _write_baseline(result, say)
@@ -154,41 +157,44 @@ def check_to_folder(
     reading = perf_counter() - start
     with _told_of_folder(folder):
         folder.mkdir(parents=True, exist_ok=True)
+    prepare_drawing()
     with progress(path, len(design.parts)) as say:
         shown = check_design(
             design, effort=effort, say=say, reading=reading, store=store, live=True
         )
-        say("encoding the fields of the live view")
-        shown = with_encoded_fields(shown)
-        result = without_fields(shown)
-        with _told_of_folder(folder):
-            files = write_folder(shown, folder, say)
+        with drawing(shown) as pictures, _told_of_folder(folder):
+            say("encoding the fields of the live view")
+            shown = with_encoded_fields(shown)
+            result = without_fields(shown)
+            files = write_folder(shown, pictures, folder, say)
             if baseline:
                 _write_baseline(result, say)
         keep_result(store, design, effort, result if files else shown, files)
     return result
 
 
-def write_folder(result: "DesignResult", folder: Path, say: Say) -> dict[str, bytes]:
+def write_folder(
+    result: "DesignResult", pictures: "Callable[[], Pictures]", folder: Path, say: Say
+) -> dict[str, bytes]:
     """Write report.html, result.json and a .vtu per part; raises OSError.
+
+    pictures  waits for stills and charts
 
     Returns what was written, by name; nothing if pictures are missing that may be there next time.
     """
     from reports.files import write_json, write_vtu
     from reports.page import write_report
-    from reports.pictures import render_stills
 
     start = perf_counter()
     say("writing the report")
-    pictures = render_stills(result.parts)
     names = [f"{part.name}.vtu" for part in result.parts]
     for part, name in zip(result.parts, names, strict=True):
         write_vtu(part, folder / name)
-    write_report(result, pictures, folder / "report.html")
     write_json(result, folder / "result.json")
+    write_report(result, pictures, folder / "report.html")
     say(f"report written in {perf_counter() - start:.1f} s")
     names += ["report.html", "result.json"]
-    return {} if pictures.reason else {name: (folder / name).read_bytes() for name in names}
+    return {} if pictures().reason else {name: (folder / name).read_bytes() for name in names}
 
 
 def write_kept(kept: "KeptResult", folder: Path) -> None:

@@ -20,10 +20,11 @@ def main() -> None:
     from ballesta.part_ladder import Effort
     from reports.files import write_json, write_vtu
     from reports.page import write_report
-    from reports.pictures import render_stills
+    from reports.pictures import drawing, prepare_drawing
 
     stages = {"import": perf_counter() - start}
     memories = {"import": gibibytes()}
+    prepare_drawing()
     result = check_file(
         sys.argv[1],
         effort=Effort("solid"),
@@ -32,10 +33,7 @@ def main() -> None:
     stages |= result.timings
     memories["all parts"] = gibibytes()
     begun = perf_counter()
-    with tempfile.TemporaryDirectory() as folder:
-        pictures = render_stills(result.parts)
-        stages["pictures"] = perf_counter() - begun
-        begun = perf_counter()
+    with tempfile.TemporaryDirectory() as folder, drawing(result) as pictures:
         for part in result.parts:
             write_vtu(part, Path(folder) / f"{part.name}.vtu")
         write_report(result, pictures, Path(folder) / "report.html")

@@ -1,11 +1,13 @@
 """The report: one HTML page that stands alone, with a script of its own, nothing from outside."""
 
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from markupsafe import Markup
 
+from reports.charts import design_charts
 from reports.files import replacing
 from reports.gauge import limit_share
 from reports.page_inputs import sorted_assumptions, sorted_inputs
@@ -40,26 +42,52 @@ _WORDS = {
     "rungs_beside": rungs_beside,
 }
 
+_INCLUDED = (
+    "tables",
+    "charts",
+    "checks",
+    "derivation",
+    "ladder_tables",
+    "report_part",
+    "report_first",
+    "report_inputs",
+)
 
-def write_report(result: DesignResult, pictures: Pictures, path: str | Path) -> None:
-    """Write the page as a file, which is there whole or not at all."""
+
+def write_report(
+    result: DesignResult, pictures: Pictures | Callable[[], Pictures], path: str | Path
+) -> None:
+    """Write the page as a file, which is there whole or not at all.
+
+    pictures  or what waits for them, which is asked when all else is ready
+    """
     text = report_html(result, pictures)
     with replacing(path) as temporary:
         temporary.write_text(text, encoding="utf-8", newline="\n")
 
 
-def report_html(result: DesignResult, pictures: Pictures | None = None) -> str:
-    """Page as text. The same result and pictures give the same page."""
+def report_html(
+    result: DesignResult, pictures: Pictures | Callable[[], Pictures] | None = None
+) -> str:
+    """Page as text. The same result and pictures give the same page.
+
+    pictures  or what waits for them, which is asked when all else is ready
+    """
     from reports.live.section import live_section
     from reports.mechanism_panel import mechanism_panel
     from reports.page_script import script_hash, script_text
 
-    pictures = pictures or Pictures(reason="no pictures were asked for")
     rows = check_rows(result)
-    parts = part_views(result, rows, pictures)
+    live = live_section(result, mechanism=mechanism_panel(result))
+    template = _template()
+    if callable(pictures):
+        pictures = pictures()
+    pictures = pictures or Pictures(reason="no pictures were asked for")
+    charts = pictures.charts or design_charts(result)
+    parts = part_views(result, rows, pictures, charts)
     linkage = worst_first([row for row in rows if any(row.check is c for c in result.linkage)])
     said, doubts = page_headline(result)
-    text: str = _template().render(
+    text: str = template.render(
         result=result,
         status=str(result.status),
         headline=said,
@@ -74,8 +102,8 @@ def report_html(result: DesignResult, pictures: Pictures | None = None) -> str:
         inputs=sorted_inputs(result),
         parts=parts,
         linkage=linkage,
-        cycles=cycle_views(result),
-        live=live_section(result, mechanism=mechanism_panel(result)),
+        cycles=cycle_views(result, charts),
+        live=live,
         pictures_reason=pictures.reason,
         limit_share=limit_share(),
         script=Markup(script_text()),
@@ -93,4 +121,6 @@ def _template() -> Any:
     found = environment()
     found.filters |= FILTERS | _WORDS
     found.tests |= {"with_place": has_place, "swinging": swings}
+    for name in _INCLUDED:  # else they are compiled when the pictures have been waited for
+        found.get_template(f"{name}.html.j2")
     return found.get_template("report.html.j2")

@@ -8,7 +8,7 @@ from math import isfinite
 
 from markupsafe import Markup
 
-from reports.charts import Charts, cycle_charts, part_charts
+from reports.charts import Charts, DesignCharts
 from reports.gauge import gauge
 from reports.loads_words import BrokenGates, broken_by_kind
 from reports.page_words import doubt_of
@@ -134,13 +134,18 @@ def _upper(check: Check) -> float:
     return end * check.required / check.limit
 
 
-def part_views(result: DesignResult, rows: Sequence[Row], pictures: Pictures) -> list[PartView]:
+def part_views(
+    result: DesignResult, rows: Sequence[Row], pictures: Pictures, charts: DesignCharts
+) -> list[PartView]:
     """All parts, in the order of the result."""
-    return [_part_view(part, result, rows, pictures) for part in result.parts]
+    return [
+        _part_view(part, rows, pictures, drawn)
+        for part, drawn in zip(result.parts, charts.parts, strict=True)
+    ]
 
 
 def _part_view(
-    part: PartResult, result: DesignResult, rows: Sequence[Row], pictures: Pictures
+    part: PartResult, rows: Sequence[Row], pictures: Pictures, charts: Charts
 ) -> PartView:
     mine = [row for row in rows if any(row.check is check for check in part.checks)]
     images = pictures.images.get(part.name, {})
@@ -151,7 +156,7 @@ def _part_view(
         captions=_captions(part),
         hand=[(hand, ratio(hand)) for hand in part.hand_checks],
         columns=list(dict.fromkeys(key for mesh in part.meshes for key in mesh)),
-        charts=part_charts(part, result),
+        charts=charts,
     )
 
 
@@ -174,7 +179,7 @@ def _captions(part: PartResult) -> dict[str, tuple[str, str, str]]:
     return {view: (one, two, said + beside) for view, (one, two, said) in captions.items()}
 
 
-def cycle_views(result: DesignResult) -> list[CycleView]:
+def cycle_views(result: DesignResult, charts: DesignCharts) -> list[CycleView]:
     """All cycles; where there are many, only the one that decides stands open."""
     decides = result.deciding.cycle if result.checks else ""
     few = len(result.cycles) <= _OPEN_CYCLES
@@ -183,10 +188,10 @@ def cycle_views(result: DesignResult) -> list[CycleView]:
             name=name,
             count=len(result.cycles[name].get("position", ())),
             duty=result.cycles[name].get("duty", 0),
-            charts=charts,
+            charts=drawn,
             open=few or name == decides,
         )
-        for name, charts in cycle_charts(result)
+        for name, drawn in charts.cycles
     ]
 
 

@@ -1,9 +1,14 @@
-"""Stills of the parts, drawn by a process of its own: VTK kills it where GL is missing."""
+"""Stills and charts, drawn by a process of its own: VTK kills it where GL is missing."""
 
+import atexit
 import json
+import pickle
 import sys
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from functools import cache
+from hashlib import sha256
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -11,20 +16,24 @@ from typing import Any
 import numpy as np
 
 from geometry.graphics import INSTALL
+from reports.charts import DesignCharts
+from reports.pictures_worker import CHARTS, RESULT
 from reports.pictures_worker import PLAIN as PLAIN
-from reports.verdict import PartResult, Surface
+from reports.verdict import DesignResult, PartResult, Surface
 from reports.words import clean
-from reports.worker import run_worker
+from reports.worker import StandingWorker
 
 VIEWS = ("whole", "peak")
 MODE = "mode"
-_WORKER = (sys.executable, "-m", "reports.pictures_worker")
+_WORKER = (sys.executable, "-P", "-m", "reports.pictures_worker")
+_LONGEST = 180.0  # s, to draw the stills of a design
 
 
 @dataclass(frozen=True, eq=False)
 class Pictures:
     """What could be drawn, and why the rest could not.
 
+    charts  None where the page is to draw them
     images  part name -> view ("whole", "peak", and "mode" where one was found; "plain" alone of a
             part that was not meshed) -> PNG
     reason  what went wrong and its cure; "" when everything was drawn
@@ -32,48 +41,147 @@ class Pictures:
 
     images: Mapping[str, Mapping[str, bytes]] = field(default_factory=dict)
     reason: str = ""
+    charts: DesignCharts | None = None
+
+
+def prepare_drawing(worker: Sequence[str] = _WORKER) -> None:
+    """Start the process that draws, so that it loads its libraries beside other work.
+
+    It draws for every design that this process checks, and ends with it.
+    """
+    _standing(worker)
+
+
+@contextmanager
+def drawing(result: DesignResult) -> Iterator[Callable[[], Pictures]]:
+    """Have a process draw the stills and charts of a result beside other work.
+
+    Yields what waits for them.
+    """
+    with _drawing(result.parts, result, _LONGEST, _WORKER) as pictures:
+        yield pictures
 
 
 def render_stills(
-    parts: Sequence[PartResult], timeout: float = 180.0, worker: Sequence[str] = _WORKER
+    parts: Sequence[PartResult], timeout: float = _LONGEST, worker: Sequence[str] = _WORKER
 ) -> Pictures:
     """Stills of each part: all of it, the surroundings of its peak stress, its buckling mode.
 
-    A part that was not meshed is drawn once and in grey: there is no stress on it to show.
+    A part that was not meshed is drawn once and in grey: there is no stress on it to show. Surfaces
+    that are alike are drawn once.
 
-    One worker process draws them all, for at most `timeout` seconds. Its failure is a reason in
+    One process draws them all, for at most `timeout` seconds of waiting. Its failure is a reason in
     the result, never an exception, and what it had drawn until then is kept.
     """
+    with _drawing(parts, None, timeout, worker) as pictures:
+        return pictures()
+
+
+@contextmanager
+def _drawing(
+    parts: Sequence[PartResult],
+    result: DesignResult | None,
+    timeout: float,
+    worker: Sequence[str],
+) -> Iterator[Callable[[], Pictures]]:
     if not parts:
-        return Pictures()
-    with TemporaryDirectory(prefix="ballesta-") as name:
+        yield Pictures
+        return
+    with TemporaryDirectory(prefix="ballesta-", ignore_cleanup_errors=True) as name:
         folder = Path(name)
-        jobs: list[dict[str, Any]] = []
-        for index, part in enumerate(parts):
-            for surface, views in _shown(part):
-                field_name = stress_field(surface)
-                np.savez(
-                    folder / f"part_{len(jobs)}.npz",
-                    nodes=np.asarray(surface.nodes, dtype=float),
-                    triangles=np.asarray(surface.triangles, dtype=np.int64),
-                    values=np.asarray(surface.fields[field_name], dtype=float),
-                    peak=np.int64(surface.peak),
-                )
-                jobs.append({"field": clean(field_name), "views": list(views), "part": index})
-        (folder / "jobs.json").write_text(json.dumps(jobs), encoding="utf-8")
-        problem = run_worker([*worker, name], folder, timeout).words
-        images: dict[str, dict[str, bytes]] = {part.name: {} for part in parts}
-        for index, job in enumerate(jobs):
-            images[parts[job["part"]].name] |= _collected(folder, index, job["views"])
-    asked = sum(len(job["views"]) for job in jobs)
-    missing = asked - sum(len(views) for views in images.values())
-    if missing and not problem:
-        problem = "the worker ended well but left pictures out"
-    if not problem:
-        return Pictures(images)
-    lack = f"{missing} of {asked} pictures are missing"
-    cure = f"Where GL libraries are missing: {INSTALL}"
-    return Pictures(images, f"{lack}: {problem}. {cure}")
+        views = _asked(parts, folder)
+        if result is not None:
+            (folder / RESULT).write_bytes(pickle.dumps(_to_chart(result)))
+        process = _standing(worker)
+        process.hand(folder)
+
+        @cache
+        def drawn() -> Pictures:
+            ended = process.answer(folder, timeout)
+            if ended.code != 0 or not process.runs:
+                _end(worker)
+            images: dict[str, dict[str, bytes]] = {part.name: {} for part in parts}
+            for part, job, shown in views:
+                images[part] |= _collected(folder, job, shown)
+            charts = _charts(folder / CHARTS)
+            asked = sum(len(shown) for _, _, shown in views)
+            missing = asked - sum(len(made) for made in images.values())
+            if missing == 0 and not ended.words:
+                return Pictures(images, charts=charts)
+            problem = ended.words or "the worker ended well but left pictures out"
+            lack = f"{missing} of {asked} pictures are missing"
+            cure = f"Where GL libraries are missing: {INSTALL}"
+            return Pictures(images, f"{lack}: {problem}. {cure}", charts)
+
+        yield drawn
+
+
+_running: dict[tuple[str, ...], StandingWorker] = {}
+
+
+def _standing(command: Sequence[str]) -> StandingWorker:
+    """The process of a command, started unless it runs."""
+    key = tuple(command)
+    if key not in _running or not _running[key].runs:
+        _end(command)
+        _running[key] = StandingWorker(command)
+    return _running[key]
+
+
+def _end(command: Sequence[str]) -> None:
+    """End the process of a command, if there is one."""
+    process = _running.pop(tuple(command), None)
+    if process is not None:
+        process.end()
+
+
+@atexit.register
+def _end_all() -> None:
+    for command in list(_running):
+        _end(command)
+
+
+def _asked(parts: Sequence[PartResult], folder: Path) -> list[tuple[str, int, Sequence[str]]]:
+    """Write what is to be drawn; returns name of the part, number of the job, its views."""
+    jobs: list[dict[str, Any]] = []
+    asked: list[tuple[str, int, Sequence[str]]] = []
+    alike: dict[str, int] = {}
+    for part in parts:
+        for surface, views in _shown(part):
+            name = stress_field(surface)
+            data: dict[str, Any] = {
+                "nodes": np.asarray(surface.nodes, dtype=float),
+                "triangles": np.asarray(surface.triangles, dtype=np.int64),
+                "values": np.asarray(surface.fields[name], dtype=float),
+                "peak": np.asarray(surface.peak, dtype=np.int64),
+            }
+            job = {"field": clean(name), "views": list(views)}
+            digest = sha256(json.dumps(job).encode())
+            for array in data.values():
+                digest.update(f"{array.shape}".encode() + array.tobytes())
+            number = alike.setdefault(digest.hexdigest(), len(jobs))
+            if number == len(jobs):
+                jobs.append(job)
+                np.savez(folder / f"part_{number}.npz", **data)
+            asked.append((part.name, number, views))
+    (folder / "jobs.json").write_text(json.dumps(jobs), encoding="utf-8")
+    return asked
+
+
+def _to_chart(result: DesignResult) -> DesignResult:
+    """The result without what stands in no chart."""
+    bare = Surface(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64), {}, 0)
+    parts = [replace(part, surface=bare, mode=None, live=None) for part in result.parts]
+    return replace(result, parts=parts, motion={})
+
+
+def _charts(file: Path) -> DesignCharts | None:
+    """What the process has drawn; None where it did not come to that."""
+    if not file.is_file():
+        return None
+    charts = pickle.loads(file.read_bytes())
+    assert isinstance(charts, DesignCharts)
+    return charts
 
 
 def stress_field(surface: Surface) -> str:

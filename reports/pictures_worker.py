@@ -1,11 +1,14 @@
-"""Draws the stills of `reports.pictures`: python -m reports.pictures_worker FOLDER.
+"""Draws for `reports.pictures`: folders come in as lines, and go out when all in them is drawn.
 
-The folder holds jobs.json (field, views) and part_<i>.npz (nodes, triangles, values, peak), and
+A folder holds jobs.json (field, views) and part_<i>.npz (nodes, triangles, values, peak), and
 receives part_<i>_<view>.png: "peak" from near, any other view of the whole surface, "plain" without
-colours, colour bar and marker.
+colours, colour bar and marker. Where it holds result.pickle it receives charts.pickle, too.
 """
 
 import json
+import os
+import pickle
+import signal
 import sys
 from io import BytesIO
 from itertools import product
@@ -15,26 +18,56 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from reports.charts import design_charts
 from reports.surface_style import FACES, LIGHTING, LINES, MARK, sharp_edges
+from reports.svg import draw
 
 FloatArray = npt.NDArray[np.float64]
 
 SIZE = (900, 600)
 PLAIN = "plain"
+RESULT, CHARTS = "result.pickle", "charts.pickle"
 _ISOMETRIC = np.array([1.0, -1.3, 0.9]) / np.linalg.norm([1.0, -1.3, 0.9])
 _SCENE = 0.83  # of the width, the rest is the scalar bar's
 _CLOSE = 0.14  # of the part's diagonal: half the height of the view of the peak
 
 
-def main(folder: Path) -> None:
-    """Draw every part of a folder."""
+def main() -> None:
+    """Load the graphics libraries, then draw what each folder asks for, until the input ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent: it ends our input
+    answers = os.fdopen(os.dup(1), "wb", buffering=0)
+    os.dup2(2, 1)  # what a library prints is no answer
+    _warm_up()
+    for line in sys.stdin.buffer:
+        draw_folder(Path(os.fsdecode(line.rstrip(b"\n"))))
+        answers.write(line)
+
+
+def draw_folder(folder: Path) -> None:
+    """Draw the charts of a folder, then its stills: these may end the process."""
+    if (folder / RESULT).is_file():
+        charts = design_charts(pickle.loads((folder / RESULT).read_bytes()))
+        _write(folder / CHARTS, pickle.dumps(charts))
     for index, job in enumerate(json.loads((folder / "jobs.json").read_text(encoding="utf-8"))):
         with np.load(folder / f"part_{index}.npz", allow_pickle=False) as arrays:
             data = {name: arrays[name] for name in arrays.files}
         for view in job["views"]:
-            temporary = folder / f"part_{index}_{view}.tmp"
-            temporary.write_bytes(still(data, job["field"], view))
-            temporary.replace(folder / f"part_{index}_{view}.png")
+            _write(folder / f"part_{index}_{view}.png", still(data, job["field"], view))
+
+
+def _write(file: Path, content: bytes) -> None:
+    """Write a file that is there whole or not at all."""
+    temporary = file.with_suffix(".tmp")
+    temporary.write_bytes(content)
+    temporary.replace(file)
+
+
+def _warm_up() -> None:
+    """Draw a tetrahedron and an empty chart: what is drawn first takes three times as long."""
+    draw(lambda figure: None, (1.0, 1.0), "")
+    nodes = np.vstack([np.zeros(3), np.eye(3)])
+    triangles = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    still({"nodes": nodes, "triangles": triangles, "values": nodes[:, 0], "peak": 1}, "x", "whole")
 
 
 def still(data: dict[str, Any], field: str, view: str) -> bytes:
@@ -73,7 +106,7 @@ def still(data: dict[str, Any], field: str, view: str) -> bytes:
     picture = plotter.screenshot(None, return_img=True)
     plotter.close()
     out = BytesIO()
-    Image.fromarray(picture).save(out, format="PNG", optimize=True)
+    Image.fromarray(picture).save(out, format="PNG")
     return out.getvalue()
 
 
@@ -193,4 +226,4 @@ def _hits(nodes: FloatArray, triangles: Any, origin: FloatArray, ray: FloatArray
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main()

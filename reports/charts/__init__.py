@@ -2,15 +2,18 @@
 
 from reports.charts.chart import Chart, Charts, Missing, Series
 from reports.charts.cycles import cycle_charts
+from reports.charts.design import DesignCharts, design_charts
 from reports.charts.overlay import curves_chart
 from reports.charts.parts import part_charts
 
 __all__ = [
     "Chart",
     "Charts",
+    "DesignCharts",
     "Missing",
     "Series",
     "curves_chart",
     "cycle_charts",
+    "design_charts",
     "part_charts",
 ]

@@ -44,31 +44,29 @@ class Room:
         prefer  share of the way along the line at which it stands best, and the `pull` of that
         """
         wide, high = _LETTER * size * len(text), _HEIGHT * size
-        others = [line for k, line in enumerate(self.lines) if k not in own] if own else []
-        crowd = np.concatenate(others) if others else np.zeros((0, 2))
-        best: tuple[float, tuple[float, float]] | None = None
         single = len(line) < 2
         points = line if single else _along(line, _TRIES)
-        beside = wide / 2 + 0.9 * size
-        for k, (x, y) in enumerate(points):
-            alone = np.hypot(*(crowd - [x, y]).T).min() if len(crowd) else _ALONE
-            lonely = 0.08 * max(0.0, _ALONE - float(alone))
-            steps = [(0.0, high * offset) for offset in _OFFSETS]
-            if single:
-                steps += [(side, high * up) for side in (beside, -beside) for up in _BESIDE]
-            for right, up in steps:
-                most_right = max(self.width - wide / 2 - 2, wide / 2 + 2)
-                middle = (float(np.clip(x + right, wide / 2 + 2, most_right)), float(y + up))
-                cost = self._cost(middle, wide, high) + _FAR * abs(up) / high
-                cost += 0.02 * abs(middle[0] - x - right) + lonely
-                if prefer is not None:
-                    cost += pull * abs(k / (_TRIES - 1) - prefer)
-                if best is None or cost < best[0] - 1e-9:
-                    best = (cost, middle)
-        if best is None or best[0] >= most:
+        steps = [(0.0, high * offset) for offset in _OFFSETS]
+        if single:
+            beside = wide / 2 + 0.9 * size
+            steps += [(side, high * up) for side in (beside, -beside) for up in _BESIDE]
+        right, up = np.array(steps).T
+        most_right = max(self.width - wide / 2 - 2, wide / 2 + 2)
+        wanted = points[:, :1] + right  # (places along the line, steps beside it)
+        across = np.clip(wanted, wide / 2 + 2, most_right)
+        height = points[:, 1:] + up
+        cost = self._cost(across, height, wide, high) + _FAR * np.abs(up) / high
+        others = [line for k, line in enumerate(self.lines) if k not in own] if own else []
+        lonely = 0.08 * np.maximum(0.0, _ALONE - _nearest(points, others))
+        cost += 0.02 * np.abs(across - wanted) + lonely[:, None]
+        if prefer is not None:
+            cost += pull * np.abs(np.arange(len(points)) / (_TRIES - 1) - prefer)[:, None]
+        if not cost.size or cost.min() >= most:
             return None
-        self.take(best[1], text, size)
-        return best[1]
+        best = np.unravel_index(np.argmax(cost <= cost.min() + 1e-9), cost.shape)
+        middle = (float(across[best]), float(height[best]))
+        self.take(middle, text, size)
+        return middle
 
     def take(self, middle: tuple[float, float], text: str, size: float = 9.0) -> None:
         """Keep a text's place free of others."""
@@ -76,20 +74,27 @@ class Room:
         x, y = middle
         self.taken.append((x - wide / 2, y - high / 2, x + wide / 2, y + high / 2))
 
-    def _cost(self, middle: tuple[float, float], wide: float, high: float) -> float:
-        left, right = middle[0] - wide / 2 - 1, middle[0] + wide / 2 + 1
-        low, top = middle[1] - high / 2, middle[1] + high / 2
-        cost = 0.0
-        if low < 0 or top > self.height:
-            cost += 2 * _NAMED
+    def _cost(self, x: FloatArray, y: FloatArray, wide: float, high: float) -> FloatArray:
+        """What a text of a width and height costs at some middles, of any shape."""
+        left, right = x - wide / 2 - 1, x + wide / 2 + 1
+        low, top = y - high / 2, y + high / 2
+        cost = np.where((low < 0) | (top > self.height), 2 * _NAMED, 0.0)
         for a, b, c, d in self.taken:
-            if left < c and right > a and low < d and top > b:
-                cost += _NAMED
+            cost += _NAMED * ((left < c) & (right > a) & (low < d) & (top > b))
         for line in self.lines:
-            inside = (line[:, 0] > left) & (line[:, 0] < right)
-            inside &= (line[:, 1] > low) & (line[:, 1] < top)
-            cost += _OVER * min(int(inside.sum()), 6) / 2
+            inside = (line[:, 0] > left[..., None]) & (line[:, 0] < right[..., None])
+            inside &= (line[:, 1] > low[..., None]) & (line[:, 1] < top[..., None])
+            cost += _OVER * np.minimum(inside.sum(axis=-1), 6) / 2
         return cost
+
+
+def _nearest(points: FloatArray, lines: Sequence[FloatArray]) -> FloatArray:
+    """How near each point (n, 2) comes to some lines' points; `_ALONE` where there are none."""
+    crowd = np.concatenate([np.zeros((0, 2)), *lines])
+    if not len(crowd):
+        return np.full(len(points), _ALONE)
+    between = points[:, None] - crowd
+    return np.asarray(np.hypot(between[..., 0], between[..., 1]).min(axis=1))
 
 
 def dense(line: FloatArray, step: float = 3.0) -> FloatArray:

@@ -9,7 +9,7 @@ from reports.live.accuracy import LENGTH_METRIC, lost_in_single
 from reports.live.fields import FloatArray, IntArray, LiveFields, RealArray, largest_principal
 from reports.live.sampling import Sample
 
-_TOGETHER = 64  # positions
+_TOGETHER, _AT_ONCE = 64, 16  # positions
 _MORE = 1.0 + 1e-5  # peaks are known in double precision, fields in single
 
 
@@ -98,11 +98,14 @@ def _highest(
     means (M, n) of the fields; reach and most (K,): how far a principal stress is above the mean
     stress at a position at most, and the largest mean stress there.
     """
-    for position in np.argsort(-(most + reach), kind="stable"):
-        if most[position] + reach[position] <= known:
-            break
-        drive = weights[:, position]
-        some = np.flatnonzero(drive.astype(means.dtype) @ means + reach[position] > known)
+    order = np.argsort(-(most + reach), kind="stable")
+    first, together = 0, 1  # what the most promising position holds leaves few nodes of the others
+    while first < len(order) and (most + reach)[order[first]] > known:
+        positions = order[first : first + together]
+        drive = weights[:, positions].T
+        bounds = drive.astype(means.dtype) @ means + reach[positions, None].astype(means.dtype)
+        some = np.flatnonzero(bounds.max(axis=0) > known)
         stress = np.tensordot(drive, fields[:, some].astype(np.float64), axes=1)
-        known = largest_principal(stress, known)
+        known = largest_principal(stress.reshape(-1, 6), known)
+        first, together = first + together, _AT_ONCE
     return known

@@ -1,17 +1,24 @@
+import subprocess
 import sys
 from dataclasses import replace
 from io import BytesIO
+from time import monotonic, sleep
 
 import numpy as np
+import psutil
 import pytest
 from PIL import Image
 
 from reports import report_html
-from reports.pictures import render_stills, stress_field
+from reports.charts import design_charts
+from reports.pictures import drawing, prepare_drawing, render_stills, stress_field
 from reports.pictures_worker import SIZE, corner_view, view_of
 from reports.verdict import NOT_MESHED
+from reports.worker import StandingWorker
 
-from . import results
+from . import chart_results, results
+
+DIES = "import os; os._exit(139)"
 
 
 def worker(code):
@@ -76,6 +83,74 @@ def test_a_part_that_was_not_meshed_is_grey_without_a_marker_or_a_colour_bar():
     assert 'alt="The whole part of bar_upper, not meshed, without colours of stress"' in page
 
 
+def test_surfaces_that_are_alike_are_drawn_once():
+    """A worker that draws the first alone: nothing is missing where the second is the same."""
+    part = results.mixed().parts[0]
+    moved = np.asarray(part.surface.nodes) + 1.0
+    one = worker(
+        "while name := input():\n"
+        "  for view in 'whole', 'peak': open(f'{name}/part_0_{view}.png', 'w').write('png')\n"
+        "  print(name, flush=True)"
+    )
+    same = render_stills([part, replace(part, name="again")], worker=one)
+    assert same.reason == ""
+    assert same.images["again"] == same.images[part.name] == {"whole": b"png", "peak": b"png"}
+    other = replace(part, name="other", surface=replace(part.surface, nodes=moved))
+    assert "2 of 4 pictures are missing" in render_stills([part, other], worker=one).reason
+
+
+def test_charts_that_are_drawn_beside_are_those_that_the_page_draws():
+    result = chart_results.design()
+    with drawing(result) as pictures:
+        drawn = pictures()
+    assert drawn.reason == ""
+    assert drawn.charts is not None
+    assert drawn.charts == design_charts(result)
+    assert report_html(result, drawn) == report_html(result, replace(drawn, charts=None))
+
+
+def test_one_process_draws_for_design_after_design(monkeypatch):
+    started = []
+
+    class Counted(StandingWorker):
+        def __init__(self, command):
+            started.append(command)
+            super().__init__(command)
+
+    monkeypatch.setattr("reports.pictures.StandingWorker", Counted)
+    echo = worker("import sys\nfor line in sys.stdin: print(line, end='', flush=True)")
+    prepare_drawing(echo)
+    for _ in range(3):
+        assert "left pictures out" in render_stills(results.mixed().parts, worker=echo).reason
+    assert len(started) == 1
+    assert "SIGSEGV" in render_stills(results.mixed().parts, worker=worker(DIES)).reason
+    assert "SIGSEGV" in render_stills(results.mixed().parts, worker=worker(DIES)).reason
+    assert len(started) == 3  # what has ended is started anew
+
+
+def test_the_process_that_draws_ends_with_the_one_that_started_it():
+    """Also where that is killed: it is then told by the end of its input."""
+    code = (
+        "import os, signal, reports.pictures as p\n"
+        "p.prepare_drawing()\n"
+        "[worker] = p._running.values()\n"
+        "print(worker._process.pid, flush=True)\n"
+        "os.kill(os.getpid(), signal.SIGKILL)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=False)
+    latest = monotonic() + 60
+    while _runs(int(done.stdout)) and monotonic() < latest:
+        sleep(0.05)
+    assert not _runs(int(done.stdout))
+
+
+def _runs(process):
+    try:
+        return psutil.Process(process).status() != psutil.STATUS_ZOMBIE
+    except psutil.NoSuchProcess:
+        return False
+
+
 def test_hostile_names_are_drawn():
     hostile = results.hostile()
     pictures = render_stills(hostile.parts[:1])
@@ -86,7 +161,7 @@ def test_hostile_names_are_drawn():
 @pytest.mark.parametrize(
     ("code", "words"),
     [
-        ("import os; os._exit(139)", "exit code 139, signal SIGSEGV"),
+        (DIES, "exit code 139, signal SIGSEGV"),
         ("import os, signal; os.kill(os.getpid(), signal.SIGKILL)", "exit code -9, signal SIGKILL"),
         ("raise ImportError('libGL.so.1: cannot open')", "it said: ImportError: libGL.so.1"),
         ("raise SystemExit(3)", "exit code 3"),
@@ -102,7 +177,7 @@ def test_a_worker_that_dies_is_a_reason_with_its_cure(code, words):
 
 
 def test_what_was_drawn_before_the_end_is_kept():
-    code = "import sys, os; open(sys.argv[1] + '/part_0_whole.png', 'wb').write(b'png'); os.abort()"
+    code = "import os; open(input() + '/part_0_whole.png', 'wb').write(b'png'); os.abort()"
     pictures = render_stills(results.mixed().parts, worker=worker(code))
     assert pictures.images == {"bar_upper": {"whole": b"png"}, "pin_B": {}}
     assert "3 of 4 pictures are missing: the worker ended with exit code -6" in pictures.reason

@@ -18,9 +18,9 @@ from ballesta.rungs.formula import model_of
 from ballesta.solid import elastic_of
 from fem.recovery import von_mises
 from geometry.parts.step_part import NamedHole, StepPart
-from reports.pictures import Pictures
 
 from ...geometry.step_files import hole, plate_with, write_step
+from ...undrawn import draw_nothing
 from ..small_machine import machine, solved
 
 LENGTH, HEIGHT, THICKNESS = 100.0, 10.0, 8.0
@@ -290,7 +290,7 @@ def test_asked_for_a_rung_that_has_no_model_of_it_the_solid_stands_for_it(starte
 
 def test_by_formula_alone_values_that_pass_leave_the_verdict_open(tmp_path, capsys, monkeypatch):
     """No bar is known, so they are no pass; no solid is taken instead."""
-    monkeypatch.setattr("reports.pictures.render_stills", lambda parts: Pictures())
+    draw_nothing(monkeypatch)
     bar_file(tmp_path)
     machine(tmp_path, BAR)
     file, folder = tmp_path / "machine.toml", tmp_path / "out"

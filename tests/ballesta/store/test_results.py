@@ -15,8 +15,8 @@ from ballesta.fingerprints import code_digest, digest
 from ballesta.run import check_all, check_to_folder, store_at
 from ballesta.store.results import keep_result, recalled_result
 from ballesta.store.store import Store
-from reports.pictures import Pictures
 
+from ...undrawn import draw_nothing
 from ..small_machine import MACHINE, PLATE
 
 FORMULA = Effort("formula")
@@ -27,7 +27,7 @@ def folder(tmp_path, monkeypatch):
     """A design, and nothing drawn: pictures take seconds."""
     monkeypatch.chdir(tmp_path)
     Path("machine.toml").write_text(MACHINE + PLATE, encoding="utf-8")
-    monkeypatch.setattr(reports.pictures, "render_stills", lambda parts: Pictures())
+    draw_nothing(monkeypatch)
     return tmp_path
 
 
@@ -128,17 +128,15 @@ def test_a_result_that_a_lack_of_memory_cut_short_is_not_kept(folder):
 
 
 def test_a_report_without_its_pictures_is_written_anew(folder, checks, monkeypatch):
-    monkeypatch.setattr(
-        reports.pictures, "render_stills", lambda parts: Pictures(reason="no GL here")
-    )
+    draw_nothing(monkeypatch, "no GL here")
     run("one")
     assert b"no GL here" in files("one")["report.html"]
-    monkeypatch.setattr(reports.pictures, "render_stills", lambda parts: Pictures())
+    draw_nothing(monkeypatch)
     run("two")
     assert len(checks) == 1
     assert b"no GL here" not in files("two")["report.html"]
     assert files("one")["result.json"] == files("two")["result.json"]
-    monkeypatch.setattr(reports.pictures, "render_stills", None)  # not drawn again
+    monkeypatch.setattr(reports.pictures, "drawing", None)  # not drawn again
     run("three")
     assert files("three") == files("two")
 
@@ -160,9 +158,7 @@ def test_kept_results_do_not_hold_fields_that_their_files_show(folder, monkeypat
     assert {part.live for part in run("one").parts} == {None}
     kept = recalled_result(Store(Path("store")), Path("machine.toml"), [], FORMULA)
     assert {part.live for part in kept.result.parts} == {None}
-    monkeypatch.setattr(
-        reports.pictures, "render_stills", lambda parts: Pictures(reason="no GL here")
-    )
+    draw_nothing(monkeypatch, "no GL here")
     override = ["parts.rod.thickness=9 mm"]
     run("two", *override)
     kept = recalled_result(Store(Path("store")), Path("machine.toml"), override, FORMULA)

@@ -1,0 +1,23 @@
+"""All charts of a design."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from reports.charts.chart import Charts
+from reports.charts.cycles import cycle_charts
+from reports.charts.parts import part_charts
+from reports.verdict import DesignResult
+
+
+@dataclass(frozen=True)
+class DesignCharts:
+    """The charts of a design's parts, in its order, and of its cycles by name."""
+
+    parts: Sequence[Charts]
+    cycles: Sequence[tuple[str, Charts]]
+
+
+def design_charts(result: DesignResult) -> DesignCharts:
+    """Draw all charts of a result."""
+    parts = [part_charts(part, result) for part in result.parts]
+    return DesignCharts(parts, cycle_charts(result))
