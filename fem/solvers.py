@@ -119,6 +119,11 @@ def chosen_solver() -> str:
     return factorize(sp.csr_array([[1.0]])).solver
 
 
+def chosen_fill() -> float:
+    """Memory of the factor by `chosen_solver` over that of CHOLMOD's."""
+    return _FILL.get(chosen_solver().partition(" ")[0], 1.0)
+
+
 def _threaded(apply: Apply, unknowns: int) -> Apply:
     def threaded(right: FloatArray) -> FloatArray:
         with threads_for(unknowns):
@@ -198,3 +203,5 @@ SOLVERS: dict[str, Callable[[sp.csr_array, IntArray | None], Apply]] = {
     "PARDISO": _pardiso,
     "SuperLU": _superlu,
 }
+# Memory of the factor over CHOLMOD's, on cubes of 14 000 to 86 000 unknowns (SuperLU: 5.4 to 7.1).
+_FILL = {"SuperLU": 7.0}

@@ -5,6 +5,8 @@ import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from geometry.memory import available_bytes
+
 MIB = 2**20
 # Largest resident size of a worker, measured over the four machines of designs/; solids of
 # 140 000 unknowns take 1.3 GiB to solve (ballesta/cost.py) beside meshing and judging.
@@ -13,7 +15,6 @@ FIRST_ESTIMATE = 2048 * MIB
 _SHARE = 0.9  # of what is available at the start may be planned for
 _BESIDE = 1.2  # times the largest job so far is expected of the next
 _UNITS = {"MB": 10**6, "GB": 10**9, "MIB": 2**20, "GIB": 2**30}
-_CGROUP = Path("/sys/fs/cgroup")
 
 
 def parse_memory(text: str) -> int:
@@ -30,19 +31,6 @@ def parse_memory(text: str) -> int:
     if size < 256 * MIB:
         raise ValueError(f"must be at least 256 MiB, which reading a design takes, got {text!r}")
     return size
-
-
-def available_bytes() -> int:
-    """Memory that new processes may take: of the machine, or of the control group if less."""
-    import psutil
-
-    free = int(psutil.virtual_memory().available)
-    try:
-        limit = (_CGROUP / "memory.max").read_text().strip()
-        used = int((_CGROUP / "memory.current").read_text())
-    except (OSError, ValueError):
-        return free
-    return free if limit == "max" else min(free, max(int(limit) - used, 0))
 
 
 @dataclass
