@@ -51,17 +51,17 @@ def available_bytes() -> float:
     the machine's does. Elsewhere what psutil tells.
     """
     if _MEMINFO.exists():
-        found = [1024.0 * _entry(_MEMINFO.read_text(), "MemAvailable:")]
+        found = [1024.0 * _entry(_MEMINFO.read_text(encoding="utf-8"), "MemAvailable:")]
     else:
         import psutil
 
         found = [float(psutil.virtual_memory().available)]
     for group, names in _groups():
         most, used, cache = names
-        limit = (group / most).read_text().strip()
+        limit = (group / most).read_text(encoding="utf-8").strip()
         if limit != "max":
-            taken = float((group / used).read_text())
-            unused = _entry((group / "memory.stat").read_text(), cache)
+            taken = float((group / used).read_text(encoding="utf-8"))
+            unused = _entry((group / "memory.stat").read_text(encoding="utf-8"), cache)
             found.append(float(limit) - taken + unused)
     return max(min(found), 0.0)
 
@@ -72,7 +72,7 @@ _FIRST = ("memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file
 
 def _groups() -> list[tuple[Path, tuple[str, str, str]]]:
     """Folders of the control groups that bound this process, and the names of their files."""
-    own = _OWN_GROUP.read_text().splitlines() if _OWN_GROUP.exists() else []
+    own = _OWN_GROUP.read_text(encoding="utf-8").splitlines() if _OWN_GROUP.exists() else []
     paths = [Path(line.removeprefix("0::/")) for line in own if line.startswith("0::/")]
     folders = [_CGROUPS / part for path in paths or [Path()] for part in (path, *path.parents)]
     groups = [(folder, _SECOND) for folder in folders]

@@ -3,6 +3,7 @@
 import os
 import signal
 import subprocess
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -34,7 +35,8 @@ def run_worker(
     here = str(Path(__file__).resolve().parent.parent)
     paths = [here, *filter(None, [environment.get("PYTHONPATH")])]
     environment["PYTHONPATH"] = os.pathsep.join(paths)
-    if not window and not environment.get("DISPLAY"):
+    linux = sys.platform.startswith("linux")
+    if linux and not window and not environment.get("DISPLAY"):
         environment["VTK_DEFAULT_OPENGL_WINDOW"] = "vtkEGLRenderWindow"
     try:
         done = subprocess.run(

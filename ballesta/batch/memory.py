@@ -2,6 +2,7 @@
 
 import os
 import re
+import sys
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -61,15 +62,15 @@ def planned_budget() -> int:
 
 
 def limit_memory(cap: int) -> None:
-    """Let allocations beyond a cap fail in this process; the pool watches what is resident.
+    """Let allocations beyond a cap fail in this process, on Linux; the pool watches what it takes.
 
     Above the cap by a quarter and what libraries reserve without touching it: it is there for what
     grows faster than anyone looks.
     """
-    try:
-        import resource
-    except ImportError:  # not on Windows
+    if not sys.platform.startswith("linux"):
         return
+    import resource
+
     _, hard = resource.getrlimit(resource.RLIMIT_DATA)
     wanted = cap + cap // 4 + 256 * MIB
     soft = wanted if hard == resource.RLIM_INFINITY else min(wanted, hard)
@@ -79,19 +80,23 @@ def limit_memory(cap: int) -> None:
 def reset_peak() -> None:
     """Begin to measure this process's peak anew, where the system can."""
     try:
-        Path("/proc/self/clear_refs").write_text("5")
+        Path("/proc/self/clear_refs").write_text("5", encoding="ascii")
     except OSError:
         return
 
 
 def peak_bytes() -> int:
-    """Largest resident size of this process since `reset_peak`."""
+    """Largest resident size of this process since `reset_peak`.
+
+    Of its whole life on Windows, and what it is now on systems that tell no peak.
+    """
     found = _status("VmHWM")
     if found is not None:
         return found
-    import resource
+    import psutil
 
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    taken = psutil.Process().memory_info()
+    return int(getattr(taken, "peak_wset", taken.rss))
 
 
 def resident_bytes(pid: int | None = None) -> int:
@@ -106,7 +111,7 @@ def resident_bytes(pid: int | None = None) -> int:
 
 def _status(name: str) -> int | None:
     try:
-        text = Path("/proc/self/status").read_text()
+        text = Path("/proc/self/status").read_text(encoding="ascii", errors="replace")
     except OSError:
         return None
     found = re.search(rf"^{name}:\s+(\d+) kB$", text, re.MULTILINE)
