@@ -3,8 +3,8 @@
 import platform
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from importlib.metadata import version
+from contextlib import contextmanager, suppress
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -38,8 +38,14 @@ from ballesta.step_parts import told_of_steps
 from ballesta.store.linkage import stored_mode
 from ballesta.store.loads import stored_loads
 from ballesta.store.store import Store
-from ballesta.warnings_of import claim_warnings, design_warnings, unloaded_warnings
+from ballesta.warnings_of import (
+    claim_warnings,
+    design_warnings,
+    solver_warnings,
+    unloaded_warnings,
+)
 from fem.allocation import keep_freed_memory
+from fem.solvers import chosen_solver
 from fem.threads import one_thread, policy
 from geometry.mesh import MeshError, TooManyElementsError
 from geometry.parts.step_part import StepPart
@@ -144,6 +150,7 @@ def check_design(
         ],
         warnings=[
             *time_warnings(results),
+            *solver_warnings(results),
             *undrawn_warnings(results),
             *claim_warnings(design, results),
             *unloaded_warnings(results),
@@ -352,10 +359,15 @@ def _all_sources(design: Design) -> str:
 
 
 def versions() -> dict[str, str]:
-    """Return what a result was made with."""
-    names = ("ballesta", "gmsh", "scikit-fem", "scikit-sparse", "numpy", "scipy", "meshio")
+    """Return what a result was made with; of the extras those that are installed."""
+    names = ("ballesta", "gmsh", "scikit-fem", "numpy", "scipy", "meshio")
+    found = {name: version(name) for name in names}
+    for extra in ("scikit-sparse", "pypardiso", "mkl"):
+        with suppress(PackageNotFoundError):
+            found[extra] = version(extra)
     return {
-        **{name: version(name) for name in names},
+        **found,
+        "solver": chosen_solver(),
         "threads": policy(),
         "python": platform.python_version(),
         "platform": f"{sys.platform} {platform.machine()}",

@@ -5,6 +5,7 @@ Nothing heavy is imported before a command runs, so that help and completion ans
 
 import sys
 from collections.abc import Sequence
+from io import TextIOWrapper
 from pathlib import Path
 from typing import Annotated
 
@@ -440,6 +441,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code when called from Python with arguments."""
     from fem.threads import one_thread, policy
 
+    _speak_utf8()
     try:
         policy()
     except ValueError as error:
@@ -453,6 +455,13 @@ def main(argv: Sequence[str] | None = None) -> int:
             raise
         return int(stop.code or 0)
     return 0
+
+
+def _speak_utf8() -> None:
+    """Write UTF-8 into files and pipes: Windows' code pages have no minus sign and no sigma."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper) and stream.encoding.lower() != "utf-8":
+            stream.reconfigure(encoding="utf-8")
 
 
 if __name__ == "__main__":

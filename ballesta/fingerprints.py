@@ -22,7 +22,9 @@ if TYPE_CHECKING:
     from ballesta.design_data import Design, Part
 
 PACKAGES = ("ballesta", "reports", "fem", "fatigue", "loads", "geometry")
-_LIBRARIES = ("gmsh", "numpy", "pypardiso", "rainflow", "scikit-fem", "scikit-sparse", "scipy")
+_LIBRARIES = (
+    "gmsh", "mkl", "numpy", "pypardiso", "rainflow", "scikit-fem", "scikit-sparse", "scipy"
+)  # fmt: skip
 _MESH = ("fineness", "most_unknowns")
 _GEOMETRY = ("shape", "geometry")
 _NOT_LOADS = frozenset(

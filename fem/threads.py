@@ -101,4 +101,5 @@ def _several() -> int:
             raise ValueError(f'{OWN} must be a whole number above 0 or "auto", got "{stated}"')
         return int(stated)
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    return min(_SEVERAL, cores or 1)
+    limit = os.environ.get("OMP_THREAD_LIMIT", "")  # PARDISO fails (error -2) if it asks for more
+    return min(_SEVERAL, cores or 1, int(limit) if limit.isdecimal() else _SEVERAL)

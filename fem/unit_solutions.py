@@ -22,7 +22,7 @@ from fem.elements import Elements
 from fem.ordering import node_dissection
 from fem.recovery import Recovery
 from fem.sliding import sliding_coefficients, sliding_loads
-from fem.solvers import Factor, factorize
+from fem.solvers import Factor, chosen_fill, factorize
 from fem.ties import Ties, ties_of
 from fem.unit_loads import (
     ACCELERATIONS,
@@ -241,7 +241,9 @@ def solve_unit_loads(mesh: Mesh, material: Elastic) -> UnitSolutions:
     )
     inertia = acceleration_loads(elements, material.density)
     loads = np.concatenate([*(i.vectors for i in interfaces), inertia], axis=1)
-    check_memory(len(loads), loads.shape[1], compactness_of(mesh.nodes, mesh.volume))
+    check_memory(
+        len(loads), loads.shape[1], compactness_of(mesh.nodes, mesh.volume), fill=chosen_fill()
+    )
     pattern = Pattern(elements)
     upper = stiffness(pattern, material.youngs_modulus, material.poisson_ratio)
     ties = ties_of(mesh)

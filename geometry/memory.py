@@ -3,7 +3,7 @@
 Measured with CHOLMOD on quadratic tetrahedra: assembly takes a fixed number of bytes per unknown,
 the factor of nested dissection grows like n^(4/3) in three dimensions (George 1973; Gilbert and
 Tarjan 1987), and with the cross-section that cuts the part in two: a cube fills up most, a plate
-or a rod less. PARDISO and SuperLU keep the same factor or larger ones.
+or a rod less. PARDISO's factor is as large; whoever knows of another solver tells its fill.
 """
 
 from pathlib import Path
@@ -26,13 +26,16 @@ class TooLargeError(TooManyElementsError):
     """A mesh whose solve would need more memory than there is."""
 
 
-def solve_bytes(unknowns: int, columns: int, compactness: float = 1.0) -> float:
+def solve_bytes(
+    unknowns: int, columns: int, compactness: float = 1.0, *, fill: float = 1.0
+) -> float:
     """Memory to assemble, factorise and solve a solid's equations, bytes.
 
     columns      right-hand sides
     compactness  cube root of the volume over the greatest extent: 1 for a cube, less for others
+    fill         memory of the solver's factor over that of CHOLMOD's
     """
-    fill = float(_FILL * min(compactness, 1.0) ** _FLATTENED * np.cbrt(unknowns))
+    fill *= float(_FILL * min(compactness, 1.0) ** _FLATTENED * np.cbrt(unknowns))
     return unknowns * (_ASSEMBLY + fill + _COLUMN * columns)
 
 
@@ -44,18 +47,21 @@ def compactness_of(nodes: FloatArray, volume: float) -> float:
 def available_bytes() -> float:
     """Memory that a process can still take: the machine's, or less if its control groups have less.
 
-    Infinite where the system does not tell. Linux: /proc/meminfo(5), cgroups(7); a group's file
-    cache that is not in use counts as free, as the machine's does.
+    Linux: /proc/meminfo(5), cgroups(7); a group's file cache that is not in use counts as free, as
+    the machine's does. Elsewhere what psutil tells.
     """
-    found = [np.inf]
     if _MEMINFO.exists():
-        found.append(1024.0 * _entry(_MEMINFO.read_text(), "MemAvailable:"))
+        found = [1024.0 * _entry(_MEMINFO.read_text(encoding="utf-8"), "MemAvailable:")]
+    else:
+        import psutil
+
+        found = [float(psutil.virtual_memory().available)]
     for group, names in _groups():
         most, used, cache = names
-        limit = (group / most).read_text().strip()
+        limit = (group / most).read_text(encoding="utf-8").strip()
         if limit != "max":
-            taken = float((group / used).read_text())
-            unused = _entry((group / "memory.stat").read_text(), cache)
+            taken = float((group / used).read_text(encoding="utf-8"))
+            unused = _entry((group / "memory.stat").read_text(encoding="utf-8"), cache)
             found.append(float(limit) - taken + unused)
     return max(min(found), 0.0)
 
@@ -66,7 +72,7 @@ _FIRST = ("memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file
 
 def _groups() -> list[tuple[Path, tuple[str, str, str]]]:
     """Folders of the control groups that bound this process, and the names of their files."""
-    own = _OWN_GROUP.read_text().splitlines() if _OWN_GROUP.exists() else []
+    own = _OWN_GROUP.read_text(encoding="utf-8").splitlines() if _OWN_GROUP.exists() else []
     paths = [Path(line.removeprefix("0::/")) for line in own if line.startswith("0::/")]
     folders = [_CGROUPS / part for path in paths or [Path()] for part in (path, *path.parents)]
     groups = [(folder, _SECOND) for folder in folders]
@@ -83,9 +89,12 @@ def _entry(text: str, name: str) -> float:
     return next((float(words[1]) for words in lines if words[0] == name), 0.0)
 
 
-def check_memory(unknowns: int, columns: int, compactness: float = 1.0) -> None:
+def check_memory(
+    unknowns: int, columns: int, compactness: float = 1.0, *, fill: float = 1.0
+) -> None:
     """Raise TooLargeError if a solve would need more memory than there is; see solve_bytes."""
-    needed, there = solve_bytes(unknowns, columns, compactness), available_bytes()
+    needed = solve_bytes(unknowns, columns, compactness, fill=fill)
+    there = available_bytes()
     if needed > there:
         raise TooLargeError(
             f"solving about {unknowns:.2g} unknowns with {columns} loads would need "

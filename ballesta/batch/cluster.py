@@ -112,7 +112,7 @@ class Cluster:
             ) from error
         for stale in self._out.glob(f"{_MARK}*"):  # of a batch that was killed: its jobs end now
             stale.unlink(missing_ok=True)
-        self._mark.write_text(self._site.key)
+        self._mark.write_text(self._site.key, encoding="utf-8")
 
     def results(self, jobs: Sequence[_Placed]) -> Iterator[list[Finished]]:
         """Run jobs, (place, plain data); yields those that ended since the last time.

@@ -125,7 +125,7 @@ def refusal(site: Site) -> str:
         return f"does not see the folder {site.folder}, where the batch was started"
     mark = Path(site.folder, site.mark)
     try:
-        found = mark.read_text()
+        found = mark.read_text(encoding="utf-8")
     except OSError:
         found = ""
     if found != site.key:

@@ -81,7 +81,6 @@ def executor_of(
 
 def _cores() -> int:
     """Cores that this process may use."""
-    try:
+    if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
-    except AttributeError:  # not on every system
-        return os.cpu_count() or 1
+    return os.cpu_count() or 1

@@ -46,12 +46,13 @@ class Journal:
         self._write, self._synced = write, monotonic()
         self.entries: dict[str, Entry] = {}
         self.damaged = 0
-        self._file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o644)
+        self._stream = path.open("a+b", buffering=0)
+        self._file = self._stream.fileno()
         try:
             self._size = self._read(path)
             os.ftruncate(self._file, self._size)
         except BaseException:
-            os.close(self._file)
+            self._stream.close()
             raise
 
     def __enter__(self) -> Self:
@@ -61,7 +62,7 @@ class Journal:
         try:
             os.fsync(self._file)
         finally:
-            os.close(self._file)
+            self._stream.close()
 
     def add(self, entries: Iterable[Entry]) -> None:
         """Add entries: all of them or, with an OSError, none.

@@ -2,8 +2,11 @@
 
 import os
 import re
+import sys
 from dataclasses import dataclass, field
 from pathlib import Path
+
+from geometry.memory import available_bytes
 
 MIB = 2**20
 # Largest resident size of a worker, measured over the four machines of designs/; solids of
@@ -13,7 +16,6 @@ FIRST_ESTIMATE = 2048 * MIB
 _SHARE = 0.9  # of what is available at the start may be planned for
 _BESIDE = 1.2  # times the largest job so far is expected of the next
 _UNITS = {"MB": 10**6, "GB": 10**9, "MIB": 2**20, "GIB": 2**30}
-_CGROUP = Path("/sys/fs/cgroup")
 
 
 def parse_memory(text: str) -> int:
@@ -30,19 +32,6 @@ def parse_memory(text: str) -> int:
     if size < 256 * MIB:
         raise ValueError(f"must be at least 256 MiB, which reading a design takes, got {text!r}")
     return size
-
-
-def available_bytes() -> int:
-    """Memory that new processes may take: of the machine, or of the control group if less."""
-    import psutil
-
-    free = int(psutil.virtual_memory().available)
-    try:
-        limit = (_CGROUP / "memory.max").read_text().strip()
-        used = int((_CGROUP / "memory.current").read_text())
-    except (OSError, ValueError):
-        return free
-    return free if limit == "max" else min(free, max(int(limit) - used, 0))
 
 
 @dataclass
@@ -73,15 +62,15 @@ def planned_budget() -> int:
 
 
 def limit_memory(cap: int) -> None:
-    """Let allocations beyond a cap fail in this process; the pool watches what is resident.
+    """Let allocations beyond a cap fail in this process, on Linux; the pool watches what it takes.
 
     Above the cap by a quarter and what libraries reserve without touching it: it is there for what
     grows faster than anyone looks.
     """
-    try:
-        import resource
-    except ImportError:  # not on Windows
+    if not sys.platform.startswith("linux"):
         return
+    import resource
+
     _, hard = resource.getrlimit(resource.RLIMIT_DATA)
     wanted = cap + cap // 4 + 256 * MIB
     soft = wanted if hard == resource.RLIM_INFINITY else min(wanted, hard)
@@ -91,19 +80,23 @@ def limit_memory(cap: int) -> None:
 def reset_peak() -> None:
     """Begin to measure this process's peak anew, where the system can."""
     try:
-        Path("/proc/self/clear_refs").write_text("5")
+        Path("/proc/self/clear_refs").write_text("5", encoding="ascii")
     except OSError:
         return
 
 
 def peak_bytes() -> int:
-    """Largest resident size of this process since `reset_peak`."""
+    """Largest resident size of this process since `reset_peak`.
+
+    Of its whole life on Windows, and what it is now on systems that tell no peak.
+    """
     found = _status("VmHWM")
     if found is not None:
         return found
-    import resource
+    import psutil
 
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    taken = psutil.Process().memory_info()
+    return int(getattr(taken, "peak_wset", taken.rss))
 
 
 def resident_bytes(pid: int | None = None) -> int:
@@ -118,7 +111,7 @@ def resident_bytes(pid: int | None = None) -> int:
 
 def _status(name: str) -> int | None:
     try:
-        text = Path("/proc/self/status").read_text()
+        text = Path("/proc/self/status").read_text(encoding="ascii", errors="replace")
     except OSError:
         return None
     found = re.search(rf"^{name}:\s+(\d+) kB$", text, re.MULTILINE)

@@ -1,22 +1,23 @@
 """A pool of worker processes that outlives kills, hangs and memory blow-ups of its workers.
 
-Plain processes with pipes rather than `concurrent.futures`: there a killed worker breaks the whole
-pool, and a job that hangs cannot be stopped.
+Plain processes with pipes: in `concurrent.futures` a killed worker breaks the whole pool, and a job
+that hangs cannot be stopped. pebble's pool can stop it, but ends the worker without what it has
+started, watches no memory, and lets it work on when the parent is killed.
 """
 
-import selectors
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from queue import Empty, SimpleQueue
 from shutil import rmtree
 from time import monotonic
 from typing import Any
 
 from ballesta.batch.memory import Admission, resident_bytes
 from ballesta.batch.outcome import CRASHED, OUT_OF_MEMORY, OUT_OF_TIME
-from ballesta.batch.worker_process import Task, WorkerProcess
+from ballesta.batch.worker_process import Replies, Task, WorkerProcess
 
 _LOOK_EVERY = 0.05  # s, for time limits and memory
 _LONGEST_START = 120.0  # s, of an interpreter
@@ -83,7 +84,7 @@ class Pool:
         self._function, self._most, self._limits, self._cwd = function, most, limits, cwd
         self._admission = admission
         self._workers: list[WorkerProcess] = []
-        self._selector = selectors.DefaultSelector()
+        self._replies: Replies = SimpleQueue()
         self._folder = folder.resolve()
         rmtree(folder, ignore_errors=True)
         self._started = self._failed_starts = 0
@@ -129,11 +130,9 @@ class Pool:
     def close(self) -> None:
         """End all workers at once, whatever they are doing."""
         for worker in self._workers:
-            self._selector.unregister(worker)
             worker.end()
             worker.tidy()
         self._workers.clear()
-        self._selector.close()
         rmtree(self._folder, ignore_errors=True)
 
     def _hand_out(self) -> None:
@@ -155,34 +154,38 @@ class Pool:
             self._start()
 
     def _start(self) -> None:
-        worker = WorkerProcess(self._function, self._folder / f"worker_{self._started}", self._cwd)
+        folder = self._folder / f"worker_{self._started}"
+        self._workers.append(WorkerProcess(self._function, folder, self._replies, self._cwd))
         self._started += 1
-        self._workers.append(worker)
-        self._selector.register(worker, selectors.EVENT_READ, worker)
 
     def _drop(self, worker: WorkerProcess) -> None:
-        self._selector.unregister(worker)
         self._workers.remove(worker)
         worker.end()
         worker.tidy()
 
     def _collected(self) -> list[Finished]:
         finished: list[Finished] = []
-        for key, _ in self._selector.select(max(0.0, self._look_at - monotonic())):
-            worker: WorkerProcess = key.data
-            replies = worker.replies()
-            if replies is None:
+        for worker, reply in self._arrived():
+            if worker not in self._workers:
+                continue  # ended since it replied
+            if reply is None:
                 finished += self._died(worker)
-            for reply in replies or ():
-                if "ready" in reply:
-                    worker.ready, self._failed_starts = True, 0
-                else:
-                    finished += self._replied(worker, reply)
+            elif "ready" in reply:
+                worker.ready, self._failed_starts = True, 0
+            else:
+                finished += self._replied(worker, reply)
         if monotonic() >= self._look_at:
             for worker in list(self._workers):
                 finished += self._overstepped(worker)
             self._look_at = monotonic() + _LOOK_EVERY
         return finished
+
+    def _arrived(self) -> Iterator[tuple[WorkerProcess, dict[str, Any] | None]]:
+        """Replies that are there, after the first; waits for one until it is time to look."""
+        with suppress(Empty):
+            yield self._replies.get(timeout=max(0.0, self._look_at - monotonic()))
+            while True:
+                yield self._replies.get_nowait()
 
     def _replied(self, worker: WorkerProcess, reply: Mapping[str, Any]) -> list[Finished]:
         task, seconds = worker.task, monotonic() - worker.since

@@ -212,17 +212,10 @@ def _refuse_other_code(code: str | None, job: Job) -> None:
 @contextmanager
 def locked(out: Path) -> Iterator[None]:
     """Keep other batches out of a folder; raises DesignError when one is running there."""
+    from filelock import FileLock, Timeout
+
     try:
-        import fcntl
-    except ImportError:  # not on Windows
-        yield
-        return
-    file = os.open(out / "batch.lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
-    try:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise DesignError(out, "--out", "another batch is running in this folder") from None
-        yield
-    finally:
-        os.close(file)
+        with FileLock(out / "batch.lock", blocking=False):
+            yield
+    except Timeout:
+        raise DesignError(out, "--out", "another batch is running in this folder") from None

@@ -8,7 +8,6 @@ It dies with the process that started it, so that nobody else's batch finds it s
 import faulthandler
 import json
 import os
-import signal
 import sys
 import threading
 import traceback
@@ -18,8 +17,7 @@ from typing import Any, BinaryIO
 
 from ballesta.batch.memory import limit_memory, peak_bytes, reset_peak, resident_bytes
 from ballesta.batch.outcome import CRASHED, OUT_OF_MEMORY
-
-_PR_SET_PDEATHSIG = 1
+from ballesta.batch.processes import die_with_parent, end_ourselves
 
 
 def main() -> None:
@@ -75,25 +73,13 @@ class _Lines:
     def _read(self) -> None:
         for line in sys.stdin.buffer:
             self._queue.put(line)
-        os.killpg(0, signal.SIGKILL)  # with what it started: it leads a session of its own
+        end_ourselves()
 
     def __iter__(self) -> "_Lines":
         return self
 
     def __next__(self) -> bytes:
         return self._queue.get()
-
-
-def die_with_parent() -> None:
-    """Have Linux kill this process with its parent; elsewhere the end of its input tells it.
-
-    A library that holds Python's lock for minutes keeps the thread that reads from noticing.
-    """
-    if not sys.platform.startswith("linux"):
-        return
-    import ctypes
-
-    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 if __name__ == "__main__":

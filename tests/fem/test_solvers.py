@@ -1,7 +1,10 @@
 """Factorisation: each solver, the order of the unknowns, and what is said of the choice."""
 
 import gc
+import os
+import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,12 +14,25 @@ from numpy.testing import assert_allclose
 from fem.assembly import Pattern, full, stiffness
 from fem.elements import Elements
 from fem.ordering import dissection, node_dissection, permuted
-from fem.solvers import SOLVERS, Factor, SolverError, factorize
+from fem.solvers import SOLVERS, Factor, SolverError, chosen_solver, factorize
 
 from .blocks import block
 
 INDEFINITE = sp.csr_array(np.triu([[2.0, 1.0, 0.0], [1.0, -3.0, 1.0], [0.0, 1.0, 4.0]]))
 PACKAGES = {"CHOLMOD": "sksparse", "PARDISO": "pypardiso"}
+ROOT = Path(__file__).parents[2]
+SMALL = """
+import numpy as np
+from fem.assembly import Pattern, stiffness
+from fem.elements import Elements
+from fem.solvers import factorize
+from tests.fem.blocks import block
+matrix = stiffness(Pattern(Elements(block((6, 3, 3), (12.0, 4.0, 4.0)))), 210e3, 0.3)
+factor = factorize(matrix[147:][:, 147:].tocsr(), "PARDISO")
+factor.solve(np.ones(matrix.shape[0] - 147))
+from pypardiso import PyPardisoSolver
+print(PyPardisoSolver().libmkl.MKL_Get_Max_Threads())
+"""
 
 
 @pytest.fixture(scope="module")
@@ -77,23 +93,58 @@ def test_the_first_solver_that_is_there_is_taken_without_a_remark(upper):
     assert factorize(upper).solver == "CHOLMOD"
 
 
-def test_without_cholmod_pardiso_takes_its_place_and_says_so(upper, without):
+def test_without_cholmod_pardiso_takes_its_place(upper, without):
     there("PARDISO")
     without("sksparse")
-    solver = factorize(upper).solver
-    assert solver.startswith("PARDISO (CHOLMOD cannot be loaded: ")
-    assert "slow" not in solver
+    assert factorize(upper).solver == chosen_solver() == "PARDISO"
 
 
-def test_without_both_superlu_solves_the_same_and_says_that_it_is_slow(upper, without):
+def test_without_both_superlu_solves_the_same(upper, without):
     right = np.linspace(-1, 1, upper.shape[0])
     expected, _ = factorize(upper).solve(right)
     without("sksparse", "pypardiso")
     factor = factorize(upper)
-    assert factor.solver.startswith("SuperLU (CHOLMOD cannot be loaded: ")
-    assert "PARDISO cannot be loaded: " in factor.solver
-    assert factor.solver.endswith("; slow)")
+    assert factor.solver == chosen_solver() == "SuperLU"
     assert_allclose(factor.solve(right)[0], expected, atol=1e-9 * np.abs(expected).max(), rtol=0)
+
+
+def test_a_solver_that_is_installed_and_broken_is_told_with_its_cause(upper, without, monkeypatch):
+    def broken(*_):
+        raise ImportError("libcholmod.so.3: cannot open shared object file")
+
+    without("pypardiso")
+    monkeypatch.setitem(SOLVERS, "CHOLMOD", broken)
+    assert factorize(upper).solver == (
+        "SuperLU (CHOLMOD cannot be loaded: libcholmod.so.3: cannot open shared object file)"
+    )
+
+
+@pytest.mark.parametrize(
+    ("number", "words"), [(-2, "error code -2"), (-4, "not positive definite")]
+)
+def test_pardiso_tells_a_lack_of_memory_from_a_part_that_moves(upper, monkeypatch, number, words):
+    there("PARDISO")
+    from pypardiso import PyPardisoSolver
+    from pypardiso.pardiso_wrapper import PyPardisoError
+
+    def refuse(*_):
+        raise PyPardisoError(number)
+
+    monkeypatch.setattr(PyPardisoSolver, "factorize", refuse)
+    with pytest.raises(SolverError, match=words) as told:
+        factorize(upper, "PARDISO")
+    assert ("positive definite" in str(told.value)) == (number == -4)
+
+
+def test_pardiso_keeps_to_a_limit_of_threads_that_stands_in_the_environment():
+    """MKL asks for as many threads as there are cores; refused them it told of no memory."""
+    there("PARDISO")
+    done = subprocess.run(
+        [sys.executable, "-c", SMALL],
+        env={**os.environ, "OMP_THREAD_LIMIT": "1", "OMP_NUM_THREADS": "2", "MKL_DYNAMIC": "false"},
+        cwd=ROOT, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.stdout == "1\n", done.stderr
 
 
 def test_without_both_an_indefinite_matrix_is_refused_too(without):

@@ -21,6 +21,7 @@ from ballesta.part_strength import elastic_of
 from ballesta.store.linkage import stored_mode
 from ballesta.store.solutions import StoredSolutions
 from ballesta.store.store import Store
+from fem.solvers import chosen_solver
 from geometry.sizing import SizeField
 
 from ..small_machine import PLATE, machine
@@ -212,7 +213,7 @@ def test_the_factor_is_made_when_it_is_first_used_and_once(solutions, tmp_path, 
     Models(Store(tmp_path)).solutions(part.geometry, 0.3, elastic_of(part))
     calls.clear()
     kept = Models(Store(tmp_path)).solutions(part.geometry, 0.3, elastic_of(part))
-    assert "CHOLMOD" in kept.factor.solver
+    assert kept.factor.solver == chosen_solver()
     assert calls.told() == {}
     load = np.zeros((len(kept.loads), 1))
     load[-3:] = 1.0

@@ -1,0 +1,113 @@
+"""One check by each of the solvers: the same numbers, and what the result says of the choice."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ballesta.check import check_design, check_file
+from ballesta.effort import Effort
+
+from .small_machine import PLATE, machine
+
+PRESS = Path(__file__).parents[2] / "designs" / "toggle_press.toml"
+HIDDEN = {"CHOLMOD": (), "PARDISO": ("sksparse",), "SuperLU": ("sksparse", "pypardiso")}
+ROD = ["accuracy=30 %", "parts.rod.mesh.fineness=0.4"]
+SAME, SAME_MODE = 1e-9, 1e-6  # relative: stresses and forces; eigenvalues and what follows of them
+ROUND_OFF = 1e-12  # of the largest number of its kind
+
+
+def checked(name, check):
+    """What a check says with one solver and none that comes before it."""
+    with pytest.MonkeyPatch.context() as patch:
+        for package in HIDDEN[name]:
+            patch.setitem(sys.modules, package, None)
+        if name != "SuperLU":
+            pytest.importorskip({"CHOLMOD": "sksparse", "PARDISO": "pypardiso"}[name])
+        return check().to_dict()
+
+
+@pytest.fixture(scope="module")
+def rods(tmp_path_factory):
+    """The rod as a solid, with its buckling and vibration, by each solver."""
+    folder = tmp_path_factory.mktemp("rod")
+    design = machine(folder, PLATE, *ROD)
+    return {name: checked(name, lambda: check_design(design, effort=Effort("solid")))
+            for name in HIDDEN}  # fmt: skip
+
+
+def compared(a, b, path=()):
+    """Yields path and both values of all numbers of two results; texts must be equal."""
+    if isinstance(a, dict):
+        assert a.keys() == b.keys(), path
+        for key in a:
+            if key not in ("timings", "seconds", "versions", "solver", "gates", "warnings"):
+                yield from compared(a[key], b[key], (*path, key))
+    elif isinstance(a, list):
+        assert len(a) == len(b), path
+        for number, (x, y) in enumerate(zip(a, b, strict=True)):
+            yield from compared(x, y, (*path, number))
+    elif isinstance(a, float) and isinstance(b, float):
+        yield path, a, b
+    else:
+        assert a == b, path
+
+
+def differing(a, b):
+    """Checks' numbers and all others that are not the same, with their paths."""
+    found = list(compared(a, b))
+    assert len(found) > 300
+    sizes = dict()
+    for path, x, _ in found:
+        kind = next(key for key in reversed(path) if isinstance(key, str))
+        sizes[kind] = max(sizes.get(kind, 0.0), abs(x) if np.isfinite(x) else 0.0)
+    wrong = []
+    for path, x, y in found:
+        kind = next(key for key in reversed(path) if isinstance(key, str))
+        same = SAME_MODE if is_mode(a, path) else SAME
+        if not (x == y or abs(x - y) <= same * abs(x) + ROUND_OFF * sizes[kind]):
+            wrong.append((path, x, y))
+    return wrong
+
+
+def is_mode(result, path):
+    """Whether a number stands in a check that is an eigenvalue."""
+    if path[:1] != ("parts",) or path[2:3] != ("checks",):
+        return False
+    return "buckling" in result["parts"][path[1]]["checks"][path[3]]["kind"]
+
+
+@pytest.mark.parametrize("name", ["PARDISO", "SuperLU"])
+def test_a_check_has_the_same_numbers_by_each_solver(rods, name):
+    assert differing(rods["CHOLMOD"], rods[name]) == []
+
+
+def test_the_result_names_its_solver(rods):
+    for name, result in rods.items():
+        assert result["versions"]["solver"] == name
+        assert {mesh["solver"] for mesh in result["parts"][0]["meshes"]} == {name}
+
+
+def test_superlu_is_warned_of_with_cost_and_cure(rods):
+    told = {n: [w for w in r["warnings"] if "SuperLU" in w] for n, r in rods.items()}
+    assert told["CHOLMOD"] == told["PARDISO"] == []
+    (warning,) = told["SuperLU"]
+    assert warning.startswith("rod: solved by SciPy's SuperLU")
+    assert "4 to 11 times the time" in warning
+    assert 'pip install "ballesta[pardiso]"' in warning
+
+
+def test_a_check_by_formula_needs_no_warning(tmp_path):
+    design = machine(tmp_path, PLATE)
+    result = checked("SuperLU", lambda: check_design(design, effort=Effort("formula")))
+    assert not [w for w in result["warnings"] if "SuperLU" in w]
+    assert result["versions"]["solver"] == "SuperLU"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["PARDISO", "SuperLU"])
+def test_the_press_has_the_same_numbers_by_each_solver(name):
+    assert (
+        differing(*(checked(each, lambda: check_file(PRESS)) for each in ("CHOLMOD", name))) == []
+    )
