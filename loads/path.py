@@ -19,6 +19,7 @@ from loads.motion import Geometry, derivative, differentiate
 
 _STRAIGHT = 0.95  # cosine of the largest turn of the motion in one step of the walk
 _LONGEST_CHORD = 1.5  # of what the rates at the ends of a step make of it
+_LARGEST_TURN = np.pi  # of a body in one step: a whole turn more closes the joints as well
 _REFINEMENTS = 30  # of the knots, where they do not lead to the positions between them
 _CHANGE_POINT = 1e-4  # smallest over largest singular value of the joints where it stops
 _SMALLEST_STEP = 1e-10  # of the range that is walked
@@ -196,6 +197,8 @@ def _step(
     except LinkageError:
         return None
     if len(set(orientation(kinematics, coordinate, np.concatenate([pose, poses])))) > 1:
+        return None
+    if np.abs(poses[0, :, 2] - pose[0, :, 2]).max() > _LARGEST_TURN:
         return None
     # a chord longer than the rates at its ends allow has swallowed a turn of a body
     fastest = max(float(pose_norm(kinematics, each)[0]) for each in (tangent, following))
