@@ -12,6 +12,7 @@ The stress F/A + M/W rises faster than the load: the safety is the factor on all
 reaches yield, never the ratio of stresses.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite, pi
@@ -123,7 +124,12 @@ class CrookedColumn:
 
     def _factor_at(self, row: int, place: int, yield_stress: float) -> float:
         force = float(self.force[row])
-        most = min(float(self.critical.min()) / force, yield_stress * self.areas[place] / force)
+        # the edge yields at the latest where the stress without growth does
+        straight = force / self.areas[place] + sum(
+            abs(self.moments[plane][row, place]) / self.moduli[plane][place] for plane in (0, 1)
+        )
+        most = yield_stress / straight if straight else np.inf
+        most = min(most, float(self.critical.min()) / force) if force else most
 
         def over(share: float) -> float:
             stress = self.stress(share * most, slice(row, row + 1), slice(place, place + 1))
@@ -141,7 +147,10 @@ class CrookedColumn:
 class _Pressed:
     """A part at the positions that compress it, before it is taken to be crooked in a plane.
 
-    positions  (n,)    which of all positions these are
+    Where the compression ends between two positions, that place is one more: as it does not bend
+    less there, the positions alone would leave out what lies between them.
+
+    positions  (n,)    which of all positions these are, or are next to
     force      (n,)    N, compression
     places     (k,)    share of the length
     sections   (k,)
@@ -161,20 +170,46 @@ class _Pressed:
 
 def _pressed(part: Part, loads: PartLoads, length: float, mass: float | None) -> _Pressed:
     force = axial_compression(part, loads)
-    pressed = np.flatnonzero(force > 0)
+    mix, pressed = _compressed(force, loads.steps)
     waves = np.sin(pi * _ORDER[:, None] * np.linspace(0.0, 1.0, GRID))
     weights = np.full(GRID, 1 / (GRID - 1))
     weights[[0, -1]] /= 2
     places, sections = _stations(part, length)
     largest = _NO_MOMENT * length * force.max()
+    force = np.maximum(mix(force), 0.0)  # nothing, less round-off, where it ends
     moments, series, bent = {}, {}, {}
     planes = first_order(part, loads, length, mass)
     for name, whole in zip(("in plane", "out of plane"), planes, strict=True):
-        moment = FirstOrder(whole.acting[pressed], whole.shapes)
+        moment = FirstOrder(mix(whole.acting), whole.shapes)
         series[name] = moment.over(2 * weights * waves)
         moments[name] = moment.at(places)
         bent[name] = bool(np.abs(moment.moments).max() > largest)
-    return _Pressed(pressed, force[pressed], places, sections, moments, series, bent)
+    return _Pressed(pressed, force, places, sections, moments, series, bent)
+
+
+def _compressed(
+    force: FloatArray, steps: IntArray
+) -> tuple[Callable[[FloatArray], FloatArray], IntArray]:
+    """Positions under compression and places where it ends: what mixes loads to them, and which.
+
+    force  (n,)  N, compression
+    steps  (m,)  positions after which the loads go on to the next one without a jump
+
+    The function takes loads (n, ...) to those (k, ...) at the k positions and places; these are
+    numbered (k,) by the position that is compressed.
+    """
+    own = np.flatnonzero(force > 0)
+    before, after = force[steps], force[steps + 1]
+    ends = (before > 0) != (after > 0)
+    first, before, after = steps[ends], before[ends], after[ends]
+    share = before / (before - after)
+
+    def mix(values: FloatArray) -> FloatArray:
+        part = share.reshape(-1, *[1] * (values.ndim - 1))
+        between = (1 - part) * values[first] + part * values[first + 1]
+        return np.concatenate([values[own], between])
+
+    return mix, np.concatenate([own, np.where(before > 0, first, first + 1)])
 
 
 def _crooked(part: Part, pressed: _Pressed, plane: Plane, other: Plane) -> CrookedColumn:

@@ -11,7 +11,7 @@ import loads
 from ballesta.design_data import Cycle, Design, Part
 from ballesta.errors import DesignError
 from ballesta.machine import part_placing
-from geometry.mesh import FloatArray, Interface
+from geometry.mesh import FloatArray, IntArray, Interface
 from geometry.parts import Pin
 
 _LARGEST = 1e33  # N, N mm; squares and cubes of what is larger leave the range of numbers
@@ -28,6 +28,8 @@ class PartLoads:
     tilt_held_at   interface that takes the couples out of the plane, also those of inertia
     cycles         name -> slice of the n positions
     labels         (n,) where in which cycle, in words
+    phase_of       (n,) phase of each position in its cycle: at its border the loads may jump;
+                   None where every cycle is one phase
     """
 
     wrenches: Mapping[str, FloatArray]
@@ -38,6 +40,16 @@ class PartLoads:
     reaches: Mapping[str, FloatArray] = field(default_factory=dict)
     tilting: float = 0.0
     tilt_held_at: str | None = None
+    phase_of: IntArray | None = None
+
+    @property
+    def steps(self) -> IntArray:
+        """Positions (m,) after which the loads go on to the next one without a jump."""
+        names = np.array(self.cycle_names)
+        smooth = names[1:] == names[:-1]
+        if self.phase_of is not None:
+            smooth &= self.phase_of[1:] == self.phase_of[:-1]
+        return np.flatnonzero(smooth)
 
     @property
     def largest_force(self) -> float:
@@ -109,7 +121,7 @@ def loads_on(
     wrenches: dict[str, list[FloatArray]] = {}
     reaches: dict[str, list[FloatArray]] = {}
     labels: list[str] = []
-    accelerations, names = [], []
+    accelerations, names, phase_of = [], [], []
     slices, start = {}, 0
     for name, cycle_loads in solved.items():
         if not is_loaded(part, cycle_loads):
@@ -128,6 +140,7 @@ def loads_on(
             shown, unit, tuple(values.tolist()), tuple(history.phase_of.tolist()), phases
         )
         names += [name] * len(values)
+        phase_of.append(history.phase_of)
         slices[name] = slice(start, start + len(values))
         start += len(values)
     if not slices:
@@ -148,6 +161,7 @@ def loads_on(
         {name: np.concatenate(parts) for name, parts in reaches.items()},
         _tilt(part, together),
         part.tilt_held_at,
+        np.concatenate(phase_of),
     )
 
 

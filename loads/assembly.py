@@ -3,6 +3,7 @@
 import numpy as np
 
 from loads.bodies import FloatArray, LinkageError
+from loads.change_points import held_twice
 from loads.elements import Coordinate
 from loads.kinematics import Kinematics
 from loads.linkage import Linkage
@@ -45,21 +46,13 @@ def assemble(kinematics: Kinematics) -> FloatArray:
             f"(at most {_LARGEST_GAP * kinematics.size:.3g} mm are closed without asking)"
         )
     for _ in range(20):
-        matrix = (
-            kinematics.jacobian(pose)[0, :, 3:]
-            * kinematics.pose_scale
-            / kinematics.row_scale[:, None]
-        )
+        matrix = kinematics.joints_jacobian(pose)[0]
         left, sizes, _ = np.linalg.svd(matrix)
         if sizes[-1] < 1e-9 * sizes[0]:
-            share = {
-                name: float(np.linalg.norm(left[rows, -1]))
-                for name, rows in kinematics.rows.items()
-            }
-            names = sorted((n for n in share if share[n] > 0.05), key=lambda n: -share[n])
+            names = ", ".join(held_twice(kinematics, left[:, -1:]))
             raise LinkageError(
-                f"joints {', '.join(names)} hold the same motion twice in the assembled pose: "
-                "a redundant guide, or a pose in which the linkage can move on in two ways"
+                f"joints {names} hold the same motion twice in the assembled pose: a "
+                "redundant guide, or a pose in which the linkage can move on in two ways"
             )
         error = kinematics.constraints(pose)[0] / kinematics.row_scale
         step = np.linalg.lstsq(matrix, error, rcond=None)[0]

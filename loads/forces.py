@@ -119,13 +119,7 @@ def _matrix(motion: Motion, effort: Force) -> FloatArray:
     kinematics = motion.kinematics
     size = kinematics.n_constraints + 1
     matrix = np.empty((len(motion.values), size, size))
-    matrix[:, :, :-1] = np.swapaxes(
-        kinematics.jacobian(motion.poses)[:, :, 3:]
-        * kinematics.pose_scale
-        / kinematics.row_scale[:, None],
-        1,
-        2,
-    )
+    matrix[:, :, :-1] = np.swapaxes(kinematics.joints_jacobian(motion.poses), 1, 2)
     scale = kinematics.coordinate_scale(effort.coordinate)
     matrix[:, :, -1] = _generalised(motion, effort) * kinematics.size / scale
     return matrix

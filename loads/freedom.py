@@ -26,12 +26,7 @@ def freedom_problem(linkage: "Linkage") -> str | None:
         f"joints {', '.join(joint.name for joint in linkage.joints) or 'none'}), must be 1"
     )
     kinematics = Kinematics(linkage)
-    jacobian = (
-        kinematics.jacobian(kinematics.assembled)[0, :, 3:]
-        * kinematics.pose_scale
-        / kinematics.row_scale[:, None]
-    )
-    left, sizes, right = np.linalg.svd(jacobian)
+    left, sizes, right = np.linalg.svd(kinematics.joints_jacobian(kinematics.assembled)[0])
     rank = int(np.sum(sizes > _SINGULAR * sizes.max(initial=0.0)))
     if freedom > 1:
         return f"{count}: {freedom - 1} too many, {_missing(linkage, right[rank:])}"

@@ -238,6 +238,13 @@ class Kinematics:
         """Return the derivatives of the constraints (n, constraints, 3 bodies)."""
         return self._slopes(self._placed(poses))
 
+    def joints_jacobian(self, poses: FloatArray) -> FloatArray:
+        """Return the same by the moving bodies alone (n, constraints, 3 moving), unit-free."""
+        result: FloatArray = self.jacobian(poses)[:, :, 3:] * (
+            self.pose_scale / self.row_scale[:, None]
+        )
+        return result
+
     def linearised(self, poses: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return constraints and their derivatives together, which costs less than one by one."""
         placed = self._placed(poses)

@@ -11,6 +11,7 @@ import numpy as np
 
 from loads.assembly import assemble, closest_approach
 from loads.bodies import BoolArray, FloatArray, IntArray, LinkageError
+from loads.change_points import change_point_error, check_change_points
 from loads.closing import closed_poses, matrix, orientation, pose_norm
 from loads.elements import Coordinate, in_words, place_in_words
 from loads.kinematics import Kinematics
@@ -19,6 +20,7 @@ from loads.motion import Geometry, derivative, differentiate
 
 _STRAIGHT = 0.95  # cosine of the largest turn of the motion in one step of the walk
 _LONGEST_CHORD = 1.5  # of what the rates at the ends of a step make of it
+_LARGEST_TURN = np.pi  # of a body in one step: a whole turn more closes the joints as well
 _REFINEMENTS = 30  # of the knots, where they do not lead to the positions between them
 _CHANGE_POINT = 1e-4  # smallest over largest singular value of the joints where it stops
 _SMALLEST_STEP = 1e-10  # of the range that is walked
@@ -48,8 +50,13 @@ class Path:
 
     def at(self, values: FloatArray) -> Geometry:
         """Return the positions at the given values of the coordinate, solved together."""
-        kinematics, coordinate = self.kinematics, self.coordinate
         values = np.asarray(values, dtype=float)
+        poses = self.poses_at(values)
+        return differentiate(self.kinematics, self.coordinate, values, poses)
+
+    def poses_at(self, values: FloatArray) -> FloatArray:
+        """Return the poses (n, bodies, 3) at the given values (n,), without their derivatives."""
+        coordinate = self.coordinate
         low, high = self.values[0], self.values[-1]
         outside = (values < low) | (values > high)
         if outside.any():
@@ -61,7 +68,7 @@ class Path:
         for level in range(_REFINEMENTS + 1):
             poses, wrong = path._guided(values)
             if not wrong.any():
-                return differentiate(kinematics, coordinate, values, poses)
+                return poses
             if level < _REFINEMENTS:
                 path = path._refined(values[wrong])
         raise LinkageError(
@@ -111,7 +118,8 @@ class Path:
 def trace(linkage: Linkage, coordinate: Coordinate, first: float, second: float) -> Path:
     """Return the branch of positions that holds the assembled pose, between two values.
 
-    Raises LinkageError if the assembled pose does not close, or if a value cannot be reached.
+    Raises LinkageError if the assembled pose does not close, if a value cannot be reached, or if
+    the way there comes to a change point.
     """
     linkage.check_coordinate(coordinate, "swept coordinate")
     kinematics = Kinematics(linkage)
@@ -129,7 +137,9 @@ def trace(linkage: Linkage, coordinate: Coordinate, first: float, second: float)
     # the assembled value and the asked end may differ by rounding only
     knots[0] = (min(knots[0][0], low), *knots[0][1:])
     knots[-1] = (max(knots[-1][0], high), *knots[-1][1:])
-    return _path(kinematics, coordinate, knots)
+    path = _path(kinematics, coordinate, knots)
+    check_change_points(kinematics, coordinate, path.values, path.poses, start, path.poses_at)
+    return path
 
 
 def _tangent(
@@ -197,6 +207,8 @@ def _step(
         return None
     if len(set(orientation(kinematics, coordinate, np.concatenate([pose, poses])))) > 1:
         return None
+    if np.abs(poses[0, :, 2] - pose[0, :, 2]).max() > _LARGEST_TURN:
+        return None
     # a chord longer than the rates at its ends allow has swallowed a turn of a body
     fastest = max(float(pose_norm(kinematics, each)[0]) for each in (tangent, following))
     if (
@@ -234,15 +246,9 @@ def _stopped(
             f"{coordinate.label} = {wanted} cannot be reached: joint {joint!r} stays open by "
             f"{gap:.4g} mm {place}; the last value that can be reached is {reached}"
         )
-    scaled = kinematics.jacobian(pose)[0, :, 3:] * (
-        kinematics.pose_scale / kinematics.row_scale[:, None]
-    )
-    sizes = np.linalg.svd(scaled, compute_uv=False)
+    sizes = np.linalg.svd(kinematics.joints_jacobian(pose)[0], compute_uv=False)
     if sizes[-1] < _CHANGE_POINT * sizes[0]:
-        return LinkageError(
-            f"{coordinate.label} cannot be led to {wanted}: at {reached} the linkage can go on in "
-            "two ways (change point); end before it, or begin behind it"
-        )
+        return change_point_error(kinematics, coordinate, last, pose, float(sizes[-1]))
     return LinkageError(
         f"{coordinate.label} cannot be led to {wanted}: it stands still at {reached} (dead "
         "centre); end before it, or sweep another coordinate"

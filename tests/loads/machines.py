@@ -27,6 +27,7 @@ __all__ = [
     "at_state",
     "four_bar",
     "hammer",
+    "parallel_four_bars",
     "press_cycle",
     "quick_return",
     "slider_crank",
@@ -197,6 +198,37 @@ def four_bar(crank, coupler, rocker, ground, masses=None, at=2 * pi / 9, side=1)
             "rocker": (ground, 0.0, atan2(b[1], b[0] - ground)),
         },
         gravity=(0.0, 0.0),
+    )
+
+
+def parallel_four_bars(n, at, length=1000.0, mass=1e-3, g=9810.0):
+    """Return n parallelograms side by side, cranks as long as couplers and as the ground between.
+
+    Neighbours share a crank: cranks C0 ... Cn from A0 ... An, couplers from B0 to B1 and so on.
+    """
+    bars = {"mass": mass, "inertia": mass * length**2 / 12, "centre": (length / 2, 0.0)}
+    cranks = [
+        Body(f"C{k}", {f"A{k}": (0.0, 0.0), f"B{k}": (length, 0.0)}, **bars) for k in range(n + 1)
+    ]
+    couplers = [
+        Body(f"D{k}", {f"B{k}": (0.0, 0.0), f"B{k + 1}": (length, 0.0)}, **bars) for k in range(n)
+    ]
+    b = [(k * length + length * cos(at), length * sin(at)) for k in range(n)]
+    return Linkage(
+        bodies=(
+            Body(GROUND, {f"A{k}": (k * length, 0.0) for k in range(n + 1)}),
+            *cranks,
+            *couplers,
+        ),
+        joints=(
+            *(Revolute(f"A{k}", GROUND, f"C{k}", f"A{k}") for k in range(n + 1)),
+            *(Revolute(f"B{k}", f"C{k}", f"D{k}", f"B{k}") for k in range(n)),
+            *(Revolute(f"E{k}", f"D{k - 1}", f"C{k}", f"B{k}") for k in range(1, n + 1)),
+        ),
+        forces=(Force("drive", Angle("C0", point="A0")),),
+        assembled={f"C{k}": (k * length, 0.0, at) for k in range(n + 1)}
+        | {f"D{k}": (*b[k], 0.0) for k in range(n)},
+        gravity=(0.0, -g),
     )
 
 

@@ -58,6 +58,19 @@ def test_a_rocker_just_before_its_limit_does_not_fall_to_another_branch(before):
         assert linkage.assembled["crank"][2] - 1e-9 < crank < folded
 
 
+@pytest.mark.parametrize("crank", [100.5, 101.0, 102.0])
+def test_a_body_that_turns_fast_does_not_gain_a_turn_in_one_step(crank):
+    """Near its change point the rocker turns by half a turn while the crank turns by some degrees.
+
+    The ground is the shortest side, so that the rocker turns with the crank, once for each turn.
+    """
+    lengths = (crank, 250.0, 250.0, 100.0)
+    values = np.linspace(-3.0, 3.0, 6001)
+    expected = np.unwrap([rocker_angle(*lengths, value) for value in values])
+    found = trace(four_bar(*lengths, at=1.0), CRANK, -3.0, 3.0).at(values).poses[:, 3, 2]
+    assert_allclose(found - found[0], expected - expected[0], atol=1e-8)
+
+
 def test_a_body_that_swings_does_not_gain_a_turn_where_it_is_fast():
     """The rocker of a crank-rocker comes back: crank + coupler < rocker + ground."""
     path = trace(four_bar(90.0, 250.0, 250.0, 100.0, at=1.0), CRANK, -3.0, 3.0)

@@ -173,7 +173,10 @@ def test_a_parallelogram_is_refused_at_its_change_point():
     """All bars in line at 180 deg: from there it can go on as a parallelogram or cross its bars."""
     linkage = four_bar(40.0, 100.0, 40.0, 100.0, at=pi / 3)
     assert len(trace(linkage, Angle("crank"), 0.1, pi - 0.01).values) > 2
-    with pytest.raises(LinkageError, match=r"at 180 deg the linkage can go on in two ways"):
+    with pytest.raises(
+        LinkageError,
+        match=r"at 180 deg the linkage can go on in two ways \(change point of joints (O2|O4|A|B),",
+    ):
         trace(linkage, Angle("crank"), pi / 3, 2 * pi - 0.1)
     with pytest.raises(LinkageError, match=r"joints O2, A, B, O4 .* move on in two ways"):
         trace(four_bar(40.0, 100.0, 40.0, 100.0, at=pi), Angle("crank"), 3.0, 3.3)
