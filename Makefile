@@ -1,6 +1,7 @@
 # make demo   sets everything up and checks the toggle press
 # make test   sets everything up and runs the tests
 # make lint   types, style and the direction of imports
+# make wheels asks the package index whether Windows, Linux and macOS need no compiler
 # make bench  runs the benchmarks, writes bench/results.json
 # make trade  compares the rungs with solids, writes the bars of the ladder and docs/trade.md (hours)
 # make documents  compares the documents' published values, writes docs/documents.md, docs/hammer_leaf.md
@@ -12,7 +13,7 @@ READY := $(VENV)/ready
 PEERS := $(VENV)/peers
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: demo test slow lint bench trade documents screens setup clean
+.PHONY: demo test slow lint wheels bench trade documents screens setup clean
 .DEFAULT_GOAL := demo
 
 setup: $(READY)
@@ -50,6 +51,9 @@ lint: $(READY)
 	@$(BIN)/mypy
 	@$(BIN)/mypy --platform win32 --cache-dir .mypy_cache/win32
 	@$(BIN)/lint-imports
+
+wheels: $(READY)
+	@$(BIN)/python tools/wheels.py
 
 bench: $(PEERS)
 	@$(BIN)/python bench/run.py
