@@ -4,6 +4,7 @@ import platform
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from time import perf_counter
@@ -25,7 +26,14 @@ from ballesta.levels import Models
 from ballesta.linkage_frame import LinkageMode, linkage_check, worst_mode
 from ballesta.machine import cycle_of, interface_distance, linkage_of, part_placing
 from ballesta.motion import motions_of
-from ballesta.part_ladder import DEFAULT_EFFORT, Effort, check_parts, gave_up, time_warnings
+from ballesta.part_ladder import (
+    DEFAULT_EFFORT,
+    Effort,
+    Finished,
+    check_parts,
+    gave_up,
+    time_warnings,
+)
 from ballesta.part_loads import is_loaded, loads_on, shown_of
 from ballesta.quasi_static import (
     assumptions_of,
@@ -38,6 +46,8 @@ from ballesta.step_parts import told_of_steps
 from ballesta.store.linkage import stored_mode
 from ballesta.store.loads import stored_loads
 from ballesta.store.store import Store
+from ballesta.supervised import expect
+from ballesta.unfinished import FRAME, PART, Keep, KeptPart, with_parts, without_live
 from ballesta.warnings_of import (
     claim_warnings,
     design_warnings,
@@ -96,14 +106,19 @@ def check_design(
     reading: float = 0.0,
     store: Store | None = None,
     live: bool = False,
+    begun: float | None = None,
+    keep: Keep | None = None,
 ) -> DesignResult:
     """Check all parts of a design over all its cycles; raises DesignError and NumericsError.
 
     effort  which models may be used, and how long it may take
     store   of loads, meshes and solutions (docs/store.md)
     live    whether fields and motion at every position are wanted, for a page or a window
+    begun   when its time began, on the clock of `perf_counter`; None for when reading began
+    keep    is handed what is finished meanwhile (ballesta/unfinished.py)
     """
-    begun = perf_counter() - reading
+    if begun is None:
+        begun = perf_counter() - reading
     if not design.parts:
         raise DesignError(
             design.file, "parts", "nothing to check: there are none; ballesta loads tells the loads"
@@ -130,33 +145,19 @@ def check_design(
     except loads.LinkageError as error:
         raise DesignError(design.file, "linkage", str(error)) from error
 
-    start = perf_counter()
-    before = sum(models.seconds.values())
-    results = check_parts(design, runs, models, effort, begun, say, live=live)
-    spent = sum(models.seconds.values()) - before
-    timings |= models.seconds
-    timings["cycle, fatigue, buckling"] = perf_counter() - start - spent
-    return DesignResult(
+    frame = DesignResult(
         name=design.name,
         file=str(design.file),
         sha256=design.sha256,
         overrides=design.overrides,
-        parts=results,
-        cycles=_cycle_data(design, runs, results),
+        parts=(),
+        cycles=_cycle_data(design, runs),
         gates=[
             *load_gates(design, solved),
             *quasi_static_gates(design, vibration),
             *balance_gates(design, measured),
         ],
-        warnings=[
-            *time_warnings(results),
-            *solver_warnings(results),
-            *undrawn_warnings(results),
-            *claim_warnings(design, results),
-            *unloaded_warnings(results),
-            *shaken,
-            *design_warnings(design, masses, runs),
-        ],
+        warnings=[*shaken, *design_warnings(design, masses, runs)],
         not_checked=(*NOT_CHECKED, *_not_checked_here(design), *not_measured(design)),
         assumed=(*design.assumed, *_assumed_here(design), *assumptions_of(design, vibration)),
         defaults=design.defaults_used,
@@ -173,9 +174,41 @@ def check_design(
         ),
         timings=timings,
         linkage=[] if mode is None else [_of_linkage(design, mode)],
-        motion=motions_of(design, solved, results) if live else {},
         assumed_by_design=_assumed_by_design(design),
     )
+    start = perf_counter()
+    before = sum(models.seconds.values())
+    results = check_parts(
+        design, runs, models, effort, begun, say, live=live, finished=_kept(design, frame, keep)
+    )
+    spent = sum(models.seconds.values()) - before
+    timings |= models.seconds
+    timings["cycle, fatigue, buckling"] = perf_counter() - start - spent
+    whole = with_parts(frame, results, _warnings_of_parts(design, results))
+    return replace(whole, motion=motions_of(design, solved, results) if live else {})
+
+
+def _kept(design: Design, frame: DesignResult, keep: Keep | None) -> Finished | None:
+    """What hands over a part's result as soon as it is there."""
+    if keep is None:
+        return None
+    keep(FRAME, (frame, list(design.parts)))
+
+    def kept(result: PartResult, left: Sequence[str]) -> None:
+        warnings = _warnings_of_parts(design, [result])
+        keep(f"{PART}{result.name}", KeptPart(without_live(result), left, warnings))
+
+    return kept
+
+
+def _warnings_of_parts(design: Design, results: Sequence[PartResult]) -> list[str]:
+    return [
+        *time_warnings(results),
+        *solver_warnings(results),
+        *undrawn_warnings(results),
+        *claim_warnings(design, results),
+        *unloaded_warnings(results),
+    ]
 
 
 def _of_linkage(design: Design, mode: LinkageMode) -> Check:
@@ -248,11 +281,15 @@ def solve_cycles(
     compliances  of bodies that give way as their parts (elastic_parts), for cycles with contacts
     store        of the loads of cycles
     """
-    solved = {}
+    solved: dict[str, loads.CycleLoads] = {}
+    took = 0.0
     for name, cycle in design.cycles.items():
+        start = perf_counter()
+        expect(f"{name}, {len(solved) + 1} of {len(design.cycles)} cycles", took)
         linkage = linkage_of(design, masses, cycle, compliances)
         with told_of_cycle(design, name):
             solved[name] = stored_loads(store, linkage, cycle_of(design, cycle))
+        took = perf_counter() - start
     return solved
 
 
@@ -279,8 +316,8 @@ def told_of_cycle(design: Design, name: str) -> Iterator[None]:
 def _cycle_data(
     design: Design,
     solved: Mapping[str, loads.CycleLoads | loads.MeasuredLoads],
-    results: Sequence[PartResult],
 ) -> dict[str, dict[str, Any]]:
+    """Plain data over every cycle, but for the peaks, which parts add (unfinished.with_parts)."""
     data = {}
     for name, cycle in solved.items():
         shown, unit, position = shown_of(design, name, cycle)
@@ -304,9 +341,7 @@ def _cycle_data(
             "powers": powers,
             "works": works,
             "links": links,
-            "peaks": {
-                r.name: r.charts["peaks"][name] for r in results if name in r.charts["peaks"]
-            },
+            "peaks": {},
             "duty": design.duty.cycles.get(name, 0.0),
         }
     return data

@@ -11,6 +11,8 @@ from typing import Annotated
 
 import typer
 
+from ballesta.supervisor import is_long, supervise
+
 app = typer.Typer(
     name="ballesta",
     help="Finite-element structural and fatigue checks of machine parts under the loads of their "
@@ -58,7 +60,7 @@ def check(
     within: Annotated[
         str | None,
         typer.Option(
-            "--within", metavar="TIME", help="begin no solid that would take longer, e.g. 60s"
+            "--within", metavar="TIME", help="end by then with what is finished, e.g. 60s"
         ),
     ] = None,
     fields: Fields = False,
@@ -82,7 +84,8 @@ def check(
     """Check designs and write report.html, result.json and a .vtu file per part.
 
     Exit code 0: every part passes; 1: a part fails or stays undecided; 2: an input is wrong;
-    3: the numerics gave up. Of several designs the highest counts.
+    3: the numerics gave up. Of several designs the highest counts. 130: stopped by Ctrl-C, what was
+    finished is written.
     """
     from ballesta.run import check_all
 
@@ -438,7 +441,12 @@ def version() -> None:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command line; returns the exit code when called from Python with arguments."""
+    """Run the command line; returns the exit code when called from Python with arguments.
+
+    Without arguments it is the program: long commands are run by a supervised child.
+    """
+    if argv is None and is_long(sys.argv[1:]):
+        sys.exit(supervise(sys.argv[1:]))
     from fem.threads import one_thread, policy
 
     _speak_utf8()

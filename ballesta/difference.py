@@ -1,7 +1,6 @@
 """What changed between two designs or two runs: `ballesta diff A B`."""
 
 import json
-import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -12,6 +11,7 @@ from ballesta.compared import compared
 from ballesta.errors import DesignError
 from ballesta.names import listed
 from ballesta.run import Say, effort_of, guarded
+from ballesta.supervised import step
 from reports.difference_summary import VERDICTS, DesignDifference, Difference
 from reports.files import plain
 from reports.words import brief
@@ -170,12 +170,9 @@ def run_diff(a: Path, b: Path, wanted: Wanted) -> int:
     0: compared, whatever changed; 2: an input is wrong; 3: the numerics gave up.
     """
 
-    def say(text: str) -> None:
-        print(text, file=sys.stderr, flush=True)
-
     def work() -> None:
         effort = effort_of(wanted.fidelity, wanted.within)
-        difference = differences_of(a, b, effort=effort, say=say)
+        difference = differences_of(a, b, effort=effort, say=step)
         if wanted.html is not None:
             _write(difference, wanted.html)
         if wanted.as_json:

@@ -12,7 +12,8 @@ class Effort:
     """Which models a check may use, and how long it may take.
 
     fidelity  "auto", "formula", "beam", "plane" or "solid"
-    within    s from the start of the check, after which no solid is begun; None for no limit
+    within    s from the start of the check; nothing is begun that is expected to end later, its
+              report included; None for no limit
     pinned    part -> kind of check -> the rung that must decide it; other parts as `fidelity` says
     fields    whether parts whose checks need no mesh get one, for a page or a window to draw
     """

@@ -1,7 +1,6 @@
 """A part under the loads of one position, for another finite-element program: `ballesta export`."""
 
 import re
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +19,7 @@ from ballesta.names import no_such
 from ballesta.part_loads import PartLoads, loads_on, shown_of
 from ballesta.part_strength import elastic_of
 from ballesta.run import Say, guarded
+from ballesta.supervised import step
 from fem.deck import write_deck
 from fem.recovery import von_mises
 from fem.solvers import SolverError
@@ -141,7 +141,7 @@ def run_export(
     """
 
     def say(text: str) -> None:
-        print(f"{path.stem}: {text}", file=sys.stderr, flush=True)
+        step(f"{path.stem}: {text}")
 
     def work() -> None:
         done = export_part(path, name, at, cycle=cycle, out=out, overrides=overrides, say=say)

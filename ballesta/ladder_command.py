@@ -1,7 +1,6 @@
 """Value and error bar against seconds for every rung of every part: `ballesta ladder`."""
 
 import json
-import sys
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -32,6 +31,7 @@ from ballesta.rungs.climb import (
     start_climb,
 )
 from ballesta.rungs.result import solid_result
+from ballesta.supervised import step
 from fem.allocation import keep_freed_memory
 from fem.solvers import SolverError
 from fem.unit_solutions import Elastic, UnitSolutions
@@ -147,7 +147,7 @@ def run_ladder(path: Path, wanted: Wanted, overrides: Sequence[str] = ()) -> int
     """
 
     def say(text: str) -> None:
-        print(f"{path.stem}: {text}", file=sys.stderr, flush=True)
+        step(f"{path.stem}: {text}")
 
     def work() -> None:
         result = ladder_of_file(path, overrides, wanted.part, say=say)

@@ -7,11 +7,13 @@ from time import perf_counter
 
 import numpy as np
 
+from ballesta.cost import SECOND_MESH, solve_seconds
 from ballesta.part_loads import PartLoads
 from ballesta.store.meshes import stored_body, stored_mesh, stored_skin
 from ballesta.store.solutions import stored_solutions
 from ballesta.store.store import Store
 from ballesta.stressed import Stressed, judge
+from ballesta.supervised import expect
 from fem.notch_resolution import concave_curvature, notch_error
 from fem.recovery import von_mises
 from fem.singularity import reentrant_edges
@@ -40,6 +42,7 @@ class Models:
         ] = {}
         self._bodies: dict[Buildable, SolidBody] = {}
         self._skins: dict[Buildable, Skin] = {}
+        self._mesh_seconds: dict[Buildable, float] = {}  # expected of a finer mesh
         self.seconds: dict[str, float] = {"mesh": 0.0, "solve": 0.0}
 
     def body(self, shape: Buildable) -> SolidBody:
@@ -66,8 +69,11 @@ class Models:
         key = (shape, fineness, sizes)
         if key not in self._meshes:
             start = perf_counter()
+            expect("meshing", self._mesh_seconds.get(_whole(shape), 0.0))
             self._meshes[key] = stored_mesh(self.store, shape, fineness, sizes)
-            self.seconds["mesh"] += perf_counter() - start
+            took = perf_counter() - start
+            self._mesh_seconds.setdefault(_whole(shape), SECOND_MESH * took)
+            self.seconds["mesh"] += took
         return self._meshes[key]
 
     def solutions(
@@ -82,6 +88,8 @@ class Models:
         if key not in self._solutions:
             mesh = self.mesh(shape, fineness, sizes)
             start = perf_counter()
+            unknowns = 3 * len(mesh.nodes)
+            expect(f"solving {unknowns} unknowns", solve_seconds(unknowns))
             self._solutions[key] = (
                 solve_unit_loads(mesh, material)
                 if self.store is None

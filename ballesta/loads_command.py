@@ -1,7 +1,6 @@
 """The loads of a design, solved or measured, without any check of its parts: `ballesta loads`."""
 
 import json
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -18,6 +17,7 @@ from ballesta.levels import Models
 from ballesta.names import no_such
 from ballesta.run import Say, guarded
 from ballesta.shown_loads import shown_cycle, shown_run
+from ballesta.supervised import step
 from ballesta.warnings_of import load_warnings
 from geometry.mesh import MeshError
 from reports.files import plain, replacing
@@ -110,7 +110,7 @@ def run_loads(path: Path, wanted: Wanted, overrides: Sequence[str] = ()) -> int:
             raise DesignError(path, "--csv", "both the table and --json want standard output")
 
         def say(text: str) -> None:
-            print(f"{path.stem}: {text}", file=sys.stderr, flush=True)
+            step(f"{path.stem}: {text}")
 
         result = loads_of_file(path, overrides, wanted.cycles, say=say)
         written = _write(result, wanted)

@@ -8,7 +8,7 @@ from time import perf_counter
 
 import loads
 from ballesta.bushes import bush_checks, bushes_not_checked
-from ballesta.cost import check_seconds
+from ballesta.cost import check_seconds, report_seconds
 from ballesta.design_data import Design, Part
 from ballesta.drawn import undrawn, with_drawn_fields
 from ballesta.effort import DEFAULT_EFFORT as DEFAULT_EFFORT
@@ -20,7 +20,7 @@ from ballesta.levels import Models
 from ballesta.lug_checks import lug_checks
 from ballesta.part_loads import check_reach, loads_on
 from ballesta.pin_checks import pin_checks
-from ballesta.rungs.climb import Climb, climb_cheap, start_climb
+from ballesta.rungs.climb import Climb, climb_rungs, start_climb
 from ballesta.rungs.pinned import climb_pinned
 from ballesta.rungs.result import cheap_result, solid_result
 from ballesta.side_by_side import offset_gates
@@ -35,6 +35,8 @@ from reports.verdict import Check, PartResult
 
 Say = Callable[[str], None]
 Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
+_TELL_EVERY = 5.0  # s, what is known of a part by cheap models; it takes 0.1 s
+Finished = Callable[[PartResult, Sequence[str]], None]
 
 
 def check_parts(
@@ -46,36 +48,71 @@ def check_parts(
     say: Say,
     *,
     live: bool = False,
+    finished: Finished | None = None,
 ) -> list[PartResult]:
     """Check every part of a design; raises DesignError and NumericsError.
 
-    begun  when the check began, on the clock of `perf_counter`
-    live   whether a page will show the fields at every position
+    begun     when the check began, on the clock of `perf_counter`
+    live      whether a page will show the fields at every position
+    finished  is handed each part's result, and what a better model may still settle of it, before
+              the models that take longer are begun, and when it is final
 
-    The cheap rungs of all parts come first, so that what time there is goes to solids that settle
-    something; under a time limit the ones that are expected to be quickest come first.
+    The cheap rungs of all parts come first, and of these the cheapest of all parts, so that what
+    time there is goes to solids that settle something; under a time limit the ones that are
+    expected to be quickest come first.
     """
-    deadline = inf if effort.within is None else begun + effort.within
+    deadline = (
+        inf if effort.within is None else begun + effort.within - report_seconds(len(design.parts))
+    )
     climbs: dict[str, Climb] = {}
-    waiting: list[str] = []
+    climbing: dict[str, Iterator[None]] = {}
+    wanted: dict[str, bool] = {}  # whether a part's solid is
     settled: list[str] = []  # without a mesh
     solids: dict[str, frozenset[str]] = {}
     results: dict[str, PartResult] = {}
+    told_at: dict[str, float] = {}
+
+    def told(name: str, result: PartResult, left: Sequence[str] = ()) -> None:
+        if finished is not None:
+            told_at[name] = perf_counter()
+            finished(_with_formulas(climbs[name], result, solved, models), left)
+
     for part in design.parts.values():
         with told_of_part(design, part):
             part_loads = loads_on(design, part, solved)
             check_reach(design, part, part_loads, models.body(part.geometry).interfaces)
             climb = climbs[part.name] = start_climb(design, part, part_loads, solved)
-            climb.live = live
+            climb.live, climb.deadline = live, deadline
             rungs = effort.pinned.get(part.name)
             if rungs:
                 solids[part.name] = climb_pinned(climb, rungs, say)
-            if solids[part.name] if rungs else climb_cheap(climb, effort.fidelity, say):
-                waiting.append(part.name)
+                wanted[part.name] = bool(solids[part.name])
             else:
-                results[part.name] = cheap_result(climb, models, live=live)
-                settled.append(part.name)
+                climbing[part.name] = climb_rungs(climb, effort.fidelity, say)
+    while True:
+        for name, rungs_of in list(climbing.items()):
+            with told_of_part(design, climbs[name].part):
+                try:
+                    next(rungs_of)
+                except StopIteration as stop:
+                    wanted[name] = stop.value
+                    del climbing[name]
+        for name, climb in climbs.items():
+            with told_of_part(design, climb.part):
+                if wanted.get(name, True):  # what follows may take long
+                    long_ago = perf_counter() - told_at.get(name, -inf) > _TELL_EVERY
+                    if finished is not None and climb.levels and long_ago:
+                        told(name, cheap_result(climb, models, live=live), climb.open)
+                elif name not in results:
+                    results[name] = cheap_result(climb, models, live=live)
+                    settled.append(name)
+                    told(name, results[name])
+        if not climbing:
+            break
+    waiting = [name for name in design.parts if wanted[name]]
     if effort.within is not None:
+        if waiting:
+            say(f"meshing {', '.join(waiting)}, to tell the time of their solids")
         costs = {name: _cost(design, climbs[name], models) for name in waiting}
         waiting.sort(key=lambda name: costs[name])
     for done, name in enumerate(waiting):
@@ -98,9 +135,11 @@ def check_parts(
                     pinned=pinned,
                     live=live,
                 )
+            told(name, results[name])
         models.keep_only({climbs[other].part.geometry for other in waiting[done + 1 :]})
     for name in settled if live and effort.fields else []:
         results[name] = _drawn(design, climbs[name], results[name], models, deadline, say)
+        told(name, results[name])
         models.keep_only(set())
     return [_with_formulas(climbs[name], results[name], solved, models) for name in design.parts]
 

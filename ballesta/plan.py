@@ -3,11 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from time import perf_counter
 
 import loads
 from ballesta.balance import measured_loads
 from ballesta.check import part_masses, solve_cycles
-from ballesta.cost import SECOND_MESH, solve_gibibytes, solve_seconds
+from ballesta.cost import SECOND_MESH, mesh_seconds, report_seconds, solid_seconds, solve_gibibytes
 from ballesta.design import read_design
 from ballesta.design_data import Design, Part
 from ballesta.elastic_parts import compliances_of
@@ -49,7 +50,6 @@ def plan(design: Design) -> list[PlannedPart]:
             **measured_loads(design, masses),
         }
         planned = []
-        seen = set()
         for part in design.parts.values():
             first = 3 * len(models.mesh(part.geometry, FIRST * part.fineness).nodes)
             part_loads = loads_on(design, part, solved)
@@ -58,9 +58,7 @@ def plan(design: Design) -> list[PlannedPart]:
             check_first_mesh(part, first)
             check_reach(design, part, part_loads, models.body(part.geometry).interfaces)
             unknowns = (first, min(second, part.most_unknowns))
-            shared = (part.geometry, part.material, part.fineness) in seen
-            seen.add((part.geometry, part.material, part.fineness))
-            seconds = 0.0 if shared else sum(map(solve_seconds, unknowns))
+            seconds = solid_seconds(*unknowns)
             planned.append(
                 PlannedPart(
                     part,
@@ -102,7 +100,9 @@ def plan_text(path: str | Path, overrides: Sequence[str] = ()) -> str:
         lines.append(
             f"  {run.name}: {len(run.loads.positions)} positions measured in {run.file}; {counted}"
         )
+    start = perf_counter()
     planned = plan(design)
+    so_far = perf_counter() - start  # a check takes it, too
     if not planned:
         lines += ["no parts: nothing to check; ballesta loads tells the forces"]
         return "\n".join(lines)
@@ -110,7 +110,7 @@ def plan_text(path: str | Path, overrides: Sequence[str] = ()) -> str:
     for entry in planned:
         part = entry.part
         unknowns = " and about ".join(f"{count:,}".replace(",", " ") for count in entry.unknowns)
-        cost = f"about {entry.seconds:.0f} s" if entry.seconds else "solved with its like"
+        cost = f"about {_seconds(entry.seconds)}"
         lines.append(
             f"  {part.name}: {part.shape}, {part.material.name}, solid on two meshes of {unknowns} "
             f"unknowns{' (of half of it)' if entry.halved else ''}, {cost}, "
@@ -120,10 +120,17 @@ def plan_text(path: str | Path, overrides: Sequence[str] = ()) -> str:
             lines.append(
                 f"    {name} at {point}: up to {entry.forces[name] / 1e3:.4g} kN over the cycles"
             )
-    seconds = sum(entry.seconds for entry in planned)
+    left = sum(entry.seconds - mesh_seconds(entry.unknowns[0]) for entry in planned)
+    seconds = so_far + left + report_seconds(len(planned))
     peak = max((entry.gibibytes for entry in planned), default=0.0)
     lines += [
-        f"in all about {2 * seconds + 10:.0f} s (half of it solving) and {peak:.1f} GiB; a third, "
-        "finer mesh is taken where two leave the error above the accuracy asked for",
+        f"in all about {_seconds(seconds)} by --fidelity solid, by this machine's speed now, and "
+        f"{peak:.1f} GiB; auto takes solids only of what cheaper models leave open. A third, finer "
+        "mesh is taken where two leave the error above the accuracy asked for",
     ]
     return "\n".join(lines)
+
+
+def _seconds(seconds: float) -> str:
+    """A time that is known to a factor of two."""
+    return f"{seconds:.0f} s" if seconds < 120 else f"{seconds / 60:.0f} min"

@@ -12,6 +12,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
+from ballesta import supervised
 from ballesta.errors import DesignError, NumericsError
 
 if TYPE_CHECKING:
@@ -23,7 +24,8 @@ if TYPE_CHECKING:
 
 Say = Callable[[str], None]
 
-WRONG_INPUT, GAVE_UP = 2, 3
+UNDECIDED, WRONG_INPUT, GAVE_UP = 1, 2, 3
+_DONE = "done"  # name of what is kept of finished designs: exit codes and results
 
 
 def check_all(
@@ -46,18 +48,39 @@ def check_all(
     Verdicts go to standard output, progress and errors to standard error.
     """
     folders = output_folders(designs, out)
-    codes, results = [], []
+    codes: list[int] = []
+    results: list[dict[str, Any]] = []
+    done: tuple[list[int], list[dict[str, Any]]] | None = supervised.recovered(_DONE)
+    if done:
+        codes, results = done
     opened: list[Store | None] = []
     wrong = guarded(lambda: opened.append(store_at(store)))
     if wrong:
         return wrong
-    for path, folder in zip(designs, folders, strict=True):
+    ended = supervised.ended()
+    for path, folder in list(zip(designs, folders, strict=True))[len(codes) :]:
 
-        def one(path: Path = path, folder: Path = folder) -> int:
+        def one(path: Path = path, folder: Path = folder, ended: str = ended) -> int:
             effort = effort_of(fidelity, within, fields=fields)
-            result = check_to_folder(
-                path, folder, overrides, baseline=baseline, effort=effort, store=opened[0]
-            )
+            begun = perf_counter() - (0.0 if codes else supervised.since_begun())
+            if ended:
+                recovered = _ended_to_folder(folder)
+                if recovered is None:
+                    print(f"ballesta: {path}: nothing was finished: {ended}", file=sys.stderr)
+                    return UNDECIDED
+                result = recovered
+            else:
+                supervised.limit(effort.within, perf_counter() - begun)
+                result = check_to_folder(
+                    path,
+                    folder,
+                    overrides,
+                    baseline=baseline,
+                    effort=effort,
+                    store=opened[0],
+                    begun=begun,
+                )
+                supervised.limit(None)
             results.append(result.to_dict() | {"report": str(folder / "report.html")})
             if not as_json:
                 from reports.terminal import verdict_text
@@ -66,9 +89,36 @@ def check_all(
             return result.exit_code
 
         codes.append(guarded(one))
+        ended = ""
+        supervised.forget("")
+        supervised.keep(_DONE, (codes, results))
+        if supervised.stops():
+            break
     if as_json:
         print(json.dumps(results, indent=1, allow_nan=False))
     return max(codes, default=0)
+
+
+def _ended_to_folder(folder: Path) -> "DesignResult | None":
+    """Write what a predecessor had finished of a design before it was ended, without pictures.
+
+    None where nothing was.
+    """
+    from ballesta.unfinished import unfinished
+    from reports.files import write_json
+    from reports.page import write_report
+    from reports.pictures import Pictures
+
+    why = supervised.ended()
+    result = unfinished(supervised.recovered, why)
+    if result is None:
+        return None
+    with _told_of_folder(folder):
+        for left in folder.glob(".*.tmp"):  # of a file that was being written
+            left.unlink(missing_ok=True)
+        write_json(result, folder / "result.json")
+        write_report(result, Pictures(reason=why), folder / "report.html")
+    return result
 
 
 def store_at(folder: Path | None) -> "Store | None":
@@ -119,10 +169,12 @@ def check_to_folder(
     baseline: bool = False,
     effort: "Effort | None" = None,
     store: "Store | None" = None,
+    begun: float | None = None,
 ) -> "DesignResult":
     """Check one design and write its folder: report.html, result.json, <part>.vtu.
 
     store  of stages and whole results (docs/store.md): an unchanged design is not checked again
+    begun  when its time began, on the clock of `perf_counter`; None for now
 
     Raises DesignError (also for a folder that cannot be written) and NumericsError.
     """
@@ -135,7 +187,7 @@ def check_to_folder(
     kept = recalled_result(store, path, overrides, effort)
     if kept is not None and (kept.files or has_fields(kept.result)):
         result = without_fields(kept.result)
-        with progress(path, len(result.parts)) as say, _told_of_folder(folder):
+        with progress(path) as say, _told_of_folder(folder):
             say("unchanged: taken from the store")
             if kept.files:
                 write_kept(kept, folder)
@@ -158,9 +210,16 @@ def check_to_folder(
     with _told_of_folder(folder):
         folder.mkdir(parents=True, exist_ok=True)
     prepare_drawing()
-    with progress(path, len(design.parts)) as say:
+    with progress(path) as say:
         shown = check_design(
-            design, effort=effort, say=say, reading=reading, store=store, live=True
+            design,
+            effort=effort,
+            say=say,
+            reading=reading,
+            store=store,
+            live=True,
+            begun=begun,
+            keep=supervised.keep if supervised.is_supervised() else None,
         )
         with drawing(shown) as pictures, _told_of_folder(folder):
             say("encoding the fields of the live view")
@@ -182,11 +241,13 @@ def write_folder(
 
     Returns what was written, by name; nothing if pictures are missing that may be there next time.
     """
+    from ballesta.cost import report_seconds
     from reports.files import write_json, write_vtu
     from reports.page import write_report
 
     start = perf_counter()
     say("writing the report")
+    supervised.expect("pictures and page", report_seconds(len(result.parts)))
     names = [f"{part.name}.vtu" for part in result.parts]
     for part, name in zip(result.parts, names, strict=True):
         write_vtu(part, folder / name)
@@ -262,34 +323,17 @@ def guarded(work: Callable[[], int | None]) -> int:
 
 
 @contextmanager
-def progress(path: Path, n_parts: int) -> Any:
-    """Yield a function that tells a step: a bar on a terminal, a line each otherwise."""
-    name = path.stem
-    start = perf_counter()
-    if not sys.stderr.isatty():
+def progress(path: Path) -> Iterator[Say]:
+    """Yield a function that tells a step: to who supervises, or as a line with its time."""
+    name, start = path.stem, perf_counter()
 
-        def line(text: str) -> None:
+    def tell(text: str) -> None:
+        if supervised.is_supervised():
+            supervised.step(text, name)
+        else:
             print(f"{name} {perf_counter() - start:6.1f} s  {text}", file=sys.stderr, flush=True)
 
-        yield line
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
-    columns = (
-        TextColumn(name),
-        BarColumn(),
-        TimeElapsedColumn(),
-        TextColumn("{task.fields[step]}"),
-    )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        steps = 3 + 4 * n_parts  # each part is meshed, then solved on two meshes; loads; report
-        task = bar.add_task(name, total=steps, step="")
-
-        def advance(text: str) -> None:
-            bar.update(task, advance=1, step=text[:60])
-
-        yield advance
+    yield tell
 
 
 def write_new(template: str, file: Path | None) -> int:

@@ -62,7 +62,7 @@ def run_show(path: Path, wanted: Wanted, overrides: Sequence[str] = ()) -> int:
             )
         from ballesta.check import check_design  # the solvers, which a trial does not need
 
-        with progress(path, len(design.parts)) as say:
+        with progress(path) as say:
             result = check_design(
                 design, effort=effort, say=say, reading=reading, store=store, live=True
             )

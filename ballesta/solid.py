@@ -7,7 +7,9 @@ from time import perf_counter
 
 import numpy as np
 
+from ballesta import supervised
 from ballesta.chart_data import charts_of
+from ballesta.cost import judging_seconds
 from ballesta.design_data import Design, Part
 from ballesta.explained.buckling import solid_share
 from ballesta.explained.solids import of_solid
@@ -101,6 +103,7 @@ def check_solid(
         design, part, loads, models, judged, limit, say, asked, enough
     )
     finest = levels[-1]
+    supervised.expect("judging, buckling, fields", judging_seconds(finest.unknowns))
     by_hand = hand_checks(part, loads, finest)
     # buckling alone is asked of one mesh, on which a stress has no error bar
     stressed = _stress_checks(

@@ -5,7 +5,6 @@ on where it was, and a wider one begins with what is known.
 """
 
 import json
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -20,6 +19,7 @@ from ballesta.names import listed
 from ballesta.run import effort_of, guarded, output_folders, store_at
 from ballesta.store.results import keep_result, recalled_result
 from ballesta.store.store import Store
+from ballesta.supervised import step
 from ballesta.until import UntilResult, until_pass, until_text
 from reports.files import plain, replacing
 from reports.verdict import DesignResult
@@ -79,7 +79,7 @@ def run_until(designs: Sequence[Path], sweeps: Sequence[str], wanted: Wanted) ->
                 parts=parts,
                 effort=effort,
                 check=stored_check(file, effort, store),
-                say=lambda text: print(f"{file.stem}: {text}", file=sys.stderr, flush=True),
+                say=lambda text: step(f"{file.stem}: {text}"),
             )
             if read_design(file, wanted.overrides).sources != before:
                 raise DesignError(file, "--until", "was edited during the search: search again")

@@ -1,7 +1,6 @@
 """How the number of a check comes about: `ballesta why DESIGN|RESULT [PART] [KIND...]`."""
 
 import json
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +11,7 @@ from ballesta.errors import DesignError
 from ballesta.explained.proven import with_derivation
 from ballesta.names import LINKAGE, listed, no_such
 from ballesta.run import Say, effort_of, guarded, store_at
+from ballesta.supervised import step
 from reports.formulas import FormulaError
 from reports.verdict import Check, deciding_of
 from reports.words import brief, check_titles
@@ -55,11 +55,8 @@ def run_why(
     0: told, whatever the verdict; 2: an input is wrong; 3: the numerics gave up.
     """
 
-    def say(text: str) -> None:
-        print(text, file=sys.stderr, flush=True)
-
     def work() -> None:
-        checks = checks_behind(target, overrides, fidelity, store, say, part=wanted.part)
+        checks = checks_behind(target, overrides, fidelity, store, step, part=wanted.part)
         found = wanted_checks(target, checks, wanted)
         if all(check.derivation is None for check, _ in found):
             said = "has no derivation of that: it is of another version, check the design again"

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf
 
 from reports.loads_figures import ContactSpan, ContactSummary, Direction, DriveSummary
 from reports.loads_summary import LoadsResult, ShownCycle
@@ -163,6 +164,11 @@ class BrokenGates:
         return f"{self.meaning}. {self.cure}" if self.cure else self.meaning
 
 
+def _excess(gate: Gate) -> float:
+    """How many times its limit a gate's value is; infinite where nothing is allowed."""
+    return gate.value / gate.limit if gate.limit else inf
+
+
 def broken_by_kind(gates: Sequence[Gate]) -> list[BrokenGates]:
     """The gates that do not hold, those of the same kind in several cycles as one."""
     kinds: dict[tuple[str, bool], list[tuple[str, Gate]]] = {}
@@ -179,7 +185,7 @@ def broken_by_kind(gates: Sequence[Gate]) -> list[BrokenGates]:
         each = ", ".join(f"{cycle} {number(gate.value)}" for cycle, gate in found)
         limits = {number(gate.limit) for _, gate in found}
         limit = f", limit {limits.pop()}" if len(limits) == 1 else ""
-        worst, gate = max(found, key=lambda entry: entry[1].value / entry[1].limit)
+        worst, gate = max(found, key=lambda entry: _excess(entry[1]))
         alike = len({gate.told for _, gate in found}) == 1
         meaning = gate.meaning if alike else f"The worst, {worst}: {gate.meaning}"
         result.append(BrokenGates(binding, f"{kind}: {each}{limit}", meaning, gate.cure))

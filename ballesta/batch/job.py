@@ -116,7 +116,7 @@ def _checked(job: Job, sources: dict[str, str]) -> "DesignResult":
     if kept is not None and kept.result.sha256 == design.sha256:
         result = kept.result
     else:
-        with progress(path, len(design.parts)) as say:
+        with progress(path) as say:
             result = check_design(design, effort=effort, say=say, reading=reading, store=store)
         keep_result(store, design, effort, result, {})
     write_json(result, folder / "result.json")

@@ -1,6 +1,6 @@
 """Climbing the ladder: the cheapest model of a part whose error bars leave its verdict alone."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
 from time import perf_counter
@@ -23,7 +23,7 @@ from reports.verdict import Check, RungTried, Status
 
 AUTO, SOLID = "auto", "solid"
 GAVE_UP = "gave up"
-BUILDERS: Mapping[str, Callable[[Part, PartLoads], RungModel | None]] = {
+BUILDERS: Mapping[str, Callable[..., RungModel | None]] = {  # of part and its loads
     "formula": formula.model_of,
     "beam": beam.model_of,
     "plane": plane.model_of,
@@ -47,6 +47,7 @@ class Climb:
     tried      rungs in the order in which they were tried or passed over
     doubted    kinds of which two rungs' bars have nothing in common: only a solid settles them
     live       whether a page will show the fields at every position
+    deadline   on the clock of `perf_counter`: no mesh is begun that is expected to end later
     """
 
     design: Design
@@ -62,6 +63,7 @@ class Climb:
     unbuckled: bool = False
     doubted: set[str] = field(default_factory=set)
     live: bool = False
+    deadline: float = inf
 
     @property
     def open(self) -> list[str]:
@@ -81,7 +83,8 @@ class Climb:
         wanted = self.asked if kinds is None else kinds
         start = perf_counter()
         try:
-            model = BUILDERS[rung](self.part, self.loads)
+            until = {"deadline": self.deadline} if self.deadline < inf and rung == "plane" else {}
+            model = BUILDERS[rung](self.part, self.loads, **until)
         except (MeshError, SolverError) as error:
             self.skip(rung, f"{GAVE_UP}: {error}")
             return False
@@ -216,6 +219,18 @@ def climb_cheap(climb: Climb, fidelity: str, say: Say = lambda _: None) -> bool:
     fidelity  "auto", or the one rung that was asked for; where it has no model of the part the
               next better one stands for it
     """
+    rungs = climb_rungs(climb, fidelity, say)
+    while True:
+        try:
+            next(rungs)
+        except StopIteration as stop:
+            return bool(stop.value)
+
+
+def climb_rungs(
+    climb: Climb, fidelity: str, say: Say = lambda _: None
+) -> Generator[None, None, bool]:
+    """Climb as `climb_cheap` does; pauses after each rung that another one follows."""
     if fidelity == SOLID:
         return True
     if climb.part.fkm is not None:
@@ -231,11 +246,14 @@ def climb_cheap(climb: Climb, fidelity: str, say: Say = lambda _: None) -> bool:
             climb.take(rung)
             if climb.levels and not climb.open:
                 return False
+            yield
         return True
     for rung in _from(fidelity):
+        say(f"{climb.part.name}: {rung}")
         if climb.take(rung):
             complete(climb)
             return False
+        yield
     return True
 
 

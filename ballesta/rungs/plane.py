@@ -5,6 +5,7 @@ fem/plane_unit_solutions.py (unit loads on it), docs/theory/rungs_plane.md (what
 """
 
 from collections.abc import Mapping, Sequence
+from math import inf
 
 import numpy as np
 
@@ -46,9 +47,16 @@ _OF_SHAPE: dict[type, str] = {
 
 
 def model_of(
-    part: Part, loads: PartLoads, *, fineness: float = 1.0, accuracy: float = 0.02
+    part: Part,
+    loads: PartLoads,
+    *,
+    fineness: float = 1.0,
+    accuracy: float = 0.02,
+    deadline: float = inf,
 ) -> RungModel | None:
     """The part's stress by the rung, or None for a shape or a load that is none of a sheet's.
+
+    deadline  on the clock of `perf_counter`: no third mesh is begun that is expected to end later
 
     Raises MeshError and SolverError.
     """
@@ -56,7 +64,7 @@ def model_of(
     if outline is None or not _carries(outline, loads):
         return None
     material = elastic_of(part)
-    last, states, bar = solve_levels(outline, material, loads, fineness, accuracy)
+    last, states, bar = solve_levels(outline, material, loads, fineness, accuracy, deadline)
     return RungModel(
         rung="plane",
         history=last.history,

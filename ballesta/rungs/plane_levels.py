@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf
+from time import perf_counter
 
 import numpy as np
 
@@ -94,8 +96,9 @@ def solve_levels(
     loads: PartLoads,
     fineness: float,
     accuracy: float,
+    deadline: float = inf,
 ) -> tuple[PlaneLevel, list[FloatArray], float]:
-    """Solve a sheet on finer and finer meshes.
+    """Solve a sheet on finer and finer meshes; none is begun that is expected to end too late.
 
     Returns the last level, the load states that decide there (of positions that were found on the
     first mesh), and its numerical bar: a share of the peak, of the state that is known worst.
@@ -104,6 +107,7 @@ def solve_levels(
     sizes: PlaneSizes | None = None
     positions: tuple[int, int] | None = None
     while True:
+        start = perf_counter()
         sheet = mesh_outline(outline, fineness=fineness, sizes=sizes)
         solutions = solve_plane_loads(sheet, outline.interfaces, material)
         levels.append(level_of(solutions, outline, loads))
@@ -115,8 +119,10 @@ def solve_levels(
             for number, error in enumerate(errors)
         )
         factor = _refinement([error[:2] for error in errors], accuracy)
+        finer = (factor**-2.0).sum()
+        late = perf_counter() + (perf_counter() - start) * finer / len(factor) > deadline
         if len(levels) > 1 and (
-            bar <= accuracy or len(levels) == _MOST_MESHES or (factor**-2.0).sum() > _MOST_ELEMENTS
+            bar <= accuracy or len(levels) == _MOST_MESHES or finer > _MOST_ELEMENTS or late
         ):
             cut_off = truncation(levels[-1], loads, positions[0])
             return levels[-1], states[-1], bar + cut_off

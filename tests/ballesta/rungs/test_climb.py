@@ -9,7 +9,7 @@ from ballesta.check import check_design
 from ballesta.levels import Models
 from ballesta.part_ladder import Effort, check_parts
 from ballesta.part_loads import loads_on
-from ballesta.rungs import bands, climb
+from ballesta.rungs import bands, climb, plane
 from ballesta.rungs.climb import AUTO, climb_cheap, start_climb
 from ballesta.rungs.result import cheap_result, solid_result
 from reports.verdict import NOT_MESHED, Status
@@ -233,3 +233,26 @@ def test_a_solid_that_fails_by_its_bars_is_not_refined_for_its_other_checks(tmp_
     assert status == {"static": Status.FAIL, "fatigue": Status.UNDECIDED}
     assert len(result.meshes) == 2
     assert any("fails already (static)" in check.note for check in result.checks)
+
+
+def test_the_cheapest_model_of_every_part_comes_before_a_better_one_of_any(tmp_path, monkeypatch):
+    monkeypatch.setattr(bands, "_data", lambda: {})
+    monkeypatch.setattr(climb.Climb, "worth", lambda *_: "")
+    two = PLATE + PLATE.replace("[parts.rod]", "[parts.crank]").replace(
+        'body = "rod"', 'body = "crank"'
+    ).replace('first = "A", second = "B"', 'first = "O", second = "A"')
+    design = machine(tmp_path, two)
+    said = []
+    check_parts(design, solved(design), Models(), Effort(within=0.001), 0.0, said.append)
+    rungs = [text.rpartition(": ")[2] for text in said if ": " in text]
+    assert rungs[:4] == ["formula", "formula", "beam", "beam"]
+    assert rungs[4:6] == ["plane", "plane"]
+
+
+def test_past_its_time_a_sheet_is_solved_on_two_meshes_and_says_how_little_that_tells(tmp_path):
+    design = machine(tmp_path, PLATE)
+    part = design.parts["rod"]
+    acting = loads_on(design, part, solved(design))
+    free, late = (plane.model_of(part, acting, accuracy=0.002, deadline=d) for d in (inf, 0.0))
+    assert late.unknowns < free.unknowns
+    assert free.numerical < late.numerical < inf
