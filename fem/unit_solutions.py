@@ -343,7 +343,9 @@ def _columns(
 def _free(count: int, held: IntArray, ties: Ties | None) -> IntArray:
     """The unknowns of the factor among the independent ones."""
     still = held if ties is None else ties.number[held]
-    return np.setdiff1d(np.arange(count), still)
+    free = np.ones(count, dtype=bool)
+    free[still] = False
+    return np.flatnonzero(free)
 
 
 def _solve_held(

@@ -37,7 +37,7 @@ _OPTIONS = {
     "Mesh.SecondOrderLinear": 0,
     "Mesh.HighOrderOptimize": 1,  # a curved element on a small fillet folds without it
     "Mesh.HighOrderIterMax": 20,  # more do not mend more, and turn round-off into 1e-3 mm
-    "Mesh.HighOrderNumLayers": 1,  # of elements moved around a bad one; 2 take 1.4 times as long
+    "Mesh.HighOrderNumLayers": 2,  # of elements moved around a bad one; 1 kinks small fillets
     "Mesh.MeshSizeExtendFromBoundary": 0,
     "Mesh.MeshSizeFromPoints": 0,
     "Mesh.MeshSizeFromCurvature": 0,

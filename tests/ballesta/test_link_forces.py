@@ -14,7 +14,7 @@ from ballesta.design import read_design
 from ballesta.link_forces import BarForces, forces_of
 from ballesta.link_joints import JointRows
 from ballesta.link_model import link_model
-from ballesta.linkage_frame import _IN, _SOFT, _STIFF, COARSE, _Search, worst_mode
+from ballesta.linkage_frame import _IN, _SOFT, _STIFF, COARSE, _Search, _spread, worst_mode
 from fem.frame_joints import slot_force
 from loads import Fixed, Slot
 from tests.ballesta.small_machine import machine, solved
@@ -195,6 +195,16 @@ def test_a_position_that_only_the_fine_frame_shows_to_be_the_lowest_is_found():
     found = _Search.lowest(SimpleNamespace(factor=factor), _IN, ranked)
     assert found == (1 / 1.005, "a", 7)
     assert asked == [4, 7, 1]
+
+
+def test_phase_ends_and_largest_forces_are_asked_between_the_even_positions():
+    """A blow at 37, its pull at 53, and a second phase from 61 on; every 20th position besides."""
+    phases = np.repeat([0, 1], [61, 39])
+    forces = np.zeros((100, 2))
+    forces[37, 0], forces[53, 1] = 9e3, -5e3
+    run = SimpleNamespace(positions=np.arange(100.0), phase_of=phases)
+    asked = _spread(run, 20, forces)
+    assert asked.tolist() == [0, 20, 37, 40, 53, 60, 61, 80, 99]
 
 
 @pytest.fixture(scope="module")
