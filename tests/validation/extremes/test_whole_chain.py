@@ -167,7 +167,7 @@ class TestTheSameMachine:
         )
         found = []
         for threads in ("1", "2"):
-            names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
+            names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "OMP_THREAD_LIMIT")
             done = subprocess.run(
                 [sys.executable, "-c", program],
                 cwd=ROOT,
