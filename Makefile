@@ -44,8 +44,7 @@ test: $(PEERS)
 	@$(BIN)/python -m pytest -m "not slow" $(SHARED)
 
 slow: $(PEERS)
-	@$(BIN)/python -m pytest -m slow $(SHARED)
-	@$(BIN)/python -m pytest designs
+	@$(BIN)/python -m pytest -m "slow or ballesta" $(SHARED) tests designs
 
 lint: $(READY)
 	@$(BIN)/ruff check .
