@@ -90,9 +90,9 @@ def equal_meshes_are_made_once(shared: Path) -> Iterator[None]:
     A test that looks at how meshes and solutions are made, or alters it, asks for `unshared`.
     """
     from ballesta.levels import Models
-    from ballesta.store.store import Store
+    from ballesta.store.store import GIB, Store
 
-    store, begin = Store(shared / "store"), Models.__init__
+    store, begin = Store(shared / "store", limit=GIB), Models.__init__
 
     def with_store(self: Models, own: Store | None = None) -> None:
         begin(self, store if own is None else own)
