@@ -38,7 +38,7 @@ demo: $(READY)
 # Each process takes one thread (tests/conftest.py): threads of their own would wait for each other.
 # Neighbouring tests stay in one process, which shares what a module has computed, until another
 # process has nothing left to do and takes half of them.
-SHARED := --numprocesses auto --maxprocesses 4 --dist worksteal
+SHARED := --numprocesses auto --maxprocesses 4 --dist worksteal --durations 15 --durations-min 5
 
 test: $(PEERS)
 	@$(BIN)/python -m pytest -m "not slow" $(SHARED)
