@@ -36,14 +36,16 @@ demo: $(READY)
 	@$(BIN)/ballesta check designs/toggle_press.toml --out out || test $$? -eq 1
 	@echo "report: out/toggle_press/report.html"
 
-# A module's tests stay in one process: they share what it has computed. Each takes one thread
-# (tests/conftest.py): threads of their own would wait for each other.
+# Each process takes one thread (tests/conftest.py): threads of their own would wait for each other.
+# Neighbouring tests stay in one process, which shares what a module has computed, until another
+# process has nothing left to do and takes half of them.
+SHARED := --numprocesses auto --maxprocesses 4 --dist worksteal --durations 15 --durations-min 5
+
 test: $(PEERS)
-	@$(BIN)/python -m pytest -m "not slow" --numprocesses auto --maxprocesses 4 --dist loadscope
+	@$(BIN)/python -m pytest -m "not slow" $(SHARED)
 
 slow: $(PEERS)
-	@$(BIN)/python -m pytest -m slow --numprocesses auto --maxprocesses 2 --dist loadscope
-	@$(BIN)/python -m pytest designs
+	@$(BIN)/python -m pytest -m "slow or ballesta" $(SHARED) tests designs
 
 lint: $(READY)
 	@$(BIN)/ruff check .

@@ -1,20 +1,25 @@
-"""The one full check of the toggle press that several tests look at."""
+"""What tests of all folders share: the command line, one full check of the press, a store."""
 
+import fcntl
+import io
 import json
 import os
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import chdir, redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from ballesta.cli import main
 from fem.threads import ONE_THREAD
 
 os.environ.update(ONE_THREAD)  # before any test loads a library that has threads of its own
 ROOT = Path(__file__).parent.parent
+AS_A_USER = {"COLUMNS": "120", "PYTHONPATH": str(ROOT)}
 
 
 @dataclass(frozen=True)
@@ -33,16 +38,14 @@ class Run:
 
 
 def run_ballesta(*arguments: str, out: Path, cwd: Path = ROOT) -> Run:
-    """Run the command line as a user does, 120 columns wide."""
-    done = subprocess.run(
-        [sys.executable, "-P", "-m", "ballesta.cli", *arguments],
-        cwd=cwd,
-        capture_output=True,
-        text=True,
-        env=os.environ | {"COLUMNS": "120", "PYTHONPATH": str(ROOT)},
-        check=False,
-    )
-    return Run(done.returncode, done.stdout, done.stderr, out)
+    """Run the command line in this process, 120 columns wide."""
+    told, said = io.StringIO(), io.StringIO()
+    with pytest.MonkeyPatch.context() as patch, chdir(cwd):
+        for name, value in AS_A_USER.items():
+            patch.setenv(name, value)
+        with redirect_stdout(told), redirect_stderr(said):
+            code = main(arguments)
+    return Run(code, told.getvalue(), said.getvalue(), out)
 
 
 @pytest.fixture(scope="session")
@@ -52,7 +55,59 @@ def command() -> Callable[..., Run]:
 
 
 @pytest.fixture(scope="session")
-def press(tmp_path_factory: pytest.TempPathFactory) -> Run:
-    """`ballesta check designs/toggle_press.toml`, whole and at its usual fineness."""
-    out = tmp_path_factory.mktemp("press")
-    return run_ballesta("check", "designs/toggle_press.toml", "--out", str(out), out=out)
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder that the processes of one run of the tests have in common."""
+    own = tmp_path_factory.getbasetemp()
+    folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "shared"
+    folder.mkdir(exist_ok=True)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def press(shared: Path) -> Run:
+    """`ballesta check designs/toggle_press.toml`, whole, at its usual fineness, as a user runs it.
+
+    One process of the tests runs it, the others wait for it.
+    """
+    out = shared / "press"
+    kept = shared / "press.json"
+    with (shared / "press.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not kept.exists():
+            done = subprocess.run(
+                [sys.executable, "-P", "-m", "ballesta.cli", "check", "designs/toggle_press.toml",
+                 "--out", str(out)],
+                cwd=ROOT, env=os.environ | AS_A_USER, capture_output=True, text=True, check=False,
+            )  # fmt: skip
+            kept.write_text(json.dumps([done.returncode, done.stdout, done.stderr]))
+    return Run(*json.loads(kept.read_text()), out)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def equal_meshes_are_made_once(shared: Path) -> Iterator[None]:
+    """Models without a store of their own share one among all tests, bit by bit equal.
+
+    A test that looks at how meshes and solutions are made, or alters it, asks for `unshared`.
+    """
+    from ballesta.levels import Models
+    from ballesta.store.store import GIB, Store
+
+    store, begin = Store(shared / "store", limit=GIB), Models.__init__
+
+    def with_store(self: Models, own: Store | None = None) -> None:
+        begin(self, store if own is None else own)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Models, "__init__", with_store)
+        patch.setattr(Models, "unshared", begin, raising=False)
+        yield
+
+
+@pytest.fixture(scope="module")
+def unshared(equal_meshes_are_made_once: None) -> Iterator[None]:
+    """Models without a store, as a check has them, for the tests of a module."""
+    from ballesta.levels import Models
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Models, "__init__", Models.unshared)
+        yield

@@ -142,11 +142,16 @@ def test_the_pair_of_a_life_is_that_of_the_cycle_that_does_most_damage():
     assert life.pair == (3, 4)
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_the_worst_of_many_points_is_found_where_tension_and_planes_decide(seed):
-    """Points of pressure, of mean tension and of circles: the bound must cover them all."""
+@pytest.mark.parametrize("seed", [12, 17, 20])
+def test_the_worst_of_many_points_is_found_where_tension_and_planes_decide(seed, monkeypatch):
+    """Points of pressure, of mean tension and of circles: the bound must cover them all.
+
+    It is asked every four points, as a part's is many times; a bound that leaves out the mean
+    tension misses the worst point of each of these seeds.
+    """
+    monkeypatch.setattr("ballesta.finite_life._TOGETHER", 4)
     rng = np.random.default_rng(seed)
-    count = 150
+    count = 40
     basis = rng.normal(size=(count, 6, 3)) * rng.uniform(0.2, 1, size=(count, 1, 1))
     basis[:, :3] += rng.normal(size=(count, 1, 3)) * 2  # hydrostatic: in no chord
     turn = 2 * np.pi * np.arange(24) / 24

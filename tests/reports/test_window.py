@@ -205,7 +205,8 @@ def pictures(scene, tmp_path_factory):
     folder = tmp_path_factory.mktemp("window")
     write_scene(scene, folder)
     steps = {
-        "first": [], "moved": ["Left"] * 50, "worst": ["p"], "field": ["2"], "bands": ["1", "b"],
+        "first": [], "moved": ["Right"], "back": ["Left"], "worst": ["Right", "p"], "field": ["2"],
+        "bands": ["1", "b"],
         "displaced": ["b", "d"], "linkage": ["d", "l"], "next": ["n", "n"], "grey": ["n"],
     }  # fmt: skip
     order = [each for name, keys in steps.items() for each in (*keys, str(folder / f"{name}.png"))]
@@ -234,8 +235,10 @@ def test_every_key_changes_the_picture(pictures, name):
     assert changed.mean() > 0.004
 
 
-def test_the_worst_position_brings_the_first_picture_back(pictures):
-    assert np.abs(pictures["worst"] - pictures["first"]).max() == 0
+@pytest.mark.parametrize("name", ["back", "worst"])
+def test_a_step_back_and_the_worst_position_bring_the_first_picture_back(pictures, name):
+    """The first picture is of the last position, which is the worst: a step on is the first one."""
+    assert np.abs(pictures[name] - pictures["first"]).max() == 0
 
 
 def test_stress_is_coloured_and_what_is_not_known_is_grey(pictures):

@@ -6,7 +6,7 @@ import pytest
 
 from ballesta.baseline import record_of
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("unshared")]
 
 
 @pytest.mark.parametrize(

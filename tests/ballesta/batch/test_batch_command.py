@@ -157,7 +157,7 @@ def test_a_folder_that_cannot_be_written_is_told(tmp_path, command):
 
 @pytest.fixture(scope="module")
 def swept(tmp_path_factory):
-    """Three variations with reports, begun in a folder that holds modules named like ours."""
+    """Two variations with reports, begun in a folder that holds modules named like ours."""
     folder = tmp_path_factory.mktemp("swept")
     (folder / "machine.toml").write_text(GOOD)
     (folder / "loads.py").write_text("raise SystemExit('the wrong loads')")
@@ -165,7 +165,7 @@ def swept(tmp_path_factory):
     (folder / "ballesta" / "__init__.py").write_text("raise SystemExit('the wrong ballesta')")
     done = subprocess.run(
         [sys.executable, "-P", "-m", "ballesta.cli", "batch", "machine.toml", "--sweep",
-         "parts.rod.thickness = 6..8 mm : 3", "--fidelity", "formula", "--out", "out"],
+         "parts.rod.thickness = 6..8 mm : 2", "--fidelity", "formula", "--out", "out"],
         cwd=folder, env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True, text=True,
         check=False,
     )  # fmt: skip
@@ -175,18 +175,18 @@ def swept(tmp_path_factory):
 def test_a_sweep_gives_a_column_of_the_varied_input(swept):
     assert swept.code == 1, swept.stderr
     varied = {row["design"]: row["input parts.rod.thickness [mm]"] for row in rows(swept.out)}
-    assert varied == {"machine-1": "6.0", "machine-2": "7.0", "machine-3": "8.0"}
+    assert varied == {"machine-1": "6.0", "machine-2": "8.0"}
     static = [float(r["value"]) for r in rows(swept.out) if r["kind"] == "bearing"]
     assert static == sorted(static, reverse=True)
-    assert len(set(static)) == 3
+    assert len(set(static)) == 2
 
 
 def test_a_small_batch_has_reports_and_pictures_that_the_index_shows_and_links(swept):
     page = (swept.out / "index.html").read_text()
     links = {unquote(link) for link in re.findall(r'<a href="([^"#]+)"', page)}
-    assert links == {f"machine-{k}/report.html" for k in (1, 2, 3)}
+    assert links == {f"machine-{k}/report.html" for k in (1, 2)}
     assert all((swept.out / link).is_file() for link in links)
-    drawn = [(swept.out / f"machine-{k}" / "thumbnail.png").is_file() for k in (1, 2, 3)]
+    drawn = [(swept.out / f"machine-{k}" / "thumbnail.png").is_file() for k in (1, 2)]
     assert page.count('"picture":"iVBOR') == sum(drawn)
     missing = "pictures are missing" in (swept.out / "machine-1" / "report.html").read_text()
     assert all(drawn) or missing  # where there is no GL

@@ -15,6 +15,7 @@ from ballesta.fingerprints import code_digest, digest
 from ballesta.run import check_all, check_to_folder, store_at
 from ballesta.store.results import keep_result, recalled_result
 from ballesta.store.store import Store
+from reports.charts.chart import Charts
 
 from ...undrawn import draw_nothing
 from ..small_machine import MACHINE, PLATE
@@ -24,10 +25,12 @@ FORMULA = Effort("formula")
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    """A design, and nothing drawn: pictures take seconds."""
+    """A design, and nothing drawn: pictures and charts take seconds."""
     monkeypatch.chdir(tmp_path)
     Path("machine.toml").write_text(MACHINE + PLATE, encoding="utf-8")
     draw_nothing(monkeypatch)
+    for module in ("parts", "cycles"):
+        monkeypatch.setattr(f"reports.charts.{module}.gathered", lambda makers: Charts((), ()))
     return tmp_path
 
 

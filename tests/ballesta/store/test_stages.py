@@ -26,6 +26,7 @@ from geometry.sizing import SizeField
 
 from ..small_machine import PLATE, machine
 
+pytestmark = pytest.mark.usefixtures("unshared")
 PRESS = Path(__file__).parents[3] / "designs" / "toggle_press.toml"
 ROD = ["accuracy=30 %", "parts.rod.mesh.fineness=0.4"]
 LIGHT = (1e-3, (100.0, 0.0), 10.0)  # t, mm, t mm2

@@ -20,6 +20,7 @@ from ballesta.design import read_design
 from ballesta.errors import DesignError
 from ballesta.gates import load_gates
 from ballesta.part_ladder import Effort
+from fem.threads import ONE_THREAD
 from reports.verdict import Status
 from reports.words import reason, verdict_sentence
 
@@ -167,11 +168,10 @@ class TestTheSameMachine:
         )
         found = []
         for threads in ("1", "2"):
-            names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
             done = subprocess.run(
                 [sys.executable, "-c", program],
                 cwd=ROOT,
-                env=os.environ | dict.fromkeys(names, threads) | {"PYTHONPATH": str(ROOT)},
+                env=os.environ | dict.fromkeys(ONE_THREAD, threads) | {"PYTHONPATH": str(ROOT)},
                 capture_output=True,
                 text=True,
                 check=True,
