@@ -119,9 +119,10 @@ class TestPositions:
         assert found[0] == pytest.approx(found[1], rel=1e-9)
 
     @pytest.mark.slow
-    def test_a_hundred_thousand_positions_tell_what_a_thousand_tell(self):
-        few, many = (checked(chain.with_count(n)) for n in (1000, 100_000))
-        assert len(many.cycles["turn"]["position"]) == 100_000
+    def test_ten_thousand_positions_tell_what_a_thousand_tell(self):
+        """A hundred thousand take minutes: tools/study_chain_extremes.py asks for them."""
+        few, many = (checked(chain.with_count(n)) for n in (1000, 10_000))
+        assert len(many.cycles["turn"]["position"]) == 10_000
         assert apart(few, many) < 1e-5
         assert statuses(few) == statuses(many)
 
