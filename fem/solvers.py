@@ -10,7 +10,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from fem.ordering import dissection, permuted
-from fem.threads import LARGE, threads_for
+from fem.threads import LARGE, threads_for, without_team
 from geometry.mesh import FloatArray, IntArray
 
 BACKWARD_LIMIT = 1e-12
@@ -137,7 +137,7 @@ def _cholmod(upper: sp.csr_array, place: IntArray | None) -> Apply:
 
     order = dissection(upper, cholmod) if place is None else np.argsort(place, kind="stable")
     try:
-        with threads_for(len(order)):
+        with without_team(), threads_for(len(order)):
             factor = cholmod.cholesky(
                 permuted(upper, order), mode="supernodal", ordering_method="natural"
             )

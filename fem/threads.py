@@ -68,21 +68,29 @@ def one_thread() -> Iterator[None]:
 
 @contextmanager
 def threads_for(unknowns: int) -> Iterator[None]:
-    """Let a factorisation take the threads that its size is worth.
+    """Let linear algebra take the threads that a factor of so many unknowns is worth."""
+    if _of_environment():
+        yield
+        return
+    from threadpoolctl import threadpool_limits
 
-    CHOLMOD's own team is held to one thread always: it cannot be sized, and spins.
+    with threadpool_limits(_several() if unknowns >= LARGE else 1, user_api="blas"):
+        yield
+
+
+@contextmanager
+def without_team() -> Iterator[None]:
+    """Hold teams of OpenMP to one thread, for CHOLMOD's cannot be sized, and spins.
+
+    Not around PARDISO: MKL crashes where it is refused the team that it has been promised.
     """
     from threadpoolctl import ThreadpoolController
 
-    libraries = ThreadpoolController()
     with ExitStack() as stack:
-        for library in libraries.select(prefix="libgomp").lib_controllers:
+        for library in ThreadpoolController().select(prefix="libgomp").lib_controllers:
             levels = library.dynlib.omp_get_max_active_levels()
             library.dynlib.omp_set_max_active_levels(0)
             stack.callback(library.dynlib.omp_set_max_active_levels, levels)
-        if not _of_environment():
-            threads = _several() if unknowns >= LARGE else 1
-            stack.enter_context(libraries.limit(limits=threads, user_api="blas"))
         yield
 
 

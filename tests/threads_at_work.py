@@ -4,6 +4,8 @@ python tests/threads_at_work.py WORK   one of the functions below; numpy and sci
 """
 
 import sys
+from contextlib import suppress
+from time import sleep
 
 import numpy as np
 import psutil
@@ -63,5 +65,8 @@ def bound():
 
 
 if __name__ == "__main__":
+    with suppress(ImportError):
+        import sksparse.cholmod  # noqa: F401
+    sleep(0.5)  # a pool spins for a tenth of a second when it is loaded
     work = {"multiply": multiply, "factorise": factorise, "bound": bound}[sys.argv[1]]
     print(share_of_other_threads(work))
