@@ -10,6 +10,7 @@ from ballesta.levels import Level, peak_of
 from ballesta.part_loads import PartLoads
 from ballesta.stressed import Stressed
 from fem.convergence import (
+    ORDER,
     ErrorBar,
     discretisation_error,
     growth_exponent,
@@ -56,8 +57,11 @@ class Judged(ABC):
         """The quantity at some surface points (n,), MPa."""
 
     @abstractmethod
-    def scatter(self, level: Level) -> float:
-        """Scatter of the elements that meet at the point, in the quantity, MPa."""
+    def scatter(self, level: Level, *, of_edges: bool = True) -> float:
+        """Scatter of the elements that meet at the point, in the quantity, MPa.
+
+        of_edges  as in `Level.scatter`
+        """
 
     @abstractmethod
     def states(self, level: Stressed) -> list[FloatArray]:
@@ -90,9 +94,9 @@ class StaticPeak(Judged):
         """The load state of the peak."""
         return [level.coefficients[:, level.peak.position]]
 
-    def scatter(self, level: Level) -> float:
+    def scatter(self, level: Level, *, of_edges: bool = True) -> float:
         """Scatter of the elements that meet at the point, MPa."""
-        return level.scatter(self.states(level)[0], level.peak.point)
+        return level.scatter(self.states(level)[0], level.peak.point, of_edges=of_edges)
 
     def direct(self, level: Level, arcs: Sequence[float]) -> list[float]:
         """The peak at the same position under pressures as they are."""
@@ -112,8 +116,9 @@ def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float
     notch = finest.notch_error(judged.point(finest))
     # a notch that the mesh does not follow yet grows, too; its own error is in the bar
     grows = 0.0 if exponent or notch > _UNRESOLVED else growth_exponent(values, sizes)
+    order = finest.order(judged.point(finest))
     bar = ErrorBar(
-        discretisation_error(values, sizes),
+        discretisation_error(values, sizes, order),
         judged.scatter(finest),
         abs(by_arc[pi] - value) if by_arc else 0.0,
         abs(value),
@@ -133,9 +138,12 @@ def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float
             f"and {value:.4g} MPa is only what the last one shows"
         )
     elif bar.value > accuracy * abs(value):
+        why = ": elements too large for the notch at the peak" if bar.notch_decides else ""
+        if order < ORDER and not why:
+            why = ": the peak lies where a pressure ends with a jump"
         notes.append(
             f"numerical error {100 * bar.value / abs(value):.2g} %, asked for {100 * accuracy:g} %"
-            + (": elements too large for the notch at the peak" if bar.notch_decides else "")
+            + why
         )
     if by_arc:
         by = ", ".join(f"{degrees(a):.0f} deg {v:.4g}" for a, v in by_arc.items())
@@ -151,9 +159,11 @@ def mesh_bar(judged: Judged, levels: Sequence[Level]) -> float:
     finest, value = levels[-1], abs(values[-1])
     if not value:
         return 0.0
-    left = discretisation_error(values, sizes_at_peak(judged, levels))
-    notch = finest.notch_error(judged.point(finest)) * value
-    return ErrorBar(left, judged.scatter(finest), 0.0, value, 0.0, notch).mesh / value
+    point = judged.point(finest)
+    left = discretisation_error(values, sizes_at_peak(judged, levels), finest.order(point))
+    notch = finest.notch_error(point) * value
+    scatter = judged.scatter(finest, of_edges=False)
+    return ErrorBar(left, scatter, 0.0, value, 0.0, notch).mesh / value
 
 
 def sizes_at_peak(judged: Judged, levels: Sequence[Level]) -> list[float]:
