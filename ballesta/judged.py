@@ -114,9 +114,11 @@ def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float
     sizes = sizes_at_peak(judged, levels)
     angle, exponent = _singular_edge(judged, levels)
     notch = finest.notch_error(judged.point(finest))
-    # a notch that the mesh does not follow yet grows, too; its own error is in the bar
-    grows = 0.0 if exponent or notch > _UNRESOLVED else growth_exponent(values, sizes)
     order = finest.order(judged.point(finest))
+    # a notch that the mesh does not follow yet grows, too, and so does the stress beside a pressed
+    # edge while elements come nearer: finite both, with an error in the bar
+    finite = notch > _UNRESOLVED or order < ORDER
+    grows = 0.0 if exponent or finite else growth_exponent(values, sizes)
     bar = ErrorBar(
         discretisation_error(values, sizes, order),
         judged.scatter(finest),

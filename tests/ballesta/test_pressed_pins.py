@@ -29,9 +29,7 @@ def test_a_peak_at_a_pressed_edge_lies_inside_its_bar(accuracy):
     loads = loads_on(design, part, solve_cycles(design, {}))
     judged = [StaticPeak(loads), fatigue_use(design, part, loads)]
     limit = endurance_of(part).value
-    levels, _, _ = solve_levels(
-        design, part, loads, Models(), judged, limit, lambda _: None, ASKED
-    )
+    levels, _, _ = solve_levels(design, part, loads, Models(), judged, limit, lambda _: None, ASKED)
     for what, reference in zip(judged, (STATIC, FATIGUE), strict=True):
         bars = bars_of(what, part, levels, accuracy)
         assert levels[-1].order(what.point(levels[-1])) == 1.0

@@ -5,6 +5,8 @@ Nothing here is shared with the ten-node tetrahedra but the loads: biquadratic e
 pressure ends.
 """
 
+from itertools import pairwise
+
 import numpy as np
 import scipy.sparse as sp
 import skfem
@@ -16,7 +18,7 @@ COARSE, GROWTH = 1 / 6, 1.35  # of the radius; of one element to the next
 def graded(places, fine, coarse):
     """Nodes from the first place to the last, `fine` beside each of them."""
     found = []
-    for low, high in zip(places, places[1:], strict=False):
+    for low, high in pairwise(places):
         half, steps, size = (high - low) / 2, [0.0], fine
         while steps[-1] + 1.5 * size < half:
             steps.append(steps[-1] + size)
@@ -57,7 +59,7 @@ class FourierBar:
         }
 
     def load(self, lug, n, along):
-        """Pressure cos(n theta) inwards on a lug, 1 MPa; times z from its middle, mm, if `along`."""
+        """Pressure cos(n theta) inwards on a lug, 1 MPa; `along` it times mm."""
         low, high = self.lugs[lug]
 
         @skfem.LinearForm
