@@ -122,10 +122,11 @@ def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float
     bar = ErrorBar(
         discretisation_error(values, sizes, order),
         judged.scatter(finest),
-        abs(by_arc[pi] - value) if by_arc else 0.0,
+        _truncation(judged, levels, by_arc[pi], sizes) if by_arc else 0.0,
         abs(value),
         exponent or grows,
         notch * abs(value),
+        order,
     )
     notes = []
     if exponent:
@@ -165,7 +166,20 @@ def mesh_bar(judged: Judged, levels: Sequence[Level]) -> float:
     left = discretisation_error(values, sizes_at_peak(judged, levels), finest.order(point))
     notch = finest.notch_error(point) * value
     scatter = judged.scatter(finest, of_edges=False)
-    return ErrorBar(left, scatter, 0.0, value, 0.0, notch).mesh / value
+    order = finest.order(point)
+    return ErrorBar(left, scatter, 0.0, value, 0.0, notch, order).mesh / value
+
+
+def _truncation(
+    judged: Judged, levels: Sequence[Level], direct: float, sizes: Sequence[float]
+) -> float:
+    """What the bearing series leaves out, and what its measure may still change by.
+
+    A half cosine ends with a kink: what it differs by from its series converges with order 1.
+    """
+    before, finest = levels[-2], levels[-1]
+    missing = [judged.direct(before, pi) - judged.value(before), direct - judged.value(finest)]
+    return abs(missing[1]) + discretisation_error(missing, sizes[-2:], 1.0)
 
 
 def sizes_at_peak(judged: Judged, levels: Sequence[Level]) -> list[float]:

@@ -30,7 +30,7 @@ from geometry.meshing import Buildable
 from geometry.sizing import SizeField, element_sizes
 
 _BESIDE = 3.0  # elements from an edge where a pressure ends, within which it disturbs the stress
-_JUMP = 0.2  # of that pressure: the least scatter there (tests/fem/test_pressed_edges.py)
+_JUMP = 0.09  # of that pressure: the least scatter there (tests/fem/test_pressed_edges.py)
 
 
 class Models:

@@ -68,7 +68,7 @@ class Recovery:
     def at_pressed_edges(self) -> BoolArray:
         """Whether each element meets an edge where a pressure ends, (n_elements,)."""
         mesh = self.elements.mesh
-        return np.isin(mesh.elements, pressed_edges(mesh)).any(axis=1)
+        return np.asarray(np.isin(mesh.elements, pressed_edges(mesh)).any(axis=1))
 
     @cached_property
     def _touching(self) -> IntArray:

@@ -6,6 +6,7 @@ shape's proportions, in how its loads pull, push and bend it, and in the arc on 
 
 from itertools import pairwise
 from math import degrees
+from typing import Any
 
 import numpy as np
 
@@ -39,7 +40,8 @@ def proportions_of(part: Part, loads: PartLoads) -> dict[str, float]:
 
 def tilting_couple(part: Part, loads: PartLoads) -> float:
     """Largest couple out of the plane, N mm; 0 where it is not more than round-off."""
-    size = loads.largest_force * part.geometry.length
+    shape: Any = part.geometry
+    size = loads.largest_force * shape.length
     couple = max(float(np.abs(wrench[:, 3:5]).max()) for wrench in loads.wrenches.values())
     return couple if couple > _COUPLE * size else 0.0
 
@@ -112,7 +114,9 @@ def _of_shape(shape: object) -> dict[str, float]:
 def _of_tilt(part: Part, loads: PartLoads) -> dict[str, float]:
     """How far beside a plate its forces stand, over its width."""
     shape = part.geometry
-    couple = tilting_couple(part, loads) if isinstance(shape, PlateLink | SlottedLever) else 0.0
+    if not isinstance(shape, PlateLink | SlottedLever):
+        return {}
+    couple = tilting_couple(part, loads)
     if not couple:
         return {}
     return {"couple out of the plane / force x width": couple / (loads.largest_force * shape.width)}
