@@ -178,7 +178,7 @@ def _truncation(
     A half cosine ends with a kink: what it differs by from its series converges with order 1.
     """
     before, finest = levels[-2], levels[-1]
-    missing = [judged.direct(before, pi) - judged.value(before), direct - judged.value(finest)]
+    missing = [judged.direct(before, [pi])[0] - judged.value(before), direct - judged.value(finest)]
     return abs(missing[1]) + discretisation_error(missing, sizes[-2:], 1.0)
 
 

@@ -18,7 +18,7 @@ from geometry.mesh import FloatArray, IntArray, Mesh
 
 BoolArray = npt.NDArray[np.bool_]
 
-_PRESSED_EVENLY = ("bore", "journal", "face", "clamp")  # along their length: not what slides
+_PRESSED_EVENLY = ("bore", "journal")  # along their length; a clamp presses little
 _SHARP = np.radians(12)  # a turn of the surface beyond what curved facets leave between them
 
 
