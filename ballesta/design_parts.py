@@ -276,23 +276,31 @@ def _geometry(entry: Any, bodies: Mapping[str, Body]) -> Any:
     for parameter in dataclasses.fields(shape):
         given_by = parameter.metadata.get("given_by")
         if given_by == GIVEN_BY_DESIGN:
-            values[parameter.name] = getattr(entry, parameter.name)
+            values[parameter.name] = _rounded(getattr(entry, parameter.name))
         elif given_by == GIVEN_BY_LINKAGE:
             first, second = (entry.interfaces[name] for name in shape.interfaces[:2])
             points = bodies[entry.body].points
-            values[parameter.name] = math.dist(points[first], points[second])
+            values[parameter.name] = _rounded(math.dist(points[first], points[second]))
     if shape is Pin:
         values["seats"] = tuple(_seat(index, lug) for index, lug in enumerate(entry.stack))
     return shape(**values)
+
+
+def _rounded(value: Any) -> Any:
+    """A dimension to 12 digits, as it is in any unit and however the machine is drawn.
+
+    Mesh generation is chaotic: a plate larger by 2e-16 of its size had 1009 nodes instead of 1019.
+    """
+    return float(f"{value:.12g}") if isinstance(value, float) else value
 
 
 def _seat(index: int, lug: Any) -> Seat:
     try:
         return Seat(
             lug.body or lug.force,
-            at=lug.at,
-            width=lug.width,
-            diameter=lug.diameter,
+            at=_rounded(lug.at),
+            width=_rounded(lug.width),
+            diameter=_rounded(lug.diameter),
             single=lug.single,
         )
     except ParameterError as error:

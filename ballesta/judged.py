@@ -10,6 +10,7 @@ from ballesta.levels import Level, peak_of
 from ballesta.part_loads import PartLoads
 from ballesta.stressed import Stressed
 from fem.convergence import (
+    ORDER,
     ErrorBar,
     discretisation_error,
     growth_exponent,
@@ -56,8 +57,11 @@ class Judged(ABC):
         """The quantity at some surface points (n,), MPa."""
 
     @abstractmethod
-    def scatter(self, level: Level) -> float:
-        """Scatter of the elements that meet at the point, in the quantity, MPa."""
+    def scatter(self, level: Level, *, of_edges: bool = True) -> float:
+        """Scatter of the elements that meet at the point, in the quantity, MPa.
+
+        of_edges  as in `Level.scatter`
+        """
 
     @abstractmethod
     def states(self, level: Stressed) -> list[FloatArray]:
@@ -90,9 +94,9 @@ class StaticPeak(Judged):
         """The load state of the peak."""
         return [level.coefficients[:, level.peak.position]]
 
-    def scatter(self, level: Level) -> float:
+    def scatter(self, level: Level, *, of_edges: bool = True) -> float:
         """Scatter of the elements that meet at the point, MPa."""
-        return level.scatter(self.states(level)[0], level.peak.point)
+        return level.scatter(self.states(level)[0], level.peak.point, of_edges=of_edges)
 
     def direct(self, level: Level, arcs: Sequence[float]) -> list[float]:
         """The peak at the same position under pressures as they are."""
@@ -110,15 +114,19 @@ def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float
     sizes = sizes_at_peak(judged, levels)
     angle, exponent = _singular_edge(judged, levels)
     notch = finest.notch_error(judged.point(finest))
-    # a notch that the mesh does not follow yet grows, too; its own error is in the bar
-    grows = 0.0 if exponent or notch > _UNRESOLVED else growth_exponent(values, sizes)
+    order = finest.order(judged.point(finest))
+    # a notch that the mesh does not follow yet grows, too, and so does the stress beside a pressed
+    # edge while elements come nearer: finite both, with an error in the bar
+    finite = notch > _UNRESOLVED or order < ORDER
+    grows = 0.0 if exponent or finite else growth_exponent(values, sizes)
     bar = ErrorBar(
-        discretisation_error(values, sizes),
+        discretisation_error(values, sizes, order),
         judged.scatter(finest),
-        abs(by_arc[pi] - value) if by_arc else 0.0,
+        _truncation(judged, levels, by_arc[pi], sizes) if by_arc else 0.0,
         abs(value),
         exponent or grows,
         notch * abs(value),
+        order,
     )
     notes = []
     if exponent:
@@ -133,9 +141,12 @@ def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float
             f"and {value:.4g} MPa is only what the last one shows"
         )
     elif bar.value > accuracy * abs(value):
+        why = ": elements too large for the notch at the peak" if bar.notch_decides else ""
+        if order < ORDER and not why:
+            why = ": the peak lies where a pressure ends with a jump"
         notes.append(
             f"numerical error {100 * bar.value / abs(value):.2g} %, asked for {100 * accuracy:g} %"
-            + (": elements too large for the notch at the peak" if bar.notch_decides else "")
+            + why
         )
     if by_arc:
         by = ", ".join(f"{degrees(a):.0f} deg {v:.4g}" for a, v in by_arc.items())
@@ -151,9 +162,24 @@ def mesh_bar(judged: Judged, levels: Sequence[Level]) -> float:
     finest, value = levels[-1], abs(values[-1])
     if not value:
         return 0.0
-    left = discretisation_error(values, sizes_at_peak(judged, levels))
-    notch = finest.notch_error(judged.point(finest)) * value
-    return ErrorBar(left, judged.scatter(finest), 0.0, value, 0.0, notch).mesh / value
+    point = judged.point(finest)
+    left = discretisation_error(values, sizes_at_peak(judged, levels), finest.order(point))
+    notch = finest.notch_error(point) * value
+    scatter = judged.scatter(finest, of_edges=False)
+    order = finest.order(point)
+    return ErrorBar(left, scatter, 0.0, value, 0.0, notch, order).mesh / value
+
+
+def _truncation(
+    judged: Judged, levels: Sequence[Level], direct: float, sizes: Sequence[float]
+) -> float:
+    """What the bearing series leaves out, and what its measure may still change by.
+
+    A half cosine ends with a kink: what it differs by from its series converges with order 1.
+    """
+    before, finest = levels[-2], levels[-1]
+    missing = [judged.direct(before, [pi])[0] - judged.value(before), direct - judged.value(finest)]
+    return abs(missing[1]) + discretisation_error(missing, sizes[-2:], 1.0)
 
 
 def sizes_at_peak(judged: Judged, levels: Sequence[Level]) -> list[float]:

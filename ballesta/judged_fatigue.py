@@ -58,10 +58,11 @@ class FatigueUse(Judged):
         first, second = (level.coefficients[:, k] for k in self.worst(level).pair)
         return [(first - second) / 2, (first + second) / 2]
 
-    def scatter(self, level: Level) -> float:
+    def scatter(self, level: Level, *, of_edges: bool = True) -> float:
         """Scatter of amplitude and mean, as they enter the quantity, MPa."""
         point = self.point(level)
-        swing, middle = (level.scatter(state, point) for state in self.states(level))
+        states = self.states(level)
+        swing, middle = (level.scatter(state, point, of_edges=of_edges) for state in states)
         factor = self.limit / float(level.limits[point])
         return self._over_pair(level) * (factor * swing + middle * self.limit / self.ultimate)
 
@@ -187,10 +188,11 @@ class FkmUse(FatigueUse):
         said = "the path is not proportional, FKM judges its longest chord only: by Findley's plane"
         return max(0.0, by_plane - found.demand), f"{said} {by_plane:.4g} MPa"
 
-    def scatter(self, level: Level) -> float:
+    def scatter(self, level: Level, *, of_edges: bool = True) -> float:
         """Scatter of amplitude and mean, as they enter the quantity, MPa."""
         found = self.found(level)
-        swing, middle = (level.scatter(state, found.point) for state in self.states(level))
+        states = self.states(level)
+        swing, middle = (level.scatter(state, found.point, of_edges=of_edges) for state in states)
         more = found.utilisation_with(found.amplitude + swing, found.mean + middle)
         return (more - found.utilisation) * self.strength.reference
 

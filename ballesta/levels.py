@@ -14,9 +14,11 @@ from ballesta.store.solutions import stored_solutions
 from ballesta.store.store import Store
 from ballesta.stressed import Stressed, judge
 from ballesta.supervised import expect
+from fem.convergence import ORDER
+from fem.gradient import inward_normals
 from fem.notch_resolution import concave_curvature, notch_error
-from fem.recovery import von_mises
-from fem.singularity import reentrant_edges
+from fem.recovery import tensor, von_mises
+from fem.singularity import pressed_edges, reentrant_edges
 from fem.stress_history import StressHistory
 from fem.unit_loads import ACCELERATIONS, IN_PLANE, inertia_of, resultants
 from fem.unit_solutions import Elastic, UnitSolutions, solve_unit_loads
@@ -26,6 +28,9 @@ from geometry.halves import Half
 from geometry.mesh import SYMMETRY, FloatArray, IntArray, MassProperties, Mesh
 from geometry.meshing import Buildable
 from geometry.sizing import SizeField, element_sizes
+
+_BESIDE = 3.0  # elements from an edge where a pressure ends, within which it disturbs the stress
+_JUMP = 0.09  # of that pressure: the least scatter there (tests/fem/test_pressed_edges.py)
 
 
 class Models:
@@ -225,10 +230,42 @@ class Level(Stressed):
         reactions = np.abs(self.solutions.reactions(self.coefficients))
         return float(reactions.max()) / (loads.largest_force or 1.0)
 
-    def scatter(self, coefficients: FloatArray, point: int) -> float:
-        """Scatter of the elements that meet at a point under some load state, MPa."""
+    @cached_property
+    def _pressed_edges(self) -> FloatArray:
+        """Places (n, 3) of the nodes on edges where a pressure ends, mm."""
+        mesh = self.solutions.mesh
+        return mesh.nodes[pressed_edges(mesh)]
+
+    def order(self, point: int) -> float:
+        """With which stress at a surface point converges: 1 beside an edge where a pressure ends.
+
+        The judged point there is the nearest that the edge does not spoil, and moves towards it.
+        """
+        return 1.0 if self._beside_pressed_edge(point) else ORDER
+
+    def _beside_pressed_edge(self, point: int) -> bool:
+        if not len(self._pressed_edges):
+            return False
+        place = self.history.points[self.solutions.recovery.stands_for[point]]
+        away = np.linalg.norm(self._pressed_edges - place, axis=1).min()
+        return bool(away < _BESIDE * self.size_at(point))
+
+    def scatter(self, coefficients: FloatArray, point: int, *, of_edges: bool = True) -> float:
+        """Scatter of the elements that meet at a point under some load state, MPa.
+
+        of_edges  whether it is, beside an edge where a pressure ends, not less than a share of that
+                  pressure, which finer meshes leave
+        """
         displacement = self.solutions.displacement @ coefficients
-        return float(self.solutions.recovery.scatter(displacement, np.array([point]))[0])
+        found = self.solutions.recovery.scatter(displacement, np.array([point]))[0]
+        if not (of_edges and self._beside_pressed_edge(point)):
+            return float(found)
+        points = self.history.points
+        near = np.linalg.norm(points - points[point], axis=1) < _BESIDE * self.size_at(point)
+        normals = inward_normals(self.solutions.mesh)[near]
+        stress = tensor(self.history.basis[near] @ coefficients)
+        pressure = np.abs(np.einsum("pi,pij,pj->p", normals, stress, normals)).max()
+        return float(max(found, _JUMP * pressure))
 
 
 def solve_level(

@@ -72,14 +72,31 @@ class Placing:
 
 
 def part_placing(design: design_data.Design, part: design_data.Part) -> Placing:
-    """Where a body's part stands: its first interface at the origin, the second along x."""
+    """Where a part stands in its body's frame.
+
+    A body's part has its first interface at the origin and the second along x. A pin has its joint
+    at the origin; its x is that of the body that it is fixed to, and where that has the ground's
+    axes it points to the farthest point of the linkage, so that a machine that is drawn turned has
+    the same pin under the same loads.
+    """
     if part.body is None:
-        return Placing((0.0, 0.0), 0.0)
+        return Placing((0.0, 0.0), _pin_angle(design, part))
     points = design.bodies[part.body].points
     first, second = (points[part.interfaces[name]] for name in part.geometry.interfaces[:2])
     angle = atan2(second[1] - first[1], second[0] - first[0])
     shape = part.geometry
     return Placing(first, angle, shape.shifts if isinstance(shape, StepPart) else {})
+
+
+def _pin_angle(design: design_data.Design, part: design_data.Part) -> float:
+    """Angle of a pin's x axis in the frame of the body that it is fixed to, rad."""
+    assert part.joint is not None
+    if part.fixed_to != design_data.GROUND and len(design.bodies[str(part.fixed_to)].pins) > 1:
+        return 0.0
+    x0, y0 = design.points[part.joint]
+    arms = [(x - x0, y - y0) for x, y in design.points.values()]
+    x, y = max(arms, key=lambda arm: round(hypot(*arm), 9))
+    return atan2(y, x)
 
 
 def interface_distance(design: design_data.Design, part: design_data.Part) -> float:

@@ -79,14 +79,13 @@ def part_frame(design: Design, part: Part, cycle: loads.CycleLoads) -> FloatArra
     """The part's frame in the machine's at every position (n, 3): x, y [mm], angle [rad]."""
     body = _carrier(part)
     pose = cycle.poses[:, cycle.body_index(body)]
-    frame = pose.copy()
+    frame, placing = pose.copy(), part_placing(design, part)
     if part.body is None:
         assert part.joint is not None
         frame[:, :2] = cycle.point(body, part.joint)
     else:
-        placing = part_placing(design, part)
         frame[:, :2] += _turned(np.array(placing.origin, dtype=np.float64), pose[:, 2])
-        frame[:, 2] += placing.angle
+    frame[:, 2] += placing.angle
     frame[:, 2] = np.unwrap(frame[:, 2])
     return frame
 

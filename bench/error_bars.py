@@ -54,6 +54,7 @@ class Calibration:
     median_bar: float
     median_error: float
     worst: float  # largest error over bar
+    low: int  # how many read nearer to zero than their reference
 
     @property
     def holds(self) -> bool:
@@ -72,8 +73,8 @@ def readings(pair: tuple[float, float], done: dict[tuple[int, float], tuple]) ->
                 done[number, fineness] = (reading.value, reading.scatter or 0.0)
         values = [done[number, fineness][0] for fineness in pair]
         scatter = done[number, pair[1]][1]
-        step = discretisation_error(values, [1 / fineness for fineness in pair])
-        bar = ErrorBar(step, scatter, 0.0, abs(values[-1]))
+        step = discretisation_error(values, [1 / fineness for fineness in pair], case.order)
+        bar = ErrorBar(step, scatter, 0.0, abs(values[-1]), order=case.order)
         size = abs(case.reference)
         found.append(
             BarReading(
@@ -97,6 +98,7 @@ def calibration(found: Sequence[BarReading]) -> Calibration:
         statistics.median(reading.bar for reading in found),
         statistics.median(reading.error for reading in found),
         max(max(reading.error - reading.uncertainty, 0.0) / reading.bar for reading in found),
+        sum(abs(reading.value) < abs(reading.reference) for reading in found),
     )
 
 
@@ -128,7 +130,8 @@ def summary(pairs: Sequence[Sequence[BarReading]]) -> str:
             f"- meshes of fineness {pair[0]:g} and {pair[1]:g}: {sums.inside} of {sums.count} "
             f"references inside the bar ({100 * sums.inside / sums.count:.0f} %); median bar "
             f"{100 * sums.median_bar:.2f} %, median error {100 * sums.median_error:.2f} % (ratio "
-            f"{sums.median_bar / sums.median_error:.1f}); largest error {sums.worst:.2f} bars"
+            f"{sums.median_bar / sums.median_error:.1f}); largest error {sums.worst:.2f} bars; "
+            f"{sums.low} read low"
         )
     return "\n".join(lines)
 

@@ -2,17 +2,23 @@
 
 The rule: in each element the stress at the four integration points, where quadratic elements are
 most accurate, is continued linearly to its ten nodes; at a node the elements that share it are
-averaged with their volumes as weights. Components are ordered xx, yy, zz, xy, yz, zx everywhere.
+averaged with their volumes as weights. Elements at an edge where a pressure ends
+(`singularity.pressed_edges`) say nothing: their points take the stress of the nearest point of
+other elements only. Components are ordered xx, yy, zz, xy, yz, zx everywhere.
 """
 
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import numpy.typing as npt
 import scipy.sparse as sp
 
 from fem.elements import Elements
-from geometry.mesh import FloatArray, IntArray
+from fem.singularity import pressed_edges
+from geometry.mesh import FloatArray, IntArray, MeshError
+
+BoolArray = npt.NDArray[np.bool_]
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
 _TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
@@ -59,8 +65,33 @@ class Recovery:
         return place
 
     @cached_property
+    def at_pressed_edges(self) -> BoolArray:
+        """Whether each element meets an edge where a pressure ends, (n_elements,)."""
+        mesh = self.elements.mesh
+        return np.asarray(np.isin(mesh.elements, pressed_edges(mesh)).any(axis=1))
+
+    @cached_property
     def _touching(self) -> IntArray:
-        return np.flatnonzero((self._place[self.elements.mesh.elements] >= 0).any(axis=1))
+        at_surface = (self._place[self.elements.mesh.elements] >= 0).any(axis=1)
+        return np.flatnonzero(at_surface & ~self.at_pressed_edges)
+
+    @cached_property
+    def stands_for(self) -> IntArray:
+        """Index of the point whose stress each point has: mostly its own, (n_points,)."""
+        mesh, places = self.elements.mesh, np.arange(len(self.points))
+        known = ~np.isin(self.points, mesh.elements[self.at_pressed_edges])
+        if known.all():
+            return places
+        if not known.any():
+            raise MeshError(
+                "all elements at the surface meet an edge where a pressure ends: they are too large"
+            )
+        from scipy.spatial import cKDTree
+
+        tree = cKDTree(mesh.nodes[self.points[known]])
+        _, nearest = tree.query(mesh.nodes[self.points[~known]])
+        places[~known] = places[known][nearest]
+        return places
 
     @cached_property
     def _continuation(self) -> FloatArray:
@@ -105,7 +136,7 @@ class Recovery:
             stress = self.quadrature_stress(columns, part)
             total += self._averaging(part) @ stress.reshape(-1, total.shape[1])
         total /= self._weight[:, None]
-        stress = total.reshape(len(self.points), 6, -1)
+        stress = total.reshape(len(self.points), 6, -1)[self.stands_for]
         stress[np.isin(self.points, self.elements.mesh.cut_nodes), 4:] = 0.0  # the mirror's cancel
         return np.asarray(stress[at])
 
@@ -116,20 +147,22 @@ class Recovery:
         or at the surface nodes of some indices `at`.
         """
         mean, total = np.zeros((len(self.points), 6)), np.zeros(len(self.points))
-        mean[at] = self.surface_stress(displacement, at)[:, :, 0]
-        for part in _chunks(self._meeting(at), 10 * _CHUNK):
+        stands = self.stands_for[at]
+        mean[stands] = self.surface_stress(displacement, stands)[:, :, 0]
+        for part in _chunks(self._meeting(stands), 10 * _CHUNK):
             stress = self.quadrature_stress(displacement, part)[..., 0]
             element, node, place = self._meetings(part)
             away = np.matmul(self._continuation, stress)[element, node] - mean[place]
             squares = von_mises(away) ** 2 * self._volumes[part[element]]
             total += np.bincount(place, squares, minlength=len(total))
-        return np.asarray(np.sqrt(total[at] / self._weight[at]))
+        return np.asarray(np.sqrt(total[stands] / self._weight[stands]))
 
     def _meeting(self, at: IntArray | slice) -> IntArray:
-        """Elements that meet at surface nodes, of the indices `at` among `points`."""
+        """Elements that make the stress at surface nodes, of the indices `at` among `points`."""
         if isinstance(at, slice) and at == slice(None):
             return self._touching
-        wanted = np.isin(self.elements.mesh.elements[self._touching], self.points[at]).any(axis=1)
+        nodes = self.points[self.stands_for[at]]
+        wanted = np.isin(self.elements.mesh.elements[self._touching], nodes).any(axis=1)
         return np.asarray(self._touching[wanted])
 
     @cached_property
@@ -138,10 +171,11 @@ class Recovery:
 
     @cached_property
     def _weight(self) -> FloatArray:
-        """Volume (n_points,) of the elements that meet at each surface node, mm3."""
+        """Volume (n_points,) of the elements averaged at each surface node, mm3; 1 for none."""
         element, _, place = self._meetings(self._touching)
         volumes = self._volumes[self._touching[element]]
-        return np.asarray(np.bincount(place, volumes, minlength=len(self.points)), dtype=float)
+        weight = np.bincount(place, volumes, minlength=len(self.points))
+        return np.where(weight > 0, weight, 1.0)
 
     def _meetings(self, part: IntArray) -> tuple[IntArray, IntArray, IntArray]:
         """Where some elements touch the surface: index in `part`, local node, surface point."""

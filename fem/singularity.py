@@ -4,15 +4,21 @@ At a re-entrant edge whose interior angle is omega > 180 degrees the stress grow
 like r^(lambda - 1), with lambda in (1/2, 1) the smallest root of sin(lambda omega) +
 lambda sin(omega) = 0 (M. L. Williams, J. Appl. Mech. 19 (1952) 526, free faces, symmetric mode). A
 finite-element peak there grows with every refinement and means nothing.
+
+Where a pressure ends on a smooth surface the stress is finite, but jumps: `pressed_edges`.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from fem.notch_resolution import facet_normals
 from geometry.mesh import FloatArray, IntArray, Mesh
 
+BoolArray = npt.NDArray[np.bool_]
+
+_PRESSED_EVENLY = ("bore", "journal")  # along their length; a clamp presses little
 _SHARP = np.radians(12)  # a turn of the surface beyond what curved facets leave between them
 
 
@@ -35,6 +41,54 @@ def reentrant_edges(mesh: Mesh) -> ReentrantEdges:
     through three points of a circle does not meet it at the right angle; twice what the facets' own
     turn lets expect of that is not taken for an edge.
     """
+    found = _surface_edges(mesh)
+    sharp = found.concave & ~found.smooth
+    nodes = found.nodes[sharp]
+    on_edge = np.unique(nodes)
+    angles = np.zeros(len(mesh.nodes))
+    np.maximum.at(angles, nodes, (np.pi + found.turn[sharp])[:, None])
+    return ReentrantEdges(on_edge, angles[on_edge])
+
+
+def pressed_edges(mesh: Mesh) -> IntArray:
+    """Nodes (n,) where a pressed surface ends on a smooth one: its pressure ends there with a jump.
+
+    Stress is finite there, but its limits from either side differ by the pressure, and elements
+    that meet the edge are wrong by a share of that which no refinement lessens
+    (tests/fem/test_pressed_edges.py). Where the pressed surface ends at an edge of the body, the
+    stress has one limit.
+    """
+    found = _surface_edges(mesh)
+    ends = np.zeros(len(found.nodes), dtype=bool)
+    for name, interface in mesh.interfaces.items():
+        if interface.kind in _PRESSED_EVENLY:
+            pressed = _rows_of(found.facets, mesh.surfaces[name])
+            ends |= pressed[found.first] != pressed[found.second]
+    return np.unique(found.nodes[ends & found.smooth])
+
+
+@dataclass(frozen=True, eq=False)
+class _SurfaceEdges:
+    """The edges between the facets of a mesh's surface.
+
+    nodes          (n, 3) of each edge: its ends and its middle
+    first, second  (n,) rows of `facets` that meet there
+    facets         (m, 6) of the surface
+    turn           (n,) rad, between the normals of both
+    concave        (n,) whether it is re-entrant
+    smooth         (n,) whether curved facets alone could leave that turn between them
+    """
+
+    nodes: IntArray
+    first: IntArray
+    second: IntArray
+    facets: IntArray
+    turn: FloatArray
+    concave: BoolArray
+    smooth: BoolArray
+
+
+def _surface_edges(mesh: Mesh) -> _SurfaceEdges:
     facets = mesh.facets
     edges = facets[:, [[0, 1, 3], [1, 2, 4], [2, 0, 5]]].reshape(-1, 3)
     corners = mesh.nodes[facets]
@@ -50,12 +104,16 @@ def reentrant_edges(mesh: Mesh) -> ReentrantEdges:
     turn = _angle(normals[first], normals[second])
     inward = mesh.nodes[opposite[second]] - mesh.nodes[edges[second, 2]]
     concave = np.einsum("ex,ex->e", normals[first], inward) > 0
-    sharp = concave & (turn > _SHARP + slack[first] + slack[second])
-    nodes = edges[first[sharp]]
-    found = np.unique(nodes)
-    angles = np.zeros(len(mesh.nodes))
-    np.maximum.at(angles, nodes, (np.pi + turn[sharp])[:, None])
-    return ReentrantEdges(found, angles[found])
+    smooth = turn <= _SHARP + slack[first] + slack[second]
+    return _SurfaceEdges(edges[first], first // 3, second // 3, facets, turn, concave, smooth)
+
+
+def _rows_of(facets: IntArray, wanted: IntArray) -> BoolArray:
+    """Which of some facets (n, 6) are among others (m, 6), by their corners."""
+    keys = np.sort(facets[:, :3], axis=1), np.sort(wanted[:, :3], axis=1)
+    base = int(max(key.max(initial=0) for key in keys)) + 1
+    first, second = (key @ np.array([base * base, base, 1]) for key in keys)
+    return np.isin(first, second)
 
 
 def singular_exponent(interior_angle: float) -> float:

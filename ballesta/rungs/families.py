@@ -5,11 +5,11 @@ import numpy as np
 from ballesta.design_data import Part
 from ballesta.part_loads import PartLoads
 from ballesta.pin_checks import pin_diagram
+from ballesta.rungs.proportions import tilting_couple
 from geometry.parts import Pin, PlateLink
 from geometry.parts.step_part import StepPart
 
 _CAD = "CAD part"
-_COUPLE = 1e-6  # of force times size: couples out of the plane that are more than round-off
 _PRESSED = 1.75  # mean pressure over a neck's bending stress, up to which the neck decides
 
 
@@ -36,9 +36,7 @@ def family_of(part: Part, loads: PartLoads, kind: str) -> str:
             return f"{part.shape} in single lugs"
         return f"{part.shape} in single and paired lugs"
     if isinstance(shape, PlateLink):
-        size = loads.largest_force * shape.length
-        tilted = max(float(np.abs(wrench[:, 3:5]).max()) for wrench in loads.wrenches.values())
-        return f"{part.shape} beside others" if tilted > _COUPLE * size else part.shape
+        return f"{part.shape} beside others" if tilting_couple(part, loads) else part.shape
     return part.shape
 
 

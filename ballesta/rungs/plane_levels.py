@@ -124,8 +124,7 @@ def solve_levels(
         if len(levels) > 1 and (
             bar <= accuracy or len(levels) == _MOST_MESHES or finer > _MOST_ELEMENTS or late
         ):
-            cut_off = truncation(levels[-1], loads, positions[0])
-            return levels[-1], states[-1], bar + cut_off
+            return levels[-1], states[-1], bar + _cut_off(levels[-2:], loads, positions[0])
         sizes = plane_sizes(sheet, sheet.element_sizes * factor)
 
 
@@ -186,6 +185,15 @@ def truncation(level: PlaneLevel, loads: PartLoads, position: int) -> float:
     before = float(von_mises(stress).max())
     stress[:, [0, 1, 3]] += change
     return abs(float(von_mises(stress).max()) - before) / before if before else 0.0
+
+
+def _cut_off(levels: Sequence[PlaneLevel], loads: PartLoads, position: int) -> float:
+    """Truncation, and what its measure may still change by: where a pressure ends, order 1."""
+    missing = [truncation(level, loads, position) for level in levels]
+    stress = von_mises(levels[-1].history.at(position))
+    place = levels[-1].history.points[int(stress.argmax())]
+    left = discretisation_error(missing, [level.size_at(place) for level in levels], 1.0)
+    return missing[-1] + left
 
 
 def _tilts(solutions: PlaneUnitSolutions, loads: PartLoads) -> bool:

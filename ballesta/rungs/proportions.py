@@ -6,6 +6,7 @@ shape's proportions, in how its loads pull, push and bend it, and in the arc on 
 
 from itertools import pairwise
 from math import degrees
+from typing import Any
 
 import numpy as np
 
@@ -29,16 +30,28 @@ _COUPLE = 1e-6  # of force times size: couples out of the plane that are more th
 
 def proportions_of(part: Part, loads: PartLoads) -> dict[str, float]:
     """All of them, by name; shares of the largest force begin with SHARE."""
-    return {**_of_shape(part.geometry), ARC: degrees(part.bearing_arc), **_of_loads(part, loads)}
+    return {
+        **_of_shape(part.geometry),
+        ARC: degrees(part.bearing_arc),
+        **_of_loads(part, loads),
+        **_of_tilt(part, loads),
+    }
+
+
+def tilting_couple(part: Part, loads: PartLoads) -> float:
+    """Largest couple out of the plane, N mm; 0 where it is not more than round-off."""
+    shape: Any = part.geometry
+    size = loads.largest_force * shape.length
+    couple = max(float(np.abs(wrench[:, 3:5]).max()) for wrench in loads.wrenches.values())
+    return couple if couple > _COUPLE * size else 0.0
 
 
 def unknown_load(part: Part, loads: PartLoads) -> str:
     """What acts on a part that no rung of its shape knows, in words; nothing if there is none."""
     if isinstance(part.geometry, _KNOWS_TILT):
         return ""
-    size = loads.largest_force * part.geometry.length
-    couple = max(float(np.abs(wrench[:, 3:5]).max()) for wrench in loads.wrenches.values())
-    if couple > _COUPLE * size:
+    couple = tilting_couple(part, loads)
+    if couple:
         return (
             f"couples out of the plane, up to {couple:.3g} N mm, which no rung of {part.shape} has"
         )
@@ -96,6 +109,17 @@ def _of_shape(shape: object) -> dict[str, float]:
             return _of_pin(shape)
         case _:
             return {}
+
+
+def _of_tilt(part: Part, loads: PartLoads) -> dict[str, float]:
+    """How far beside a plate its forces stand, over its width."""
+    shape = part.geometry
+    if not isinstance(shape, PlateLink | SlottedLever):
+        return {}
+    couple = tilting_couple(part, loads)
+    if not couple:
+        return {}
+    return {"couple out of the plane / force x width": couple / (loads.largest_force * shape.width)}
 
 
 def _of_lever(shape: SlottedLever) -> dict[str, float]:

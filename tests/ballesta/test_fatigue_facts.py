@@ -41,7 +41,9 @@ def level_of(stress, notch=1.0):
         limits=limits,
         coefficients=coefficients,
         history=SimpleNamespace(basis=stress),
-        scatter=lambda state, point: 0.01 * float(von_mises((stress[point] @ state)[None])[0]),
+        scatter=lambda state, point, of_edges=True: (
+            0.01 * float(von_mises((stress[point] @ state)[None])[0])
+        ),
     )
 
 

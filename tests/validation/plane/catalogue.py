@@ -40,6 +40,7 @@ class Case:
     exactness    "exact" or "converged"
     uncertainty  of the reference, in its unit
     solve        fineness -> Reading
+    order        with which the quantity converges: 1 where a pressure ends
     """
 
     id: str
@@ -48,6 +49,7 @@ class Case:
     exactness: str
     uncertainty: float
     solve: Callable[[float], Reading]
+    order: float = 2.0
 
 
 def _plane(problem: Callable, size: float, place: Place, measure: Measure, fineness: float):
@@ -65,6 +67,17 @@ def _torsion(problem: Callable, size: float, place: tuple[float, float], finenes
     assert np.allclose(section.mesh.nodes[node], place, rtol=0, atol=1e-9)
     value = float(np.hypot(*section.shear[node]))
     return Reading(value, float(section.scatter[node]), size / fineness)
+
+
+def _hole_under_cosines() -> list[Case]:
+    at = partial(partial, _plane, problems_exact.hole_under_cosines, 2.5)
+    end, middle = 400 / np.pi, 400 / np.pi - 100.0
+    of_sheet = 2e-4 * end
+    name = "hole under |cos|"
+    return [
+        Case(name, "hoop at the end of the arc", end, "exact", of_sheet, at((0, 10), hoop), 1.0),
+        Case(name, "hoop in its middle", middle, "exact", of_sheet, at((10, 0), hoop)),
+    ]
 
 
 def _exact(id_: str, quantity: str, reference: float, solve: Callable[[float], Reading]) -> Case:
@@ -219,6 +232,7 @@ CASES: tuple[Case, ...] = (
     *_cantilever(),
     *_cylinder(),
     *_infinite_sheets(),
+    *_hole_under_cosines(),
     *_strips(),
     *_notches(),
     *_lug(),

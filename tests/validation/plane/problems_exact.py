@@ -2,6 +2,8 @@
 
 from functools import cache
 
+import numpy as np
+
 from fem.plane import PlaneModel, PlaneSolution
 from fem.torsion import SectionTorsion
 
@@ -47,6 +49,34 @@ def elliptic_hole(along: float, across: float, fineness: float) -> PlaneSolution
     return PlaneModel(mesh, E, NU).solve(
         dirichlet={"bottom": (None, 0.0), "left": (0.0, None)},
         tractions={"right": far, "top": far},
+    )
+
+
+@cache
+def hole_under_cosines(fineness: float) -> PlaneSolution:
+    """Upper half of a sheet with a hole of radius 10 under pressures 100 |cos(angle)| MPa.
+
+    Two half cosines, whose arcs end at 90 degrees. Every pattern p cos(n angle), n > 1, makes a
+    hoop stress of -p cos(n angle) at the hole of an infinite sheet (Airy's r^-n and r^(2-n)), the
+    even one +p: 400/pi - p in sum. The sheet ends at 100 radii, which changes its mean by 2e-4.
+    """
+    loop = (
+        Piece((10, 0), "cut"),
+        Piece((1000, 0), "outer", centre=(0, 0)),
+        Piece((0, 1000), "outer", centre=(0, 0)),
+        Piece((-1000, 0), "cut"),
+        Piece((-10, 0), "hole", centre=(0, 0)),
+        Piece((0, 10), "hole", centre=(0, 0)),
+    )
+    mesh = meshed(Outline((loop,), 150.0, (Fine(("hole",), 2.5, 400.0),)), fineness)
+    middle = mesh.nearest_node(0.0, 10.0)
+
+    def traction(points, normals):
+        angle = np.arctan2(points[..., 1], points[..., 0])
+        return -100.0 * np.abs(np.cos(angle))[..., None] * normals
+
+    return PlaneModel(mesh, E, NU).solve(
+        dirichlet={"cut": (None, 0.0), middle: (0.0, None)}, tractions={"hole": traction}
     )
 
 

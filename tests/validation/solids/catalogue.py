@@ -42,6 +42,7 @@ class Case:
     quantity     what is read, and where
     exactness    "exact" or "converged"
     uncertainty  of the reference, in its unit
+    order        with which the quantity converges
     """
 
     id: str
@@ -50,6 +51,7 @@ class Case:
     exactness: str
     uncertainty: float
     solve: Callable[[float], Reading]
+    order: float = 2.0
 
 
 def _read(solution, place, size, of):
