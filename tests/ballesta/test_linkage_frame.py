@@ -241,7 +241,7 @@ def test_bodies_that_are_no_bars_are_named_as_rigid(tmp_path):
 def test_round_off_along_the_bars_is_no_load(tmp_path):
     """400 N on the slider; joint forces of 1e-14 of their size are what a solution leaves of none.
 
-    Taken for a load, they had a factor of 1e16; with larger ones the count of modes below it failed.
+    Taken for a load, they had a factor of 1e16; of larger ones the count of modes failed.
     """
     design = machine(tmp_path)
     (run,) = solved(design).values()
