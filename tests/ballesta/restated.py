@@ -257,11 +257,13 @@ def renamed(data):
         first, dot, rest = text.partition(".")
         return names.get(first, first) + dot + rest if first in names else text
 
-    def change(entry, keys=True):
+    def change(entry, table=""):
         if isinstance(entry, dict):
             return {
-                word(k) if keys else k: change(v, k not in ("interfaces", "offsets", "available"))
-                for k, v in entry.items()
+                word(name) if table in (*kinds, "friction") else name: (
+                    value if name in ("kind", "shape") else change(value, name)
+                )
+                for name, value in entry.items()
             }
         if isinstance(entry, list):
             return [change(each) for each in entry]

@@ -126,6 +126,16 @@ def test_checks_by_formula_do_not_change(relation, machine, tmp_path):
     assert_same(numbers(checked(tmp_path, other)), plain(machine), of_pins=of_pins)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("relation", ["reordered", "turned by 90 degrees", "backwards"])
+def test_checks_by_solid_do_not_change_where_the_mesh_is_the_same(relation, tmp_path):
+    """A part's mesh knows nothing of where its machine stands."""
+    data = stated("slider_crank", ["at_300"])
+    data["parts"] = {"rod": data["parts"]["rod"] | {"mesh": {"fineness": 0.5}}}
+    expected = numbers(checked(tmp_path, data, "solid"))
+    assert_same(numbers(checked(tmp_path, SAME[relation](data), "solid")), expected)
+
+
 @pytest.mark.parametrize("machine", BY_FORMULA)
 def test_names_decide_no_number(machine, tmp_path):
     other, names = renamed(stated(machine, CYCLES[machine]))
