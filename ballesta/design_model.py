@@ -201,7 +201,8 @@ class BodyPartEntry(PartEntry):
     )
     tilt_held_at: str | None = Field(
         None,
-        description="interface that takes the couples which the offsets leave; else the first one",
+        description="interface that takes the couples which the offsets leave; else one without an "
+        "offset, on the ground if there is one",
     )
 
 

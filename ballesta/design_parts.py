@@ -8,6 +8,7 @@ from typing import Any
 from ballesta.design_data import Body, Part, Roller, SlidingJoint
 from ballesta.design_files import Sources
 from ballesta.design_model import BodyPartEntry, DesignFile, StepPartEntry
+from ballesta.design_stacks import check_stacks
 from ballesta.design_strength import FkmStrength, fkm_of
 from ballesta.errors import DesignError, Problems
 from ballesta.materials import Material, known_materials
@@ -15,7 +16,6 @@ from ballesta.names import LINKAGE, listed, no_such
 from ballesta.step_parts import step_geometry
 from geometry.parameters import GIVEN_BY_DESIGN, GIVEN_BY_LINKAGE, ParameterError
 from geometry.parts import SHAPES, Pin, Seat
-from geometry.parts.step_part import StepPart
 from reports.words import clipped
 
 SLIDING = ("contact", "slot")  # interfaces of shapes on which a slot or guide of the linkage runs
@@ -106,8 +106,8 @@ def parts_of(
             )
         material = materials[entry.material]
         fkm = fkm_of(key, entry, material, geometry, problems) if material.ductile else None
-        parts[name] = _part(name, entry, geometry, material, rollers, fkm)
-    _check_that_pins_pass(parts, problems)
+        parts[name] = _part(name, entry, file, geometry, material, rollers, fkm)
+    check_stacks(parts, file.parts, problems)
     return parts
 
 
@@ -139,6 +139,7 @@ def _rollers(
 def _part(
     name: str,
     entry: Any,
+    file: DesignFile,
     geometry: Any,
     material: Material,
     rollers: Mapping[str, Roller],
@@ -158,7 +159,7 @@ def _part(
         else {lug.body or lug.force: entry.joint for lug in stack},
         fixed_to=None if is_body else entry.fixed_to,
         offsets=dict(entry.offsets) if is_body else {lug.body or lug.force: 0.0 for lug in stack},
-        tilt_held_at=_tilt_held_at(entry),
+        tilt_held_at=_tilt_held_at(entry, file),
         stack=stack,
         surface=entry.surface,
         bearing_arc=entry.bearing_arc,
@@ -171,11 +172,23 @@ def _part(
     )
 
 
-def _tilt_held_at(entry: Any) -> str:
-    """The interface that takes the couples out of the linkage's plane that the others leave."""
+def _tilt_held_at(entry: Any, file: DesignFile) -> str:
+    """The interface that takes the couples out of the linkage's plane that the others leave.
+
+    Where it is not stated: one without an offset, whose couple would have no effect there, on the
+    ground if there is one, as a shaft has its bearings there; then as the body has its pins.
+    """
     if not isinstance(entry, BodyPartEntry):
         return str(entry.fixed_to)
-    return str(entry.tilt_held_at or next(iter(entry.interfaces)))
+    if entry.tilt_held_at:
+        return entry.tilt_held_at
+    pins = file.bodies[entry.body].pins
+
+    def rank(interface: str) -> tuple[bool, bool, int]:
+        point = entry.interfaces[interface]
+        return bool(entry.offsets.get(interface)), point not in file.ground, pins.index(point)
+
+    return min((name for name in entry.interfaces if name not in SLIDING), key=rank)
 
 
 def _sits_in_body(
@@ -305,33 +318,3 @@ def _seat(index: int, lug: Any) -> Seat:
         )
     except ParameterError as error:
         raise ParameterError(f"seats[{index}].{error.field}", error.problem) from None
-
-
-def _hole_at(part: Part, joint: str) -> float:
-    """Diameter of a part's hole at a joint, or else its width, mm."""
-    shape: Any = part.geometry
-    if isinstance(shape, StepPart):
-        interface = next(name for name, point in part.interfaces.items() if point == joint)
-        hole = next(hole for hole in shape.holes if hole.name == interface)
-        return hole.diameter if hole.kind == "bore" else math.inf
-    return float(getattr(shape, "hole", getattr(shape, "width", math.inf)))
-
-
-def _check_that_pins_pass(parts: Mapping[str, Part], problems: Problems) -> None:
-    """Note every pin that cannot pass the hole, or else the width, of a part that it carries."""
-    for pin in parts.values():
-        if not isinstance(pin.geometry, Pin):
-            continue
-        for part in parts.values():
-            if part.body is None or part.body not in [lug.body for lug in pin.stack]:
-                continue
-            if pin.joint not in part.interfaces.values():
-                continue
-            assert pin.joint is not None
-            hole = _hole_at(part, pin.joint)
-            if pin.geometry.diameter > hole:
-                problems.add(
-                    f"parts.{pin.name}.diameter",
-                    f"a pin of {pin.geometry.diameter:g} mm cannot pass {part.name}, which has "
-                    f"{hole:g} mm there",
-                )

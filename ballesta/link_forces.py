@@ -14,6 +14,7 @@ from geometry.mesh import FloatArray
 
 _ON_AXIS = 1e-9  # of a size: a shorter arm is none
 _AXES = np.eye(2)
+_ROUND_OFF = 1e-10  # of the largest force of the linkage
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +61,7 @@ class LinkForces:
     arms: tuple[tuple[int, FloatArray, FloatArray], ...]
 
     def sizes(self) -> FloatArray:
-        """All forces over the cycle (n, c) N, in the order of `forms`."""
+        """All forces over the cycle (n, c) N, in the order of `forms`; round-off is none."""
         cycle = self.joints.cycle
         columns = [force for bar in self.bars.values() for force in bar.pushed]
         columns += [force[:, i] for _, _, force in self.arms for i in (0, 1)]
@@ -68,7 +69,20 @@ class LinkForces:
         columns += [
             cycle.reactions[joint.name].force[:, i] for joint in self._slides() for i in (0, 1)
         ]
-        return np.stack(columns, axis=1)
+        sizes = np.stack(columns, axis=1)
+        sizes[np.abs(sizes) <= _ROUND_OFF * self._largest()] = 0.0
+        return sizes
+
+    def _largest(self) -> float:
+        """The largest force of the linkage over the cycle, N; torques over its size."""
+        cycle = self.joints.cycle
+        size = float(np.ptp(cycle.poses[:, :, :2])) or 1.0
+        found = [np.abs(load.force).max() for load in cycle.reactions.values()]
+        found += [np.abs(load.moment).max() / size for load in cycle.reactions.values()]
+        for force in cycle.linkage.forces:
+            arm = size if force.coordinate.angular else 1.0
+            found.append(np.abs(cycle.efforts[force.name]).max() / arm)
+        return float(max(found))
 
     def forms(self, placed: PlacedLinks, k: int) -> FloatArray:
         """Geometric stiffness per force in the pose of position k, (c, n, n)."""

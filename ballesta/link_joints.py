@@ -90,7 +90,9 @@ class JointRows:
             return None
         link = self.model.number(b if a in supports else a)
         assert link is not None
-        if len(self.model.linkage.moving[link].points) < 2:
+        own = self.model.linkage.moving[link]
+        joints = [j for j in self.model.linkage.joints if own.name in (j.body_a, j.body_b)]
+        if len(own.points) < 2 or len(joints) < 2:  # a lever: nothing but its bearing holds it
             return None
         angle = placed.angles[link]
         return np.array([np.cos(angle), np.sin(angle)])

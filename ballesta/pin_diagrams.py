@@ -154,7 +154,9 @@ def _pushed(seat: Seat, points: FloatArray, passed: np.ndarray) -> list[_Part]:
     """
     parts = []
     for place in seat.places:
-        beyond = (points > place + 1e-9) | ((np.abs(points - place) <= 1e-9) & passed)
+        away = points - place
+        here = np.abs(away) <= 1e-9 * seat.width
+        beyond = (away > 0) & ~here | here & passed
         step, lever = beyond.astype(float), np.maximum(points - place, 0.0)
         if seat.paired:  # +-C / (2 at) at +-at
             share = np.sign(place) / (2 * seat.at)

@@ -12,11 +12,10 @@ import numpy as np
 
 import loads
 from ballesta.design_data import Design, Part
+from ballesta.design_stacks import APART
 from ballesta.part_loads import is_loaded, loads_on
 from geometry.parts import Pin
 from reports.verdict import Gate
-
-_APART = 0.1  # mm, between where a force acts and where the model has it
 
 
 def offset_gates(
@@ -36,17 +35,17 @@ def offset_gates(
         arm, wanted = _missing_arm(pin, part.body, offset, loads_on(design, pin, solved).wrenches)
         cure = (
             f'; state offsets = {{ {interface} = "{wanted:g} mm" }}'
-            if wanted is not None and abs(wanted - offset) > _APART
+            if wanted is not None and abs(wanted - offset) > APART
             else "; give the part's offsets the couple of its neighbours on the pin"
         )
         gates.append(
             Gate(
                 f"{part.name}: lever arm of {pin.name} left out, mm",
                 arm,
-                _APART,
+                APART,
                 f"the stack of {pin.name} has lugs beside {part.name}, whose couple its offsets "
                 f"do not have{cure}"
-                if arm > _APART
+                if arm > APART
                 else "couple of the lugs beside it on the pin less that of offsets, over the force",
             )
         )

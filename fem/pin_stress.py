@@ -8,6 +8,8 @@ from scipy.special import ive
 
 from geometry.mesh import FloatArray
 
+_AT_EDGE = 1e-11  # of the radius: sums of lengths stray by that much from an edge that they mean
+
 
 def section_stress(
     angles: FloatArray,
@@ -87,6 +89,7 @@ def under_band(
     found = np.zeros((3, len(places), len(low)))
     for sign, edge in ((-1.0, low), (1.0, high)):
         away = (places[:, None] - edge) / radius
+        away[np.abs(away) < _AT_EDGE] = 0.0
         for row in (0, 1):
             found[row] += sign * np.sign(away) * np.interp(np.abs(away), distance, table[row])
         found[2] += sign * 0.5 * np.sign(away)

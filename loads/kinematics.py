@@ -240,9 +240,8 @@ class Kinematics:
 
     def joints_jacobian(self, poses: FloatArray) -> FloatArray:
         """Return the same by the moving bodies alone (n, constraints, 3 moving), unit-free."""
-        result: FloatArray = self.jacobian(poses)[:, :, 3:] * (
-            self.pose_scale / self.row_scale[:, None]
-        )
+        own = self.jacobian(poses)[:, :, 3:]
+        result: FloatArray = own * self.pose_scale / self.row_scale[:, None]
         return result
 
     def linearised(self, poses: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -1,6 +1,7 @@
 """Linkages that buckle as one: the toggle's two bars and its knee, forks, the worst position."""
 
 from dataclasses import replace
+from math import pi
 from pathlib import Path
 
 import numpy as np
@@ -235,3 +236,73 @@ def test_bodies_that_are_no_bars_are_named_as_rigid(tmp_path):
     mode = worst_mode(design, solved(design))
     assert mode.rigid == ("crank", "slider")
     assert linkage_check(design, mode).note.endswith("; taken as rigid: crank, slider")
+
+
+def test_round_off_along_the_bars_is_no_load(tmp_path):
+    """400 N on the slider; joint forces of 1e-14 of their size are what a solution leaves of none.
+
+    Taken for a load, they had a factor of 1e16; of larger ones the count of modes failed.
+    """
+    design = machine(tmp_path)
+    (run,) = solved(design).values()
+
+    def with_forces(share):
+        loads = {
+            name: replace(load, force=share * load.force, moment=share * load.moment)
+            for name, load in run.reactions.items()
+        }
+        return {"turn": replace(run, reactions=loads)}
+
+    assert worst_mode(design, with_forces(1e-14)) is None
+    small, whole = (worst_mode(design, with_forces(share)) for share in (1e-6, 1.0))
+    assert small.factor == pytest.approx(1e6 * whole.factor, rel=1e-6)
+
+
+LEVER = """
+name = "Pedal"
+ground = ["O"]
+[points]
+O = "0, 0 mm"
+A = "200, 0 mm"
+[bodies.pedal]
+pins = ["O", "A"]
+mass = "0.5 kg"
+inertia = "1e-3 kg m2"
+centre = "75, 0 mm"
+[forces.drive]
+turns = "pedal"
+at = "O"
+[forces.foot]
+body = "pedal"
+at = "A"
+direction = "-1, 0"
+[cycles.step]
+coordinate = "pedal.angle"
+start = "0 deg"
+pace = { coordinate = "pedal.angle", speed = "1 rad/s" }
+positions = 25
+phases = [{ name = "down", to = "-20 deg", forces = { foot = "400 N" }, solve = "drive" }]
+[parts.pedal]
+body = "pedal"
+shape = "plate_link"
+interfaces = { first = "O", second = "A" }
+material = "S275"
+width = "30 mm"
+thickness = "8 mm"
+hole = "12 mm"
+"""
+
+
+def test_a_lever_on_one_pin_is_held_by_its_bearing(tmp_path):
+    """A flagpole of 200 mm under 400 N along it: Euler with twice its length.
+
+    Its weight and inertia make some 1 % of the force. Without a bearing it could tilt about the
+    pin without strain, and the whole check ended there.
+    """
+    path = tmp_path / "pedal.toml"
+    path.write_text(LEVER, encoding="utf-8")
+    design = read_design(path)
+    mode = worst_mode(design, solve_cycles(design, {}))
+    euler = pi**2 * 210e3 * 30 * 8**3 / 12 / (4 * 200.0**2)
+    assert mode.plane == "out of plane"
+    assert mode.factor == pytest.approx(euler / 400.0, rel=0.02)

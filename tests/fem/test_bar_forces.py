@@ -1,6 +1,7 @@
 """Section forces, deflection and buckling of bars by formula."""
 
 import numpy as np
+import pytest
 from numpy.testing import assert_allclose
 
 from fem.bar_forces import balanced_bar, deflection
@@ -176,3 +177,12 @@ def test_two_bands_side_by_side_press_as_the_whole():
     lows, highs = np.array([-1.0, 0.0]), np.array([0.0, 1.0])
     both = under_band(np.array([0.3]), lows, highs, 1.0, 0.3).sum(axis=2)[:, 0]
     assert_allclose(both, band(0.3, 1.0), atol=1e-12)
+
+
+@pytest.mark.parametrize("off", [1e-15, -1e-15, 3e-14])
+def test_half_a_band_presses_at_its_edge_less_round_off(off):
+    """At 5.5 mm, the sum of lengths, as at the edge itself: a pin of 10 um had lost 6 % so."""
+    edge, low, high = 5.5, np.array([5.5]), np.array([15.5])
+    at, beside = (under_band(np.array([z]), low, high, 5.0, 0.3) for z in (edge, edge + off))
+    assert_allclose(beside, at, rtol=0, atol=1e-12)
+    assert at[2, 0, 0] == -0.5
