@@ -13,6 +13,7 @@ from ballesta.names import listed, nearest, no_such
 from ballesta.overrides import Way, dotted
 from geometry.parameters import GIVEN_BY_LINKAGE
 from geometry.parts import SHAPES
+from reports.words import brief
 
 
 def tell_problems(
@@ -41,7 +42,7 @@ def _as_written(way: Way) -> Way:
 
 def _wording(detail: dict[str, Any], way: Way) -> str:
     kind, found, context = detail["type"], detail["input"], detail.get("ctx", {})
-    shown = f'"{found}"' if isinstance(found, str) else str(found)
+    shown = f'"{brief(found, 100)}"' if isinstance(found, str) else brief(found, 100)
     if kind == "value_error":
         return str(context["error"])
     if kind == "extra_forbidden":
