@@ -22,7 +22,9 @@ PIN = Pin(
 def counted(shape, fineness):
     with gmsh_session() as gmsh:
         body = shape.build(gmsh)
-        return skin_triangles(gmsh, (0.0, 1.5 * body.size), 20), solid_elements(gmsh, body, fineness)
+        return skin_triangles(gmsh, (0.0, 1.5 * body.size), 20), solid_elements(
+            gmsh, body, fineness
+        )
 
 
 @pytest.mark.parametrize("shape", [*PLATES, PIN])

@@ -355,14 +355,14 @@ def test_a_forged_reply_runs_nothing_where_the_batch_was_started(
     monkeypatch.syspath_prepend(machines.folder)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(cluster_module, "run_there", getattr(import_module("forged_there"), how))
-    with pytest.raises(DesignError, match=r"does not run on the cluster|reply"):
+    with pytest.raises(DesignError, match=r"does not run on the cluster|repl(y|ied)"):
         fates(tmp_path, machines, {"a": "one"})
     ran = tmp_path / "ran"
     assert str(os.getpid()) not in (ran.read_text().split() if ran.exists() else [])
 
 
 def test_a_reply_is_plain_text_of_a_fixed_form():
-    finished = Finished(3, {"status": "pass", "sources": {}}, 0.5, 10, 1)
+    finished = Finished(3, {"status": "pass"}, 0.5, 10, 1, said=["meshing"])
     reply = Reply("tcp://w:1", "", finished, {"a": None, "b": "digest"})
     assert from_text(to_text(reply)) == reply
     for wrong in ('{"worker": 1}', '{"worker": "w", "more": 1}', "[]", "{", '{"worker": NaN}'):
