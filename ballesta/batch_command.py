@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ballesta.batch.cluster import LOCAL, scheduler_of
+from ballesta.batch.cluster import LOCAL, scheduler_of, security_of
 from ballesta.batch.executor import Settings
 from ballesta.batch.live import live
 from ballesta.batch.memory import parse_memory
@@ -48,6 +48,7 @@ class Wanted:
     store: Path | None = None
     no_store: bool = False
     executor: str = LOCAL
+    tls: Path | None = None
 
 
 def run_batch_command(designs: Sequence[Path], wanted: Wanted) -> int:
@@ -112,8 +113,12 @@ def _settings(wanted: Wanted) -> Settings:
     scheduler = scheduler_of(wanted.executor)
     if scheduler is not None and wanted.jobs is not None:
         raise DesignError(_HERE, "--jobs", "is for --executor local: a cluster has its own workers")
+    if wanted.tls is not None:
+        if scheduler is None or not scheduler.startswith("tls://"):
+            raise DesignError(_HERE, "--tls", "is for --executor tls://HOST:PORT")
+        security_of(wanted.tls)
     seconds, memory = _time_limit(wanted.time_limit), _memory(wanted.memory)
-    return Settings(wanted.jobs, seconds, memory, scheduler)
+    return Settings(wanted.jobs, seconds, memory, scheduler, wanted.tls)
 
 
 def _time_limit(text: str) -> float | None:

@@ -84,7 +84,9 @@ def life_data(level: Stressed, peak: FatiguePeak, task: LifeTask, design: Design
     cycles           (n, 4) count, equivalent fully reversed amplitude (MPa), damage, and that
                      amplitude with all loads times the required safety, None beyond all bounds
     left_out         how many more cycles there are, and `left_damage` what they do
-    damage, allowed  Miner's sum of a life, None without a line, and what is allowed of it
+    damage, allowed  Miner's sum of a life, None without a finite one, and what is allowed of it
+    state            "beyond the curve" where a cycle reaches the ultimate strength: no finite
+                     number of them does the damage, and those that do have None for it; else ""
     """
     duty, point, required = level.duty, peak.point, design.require.fatigue
     assert duty is not None
@@ -94,7 +96,7 @@ def life_data(level: Stressed, peak: FatiguePeak, task: LifeTask, design: Design
         "asked": design.duty.life, "required": required, "chain": "Marin", "why": why,
         "limit": limit, "away": float(duty.limit), "line": [], "below": [],
         "ultimate": task.material.ultimate_stress, "endless": task.endless,
-        "allowed": task.allowed_damage, "damage": None,
+        "allowed": task.allowed_damage, "damage": None, "state": "",
     }  # fmt: skip
     if why:
         return data | _listed(task, _plain_cycles(duty, point, task), None, required)
@@ -106,7 +108,8 @@ def life_data(level: Stressed, peak: FatiguePeak, task: LifeTask, design: Design
     return data | {
         "line": _line(curve, limit, _LOW_CYCLE),
         "below": _below(curve, limit),
-        "damage": life.damage,
+        "damage": _finite(life.damage),
+        "state": "" if np.isfinite(life.damage) else "beyond the curve",
         **_listed(task, life.cycles, per_cycle, required),
     }
 
@@ -163,7 +166,7 @@ def _listed(
             [_finite(column[k]) for column in (counts, equivalent, harm, raised)] for k in kept
         ],
         "left_out": float(counts[rest].sum()),
-        "left_damage": float(harm[rest].sum()),
+        "left_damage": _finite(harm[rest].sum()),
     }
 
 
@@ -227,5 +230,6 @@ def _fkm_life(design: Design, level: Level, use: FkmUse, limit: float) -> dict[s
         "asked": "infinite", "required": required, "chain": "FKM", "why": "", "limit": limit,
         "line": _line(curve, at_knee, _FKM_FIRST), "below": _below(curve, at_knee),
         "ultimate": found.strength.material.ultimate_strength, "endless": True,
-        "allowed": 1.0, "damage": None, "cycles": cycles, "left_out": 0.0, "left_damage": 0.0,
+        "allowed": 1.0, "damage": None, "state": "", "cycles": cycles,
+        "left_out": 0.0, "left_damage": 0.0,
     }  # fmt: skip

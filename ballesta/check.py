@@ -47,6 +47,7 @@ from ballesta.store.linkage import stored_mode
 from ballesta.store.loads import stored_loads
 from ballesta.store.store import Store
 from ballesta.supervised import expect
+from ballesta.too_fine import told_of_size
 from ballesta.unfinished import FRAME, PART, Keep, KeptPart, with_parts, without_live
 from ballesta.warnings_of import (
     claim_warnings,
@@ -255,7 +256,7 @@ def part_masses(
         try:
             body = models.body(part.geometry)
         except TooManyElementsError as error:
-            raise DesignError(design.file, f"parts.{part.name}", str(error)) from error
+            raise told_of_size(design, part, error) from error
         except MeshError as error:
             raise gave_up(design, part, error) from error
         first, second = (body.interfaces[name].centre for name in part.geometry.interfaces[:2])

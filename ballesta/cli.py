@@ -169,6 +169,10 @@ def batch(
             "--executor", metavar="WHERE", help="local, or dask://HOST:PORT for a cluster's workers"
         ),
     ] = "local",
+    tls: Annotated[
+        Path | None,
+        typer.Option("--tls", metavar="DIR", help="certificates for --executor tls://HOST:PORT"),
+    ] = None,
 ) -> None:
     """Check many designs and their variations side by side; write index.html and tables.
 
@@ -191,6 +195,7 @@ def batch(
             "--reports": reports is not None,
             "--no-store": no_store,
             "--executor": executor != "local",
+            "--tls": tls is not None,
         }
         unused = tuple(option for option, is_given in given.items() if is_given)
         search = Search(out, until, wishes, fidelity, within, store, unused)
@@ -213,6 +218,7 @@ def batch(
         store=store,
         no_store=no_store,
         executor=executor,
+        tls=tls,
     )
     raise typer.Exit(run_batch_command(designs, wanted))
 

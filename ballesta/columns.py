@@ -2,7 +2,6 @@
 
 import csv
 import io
-import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,11 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ballesta.names import listed, no_such
+from ballesta.units import MOST
 from geometry.mesh import FloatArray
 
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?")
 _MARKS = {";": "semicolons", "\t": "tabs", ",": "commas"}
 _MOST_NAMES = 30
+MOST_ROWS = 20_000  # as many positions as a cycle may have
 
 
 class ColumnsError(ValueError):
@@ -67,6 +68,8 @@ def read_columns(text: str) -> Columns:
             cells = tuple(cell.strip() for cell in found)
             if any(cells):
                 table.append((reader.line_num, cells))
+            if len(table) > 1 + MOST_ROWS:
+                raise ColumnsError(f"has more than {MOST_ROWS} rows of numbers; resample it")
     except csv.Error as error:
         raise ColumnsError(f"line {reader.line_num}: is not CSV: {error}") from None
     (line, names), *rows = table
@@ -108,8 +111,10 @@ def _number(cell: str, line: int, name: str) -> float:
             ) from None
         hint = "; units stand in the design, not in the file" if line == 2 else ""
         raise ColumnsError(f'{here}: must be a number, got "{cell[:40]}"{hint}') from None
-    if not math.isfinite(value):
-        raise ColumnsError(f'{here}: must be a finite number, got "{cell}"')
+    if not abs(value) <= MOST:
+        raise ColumnsError(
+            f'{here}: must be a finite number, got "{cell[:40]}"; at most {MOST:g} is taken'
+        )
     return value
 
 

@@ -11,7 +11,8 @@ from typing import Any
 
 from ballesta.errors import DesignError
 from ballesta.names import nearest
-from ballesta.overrides import Way, dotted
+from ballesta.overrides import HUGE_NUMBER, Way, dotted, huge_number_at
+from geometry.bounded_files import MOST_TEXT, read_bounded
 
 
 @dataclass
@@ -54,11 +55,14 @@ class Sources:
         order = [*self.texts]
         return by_set or order.index(self.file_of(key)) > order.index(self.file_of(older))
 
-    def read_beside(self, key: str, name: str) -> str:
-        """Return the text of a file that is named relative to the file that states the key."""
+    def read_beside(self, key: str, name: str, most: int = MOST_TEXT) -> str:
+        """Return the text of a file that is named relative to the file that states the key.
+
+        most  bytes that it may have
+        """
         stated = self.file_of(key)
         path = stated.parent / name
-        self.texts[path] = text = read_text(path, NamedFile(stated, key, name))
+        self.texts[path] = text = read_text(path, NamedFile(stated, key, name), most)
         return text
 
 
@@ -84,14 +88,14 @@ def read_design_files(file: Path) -> tuple[dict[str, Any], Sources]:
     return _merged(file, None, (), sources), sources
 
 
-def read_text(file: Path, named: NamedFile | None = None) -> str:
+def read_text(file: Path, named: NamedFile | None = None, most: int = MOST_TEXT) -> str:
     """Return the text of a file; its errors are told at the key that names it, if one does."""
 
     def error(problem: str, where: str = "cannot be read") -> DesignError:
         return DesignError(file, where, problem) if named is None else named.error(problem)
 
     try:
-        content = file.read_bytes()
+        content = read_bounded(file, most)
     except FileNotFoundError:
         beside = sorted(other.name for other in file.parent.glob(f"*{file.suffix}"))
         guess = nearest(file.name, beside) if named else None
@@ -120,6 +124,9 @@ def _merged(
             raise named.error("the file is empty")
         raise DesignError(file, "cannot be read", "the file is empty; ballesta new writes one")
     data = _parsed(file, text)
+    huge = huge_number_at(data)
+    if huge is not None:
+        raise DesignError(file, dotted(huge), HUGE_NUMBER)
     chain = (*chain, file)
     base: dict[str, Any] = {}
     if "like" in data:
@@ -188,5 +195,7 @@ def _parsed(file: Path, text: str) -> dict[str, Any]:
         else:
             where = f"line {text.count(chr(10)) + 1}, at the end"
         raise DesignError(file, where, f"is not TOML: {what}") from None
+    except ValueError:  # Python reads no number of more than 4300 digits
+        raise DesignError(file, "cannot be read", f"has {HUGE_NUMBER}") from None
     except RecursionError:
         raise DesignError(file, "cannot be read", "is not TOML: nested too deeply") from None

@@ -4,8 +4,9 @@ import csv
 import io
 import math
 from collections.abc import Sequence
-from itertools import pairwise
+from itertools import islice, pairwise
 
+from ballesta.columns import MOST_ROWS
 from ballesta.design_coordinates import coordinate_of
 from ballesta.design_data import ContactLaw, Coordinate, Law, TableLaw
 from ballesta.design_files import Sources
@@ -16,6 +17,7 @@ from ballesta.design_tables import ForceEntry
 from ballesta.design_tables import TableLaw as TableEntry
 from ballesta.errors import DesignError, Problems
 from ballesta.units import DIMENSIONS, Measured, measure
+from reports.words import brief
 
 _EXAMPLE = 'over = "A.y", at = ["0 mm", "5 mm"], force = ["0 N", "80 N"]'
 
@@ -196,9 +198,14 @@ def _from_csv(
     accepted = (("length", "angle"), ("force", "moment"))
     delimiter = next((mark for mark in ";\t" if mark in text), ",")
     try:
-        rows = list(csv.reader(io.StringIO(text), delimiter=delimiter))
+        reader = csv.reader(io.StringIO(text), delimiter=delimiter)
+        rows = list(islice(reader, MOST_ROWS + 2))
     except csv.Error as error:
         problems.add(f"{key}.table", f"{entry.table}: is not CSV: {error}")
+        return None
+    if len(rows) > MOST_ROWS + 1:
+        told = f"has more than {MOST_ROWS} rows; resample it"
+        problems.add(f"{key}.table", f"{entry.table}: {told}")
         return None
     for number, row in enumerate(rows, start=1):
         cells = [cell.strip() for cell in row]
@@ -211,7 +218,7 @@ def _from_csv(
         for index, cell in enumerate(cells):
             if not _is_number(cell):
                 hint = "; decimals are written with a point" if "," in cell else ""
-                problems.add(f"{key}.table", f'{where}must be a number, got "{cell}"{hint}')
+                problems.add(f"{key}.table", f'{where}must be a number, got "{brief(cell)}"{hint}')
                 return None
             try:
                 columns[index].append(measure(f"{cell} {entry.units[index]}", *accepted[index]))

@@ -13,6 +13,7 @@ from ballesta.names import listed, nearest, no_such
 from ballesta.overrides import Way, dotted
 from geometry.parameters import GIVEN_BY_LINKAGE
 from geometry.parts import SHAPES
+from reports.words import brief
 
 
 def tell_problems(
@@ -41,7 +42,7 @@ def _as_written(way: Way) -> Way:
 
 def _wording(detail: dict[str, Any], way: Way) -> str:
     kind, found, context = detail["type"], detail["input"], detail.get("ctx", {})
-    shown = f'"{found}"' if isinstance(found, str) else str(found)
+    shown = f'"{brief(found, 100)}"' if isinstance(found, str) else brief(found, 100)
     if kind == "value_error":
         return str(context["error"])
     if kind == "extra_forbidden":
@@ -64,6 +65,8 @@ def _wording(detail: dict[str, Any], way: Way) -> str:
     if kind in ("greater_than", "greater_than_equal"):
         word, bound = ("above", "gt") if kind == "greater_than" else ("at least", "ge")
         return f"must be {word} {context[bound]:g}, got {shown}"
+    if kind == "less_than_equal":
+        return f"must be at most {context['le']}, got {shown}"
     wanted = {
         "model_type": "a table", "model_attributes_type": "a table", "dict_type": "a table",
         "list_type": "a list", "string_type": "text", "float_type": "a number",

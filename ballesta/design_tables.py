@@ -295,7 +295,7 @@ class CycleEntry(Table):
     )
     start: LengthOrAngle = Field(description="where the coordinate starts")
     pace: PaceEntry
-    positions: Annotated[int, Field(strict=True, ge=2)] = Field(
+    positions: Annotated[int, Field(strict=True, ge=2, le=20_000)] = Field(
         361, description="at least, over all phases"
     )
     shown: ShownEntry | None = None

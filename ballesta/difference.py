@@ -12,6 +12,7 @@ from ballesta.errors import DesignError
 from ballesta.names import listed
 from ballesta.run import Say, effort_of, guarded
 from ballesta.supervised import step
+from geometry.bounded_files import MEBIBYTE, read_bounded
 from reports.difference_summary import VERDICTS, DesignDifference, Difference
 from reports.files import plain
 from reports.words import brief
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
 
 RESULT = "result.json"
 _JSON_NAMES = {list: "a list", str: "a text", bool: "true or false", type(None): "null"}
+
+_MOST_RESULT = 256 * MEBIBYTE
 
 
 @dataclass(frozen=True)
@@ -129,7 +132,8 @@ def read_result(path: Path, cannot: str = "cannot be compared") -> Found:
     cannot  what is said of a file that is no result
     """
     try:
-        data = json.loads(path.read_text(encoding="utf-8"), parse_constant=_refuse)
+        text = read_bounded(path, _MOST_RESULT).decode("utf-8")
+        data = json.loads(text, parse_constant=_refuse)
     except FileNotFoundError:
         raise DesignError(path, "cannot be read", "there is no such file") from None
     except UnicodeDecodeError:

@@ -9,12 +9,13 @@ from scipy.linalg import block_diag
 
 import loads
 from ballesta.design_data import ContactLaw, Cycle, Design, Pair, Part
-from ballesta.errors import DesignError, NumericsError
+from ballesta.errors import NumericsError
 from ballesta.levels import Models
 from ballesta.machine import part_placing
 from ballesta.part_loads import interface_heights
 from ballesta.part_strength import elastic_of
 from ballesta.solid import FIRST
+from ballesta.too_fine import told_of_size
 from fem.compliance import compliance
 from fem.sliding import stations
 from fem.solvers import SolverError
@@ -44,7 +45,7 @@ def compliances_of(
             solutions = models.solutions(part.geometry, FIRST * part.fineness, elastic_of(part))
             found[part.body] = body_compliance(design, part, solutions)
         except (TooManyElementsError, loads.LinkageError) as error:
-            raise DesignError(design.file, f"parts.{part.name}", str(error)) from error
+            raise told_of_size(design, part, error) from error
         except (MeshError, SolverError) as error:
             raise NumericsError(
                 str(error),

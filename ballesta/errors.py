@@ -3,7 +3,10 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from reports.words import clean
+from reports.words import brief
+
+_LONGEST = 6000  # characters of one problem: an input may be longer than anybody reads
+_MOST_TOLD = 40  # problems of one design
 
 
 class DesignError(Exception):
@@ -15,7 +18,7 @@ class DesignError(Exception):
 
     def __str__(self) -> str:
         """One line, whatever names the file's author has chosen."""
-        return clean(f"{self.file}: {self.key}: {self.problem}")
+        return brief(f"{self.file}: {self.key}: {self.problem}", _LONGEST)
 
 
 class DesignErrors(DesignError):
@@ -27,7 +30,9 @@ class DesignErrors(DesignError):
         self.errors = errors
 
     def __str__(self) -> str:
-        return "\n".join(str(error) for error in self.errors)
+        told = [str(error) for error in self.errors[:_MOST_TOLD]]
+        more = len(self.errors) - len(told)
+        return "\n".join([*told, f"and {more} more problems"] if more else told)
 
 
 class NumericsError(Exception):

@@ -20,6 +20,7 @@ from ballesta.part_loads import PartLoads, loads_on, shown_of
 from ballesta.part_strength import elastic_of
 from ballesta.run import Say, guarded
 from ballesta.supervised import step
+from ballesta.too_fine import told_of_size
 from fem.deck import write_deck
 from fem.recovery import von_mises
 from fem.solvers import SolverError
@@ -99,7 +100,7 @@ def export_part(
         candidates = _candidates(design, part_loads, solved, at, cycle)
         level = _solve(part, part_loads, models, say)
     except (loads.LinkageError, TooManyElementsError) as error:
-        raise DesignError(design.file, f"parts.{name}", str(error)) from error
+        raise told_of_size(design, part, error) from error
     except (MeshError, SolverError) as error:
         raise NumericsError(
             str(error),

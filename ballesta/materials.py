@@ -12,6 +12,14 @@ from ballesta.units import Density, Stress
 from fatigue import FKM_GROUPS
 from geometry.parameters import ParameterError, check_above
 
+# What no material reaches: diamond 1.2e6 MPa, carbon fibres 7e3 MPa, osmium 2.26e-8 t/mm3; and the
+# other way foams of 1e-3 MPa and aerogels of 1e-12 t/mm3.
+_PLAUSIBLE = {
+    "youngs_modulus": (1e-4, 1e7, "MPa"),
+    "density": (1e-13, 1e-7, "t/mm3"),
+    "yield_stress": (1e-6, 1e5, "MPa"),
+    "ultimate_stress": (1e-6, 1e5, "MPa"),
+}
 _STEEL = (180e3, 230e3)  # MPa, Young's modulus of what takes steel's endurance limit
 
 
@@ -42,6 +50,14 @@ class Material:
             )
         check_above("density", self.density, 0, "t/mm3")
         check_above("yield_stress", self.yield_stress, 0, "MPa")
+        for name, (least, most, unit) in _PLAUSIBLE.items():
+            value = getattr(self, name)
+            if not least <= value <= most:
+                raise ParameterError(
+                    name,
+                    f"must be between {least:g} and {most:g} {unit}, as of any material, "
+                    f"got {value:g} {unit}",
+                )
         if self.ultimate_stress < self.yield_stress:
             raise ParameterError(
                 "ultimate_stress",

@@ -3,11 +3,17 @@
 import difflib
 from collections.abc import Iterable
 
+from reports.words import brief
+
+_LONGEST = 200  # characters of a name that are told or compared
+
 LINKAGE = "linkage"  # what stands for a part in the checks of the whole
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
     """Return the known name that looks most like `name`, or None when none does."""
+    if len(name) > _LONGEST:
+        return None
     by_folded = {candidate.casefold(): candidate for candidate in known}
     found = difflib.get_close_matches(name.casefold(), by_folded, n=1, cutoff=0.6)
     return by_folded[found[0]] if found else None
@@ -15,7 +21,7 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
 
 def listed(names: Iterable[str]) -> str:
     """Return the names for a sentence, `none` when there are none."""
-    return ", ".join(names) or "none"
+    return ", ".join(brief(name, _LONGEST) for name in names) or "none"
 
 
 def no_such(kind: str, name: str, known: Iterable[str]) -> str:
@@ -28,4 +34,4 @@ def no_such(kind: str, name: str, known: Iterable[str]) -> str:
     guess = nearest(name, known)
     there_is = f"here are {listed(known)}" if known else "here is none"
     hint = f", did you mean {guess}? T" if guess else "; t"
-    return f"no {kind} is named {name!r}{hint}{there_is}"
+    return f"no {kind} is named {brief(name, _LONGEST)!r}{hint}{there_is}"

@@ -3,7 +3,7 @@
 import copy
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,7 +19,9 @@ _OPTIONAL_TABLES = {
     "duty.cycles", "drive", "dynamics", "materials", "parts", "claims", "assumed",
 }  # fmt: skip
 _OPTIONAL_IN_ENTRY = {"column", "mesh", "pace", "shown", "stop", "guide", "interfaces", "forces",
-                      "bush", "elastic", "friction", "available"}  # fmt: skip
+                      "bush", "elastic", "friction", "available", "offsets",
+                      "contacts"}  # fmt: skip
+HUGE_NUMBER = "a whole number that TOML does not have: at most 9 223 372 036 854 775 807"
 _STEP = re.compile(r"([^.\[\]]+)|\[(\d+)\]")
 
 
@@ -68,7 +70,22 @@ def parse_override(text: str) -> Override:
         parsed = tomllib.loads(f"value = {value.strip()}")
     except tomllib.TOMLDecodeError:
         return Override(path, value.strip())
+    except (ValueError, RecursionError):
+        raise DesignError(Path("--set"), dotted(path), "cannot be read as a value") from None
+    if huge_number_at(parsed) is not None:
+        raise DesignError(Path("--set"), dotted(path), HUGE_NUMBER)
     return Override(path, parsed["value"] if len(parsed) == 1 else value.strip())
+
+
+def huge_number_at(data: object, way: Way = ()) -> Way | None:
+    """The way to a whole number of more than 64 bits in parsed TOML, None without one."""
+    if isinstance(data, int):
+        return None if -(2**63) <= data < 2**63 else way
+    entries: Iterable[tuple[str | int, object]] = ()
+    if isinstance(data, dict | list):
+        entries = data.items() if isinstance(data, dict) else enumerate(data)
+    found = (huge_number_at(value, (*way, step)) for step, value in entries)
+    return next((way for way in found if way is not None), None)
 
 
 def apply_override(data: dict[str, Any], override: Override, file: Path) -> None:

@@ -14,7 +14,7 @@ from ballesta.drawn import undrawn, with_drawn_fields
 from ballesta.effort import DEFAULT_EFFORT as DEFAULT_EFFORT
 from ballesta.effort import SOLID
 from ballesta.effort import Effort as Effort
-from ballesta.errors import DesignError, NumericsError
+from ballesta.errors import NumericsError
 from ballesta.explained.door import explained
 from ballesta.levels import Models
 from ballesta.lug_checks import lug_checks
@@ -26,6 +26,7 @@ from ballesta.rungs.result import cheap_result, solid_result
 from ballesta.side_by_side import offset_gates
 from ballesta.slot_checks import slot_checks
 from ballesta.solid import FIRST
+from ballesta.too_fine import told_of_size
 from fem.solvers import SolverError
 from geometry.cad_body import SolidBody
 from geometry.mesh import Mesh, MeshError, TooManyElementsError
@@ -221,7 +222,7 @@ def told_of_part(design: Design, part: Part) -> Iterator[None]:
     try:
         yield
     except (loads.LinkageError, TooManyElementsError) as error:
-        raise DesignError(design.file, f"parts.{part.name}", str(error)) from error
+        raise told_of_size(design, part, error) from error
     except (MeshError, SolverError) as error:
         raise gave_up(design, part, error) from error
 

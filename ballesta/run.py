@@ -95,7 +95,9 @@ def check_all(
         if supervised.stops():
             break
     if as_json:
-        print(json.dumps(results, indent=1, allow_nan=False))
+        from reports.files import plain
+
+        print(json.dumps(plain(results), indent=1, allow_nan=False))
     return max(codes, default=0)
 
 

@@ -6,6 +6,7 @@ from math import atan2, cos, sin
 from ballesta.design_data import Pair, Part
 from ballesta.design_files import Sources
 from ballesta.design_model import StepPartEntry
+from geometry.bounded_files import MOST_CAD, read_bounded
 from geometry.parts.step_part import NamedHole, StepPart
 
 
@@ -46,13 +47,13 @@ def _add_to_sources(key: str, name: str, sources: Sources) -> None:
     """Read the text; CAD programs write names in whatever encoding, which changes no geometry."""
     path = sources.file_of(key).parent / name
     try:
-        text = path.read_bytes()
+        text = read_bounded(path, MOST_CAD)
         text.decode("utf-8-sig")
     except (OSError, ValueError) as error:
         if isinstance(error, UnicodeDecodeError):
             sources.texts[path] = text.decode("latin-1")
             return
-    sources.read_beside(key, name)
+    sources.read_beside(key, name, MOST_CAD)
 
 
 def _from(origin: Pair, towards: Pair, point: Pair) -> Pair:

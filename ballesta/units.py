@@ -17,6 +17,7 @@ from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import core_schema
 
 from ballesta.names import nearest
+from reports.words import brief
 
 if TYPE_CHECKING:
     import pint
@@ -63,6 +64,8 @@ _COMMON_UNITS = [
     *("mm", "cm", "m", "um", "inch", "N", "kN", "MN", "g", "kg", "t", "tonne", "Pa", "MPa", "GPa"),
     *("s", "ms", "min", "h", "Hz", "rad", "deg", "%"),
 ]
+MOST = 1e20  # N, mm, s, ...: what is larger than any machine's; its powers are finite numbers
+_NO_MACHINE = "which is not finite or beyond any machine"
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*")
 _FACTOR = re.compile(
@@ -165,7 +168,7 @@ def _title(found: Unit) -> str:
 
 
 def _shown(value: object) -> str:
-    return f'"{value}"' if isinstance(value, str) else str(value)
+    return f'"{brief(value, 100)}"' if isinstance(value, str) else brief(value, 100)
 
 
 @dataclass(frozen=True)
@@ -187,8 +190,8 @@ def measure(value: object, *accepted: str) -> Measured:
     )
     must_be = f"must be {expected}, got {_shown(value)}"
     if isinstance(value, (int, float)) and not isinstance(value, bool):
-        if not math.isfinite(value):
-            raise ValueError(f"{must_be}, which is not finite")
+        if not abs(value) <= MOST:  # of whole numbers, too, that no float can hold
+            raise ValueError(f"{must_be}, {_NO_MACHINE}")
         if accepted == ("fraction",):
             return Measured(float(value), "fraction")
         raise ValueError(f"{must_be} without a unit")
@@ -196,8 +199,6 @@ def measure(value: object, *accepted: str) -> Measured:
     if match is None:
         raise ValueError(must_be)
     number, unit_text = float(match[1]), match[2]
-    if not math.isfinite(number):
-        raise ValueError(f"{must_be}, which is not finite")
     if unit_text.startswith(","):
         raise ValueError(f"{must_be}; decimals are written with a point, and one value is needed")
     if not unit_text and "fraction" not in accepted:
@@ -209,7 +210,10 @@ def measure(value: object, *accepted: str) -> Measured:
     for name in accepted:
         own = _unit(DIMENSIONS[name].unit)
         if own.powers == unit.powers:
-            return Measured(number * (unit.size / own.size), name)
+            converted = number * (unit.size / own.size)
+            if not abs(converted) <= MOST:
+                raise ValueError(f"{must_be}, {_NO_MACHINE}")
+            return Measured(converted, name)
     raise ValueError(f"{must_be}, which is {_title(unit)}")
 
 

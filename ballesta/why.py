@@ -12,6 +12,7 @@ from ballesta.explained.proven import with_derivation
 from ballesta.names import LINKAGE, listed, no_such
 from ballesta.run import Say, effort_of, guarded, store_at
 from ballesta.supervised import step
+from reports.files import FORMAT
 from reports.formulas import FormulaError
 from reports.verdict import Check, deciding_of
 from reports.words import brief, check_titles
@@ -124,6 +125,8 @@ def _checked(
 def _read(target: Path) -> list[Check]:
     """The checks of a result that was written; raises DesignError."""
     result = read_result(_one_result(target), _UNTOLD)
+    if result.data["format"] != FORMAT:
+        raise _of_another_version(Path(result.path), f"format {result.data['format']!r}")
     try:
         plain = {
             f"parts[{part}].checks[{k}]": check

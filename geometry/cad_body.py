@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from geometry.element_count import check_skin
 from geometry.mesh import FloatArray, IntArray, Interface, MassProperties, MeshError
 from geometry.meshing import Body, Buildable, gmsh_session
 from geometry.skin import skin_of
@@ -102,12 +103,14 @@ def _extent(gmsh: Any) -> float:
 
 
 def _skin(gmsh: Any, body: Body) -> Skin:
-    """Flat triangles on all faces of the solids."""
+    """Flat triangles on all faces of the solids; TooFineError for too many of them."""
     radii = [interface.radius for interface in body.interfaces if interface.radius]
+    least = _SMALLEST * 2 * pi / _CURVED * min(radii, default=0.0)
+    check_skin(gmsh, (least, _COARSE * body.size), _CURVED)
     for name, value in (
         ("Mesh.ElementOrder", 1),
         ("Mesh.MeshSizeMax", _COARSE * body.size),
-        ("Mesh.MeshSizeMin", _SMALLEST * 2 * pi / _CURVED * min(radii, default=0.0)),
+        ("Mesh.MeshSizeMin", least),
         ("Mesh.MeshSizeFromCurvature", _CURVED),
     ):
         gmsh.option.setNumber(name, value)

@@ -27,6 +27,10 @@ class TooManyElementsError(MeshError):
     """A part whose element sizes would need a mesh that no solver here can hold."""
 
 
+class TooFineError(TooManyElementsError):
+    """A part whose smallest and largest size lie so far apart that no mesh can have both."""
+
+
 class FoldedElementError(MeshError):
     """A curved element that turns inside out somewhere."""
 

@@ -12,6 +12,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from geometry.element_count import check_elements, solid_elements
 from geometry.graphics import INSTALL
 from geometry.memory import check_memory, compactness_of
 from geometry.mesh import (
@@ -21,7 +22,6 @@ from geometry.mesh import (
     Interface,
     Mesh,
     MeshError,
-    TooManyElementsError,
 )
 from geometry.sizing import SizeField
 from geometry.stacks import split_bodies, ties_of
@@ -49,7 +49,6 @@ _OPTIONS = {
 _MESHERS = (("HXT", 10), ("Delaunay, because HXT folded an element", 1))
 # What high-order optimisation says where it could not mend an element.
 _STAYED_BAD = ("Failed to reach critical value", "Optimization failed")
-_MOST_ELEMENTS = 1_000_000
 _UNKNOWNS, _LOADS = 4.3, 8  # unknowns per element of a compact mesh; unit loads of a pin
 _IN_PLANE = 1e-7  # mm: how far the nodes of a half may be beside its cut, by gmsh's round-off
 _FROM_GMSH_TO_VTK = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
@@ -158,16 +157,11 @@ def _mesh_with(
 def _check_count(gmsh: Any, body: Body, fineness: float) -> None:
     """Refuse a body that would take more elements or memory than there is, before it is meshed.
 
-    A regular tetrahedron of edge h has the volume h^3 / (6 sqrt 2) = 0.118 h^3. Finer elements in
-    regions are not counted: the solve counts again on the mesh.
+    What a field of sizes makes finer is not counted: the solve counts again on the mesh.
     """
+    count = solid_elements(gmsh, body, fineness)
+    check_elements(count, body.size / fineness)
     volume = sum(gmsh.model.occ.getMass(3, tag) for _, tag in gmsh.model.getEntities(3))
-    count = volume / (0.118 * (body.size / fineness) ** 3)
-    if count > _MOST_ELEMENTS:
-        raise TooManyElementsError(
-            f"would need about {count:.1e} elements of {body.size / fineness:.3g} mm, more than "
-            f"{_MOST_ELEMENTS:.0e}; its walls are too thin for a solid, or mesh.fineness too high"
-        )
     box = np.array(gmsh.model.getBoundingBox(-1, -1)).reshape(2, 3)
     check_memory(
         int(_UNKNOWNS * count), _LOADS * len(body.interfaces) + 4, compactness_of(box, volume)

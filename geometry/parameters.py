@@ -10,6 +10,7 @@ from typing import Any
 
 GIVEN_BY_LINKAGE = "linkage"
 GIVEN_BY_DESIGN = "design"
+ROUND_OFF = 1e-10  # of a length in another unit, written with 12 digits, or summed up
 
 
 class ParameterError(ValueError):
@@ -59,6 +60,15 @@ def _of_design(dimension: str, meaning: str, default: Any) -> Any:
     )
 
 
+def within(value: float, limit: float) -> bool:
+    """Whether a value is at most a limit, which it may pass by the round-off of its unit.
+
+    >>> within(448.50000000000006, 448.5), within(448.5001, 448.5)
+    (True, False)
+    """
+    return value <= limit + ROUND_OFF * max(abs(value), abs(limit))
+
+
 def check_above(field: str, value: float, limit: float, unit: str = "mm") -> None:
     """Raise ParameterError unless the value is above the limit."""
     if not value > limit:
@@ -66,14 +76,17 @@ def check_above(field: str, value: float, limit: float, unit: str = "mm") -> Non
 
 
 def check_at_least(field: str, value: float, limit: float, unit: str = "mm") -> None:
-    """Raise ParameterError unless the value is at least the limit."""
-    if not value >= limit:
+    """Raise ParameterError unless the value is at least the limit, but for round-off."""
+    if not within(limit, value):
         raise ParameterError(field, f"must be at least {limit:g} {unit}, got {value:g} {unit}")
 
 
 def check_at_most(field: str, value: float, limit: float, because: str, unit: str = "mm") -> None:
-    """Raise ParameterError, which says because of what, unless the value is at most the limit."""
-    if not value <= limit:
+    """Raise ParameterError, which says because of what, unless the value is at most the limit.
+
+    It may pass it by round-off.
+    """
+    if not within(value, limit):
         raise ParameterError(
             field, f"must be at most {limit:g} {unit}, {because}, got {value:g} {unit}"
         )

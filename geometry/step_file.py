@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from geometry.bounded_files import MOST_CAD, read_bounded
 from geometry.mesh import FloatArray
 from geometry.meshing import gmsh_session
 from geometry.parameters import ParameterError
@@ -55,7 +56,7 @@ class StepSolid:
 def file_hash(path: Path) -> str:
     """Return the SHA-256 of a file; ParameterError where there is none."""
     try:
-        return sha256(path.read_bytes()).hexdigest()
+        return sha256(read_bounded(path, MOST_CAD)).hexdigest()
     except OSError as error:
         said = (error.strerror or str(error)).lower()
         raise ParameterError("shape", f"{path.name!r} cannot be read: {said}") from None

@@ -14,7 +14,7 @@ import numpy as np
 
 from reports.verdict import DesignResult, PartResult
 
-_FORMAT = "ballesta-result/1"
+FORMAT = "ballesta-result/1"
 # a list of numbers as json spreads it over lines; no line ends inside of a string
 _NUMBERS = re.compile(r"\[\n\s+([^\[\]{}\"\n]+(?:\n\s+[^\[\]{}\"\n]+)*)\n\s*\]")
 
@@ -67,8 +67,8 @@ def read_json(path: str | Path) -> dict[str, Any]:
     """Read what `write_json` wrote, as plain data."""
     data = json.loads(Path(path).read_text(encoding="utf-8"), parse_constant=_refuse)
     found = data.get("format") if isinstance(data, dict) else type(data).__name__
-    if found != _FORMAT:
-        raise ValueError(f"{path}: expected a result of format {_FORMAT!r}, got {found!r}")
+    if found != FORMAT:
+        raise ValueError(f"{path}: expected a result of format {FORMAT!r}, got {found!r}")
     assert isinstance(data, dict)
     return data
 

@@ -4,21 +4,23 @@ import logging
 import os
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from importlib.util import find_spec
 from pathlib import Path
 from secrets import token_hex
 from time import monotonic, sleep
 from typing import TYPE_CHECKING, Any
 
-from ballesta.batch.cluster_worker import Reply, Site, leave, run_there, versions
+from ballesta.batch.cluster_reply import from_text, nothing_unpickled
+from ballesta.batch.cluster_worker import Site, leave, run_there, versions
 from ballesta.batch.job import text_digest
 from ballesta.batch.outcome import CRASHED
 from ballesta.batch.pool import Finished, PoolError
 from ballesta.errors import DesignError
+from reports.words import brief
 
 if TYPE_CHECKING:
-    from distributed import Client
+    from distributed import Client, Security
 
 LOCAL = "local"
 _CONNECT = 5.0  # s, until a scheduler counts as out of reach
@@ -26,6 +28,7 @@ _CLOSE = 5.0  # s, that leaving it may take
 _LOOK_EVERY = 0.02  # s, for jobs that have ended
 _COUNT_EVERY = 30.0  # s, for whether there are workers at all
 _MARK = ".cluster-"  # how the name of the file begins that workers know the batch's folder by
+_FORGED = "a worker's reply has not the form that it must have"
 _GOES_ON = "; what is finished is kept, the same command goes on from there"
 
 _Placed = tuple[int, Mapping[str, Any]]  # a job by its place
@@ -41,15 +44,35 @@ def scheduler_of(executor: str) -> str | None:
     """
     if executor == LOCAL:
         return None
-    found = re.fullmatch(r"dask://(\[[0-9A-Fa-f:.]+\]|[\w.-]+):([0-9]{1,5})", executor)
-    if found is None or not 0 < int(found[2]) < 65536:
+    found = re.fullmatch(r"(dask|tls)://(\[[0-9A-Fa-f:.]+\]|[\w.-]+):([0-9]{1,5})", executor)
+    if found is None or not 0 < int(found[3]) < 65536:
         raise _error(
             "must be local or dask://HOST:PORT such as dask://10.0.0.5:8786, where the scheduler "
-            f'listens, got "{executor}"'
+            f'listens, or tls://HOST:PORT with certificates, got "{brief(executor)}"'
         )
     if find_spec("distributed") is None:
         raise _error("needs dask.distributed: pip install 'ballesta[cluster]'")
-    return f"tcp://{found[1]}:{found[2]}"
+    return f"{found[1].replace('dask', 'tcp')}://{found[2]}:{found[3]}"
+
+
+def security_of(folder: Path) -> "Security":
+    """Certificates for TLS both ways from the files ca.pem, cert.pem and key.pem of a folder.
+
+    Raises DesignError of --tls where one is missing.
+    """
+    from distributed import Security
+
+    files = {name: folder / f"{name}.pem" for name in ("ca", "cert", "key")}
+    for file in files.values():
+        if not file.is_file():
+            told = f"needs ca.pem, cert.pem and key.pem: {file} is missing"
+            raise DesignError(Path("command line"), "--tls", told)
+    return Security(
+        require_encryption=True,
+        tls_ca_file=str(files["ca"]),
+        tls_client_cert=str(files["cert"]),
+        tls_client_key=str(files["key"]),
+    )
 
 
 class Cluster:
@@ -59,6 +82,7 @@ class Cluster:
     seconds, memory  that a job may take, as in `executor.Settings`
     out      folder of the batch, which the workers see, too
     say      who is told when there are no workers
+    tls      folder of certificates, as `security_of` reads it; None for dask's own configuration
 
     Whatever keeps the batch from being run as asked is a DesignError of --executor.
     """
@@ -71,12 +95,15 @@ class Cluster:
         memory: int | None,
         out: Path,
         say: Callable[[str], None],
+        tls: Path | None = None,
     ) -> None:
         self._address, self._out, self._say = address, out, say
+        self._security = None if tls is None else security_of(tls)
         key = token_hex(16)
         self._mark = out / f"{_MARK}{key[:8]}"
         self._site = Site(key, str(self._mark), os.getcwd(), versions(), function, seconds, memory)
         self._client: Client | None = None
+        self._guard = ExitStack()
         self._count_at = 0.0
 
     def __enter__(self) -> "Cluster":
@@ -102,8 +129,16 @@ class Cluster:
 
         for name in ("distributed", "distributed.client"):
             logging.getLogger(name).setLevel(logging.CRITICAL)  # told in our own words
+        self._guard.enter_context(nothing_unpickled())
         try:
-            self._client = Client(self._address, timeout=_CONNECT, set_as_default=False)
+            self._client = Client(
+                self._address,
+                timeout=_CONNECT,
+                set_as_default=False,
+                direct_to_workers=False,
+                security=self._security,
+                deserializers=["pickle", "msgpack", "error"],
+            )
         except (OSError, ImportError) as error:
             cause = str(error).partition("\n")[0]
             raise _error(
@@ -162,10 +197,14 @@ class Cluster:
 
     def close(self) -> None:
         """Leave the cluster; jobs that are being run there end within seconds."""
-        from distributed import fire_and_forget
-
         with suppress(OSError):
             self._mark.unlink(missing_ok=True)
+        with self._guard:
+            self._leave()
+
+    def _leave(self) -> None:
+        from distributed import fire_and_forget
+
         if self._client is None:
             return
         if self._client.status == "running":
@@ -179,30 +218,43 @@ class Cluster:
         """What came of a job, from a reply or from what dask says instead of one."""
         from distributed import CancelledError
 
-        if isinstance(reply, Reply):
-            if reply.finished is None:
-                raise _error(f"worker {reply.worker} {reply.refused}")
-            for file, text in (reply.texts or {}).items():
-                if text_digest(Path(file)) != text:
-                    raise _error(
-                        f"{file} reads otherwise on worker {reply.worker} than here: it has to be "
-                        f"on a shared file system, or was edited just now{_GOES_ON}"
-                    )
-            return Finished(**reply.finished)
+        if isinstance(reply, str):
+            return self._told(place, reply)
         if isinstance(reply, CancelledError):
             raise self._lost()
+        if not (isinstance(reply, tuple) and len(reply) == 3):
+            raise _error(f"{_FORGED}: it is {type(reply).__name__}")
         _, error, _ = reply
         if isinstance(error, PoolError):
             raise error
         if _dask_gave_up(reply):
-            attempts, last = 2 * (error.allowed_failures + 1), error.last_worker.address
+            attempts = 2 * (int(error.allowed_failures) + 1)
+            last = brief(getattr(error.last_worker, "address", "one that is not told"))
             text = f"every dask worker that had it died, alone with it, too; the last was {last}"
             return Finished(place, None, 0.0, 0, attempts, CRASHED, text)
-        told = " ".join(str(error).split())
+        told = brief(" ".join(str(error).split()), 1000)
         raise _error(
             f"a job does not run on the cluster ({type(error).__name__}: {told}): its scheduler "
             "and workers need ballesta and the libraries as they are installed here"
         )
+
+    def _told(self, place: int, text: str) -> Finished:
+        """The job that a worker has ended; raises DesignError for anything else."""
+        try:
+            reply = from_text(text)
+        except ValueError as error:
+            raise _error(f"{_FORGED}: {error}") from None
+        if reply.finished is None:
+            raise _error(f"worker {brief(reply.worker)} {brief(reply.refused, 1000)}")
+        if reply.finished.index != place:
+            raise _error(f"worker {brief(reply.worker)} replied of a job that it was not given")
+        for file, digest in (reply.texts or {}).items():
+            if text_digest(Path(file)) != digest:
+                raise _error(
+                    f"{file} reads otherwise on worker {brief(reply.worker)} than here: it has to "
+                    f"be on a shared file system, or was edited just now{_GOES_ON}"
+                )
+        return reply.finished
 
     def _tell_if_nobody_works(self) -> None:
         if monotonic() > self._count_at:

@@ -6,11 +6,12 @@ Each thread of a dask worker keeps one such process, for as long as jobs of the 
 import os
 import threading
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic
 from typing import Any
 
+from ballesta.batch.cluster_reply import Reply, to_text
 from ballesta.batch.job import text_digest
 from ballesta.batch.memory import Admission, planned_budget
 from ballesta.batch.pool import Finished, Limits, Pool, PoolError
@@ -39,22 +40,6 @@ class Site:
     memory: int | None
 
 
-@dataclass(frozen=True)
-class Reply:
-    """What came of a job on a dask worker.
-
-    worker    its address
-    refused   why the job was not run or not ended; "" if it was
-    finished  the fields of a `Finished`
-    texts     files that the job was read from -> sha256 of their texts; None if unreadable
-    """
-
-    worker: str
-    refused: str = ""
-    finished: Mapping[str, Any] | None = None
-    texts: Mapping[str, str | None] | None = None
-
-
 class _Kept:
     """The pool of one thread, for one batch; whoever uses or ends it holds `busy`."""
 
@@ -75,8 +60,10 @@ class _Kept:
 _kept: dict[int, _Kept] = {}  # by thread
 
 
-def run_there(index: int, job: Mapping[str, Any], site: Site) -> Reply:
+def run_there(index: int, job: Mapping[str, Any], site: Site) -> str:
     """Run a job of a batch in this dask worker; it is given up when the batch has ended.
+
+    Returns a `Reply` as JSON.
 
     Raises PoolError where no process starts.
     """
@@ -85,7 +72,7 @@ def run_there(index: int, job: Mapping[str, Any], site: Site) -> Reply:
     worker = get_worker().address
     refused = refusal(site)
     if refused:
-        return Reply(worker, refused)
+        return to_text(Reply(worker, refused))
     kept = _kept_for(site)
     with kept.busy:
         try:
@@ -98,10 +85,11 @@ def run_there(index: int, job: Mapping[str, Any], site: Site) -> Reply:
             raise
         if finished is None:
             kept.end()
-            return Reply(worker, "was told that the batch has ended, or its folder is gone")
+            refused = "was told that the batch has ended, or its folder is gone"
+            return to_text(Reply(worker, refused))
     file = os.path.realpath(Path(site.folder, job["file"]))
     sources: Mapping[str, str] = (finished.outcome or {}).get("sources", {})
-    return Reply(worker, "", asdict(finished), {file: text_digest(Path(file)), **sources})
+    return to_text(Reply(worker, "", finished, {file: text_digest(Path(file)), **sources}))
 
 
 def leave(key: str) -> None:

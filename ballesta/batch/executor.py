@@ -23,12 +23,14 @@ class Settings:
     memory     bytes that a design may take; None for its share of what is free, and all of that,
                by itself, where the share is not enough
     scheduler  of dask workers, as `cluster.scheduler_of` returns it; None for this machine
+    tls        folder of certificates for it, as `cluster.security_of` reads it
     """
 
     workers: int | None = None
     seconds: float | None = 600.0
     memory: int | None = None
     scheduler: str | None = None
+    tls: Path | None = None
 
 
 class Executor(Protocol):
@@ -67,7 +69,8 @@ def executor_of(
     say  who is told what the user should know
     """
     if settings.scheduler is not None:
-        return Cluster(settings.scheduler, function, settings.seconds, settings.memory, out, say)
+        seconds, memory = settings.seconds, settings.memory
+        return Cluster(settings.scheduler, function, seconds, memory, out, say, settings.tls)
     budget = planned_budget()
     estimate = max(FIRST_ESTIMATES.get(job.fidelity, FIRST_ESTIMATE) for job in jobs)
     if settings.memory is not None:

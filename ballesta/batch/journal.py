@@ -22,7 +22,8 @@ class Entry:
     """A job that has ended.
 
     key      digest of the job, the code and the libraries
-    sources  files that its design was read from -> sha256 of their texts
+    sources  files that its design was read from, by their paths from the batch's folder -> sha256
+             of their texts
     result   sha256 of its result.json; "" without one
     outcome  as `run_job` returns it, without timings
     timings  seconds, peak_memory_bytes, attempts

@@ -12,6 +12,7 @@ from ballesta.batch.files import write_whole
 from ballesta.batch.job import Job
 from ballesta.errors import DesignError
 from ballesta.run import folder_name
+from geometry.bounded_files import read_bounded
 
 REPORTS_UP_TO = 50  # jobs have a report each unless asked otherwise
 _FORMAT = "ballesta-batch/1"
@@ -155,7 +156,7 @@ def _notes(files: Sequence[Path], twice: set[Path]) -> list[str]:
     for file in files:
         found = ["given more than once, checked once"] if file in twice else []
         try:
-            content = file.read_bytes()
+            content = read_bounded(file)
         except (OSError, ValueError):  # the job tells why
             content = b""
         if content.strip():

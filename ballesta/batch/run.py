@@ -74,14 +74,14 @@ def run_batch(
                 entry = journal.entries.get(key)
                 if job.name in plan.refused:
                     outcomes[index] = ended(job, WRONG_INPUT, plan.refused[job.name], "")
-                elif entry is not None and _still_holds(entry, job, seen):
+                elif entry is not None and _still_holds(entry, job, out, seen):
                     outcomes[index], timings[index] = entry.outcome, entry.timings
             done = sum(outcome is not None for outcome in outcomes) - len(plan.refused)
             live.kept(done, len(plan.jobs), journal.damaged)
             try:
                 left = [index for index, outcome in enumerate(outcomes) if outcome is None]
                 for finished in _run(plan, left, settings, live, function, out):
-                    entries = [_entry(plan.jobs[f.index], keys[f.index], f) for f in finished]
+                    entries = [_entry(plan.jobs[f.index], keys[f.index], f, out) for f in finished]
                     journal.add(entries)
                     for f in finished:
                         for text in (f.outcome or {}).get("said", ()):
@@ -148,7 +148,7 @@ def key_of(job: Job) -> str:
     return digest(told, code_digest(), {**libraries(), "threads": "1"})
 
 
-def _still_holds(entry: Entry, job: Job, seen: dict[str, str | None]) -> bool:
+def _still_holds(entry: Entry, job: Job, out: Path, seen: dict[str, str | None]) -> bool:
     """Whether a finished job need not be done again.
 
     What was stopped by circumstances is tried again, and so is what cannot be read.
@@ -157,7 +157,9 @@ def _still_holds(entry: Entry, job: Job, seen: dict[str, str | None]) -> bool:
         return False
     if any(BY_THE_DAY in check["note"] for check in entry.outcome.get("checks", ())):
         return False
-    if any(_text_digest(file, seen) != known for file, known in entry.sources.items()):
+    here = os.path.realpath(out)
+    known = {os.path.join(here, file): digest for file, digest in entry.sources.items()}
+    if any(_text_digest(file, seen) != digest for file, digest in known.items()):
         return False
     folder = Path(job.folder)
     if not entry.result:
@@ -175,7 +177,15 @@ def _text_digest(file: str, seen: dict[str, str | None]) -> str | None:
     return seen[file]
 
 
-def _entry(job: Job, key: str, finished: Finished) -> Entry:
+def _from(out: Path, file: str) -> str:
+    """Path of a file from the batch's folder; as it is where no path leads there."""
+    try:
+        return os.path.relpath(file, os.path.realpath(out))
+    except ValueError:  # another drive
+        return file
+
+
+def _entry(job: Job, key: str, finished: Finished, out: Path) -> Entry:
     """The record of a job that has ended; raises what is not its design's fault."""
     outcome = finished.outcome
     if outcome is None:
@@ -195,6 +205,7 @@ def _entry(job: Job, key: str, finished: Finished) -> Entry:
     }
     assert set(timings) == set(TIMINGS)
     sources, result = outcome.pop("sources", {}), outcome.pop("result_sha256", "")
+    sources = {_from(out, file): digest for file, digest in sources.items()}
     return Entry(key, sources, result, outcome, timings)
 
 

@@ -17,6 +17,7 @@ from geometry.parameters import (
     check_above,
     check_at_least,
     check_at_most,
+    within,
 )
 from geometry.sections import Section
 
@@ -66,14 +67,14 @@ class LeafPack:
         check_at_most("rod_length", self.rod_length, clear, "where it meets the pivot's clamp")
         check_at_least("overhang", self.overhang, self.rod_length / 2)
         nearest = (self.clamp_length + self.contact_length) / 2
-        if self.contact_from < nearest:
+        if not within(nearest, self.contact_from):
             raise ParameterError(
                 "contact_from",
                 f"{self.contact_from:g} mm: the contact runs onto the clamp; "
                 f"it must be at least {nearest:g} mm",
             )
         farthest = self.arm - self.contact_length / 2
-        if not self.contact_to <= farthest:
+        if not within(self.contact_to, farthest):
             raise ParameterError(
                 "contact_to",
                 f"{self.contact_to:g} mm: the contact leaves the end of the leaves, at "

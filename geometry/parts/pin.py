@@ -10,7 +10,14 @@ import numpy as np
 
 from geometry.mesh import Interface
 from geometry.meshing import Body, Region, faces_where
-from geometry.parameters import ParameterError, a_flag, a_length, check_above, check_at_least
+from geometry.parameters import (
+    ParameterError,
+    a_flag,
+    a_length,
+    check_above,
+    check_at_least,
+    within,
+)
 from geometry.parts._outline import Outline
 from geometry.sections import Section
 
@@ -36,7 +43,7 @@ class Seat:
         check_above("width", self.width, 0)
         if self.diameter is not None:
             check_above("diameter", self.diameter, 0)
-        if self.paired and self.at < self.width / 2:
+        if self.paired and not within(self.width / 2, self.at):
             raise ParameterError(
                 "at",
                 f"{self.at:g} mm: the pair of lugs at +-{self.at:g} mm overlaps itself; "

@@ -16,6 +16,7 @@ from geometry.parameters import (
     check_above,
     check_at_least,
     check_below,
+    within,
 )
 from geometry.parts._plates import bore_at, drill, stadium
 from geometry.sections import Section
@@ -99,7 +100,7 @@ class SlottedLever:
                 f"{self.boss_diameter:g} mm with its fillet reaches beyond the plate; it must be "
                 f"below {2 * (min(self.width / 2, self._beyond) - self.boss_fillet):g} mm",
             )
-        if not self.length - foot >= flank_end:
+        if not within(flank_end, self.length - foot):
             raise ParameterError(
                 "boss_diameter",
                 f"{self.boss_diameter:g} mm with its fillet stands on the slot's straight flanks; "
@@ -112,13 +113,13 @@ class SlottedLever:
         half = self._patch
         first, last = self._flank
         nearest, farthest = self._travel
-        if not nearest >= first + half:
+        if not within(first + half, nearest):
             raise ParameterError(
                 "travel_from",
                 f"{nearest:g} mm: the contact runs into the slot's round end; it must be at least "
                 f"{first + half:g} mm",
             )
-        if not farthest <= last - half:
+        if not within(farthest, last - half):
             raise ParameterError(
                 "travel_to",
                 f"{farthest:g} mm: the contact runs into the slot's round end; it must be at most "

@@ -14,7 +14,8 @@ from geometry.meshing import Body, Region
 from geometry.parameters import ParameterError, check_above
 from geometry.round_faces import Hole
 from geometry.sections import Section
-from geometry.step_file import StepSolid, file_hash, import_solid, survey_step
+from geometry.step_file import StepSolid, file_hash, import_solid
+from geometry.step_survey import surveyed
 
 _PARALLEL = radians(0.1)
 _BORE_ELEMENTS = 9.0  # elements along the radius of a named hole, as in the parametric parts
@@ -94,7 +95,7 @@ class StepPart:
     @cached_property
     def solid(self) -> StepSolid:
         """What the file holds, in its own frame."""
-        return survey_step(self.path)
+        return surveyed(self.path, self.sha256)
 
     @cached_property
     def found(self) -> Mapping[str, Hole]:

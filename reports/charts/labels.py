@@ -117,7 +117,27 @@ def _along(line: FloatArray, n: int) -> FloatArray:
 
 def cut(line: FloatArray, width: float, height: float) -> Sequence[FloatArray]:
     """The piece of a polyline that is inside the space, as dense points."""
-    points = dense(line)
-    inside = (points[:, 0] >= 0) & (points[:, 0] <= width)
-    inside &= (points[:, 1] >= 0) & (points[:, 1] <= height)
+    size = np.array([width, height])
+    if (line < -size).any() or (line > 2 * size).any():  # it may go on for miles
+        pieces = [dense(piece) for piece in _clipped(line, -size, 2 * size)]
+        points = np.concatenate([np.zeros((0, 2)), *pieces])
+    else:
+        points = dense(line)
+    inside = (points >= 0).all(axis=1) & (points <= size).all(axis=1)
     return [points[inside]] if inside.any() else []
+
+
+def _clipped(line: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
+    """Both ends (k, 2, 2) of what is within a frame of each piece of a polyline.
+
+    By Liang and Barsky: a piece enters with its last entry between the sides, and leaves with its
+    first exit.
+    """
+    start, step = line[:-1], np.diff(line, axis=0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        sides = np.stack([(low - start) / step, (high - start) / step])
+    enter = np.fmin(*sides).max(axis=1, initial=0.0)[:, None]
+    leave = np.fmax(*sides).min(axis=1, initial=1.0)[:, None]
+    met = (enter <= leave)[:, 0]
+    start, step, enter, leave = start[met], step[met], enter[met], leave[met]
+    return np.stack([start + enter * step, start + leave * step], axis=1)

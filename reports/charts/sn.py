@@ -1,6 +1,7 @@
 """The S-N line of a part's critical point, and the cycles of its duty beside it."""
 
 from collections.abc import Mapping
+from math import inf, isfinite
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,7 @@ def sn_chart(part: PartResult, result: DesignResult) -> Chart | Missing:
     if not data:
         return Missing("sn", _TITLE, "no cycle of the duty loads this part")
     check = next((c for c in part.checks if c.kind == "fatigue"), None)
+    data = _with_infinite(data)
     cycles = np.array([numbers(row) for row in data["cycles"]]).reshape(-1, 4)
     haigh = part.charts.get("haigh") or part.charts.get("fkm") or {}
     series = [Series(f"fully reversed amplitude of {SWING}", "MPa", decimals=1)]
@@ -45,6 +47,19 @@ def sn_chart(part: PartResult, result: DesignResult) -> Chart | Missing:
     columns, rows = _table(data, cycles)
     caption = _caption(data, cycles, check)
     return Chart("sn", _TITLE, caption, svg, columns, rows, series if paths else ())
+
+
+def _with_infinite(data: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The data with infinite damages for those that plain data cannot hold."""
+    if not data.get("state"):
+        return data
+    cycles = [[n, size, _or_infinite(harm), up] for n, size, harm, up in data["cycles"]]
+    damages = {name: _or_infinite(data[name]) for name in ("damage", "left_damage")}
+    return {**data, "cycles": cycles, **damages}
+
+
+def _or_infinite(damage: float | None) -> float:
+    return inf if damage is None else damage
 
 
 def _paths(
@@ -152,7 +167,8 @@ def _duty(plane: Plane, data: Mapping[str, Any], cycles: FloatArray) -> None:
     low, high = plane.axes.get_ylim()
     shown = cycles[(cycles[:, 1] >= low) & (cycles[:, 1] <= high)]
     damage = float(data["damage"] or 0.0)
-    bad = shown[:, 2] > max(_MARKED * damage, 0.0) if damage else np.zeros(len(shown), dtype=bool)
+    most = _MARKED * damage if isfinite(damage) else np.finfo(float).max
+    bad = shown[:, 2] > most if damage else np.zeros(len(shown), dtype=bool)
     for points, tint, mark in ((shown[~bad], SERIES[4], "o"), (shown[bad], SERIES[1], "D")):
         for n, amplitude, _, raised in points:
             top = min(raised, high) if np.isfinite(raised) else high
@@ -189,6 +205,8 @@ def _name_worst(plane: Plane, data: Mapping[str, Any], cycles: FloatArray, *, be
 
 def _damage(value: float) -> str:
     """A damage; what no duty could sum up to anything is not written with all its zeros."""
+    if not isfinite(value):
+        return "beyond the curve"
     return number(value) if value >= _NOTHING or not value else "below 10⁻⁹"
 
 
@@ -216,6 +234,8 @@ def _caption(data: Mapping[str, Any], cycles: FloatArray, check: Check | None) -
     elif data["damage"] is None:
         told.append("The guideline's line of the component; each point is the largest swing of a "
                     "cycle of the duty.")  # fmt: skip
+    elif not isfinite(data["damage"]):
+        told.append("A cycle of the life is beyond the curve: it reaches the ultimate strength.")
     elif data["damage"]:
         allowed = number(data["allowed"])
         told.append(f"Miner's sum of the life is {_damage(data['damage'])}, allowed {allowed}.")

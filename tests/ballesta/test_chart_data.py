@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fatigue
-from ballesta import chart_data_fatigue, chart_data_meshes
+from ballesta import chart_data_fatigue, chart_data_meshes, run
 from ballesta.check import check_design, check_file
 from ballesta.effort import Effort
 from reports.charts.haigh import utilisation
@@ -271,3 +271,29 @@ def test_without_a_line_the_reason_stands_and_the_cycles_are_listed(tmp_path, mo
     assert (sn["why"], sn["line"], sn["damage"]) == (why, [], None)
     known = light.parts[0].charts["sn"]["cycles"]
     assert_allclose(np.array(sn["cycles"], dtype=float), np.array(known, dtype=float))
+
+
+def test_a_cycle_that_reaches_the_ultimate_strength_is_beyond_the_curve(tmp_path):
+    """No finite number of such cycles does the damage, and no number stands for it."""
+    changes = ('cycles.turn.phases[0].forces.push="1e9 N"', 'duty.life="finite"')
+    charts = result_of(tmp_path, *changes).parts[0].charts
+    sn = json.loads(json.dumps(charts["sn"], allow_nan=False))
+    assert (sn["state"], sn["damage"]) == ("beyond the curve", None)
+    assert None in [harm for _, _, harm, _ in sn["cycles"]]
+
+
+def test_the_list_of_results_on_standard_output_is_json_whatever_the_load(
+    tmp_path, capsys, monkeypatch
+):
+    """Infinities of charts and facts are null there, as in result.json."""
+    written = []
+    monkeypatch.setattr(run, "write_folder", lambda *given: written.append(given) or {})
+    file = tmp_path / "machine.toml"
+    file.write_text(MACHINE + PLATE, encoding="utf-8")
+    push = ['cycles.turn.phases[0].forces.push="-1e12 N"']
+    code = run.check_all(
+        [file], out=tmp_path / "out", as_json=True, overrides=push, fidelity="formula"
+    )
+    assert (code, len(written)) == (1, 1)
+    (result,) = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
+    assert result["parts"][0]["charts"]["sn"]["state"] == "beyond the curve"

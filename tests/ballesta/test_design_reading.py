@@ -16,6 +16,8 @@ from ballesta.overrides import parse_override
 from ballesta.templates import new_design, templates
 from ballesta.units import KNOWN_UNITS, measure, measure_pair, pint_unit
 
+from .small_machine import PLATE, machine
+
 DESIGNS = Path(__file__).parents[2] / "designs"
 PRESS = DESIGNS / "toggle_press.toml"
 ALL = sorted(DESIGNS.glob("*.toml"))
@@ -155,3 +157,9 @@ def test_the_units_of_most_designs_are_those_that_pint_knows(name):
 def test_units_beside_the_table_are_read_by_pint():
     assert measure("1 psi", "stress").value == pytest.approx(6.894757293168e-3, rel=1e-12)
     assert measure("2 lbf", "force").value == pytest.approx(2 * 4.4482216152605, rel=1e-12)
+
+
+def test_an_offset_that_no_file_states_may_be_set(tmp_path):
+    """Of a part that states none at all: the table is begun."""
+    design = machine(tmp_path, PLATE, "parts.rod.offsets.second=-4.3 mm")
+    assert design.parts["rod"].offsets["second"] == pytest.approx(-4.3)

@@ -372,3 +372,15 @@ def test_as_json_the_check_has_its_derivation(result, capsys):
 def test_the_command_line_has_it(result, capsys):
     assert main(["why", str(result), "rod", "static"]) == 0
     assert capsys.readouterr().out.startswith("rod static")
+
+
+def test_a_result_of_another_format_is_not_told(result, tmp_path):
+    """Another number behind the name may mean other numbers inside."""
+    data = json.loads(result.read_text())
+    path = tmp_path / "result.json"
+    for wrong in ("ballesta-result/2", "ballesta-result/1x", "ballesta-result/"):
+        path.write_text(json.dumps({**data, "format": wrong}))
+        with pytest.raises(DesignError, match=r"is no result of this version \(format"):
+            checks_behind(path)
+    path.write_text(json.dumps(data))
+    assert checks_behind(path)

@@ -2,6 +2,7 @@
 
 import json
 import os
+import pickle
 import sys
 from importlib import import_module
 from importlib.util import find_spec
@@ -11,9 +12,11 @@ import pytest
 
 from ballesta.batch import cluster as cluster_module
 from ballesta.batch.cluster import scheduler_of
+from ballesta.batch.cluster_reply import Reply, Unread, from_text, nothing_unpickled, to_text
 from ballesta.batch.cluster_worker import Site, refusal, versions
 from ballesta.batch.executor import Settings
 from ballesta.batch.plan import Request, planned
+from ballesta.batch.pool import Finished, PoolError
 from ballesta.batch.run import run_batch
 from ballesta.batch_command import Wanted, run_batch_command
 from ballesta.errors import DesignError, NumericsError
@@ -304,3 +307,93 @@ def test_the_number_of_jobs_is_for_the_cluster_to_say(tmp_path, capsys):
     code, told = command(tmp_path, capsys, executor="dask://10.0.0.5:8786", jobs=4)
     assert code == 2
     assert "--jobs: is for --executor local" in told
+
+
+FORGED = '''
+import os, sys
+
+class Command:
+    """A command that runs where it is unpickled."""
+    def __init__(self, file):
+        self.file = file
+    def __reduce__(self):
+        return os.system, (f"echo $PPID >> {self.file}",)
+
+class Failure(Exception):
+    def __reduce__(self):
+        return os.system, (f"echo $PPID >> {self.args[0]}",)
+
+def reply(index, job, site):
+    return Command(site.folder + "/ran")
+
+def fail(index, job, site):
+    raise Failure(site.folder + "/ran")
+
+def warn(index, job, site):
+    import pickle
+    from distributed import get_worker
+    evil = pickle.dumps(Command(site.folder + "/ran"))
+    get_worker().log_event("warn", {"category": evil, "message": evil})
+    return Command(site.folder + "/ran")
+
+def text(index, job, site):
+    ended = '{"index": 7, "outcome": {}, "seconds": 0.0, "peak": 0, "attempts": 1}'
+    return '{"worker": "w", "finished": ' + ended + '}'
+
+def number(index, job, site):
+    return 7
+'''
+
+
+@installed
+@pytest.mark.parametrize("how", ["reply", "fail", "warn", "text", "number"])
+def test_a_forged_reply_runs_nothing_where_the_batch_was_started(
+    tmp_path, machines, monkeypatch, how
+):
+    """The first three run a command wherever they are unpickled, also on worker and scheduler."""
+    (machines.folder / "forged_there.py").write_text(FORGED)
+    monkeypatch.syspath_prepend(machines.folder)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(cluster_module, "run_there", getattr(import_module("forged_there"), how))
+    with pytest.raises(DesignError, match=r"does not run on the cluster|repl(y|ied)"):
+        fates(tmp_path, machines, {"a": "one"})
+    ran = tmp_path / "ran"
+    assert str(os.getpid()) not in (ran.read_text().split() if ran.exists() else [])
+
+
+def test_a_reply_is_plain_text_of_a_fixed_form():
+    finished = Finished(3, {"status": "pass"}, 0.5, 10, 1, said=["meshing"])
+    reply = Reply("tcp://w:1", "", finished, {"a": None, "b": "digest"})
+    assert from_text(to_text(reply)) == reply
+    for wrong in ('{"worker": 1}', '{"worker": "w", "more": 1}', "[]", "{", '{"worker": NaN}'):
+        with pytest.raises(ValueError, match=r"\S"):
+            from_text(wrong)
+
+
+def test_dask_may_unpickle_nothing_that_names_code():
+    """Whatever a pickle names becomes `Unread`; dask's own texts and errors are read."""
+    with nothing_unpickled():
+        from distributed.protocol import pickle as protocol
+
+        loads = protocol.loads
+        assert isinstance(loads(pickle.dumps(os.system)), type)
+        assert loads(pickle.dumps({"a": (1, "b", None, {2})})) == {"a": (1, "b", None, {2})}
+        assert isinstance(loads(pickle.dumps(ModuleNotFoundError("x"))), ModuleNotFoundError)
+        assert isinstance(loads(pickle.dumps(PoolError("x"))), PoolError)
+        assert isinstance(loads(pickle.dumps(Path("x"))), Unread)
+        assert loads(pickle.dumps(eval)) is Unread
+    assert protocol.pickle is pickle
+
+
+@installed
+def test_certificates_are_taken_from_a_folder(tmp_path, capsys):
+    assert scheduler_of("tls://10.0.0.5:8786") == "tls://10.0.0.5:8786"
+    code, told = command(tmp_path, capsys, executor="tls://10.0.0.5:8786", tls=tmp_path)
+    assert (code, "--tls: needs ca.pem, cert.pem and key.pem" in told) == (2, True)
+    code, told = command(tmp_path, capsys, executor="dask://10.0.0.5:8786", tls=tmp_path)
+    assert (code, "--tls: is for --executor tls://HOST:PORT" in told) == (2, True)
+    for name in ("ca", "cert", "key"):
+        (tmp_path / f"{name}.pem").write_text("")
+    security = cluster_module.security_of(tmp_path)
+    assert security.require_encryption
+    assert security.tls_ca_file == str(tmp_path / "ca.pem")

@@ -243,3 +243,14 @@ def test_the_journal_holds_no_timings_among_what_is_compared(tmp_path):
     entry = json.loads(line)["entry"]
     assert set(entry["timings"]) == {"seconds", "peak_memory_bytes", "attempts"}
     assert not set(entry["timings"]) & set(entry["outcome"])
+
+
+def test_the_journal_names_files_from_the_batchs_folder(tmp_path):
+    """No path of the machine or its user stands in it, and a finished job is found all the same."""
+    batch(tmp_path, TEXTS)
+    written = (tmp_path / "out" / "journal.jsonl").read_text()
+    sources = [json.loads(line)["entry"]["sources"] for line in written.splitlines()]
+    assert any(sources)
+    assert all(not os.path.isabs(file) for one in sources for file in one)
+    assert str(tmp_path) not in "".join(json.dumps(one) for one in sources)
+    assert batch(tmp_path, TEXTS)[1].done_before > 0

@@ -120,6 +120,14 @@ def test_by_fkm_a_position_s_reversed_amplitude_is_its_use_of_the_limit():
         ({"endless": False}, "infinite life"),
         ({"cycles": [[1e7, 1.0, 0.0, 1.3]]}, "too small for the chart"),
         ({"cycles": [[1e7, 300.0, 0.0, None]]}, "infinite life"),
+        (
+            {
+                "damage": None,
+                "state": "beyond the curve",
+                "cycles": [[1e7, None, None, None], [1e5, 200.0, 0.4, 270.0]],
+            },
+            "beyond the curve",
+        ),
     ],
 )
 def test_other_duties_are_drawn_and_told(changes, told):

@@ -1,0 +1,225 @@
+"""Mutated designs, seeded: every one must end with an exit code of the contract, in time, as JSON.
+
+python -m bench.fuzz [--mutants 10000] [--seconds 3600] [--seed 1] [--workers 4]
+
+Writes bench/fuzz.json: how many ended how, and every finding with the text that leads to it. One in
+a hundred climbs as far as it needs (auto), one in ten writes its page, the others are formulas.
+"""
+
+import argparse
+import json
+import random
+import re
+import sys
+import tempfile
+import warnings
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+from ballesta.batch.memory import Admission
+from ballesta.batch.pool import Limits, Pool
+
+ROOT = Path(__file__).parent.parent
+SECONDS, MEMORY = 120.0, 4 * 2**30  # that a mutant may take
+_DESIGNS = ("toggle_press", "slider_crank", "quick_return", "spring_hammer", "toggle_press_30x30",
+            "toggle_press_friction")  # fmt: skip
+_FACTORS = ("0", "-1", "1e-12", "1e-3", "0.5", "0.9", "0.999999", "1.000001", "1.1", "2", "10",
+            "1e3", "1e6", "1e12", "1e30", "1e300")  # fmt: skip
+_UNITS = (
+    "mm",
+    "m",
+    "inch",
+    "N",
+    "kN",
+    "MPa",
+    "deg",
+    "rad",
+    "kg",
+    "s",
+    "rad/s",
+    "m/s",
+    "%",
+    "",
+    "x",
+)
+_NASTY = ("inf", "nan", "-0.0", '""', "[]", "{}", "true", "9" * 400, '"' + "x" * 5000 + '"', '"1"',
+          '"1e308 m"', '"\\u0000"', "[[1]]", "1979-05-27")  # fmt: skip
+_NUMBER = re.compile(r"-?\d+\.?\d*(?:e-?\d+)?")
+_UNIT = re.compile(r'(?<=\d )[A-Za-z/%0-9]+(?=")')
+
+
+def mutant(seed: int, number: int) -> tuple[str, str]:
+    """Name of the design and text of one mutant, the same whenever it is asked for."""
+    chance = random.Random(f"{seed}/{number}")
+    name = chance.choice(_DESIGNS)
+    text = (ROOT / "designs" / f"{name}.toml").read_text(encoding="utf-8")
+    for _ in range(chance.choice((1, 1, 1, 2, 3))):
+        text = chance.choices(
+            (_scaled, _other_unit, _nasty, _without, _twice, _swapped, _damaged, _cut),
+            (12, 3, 3, 3, 2, 2, 1, 1),
+        )[0](chance, text)
+    return name, text
+
+
+def _scaled(chance: random.Random, text: str) -> str:
+    found = list(_NUMBER.finditer(text))
+    if not found:
+        return text
+    one = chance.choice(found)
+    value = float(one[0]) * float(chance.choice(_FACTORS))
+    return f"{text[: one.start()]}{value!r}{text[one.end() :]}"
+
+
+def _other_unit(chance: random.Random, text: str) -> str:
+    found = list(_UNIT.finditer(text))
+    if not found:
+        return text
+    one = chance.choice(found)
+    return f"{text[: one.start()]}{chance.choice(_UNITS)}{text[one.end() :]}"
+
+
+def _nasty(chance: random.Random, text: str) -> str:
+    found = list(re.finditer(r"(?<== )\S.*$", text, re.MULTILINE))
+    if not found:
+        return text
+    one = chance.choice(found)
+    return f"{text[: one.start()]}{chance.choice(_NASTY)}{text[one.end() :]}"
+
+
+def _without(chance: random.Random, text: str) -> str:
+    lines = text.splitlines()
+    del lines[chance.randrange(len(lines))]
+    return "\n".join(lines) + "\n"
+
+
+def _twice(chance: random.Random, text: str) -> str:
+    lines = text.splitlines()
+    lines.insert(chance.randrange(len(lines)), chance.choice(lines))
+    return "\n".join(lines) + "\n"
+
+
+def _swapped(chance: random.Random, text: str) -> str:
+    lines = text.splitlines()
+    one, other = chance.randrange(len(lines)), chance.randrange(len(lines))
+    lines[one], lines[other] = lines[other], lines[one]
+    return "\n".join(lines) + "\n"
+
+
+def _damaged(chance: random.Random, text: str) -> str:
+    data = bytearray(text.encode())
+    data[chance.randrange(len(data))] ^= 1 << chance.randrange(8)
+    return data.decode("latin-1")
+
+
+def _cut(chance: random.Random, text: str) -> str:
+    return text[: chance.randrange(1, len(text))]
+
+
+def run_one(job: Mapping[str, Any]) -> dict[str, Any]:
+    """Check one mutant in this process: its exit code, and whatever was warned of."""
+    from ballesta.check import check_file
+    from ballesta.effort import Effort
+    from ballesta.errors import DesignError, NumericsError
+    from reports.files import plain
+    from reports.page import write_report
+    from reports.pictures import Pictures
+    from reports.terminal import verdict_text
+
+    file = Path(job["file"])
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        try:
+            result = check_file(file, effort=Effort(job["fidelity"]))
+            json.dumps(plain(result.to_dict()), allow_nan=False)
+            verdict_text(result, None)
+            if job["page"]:
+                write_report(result, Pictures(), file.with_suffix(".html"))
+            code = result.exit_code
+        except DesignError as error:
+            code = 2 if len(str(error)) < 300_000 else -1
+        except NumericsError:
+            code = 3
+    return {"code": code, "warned": sorted({str(one.message)[:200] for one in caught})}
+
+
+@dataclass
+class Found:
+    """What came of some mutants: how many ended how, and what must not be."""
+
+    counts: Counter[str] = field(default_factory=Counter)
+    findings: list[dict[str, Any]] = field(default_factory=list)
+
+
+def fuzz(numbers: Sequence[int], seed: int, workers: int, seconds: float = float("inf")) -> Found:
+    """Run mutants side by side, until time is up."""
+    found, until = Found(), monotonic() + seconds
+    with tempfile.TemporaryDirectory() as folder:
+        place = Path(folder)
+        jobs = dict(_jobs(numbers, seed, place))
+        admission = Admission(workers * MEMORY, MEMORY)
+        limits = Limits(SECONDS, MEMORY, MEMORY)
+        with Pool("bench.fuzz:run_one", workers, limits, admission, place / "work", ROOT) as pool:
+            for ended in pool.results(list(jobs.items())):
+                for one in ended:
+                    outcome = one.outcome or {}
+                    told = f"exit code {outcome['code']}" if outcome else one.status
+                    found.counts[told] += 1
+                    if outcome.get("code") in (0, 1, 2, 3) and not outcome["warned"]:
+                        continue
+                    name, text = mutant(seed, one.index)
+                    found.findings.append({
+                        "mutant": one.index, "design": name,
+                        "fidelity": jobs[one.index]["fidelity"],
+                        "ended": told, "error": one.error, "warned": outcome.get("warned", []),
+                        "changed": _changed(name, text),
+                    })  # fmt: skip
+                if monotonic() > until:
+                    break
+    return found
+
+
+def _jobs(numbers: Sequence[int], seed: int, place: Path) -> Iterator[tuple[int, dict[str, Any]]]:
+    for number in numbers:
+        file = place / f"mutant_{number}.toml"
+        name, text = mutant(seed, number)
+        file.write_text(text, encoding="utf-8")
+        if not (place / f"{name}.toml").exists():  # for those that are like another file
+            for design in (ROOT / "designs").glob("*.toml"):
+                (place / design.name).write_text(design.read_text(encoding="utf-8"), "utf-8")
+        chance = random.Random(f"{seed}/{number}/how")
+        fidelity = "auto" if chance.random() < 0.01 else "formula"
+        yield number, {"file": str(file), "fidelity": fidelity, "page": chance.random() < 0.1}
+
+
+def _changed(name: str, text: str) -> list[str]:
+    kept = set((ROOT / "designs" / f"{name}.toml").read_text(encoding="utf-8").splitlines())
+    return [line[:300] for line in text.splitlines() if line not in kept][:10]
+
+
+def main() -> int:
+    """Run the mutants that are asked for and record what came of them."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--mutants", type=int, default=10_000)
+    parser.add_argument("--seconds", type=float, default=3600.0)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--workers", type=int, default=4)
+    parser.add_argument("--out", type=Path, default=ROOT / "bench" / "fuzz.json")
+    wanted = parser.parse_args()
+    begun = monotonic()
+    found = fuzz(range(wanted.mutants), wanted.seed, wanted.workers, wanted.seconds)
+    record = {
+        "seed": wanted.seed, "asked": wanted.mutants, "ran": sum(found.counts.values()),
+        "seconds": round(monotonic() - begun), "ended": dict(sorted(found.counts.items())),
+        "findings": found.findings,
+    }  # fmt: skip
+    wanted.out.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
+    print(json.dumps({**record, "findings": len(found.findings)}))
+    return 1 if found.findings else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
