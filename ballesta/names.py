@@ -3,8 +3,6 @@
 import difflib
 from collections.abc import Iterable
 
-from reports.words import brief
-
 _LONGEST = 200  # characters of a name that are told or compared
 
 LINKAGE = "linkage"  # what stands for a part in the checks of the whole
@@ -21,6 +19,8 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
 
 def listed(names: Iterable[str]) -> str:
     """Return the names for a sentence, `none` when there are none."""
+    from reports.words import brief  # the pytest plugin loads none of our packages
+
     return ", ".join(brief(name, _LONGEST) for name in names) or "none"
 
 
@@ -30,6 +30,8 @@ def no_such(kind: str, name: str, known: Iterable[str]) -> str:
     >>> no_such("material", "S335", ["S275", "S355"])
     "no material is named 'S335', did you mean S355? There are S275, S355"
     """
+    from reports.words import brief
+
     known = list(known)
     guess = nearest(name, known)
     there_is = f"here are {listed(known)}" if known else "here is none"

@@ -19,6 +19,7 @@ from fem.threads import ONE_THREAD
 
 os.environ.update(ONE_THREAD)  # before any test loads a library that has threads of its own
 ROOT = Path(__file__).parent.parent
+collect_ignore = ["windows/sitecustomize.py"]  # imported it blocks modules, as is its purpose
 AS_A_USER = {"COLUMNS": "120", "PYTHONPATH": str(ROOT)}
 
 

@@ -16,6 +16,7 @@ HIDDEN = {"CHOLMOD": (), "PARDISO": ("sksparse",), "SuperLU": ("sksparse", "pypa
 ROD = ["accuracy=30 %", "parts.rod.mesh.fineness=0.4"]
 SAME, SAME_MODE = 1e-9, 1e-6  # relative: stresses and forces; eigenvalues and what follows of them
 ROUND_OFF = 1e-12  # of the largest number of its kind
+pytestmark = pytest.mark.usefixtures("unshared")  # what one solver found is no other's
 
 
 def checked(name, check):
@@ -29,7 +30,7 @@ def checked(name, check):
 
 
 @pytest.fixture(scope="module")
-def rods(tmp_path_factory):
+def rods(unshared, tmp_path_factory):
     """The rod as a solid, with its buckling and vibration, by each solver."""
     folder = tmp_path_factory.mktemp("rod")
     design = machine(folder, PLATE, *ROD)

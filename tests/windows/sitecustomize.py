@@ -8,6 +8,7 @@ libraries are built for each system, and the ones here are for this one.
 """
 
 import builtins
+import multiprocessing.connection
 import os
 import sys
 import types
@@ -67,15 +68,29 @@ def _subprocess():
     import subprocess
 
     class Popen(subprocess.Popen):
-        """Without sessions, which Windows passes over, and groups, which it refuses."""
+        """Without sessions, which Windows passes over, and what it refuses; handles are files."""
 
         def __init__(self, *args, start_new_session=False, **options):
-            if options.get("preexec_fn") or options.get("process_group"):
-                raise ValueError("Windows has no preexec_fn and no process_group")
-            super().__init__(*args, **options)
+            refused = {"preexec_fn", "process_group", "pass_fds"} & set(options)
+            if refused:
+                raise ValueError(f"Windows has no {', '.join(refused)}")
+            options.pop("creationflags", 0)
+            started = options.pop("startupinfo", None)
+            handles = [] if started is None else started.lpAttributeList["handle_list"]
+            super().__init__(*args, pass_fds=handles, **options)
+
+    class STARTUPINFO:
+        """What a process inherits."""
+
+        def __init__(self, *, lpAttributeList):
+            self.lpAttributeList = lpAttributeList
 
     return Windows(
-        subprocess, Popen=Popen, CREATE_NEW_PROCESS_GROUP=0x200, CREATE_NO_WINDOW=1 << 27
+        subprocess,
+        Popen=Popen,
+        STARTUPINFO=STARTUPINFO,
+        CREATE_NEW_PROCESS_GROUP=0x200,
+        CREATE_NO_WINDOW=1 << 27,
     )
 
 
@@ -90,7 +105,7 @@ def _selectors():
 
 MADE = {
     "sys": lambda: Windows(sys, platform="win32"),
-    "os": lambda: Windows(os, OF_OS.split(), name="nt"),
+    "os": lambda: Windows(os, OF_OS.split(), name="nt", set_handle_inheritable=os.set_inheritable),
     "signal": lambda: Windows(__import__("signal"), OF_SIGNAL.split()),
     "ctypes": _ctypes,
     "subprocess": _subprocess,
@@ -124,6 +139,7 @@ def _is_ours(globals):
     return str(name).partition(".")[0] in OURS
 
 
+multiprocessing.connection.PipeConnection = multiprocessing.connection.Connection
 for blocked in POSIX_ONLY:
     sys.modules[blocked] = None
 builtins.__import__ = import_as_on_windows
