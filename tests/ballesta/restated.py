@@ -49,7 +49,12 @@ def stated(machine, cycles, positions=73):
     data["cycles"] = {name: data["cycles"][name] | {"positions": positions} for name in cycles}
     data["duty"]["cycles"] = dict.fromkeys(cycles, 1e7)
     data.pop("assumed", None)
-    return {"gravity": "0, -9.81 m/s2"} | data  # stated, so that it can be changed
+    parts = {
+        name: {"overhang": "5 mm"} | part if part.get("shape") == "pin" else part
+        for name, part in data["parts"].items()
+    }
+    # defaults are stated, so that they can be changed
+    return {"gravity": "0, -9.81 m/s2"} | data | {"parts": parts}
 
 
 def checked(folder, data, fidelity="formula"):
