@@ -1,5 +1,6 @@
 """The live view as a section of the page: its markup, its data blocks and its style."""
 
+import json
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -179,10 +180,8 @@ def _curve(part: PartResult, cycle: Mapping[str, Any]) -> dict[str, Any] | None:
 @cache
 def table_text(name: str) -> str:
     """Colour map of matplotlib as base64 of 256 times red, green, blue."""
-    from matplotlib import colormaps
-
-    colours = colormaps[name](np.linspace(0.0, 1.0, 256))[:, :3]
-    return b64encode(np.rint(255 * colours).astype(np.uint8).tobytes()).decode()
+    text = files("reports.live").joinpath("colour_maps.json").read_text(encoding="utf-8")
+    return str(json.loads(text)[name])
 
 
 def _part(

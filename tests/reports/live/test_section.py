@@ -11,6 +11,7 @@ from importlib.resources import files
 import numpy as np
 import pytest
 from markupsafe import Markup
+from matplotlib import colormaps
 
 from reports.live.linkage import motion_text
 from reports.live.payload import live_payload
@@ -189,6 +190,13 @@ def test_colour_maps_are_tables_and_the_safe_ones_grow_lighter():
         if name in ("viridis", "cividis"):
             linear = np.where(table <= 0.04045, table / 12.92, ((table + 0.055) / 1.055) ** 2.4)
             assert (np.diff((linear @ [0.2126, 0.7152, 0.0722])[::8]) > 0).all()
+
+
+def test_colour_maps_are_those_of_matplotlib():
+    for name, _ in MAPS.values():
+        colours = colormaps[name](np.linspace(0.0, 1.0, 256))[:, :3]
+        table = np.frombuffer(b64decode(table_text(name)), np.uint8).reshape(256, 3)
+        assert (table == np.rint(255 * colours)).all()
 
 
 def test_the_scripts_are_there_and_name_every_field():
