@@ -1,15 +1,22 @@
 """What every page is made with: the templates, and how they write what they are given."""
 
 import json
+import sys
 from base64 import b64encode
 from collections.abc import Mapping
+from contextlib import suppress
 from hashlib import sha256
+from importlib.metadata import version
+from importlib.util import cache_from_source
 from numbers import Integral
+from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import BytecodeCache, Environment, FileSystemLoader, StrictUndefined
+from jinja2.bccache import Bucket
 from markupsafe import Markup
 
+from reports.files import replacing
 from reports.words import (
     brief,
     clean,
@@ -25,6 +32,8 @@ from reports.words import (
     value_and_bars,
     where,
 )
+
+_TEMPLATES = Path(__file__).with_name("templates")
 
 
 def value_text(value: Any) -> str:
@@ -58,10 +67,38 @@ def json_markup(data: Any) -> Markup:
     return Markup(text)
 
 
+class _Compiled(BytecodeCache):
+    """Keeps compiled templates beside themselves, as Python keeps its modules; if it may write."""
+
+    def get_source_checksum(self, source: str) -> str:
+        """Of the text and of the version of what compiles it."""
+        return super().get_source_checksum(f"{version('jinja2')}\n{source}")
+
+    def load_bytecode(self, bucket: Bucket) -> None:
+        """Take what was compiled of the same text; nothing where there is none."""
+        with suppress(OSError), self._file(bucket).open("rb") as stream:
+            bucket.load_bytecode(stream)
+
+    def dump_bytecode(self, bucket: Bucket) -> None:
+        """Keep what was compiled, if Python keeps its own."""
+        if sys.dont_write_bytecode:
+            return
+        file = self._file(bucket)
+        with suppress(OSError):
+            file.parent.mkdir(exist_ok=True)
+            with replacing(file) as temporary, temporary.open("wb") as stream:
+                bucket.write_bytecode(stream)
+
+    def _file(self, bucket: Bucket) -> Path:
+        """One for each template and each set of what it is compiled with."""
+        return Path(cache_from_source(str(_TEMPLATES / f"{bucket.key}.py")))
+
+
 def environment() -> Environment:
     """Return a new environment that finds the templates and escapes what they are given."""
     result = Environment(
-        loader=PackageLoader("reports"),
+        loader=FileSystemLoader(_TEMPLATES),
+        bytecode_cache=_Compiled(),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
