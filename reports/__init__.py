@@ -1,19 +1,23 @@
 """What we tell people: the verdict as text, as a page with charts and pictures, and as files."""
 
-from reports.charts import cycle_charts, part_charts
-from reports.files import read_json, replacing, write_json, write_vtu
-from reports.page import report_html, write_report
-from reports.pictures import Pictures, render_stills
-from reports.terminal import verdict_renderable, verdict_text
-from reports.verdict import (
-    Check,
-    DesignResult,
-    Gate,
-    HandCheck,
-    PartResult,
-    Status,
-    Surface,
-)
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from reports.charts import cycle_charts, part_charts
+    from reports.files import read_json, replacing, write_json, write_vtu
+    from reports.page import report_html, write_report
+    from reports.pictures import Pictures, render_stills
+    from reports.terminal import verdict_renderable, verdict_text
+    from reports.verdict import (
+        Check,
+        DesignResult,
+        Gate,
+        HandCheck,
+        PartResult,
+        Status,
+        Surface,
+    )
 
 __all__ = [
     "Check",
@@ -36,3 +40,15 @@ __all__ = [
     "write_report",
     "write_vtu",
 ]
+
+_MODULES = ("verdict", "files", "terminal", "charts", "pictures", "page")  # the quickest first
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name when it is first used: who tells of an error needs no page."""
+    if name in __all__:
+        for module in _MODULES:
+            found = import_module(f"reports.{module}")
+            if hasattr(found, name):
+                return getattr(found, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
