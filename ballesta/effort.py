@@ -24,6 +24,11 @@ class Effort:
     fields: bool = False
 
     @property
+    def shows_stress(self) -> bool:
+        """Whether fields of stress are likely: closed formulas and beams have none."""
+        return self.fields or self.fidelity not in ("formula", "beam")
+
+    @property
     def options(self) -> list[str]:
         """The options of the command line that ask for it."""
         found = [] if self.fidelity == AUTO else [f"--fidelity {self.fidelity}"]

@@ -201,17 +201,19 @@ def check_to_folder(
                 _write_baseline(result, say)
         return result
 
-    from ballesta.check import check_design
     from ballesta.design import read_design
-    from ballesta.store.results import keep_result
-    from reports.live.payload import with_encoded_fields
 
     start = perf_counter()
     design = read_design(path, overrides)
     reading = perf_counter() - start
     with _told_of_folder(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    prepare_drawing()
+    prepare_drawing(stress=effort.shows_stress)
+
+    from ballesta.check import check_design
+    from ballesta.store.results import keep_result
+    from reports.live.payload import with_encoded_fields
+
     with progress(path) as say:
         shown = check_design(
             design,

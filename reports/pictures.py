@@ -44,12 +44,16 @@ class Pictures:
     charts: DesignCharts | None = None
 
 
-def prepare_drawing(worker: Sequence[str] = _WORKER) -> None:
+def prepare_drawing(worker: Sequence[str] = _WORKER, *, stress: bool = True) -> None:
     """Start the process that draws, so that it loads its libraries beside other work.
+
+    stress  whether stills of stress are likely, which need graphics libraries
 
     It draws for every design that this process checks, and ends with it.
     """
-    _standing(worker)
+    process = _standing(worker)
+    if stress:
+        process.prepare()
 
 
 @contextmanager

@@ -1,5 +1,7 @@
 """Draws for `reports.pictures`: folders come in as lines, and go out when all in them is drawn.
 
+An empty line has it load the graphics libraries, which it else does when a still first needs them.
+
 A folder holds jobs.json (field, views) and part_<i>.npz (nodes, triangles, values, peak), and
 receives part_<i>_<view>.png: "peak" from near, any other view of the whole surface, "plain" without
 colours, colour bar and marker. Where it holds result.pickle it receives charts.pickle, too.
@@ -19,6 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from reports.charts import design_charts
+from reports.plain_still import plain_still
 from reports.surface_style import FACES, LIGHTING, LINES, MARK, sharp_edges
 from reports.svg import draw
 
@@ -33,12 +36,15 @@ _CLOSE = 0.14  # of the part's diagonal: half the height of the view of the peak
 
 
 def main() -> None:
-    """Load the graphics libraries, then draw what each folder asks for, until the input ends."""
+    """Draw what each folder asks for, until the input ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent: it ends our input
     answers = os.fdopen(os.dup(1), "wb", buffering=0)
     os.dup2(2, 1)  # what a library prints is no answer
-    _warm_up()
+    draw(lambda figure: None, (1.0, 1.0), "")  # what is drawn first takes three times as long
     for line in sys.stdin.buffer:
+        if not line.strip():
+            _draw_a_tetrahedron()
+            continue
         draw_folder(Path(os.fsdecode(line.rstrip(b"\n"))))
         answers.write(line)
 
@@ -62,9 +68,8 @@ def _write(file: Path, content: bytes) -> None:
     temporary.replace(file)
 
 
-def _warm_up() -> None:
-    """Draw a tetrahedron and an empty chart: what is drawn first takes three times as long."""
-    draw(lambda figure: None, (1.0, 1.0), "")
+def _draw_a_tetrahedron() -> None:
+    """Have the graphics libraries loaded and used once."""
     nodes = np.vstack([np.zeros(3), np.eye(3)])
     triangles = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
     still({"nodes": nodes, "triangles": triangles, "values": nodes[:, 0], "peak": 1}, "x", "whole")
@@ -72,11 +77,13 @@ def _warm_up() -> None:
 
 def still(data: dict[str, Any], field: str, view: str) -> bytes:
     """PNG of one view of a surface, coloured by its values unless it is to be plain."""
+    nodes, triangles, peak = data["nodes"], data["triangles"], int(data["peak"])
+    if view == PLAIN:
+        return plain_still(nodes, triangles, _ISOMETRIC, SIZE, _SCENE)
     import pyvista as untyped
     from PIL import Image
 
     pyvista: Any = untyped
-    nodes, triangles, peak = data["nodes"], data["triangles"], int(data["peak"])
     faces = np.column_stack([np.full(len(triangles), 3), triangles]).ravel()
     surface = pyvista.PolyData(nodes, faces)
     surface.point_data[field] = data["values"]
@@ -86,23 +93,21 @@ def still(data: dict[str, Any], field: str, view: str) -> bytes:
     )  # fmt: skip
     plotter.set_background("white", all_renderers=True)
     plotter.subplot(0, 0)
-    colours = {"color": "lightgrey"} if view == PLAIN else {"scalars": field, "cmap": "viridis"}
     actor = plotter.add_mesh(
-        surface, **colours, **FACES, nan_color="lightgrey", show_scalar_bar=False
-    )
+        surface, scalars=field, cmap="viridis", **FACES, nan_color="lightgrey",
+        show_scalar_bar=False,
+    )  # fmt: skip
     seen = view_of if view == "peak" else corner_view
-    direction, hidden = (_ISOMETRIC, False) if view == PLAIN else seen(nodes, triangles, peak)
+    direction, hidden = seen(nodes, triangles, peak)
     diagonal = float(np.linalg.norm(np.ptp(nodes, axis=0)))
     edges = sharp_edges(surface)
     if edges.n_points:
         edges.points += 2e-3 * diagonal * direction  # clear of the faces they bound
         plotter.add_mesh(edges, **LINES)
-    if view != PLAIN:
-        _mark_peak(plotter, data, field, direction, hidden)
+    _mark_peak(plotter, data, field, direction, hidden)
     _place_camera(plotter, nodes, peak, direction, view)
     plotter.enable_anti_aliasing("ssaa")
-    if view != PLAIN:
-        _add_scalar_bar(plotter, actor.mapper, field)
+    _add_scalar_bar(plotter, actor.mapper, field)
     picture = plotter.screenshot(None, return_img=True)
     plotter.close()
     out = BytesIO()

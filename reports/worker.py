@@ -80,9 +80,11 @@ class StandingWorker:
 
     def hand(self, folder: Path) -> None:
         """Hand it a folder to draw; whether that went well is told by `answer`."""
-        if self._process is not None and self._process.stdin is not None:
-            with suppress(OSError):
-                self._process.stdin.write(_line(folder))
+        self._tell(_line(folder))
+
+    def prepare(self) -> None:
+        """Have it load what only some folders need."""
+        self._tell(b"\n")
 
     def answer(self, folder: Path, timeout: float) -> Ended:
         """Wait until the folder is drawn, or the worker has ended, for at most `timeout` seconds.
@@ -114,6 +116,11 @@ class StandingWorker:
                     with suppress(OSError):
                         stream.close()
         self._said.close()
+
+    def _tell(self, line: bytes) -> None:
+        if self._process is not None and self._process.stdin is not None:
+            with suppress(OSError):
+                self._process.stdin.write(line)
 
     def _listen(self) -> None:
         assert self._process is not None

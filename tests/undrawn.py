@@ -8,6 +8,6 @@ from reports.pictures import Pictures
 
 def draw_nothing(monkeypatch, reason=""):
     """Let nothing be drawn, for a reason if one is given."""
-    monkeypatch.setattr(reports.pictures, "prepare_drawing", lambda: None)
+    monkeypatch.setattr(reports.pictures, "prepare_drawing", lambda **_: None)
     nothing = nullcontext(lambda: Pictures(reason=reason))
     monkeypatch.setattr(reports.pictures, "drawing", lambda result: nothing)

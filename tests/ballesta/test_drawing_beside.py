@@ -36,7 +36,7 @@ def told(tmp_path, monkeypatch):
         found.append("wait")
         return Pictures()
 
-    monkeypatch.setattr(reports.pictures, "prepare_drawing", lambda: None)
+    monkeypatch.setattr(reports.pictures, "prepare_drawing", lambda **_: None)
     monkeypatch.setattr(reports.pictures, "drawing", lambda result: nullcontext(waits))
     telling(reports.pictures, "prepare_drawing")
     telling(ballesta.check, "check_design")

@@ -1,0 +1,155 @@
+"""A grey picture of a surface without graphics libraries: its triangles by depth, sharp edges."""
+
+from io import BytesIO
+
+import numpy as np
+import numpy.typing as npt
+
+from reports.surface_style import GREY, SHARP
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+_FINER = 2  # pixels drawn per pixel shown, each way
+_AMBIENT, _DIFFUSE = 0.6, 0.42
+_LIGHT = np.array([-0.25, 0.45, 0.86])  # towards it: right, up, towards the eye
+_OPACITY = 0.6  # of edges
+_CLEAR = 2e-3  # of the diagonal, by which edges are clear of the faces that they bound
+_FULL = 1.12  # height and width of the scene over those of the part
+
+
+def plain_still(
+    nodes: FloatArray,
+    triangles: IntArray,
+    direction: FloatArray,
+    size: tuple[int, int],
+    scene: float,
+) -> bytes:
+    """PNG of a surface in grey on white, seen along parallel lines, z up.
+
+    nodes      (n, 3) mm
+    triangles  (m, 3) numbers of nodes
+    direction  (3,) unit vector towards the eye, not along z
+    size       width and height in pixels
+    scene      share of the width, from the left, that the surface may take
+    """
+    from PIL import Image
+
+    width, height = (_FINER * pixels for pixels in size)
+    right = np.cross((0.0, 0.0, 1.0), direction)
+    right /= np.linalg.norm(right)
+    seen = nodes @ np.column_stack([right, np.cross(direction, right), direction])
+    corners = np.array(np.meshgrid(*zip(nodes.min(axis=0), nodes.max(axis=0), strict=True)))
+    box = corners.reshape(3, -1).T @ np.column_stack([right, np.cross(direction, right)])
+    spans = np.maximum(np.ptp(box, axis=0), 1e-300)
+    scale = min(scene * width / spans[0], height / spans[1]) / _FULL
+    middle = (box.max(axis=0) + box.min(axis=0)) / 2
+    places = np.column_stack(
+        [
+            scene * width / 2 + scale * (seen[:, 0] - middle[0]),
+            height / 2 - scale * (seen[:, 1] - middle[1]),
+            seen[:, 2],
+        ]
+    )
+    normals = _normals(seen, triangles)
+    depth = np.full(width * height, -np.inf)
+    shade = np.full(width * height, 255.0)
+    pixels, depths, owners = _covered(places[triangles], width, height)
+    np.maximum.at(depth, pixels, depths)
+    front = depths >= depth[pixels]
+    light = _AMBIENT + _DIFFUSE * np.abs(normals @ (_LIGHT / np.linalg.norm(_LIGHT)))
+    shade[pixels[front]] = (GREY * np.minimum(light, 1.0))[owners[front]]
+    clear = _CLEAR * float(np.linalg.norm(np.ptp(nodes, axis=0)))
+    lines = _drawn(places[_sharp_edges(triangles, normals)], depth, clear, width, height)
+    shade[lines] *= 1 - _OPACITY
+    picture = Image.fromarray(np.rint(shade.reshape(height, width)).astype(np.uint8))
+    out = BytesIO()
+    picture.reduce(_FINER).save(out, format="PNG")
+    return out.getvalue()
+
+
+def _normals(nodes: FloatArray, triangles: IntArray) -> FloatArray:
+    """Unit normals of triangles (m, 3); zero of those without an area."""
+    first, second, third = (nodes[triangles[:, k]] for k in range(3))
+    normals = np.cross(second - first, third - first)
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    return np.asarray(normals / np.where(lengths > 0, lengths, 1.0), dtype=np.float64)
+
+
+def _runs(starts: IntArray, counts: IntArray) -> tuple[IntArray, IntArray]:
+    """Whole numbers from each start on, one after the other, and the number of their run."""
+    owners = np.repeat(np.arange(len(counts)), counts)
+    before = np.cumsum(counts) - counts
+    return np.arange(len(owners)) - before[owners] + starts[owners], owners
+
+
+def _covered(corners: FloatArray, width: int, height: int) -> tuple[IntArray, FloatArray, IntArray]:
+    """Pixels whose middle lies in a triangle, the depth there, and the number of the triangle.
+
+    corners  (m, 3, 3) x, y in pixels, depth
+    """
+    tops = np.ceil(corners[:, :, 1].min(axis=1) - 0.5).astype(np.int64).clip(0)
+    ends = np.ceil(corners[:, :, 1].max(axis=1) - 0.5).astype(np.int64).clip(max=height)
+    rows, owners = _runs(tops, np.maximum(ends - tops, 0))
+    x, y = corners[owners, :, 0], corners[owners, :, 1]
+    level = rows + 0.5
+    left, right = np.full(len(rows), np.inf), np.full(len(rows), -np.inf)
+    for k in range(3):
+        low, high = y[:, k], y[:, (k + 1) % 3]
+        crosses = (low > level) != (high > level)
+        rise = np.where(crosses, high - low, 1.0)
+        at = x[:, k] + (level - low) / rise * (x[:, (k + 1) % 3] - x[:, k])
+        left = np.where(crosses, np.minimum(left, at), left)
+        right = np.where(crosses, np.maximum(right, at), right)
+    hit = right > left
+    rows, owners, left, right = rows[hit], owners[hit], left[hit], right[hit]
+    starts = np.ceil(left - 0.5).astype(np.int64).clip(0)
+    stops = np.ceil(right - 0.5).astype(np.int64).clip(max=width)
+    columns, runs = _runs(starts, np.maximum(stops - starts, 0))
+    rows, owners = rows[runs], owners[runs]
+    # depth over x and y: a plane through the corners
+    across, down = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    area = across[:, 0] * down[:, 1] - across[:, 1] * down[:, 0]
+    area = np.where(area != 0, area, np.inf)
+    by_x = (across[:, 2] * down[:, 1] - across[:, 1] * down[:, 2]) / area
+    by_y = (across[:, 0] * down[:, 2] - across[:, 2] * down[:, 0]) / area
+    base = corners[:, 0, 2] + (0.5 - corners[:, 0, 0]) * by_x + (0.5 - corners[:, 0, 1]) * by_y
+    return (
+        rows * width + columns,
+        base[owners] + columns * by_x[owners] + rows * by_y[owners],
+        owners,
+    )
+
+
+def _sharp_edges(triangles: IntArray, normals: FloatArray) -> IntArray:
+    """Edges (e, 2) at which the surface turns by much, and those of its border."""
+    edges = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    owners = np.repeat(np.arange(len(triangles)), 3)
+    order = np.lexsort((edges[:, 1], edges[:, 0]))
+    edges, owners = edges[order], owners[order]
+    first = np.flatnonzero(np.any(np.diff(edges, axis=0, prepend=-1), axis=1))
+    counts = np.diff(first, append=len(edges))
+    pairs = first[counts == 2]
+    turn = (normals[owners[pairs]] * normals[owners[pairs + 1]]).sum(axis=1)
+    sharp = pairs[turn < np.cos(np.radians(SHARP))]
+    return np.asarray(edges[np.concatenate([sharp, first[counts == 1]])], dtype=np.int64)
+
+
+def _drawn(ends: FloatArray, depth: FloatArray, clear: float, width: int, height: int) -> IntArray:
+    """Pixels, each once, of lines that no face hides.
+
+    ends   (e, 2, 3) x, y in pixels, depth
+    depth  (width * height,) of the faces
+    """
+    lengths = np.linalg.norm(ends[:, 1, :2] - ends[:, 0, :2], axis=1)
+    steps, owners = _runs(np.zeros(len(ends), np.int64), np.ceil(lengths).astype(np.int64) + 1)
+    share = (steps / np.maximum(np.ceil(lengths)[owners], 1.0))[:, None]
+    points = ends[owners, 0] * (1 - share) + ends[owners, 1] * share
+    found = []
+    for aside, below in ((0, 0), (1, 0), (0, 1), (-1, 0), (0, -1)):
+        columns = np.floor(points[:, 0]).astype(np.int64) + aside
+        rows = np.floor(points[:, 1]).astype(np.int64) + below
+        inside = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
+        pixels = rows[inside] * width + columns[inside]
+        found.append(pixels[points[inside, 2] + clear >= depth[pixels]])
+    return np.unique(np.concatenate(found))
