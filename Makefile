@@ -60,7 +60,7 @@ wheels: $(READY)
 
 # At most an hour on 4 cores; ends with 1 where a mutant crashes, hangs, warns or takes too much.
 fuzz: $(PEERS)
-	@$(ALONE) $(BIN)/python -m bench.fuzz
+	@$(BIN)/python -m bench.fuzz
 
 bench: $(PEERS)
 	@$(BIN)/python bench/run.py
