@@ -7,7 +7,7 @@ python -m bench.main_job peer [PAIRS]        verdict and all files over one stat
 python -m bench.main_job short [RUNS]        formula check, loads and import, s
 python -m bench.main_job batch N [ROUNDS]    a batch of N workers over N independent runs
 
-Prints JSON: medians, and the ratio of each pair. Runs of a pair follow each other at once.
+Prints a line of JSON: medians, and the ratio of each pair, whose runs follow each other at once.
 """
 
 import json
@@ -213,7 +213,7 @@ def main(arguments: list[str]) -> None:
         answer = short(*(counts or [7]))
     else:
         answer = batch(counts[0], *(counts[1:] or [3]))
-    print(json.dumps(answer, indent=1))
+    print(json.dumps(answer))
 
 
 if __name__ == "__main__":

@@ -232,6 +232,53 @@ def buckling_modes() -> list[dict[str, Any]]:
     return rows
 
 
+def main_job() -> list[dict[str, Any]]:
+    """The check of the press as a user has it: over a bound environment, over CalculiX, in batches.
+
+    Ratios are medians over pairs of whole processes in turns (bench/main_job.py).
+    """
+    rows = []
+    for name, row in measured_by("bench.main_job", "installed").items():
+        limit = 1.05 if name == "idle" else 1.15
+        for what, value in zip(
+            ("verdict", "all files"), row["verdict and all files over bound"], strict=True
+        ):
+            rows.append(
+                entry(f"main job: {what} as installed over bound, {name}", value, "1", limit)
+            )
+    ratios = measured_by("bench.main_job", "peer")["verdict and all files over CalculiX"]
+    rows.append(entry("main job: verdict over CalculiX's step", ratios[0], "1", 0.6))
+    rows.append(entry("main job: all files over CalculiX's step", ratios[1], "1", 1.0))
+    targets = {"check --fidelity formula": 1.5, "loads": 1.0, "import ballesta": 0.2}
+    short = measured_by("bench.main_job", "short")
+    rows += [
+        entry(f"main job: {name}", short[name]["median"], "s", t) for name, t in targets.items()
+    ]
+    for workers in (2, 4):
+        if workers <= (os.cpu_count() or 1):
+            found = measured_by("bench.main_job", "batch", str(workers))
+            share = found["throughput over independent runs, s, s"][0]
+            name = f"main job: {workers} independent runs over {workers} workers of a batch, time"
+            rows.append(entry(name, 1 / share, "1", 1 / 0.93))
+    return rows
+
+
+def threads_by_size() -> list[dict[str, Any]]:
+    """Factorisation and 24 solves by number of threads, from 6 000 to 570 000 unknowns."""
+    done = subprocess.run(
+        [sys.executable, "-m", "bench.threads"],
+        check=True, capture_output=True, text=True, cwd=HERE.parent,
+    )  # fmt: skip
+    rows = []
+    for line in done.stdout.splitlines():
+        found = json.loads(line)
+        size = found.pop("unknowns")
+        for threads, (wall, _, solves, _) in found.items():
+            name = f"threads: {size} unknowns, {threads} threads"
+            rows.append(entry(name, wall + solves, "s"))
+    return rows
+
+
 def ladder_of_the_press() -> list[dict[str, Any]]:
     """500 variations of the press by formula, loads solved again, and one solid check of it."""
     measured = measured_by("bench.ladder")
@@ -260,7 +307,9 @@ BENCHMARKS = {
     "fatigue": fatigue_verdict,
     "ladder": ladder_of_the_press,
     "loads": loads_of_machines,
+    "main": main_job,
     "solid": solid_and_its_peer,
+    "threads": threads_by_size,
     "toggle": press_check,
 }
 

@@ -258,6 +258,7 @@ def page(rows: dict[str, dict[str, Any]]) -> str:
         "",
         *(buckling_lines(rows) if "buckling: unknowns" in rows else []),
         *(fatigue_lines(rows) if "fatigue: surface points" in rows else []),
+        *main_job_lines(rows),
         "## A whole check",
         "",
         paragraph(
@@ -267,6 +268,42 @@ def page(rows: dict[str, dict[str, Any]]) -> str:
         "",
     ]
     return "\n".join(lines)
+
+
+def main_job_lines(rows: dict[str, dict[str, Any]]) -> list[str]:
+    """The section on whole checks as a user has them, and on threads."""
+    names = {name: name.partition(": ")[2] for name in rows if name.startswith("main job: ")}
+    if not names:
+        return []
+    machine = rows[next(iter(names))]["machine"]
+    sizes: dict[str, dict[str, float]] = {}
+    for name, row in rows.items():
+        match = re.fullmatch(r"threads: (\d+) unknowns, (\d+) threads", name)
+        if match:
+            sizes.setdefault(match[1], {})[match[2]] = row["value"]
+    counts = sorted({n for row in sizes.values() for n in row}, key=int)
+    return [
+        "## The main job",
+        "",
+        paragraph(
+            "Whole processes of `ballesta check designs/toggle_press.toml` in turns, as installed "
+            "over `OMP_THREAD_LIMIT=1 OPENBLAS_NUM_THREADS=1`, and over one static step of "
+            "CalculiX on 170 000 unknowns with one thread each; seconds of short commands. "
+            f"Machine: {machine}."
+        ),
+        "",
+        *ratio_lines(rows, names),
+        "",
+        "Factorisation and 24 solves, seconds, by threads of OpenBLAS:",
+        "",
+        "| Unknowns | " + " | ".join(counts) + " |",
+        "| --- |" + " --- |" * len(counts),
+        *(
+            f"| {size} | " + " | ".join(f"{row[n]:.2f}" for n in counts) + " |"
+            for size, row in sizes.items()
+        ),
+        "",
+    ]
 
 
 def plot(rows: dict[str, dict[str, Any]], path: Path) -> None:

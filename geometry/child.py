@@ -12,7 +12,7 @@ from contextlib import suppress
 from importlib import import_module
 from multiprocessing.connection import Connection, Pipe
 from queue import SimpleQueue
-from typing import Any
+from typing import Any, cast
 
 
 class Child:
@@ -102,7 +102,7 @@ def serve(function: str, handle: int) -> None:
     if sys.platform == "win32":
         from multiprocessing.connection import PipeConnection
 
-        pipe = PipeConnection(handle)
+        pipe = cast("Connection", PipeConnection(handle))  # equal but for the kind of handle
     else:
         os.set_inheritable(handle, False)
         pipe = Connection(handle)
