@@ -65,6 +65,7 @@ _COMMON_UNITS = [
     *("s", "ms", "min", "h", "Hz", "rad", "deg", "%"),
 ]
 MOST = 1e20  # N, mm, s, ...: what is larger than any machine's; its powers are finite numbers
+_MOST_STIFFNESS = 1e30  # N mm2: E I grows with the fourth power of a length
 _NO_MACHINE = "which is not finite or beyond any machine"
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*")
@@ -211,7 +212,8 @@ def measure(value: object, *accepted: str) -> Measured:
         own = _unit(DIMENSIONS[name].unit)
         if own.powers == unit.powers:
             converted = number * (unit.size / own.size)
-            if not abs(converted) <= MOST:
+            most = _MOST_STIFFNESS if name == "bending stiffness" else MOST
+            if not abs(converted) <= most:
                 raise ValueError(f"{must_be}, {_NO_MACHINE}")
             return Measured(converted, name)
     raise ValueError(f"{must_be}, which is {_title(unit)}")
