@@ -157,8 +157,8 @@ def short(runs: int) -> dict[str, Any]:
 def batch(workers: int, rounds: int) -> dict[str, Any]:
     """Throughput of N workers of a batch over N runs side by side that know nothing of each other.
 
-    Twice as many solid variants of the press as workers, without reports; the independent runs are
-    batches of one worker each, with a share of the same variants.
+    Twice as many variants of the press as workers, bars as solids, without reports; the independent
+    runs are batches of one worker each, with a share of the same variants.
     """
     each = 2
     values = [5.0 + 0.1 * k for k in range(each * workers)]
@@ -169,7 +169,7 @@ def batch(workers: int, rounds: int) -> dict[str, Any]:
             sweep = f"parts.bar_upper.wall = {some[0]}..{some[-1]} mm : {len(some)}"
             return [
                 *BALLESTA, "batch", str(PRESS), "--out", str(out), "--sweep", sweep, "--jobs",
-                str(jobs), "--fidelity", "solid", "--no-store", "--no-reports",
+                str(jobs), "--no-store", "--no-reports",
             ]  # fmt: skip
 
         def timed(commands: Sequence[Sequence[str]]) -> float:
