@@ -110,4 +110,4 @@ def _several() -> int:
         return int(stated)
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     limit = os.environ.get("OMP_THREAD_LIMIT", "")  # PARDISO fails (error -2) if it asks for more
-    return min(_SEVERAL, cores or 1, int(limit) if limit.isdecimal() else _SEVERAL)
+    return max(1, min(_SEVERAL, cores or 1, int(limit) if limit.isdecimal() else _SEVERAL))

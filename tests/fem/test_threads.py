@@ -107,6 +107,14 @@ def test_one_core_is_one_thread(monkeypatch):
     assert policy() == "1"
 
 
+@pytest.mark.parametrize(
+    ("limit", "said"), [("0", "1"), ("1", "1"), ("8", f"1; 2 from {LARGE} unknowns")]
+)
+def test_a_limit_of_openmp_bounds_large_factorisations_too(limit, said, four_cores, monkeypatch):
+    monkeypatch.setenv("OMP_THREAD_LIMIT", limit)
+    assert policy() == said
+
+
 @pytest.mark.parametrize("wrong", ["0", "-1", "two", "1.5"])
 def test_a_wrong_number_is_refused(wrong, monkeypatch):
     monkeypatch.setenv(threads.OWN, wrong)
