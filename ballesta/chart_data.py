@@ -1,7 +1,7 @@
 """Plain data of a part's charts, whatever model its stress comes from.
 
     peaks        cycle -> (n,) MPa, largest von Mises stress at each position
-    by           the model of these: "formula", "beam", "plane" or "solid"
+    by           the model of these: "formula", "beam" or "solid"
     haigh        diagram of the critical point by Goodman's line (ballesta.chart_data_fatigue)
     fkm          the same by the FKM guideline's
     sn           S-N line and the duty's cycles, of either chain

@@ -54,7 +54,7 @@ def check(
         typer.Option(
             "--fidelity",
             metavar="RUNG",
-            help="formula, beam, plane, solid, or auto: the cheapest that settles each part",
+            help="formula, beam, solid, or auto: the cheapest that settles each part",
         ),
     ] = "auto",
     within: Annotated[

@@ -4,14 +4,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 AUTO, SOLID = "auto", "solid"
-FIDELITIES = (AUTO, "formula", "beam", "plane", SOLID)
+FIDELITIES = (AUTO, "formula", "beam", SOLID)
 
 
 @dataclass(frozen=True)
 class Effort:
     """Which models a check may use, and how long it may take.
 
-    fidelity  "auto", "formula", "beam", "plane" or "solid"
+    fidelity  "auto", "formula", "beam" or "solid"
     within    s from the start of the check; nothing is begun that is expected to end later, its
               report included; None for no limit
     pinned    part -> kind of check -> the rung that must decide it; other parts as `fidelity` says

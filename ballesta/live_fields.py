@@ -8,8 +8,6 @@ from ballesta.halves import mirrored, surface_triangles
 from ballesta.judged_fatigue import FatigueUse, FkmUse, LifeUse
 from ballesta.levels import Level
 from ballesta.part_loads import PartLoads
-from ballesta.rungs.model import RungLevel
-from ballesta.rungs.plane_levels import PlaneLevel
 from ballesta.stressed import Stressed
 from fem.unit_solutions import rigid_modes
 from geometry.mesh import FloatArray, IntArray
@@ -25,10 +23,6 @@ _ENDLESS = (
 _BY_CHORDS = (
     "the utilisation that is drawn is Goodman's, and Findley's where that could decide: at "
     "places that do not decide, out of phase, Findley's may be higher"
-)
-_SHEET = (
-    "the part is drawn as the sheet that it was computed as, without its sides; the checks judge "
-    "the sheet's outline and seams"
 )
 
 
@@ -65,35 +59,13 @@ def solid_fields(loads: PartLoads, level: Level, use: FatigueUse | None) -> Live
     )
 
 
-def rung_fields(loads: PartLoads, level: RungLevel, surface: Surface) -> LiveFields:
-    """Fields of a part that no solid was needed for: of a sheet, or the bare surface."""
-    if level.model.sheet is None:
-        return grey(
-            surface.nodes,
-            surface.triangles,
-            f"decided by {level.model.rung}, without a mesh: its stress is known at the places "
-            "that decide, not all over its surface; ballesta check --fields meshes it, to look at",
-        )
-    return sheet_fields(loads, level, level.model.sheet)
-
-
-def sheet_fields(loads: PartLoads, level: RungLevel, sheet: PlaneLevel) -> LiveFields:
-    """Fields on a sheet: on its face at z > 0, and on the other one where it is bent."""
-    history, triangles, shown = sheet.everywhere()
-    missing = dict.fromkeys(
-        FATIGUE, "a sheet's fatigue is judged on its outline, not all over it; the checks tell it"
-    )
-    missing["displacement"] = "a sheet's displacement is not drawn"
-    return LiveFields(
-        nodes=history.points,
-        triangles=triangles,
-        stress=np.moveaxis(history.basis, 2, 0),
-        displacement=None,
-        coefficients=_by_cycle(loads, history.coefficients),
-        peaks=_by_cycle(loads, history.peaks_by_position()[0]),
-        missing=missing,
-        notes=(_SHEET,),
-        peak=_peak(loads, level, int(shown[level.peak.point])),
+def rung_fields(rung: str, surface: Surface) -> LiveFields:
+    """Return the bare surface of a part that no solid was needed for, with the reason."""
+    return grey(
+        surface.nodes,
+        surface.triangles,
+        f"decided by {rung}, without a mesh: its stress is known at the places "
+        "that decide, not all over its surface; ballesta check --fields meshes it, to look at",
     )
 
 

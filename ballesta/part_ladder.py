@@ -83,7 +83,6 @@ def check_parts(
             part_loads = loads_on(design, part, solved)
             check_reach(design, part, part_loads, models.body(part.geometry).interfaces)
             climb = climbs[part.name] = start_climb(design, part, part_loads, solved)
-            climb.live, climb.deadline = live, deadline
             rungs = effort.pinned.get(part.name)
             if rungs:
                 solids[part.name] = climb_pinned(climb, rungs, say)

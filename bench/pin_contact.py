@@ -20,9 +20,9 @@ from scipy.optimize import brentq
 
 from bench.pin_models import EYES, Eye, Grid, deck
 from fem.frd_file import read_frd
-from fem.plane import Given, PlaneModel, PlaneSolution
-from fem.plane_recovery import von_mises_plane
 from geometry.mesh import FloatArray
+from tests.validation.plane.model import Given, PlaneModel, PlaneSolution
+from tests.validation.plane.recovery import von_mises_plane
 
 ARCS = (180.0, 150.0, 120.0)  # degrees: what the model band of a check is made of
 CLEARANCES = (0.0, 0.1)  # mm, on diameter

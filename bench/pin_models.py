@@ -10,10 +10,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from fem.plane import Kind, PlaneModel
 from geometry.mesh import FloatArray
-from geometry.plane_mesh import PlaneMesh
 from tests.validation.plane.domains import geometric, mapped
+from tests.validation.plane.mesh import PlaneMesh
+from tests.validation.plane.model import Kind, PlaneModel
 
 STEEL = (210e3, 0.3)
 Reach = Callable[[FloatArray], FloatArray]

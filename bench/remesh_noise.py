@@ -1,6 +1,6 @@
 """How far numbers move when a part is meshed again with slightly other sizes.
 
-    python -m bench.remesh_noise [DESIGN ...] [--part NAME] [--rung solid|plane] [--accuracy 5%]
+    python -m bench.remesh_noise [DESIGN ...] [--part NAME] [--accuracy 5%]
 
 Without names: every design. Meshes each part 20 times with element sizes between 3 % smaller and
 3 % larger, refines each to the design's accuracy as a test with a baseline does, and writes the
@@ -12,13 +12,10 @@ import argparse
 import json
 import os
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import Any
-from unittest.mock import patch
 
 import numpy as np
 
@@ -33,17 +30,15 @@ from ballesta.levels import Models
 from ballesta.part_loads import loads_on
 from ballesta.quasi_static import vibration_of, with_dynamics
 from ballesta.regression.bands import LARGEST, NOISE, band_width, is_bounded, percent
-from ballesta.rungs import climb as ladder
-from ballesta.rungs import plane
 from ballesta.rungs.climb import start_climb
 from ballesta.rungs.pinned import climb_pinned
-from ballesta.rungs.result import cheap_result, solid_result
+from ballesta.rungs.result import solid_result
 from fem.solvers import SolverError
 from geometry.mesh import MeshError, TooManyElementsError
 
 COUNT, LARGEST_CHANGE = 20, 0.03
 _DESIGNS = Path(__file__).parents[1] / "designs"
-_RUNGS = ("plane", "solid")
+_RUNG = "solid"
 _GAVE_UP = (DesignError, NumericsError, MeshError, SolverError, TooManyElementsError)
 
 Entry = dict[str, Any]
@@ -54,7 +49,6 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m bench.remesh_noise")
     parser.add_argument("designs", nargs="*", help="names in designs/, or files; else all")
     parser.add_argument("--part", action="append", help="only this part; may be given again")
-    parser.add_argument("--rung", action="append", choices=_RUNGS)
     parser.add_argument("--accuracy", help="instead of the designs' own, such as 2%%")
     parser.add_argument("--count", type=int, default=COUNT)
     parser.add_argument("--again", action="store_true")
@@ -64,22 +58,21 @@ def main() -> None:
         design = read_design(file, overrides)
         runs = None
         for name in asked.part or design.parts:
-            for rung in asked.rung or _RUNGS:
-                known = [
-                    entry
-                    for entry in read_measured()
-                    if _is(entry, design, name, rung) and _is_complete(entry, asked.count)
-                ]
-                if known and not asked.again:
-                    continue
-                runs = _runs(design) if runs is None else runs
-                start = perf_counter()
-                entries = list(measured(design, design.parts[name], runs, rung, asked.count))
-                write_measured(entries)
-                for entry in entries:
-                    told = "" if entry["scatter"] is None else percent(entry["scatter"])
-                    print(f"{design.file.stem} {name} {rung} {entry['kind']}: {told}", flush=True)
-                print(f"{perf_counter() - start:.0f} s", flush=True)
+            known = [
+                entry
+                for entry in read_measured()
+                if _is(entry, design, name) and _is_complete(entry, asked.count)
+            ]
+            if known and not asked.again:
+                continue
+            runs = _runs(design) if runs is None else runs
+            start = perf_counter()
+            entries = list(measured(design, design.parts[name], runs, asked.count))
+            write_measured(entries)
+            for entry in entries:
+                told = "" if entry["scatter"] is None else percent(entry["scatter"])
+                print(f"{design.file.stem} {name} {entry['kind']}: {told}", flush=True)
+            print(f"{perf_counter() - start:.0f} s", flush=True)
 
 
 def _files(names: Iterable[str]) -> list[Path]:
@@ -96,11 +89,10 @@ def _runs(design: Design) -> Any:
     return {**solved, **measured_loads(design, masses)}
 
 
-def measured(design: Design, part: Part, runs: Any, rung: str, count: int) -> Iterator[Entry]:
-    """Scatter of each kind of check of a part by a rung: the largest less the least, as a share.
+def measured(design: Design, part: Part, runs: Any, count: int) -> Iterator[Entry]:
+    """Scatter of each kind of check of a part by a solid: the largest less the least, as a share.
 
-    A kind without an entry is none of the rung's. A scatter of None: fewer than two meshes, which
-    says of the part that the rung has no model of it.
+    A kind without an entry is none of the solid's. A scatter of None: fewer than two meshes.
     """
     shares = [0.0, *np.linspace(-LARGEST_CHANGE, LARGEST_CHANGE, count)]
     found: dict[str, list[float]] = {}
@@ -108,10 +100,10 @@ def measured(design: Design, part: Part, runs: Any, rung: str, count: int) -> It
     gave_up = 0
     for share in shares:
         try:
-            checks = _checks(design, part, runs, rung, 1 + float(share))
+            checks = _checks(design, part, runs, 1 + float(share))
         except _GAVE_UP as error:
             gave_up += 1
-            print(f"{part.name} {rung}: {str(error)[:100]}", flush=True)
+            print(f"{part.name}: {str(error)[:100]}", flush=True)
             if not found:
                 break  # the first mesh, at the part's own size
             continue
@@ -119,7 +111,7 @@ def measured(design: Design, part: Part, runs: Any, rung: str, count: int) -> It
             kind = check["kind"]
             found.setdefault(kind, []).append(check["value"])
             numerical.setdefault(kind, []).append(_bar(check))
-    base: Entry = {"design": design.file.stem, "part": part.name, "rung": rung}
+    base: Entry = {"design": design.file.stem, "part": part.name, "rung": _RUNG}
     base |= {"accuracy": design.accuracy}
     if not found:
         yield base | {"kind": "none", "remeshes": 0, "scatter": None}
@@ -133,25 +125,16 @@ def measured(design: Design, part: Part, runs: Any, rung: str, count: int) -> It
         }
 
 
-def _checks(design: Design, part: Part, runs: Any, rung: str, factor: float) -> list[Entry]:
-    """The checks that a rung decides, its elements made smaller by a factor."""
+def _checks(design: Design, part: Part, runs: Any, factor: float) -> list[Entry]:
+    """The checks that a solid decides, its elements made smaller by a factor."""
     part = replace(part, fineness=part.fineness * factor)
-    loads = loads_on(design, part, runs)
-    climb = start_climb(design, part, loads, runs)
-    kinds = [kind for kind in climb.asked if rung == "solid" or kind != "buckling"]
-    pins = dict.fromkeys(climb.asked, "formula") | dict.fromkeys(kinds, rung)
-    models = Models()
-    with _finer_sheets(factor):
-        if rung == "plane":
-            climb_pinned(climb, {kind: rung for kind in kinds}, lambda _: None)
-            result = cheap_result(climb, models)
-        else:
-            solids = climb_pinned(climb, pins, lambda _: None)
-            result = solid_result(climb, models, lambda _: None, everything=False, pinned=solids)
+    climb = start_climb(design, part, loads_on(design, part, runs), runs)
+    solids = climb_pinned(climb, dict.fromkeys(climb.asked, _RUNG), lambda _: None)
+    result = solid_result(climb, Models(), lambda _: None, everything=False, pinned=solids)
     plain = result.to_dict()
-    by_rung = {kind for kind, found in rungs_of(plain).items() if found == rung}
+    by_solid = {kind for kind, found in rungs_of(plain).items() if found == _RUNG}
     return [check for check in plain["checks"]
-            if check["kind"] in by_rung and check["method"].startswith(rung)]  # fmt: skip
+            if check["kind"] in by_solid and check["method"].startswith(_RUNG)]  # fmt: skip
 
 
 def _bar(check: Mapping[str, Any]) -> float | None:
@@ -164,14 +147,6 @@ def _bar(check: Mapping[str, Any]) -> float | None:
 def _largest(bars: list[float | None]) -> float | None:
     known = [bar for bar in bars if bar is not None]
     return round(max(known), 6) if len(known) == len(bars) else None
-
-
-@contextmanager
-def _finer_sheets(factor: float) -> Iterator[None]:
-    """Sheets have a fineness of their own, which no design states."""
-    finer = partial(plane.model_of, fineness=factor)
-    with patch.dict(ladder.BUILDERS, {"plane": finer}):
-        yield
 
 
 def read_measured() -> list[Entry]:
@@ -227,15 +202,15 @@ def worst_of(entries: Iterable[Mapping[str, Any]]) -> list[Entry]:
 
 
 def _is_complete(entry: Mapping[str, Any], count: int) -> bool:
-    """Whether a part was meshed again often enough, or the rung has no model of it."""
+    """Whether a part was meshed again often enough, or the solid gave up."""
     return entry["scatter"] is None or bool(entry["remeshes"] + entry["gave up"] >= count)
 
 
-def _is(entry: Mapping[str, Any], design: Design, part: str, rung: str) -> bool:
+def _is(entry: Mapping[str, Any], design: Design, part: str) -> bool:
     return (entry["design"], entry["part"], entry["rung"], entry["accuracy"]) == (
         design.file.stem,
         part,
-        rung,
+        _RUNG,
         design.accuracy,
     )
 

@@ -21,7 +21,7 @@ from bench.rung_variations import SCENES, SEED
 HERE = Path(__file__).parent / "rungs"
 DOCS = Path(__file__).parents[1] / "docs"
 PAGE, PICTURE = DOCS / "trade.md", DOCS / "trade" / "pareto.svg"
-RUNGS = ("formula", "beam", "plane")
+RUNGS = ("formula", "beam")
 KINDS = ("static", "fatigue", "buckling")
 MARGIN = 0.05  # of the limit: within it a verdict may stay open
 
@@ -209,7 +209,6 @@ def draw(rows: Sequence[Compared]) -> None:
     marks: dict[str, tuple[str, Callable[[Compared], bool]]] = {
         "formula": ("o", lambda row: row.rung == "formula"),
         "beam": ("s", lambda row: row.rung == "beam"),
-        "plane": ("^", lambda row: row.rung == "plane"),
     }
     stress = [row for row in rows if row.kind in ("static", "fatigue")]
     for name, (mark, wanted) in marks.items():
@@ -245,7 +244,7 @@ def page() -> str:
         "Written by `python -m bench.trade_page` (`make trade` makes its data too).",
         "",
         "A part is checked by the cheapest model whose error bars leave its verdict alone:",
-        "`formula`, `beam` frame, `plane` stress, `solid`. This page measures them on the parts of",
+        "`formula`, `beam` frame, `solid`. This page measures them on the parts of",
         f"the four machines under their own loads, and on variations of their dimensions ({count}",
         f"variations; Sobol, seed {SEED}; bounds in `bench/rung_variations.py`). Truth is a solid",
         f"refined to {100 * ACCURACY:g} % ({100 * PIN_ACCURACY:g} % for pins).",

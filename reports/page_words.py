@@ -171,13 +171,13 @@ def swings(check: Check) -> bool:
 
 
 def rungs_beside(part: PartResult) -> list[RungBeside]:
-    """The formulas' numbers beside those of the plane or the solid that decided."""
+    """The formulas' numbers beside those of the solid that decided."""
     formula = next((rung for rung in part.rungs if rung.rung == "formula"), None)
     if formula is None:
         return []
     found = []
     for check in part.checks:
-        if check.method not in ("plane", "solid"):
+        if check.method != "solid":
             continue
         same = [c for c in formula.checks if (c.kind, c.quantity) == (check.kind, check.quantity)]
         if len(same) == 1 and same[0].unit == check.unit:

@@ -273,7 +273,7 @@ class Surface:
 class RungTried:
     """A model of a part that was tried, or passed over, and what came of it.
 
-    rung      "formula", "beam", "plane" or "solid"
+    rung      "formula", "beam" or "solid"
     seconds   that it took; 0 if it was passed over
     unknowns  that it solved
     checks    what it said

@@ -15,9 +15,8 @@ LARGEST = 0.04  # a peak stress that changes by 5 % must always be seen
 MARGIN = 1.5  # band over the worst scatter of re-meshed parts
 MASS_KIND = "mass"
 NOISE = Path(__file__).with_name("noise.json")
-_MESHED = ("plane", "solid")
+_MESHED = "solid"
 _REFINED = ("static", "fatigue")  # kinds that a solid's meshes are refined for
-_SHEETS = 0.02  # accuracy that sheets are refined to, whatever the design asks for
 _BOUNDED = 1.5  # times the accuracy: what meshes leave, and what the bearing series cuts off
 
 
@@ -62,7 +61,7 @@ def band_of(
     own = _stated(part, kind, stated)
     if own is not None:
         return Band(own)
-    if rung not in _MESHED:
+    if rung != _MESHED:
         return Band(ROUND_OFF)
     bar = check.get("numerical", 0.0)
     if not is_bounded(rung, kind, bar, accuracy):
@@ -80,30 +79,25 @@ def largest_bar(rung: str, kind: str, accuracy: float) -> float | None:
 
     None where nothing is refined: then the bar is the same on every mesh.
     """
-    if rung not in _MESHED or kind not in _REFINED:
+    if rung != _MESHED or kind not in _REFINED:
         return None
-    return _BOUNDED * (accuracy if rung == "solid" else _SHEETS)
+    return _BOUNDED * accuracy
 
 
 def is_bounded(rung: str, kind: str, numerical: float | None, accuracy: float) -> bool:
     """Whether a numerical error bar, as a share, is one that re-mesh noise is measured for."""
-    largest = largest_bar(rung, kind, accuracy) if rung == "solid" else None
+    largest = largest_bar(rung, kind, accuracy)
     return largest is None or (numerical is not None and numerical <= largest)
 
 
 def _measured_band(part: str, rung: str, kind: str, accuracy: float) -> Band:
-    """The band of measured re-mesh noise; of a sheet it does not depend on the accuracy.
-
-    What is measured at a finer accuracy counts for a coarser one, too.
-    """
+    """The band of measured re-mesh noise; that of a finer accuracy counts for a coarser one."""
     known = sorted(
         (entry["accuracy"], band_width(entry["worst"]))
         for entry in _noise()
         if entry["rung"] == rung and entry["kind"] == kind
     )
     covering = next((measured for measured, _ in known if measured >= accuracy), None)
-    if rung == "plane" and known:
-        covering = known[-1][0]
     width = max((width for measured, width in known if measured <= (covering or 0)), default=inf)
     if covering is not None and width <= LARGEST:
         return Band(width)
@@ -112,11 +106,7 @@ def _measured_band(part: str, rung: str, kind: str, accuracy: float) -> Band:
         said = f"re-meshing moves it by more than {percent(LARGEST)} at this accuracy"
     else:
         said = f"the re-mesh noise of {kind} by the {rung} is not measured at {percent(accuracy)}"
-    cure = (
-        f'set accuracy = "{percent(max(quiet))}" or finer'
-        if quiet and rung == "solid"
-        else "pin another rung"
-    )
+    cure = f'set accuracy = "{percent(max(quiet))}" or finer' if quiet else "pin another rung"
     return Band(None, f"{said}: {cure}{_or_state(part, kind)}")
 
 

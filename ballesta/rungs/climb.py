@@ -10,7 +10,7 @@ from ballesta.judged_fatigue import FatigueUse
 from ballesta.leaf_checks import LeafBand, Solved, leaf_band
 from ballesta.part_loads import PartLoads
 from ballesta.part_strength import fatigue_use
-from ballesta.rungs import beam, formula, plane
+from ballesta.rungs import beam, formula
 from ballesta.rungs.bands import known_band
 from ballesta.rungs.checked import BUCKLING, FATIGUE, STATIC, rung_estimates, rung_level
 from ballesta.rungs.estimate import Estimate
@@ -26,7 +26,6 @@ GAVE_UP = "gave up"
 BUILDERS: Mapping[str, Callable[..., RungModel | None]] = {  # of part and its loads
     "formula": formula.model_of,
     "beam": beam.model_of,
-    "plane": plane.model_of,
 }
 FIDELITIES = (AUTO, *BUILDERS, SOLID)
 FKM_NEEDS_SOLID = "FKM's notch support needs the stress below a solid's surface"
@@ -46,8 +45,6 @@ class Climb:
     bands      rung -> what friction between leaves widened its checks by
     tried      rungs in the order in which they were tried or passed over
     doubted    kinds of which two rungs' bars have nothing in common: only a solid settles them
-    live       whether a page will show the fields at every position
-    deadline   on the clock of `perf_counter`: no mesh is begun that is expected to end later
     """
 
     design: Design
@@ -62,8 +59,6 @@ class Climb:
     tried: list[RungTried] = field(default_factory=list)
     unbuckled: bool = False
     doubted: set[str] = field(default_factory=set)
-    live: bool = False
-    deadline: float = inf
 
     @property
     def open(self) -> list[str]:
@@ -83,16 +78,13 @@ class Climb:
         wanted = self.asked if kinds is None else kinds
         start = perf_counter()
         try:
-            until = {"deadline": self.deadline} if self.deadline < inf and rung == "plane" else {}
-            model = BUILDERS[rung](self.part, self.loads, **until)
+            model = BUILDERS[rung](self.part, self.loads)
         except (MeshError, SolverError) as error:
             self.skip(rung, f"{GAVE_UP}: {error}")
             return False
         if model is None:
             self.skip(rung, f"there is no {rung} of this shape")
             return False
-        if not self.live:
-            model = replace(model, sheet=None)
         level = rung_level(self.design, self.part, self.loads, model)
         band = leaf_band(self.design, self.part, self.loads, self.solved, self._again(rung))
         found = {

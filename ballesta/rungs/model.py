@@ -8,7 +8,6 @@ be any function of the link loads, as long as basis times coefficients is the st
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from ballesta.rungs.plane_levels import PlaneLevel
 from ballesta.stressed import Stressed
 from fem.stress_history import StressHistory
 from geometry.mesh import FloatArray
@@ -73,7 +72,7 @@ class ElasticLoad:
 class RungModel:
     """A part's stress by a rung, before it is judged.
 
-    rung        "formula", "beam" or "plane"
+    rung        "formula" or "beam"
     history     of the stress at the rung's points; their places in the part's frame, mm
     places      (n_points,) what stands at each point, such as "bore knee" or "tube, mid-length"
     fretting    (n_points,) factor by which fretting lowers the endurance limit, 1 elsewhere
@@ -85,7 +84,6 @@ class RungModel:
     neglects    what the rung leaves out, in words
     unknowns    number of unknowns that were solved, 0 of a formula
     units       (n_basis,) names of what the history's coefficients are sizes of
-    sheet       that a plane rung has solved; None of the others, and where no page will show it
     """
 
     rung: str
@@ -99,7 +97,6 @@ class RungModel:
     neglects: str
     unknowns: int = 0
     units: Sequence[UnitName]
-    sheet: PlaneLevel | None = None
 
     def __post_init__(self) -> None:
         if len(self.units) != len(self.history.coefficients):

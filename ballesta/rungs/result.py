@@ -60,7 +60,7 @@ def cheap_result(climb: Climb, models: Models, *, live: bool = False) -> PartRes
         surface=surface,
         assumed=[*assumed, told] if told else assumed,
         rungs=climb.tried,
-        live=rung_fields(loads, level, surface) if live else None,
+        live=rung_fields(level.model.rung, surface) if live else None,
     )
 
 

@@ -30,8 +30,7 @@ FORMULA = RungTried(
 BEAM = RungTried(
     "beam", 0.25, 312, [static(210.0, "beam", numerical=inf), share(0.021, "beam")], "goes on"
 )
-PLANE = RungTried("plane", 0.4, 6052, [static(201.0, "plane")], "goes on: buckling is not known")
-NONE = RungTried("plane", 0.0, 0, [], "there is no plane of this shape")
+NONE = RungTried("beam", 0.0, 0, [], "there is no beam of this shape")
 SOLID = RungTried(
     "solid 1", 14.2, 48201, [static(207.0, "solid"), share(0.021, "solid (one mesh)")], "stopped"
 )
@@ -41,7 +40,7 @@ LEFT = RungTried("solid", 0.0, 0, [], "no time: about 30 s, 2 s are left; it may
 def part(name="bar_upper", **changes):
     values = {
         "name": name, "shape": "toggle_bar", "material": "S355", "kinds": ("static", "buckling"),
-        "rungs": [FORMULA, BEAM, PLANE, SOLID], "tried": [FORMULA], "chosen": FORMULA.checks,
+        "rungs": [FORMULA, BEAM, SOLID], "tried": [FORMULA], "chosen": FORMULA.checks,
     }  # fmt: skip
     return LadderPart(**(values | changes))
 

@@ -23,18 +23,22 @@ def words(text):
 def test_every_rung_shows_its_value_and_whole_bar_against_its_time():
     """The beam's numerical bar is infinite; plane: 4 numerical and 20 of the model are 24."""
     lines = ladder_text(ladder_results.ladder(), 120).splitlines()
-    formula, beam, plane, solid, auto = (words(line) for line in lines[4:9])
+    formula, beam, solid, auto = (words(line) for line in lines[4:8])
     assert formula == "static formula 0.012 s 0 200 MPa +30 −10 237 pass"
     assert beam == "beam 0.25 s 312 210 MPa ±∞ (no bar) 237 UNDECIDED"
-    assert plane == "plane 0.40 s 6052 201 MPa ±24 237 pass"
     assert solid == "solid 1 14 s 48201 207 MPa ±24 237 pass"
     assert auto == "auto 0.012 s 200 MPa +30 −10 237 pass"
 
 
 def test_a_rung_without_a_model_is_told_apart_from_one_without_an_answer():
-    text = words(ladder_text(ladder_results.ladder(), 120))
-    assert "plane no answer to it" in text
-    assert "plane not available: there is no plane of this shape" in text
+    unbuckled = replace(ladder_results.BEAM, checks=ladder_results.BEAM.checks[:1])
+    parts = (
+        ladder_results.part(rungs=[ladder_results.FORMULA, unbuckled]),
+        ladder_results.part("pin_B", rungs=[ladder_results.FORMULA, ladder_results.NONE]),
+    )
+    text = words(ladder_text(ladder_results.ladder(*parts), 120))
+    assert "beam no answer to it" in text
+    assert "beam not available: there is no beam of this shape" in text
 
 
 def test_each_part_ends_with_what_auto_takes_and_why_it_stopped():
@@ -95,7 +99,7 @@ def test_the_chart_says_times_in_numbers_and_names_every_rung():
     chart = ladder_chart(ladder_results.part())
     texts = re.findall(r"<text[^>]*>([^<]*)</text>", chart)
     assert {"0.1", "1", "10"} <= set(texts)
-    assert {"formula", "beam", "plane", "solid 1", "auto", "allowed"} <= set(texts)
+    assert {"formula", "beam", "solid 1", "auto", "allowed"} <= set(texts)
     assert "mathdefault" not in chart
 
 
@@ -120,7 +124,7 @@ def test_a_whole_bar_adds_the_numerical_bar_to_the_model_band():
 def test_the_ladder_is_plain_data():
     data = json.loads(json.dumps(plain(ladder_results.ladder().to_dict()), allow_nan=False))
     part = data["parts"][0]
-    assert [rung["rung"] for rung in part["rungs"]] == ["formula", "beam", "plane", "solid 1"]
+    assert [rung["rung"] for rung in part["rungs"]] == ["formula", "beam", "solid 1"]
     assert part["rungs"][1]["checks"][0]["numerical"] is None
     assert part["auto"]["seconds"] == pytest.approx(0.0123)
 
@@ -140,7 +144,7 @@ def test_the_verdict_tells_what_was_tried_of_a_part_and_why_it_stopped():
         "LADDER bar_upper: formula 0.012 s (goes on: static has its limit within its bars), "
         "solid 14 s (stopped: static pass)"
     ) in text
-    assert "no plane of this shape" not in text  # only what was tried, or what was left at last
+    assert "no beam of this shape" not in text  # only what was tried, or what was left at last
 
 
 def test_the_verdict_names_a_solid_that_there_was_no_time_for():
@@ -170,7 +174,7 @@ def test_the_report_has_every_check_of_every_rung():
     table = text[text.index("Models that were tried") :]
     for part in (
         "formula 0.012 0 static 200 MPa ±0 +30 −10",
-        "plane – – passed over there is no plane of this shape",
+        "beam – – passed over there is no beam of this shape",
         "solid 14 48 201 static 207 MPa ±4 ±20",
     ):
         assert part in words(table), part

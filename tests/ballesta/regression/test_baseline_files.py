@@ -178,10 +178,10 @@ def test_each_kind_is_pinned_to_the_rung_that_decided_it():
         plain_check("static", "peak", "beam"),
         plain_check("fatigue", "Goodman", "formula"),
         plain_check("buckling", "column in plane", "formula"),
-        plain_check("buckling", "elastic load share", "plane"),
+        plain_check("buckling", "elastic load share", "solid"),
         plain_check("bush", "bush of bar", "formula"),
     )
-    assert rungs_of(part) == {"static": "beam", "fatigue": "formula", "buckling": "plane"}
+    assert rungs_of(part) == {"static": "beam", "fatigue": "formula", "buckling": "solid"}
 
 
 def test_columns_by_formula_pin_no_buckling():

@@ -154,7 +154,7 @@ def test_a_solid_that_missed_the_accuracy_is_refused(noise):
 @pytest.mark.parametrize("factor", [0.95, 1.05])
 def test_every_measured_band_sees_a_peak_stress_that_changes_by_five_per_cent(factor):
     """No stated band: whatever was measured, a change of 5 % is seen or the band refused."""
-    for rung in ("formula", "beam", "plane", "solid"):
+    for rung in ("formula", "beam", "solid"):
         for accuracy in (0.01, 0.03, 0.05, 0.1):
             now = record(200.0 * factor, rung=rung, accuracy=accuracy)
             found = compare(baseline(rung=rung), now)

@@ -14,7 +14,7 @@ from ..small_machine import PLATE, machine
 
 PINS = [
     {"static": "formula", "fatigue": "formula", "buckling": "formula"},
-    {"static": "plane", "fatigue": "beam", "buckling": "formula"},
+    {"static": "solid", "fatigue": "beam", "buckling": "formula"},
     {"static": "solid", "fatigue": "formula", "buckling": "beam"},
     {"static": "solid", "fatigue": "solid", "buckling": "solid"},
 ]
@@ -65,8 +65,8 @@ def test_a_rung_that_has_no_model_of_the_part_is_refused_not_replaced(tmp_path, 
 
 def test_a_rung_that_gives_up_is_told_as_numerics(tmp_path, monkeypatch):
     def gives_up(*_):
-        raise MeshError("the sheet has no inside")
+        raise MeshError("an element is folded")
 
-    monkeypatch.setitem(climb.BUILDERS, "plane", gives_up)
-    with pytest.raises(NumericsError, match="plane, which gave up: the sheet has no inside"):
+    monkeypatch.setitem(climb.BUILDERS, "beam", gives_up)
+    with pytest.raises(NumericsError, match="beam, which gave up: an element is folded"):
         part_of(machine(tmp_path), PINS[1])

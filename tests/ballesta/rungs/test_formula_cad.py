@@ -276,16 +276,15 @@ def test_auto_tries_the_formula_tells_that_it_has_no_bar_and_goes_on_to_the_soli
     formula, *others = state.tried
     assert formula.why.startswith("goes on: static has no error bar")
     assert {check.kind for check in formula.checks} == {"static", "fatigue", "buckling"}
-    assert [rung.why for rung in others] == ["it has no answer to what is open"] * 2
+    assert [rung.why for rung in others] == ["it has no answer to what is open"]
     assert state.open == ["static", "fatigue", "buckling"]
 
 
-@pytest.mark.parametrize("rung", ["beam", "plane"])
-def test_asked_for_a_rung_that_has_no_model_of_it_the_solid_stands_for_it(started, rung):
+def test_asked_for_a_rung_that_has_no_model_of_it_the_solid_stands_for_it(started):
     state = started()
-    assert climb_cheap(state, rung)
-    assert state.tried[0].rung == rung
-    assert state.tried[0].why == f"there is no {rung} of this shape"
+    assert climb_cheap(state, "beam")
+    assert state.tried[0].rung == "beam"
+    assert state.tried[0].why == "there is no beam of this shape"
 
 
 def test_by_formula_alone_values_that_pass_leave_the_verdict_open(tmp_path, capsys, monkeypatch):

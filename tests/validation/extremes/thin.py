@@ -5,11 +5,11 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.boundary_value import SolidProblem, pressure_load
-from fem.plane import PlaneModel
 from fem.unit_solutions import Elastic
 from geometry.mesh import Mesh
 
 from ..plane import domains
+from ..plane.model import PlaneModel
 from ..solids.meshes import on, ring
 from ..solids.problems import held
 from ..solids.test_patch import EXACT, patch, solved

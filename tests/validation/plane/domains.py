@@ -7,7 +7,8 @@ import numpy as np
 
 from geometry.mesh import FloatArray, IntArray
 from geometry.meshing import gmsh_session
-from geometry.plane_mesh import PlaneMesh, directed
+
+from .mesh import PlaneMesh, directed
 
 SQUARE = ("bottom", "right", "top", "left")
 

@@ -7,10 +7,9 @@ from functools import cache
 
 import numpy as np
 
-from fem.plane import PlaneModel, PlaneSolution
-
 from .domains import Fine, Outline, Piece, meshed
 from .fields import kirsch_stress, ring_end_traction, tractions_of
+from .model import PlaneModel, PlaneSolution
 
 E, NU = 210e3, 0.3
 

@@ -4,11 +4,10 @@ from functools import cache
 
 import numpy as np
 
-from fem.plane import PlaneModel, PlaneSolution
-from fem.torsion import SectionTorsion
-
 from .domains import Fine, Outline, Piece, meshed
 from .fields import Cantilever, elliptic_hole_stress, tractions_of
+from .model import PlaneModel, PlaneSolution
+from .torsion import SectionTorsion
 
 E, NU = 210e3, 0.3
 

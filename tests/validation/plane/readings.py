@@ -5,9 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.plane import PlaneSolution
-from fem.plane_recovery import largest_principal, von_mises_plane
 from geometry.mesh import FloatArray
+
+from .model import PlaneSolution
+from .recovery import largest_principal, von_mises_plane
 
 
 @dataclass(frozen=True)

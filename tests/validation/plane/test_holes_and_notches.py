@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.plane import PlaneModel
-
 from . import problems
 from .domains import geometric, mapped
 from .fields import elliptic_hole_stress, kirsch_stress, tractions_of
+from .model import PlaneModel
 from .readings import (
     along,
     hoop,

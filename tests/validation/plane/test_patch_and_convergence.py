@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.plane import PlaneModel
-from fem.plane_recovery import largest_principal, von_mises_plane
-from geometry.plane_mesh import TRIANGLE_EDGES, PlaneMesh, directed
-
 from . import problems
 from .domains import geometric, mapped
 from .fields import Cantilever, kirsch_stress, tractions_of
+from .mesh import TRIANGLE_EDGES, PlaneMesh, directed
+from .model import PlaneModel
 from .readings import along, node_at, read, read_unaveraged, shear
+from .recovery import largest_principal, von_mises_plane
 
 
 def macneal_patch(curved: float) -> PlaneMesh:

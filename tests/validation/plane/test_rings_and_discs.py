@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.plane import PlaneModel
-
 from . import problems
 from .domains import geometric, mapped, ring
 from .fields import ring_end_traction
+from .model import PlaneModel
 from .readings import (
     along,
     hoop,

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.torsion import SectionTorsion
-
 from . import problems_exact
 from .domains import Outline, Piece, mapped, meshed, ring
+from .torsion import SectionTorsion
 
 # FE-14, exact (series): b/t -> J/(b t^3), tau_max b t^2/T
 RECTANGLES = {

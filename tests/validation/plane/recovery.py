@@ -10,9 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.plane_elements import PlaneElements
 from fem.recovery import von_mises
 from geometry.mesh import FloatArray
+
+from .elements import PlaneElements
 
 PLANE_COMPONENTS = ("xx", "yy", "zz", "xy")
 

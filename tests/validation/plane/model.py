@@ -20,11 +20,12 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from fem.plane_elements import EdgeQuadrature, PlaneElements
-from fem.plane_recovery import PlaneRecovery
 from fem.solvers import Factor, factorize
 from geometry.mesh import FloatArray, IntArray
-from geometry.plane_mesh import PlaneMesh
+
+from .elements import EdgeQuadrature, PlaneElements
+from .mesh import PlaneMesh
+from .recovery import PlaneRecovery
 
 Kind = Literal["stress", "strain", "axisymmetric"]
 Traction = Callable[[FloatArray, FloatArray], FloatArray]  # points, outward normals -> MPa

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.plane import PlaneModel
-from fem.plane_recovery import largest_principal, von_mises_plane
 from fem.recovery import von_mises
 from geometry.mesh import FoldedElementError, MeshError
-from geometry.plane_mesh import TRIANGLE_EDGES, PlaneMesh, directed
+
+from .mesh import TRIANGLE_EDGES, PlaneMesh, directed
+from .model import PlaneModel
+from .recovery import largest_principal, von_mises_plane
 
 STEEL = (210e3, 0.3)
 FOAM = (210e3, 0.0)  # without Poisson's effect strips are exactly one-dimensional

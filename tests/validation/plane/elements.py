@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from geometry.mesh import FloatArray, IntArray
-from geometry.plane_mesh import PlaneMesh
+
+from .mesh import PlaneMesh
 
 _EDGE_DEGREE = 8  # a traction that varies like r^3 or a cosine along an edge keeps its resultant
 

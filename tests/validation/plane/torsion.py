@@ -13,11 +13,12 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 
-from fem.plane_elements import PlaneElements
-from fem.plane_recovery import nodal_average
 from fem.solvers import factorize
 from geometry.mesh import FloatArray
-from geometry.plane_mesh import PlaneMesh
+
+from .elements import PlaneElements
+from .mesh import PlaneMesh
+from .recovery import nodal_average
 
 
 @dataclass(frozen=True, eq=False)
