@@ -2,36 +2,32 @@
 
 import platform
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-import numpy as np
-
 import loads
 from ballesta.balance import balance_gates, measured_loads, not_measured
 from ballesta.design import read_design
 from ballesta.design_data import Design
 from ballesta.drawn import undrawn_warnings
-from ballesta.elastic_parts import compliances_of, without_unknown_contacts
+from ballesta.elastic_parts import compliances_of
 from ballesta.errors import DesignError
 from ballesta.explained.buckling import linkage_share
 from ballesta.explained.proven import with_derivation
 from ballesta.gates import load_gates
 from ballesta.levels import Models
 from ballesta.linkage_frame import LinkageMode, linkage_check, worst_mode
-from ballesta.machine import cycle_of, interface_distance, linkage_of, part_placing
 from ballesta.motion import motions_of
 from ballesta.part_ladder import (
     DEFAULT_EFFORT,
     Effort,
     Finished,
     check_parts,
-    gave_up,
     time_warnings,
 )
 from ballesta.part_loads import is_loaded, loads_on, shown_of
@@ -42,12 +38,15 @@ from ballesta.quasi_static import (
     vibration_warnings,
     with_dynamics,
 )
+from ballesta.solved_cycles import (
+    part_masses,
+    solve_cycles,
+    try_cycles,
+    without_unknown_contacts,
+)
 from ballesta.step_parts import told_of_steps
 from ballesta.store.linkage import stored_mode
-from ballesta.store.loads import stored_loads
 from ballesta.store.store import Store
-from ballesta.supervised import expect
-from ballesta.too_fine import told_of_size
 from ballesta.unfinished import FRAME, PART, Keep, KeptPart, with_parts, without_live
 from ballesta.warnings_of import (
     claim_warnings,
@@ -58,8 +57,6 @@ from ballesta.warnings_of import (
 from fem.allocation import keep_freed_memory
 from fem.solvers import chosen_solver
 from fem.threads import one_thread, policy
-from geometry.mesh import MeshError, TooManyElementsError
-from geometry.parts.step_part import StepPart
 from reports.verdict import Check, DesignResult, PartResult
 
 Say = Callable[[str], None]
@@ -129,7 +126,7 @@ def check_design(
     timings = {"read": reading}
     try:
         # what cannot move or does not balance is told before anything is meshed
-        _try_cycles(without_unknown_contacts(design))
+        try_cycles(without_unknown_contacts(design))
         measured_loads(design, {})
         masses = part_masses(design, models, say)
         compliances = compliances_of(design, models, say)
@@ -242,76 +239,6 @@ def _assumed_here(design: Design) -> list[tuple[str, str]]:
             "bends the parts by its couples",
         )
     ]
-
-
-def part_masses(
-    design: Design, models: Models, say: Say = lambda _: None
-) -> dict[str, tuple[float, tuple[float, float], float]]:
-    """Mass, centre and inertia of every body that has a part, in the body's frame."""
-    masses = {}
-    for part in design.parts.values():
-        if part.body is None:
-            continue
-        say(f"{part.name}: building")
-        try:
-            body = models.body(part.geometry)
-        except TooManyElementsError as error:
-            raise told_of_size(design, part, error) from error
-        except MeshError as error:
-            raise gave_up(design, part, error) from error
-        first, second = (body.interfaces[name].centre for name in part.geometry.interfaces[:2])
-        built = float(np.linalg.norm((second - first)[:2]))
-        asked = interface_distance(design, part)
-        if isinstance(part.geometry, StepPart):
-            asked = part.geometry.length  # the door has compared it with the linkage's
-        if abs(built - asked) > 1e-9 * built:
-            raise AssertionError(f"{part.name} was built {built} mm long")
-        properties = body.mass_properties(part.material.density)
-        masses[part.body] = part_placing(design, part).to_body(properties)
-    return masses
-
-
-def solve_cycles(
-    design: Design,
-    masses: Mapping[str, tuple[float, tuple[float, float], float]],
-    compliances: Mapping[str, loads.MatrixCompliance] | None = None,
-    store: Store | None = None,
-) -> dict[str, loads.CycleLoads]:
-    """Solve every cycle of a design; raises DesignError, LinkageError for the linkage itself.
-
-    compliances  of bodies that give way as their parts (elastic_parts), for cycles with contacts
-    store        of the loads of cycles
-    """
-    solved: dict[str, loads.CycleLoads] = {}
-    took = 0.0
-    for name, cycle in design.cycles.items():
-        start = perf_counter()
-        expect(f"{name}, {len(solved) + 1} of {len(design.cycles)} cycles", took)
-        linkage = linkage_of(design, masses, cycle, compliances)
-        with told_of_cycle(design, name):
-            solved[name] = stored_loads(store, linkage, cycle_of(design, cycle))
-        took = perf_counter() - start
-    return solved
-
-
-def _try_cycles(design: Design) -> None:
-    """Raise what `solve_cycles` would, as far as a few positions without masses tell."""
-    for name, cycle in design.cycles.items():
-        linkage = linkage_of(design, {}, cycle)
-        with told_of_cycle(design, name):
-            loads.try_cycle(linkage, cycle_of(design, cycle))
-
-
-@contextmanager
-def told_of_cycle(design: Design, name: str) -> Iterator[None]:
-    """Tell of an error which of the design's cycles it is in."""
-    try:
-        yield
-    except loads.CycleError as error:
-        key = f"cycles.{name}.phases[{error.phase}]"
-        raise DesignError(design.file, key, error.problem) from error
-    except loads.LinkageError as error:
-        raise DesignError(design.file, f"cycles.{name}", str(error)) from error
 
 
 def _cycle_data(

@@ -1,21 +1,21 @@
 """Bodies that give way as their parts do: the compliance of a meshed part in a linkage."""
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 from math import cos, sin
 
 import numpy as np
 from scipy.linalg import block_diag
 
 import loads
-from ballesta.design_data import ContactLaw, Cycle, Design, Pair, Part
-from ballesta.errors import NumericsError
+from ballesta.design_data import Design, Pair, Part
 from ballesta.levels import Models
 from ballesta.machine import part_placing
 from ballesta.part_loads import interface_heights
 from ballesta.part_strength import elastic_of
 from ballesta.solid import FIRST
-from ballesta.too_fine import told_of_size
+from ballesta.solved_cycles import parts_that_give
+from ballesta.too_fine import gave_up, told_of_size
 from fem.compliance import compliance
 from fem.sliding import stations
 from fem.solvers import SolverError
@@ -47,46 +47,8 @@ def compliances_of(
         except (TooManyElementsError, loads.LinkageError) as error:
             raise told_of_size(design, part, error) from error
         except (MeshError, SolverError) as error:
-            raise NumericsError(
-                str(error),
-                f"{design.file}: parts.{part.name}",
-                "check the part's dimensions, or change mesh.fineness",
-            ) from error
+            raise gave_up(design, part, error) from error
     return found
-
-
-def parts_that_give(design: Design) -> Iterator[Part]:
-    """Parts whose bodies give way as they do."""
-    for body in design.bodies.values():
-        if body.elastic is not None and body.elastic.as_part:
-            assert body.part is not None
-            yield design.parts[body.part]
-
-
-def without_unknown_contacts(design: Design) -> Design:
-    """Return the design as it can be solved before any part is: without what pushes on parts.
-
-    Contacts give no force in it, if the compliance of a part is needed to know theirs.
-    """
-    if not any(parts_that_give(design)):
-        return design
-    return replace(
-        design, cycles={name: _untouched(cycle) for name, cycle in design.cycles.items()}
-    )
-
-
-def _untouched(cycle: Cycle) -> Cycle:
-    phases = tuple(
-        replace(
-            phase,
-            given={
-                force: 0.0 if isinstance(law, ContactLaw) else law
-                for force, law in phase.given.items()
-            },
-        )
-        for phase in cycle.phases
-    )
-    return replace(cycle, phases=phases)
 
 
 def body_compliance(design: Design, part: Part, solutions: UnitSolutions) -> loads.MatrixCompliance:

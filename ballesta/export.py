@@ -9,16 +9,16 @@ import numpy as np
 
 import loads
 from ballesta.balance import measured_loads
-from ballesta.check import part_masses, solve_cycles
 from ballesta.design import read_design
 from ballesta.design_data import Design, Part
-from ballesta.elastic_parts import compliances_of, without_unknown_contacts
+from ballesta.elastic_parts import compliances_of
 from ballesta.errors import DesignError, NumericsError
 from ballesta.levels import Level, Models, solve_level
 from ballesta.names import no_such
 from ballesta.part_loads import PartLoads, loads_on, shown_of
 from ballesta.part_strength import elastic_of
 from ballesta.run import Say, guarded
+from ballesta.solved_cycles import part_masses, solve_cycles, without_unknown_contacts
 from ballesta.supervised import step
 from ballesta.too_fine import told_of_size
 from fem.deck import write_deck

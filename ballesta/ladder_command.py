@@ -9,10 +9,9 @@ from typing import TypeVar
 
 import loads
 from ballesta.balance import measured_loads
-from ballesta.check import part_masses, solve_cycles
 from ballesta.design import read_design
 from ballesta.design_data import Design, Part
-from ballesta.elastic_parts import compliances_of, without_unknown_contacts
+from ballesta.elastic_parts import compliances_of
 from ballesta.errors import DesignError
 from ballesta.leaf_checks import Solved
 from ballesta.levels import Models
@@ -31,6 +30,7 @@ from ballesta.rungs.climb import (
     start_climb,
 )
 from ballesta.rungs.result import solid_result
+from ballesta.solved_cycles import part_masses, solve_cycles, without_unknown_contacts
 from ballesta.supervised import step
 from fem.allocation import keep_freed_memory
 from fem.solvers import SolverError

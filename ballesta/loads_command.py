@@ -7,16 +7,20 @@ from pathlib import Path
 
 import loads
 from ballesta.balance import balance_gates, measured_loads, not_measured
-from ballesta.check import part_masses, solve_cycles
 from ballesta.design import read_design
 from ballesta.design_data import Design
-from ballesta.elastic_parts import compliances_of, without_unknown_contacts
 from ballesta.errors import DesignError, NumericsError
 from ballesta.gates import load_gates
-from ballesta.levels import Models
+from ballesta.models import Models
 from ballesta.names import no_such
 from ballesta.run import Say, guarded
 from ballesta.shown_loads import shown_cycle, shown_run
+from ballesta.solved_cycles import (
+    part_masses,
+    parts_that_give,
+    solve_cycles,
+    without_unknown_contacts,
+)
 from ballesta.supervised import step
 from ballesta.warnings_of import load_warnings
 from geometry.mesh import MeshError
@@ -69,7 +73,7 @@ def loads_of_file(
         measured_loads(design, {})
         models = Models()
         masses = _masses(design, models, say)
-        compliances = compliances_of(design, models, say)
+        compliances = _compliances(design, models, say)
         solved = solve_cycles(design, masses, compliances)
         measured = measured_loads(design, masses)
         gates = [*load_gates(design, solved), *balance_gates(design, measured)]
@@ -187,3 +191,14 @@ def _masses(design: Design, models: Models, say: Say) -> Masses:
         raise NumericsError(
             str(error), str(design.file), "check the part's dimensions, or change mesh.fineness"
         ) from error
+
+
+def _compliances(
+    design: Design, models: Models, say: Say
+) -> Mapping[str, loads.MatrixCompliance] | None:
+    """Compliances of the bodies that give way as their parts do, for which these are solved."""
+    if not any(parts_that_give(design)):
+        return None
+    from ballesta.elastic_parts import compliances_of
+
+    return compliances_of(design, models, say)

@@ -14,7 +14,6 @@ from ballesta.drawn import undrawn, with_drawn_fields
 from ballesta.effort import DEFAULT_EFFORT as DEFAULT_EFFORT
 from ballesta.effort import SOLID
 from ballesta.effort import Effort as Effort
-from ballesta.errors import NumericsError
 from ballesta.explained.door import explained
 from ballesta.levels import Models
 from ballesta.lug_checks import lug_checks
@@ -26,7 +25,7 @@ from ballesta.rungs.result import cheap_result, solid_result
 from ballesta.side_by_side import offset_gates
 from ballesta.slot_checks import slot_checks
 from ballesta.solid import FIRST
-from ballesta.too_fine import told_of_size
+from ballesta.too_fine import gave_up, told_of_size
 from fem.solvers import SolverError
 from geometry.cad_body import SolidBody
 from geometry.mesh import Mesh, MeshError, TooManyElementsError
@@ -224,12 +223,3 @@ def told_of_part(design: Design, part: Part) -> Iterator[None]:
         raise told_of_size(design, part, error) from error
     except (MeshError, SolverError) as error:
         raise gave_up(design, part, error) from error
-
-
-def gave_up(design: Design, part: Part, error: Exception) -> NumericsError:
-    """What a mesher or a solver said, with the part it said it of."""
-    return NumericsError(
-        str(error),
-        f"{design.file}: parts.{part.name}",
-        "check the part's dimensions, or change mesh.fineness",
-    )

@@ -7,7 +7,6 @@ from time import perf_counter
 
 import loads
 from ballesta.balance import measured_loads
-from ballesta.check import part_masses, solve_cycles
 from ballesta.cost import SECOND_MESH, mesh_seconds, report_seconds, solid_seconds, solve_gibibytes
 from ballesta.design import read_design
 from ballesta.design_data import Design, Part
@@ -18,6 +17,7 @@ from ballesta.levels import Models
 from ballesta.part_loads import check_reach, loads_on
 from ballesta.sketch import joints_in_words, sketch
 from ballesta.solid import FIRST, check_first_mesh
+from ballesta.solved_cycles import part_masses, solve_cycles
 from geometry.mesh import MeshError, TooManyElementsError
 
 

@@ -16,7 +16,6 @@ from typing import Any
 
 import loads
 from ballesta.balance import measured_loads
-from ballesta.check import part_masses, told_of_cycle
 from ballesta.design import read_design
 from ballesta.design_data import Design, Part
 from ballesta.elastic_parts import compliances_of
@@ -29,6 +28,7 @@ from ballesta.quasi_static import vibration_of, with_dynamics
 from ballesta.rungs.climb import answered, climb_cheap, start_climb
 from ballesta.rungs.result import reported_level, rung_gates
 from ballesta.side_by_side import offset_gates
+from ballesta.solved_cycles import part_masses, told_of_cycle
 from ballesta.stability import column_checks
 from geometry.cad_body import SolidBody
 from reports.verdict import Check, Gate, Status, deciding_of, status_of

@@ -1,4 +1,4 @@
-"""A part whose sizes lie so far apart that no mesh can have them: told at the odd one."""
+"""What a mesher or a solver could not do with a part, told of the part and its size."""
 
 import dataclasses
 from collections.abc import Iterator
@@ -6,7 +6,7 @@ from statistics import median
 from typing import Any
 
 from ballesta.design_data import Design, Part
-from ballesta.errors import DesignError
+from ballesta.errors import DesignError, NumericsError
 from geometry.mesh import TooFineError
 from geometry.parameters import GIVEN_BY_LINKAGE
 from geometry.parts import Pin
@@ -24,6 +24,15 @@ def told_of_size(design: Design, part: Part, error: Exception) -> DesignError:
     if odd in _linked(part.geometry):
         odd, told = "interfaces", f"pins that are {told.replace(' beside', ' apart beside')}"
     return DesignError(design.file, f"{key}.{odd}", f"{told} are too far from each other: {error}")
+
+
+def gave_up(design: Design, part: Part, error: Exception) -> NumericsError:
+    """What a mesher or a solver said, with the part it said it of."""
+    return NumericsError(
+        str(error),
+        f"{design.file}: parts.{part.name}",
+        "check the part's dimensions, or change mesh.fineness",
+    )
 
 
 def _linked(geometry: Any) -> set[str]:

@@ -7,8 +7,6 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -206,6 +204,9 @@ class Mesh:
         """Return the mesh with tied nodes made one: the bodies of the stack glued together."""
         if not self.ties:
             return self
+        from scipy.sparse import coo_matrix
+        from scipy.sparse.csgraph import connected_components
+
         pairs = np.concatenate([tie.pairs for tie in self.ties])
         links = coo_matrix((np.ones(len(pairs)), tuple(pairs.T)), shape=(len(self.nodes),) * 2)
         _, place = connected_components(links, directed=False)

@@ -4,8 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from geometry.mesh import FloatArray, IntArray, MeshError, Tie
 
@@ -55,6 +53,9 @@ def split_bodies(nodes: FloatArray, bodies: Sequence[IntArray]) -> Split:
 
 
 def _check_that_all_touch(count: int, touching: Sequence[tuple[int, int]]) -> None:
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
     first, second = np.array(touching, dtype=int).reshape(-1, 2).T
     links = coo_matrix((np.ones(len(first)), (first, second)), shape=(count, count))
     heaps, _ = connected_components(links, directed=False)

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from ballesta.check import solve_cycles
 from ballesta.design import read_design
 from ballesta.part_loads import PartLoads
+from ballesta.solved_cycles import solve_cycles
 
 MACHINE = """
 name = "Crank and slider"

@@ -13,13 +13,14 @@ import pytest
 from numpy.testing import assert_allclose
 
 import ballesta.levels
-from ballesta.check import check_file, part_masses, solve_cycles
+from ballesta.check import check_file
 from ballesta.design import read_design
 from ballesta.levels import Models, solve_level
 from ballesta.part_ladder import Effort
 from ballesta.part_loads import loads_on
 from ballesta.part_strength import elastic_of, endurance_of
 from ballesta.solid import check_solid
+from ballesta.solved_cycles import part_masses, solve_cycles
 from geometry.sizing import SizeField
 from reports.verdict import Status
 

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from ballesta.check import part_masses, solve_cycles
 from ballesta.design import read_design
 from ballesta.elastic_parts import body_compliance, compliances_of
 from ballesta.errors import DesignError
@@ -18,6 +17,7 @@ from ballesta.machine import linkage_of
 from ballesta.part_strength import elastic_of
 from ballesta.plan import plan
 from ballesta.solid import FIRST
+from ballesta.solved_cycles import part_masses, solve_cycles
 from fem.compliance import compliance
 
 DESIGNS = Path(__file__).parents[2] / "designs"

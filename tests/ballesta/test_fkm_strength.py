@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from ballesta.check import solve_cycles
 from ballesta.design_strength import FkmStrength
 from ballesta.duty_verdict import JOINED, duty_runs
 from ballesta.fkm_strength import fkm_judgement, fkm_points, slopes_of
 from ballesta.levels import Models, solve_level
 from ballesta.part_loads import loads_on
 from ballesta.part_strength import elastic_of, endurance_of
+from ballesta.solved_cycles import solve_cycles
 from fatigue import FkmMaterial
 from fem.boundary_value import SolidProblem, traction_load
 from fem.gradient import SurfaceSlopes

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from ballesta.check import part_masses, solve_cycles
 from ballesta.design import read_design
 from ballesta.halves import half_of
 from ballesta.levels import Models
 from ballesta.part_loads import loads_on
 from ballesta.plan import plan
 from ballesta.solid import check_solid
+from ballesta.solved_cycles import part_masses, solve_cycles
 from geometry.halves import Half
 
 from .small_machine import PLATE, machine

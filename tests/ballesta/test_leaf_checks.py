@@ -7,7 +7,6 @@ import pytest
 from numpy.testing import assert_allclose
 
 import ballesta.leaf_checks
-from ballesta.check import solve_cycles
 from ballesta.design import read_design
 from ballesta.elastic_parts import compliances_of
 from ballesta.hand_bodies import leaf_hand_checks
@@ -17,6 +16,7 @@ from ballesta.materials import known_materials
 from ballesta.part_loads import PartLoads, loads_on
 from ballesta.part_strength import elastic_of, endurance_of
 from ballesta.solid import FIRST
+from ballesta.solved_cycles import solve_cycles
 from fem.unit_solutions import Elastic, solve_unit_loads
 from geometry.meshing import mesh_shape
 from geometry.parts import LeafPack

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from ballesta.check import solve_cycles
 from ballesta.design import read_design
 from ballesta.link_forces import BarForces, forces_of
 from ballesta.link_joints import JointRows
 from ballesta.link_model import link_model
 from ballesta.linkage_frame import _IN, _SOFT, _STIFF, COARSE, _Search, _spread, worst_mode
+from ballesta.solved_cycles import solve_cycles
 from fem.frame_joints import slot_force
 from loads import Fixed, Slot
 from tests.ballesta.small_machine import machine, solved

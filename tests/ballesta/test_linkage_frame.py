@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from ballesta.check import solve_cycles
 from ballesta.design import read_design
 from ballesta.linkage_frame import COARSE, FINE, _Search, linkage_check, worst_mode
+from ballesta.solved_cycles import solve_cycles
 from reports.verdict import Status
 from tests.ballesta.small_machine import machine, solved
 

@@ -3,17 +3,19 @@
 import csv
 import json
 import re
+import subprocess
+import sys
 from dataclasses import replace
 from io import StringIO
 from pathlib import Path
 
 import pytest
 
-from ballesta.check import solve_cycles
 from ballesta.design import read_design
 from ballesta.errors import DesignError
 from ballesta.gates import load_gates
 from ballesta.loads_command import loads_of_file
+from ballesta.solved_cycles import solve_cycles
 
 ROOT = Path(__file__).parents[2]
 PRESS = "designs/toggle_press.toml"
@@ -193,3 +195,16 @@ def test_a_slot_end_that_is_near_breaks_its_gate():
 def test_an_unknown_cycle_names_the_nearest():
     with pytest.raises(DesignError, match="did you mean capacity"):
         loads_of_file(ROOT / PRESS, cycles=["capcity"])
+
+
+def test_loads_of_rigid_parts_import_nothing_that_meshes_or_solves():
+    """The masses are known in closed form; SciPy, gmsh and fem take longer than the linkage."""
+    code = (
+        "import sys; from pathlib import Path; from ballesta.loads_command import loads_of_file; "
+        f"loads_of_file(Path({PRESS!r})); print(*sys.modules)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=ROOT, check=True, capture_output=True, text=True
+    )
+    loaded = set(done.stdout.split())
+    assert not {"scipy", "gmsh", "fem.unit_solutions"} & loaded

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from ballesta.balance import measured_loads
-from ballesta.check import check_file, solve_cycles
+from ballesta.check import check_file
 from ballesta.design import read_design
 from ballesta.errors import DesignError
 from ballesta.loads_command import loads_of_file
+from ballesta.solved_cycles import solve_cycles
 from reports.loads_csv import loads_csv
 from reports.loads_page import loads_html
 from reports.loads_text import loads_text

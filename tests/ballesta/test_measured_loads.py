@@ -11,12 +11,13 @@ import pytest
 from numpy.testing import assert_allclose
 
 from ballesta.balance import balance_gates, measured_loads, not_measured
-from ballesta.check import check_file, part_masses, solve_cycles
+from ballesta.check import check_file
 from ballesta.design import read_design
 from ballesta.errors import DesignError
 from ballesta.levels import Models
 from ballesta.part_ladder import Effort
 from ballesta.part_loads import loads_on
+from ballesta.solved_cycles import part_masses, solve_cycles
 from loads import LinkageError
 from loads.kinematics import rotated, turned_left
 

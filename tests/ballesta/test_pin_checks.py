@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from ballesta.check import solve_cycles
 from ballesta.design import read_design
 from ballesta.part_loads import loads_on
 from ballesta.pin_checks import PinDiagram, pin_checks, pin_diagram
+from ballesta.solved_cycles import solve_cycles
 from geometry.parts import Pin, Seat
 
 DESIGNS = Path(__file__).parents[2] / "designs"

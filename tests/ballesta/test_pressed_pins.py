@@ -9,13 +9,13 @@ from pathlib import Path
 
 import pytest
 
-from ballesta.check import solve_cycles
 from ballesta.design import read_design
 from ballesta.judged import StaticPeak, bars_of
 from ballesta.levels import Models
 from ballesta.part_loads import loads_on
 from ballesta.part_strength import endurance_of, fatigue_use
 from ballesta.solid import Asked, solve_levels
+from ballesta.solved_cycles import solve_cycles
 
 DESIGN = Path(__file__).parents[2] / "designs" / "slider_crank.toml"
 STATIC, FATIGUE = 21.03, 20.24  # MPa, von Mises stress and Findley's equivalent amplitude

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from ballesta.check import solve_cycles
 from ballesta.design import read_design
 from ballesta.errors import DesignError
 from ballesta.quasi_static import (
@@ -18,6 +17,7 @@ from ballesta.quasi_static import (
     with_dynamics,
     with_sections,
 )
+from ballesta.solved_cycles import solve_cycles
 from loads import BeamCompliance
 
 from .small_machine import machine, solved

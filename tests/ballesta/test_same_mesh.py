@@ -5,10 +5,10 @@ from math import atan2, cos, degrees, radians, sin
 import numpy as np
 import pytest
 
-from ballesta.check import solve_cycles
 from ballesta.design import read_design
 from ballesta.motion import part_frame
 from ballesta.part_loads import loads_on
+from ballesta.solved_cycles import solve_cycles
 
 from .small_machine import MACHINE, PLATE
 

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from ballesta.check import solve_cycles
 from ballesta.column_limits import cases_of, planes_of, whole_force
 from ballesta.design import read_design
 from ballesta.errors import DesignError
 from ballesta.part_loads import loads_on
+from ballesta.solved_cycles import solve_cycles
 from ballesta.stability import _proof, column_checks, column_facts, column_told
 from ballesta.warnings_of import design_warnings
 from fem.buckling import Buckling, BucklingMode

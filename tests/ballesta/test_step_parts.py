@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from ballesta.check import check_file, solve_cycles
+from ballesta.check import check_file
 from ballesta.design import read_design
 from ballesta.design_schema import design_schema
 from ballesta.errors import DesignError
 from ballesta.part_ladder import Effort
 from ballesta.part_loads import loads_on
+from ballesta.solved_cycles import solve_cycles
 
 from ..geometry.step_files import in_inches, link_file, plate_with, write_step
 

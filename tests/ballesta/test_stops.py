@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from ballesta.check import solve_cycles
 from ballesta.design import read_design
+from ballesta.solved_cycles import solve_cycles
 from ballesta.warnings_of import load_warnings
 
 DESIGNS = Path(__file__).parents[2] / "designs"

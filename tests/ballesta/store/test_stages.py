@@ -12,12 +12,13 @@ import ballesta.store.meshes
 import ballesta.store.solutions
 import fem.mode_count
 import fem.unit_solutions
-from ballesta.check import check_design, solve_cycles
+from ballesta.check import check_design
 from ballesta.design import read_design
 from ballesta.effort import Effort
 from ballesta.fingerprints import digest
 from ballesta.levels import Models
 from ballesta.part_strength import elastic_of
+from ballesta.solved_cycles import solve_cycles
 from ballesta.store.linkage import stored_mode
 from ballesta.store.solutions import StoredSolutions
 from ballesta.store.store import Store

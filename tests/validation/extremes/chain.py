@@ -9,9 +9,10 @@ from math import cos, radians, sin
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from ballesta.check import check_design, solve_cycles
+from ballesta.check import check_design
 from ballesta.design import read_design
 from ballesta.part_ladder import Effort
+from ballesta.solved_cycles import solve_cycles
 from reports.verdict import Check, DesignResult
 
 DESIGNS = Path(__file__).resolve().parents[3] / "designs"

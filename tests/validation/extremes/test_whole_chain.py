@@ -15,11 +15,12 @@ from pathlib import Path
 import pytest
 from numpy.testing import assert_allclose
 
-from ballesta.check import check_file, solve_cycles
+from ballesta.check import check_file
 from ballesta.design import read_design
 from ballesta.errors import DesignError
 from ballesta.gates import load_gates
 from ballesta.part_ladder import Effort
+from ballesta.solved_cycles import solve_cycles
 from fem.threads import ONE_THREAD
 from reports.verdict import Status
 from reports.words import reason, verdict_sentence
