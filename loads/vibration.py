@@ -146,8 +146,6 @@ def followed(modes: LinkageModes, count: int) -> tuple[IntArray, FloatArray, Flo
     back at the last position, if that is the first one again: 1, -1, or 0 for another mode or none.
     Of two neighbouring positions those modes belong together that move most of the mass alike.
     """
-    from scipy.optimize import linear_sum_assignment
-
     weighted = modes.shapes * np.sqrt(modes.lumps.masses)[:, None]
     n = len(weighted)
     columns, signs = np.zeros((n, count), dtype=int), np.ones((n, count))
@@ -155,12 +153,22 @@ def followed(modes: LinkageModes, count: int) -> tuple[IntArray, FloatArray, Flo
     for i in range(1, n):
         before = weighted[i - 1][:, columns[i - 1]]
         overlap = before.T @ weighted[i]
-        rows, chosen = linear_sum_assignment(-np.abs(overlap))
-        columns[i, rows] = chosen
-        signs[i] = signs[i - 1] * np.where(overlap[rows, chosen] < 0.0, -1.0, 1.0)
+        columns[i] = _most_alike(np.abs(overlap))
+        alike = overlap[np.arange(count), columns[i]]
+        signs[i] = signs[i - 1] * np.where(alike < 0.0, -1.0, 1.0)
     last = weighted[-1][:, columns[-1]] * signs[-1]
     back = np.einsum("dk,dk->k", weighted[0][:, :count], last)
     return columns, signs, np.where(np.abs(back) > 0.5, np.sign(back), 0.0)
+
+
+def _most_alike(overlap: FloatArray) -> IntArray:
+    """Return the columns (k,), each taken once, that give the largest sum of (k, n) overlaps."""
+    best: IntArray = overlap.argmax(axis=1)
+    if len(np.unique(best)) == len(best):  # no sum can be larger than that of all rows' largest
+        return best
+    from scipy.optimize import linear_sum_assignment
+
+    return np.asarray(linear_sum_assignment(overlap, maximize=True)[1])
 
 
 def closes(cycle: CycleLoads) -> bool:

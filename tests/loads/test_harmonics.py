@@ -18,7 +18,7 @@ from loads.harmonics import (
     sampled,
     with_vibration,
 )
-from loads.vibration import followed, linkage_modes, motion_of
+from loads.vibration import _most_alike, followed, linkage_modes, motion_of
 
 from .elastic_machines import forged
 from .vibrating import once_along, shaken, springs
@@ -171,6 +171,13 @@ def test_sampling_keeps_the_mean_and_what_is_away_from_jumps(rise):
     assert jump == 5.0
     exact = (1.5 * 0.7 - 1.5 * 0.3 + 0.25 * 1.0) / 2.0
     assert_allclose(samples.mean(), exact, atol=2e-3)
+
+
+def test_the_largest_sum_of_overlaps_is_found_whether_or_not_two_rows_want_one_column():
+    apart = np.array([[0.1, 0.9, 0.0], [0.8, 0.7, 0.2]])
+    same = np.array([[0.1, 0.9, 0.0], [0.5, 0.8, 0.2]])
+    assert _most_alike(apart).tolist() == [1, 0]
+    assert _most_alike(same).tolist() == [1, 0]  # 0.9 + 0.5 > 0.1 + 0.8
 
 
 def test_modes_are_followed_through_a_crossing():
