@@ -86,9 +86,9 @@ class LinkForces:
 
     def forms(self, placed: PlacedLinks, k: int) -> FloatArray:
         """Geometric stiffness per force in the pose of position k, (c, n, n)."""
-        found = []
+        found: list[FloatArray] = []
         for link, bar in self.bars.items():
-            found += [placed.axial({link: force}) for force in bar.per_force(k)]
+            found.extend(placed.axial(link, bar.per_force(k)))
         for link, places, _ in self.arms:
             motion = placed.motion(link, places[k])
             found += [dead_force(motion, axis) for axis in _AXES]

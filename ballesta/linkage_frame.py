@@ -31,6 +31,7 @@ from reports.verdict import Check
 COARSE, MIDDLE, FINE = 4, 8, 16  # pieces of a bar's longest stretch
 _COARSE_ERROR = 0.03  # of a factor, how much higher the coarse frame may be than the fine one
 _RANKED = 40  # positions of a cycle that are asked at first, besides those of largest forces
+_ROUND_OFF = 1e-9  # of a factor
 _NEAR = 0.95  # of the largest share: about which of these all positions are asked
 _PLANES = {"in plane": IN_PLANE, "out of plane": OUT_OF_PLANE}
 Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
@@ -172,6 +173,22 @@ def _spread(run: loads.CycleLoads, stride: int, sizes: FloatArray) -> IntArray:
     return np.unique([*range(0, len(run.positions), stride), *ends, *peaks])
 
 
+def _reduced(
+    placed: PlacedLinks, free: FloatArray, geometric: FloatArray, plane: str
+) -> FloatArray:
+    """-X' K_s X (..., m, m) of motions X (n, m) in a plane and stiffness K_s (..., n, n)."""
+    own = placed.unknowns(_PLANES[plane])
+    inside = free[own]
+    return np.asarray(-inside.T @ geometric[..., own[:, None], own] @ inside)
+
+
+def _largest_inverses(reduced: FloatArray) -> FloatArray:
+    """1/factor (n,) of the lowest modes of (n, m, m) whitened -K_s; 0 where there is none."""
+    values = np.linalg.eigvalsh(reduced)
+    top = values[:, -1]
+    return np.where(top > 1e-9 * np.abs(values).max(axis=1), top, 0.0)
+
+
 class _Search:
     """The frames of all positions with one number of pieces per bar."""
 
@@ -188,6 +205,7 @@ class _Search:
         self.model: LinkModel = link_model(design, first.linkage, pieces)
         self._rows = {name: JointRows(self.model, run, slots_hold) for name, run in cycles.items()}
         self._forces = {name: forces_of(self.model, rows) for name, rows in self._rows.items()}
+        self._acting: dict[_Place, tuple[PlacedLinks, FloatArray]] = {}
 
     def ranked(self) -> dict[_Case, list[tuple[float, _Place]]]:
         """1/factor and place by case, largest first; cases without a factor above 0 are left out.
@@ -237,13 +255,12 @@ class _Search:
             geometric = np.tensordot(acting, forms, 1)
             for case in largest:
                 free = self._moves(placed, rows[case.stiff], case.plane)
-                reduced = -free.T @ geometric @ free
+                reduced = _reduced(placed, free, geometric, case.plane)
                 bounds = np.linalg.norm(reduced, axis=(1, 2))
                 near = np.flatnonzero(bounds > _NEAR * largest[case])
                 if not len(near):
                     continue
-                values = np.linalg.eigvalsh(reduced[near])
-                top = np.where(values[:, -1] > 1e-9 * np.abs(values).max(axis=1), values[:, -1], 0)
+                top = _largest_inverses(reduced[near])
                 largest[case] = max(largest[case], float(top.max()))
                 found.setdefault(case, []).extend(
                     (float(value), members[n])
@@ -252,15 +269,36 @@ class _Search:
                 )
 
     def lowest(self, case: _Case, ranked: Sequence[tuple[float, _Place]]) -> tuple[float, str, int]:
-        """The lowest factor, its cycle and position, of those ranked on a coarser frame."""
-        best: tuple[float, str, int] = (np.inf, *ranked[0][1])
-        for inverse, (name, k) in ranked:
-            if inverse * (1 + _COARSE_ERROR) * best[0] <= 1:
+        """The lowest factor, its cycle and position, of those ranked on a coarser frame.
+
+        All eigenvalues of a position cost less than a mode that is proven: only what has the lowest
+        but for round-off is.
+        """
+        found: dict[_Place, float] = {}
+        largest = 0.0
+        for inverse, place in ranked:
+            if inverse * (1 + _COARSE_ERROR) <= largest:
                 break
-            factor = self.factor(name, k, case.plane, stiff=case.stiff)
-            if factor is not None:
-                best = min(best, (factor, name, k))
+            found[place] = self.largest_inverse(place, case)
+            largest = max(largest, found[place])
+        best: tuple[float, str, int] = (np.inf, *ranked[0][1])
+        for (name, k), inverse in found.items():
+            if inverse > (1 - _ROUND_OFF) * largest:
+                factor = self.factor(name, k, case.plane, stiff=case.stiff)
+                if factor is not None:
+                    best = min(best, (factor, name, k))
         return best
+
+    def largest_inverse(self, place: _Place, case: _Case) -> float:
+        """1/factor of the lowest mode of a position; 0 for none."""
+        name, k = place
+        if place not in self._acting:
+            placed = self._placed(name, k)
+            self._acting[place] = placed, self._forces[name].geometric(placed, k)
+        placed, geometric = self._acting[place]
+        rows = self._rows[name].rows(placed, k, stiff=case.stiff)
+        free = self._moves(placed, rows, case.plane)
+        return float(_largest_inverses(_reduced(placed, free, geometric, case.plane)[None])[0])
 
     def _alike(self, places: Sequence[_Place]) -> dict[tuple[object, ...], list[_Place]]:
         """Places by pose and pace."""

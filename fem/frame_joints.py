@@ -11,7 +11,7 @@ turn with it. What a force f at the arm r does to a body that turns by t is to s
 as the point goes on by 1/2 t x (t x r). The rows of pins hold the turn about z never.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -64,12 +64,13 @@ class Link:
         return work_of_axial_force(self.frame)
 
     def geometric(self, axial: FloatArray) -> FloatArray:
-        """Geometric stiffness of axial forces at the Gauss points (m, 6), in its own axes."""
+        """Geometric stiffness (l, n, n) of axial forces at the Gauss points (l, m, 6), own axes."""
         assert self.frame is not None
-        blocks = np.einsum("mg,mguv->muv", axial, self._work)
-        result = np.zeros((self.n_unknowns,) * 2)
-        for block, unknowns in zip(blocks, self.frame.unknowns, strict=True):
-            result[unknowns[:, None], unknowns] += block
+        blocks = np.einsum("lmg,mguv->mluv", axial, self._work)
+        result = np.zeros((len(axial), self.n_unknowns, self.n_unknowns))
+        for member, block in enumerate(blocks):
+            own = slice(6 * member, 6 * member + 12)  # members join one node to the next
+            result[:, own, own] += block
         return result
 
     def motion(self, place: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -207,12 +208,11 @@ class PlacedLinks:
             result[part, part] = link.stiffness
         return result
 
-    def axial(self, forces: Mapping[int, FloatArray]) -> FloatArray:
-        """Geometric stiffness (n, n) of axial forces (m, 6) in the bars, by number of the link."""
-        result = np.zeros((self.n_unknowns,) * 2)
-        for k, force in forces.items():
-            part = slice(self._starts[k], self._starts[k + 1])
-            result[part, part] = self.links[k].geometric(force)
+    def axial(self, link: int, forces: FloatArray) -> FloatArray:
+        """Geometric stiffness (l, n, n) of axial forces (l, m, 6) in a bar."""
+        result = np.zeros((len(forces), self.n_unknowns, self.n_unknowns))
+        part = slice(self._starts[link], self._starts[link + 1])
+        result[:, part, part] = self.links[link].geometric(forces)
         return result
 
     def unknowns(self, plane: Sequence[int]) -> IntArray:
@@ -243,7 +243,10 @@ class PlacedLinks:
         Raises ValueError if something moves without strain.
         """
         moves = self.free_motions(constraints, plane)
-        return moves @ whitening(moves.T @ self.stiffness @ moves)
+        own = self.unknowns(plane)
+        inside = moves[own]
+        moves[own] = inside @ whitening(inside.T @ self.stiffness[np.ix_(own, own)] @ inside)
+        return moves
 
     def buckling(
         self,

@@ -185,16 +185,21 @@ def test_a_weld_holds_the_turn_that_a_pin_lets_go(quick_return):
 
 def test_a_position_that_only_the_fine_frame_shows_to_be_the_lowest_is_found():
     """Coarse factors are up to 3 % too high: 1/0.98 may be 1/1.005 in truth, 1/0.95 may not."""
-    asked = []
+    asked, proven = [], []
+
+    def largest_inverse(place, case):
+        asked.append(place[1])
+        return {4: 1.001, 7: 1.005, 1: 1.002}[place[1]]
 
     def factor(name, k, plane, *, stiff):
-        asked.append(k)
-        return {4: 1 / 1.001, 7: 1 / 1.005, 1: 1 / 1.002}[k]
+        proven.append(k)
+        return 1 / 1.005
 
     ranked = [(1.0, ("a", 4)), (0.98, ("a", 7)), (0.979, ("a", 1)), (0.95, ("a", 2))]
-    found = _Search.lowest(SimpleNamespace(factor=factor), _IN, ranked)
-    assert found == (1 / 1.005, "a", 7)
+    search = SimpleNamespace(factor=factor, largest_inverse=largest_inverse)
+    assert _Search.lowest(search, _IN, ranked) == (1 / 1.005, "a", 7)
     assert asked == [4, 7, 1]
+    assert proven == [7]
 
 
 def test_phase_ends_and_largest_forces_are_asked_between_the_even_positions():

@@ -226,7 +226,7 @@ def cantilever(count=16, others=(), origins=((0.0, 0.0),), angle=0.0):
 
 
 def pressed(placed, count=16):
-    return placed.axial({0: np.full((count, 6), -1.0)})
+    return placed.axial(0, np.full((1, count, 6), -1.0))[0]
 
 
 ROOT_UNIT = 210e3 * INERTIA / LENGTH**2
@@ -311,7 +311,7 @@ def test_pins_are_hinges_about_z_only():
     along = np.array([1.0, 0.0])
     soft = np.vstack([pin(grounds[0], start, along), pin(*middle)])
     top = slide(grounds[1], end, np.array([0.0, 1.0]), (2, 3))
-    geometric = placed.axial({k: np.full((16, 6), -1.0) for k in (0, 1)})
+    geometric = sum(placed.axial(k, np.full((1, 16, 6), -1.0))[0] for k in (0, 1))
     with pytest.raises(ValueError, match="without strain"):
         placed.buckling(np.vstack([soft, top]), geometric, IN_PLANE)
     found = placed.buckling(np.vstack([soft, top]), geometric, OUT_OF_PLANE).factors[0]
