@@ -4,6 +4,7 @@ Where nobody supervises (a library's user, a worker of a batch), telling falls b
 standard error, and nothing is handed over.
 """
 
+import gc
 import pickle
 import sys
 from collections.abc import Sequence
@@ -55,7 +56,9 @@ def run(parent: Parent) -> None:
     from ballesta.cli import main
 
     sys.argv = ["ballesta", *order.argv]
-    sys.exit(main(order.argv))
+    code = main(order.argv)
+    gc.freeze()  # all ends with the process: looking for cycles among it takes longer than loads do
+    sys.exit(code)
 
 
 def _clear_before(stream: Any) -> None:
