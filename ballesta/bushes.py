@@ -8,6 +8,7 @@ import loads
 from ballesta.design_data import Design, Part
 from ballesta.design_model import StackEntry
 from ballesta.part_loads import PartLoads
+from ballesta.sampling import finer, sampled, with_sampling
 from ballesta.ties import first_largest
 from geometry.mesh import FloatArray
 from geometry.parts import Pin
@@ -31,7 +32,7 @@ def bush_checks(design: Design, part: Part, part_loads: PartLoads, solved: Solve
     for entry in part.stack:
         if entry.bush is None:
             continue
-        checks.append(_pressure_check(design, part, part_loads, entry))
+        checks += _pressed(design, part, part_loads, entry)
         if entry.bush.pv is not None:
             checks += _pv_check(design, part, part_loads, solved, entry)
     return checks
@@ -48,6 +49,10 @@ def bushes_not_checked(part: Part, solved: Solved) -> list[str]:
         for entry in part.stack
         if entry.bush is not None and entry.bush.pv is not None
     ]
+
+
+def _pressed(design: Design, part: Part, part_loads: PartLoads, entry: StackEntry) -> list[Check]:
+    return sampled(lambda some: [_pressure_check(design, part, some, entry)], part_loads)
 
 
 def _pressure_check(design: Design, part: Part, part_loads: PartLoads, entry: StackEntry) -> Check:
@@ -87,11 +92,13 @@ def _pv_check(
     assert entry.bush.pv is not None
     pressure, diameter = _pressure(part, part_loads, entry), bush_diameter(part, entry)
     found = []
+    turned = np.zeros(len(pressure))  # rad/s
     for name, cycle in solved.items():
         if not isinstance(cycle, loads.CycleLoads) or name not in part_loads.cycles:
             continue
         columns = part_loads.cycles[name]
-        speeds = np.abs(turning(cycle, part, entry)) * diameter / 2
+        turned[columns] = turning(cycle, part, entry)
+        speeds = np.abs(turned[columns]) * diameter / 2
         product = pressure[columns] * speeds
         spans = np.diff(cycle.times)
         mean = float(np.sum((product[:-1] + product[1:]) / 2 * spans) / spans.sum())
@@ -102,27 +109,30 @@ def _pv_check(
     value, worst, _, _, speed = max(found)
     means = ", ".join(f"{name} {mean / 1e3:.3g}" for _, _, name, mean, _ in found)
     paired = bush_count(entry) == 2
-    return [
-        Check(
-            part=part.name,
-            kind="bush",
-            quantity=sliding_quantity(entry),
-            value=value / 1e3,
-            unit="MPa m/s",
-            numerical=0.0,
-            model=SHARE_BAND * value / 1e3 if paired else 0.0,
-            limit=entry.bush.pv / 1e3,
-            required=design.require.bush,
-            cycle=part_loads.cycle_names[worst],
-            position=part_loads.labels[worst],
-            place=f"sliding on {diameter:g} mm",
-            method="formula",
-            basis="allowable p v as stated in the design",
-            model_below=0.0,
-            note=f"peak: p = {pressure[worst]:.3g} MPa, v = {speed / 1e3:.3g} m/s; "
-            f"mean over each cycle, MPa m/s: {means}",
-        )
-    ]
+    places, most = finer(part_loads), 0.0
+    if places is not None:
+        speeds = np.abs(places.of(turned)) * diameter / 2
+        most = float((_pressure(part, places.between, entry) * speeds).max())
+    check = Check(
+        part=part.name,
+        kind="bush",
+        quantity=sliding_quantity(entry),
+        value=value / 1e3,
+        unit="MPa m/s",
+        numerical=0.0,
+        model=SHARE_BAND * value / 1e3 if paired else 0.0,
+        limit=entry.bush.pv / 1e3,
+        required=design.require.bush,
+        cycle=part_loads.cycle_names[worst],
+        position=part_loads.labels[worst],
+        place=f"sliding on {diameter:g} mm",
+        method="formula",
+        basis="allowable p v as stated in the design",
+        model_below=0.0,
+        note=f"peak: p = {pressure[worst]:.3g} MPa, v = {speed / 1e3:.3g} m/s; "
+        f"mean over each cycle, MPa m/s: {means}",
+    )
+    return [with_sampling(check, max(0.0, most - value) / 1e3)]
 
 
 def turning(cycle: loads.CycleLoads, part: Part, entry: StackEntry) -> FloatArray:

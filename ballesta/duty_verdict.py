@@ -6,7 +6,7 @@ the order; infinite life asks that its largest be endured without end. How often
 the business of finite life (`ballesta.finite_life`).
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -92,6 +92,12 @@ class DutyVerdict:
         )
 
     @property
+    def bound(self) -> FloatArray:
+        """Not less than the utilisation (n_points,) of each point on any path."""
+        bounds = [verdict.highest_utilisation for verdict in self.verdicts.values()]
+        return np.asarray(np.max(bounds, axis=0))
+
+    @property
     def path(self) -> FloatArray:
         """Coefficients (n_basis, n) of the path that decides."""
         return np.ascontiguousarray(self.coefficients[:, self.runs[self.worst_run]])
@@ -146,7 +152,7 @@ class DutyVerdict:
         return abs(float(again.utilisation.max()) - 1.0)
 
 
-def duty_runs(cycles: Mapping[str, slice], duty: Mapping[str, float]) -> dict[str, IntArray]:
+def duty_runs(cycles: Mapping[str, slice], duty: Iterable[str]) -> dict[str, IntArray]:
     """Paths that a duty judges: the positions of each of its cycles, and of all where it has more.
 
     cycles  name -> slice of the positions; those that the duty does not name are left out

@@ -1,6 +1,6 @@
 """How a part's fatigue is judged: Goodman and Findley, a finite life, or the FKM guideline."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import isfinite
 from weakref import WeakKeyDictionary
@@ -9,7 +9,13 @@ import numpy as np
 
 import fatigue
 from ballesta.design_strength import FkmStrength
-from ballesta.duty_verdict import WHOLE_DUTY, FatiguePeak
+from ballesta.duty_verdict import (
+    WHOLE_DUTY,
+    DutyVerdict,
+    FatiguePeak,
+    duty_runs,
+    duty_verdict,
+)
 from ballesta.finite_life import DutyLife, LifeTask, lives_of, shortest_life
 from ballesta.fkm_strength import FkmJudgement, fkm_judgement, fkm_points, slopes_of
 from ballesta.judged import Judged, direct_under
@@ -80,6 +86,41 @@ class FatigueUse(Judged):
         assert level.duty is not None
         return 0.0, ""
 
+    def over(
+        self,
+        level: Stressed,
+        points: IntArray,
+        coefficients: FloatArray,
+        cycles: Mapping[str, slice],
+    ) -> float:
+        """The quantity at some surface points (n,) over other positions, MPa.
+
+        coefficients  (n_basis, m) of the unit loads
+        cycles        name -> slice of the m positions
+        """
+        duty = self._duty_over(level, points, coefficients, cycles)
+        return duty.peak.value
+
+    def _duty_over(
+        self,
+        level: Stressed,
+        points: IntArray,
+        coefficients: FloatArray,
+        cycles: Mapping[str, slice],
+    ) -> DutyVerdict:
+        duty = level.duty
+        assert duty is not None
+        found = duty_verdict(
+            duty.basis[points],
+            coefficients,
+            duty.limits[points],
+            duty.limit,
+            duty.ultimate,
+            duty_runs(cycles, [name for name in duty.runs if name in cycles]),
+        )
+        assert found is not None
+        return found
+
     def safety_missed(self, level: Stressed) -> float:
         """How far from 1 the safety is that all loads times the safety leave."""
         assert level.duty is not None
@@ -120,6 +161,17 @@ class LifeUse(FatigueUse):
         life = self.life(level)
         value = self.limit / life.safety
         return FatiguePeak(value, life.point, WHOLE_DUTY, life.pair, "Miner")
+
+    def over(
+        self,
+        level: Stressed,
+        points: IntArray,
+        coefficients: FloatArray,
+        cycles: Mapping[str, slice],
+    ) -> float:
+        """The quantity at some surface points (n,) over other positions, MPa."""
+        duty = self._duty_over(level, points, coefficients, cycles)
+        return self.limit / shortest_life(duty, self.task).safety
 
     def safety_missed(self, level: Stressed) -> float:
         """How far from 1 the safety is that all loads times the safety leave, counted again."""
@@ -202,6 +254,21 @@ class FkmUse(FatigueUse):
         stress = np.stack([direct_under(self.loads, level, k, arcs) for k in found.pair], axis=2)
         used = [found.utilisation_between(stress[..., k]) for k in range(len(arcs))]
         return [float(one.max()) * self.strength.reference for one in used]
+
+    def over(
+        self,
+        level: Stressed,
+        points: IntArray,
+        coefficients: FloatArray,
+        cycles: Mapping[str, slice],
+    ) -> float:
+        """The quantity at some surface points (n,) over other positions, MPa."""
+        duty = self._duty_over(level, points, coefficients, cycles)
+        slopes = slopes_of(_solid(level).solutions)
+        found = fkm_judgement(
+            self.strength, duty.basis, coefficients, duty.runs, lambda some: slopes(points[some])
+        )
+        return found.demand
 
     def safety_missed(self, level: Stressed) -> float:
         """How far from 1 the safety is that all loads times the safety leave."""

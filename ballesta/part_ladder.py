@@ -22,6 +22,7 @@ from ballesta.pin_checks import pin_checks
 from ballesta.rungs.climb import Climb, climb_rungs, start_climb
 from ballesta.rungs.pinned import climb_pinned
 from ballesta.rungs.result import cheap_result, solid_result
+from ballesta.sampling import sampled
 from ballesta.side_by_side import offset_gates
 from ballesta.slot_checks import slot_checks
 from ballesta.solid import FIRST
@@ -207,9 +208,14 @@ def formula_checks(climb: Climb, solved: Solved, models: Models, body: SolidBody
     design, part, part_loads = climb.design, climb.part, climb.loads
     lugs = _with_ligaments(climb, models, body)
     return [
-        *pin_checks(design, part, part_loads),
-        *lug_checks(design, part, part_loads, lugs),
-        *slot_checks(design, part, part_loads, body.interfaces),
+        *sampled(
+            lambda some: [
+                *pin_checks(design, part, some),
+                *lug_checks(design, part, some, lugs),
+                *slot_checks(design, part, some, body.interfaces),
+            ],
+            part_loads,
+        ),
         *bush_checks(design, part, part_loads, solved),
     ]
 

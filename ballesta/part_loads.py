@@ -28,8 +28,11 @@ class PartLoads:
     tilt_held_at   interface that takes the couples out of the plane, also those of inertia
     cycles         name -> slice of the n positions
     labels         (n,) where in which cycle, in words
-    phase_of       (n,) phase of each position in its cycle: at its border the loads may jump;
-                   None where every cycle is one phase
+    stretch_of     (n,) stretch of its cycle that each position is in: a phase, or what of it lies
+                   between the beginnings and ends of contacts; at its border the loads may jump;
+                   None where every cycle is one stretch
+    path           (n,) coordinate along which the positions of cycles lie, mm or rad; NaN in
+                   measured runs; None where it is not known
     """
 
     wrenches: Mapping[str, FloatArray]
@@ -40,15 +43,16 @@ class PartLoads:
     reaches: Mapping[str, FloatArray] = field(default_factory=dict)
     tilting: float = 0.0
     tilt_held_at: str | None = None
-    phase_of: IntArray | None = None
+    stretch_of: IntArray | None = None
+    path: FloatArray | None = None
 
     @property
     def steps(self) -> IntArray:
         """Positions (m,) after which the loads go on to the next one without a jump."""
         names = np.array(self.cycle_names)
         smooth = names[1:] == names[:-1]
-        if self.phase_of is not None:
-            smooth &= self.phase_of[1:] == self.phase_of[:-1]
+        if self.stretch_of is not None:
+            smooth &= self.stretch_of[1:] == self.stretch_of[:-1]
         return np.flatnonzero(smooth)
 
     @property
@@ -121,7 +125,7 @@ def loads_on(
     wrenches: dict[str, list[FloatArray]] = {}
     reaches: dict[str, list[FloatArray]] = {}
     labels: list[str] = []
-    accelerations, names, phase_of = [], [], []
+    accelerations, names, stretch_of, path = [], [], [], []
     slices, start = {}, 0
     for name, cycle_loads in solved.items():
         if not is_loaded(part, cycle_loads):
@@ -140,7 +144,9 @@ def loads_on(
             shown, unit, tuple(values.tolist()), tuple(history.phase_of.tolist()), phases
         )
         names += [name] * len(values)
-        phase_of.append(history.phase_of)
+        stretch_of.append(_stretches(cycle_loads))
+        known = isinstance(cycle_loads, loads.CycleLoads)
+        path.append(cycle_loads.positions if known else np.full(len(values), np.nan))
         slices[name] = slice(start, start + len(values))
         start += len(values)
     if not slices:
@@ -161,8 +167,18 @@ def loads_on(
         {name: np.concatenate(parts) for name, parts in reaches.items()},
         _tilt(part, together),
         part.tilt_held_at,
-        np.concatenate(phase_of),
+        np.concatenate(stretch_of),
+        np.concatenate(path),
     )
+
+
+def _stretches(cycle: loads.CycleLoads | loads.MeasuredLoads) -> IntArray:
+    """Number (n,) of the stretch of a cycle, between two jumps, that each position is in."""
+    jumps = np.diff(cycle.phase_of) != 0
+    if isinstance(cycle, loads.CycleLoads):
+        for touch in cycle.touches.values():
+            jumps |= touch.touching[1:] != touch.touching[:-1]
+    return np.concatenate([[0], np.cumsum(jumps)])
 
 
 @lru_cache(maxsize=16)

@@ -24,6 +24,7 @@ from ballesta.part_facts import assumed_of, facts_of, gates_of, mesh_row
 from ballesta.part_loads import PartLoads
 from ballesta.part_strength import elastic_of, endurance_of, fatigue_use, life_task
 from ballesta.part_vibration import frequency_facts
+from ballesta.sampling import fatigue_rise, sampled, static_rise, with_sampling
 from ballesta.stability import (
     column_checks,
     column_facts,
@@ -112,7 +113,7 @@ def check_solid(
     if stopped:
         stressed = [
             replace(check, note=f"{check.note}; {stopped}")
-            if check.numerical > design.accuracy * check.value
+            if check.numerical - check.sampling > design.accuracy * check.value
             else check
             for check in stressed
         ]
@@ -136,7 +137,11 @@ def check_solid(
         name=part.name,
         shape=part.shape,
         material=part.material.name,
-        checks=[*stressed, *column_checks(design, part, loads), *buckled.checks],
+        checks=[
+            *stressed,
+            *sampled(lambda some: column_checks(design, part, some), loads),
+            *buckled.checks,
+        ],
         gates=gates,
         hand_checks=by_hand,
         meshes=[{"body": "half" if lv.half else "whole", **mesh_row(lv)} for lv in levels],
@@ -378,9 +383,11 @@ def _stress_check(
     if isinstance(judged, FatigueUse):
         said = fatigue_words(design, part, loads, level, judged)
         more, why = judged.band(level)
+        rise = fatigue_rise(level, loads, judged)
     else:
         said = static_words(design, part, loads, level)
-    return Check(
+        rise = static_rise(level, loads)
+    check = Check(
         part=part.name,
         kind=said.kind,
         quantity=said.quantity,
@@ -398,3 +405,4 @@ def _stress_check(
         basis=said.basis,
         note=". ".join(text for text in (said.note, why, bars.note) if text),
     )
+    return with_sampling(check, rise)

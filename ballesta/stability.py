@@ -11,11 +11,12 @@ from ballesta.column_moments import axial_compression as axial_compression
 from ballesta.column_moments import crooked_checks
 from ballesta.design_data import Design, Part
 from ballesta.part_loads import PartLoads
+from ballesta.sampling import beside, with_sampling
 from ballesta.store.solutions import remembered
 from ballesta.ties import first_largest
 from fem.buckling import Buckling, BucklingMode
 from fem.unit_solutions import UnitSolutions
-from fem.worst_position import buckling_at, worst_buckling
+from fem.worst_position import buckling_at, shares_of, worst_buckling
 from geometry.mesh import FloatArray
 from reports.verdict import Check, Status
 
@@ -236,7 +237,7 @@ def eigenvalue_check(
     def checked(mode: BucklingMode, bar: float, meshes: str) -> Check:
         below = 0.0 if stiff is None else max(0.0, 1 - modes[0].factor / stiff) / mode.factor
         below *= max(0.0, 1 - bar)  # the stiffer forks' factor is as uncertain
-        return Check(
+        check = Check(
             part=part.name,
             kind="buckling",
             quantity=ELASTIC_SHARE,
@@ -255,6 +256,15 @@ def eigenvalue_check(
             note=f"lowest factors {planes}, {proof} at this position, the worst of all that was "
             f"found; with forks that hold the ends against tilting: {forks}{unused}{turned}",
         )
+        return with_sampling(check, rise * check.value)
+
+    fields = np.stack([mode.shape.ravel() for mode in modes], axis=1)
+    places = beside(loads, worst)
+    rise = 0.0  # of the share, over it
+    if places is not None:
+        between = np.column_stack([coefficients[:, worst], places.of(coefficients.T).T])
+        share, *others = shares_of(solutions, between, fields)
+        rise = max(0.0, max(others) / share - 1)
 
     check = checked(modes[0], _ONE_MESH_BAR / part.fineness, "one mesh")
     if check.status is Status.UNDECIDED and len(levels) > 1:

@@ -47,7 +47,7 @@ def worst_buckling(
         fields += [mode.shape.ravel() for mode in found.modes]
         if waiting or not fields:
             continue
-        estimates = _shares(solutions, coefficients, np.stack(fields, axis=1))
+        estimates = shares_of(solutions, coefficients, np.stack(fields, axis=1))
         lowest = min((one.modes[0].factor for one in solved.values() if one.modes), default=np.inf)
         for other in np.argsort(-estimates):
             if estimates[other] <= 0.0 or 1.0 / estimates[other] > _CLOSE * lowest:
@@ -103,7 +103,7 @@ def _patterns(solutions: UnitSolutions, coefficients: FloatArray) -> list[FloatA
     return found
 
 
-def _shares(solutions: UnitSolutions, coefficients: FloatArray, fields: FloatArray) -> FloatArray:
+def shares_of(solutions: UnitSolutions, coefficients: FloatArray, fields: FloatArray) -> FloatArray:
     """Share (n,) of its lowest factor that each position's load is at least; 0 without any."""
     elements, material = solutions.elements, solutions.material
     none = np.zeros((*elements.weights.shape, 3, 3))

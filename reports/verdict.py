@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 NOT_MESHED = "not meshed"  # the only field on the surface of a part that no stress is known on
 _BARS = ("numerical", "model", "model_below")  # of a check: None in plain data where infinite
-_NUMBERS = ("value", "limit", "required")
+_NUMBERS = ("value", "limit", "required", "sampling")
 
 
 class Status(StrEnum):
@@ -33,6 +33,7 @@ class Check:
     quantity          what `value` is
     value             the demand, in `unit`
     numerical         half-width of the numerical error bar, in `unit`; infinite if unknown
+    sampling          what part of it is for peaks between the positions of the cycle, in `unit`
     model             how far the model band reaches above the value, in `unit`
     model_below       how far it reaches below; None for as far as above
     limit             what the part can take, in `unit`
@@ -61,6 +62,7 @@ class Check:
     basis: str
     note: str = ""
     model_below: float | None = None
+    sampling: float = 0.0
     derivation: "Derivation | None" = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:

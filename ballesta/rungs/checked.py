@@ -1,5 +1,6 @@
 """What a rung below the solid says of a part's checks, with its calibrated bars."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from math import inf
 
@@ -12,6 +13,7 @@ from ballesta.rungs.estimate import Estimate
 from ballesta.rungs.families import family_of
 from ballesta.rungs.model import RungLevel, RungModel
 from ballesta.rungs.proportions import proportions_of, unknown_load
+from ballesta.sampling import buckling_rise, fatigue_rise, static_rise, with_sampling
 from ballesta.stability import ELASTIC_SHARE
 from ballesta.stress_words import Words, fatigue_words, static_words
 from ballesta.stressed import judge
@@ -41,28 +43,49 @@ def rung_level(design: Design, part: Part, loads: PartLoads, model: RungModel) -
 
 
 def rung_estimates(
-    design: Design, part: Part, loads: PartLoads, level: RungLevel, use: FatigueUse | None
+    design: Design,
+    part: Part,
+    loads: PartLoads,
+    level: RungLevel,
+    use: FatigueUse | None,
+    again: Callable[[PartLoads], RungModel | None],
 ) -> dict[str, Estimate]:
     """The checks that a rung answers, by kind.
 
-    use  how the part's fatigue is judged; None where no cycle of the duty loads it
+    use    how the part's fatigue is judged; None where no cycle of the duty loads it
+    again  builds the rung's model under other loads
     """
     words = static_words(design, part, loads, level)
     found = {
-        STATIC: _stress_estimate(part, loads, level, words, level.peak.value, level.peak.point)
+        STATIC: _stress_estimate(
+            part, loads, level, words, level.peak.value, level.peak.point, static_rise(level, loads)
+        )
     }
     if use is not None:
         words = fatigue_words(design, part, loads, level, use)
         found[FATIGUE] = _stress_estimate(
-            part, loads, level, words, use.value(level), use.point(level)
+            part,
+            loads,
+            level,
+            words,
+            use.value(level),
+            use.point(level),
+            fatigue_rise(level, loads, use),
         )
     if level.model.buckling is not None and level.model.buckling.share > 0.0:
-        found[BUCKLING] = _buckling_estimate(design, part, loads, level.model)
+        rise = buckling_rise(loads, level.model.buckling, again)
+        found[BUCKLING] = _buckling_estimate(design, part, loads, level.model, rise)
     return found
 
 
 def _stress_estimate(
-    part: Part, loads: PartLoads, level: RungLevel, words: Words, value: float, point: int
+    part: Part,
+    loads: PartLoads,
+    level: RungLevel,
+    words: Words,
+    value: float,
+    point: int,
+    rise: float,
 ) -> Estimate:
     check = Check(
         part=part.name,
@@ -83,10 +106,12 @@ def _stress_estimate(
     )
     if loads.is_nothing:
         return Estimate(_told(check, 0.0, 0.0, NOTHING))
-    return _with_band(part, loads, level.model, check)
+    return _with_band(part, loads, level.model, with_sampling(check, rise))
 
 
-def _buckling_estimate(design: Design, part: Part, loads: PartLoads, model: RungModel) -> Estimate:
+def _buckling_estimate(
+    design: Design, part: Part, loads: PartLoads, model: RungModel, rise: float
+) -> Estimate:
     assert model.buckling is not None
     position = model.buckling.position
     check = Check(
@@ -107,7 +132,7 @@ def _buckling_estimate(design: Design, part: Part, loads: PartLoads, model: Rung
         "crookedness",
         note=model.buckling.words,
     )
-    return _with_band(part, loads, model, check)
+    return _with_band(part, loads, model, with_sampling(check, rise))
 
 
 def _with_band(part: Part, loads: PartLoads, model: RungModel, check: Check) -> Estimate:

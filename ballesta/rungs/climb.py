@@ -90,7 +90,12 @@ class Climb:
         found = {
             kind: _banded(estimate, band)
             for kind, estimate in rung_estimates(
-                self.design, self.part, self.loads, level, self.use
+                self.design,
+                self.part,
+                self.loads,
+                level,
+                self.use,
+                lambda some: BUILDERS[rung](self.part, some, **until),
             ).items()
             if kind in wanted
         }

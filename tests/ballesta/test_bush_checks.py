@@ -61,6 +61,19 @@ def test_p_v_is_pressure_times_the_speed_of_the_pin_in_the_lug(tmp_path):
     assert f"turn {mean:.3g}" in product.note
 
 
+def test_the_bars_of_few_positions_hold_the_peaks_of_many(tmp_path):
+    def at(count):
+        design = machine(tmp_path, text, f"cycles.turn.positions={count}")
+        cycles = solved(design)
+        part = design.parts["pin_A"]
+        return bush_checks(design, part, loads_on(design, part, cycles), cycles)
+
+    text = PIN.replace("BEARS", 'allowable = "40 MPa", pv = "1 MPa m/s"')
+    for few, many in zip(at(18), at(273), strict=True):
+        assert few.value * (1 + 1e-4) < many.value <= few.upper
+        assert many.sampling < 1e-4 * many.value
+
+
 def test_p_v_above_the_allowable_fails_and_below_it_passes(tmp_path):
     value = bush_checks(*_arguments(bushes(tmp_path)))[1].value
     for factor, status in ((1.01, Status.PASS), (0.99, Status.FAIL)):

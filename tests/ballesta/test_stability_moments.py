@@ -201,7 +201,7 @@ def test_a_bar_is_judged_up_to_where_its_compression_ends(tmp_path, shares):
 def test_compression_does_not_end_between_phases_or_cycles(tmp_path):
     """There the loads jump: nothing lies between a push without and a pull with moments."""
     design, part = rod(tmp_path, STRAIGHT)
-    loads = replace(passing((0, 1)), phase_of=np.array([0, 1]))
+    loads = replace(passing((0, 1)), stretch_of=np.array([0, 1]))
     check = crooked(design, part, loads, "in plane")
     assert_allclose(check.value, 2e4 / AREA, rtol=1e-3)
     assert len(passing((0, 1)).steps) == 1
