@@ -92,6 +92,12 @@ class DutyVerdict:
         )
 
     @property
+    def known(self) -> FloatArray:
+        """The utilisation (n_points,) of each point as far as it is known; exact at the worst."""
+        known = [verdict.utilisation for verdict in self.verdicts.values()]
+        return np.asarray(np.max(known, axis=0))
+
+    @property
     def bound(self) -> FloatArray:
         """Not less than the utilisation (n_points,) of each point on any path."""
         bounds = [verdict.highest_utilisation for verdict in self.verdicts.values()]

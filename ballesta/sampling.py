@@ -159,7 +159,7 @@ def sampled(make: Callable[[PartLoads], Sequence[Check]], loads: PartLoads) -> l
 
 def with_sampling(check: Check, more: float) -> Check:
     """Return a check with what it rises by between the positions in its numerical bar."""
-    missed = MARGIN * more
+    missed = MARGIN * float(more)
     if not missed > _ROUND_OFF * check.value:
         return check
     return replace(check, numerical=check.numerical + missed, sampling=missed)

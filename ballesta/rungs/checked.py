@@ -13,10 +13,13 @@ from ballesta.rungs.estimate import Estimate
 from ballesta.rungs.families import family_of
 from ballesta.rungs.model import RungLevel, RungModel
 from ballesta.rungs.proportions import proportions_of, unknown_load
+from ballesta.rungs.rings import static_values, with_peaks
 from ballesta.sampling import buckling_rise, fatigue_rise, static_rise, with_sampling
 from ballesta.stability import ELASTIC_SHARE
 from ballesta.stress_words import Words, fatigue_words, static_words
 from ballesta.stressed import judge
+from fem.stress_history import StressHistory
+from geometry.mesh import FloatArray
 from reports.verdict import Check
 from reports.words import UNKNOWN_BAR
 
@@ -28,10 +31,19 @@ NOTHING = "nothing loads the part at any position: no model would find a stress"
 def rung_level(design: Design, part: Part, loads: PartLoads, model: RungModel) -> RungLevel:
     """Judge the stress of a rung's model over all cycles of the design."""
     limit = endurance_of(part).value
+    ultimate, cycles = part.material.ultimate_stress, design.duty.cycles
+    if model.ring and not loads.is_nothing:
+        model = with_peaks(model, static_values)
+
+        def used(history: StressHistory, fretting: FloatArray) -> tuple[FloatArray, FloatArray]:
+            found = judge(history, limit / fretting, limit, ultimate, loads, cycles).duty
+            assert found is not None
+            return found.known, found.bound
+
+        if any(name in loads.cycles for name in cycles):
+            model = with_peaks(model, used)
     limits = limit / model.fretting
-    judged = judge(
-        model.history, limits, limit, part.material.ultimate_stress, loads, design.duty.cycles
-    )
+    judged = judge(model.history, limits, limit, ultimate, loads, cycles)
     return RungLevel(
         limits=limits,
         history=model.history,

@@ -95,7 +95,7 @@ class Climb:
                 self.loads,
                 level,
                 self.use,
-                lambda some: BUILDERS[rung](self.part, some, **until),
+                lambda some: BUILDERS[rung](self.part, some),
             ).items()
             if kind in wanted
         }

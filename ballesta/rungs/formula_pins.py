@@ -76,6 +76,7 @@ def pin_model(part: Part, shape: Pin, loads: PartLoads) -> RungModel | None:
         points.add_block(section.name, at, every, at_section)
     return RungModel(
         rung="formula",
+        ring=len(ANGLES),
         history=points.history(),
         places=points.places,
         units=points.units,

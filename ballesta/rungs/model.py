@@ -83,6 +83,8 @@ class RungModel:
     buckling    largest share of the elastic buckling load, None where the rung has no answer
     neglects    what the rung leaves out, in words
     unknowns    number of unknowns that were solved, 0 of a formula
+    ring        number of points at even angles around each section of a pin, section by section; 0
+                where the points lie otherwise
     units       (n_basis,) names of what the history's coefficients are sizes of
     """
 
@@ -96,6 +98,7 @@ class RungModel:
     buckling: ElasticLoad | None
     neglects: str
     unknowns: int = 0
+    ring: int = 0
     units: Sequence[UnitName]
 
     def __post_init__(self) -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from ballesta.check import check_file
 from ballesta.effort import Effort
-from ballesta.sampling import MARGIN, PIECES, finer, sampled
+from ballesta.sampling import MARGIN, PIECES, finer, sampled, with_sampling
 from reports.verdict import Check
 
 from .small_machine import loads_of
@@ -109,3 +109,9 @@ class TestThePlacesBetween:
         places = finer(loads)
         assert np.count_nonzero(places.before == 2) == 1 + PIECES
         assert places.of(values).min() == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_bar_is_a_plain_number():
+    """Reports write numbers as Python does; numpy's are written otherwise."""
+    (check,) = largest(along([1.0, 2.0, 1.0]))
+    assert type(with_sampling(check, np.float64(0.1)).numerical) is float
