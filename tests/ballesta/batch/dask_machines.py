@@ -54,10 +54,15 @@ class DaskMachines:
 
     folder  of what they keep; holds the module `cluster_job_functions` for them
     allowed_failures  how many workers a job may take along before it is given up
+    tls     folder of certificates for TLS; None for none
     """
 
-    def __init__(self, folder: Path, allowed_failures: int = 3) -> None:
+    def __init__(self, folder: Path, allowed_failures: int = 3, tls: Path | None = None) -> None:
         self.folder = folder
+        self._tls = [] if tls is None else [
+            "--tls-ca-file", str(tls / "ca.pem"), "--tls-cert", str(tls / "cert.pem"),
+            "--tls-key", str(tls / "key.pem"),
+        ]  # fmt: skip
         self._environment = {
             **os.environ,
             "PYTHONPATH": os.pathsep.join([str(ROOT), str(folder)]),
@@ -67,8 +72,8 @@ class DaskMachines:
         (folder / "cluster_job_functions.py").write_text(MODULE)
         self.workers: list[subprocess.Popen] = []
         self.scheduler = self._start(
-            "scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard",
-            "--dashboard-address", "127.0.0.1:0", "--scheduler-file", "scheduler.json",
+            "scheduler", *(["--protocol", "tls"] if tls else []), "--host", "127.0.0.1",
+            "--port", "0", "--no-dashboard", "--dashboard-address", "127.0.0.1:0", "--scheduler-file", "scheduler.json",
         )  # fmt: skip
         self.address = _waited_for(lambda: self._address(), self.scheduler)
 
@@ -93,7 +98,7 @@ class DaskMachines:
     def _start(self, what: str, *options: str, log: str = "scheduler") -> subprocess.Popen:
         with (self.folder / f"{log}.log").open("wb") as output:
             return subprocess.Popen(
-                [sys.executable, "-P", "-m", f"distributed.cli.dask_{what}", *options],
+                [sys.executable, "-P", "-m", f"distributed.cli.dask_{what}", *options, *self._tls],
                 cwd=self.folder, stdout=output, stderr=output, env=self._environment,
             )  # fmt: skip
 

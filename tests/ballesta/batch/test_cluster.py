@@ -3,10 +3,15 @@
 import json
 import os
 import pickle
+import re
+import shutil
+import subprocess
 import sys
+from contextlib import nullcontext
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
+from shutil import which
 
 import pytest
 
@@ -310,31 +315,24 @@ def test_the_number_of_jobs_is_for_the_cluster_to_say(tmp_path, capsys):
 
 
 FORGED = '''
-import os, sys
+import pickle
 
 class Command:
-    """A command that runs where it is unpickled."""
-    def __init__(self, file):
-        self.file = file
+    """A command that runs where it is unpickled, and what is then there instead of it."""
+    def __init__(self, site, left="7"):
+        told = f"echo $PPID >> {site.folder}/ran"
+        self.text = f"(__import__('os').system({told!r}), {left})[1]"
     def __reduce__(self):
-        return os.system, (f"echo $PPID >> {self.file}",)
-
-class Failure(Exception):
-    def __reduce__(self):
-        return os.system, (f"echo $PPID >> {self.args[0]}",)
+        return eval, (self.text,)
 
 def reply(index, job, site):
-    return Command(site.folder + "/ran")
-
-def fail(index, job, site):
-    raise Failure(site.folder + "/ran")
+    return Command(site)
 
 def warn(index, job, site):
-    import pickle
     from distributed import get_worker
-    evil = pickle.dumps(Command(site.folder + "/ran"))
+    evil = pickle.dumps(Command(site))
     get_worker().log_event("warn", {"category": evil, "message": evil})
-    return Command(site.folder + "/ran")
+    return Command(site)
 
 def text(index, job, site):
     ended = '{"index": 7, "outcome": {}, "seconds": 0.0, "peak": 0, "attempts": 1}'
@@ -342,23 +340,59 @@ def text(index, job, site):
 
 def number(index, job, site):
     return 7
+
+def fail(site, exception, traceback):
+    """Fail as a worker does that has its own idea of an exception."""
+    from distributed import protocol, worker
+    plain = worker.error_message
+    def forged(error, status="error"):
+        worker.error_message = plain
+        sent = [protocol.to_serialize(pickle.dumps(each)) for each in (exception, traceback)]
+        return plain(error, status) | {"exception": sent[0], "traceback": sent[1]}
+    worker.error_message = forged
+    raise ValueError
+
+def exception(index, job, site):
+    fail(site, Command(site, "ValueError()"), None)
+
+def traceback(index, job, site):
+    fail(site, ValueError(), Command(site, "None"))
+
+def no_exception(index, job, site):
+    fail(site, 7, 7)
 '''
+COMMANDS = ("reply", "warn", "exception", "traceback")
 
 
-@installed
-@pytest.mark.parametrize("how", ["reply", "fail", "warn", "text", "number"])
-def test_a_forged_reply_runs_nothing_where_the_batch_was_started(
-    tmp_path, machines, monkeypatch, how
-):
-    """The first three run a command wherever they are unpickled, also on worker and scheduler."""
+def forged(tmp_path, machines, monkeypatch, how):
+    """What the batch says of a worker's forged reply, and the processes that ran its command."""
     (machines.folder / "forged_there.py").write_text(FORGED)
     monkeypatch.syspath_prepend(machines.folder)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(cluster_module, "run_there", getattr(import_module("forged_there"), how))
-    with pytest.raises(DesignError, match=r"does not run on the cluster|repl(y|ied)"):
+    with pytest.raises(DesignError) as caught:
         fates(tmp_path, machines, {"a": "one"})
     ran = tmp_path / "ran"
-    assert str(os.getpid()) not in (ran.read_text().split() if ran.exists() else [])
+    return caught.value.problem, set(map(int, ran.read_text().split())) if ran.exists() else set()
+
+
+@installed
+@pytest.mark.parametrize("how", [*COMMANDS, "text", "number", "no_exception"])
+def test_a_forged_reply_runs_nothing_where_the_batch_was_started(
+    tmp_path, machines, monkeypatch, how
+):
+    """And does not keep it waiting: a traceback that was none did."""
+    told, ran = forged(tmp_path, machines, monkeypatch, how)
+    assert re.search(r"does not run on the cluster|repl(y|ied)", told)
+    assert os.getpid() not in ran
+
+
+@installed
+@pytest.mark.parametrize("how", COMMANDS)
+def test_a_forged_reply_would_run_where_dask_may_unpickle(tmp_path, machines, monkeypatch, how):
+    """The forgeries are real ones: by dask's own reading, each runs its command here."""
+    monkeypatch.setattr(cluster_module, "nothing_unpickled", nullcontext)
+    assert os.getpid() in forged(tmp_path, machines, monkeypatch, how)[1]
 
 
 def test_a_reply_is_plain_text_of_a_fixed_form():
@@ -397,3 +431,40 @@ def test_certificates_are_taken_from_a_folder(tmp_path, capsys):
     security = cluster_module.security_of(tmp_path)
     assert security.require_encryption
     assert security.tls_ca_file == str(tmp_path / "ca.pem")
+
+
+def certified(folder):
+    """A folder with ca.pem, cert.pem and key.pem, made by the commands of docs/cluster.md."""
+    folder.mkdir()
+    text = (Path(__file__).parents[3] / "docs" / "cluster.md").read_text(encoding="utf-8")
+    commands = re.findall("^(?:mkdir|openssl) .*", text, re.MULTILINE)
+    assert len(commands) == 4
+    for words in commands:
+        subprocess.run(words.split(), check=True, capture_output=True, cwd=folder)
+    return folder / "certificates"
+
+
+@installed
+@pytest.mark.slow
+@pytest.mark.skipif(which("openssl") is None, reason="needs the command openssl")
+def test_a_cluster_with_tls_takes_only_who_has_a_certificate_of_its_authority(tmp_path, capsys):
+    """By options as docs/cluster.md has them."""
+    tls, stranger = certified(tmp_path / "ours"), certified(tmp_path / "theirs")
+    (tmp_path / "machines").mkdir()
+    machines = DaskMachines(tmp_path / "machines", tls=tls)
+    try:
+        machines.add_worker()
+        assert machines.address.startswith("tls://")
+        code, told = command(tmp_path, capsys, executor=machines.address, tls=tls)
+        assert code == 1, told
+        assert (tmp_path / "out" / "machine" / "result.json").is_file()
+        shutil.rmtree(tmp_path / "out")
+        plainly = machines.address.replace("tls", "dask")
+        for executor, folder in ((machines.address, stranger), (plainly, None)):
+            code, told = command(tmp_path, capsys, executor=executor, tls=folder)
+            assert code == 2
+            assert "--executor: no dask scheduler answers at" in told
+            assert "Traceback" not in told
+            assert not list((tmp_path / "out").glob("*/result.json"))
+    finally:
+        machines.kill()
