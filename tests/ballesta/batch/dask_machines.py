@@ -73,7 +73,8 @@ class DaskMachines:
         self.workers: list[subprocess.Popen] = []
         self.scheduler = self._start(
             "scheduler", *(["--protocol", "tls"] if tls else []), "--host", "127.0.0.1",
-            "--port", "0", "--no-dashboard", "--dashboard-address", "127.0.0.1:0", "--scheduler-file", "scheduler.json",
+            "--port", "0", "--no-dashboard", "--dashboard-address", "127.0.0.1:0",
+            "--scheduler-file", "scheduler.json",
         )  # fmt: skip
         self.address = _waited_for(lambda: self._address(), self.scheduler)
 
