@@ -32,11 +32,13 @@ def offset_gates(
         if interface is None or not any(is_loaded(pin, cycle) for cycle in solved.values()):
             continue
         offset = part.offsets.get(interface, 0.0)
-        arm, wanted = _missing_arm(pin, part.body, offset, loads_on(design, pin, solved).wrenches)
+        arm, couple, wanted = _missing_arm(
+            pin, part.body, offset, loads_on(design, pin, solved).wrenches
+        )
         cure = (
-            f'; state offsets = {{ {interface} = "{wanted:g} mm" }}'
-            if wanted is not None and abs(wanted - offset) > APART
-            else "; give the part's offsets the couple of its neighbours on the pin"
+            f'; state offsets = {{ {interface} = "{wanted:.4g} mm" }}'
+            if abs(wanted - offset) > APART
+            else "; no offset has it, as the lugs' forces do not keep step"
         )
         gates.append(
             Gate(
@@ -44,7 +46,7 @@ def offset_gates(
                 arm,
                 APART,
                 f"the stack of {pin.name} has lugs beside {part.name}, whose couple its offsets "
-                f"do not have{cure}"
+                f"do not have: {couple:.3g} N mm{_bending(part, couple)}{cure}"
                 if arm > APART
                 else "couple of the lugs beside it on the pin less that of offsets, over the force",
             )
@@ -54,10 +56,11 @@ def offset_gates(
 
 def _missing_arm(
     pin: Part, body: str, offset: float, wrenches: Mapping[str, np.ndarray]
-) -> tuple[float, float | None]:
-    """Largest couple that is left out over the largest force, mm, and the right offset if there is.
+) -> tuple[float, float, float]:
+    """Largest couple that is left out over the largest force, mm; that couple, N mm; an offset.
 
-    Raises no error where nothing presses: the arm is 0 then.
+    The offset, mm, is the one that leaves least by least squares: all of it where the other lugs
+    have one height, or where their forces keep step. The arm is 0 where nothing presses.
     """
     assert isinstance(pin.geometry, Pin)
     heights = {seat.name: seat.at if seat.single else 0.0 for seat in pin.geometry.seats}
@@ -65,9 +68,22 @@ def _missing_arm(
     forces = np.stack([wrenches[name][:, :2] for name in others])
     largest = float(np.hypot(forces[..., 0], forces[..., 1]).max(initial=0.0))
     if not largest:
-        return 0.0, None
+        return 0.0, 0.0, offset
     fixed = pin.fixed_to == body
-    arms = [heights[name] - heights[body] if fixed else 0.0 for name in others]
-    left = np.einsum("k,knx->nx", np.array(arms) - offset, forces)
-    same = len(set(arms)) == 1
-    return float(np.hypot(left[:, 0], left[:, 1]).max()) / largest, arms[0] if same else None
+    arms = np.array([heights[name] - heights[body] if fixed else 0.0 for name in others])
+    whole = np.einsum("k,knx->nx", arms, forces)
+    own = forces.sum(axis=0)
+    weight = float((own**2).sum())
+    wanted = float((whole * own).sum()) / weight if weight > (1e-9 * largest) ** 2 else offset
+    left = whole - offset * own
+    couple = float(np.hypot(left[:, 0], left[:, 1]).max())
+    return couple / largest, couple, wanted
+
+
+def _bending(part: Part, couple: float) -> str:
+    """What a couple is as nominal stress of bending out of the plane, in words, of a plate."""
+    width, thickness = (getattr(part.geometry, name, None) for name in ("width", "thickness"))
+    if not (width and thickness):
+        return ""
+    stress = 6.0 * couple / (width * thickness**2)
+    return f", {stress:.3g} MPa of bending in its plate of {width:g} x {thickness:g} mm"

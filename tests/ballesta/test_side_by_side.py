@@ -1,16 +1,20 @@
 """Plates side by side: pins' stacks against the offsets of the parts, and what cannot be meant."""
 
+import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from ballesta import side_by_side
 from ballesta.errors import DesignError
 from ballesta.part_loads import check_reach, loads_on
 from ballesta.plan import plan
 from ballesta.side_by_side import offset_gates
 from ballesta.warnings_of import design_warnings
 from geometry.mesh import Interface, TooManyElementsError
+from geometry.parts import Pin, Seat
 
 from .small_machine import PLATE, machine, solved
 from .test_slot_checks import MESH, lever
@@ -53,6 +57,49 @@ def test_a_forgotten_offset_breaks_a_gate_that_tells_the_right_one(tmp_path):
     (rod,) = found["rod"].values()
     assert rod.value == 0
     assert not found["pin_A"]
+
+
+def three_lugs(arms, forces, offset):
+    """What is left out of a plate in which a pin is fixed that carries two lugs at some heights.
+
+    forces  (2, n, 2) of the two on the pin, N
+    """
+    seats = [Seat("plate", at=0.0, width=8.0, single=True)]
+    seats += [Seat(f"lug{k}", at=at, width=8.0, single=True) for k, at in enumerate(arms)]
+    pin = SimpleNamespace(geometry=Pin(seats=tuple(seats), diameter=12.0), fixed_to="plate")
+    wrenches = {f"lug{k}": np.pad(each, ((0, 0), (0, 4))) for k, each in enumerate(forces)}
+    return side_by_side._missing_arm(pin, "plate", offset, wrenches)
+
+
+def test_a_couple_that_keeps_step_with_its_force_has_an_offset_for_three_lugs():
+    """Forces 3 and 1 at 10 and 22 mm are 4 at 13 mm."""
+    turning = np.array([[300.0, 0.0], [0.0, -600.0], [200.0, 100.0]])
+    forces = np.array([turning, turning / 3])
+    arm, couple, wanted = three_lugs((10.0, 22.0), forces, 0.0)
+    assert wanted == pytest.approx(13.0)
+    assert couple == pytest.approx(13.0 * 800.0)
+    assert arm == pytest.approx(13.0 * 800.0 / 600.0)
+    assert three_lugs((10.0, 22.0), forces, wanted)[0] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_couple_that_does_not_is_told_by_what_the_best_offset_leaves():
+    """One lug presses, then the other, as hard: 16 mm is the best, and 6 mm of 500 N is left."""
+    forces = np.array([[[500.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [500.0, 0.0]]])
+    _, _, wanted = three_lugs((10.0, 22.0), forces, 0.0)
+    assert wanted == pytest.approx(16.0)
+    assert three_lugs((10.0, 22.0), forces, wanted)[:2] == pytest.approx((6.0, 3000.0))
+
+
+def test_what_is_left_out_is_told_as_stress(tmp_path):
+    """M = 10.5 mm times the largest force; 6 M / (w t^2) in the plate."""
+    (gate,) = gates(tmp_path)["crank"].values()
+    couple, stress, width, thickness = map(
+        float,
+        re.search(
+            r"have: (\S+) N mm, (\S+) MPa of bending in its plate of (\S+) x (\S+) mm", gate.meaning
+        ).groups(),
+    )
+    assert stress == pytest.approx(6 * couple / (width * thickness**2), rel=5e-3)
 
 
 def offsets(crank, rod):
