@@ -44,8 +44,7 @@ def stated(machine, cycles, positions=73):
 
     cycles  those that stay, all of them in the duty
     """
-    data = tomllib.loads((DESIGNS / f"{machine}.toml").read_text(encoding="utf-8"))
-    resolve_like(data, None)
+    data = flattened(machine)
     data["cycles"] = {name: data["cycles"][name] | {"positions": positions} for name in cycles}
     data["duty"]["cycles"] = dict.fromkeys(cycles, 1e7)
     data.pop("assumed", None)
@@ -55,6 +54,13 @@ def stated(machine, cycles, positions=73):
     }
     # defaults are stated, so that they can be changed
     return {"gravity": "0, -9.81 m/s2"} | data | {"parts": parts}
+
+
+def flattened(machine):
+    """The data of a shipped design without its `like`s."""
+    data = tomllib.loads((DESIGNS / f"{machine}.toml").read_text(encoding="utf-8"))
+    resolve_like(data, None)
+    return data
 
 
 def checked(folder, data, fidelity="formula"):

@@ -4,6 +4,7 @@ No number is expected here: a result is compared with that of the same machine, 
 in other units, turned, mirrored, moved, scaled. By formula nothing but round-off differs.
 """
 
+from dataclasses import fields
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -12,13 +13,16 @@ import numpy as np
 import pytest
 
 import loads
+from ballesta.design import read_design
 from ballesta.machine import cycle_of, linkage_of
 
 from .restated import (
+    DESIGNS,
     a_turn_later,
     backwards,
     checked,
     designed,
+    flattened,
     in_other_units,
     mirrored,
     moved,
@@ -68,10 +72,15 @@ def same(relation, machine):
 
 
 @cache
+def as_stated(machine):
+    """The result of a machine as it is stated."""
+    with TemporaryDirectory() as folder:
+        return checked(Path(folder), stated(machine, CYCLES[machine]))
+
+
 def plain(machine):
     """The numbers of a machine as it is stated."""
-    with TemporaryDirectory() as folder:
-        return numbers(checked(Path(folder), stated(machine, CYCLES[machine])))
+    return numbers(as_stated(machine))
 
 
 def forces(folder, data):
@@ -152,6 +161,26 @@ def test_three_times_the_loads_make_three_times_the_stress(machine, tmp_path):
     """Columns are no part of it: bars bend more than in proportion."""
     found = numbers(checked(tmp_path, three_times_loaded(stated(machine, CYCLES[machine]))))
     assert_same(found, plain(machine), kinds=STRESSES, factor=3.0)
+
+
+@pytest.mark.parametrize("machine", BY_FORMULA)
+def test_twice_the_positions_make_the_same_numbers_within_their_bars(machine, tmp_path):
+    """Each check's own bar holds what lies between its positions."""
+    twice = numbers(checked(tmp_path, stated(machine, CYCLES[machine], positions=145)))
+    assert twice.keys() == plain(machine).keys()
+    for key, rows in plain(machine).items():
+        for old, new in zip(rows, twice[key], strict=True):
+            assert abs(new[0] - old[0]) <= old[1] + new[1], (key, old[:2], new[:2])
+
+
+@pytest.mark.parametrize("machine", CYCLES)
+def test_a_flattened_design_is_the_same(machine, tmp_path):
+    """All that `like` names written out: only the texts that it was read from differ."""
+    kept = read_design(DESIGNS / f"{machine}.toml")
+    flat = designed(tmp_path, flattened(machine))
+    texts = ("file", "source", "sources", "sha256", "inputs")
+    differ = [f.name for f in fields(kept) if getattr(kept, f.name) != getattr(flat, f.name)]
+    assert set(differ) <= set(texts)
 
 
 def test_the_order_of_interfaces_does_not_say_where_a_part_is_held(tmp_path):
