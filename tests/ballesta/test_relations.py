@@ -170,7 +170,8 @@ def test_twice_the_positions_make_the_same_numbers_within_their_bars(machine, tm
     assert twice.keys() == plain(machine).keys()
     for key, rows in plain(machine).items():
         for old, new in zip(rows, twice[key], strict=True):
-            assert abs(new[0] - old[0]) <= old[1] + new[1], (key, old[:2], new[:2])
+            told = old[1] + new[1] + 1e-5 * old[0]  # dynamics and seeking end there
+            assert abs(new[0] - old[0]) <= told, (key, old[:2], new[:2])
 
 
 @pytest.mark.parametrize("machine", CYCLES)
