@@ -6,8 +6,6 @@ import sys
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from geometry.memory import available_bytes
-
 MIB = 2**20
 # Largest resident size of a worker, measured over the four machines of designs/; solids of
 # 140 000 unknowns take 1.3 GiB to solve (ballesta/cost.py) beside meshing and judging.
@@ -58,6 +56,8 @@ class Admission:
 
 def planned_budget() -> int:
     """Bytes that a batch may plan for."""
+    from geometry.memory import available_bytes  # loads SciPy, which a worker need not wait for
+
     return int(_SHARE * available_bytes())
 
 
