@@ -17,10 +17,18 @@ import pytest
 from ballesta.cli import main
 from fem.threads import ONE_THREAD
 
+from . import processor_budget
+
 os.environ.update(ONE_THREAD)  # before any test loads a library that has threads of its own
 ROOT = Path(__file__).parent.parent
 collect_ignore = ["windows/sitecustomize.py"]  # imported it blocks modules, as is its purpose
 AS_A_USER = {"COLUMNS": "120", "PYTHONPATH": str(ROOT)}
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Give every test a budget of processor time."""
+    if not config.pluginmanager.is_registered(processor_budget):
+        config.pluginmanager.register(processor_budget)
 
 
 @dataclass(frozen=True)
@@ -64,6 +72,15 @@ def shared(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+def made_once(kept: Path, make: Callable[[], Any]) -> Any:
+    """Return what `make` gives, as JSON holds it; one process makes it, the others wait for it."""
+    with kept.with_suffix(".lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not kept.exists():
+            kept.write_text(json.dumps(make()))
+    return json.loads(kept.read_text())
+
+
 @pytest.fixture(scope="session")
 def press(shared: Path) -> Run:
     """`ballesta check designs/toggle_press.toml`, whole, at its usual fineness, as a user runs it.
@@ -71,17 +88,16 @@ def press(shared: Path) -> Run:
     One process of the tests runs it, the others wait for it.
     """
     out = shared / "press"
-    kept = shared / "press.json"
-    with (shared / "press.lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        if not kept.exists():
-            done = subprocess.run(
-                [sys.executable, "-P", "-m", "ballesta.cli", "check", "designs/toggle_press.toml",
-                 "--out", str(out)],
-                cwd=ROOT, env=os.environ | AS_A_USER, capture_output=True, text=True, check=False,
-            )  # fmt: skip
-            kept.write_text(json.dumps([done.returncode, done.stdout, done.stderr]))
-    return Run(*json.loads(kept.read_text()), out)
+
+    def run() -> tuple[int, str, str]:
+        done = subprocess.run(
+            [sys.executable, "-P", "-m", "ballesta.cli", "check", "designs/toggle_press.toml",
+             "--out", str(out)],
+            cwd=ROOT, env=os.environ | AS_A_USER, capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        return done.returncode, done.stdout, done.stderr
+
+    return Run(*made_once(shared / "press.json", run), out)
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -21,6 +21,7 @@ BLOCKS = re.findall(
 )
 
 
+@pytest.mark.budget(60.0, "a page's example is run as it stands")
 @pytest.mark.parametrize(("code", "printed"), [
     pytest.param(code, printed, id=title) for title, code, printed in BLOCKS
 ])  # fmt: skip
