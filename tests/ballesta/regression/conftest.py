@@ -5,21 +5,27 @@ from pathlib import Path
 
 import pytest
 
+from ballesta.errors import DesignError
+from ballesta.regression import plugin
 from ballesta.regression.file import write_record
-from ballesta.regression.isolated import measure
+from ballesta.regression.isolated import CheckError, measure
+from ballesta.regression.work import measured
 
+from ...conftest import made_once
 from ..small_machine import MACHINE, PLATE
 
 ROOT = Path(__file__).parents[3]
 DESIGN = MACHINE + PLATE
+INSTALLED = "ballesta" in {found.name for found in entry_points(group="pytest11")}
+PLUGIN = [] if INSTALLED else ["-p", "ballesta.regression.plugin"]
 
 
 @pytest.fixture(scope="session")
-def small_record(tmp_path_factory):
+def small_record(tmp_path_factory, shared):
     """What the small machine gives by formula."""
     design = tmp_path_factory.mktemp("small") / "machine.toml"
     design.write_text(DESIGN, encoding="utf-8")
-    return measure(design, fidelity="formula")
+    return made_once(shared / "small_record.json", lambda: measure(design, fidelity="formula"))
 
 
 @pytest.fixture
@@ -35,12 +41,29 @@ def repository(pytester, monkeypatch, small_record):
 
 
 @pytest.fixture
-def run(repository):
-    """Run pytest in the repository, as its user does."""
-    installed = {found.name for found in entry_points(group="pytest11")}
-    plugin = [] if "ballesta" in installed else ["-p", "ballesta.regression.plugin"]
+def run_apart(repository):
+    """Run pytest in the repository, as its user does: processes of their own."""
 
     def run_pytest(*arguments):
-        return repository.runpytest_subprocess(*plugin, *arguments, timeout=300)
+        return repository.runpytest_subprocess(*PLUGIN, *arguments, timeout=300)
 
+    return run_pytest
+
+
+@pytest.fixture
+def run(repository, monkeypatch):
+    """Run pytest and the checks of its designs in this process."""
+
+    def measured_here(design, *, fidelity="auto", rungs=None, timeout=None):
+        with pytest.MonkeyPatch.context() as patch:
+            patch.chdir(design.resolve().parent)
+            try:
+                return measured(Path(design.name), fidelity, rungs or {})
+            except DesignError as error:
+                raise CheckError(2, str(error)) from error
+
+    def run_pytest(*arguments):
+        return repository.runpytest_inprocess(*PLUGIN, *arguments)
+
+    monkeypatch.setattr(plugin, "measure", measured_here)
     return run_pytest

@@ -82,7 +82,7 @@ def test_a_rewritten_baseline_fails_keeps_bands_and_rungs_and_tells_what_changed
     assert now != text
 
 
-def test_the_users_modules_and_ours_do_not_meet(run, repository):
+def test_the_users_modules_and_ours_do_not_meet(run_apart, repository):
     """The user's own loads.py, reports/ and fem/ are theirs, and break nothing of ours."""
     broken = "raise AssertionError('taken for one of ballesta')"
     for package in ("fem", "fatigue", "geometry"):
@@ -98,7 +98,7 @@ def test_the_users_modules_and_ours_do_not_meet(run, repository):
             assert (reports.OURS, loads.OURS) == (1, 2)
         """
     )
-    run().assert_outcomes(passed=2)
+    run_apart().assert_outcomes(passed=2)
 
 
 def test_the_plugin_imports_nothing_that_the_user_may_have_too():
@@ -113,13 +113,13 @@ def test_the_plugin_imports_nothing_that_the_user_may_have_too():
     assert done.stdout.split(maxsplit=1)[1].strip() == "[]"
 
 
-def test_designs_run_side_by_side_under_xdist_with_a_junit_report(run, repository):
+def test_designs_run_side_by_side_under_xdist_with_a_junit_report(run_apart, repository):
     pytest.importorskip("xdist")
     for name in ("machine.toml", "machine.baseline.json"):
         text = designs(repository, name).read_text(encoding="utf-8")
         copy = designs(repository, f"other{name.removeprefix('machine')}")
         copy.write_text(text.replace('push = "400 N"', 'push = "500 N"'), encoding="utf-8")
-    run("designs/", "-n", "2", "--junitxml=junit.xml").assert_outcomes(passed=1, failed=1)
+    run_apart("designs/", "-n", "2", "--junitxml=junit.xml").assert_outcomes(passed=1, failed=1)
     cases = ElementTree.parse(repository.path / "junit.xml").findall(".//testcase")
     assert {case.get("name") for case in cases} == {"machine", "other"}
     (failure,) = ElementTree.parse(repository.path / "junit.xml").findall(".//failure")
@@ -200,8 +200,8 @@ def test_a_baseline_without_its_design_fails(run, repository):
     result.stdout.fnmatch_lines(["machine.baseline.json is the baseline of no design: *"])
 
 
-def test_a_check_that_takes_too_long_fails_and_says_so(run):
-    result = run("designs/", "-o", "ballesta_timeout=0.05")
+def test_a_check_that_takes_too_long_fails_and_says_so(run_apart):
+    result = run_apart("designs/", "-o", "ballesta_timeout=0.05")
     result.assert_outcomes(failed=1)
     result.stdout.fnmatch_lines(["the check took longer than 0.05 s (ballesta_timeout)*"])
 
