@@ -1,11 +1,17 @@
 """Job functions for workers that need no design, and what a test needs around them."""
 
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from importlib import import_module
 from pathlib import Path
+from typing import Any, Self
 
+from ballesta.batch import run as batch_run
 from ballesta.batch.job import Job
 from ballesta.batch.memory import MIB, Admission
 from ballesta.batch.plan import Plan
-from ballesta.batch.pool import Limits, Pool
+from ballesta.batch.pool import Finished, Limits, Pool
+from ballesta.batch.worker import answer
 
 # Written beside the tests' own files, because a worker imports it by name.
 MODULE = '''
@@ -73,6 +79,40 @@ def outcome(job):
     sources = {str(file.resolve()): sha256(text.encode()).hexdigest()}
     return done | {"sources": sources, "seconds": 0.0}
 '''
+
+
+class InThisProcess:
+    """An executor that runs jobs one by one in this process, where processes are no subject."""
+
+    at_a_time = 1
+    running: Sequence[Any] = ()
+
+    def __init__(self, function: str) -> None:
+        module, _, name = function.partition(":")
+        self._function = getattr(import_module(module), name)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        pass
+
+    def start(self, jobs: int) -> None:
+        pass
+
+    def results(self, jobs: Sequence[tuple[int, Mapping[str, Any]]]) -> Iterator[list[Finished]]:
+        for index, job in jobs:
+            reply = json.loads(json.dumps(answer(self._function, json.loads(json.dumps(job)))))
+            outcome, status, error = (reply.get(k) for k in ("outcome", "failed", "error"))
+            yield [Finished(index, outcome, 0.0, MIB, 1, status or "", error or "",
+                            kind=reply.get("kind", ""))]  # fmt: skip
+
+
+def run_in_this_process(monkeypatch) -> None:
+    """Let batches run their jobs in this process."""
+    monkeypatch.setattr(
+        batch_run, "executor_of", lambda jobs, settings, function, *_: InThisProcess(function)
+    )
 
 
 def write_module(folder: Path, monkeypatch) -> None:

@@ -14,11 +14,18 @@ import pytest
 
 from ...conftest import Run
 from ..small_machine import MACHINE, PLATE
+from . import jobs
 
 ROOT = Path(__file__).parents[3]
 GOOD = MACHINE + PLATE
 QUICK = ["--fidelity", "formula", "--no-reports", "--jobs", "2"]
 TABLES = ("index.html", "results.csv", "results.parquet")
+
+
+@pytest.fixture
+def in_this_process(monkeypatch):
+    """Designs are checked in this process: processes are the subject of `bad` and `swept`."""
+    jobs.run_in_this_process(monkeypatch)
 
 
 def rows(out):
@@ -193,6 +200,7 @@ def test_a_small_batch_has_reports_and_pictures_that_the_index_shows_and_links(s
     assert all(drawn) or missing  # where there is no GL
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_an_edited_base_is_noticed_although_the_design_itself_is_as_it_was(tmp_path, command):
     """`like` takes from another file, which is not in the batch's folder."""
     base = tmp_path / "base.toml"
@@ -214,6 +222,7 @@ def test_an_edited_base_is_noticed_although_the_design_itself_is_as_it_was(tmp_p
     assert not (out / "child" / "result.json").exists()  # no old result beside the new verdict
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_results_move_with_their_folder(tmp_path, command):
     (tmp_path / "machine.toml").write_text(GOOD)
     out, moved = tmp_path / "out", tmp_path / "moved"
@@ -230,6 +239,7 @@ def test_the_documentation_names_every_option_of_the_command(command):
     assert {option for option in options if f"`{option}" not in text} == set()
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_a_link_that_leads_to_another_file_is_checked_again(command, tmp_path):
     (tmp_path / "one.toml").write_text(GOOD)
     (tmp_path / "two.toml").write_text(GOOD.replace("400 N", "900 kN"))
@@ -242,6 +252,7 @@ def test_a_link_that_leads_to_another_file_is_checked_again(command, tmp_path):
         assert statuses(out) == {"m": status}
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_no_design_writes_outside_of_its_own_folder(command, tmp_path):
     (tmp_path / "...toml").write_text(GOOD)
     (tmp_path / "report.html").write_text("the user's own")

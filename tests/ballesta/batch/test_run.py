@@ -26,6 +26,16 @@ def module(tmp_path, monkeypatch):
     jobs.write_module(tmp_path, monkeypatch)
 
 
+@pytest.fixture
+def in_this_process(tmp_path, monkeypatch):
+    """Jobs run in this process: the subject is the journal, the tables or the command."""
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "batch_job_functions", raising=False)
+    jobs.run_in_this_process(monkeypatch)
+    yield
+    sys.modules.pop("batch_job_functions", None)
+
+
 def batch(tmp_path, texts, out="out", settings=None, **options):
     told = jobs.Silent()
     plan = jobs.plan_of(tmp_path, texts, tmp_path / out)
@@ -55,6 +65,7 @@ def test_rows_are_in_the_order_of_the_jobs_not_of_finishing(tmp_path):
     assert [line.split(",")[0] for line in lines[1:]] == ["a", "b", "c", "d"]
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_a_second_run_does_nothing_and_writes_the_same_tables(tmp_path):
     batch(tmp_path, TEXTS)
     before = tables(tmp_path / "out")
@@ -64,6 +75,7 @@ def test_a_second_run_does_nothing_and_writes_the_same_tables(tmp_path):
     assert tables(tmp_path / "out") == before
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_only_what_has_changed_is_done_again(tmp_path):
     batch(tmp_path, TEXTS)
     outcomes, told = batch(tmp_path, {**TEXTS, "c": "new"})
@@ -71,6 +83,7 @@ def test_only_what_has_changed_is_done_again(tmp_path):
     assert [outcome["error"] for outcome in outcomes] == ["first", "second", "new", "fourth"]
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_a_changed_result_json_is_not_taken_for_the_one_that_was_written(tmp_path):
     plan = jobs.plan_of(tmp_path, {"a": "one"}, tmp_path / "out")
     run_batch(plan, tmp_path / "out", Settings(1), jobs.Silent(), function=FUNCTION)
@@ -85,6 +98,7 @@ def test_a_changed_result_json_is_not_taken_for_the_one_that_was_written(tmp_pat
     assert batch(tmp_path, {"a": "one"})[1].done_before == 0
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_other_code_or_libraries_make_everything_anew(tmp_path, monkeypatch):
     batch(tmp_path, TEXTS)
     monkeypatch.setattr("ballesta.fingerprints.libraries", lambda: {"numpy": "another"})
@@ -100,6 +114,7 @@ def test_what_was_stopped_by_circumstances_is_tried_again(tmp_path):
     assert outcomes[0]["error"] == "slow"
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_a_full_disk_stops_the_batch_and_a_second_run_ends_like_an_undisturbed_one(tmp_path):
     written = []
 
@@ -212,6 +227,7 @@ def _is_alive(pid):
     return state != "Z"  # whoever inherits it may be slow to reap it
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_an_interrupt_leaves_tables_that_say_what_was_not_run(tmp_path):
     class Impatient(jobs.Silent):
         def finished(self, outcome, timings):
@@ -237,6 +253,7 @@ def test_two_batches_do_not_run_in_one_folder(tmp_path):
         batch(tmp_path, TEXTS)
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_the_journal_holds_no_timings_among_what_is_compared(tmp_path):
     batch(tmp_path, {"a": "one"})
     (line,) = (tmp_path / "out" / "journal.jsonl").read_text().splitlines()
@@ -245,6 +262,7 @@ def test_the_journal_holds_no_timings_among_what_is_compared(tmp_path):
     assert not set(entry["timings"]) & set(entry["outcome"])
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_the_journal_names_files_from_the_batchs_folder(tmp_path):
     """No path of the machine or its user stands in it, and a finished job is found all the same."""
     batch(tmp_path, TEXTS)
