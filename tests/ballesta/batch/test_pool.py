@@ -1,5 +1,7 @@
 import os
 import signal
+import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -40,6 +42,12 @@ def test_workers_have_one_thread_each(tmp_path, monkeypatch):
     tests = str(Path(__file__).parents[2])
     (done,) = jobs.run(jobs.pool("calculate", tmp_path / "work"), [{"tests": tests}])
     assert done.outcome["share"] < 0.05
+
+
+def test_a_worker_is_ready_before_it_has_loaded_what_only_a_check_needs():
+    code = "import sys, ballesta.batch.worker; print({'scipy', 'numpy'} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "set()"
 
 
 def test_a_worker_that_was_killed_costs_nothing_but_time(tmp_path):
