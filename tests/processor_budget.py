@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 import pytest
 
-BUDGET = 15.0  # s of a processor; 7 s is the most that a test takes on an idle machine
+BUDGET = 30.0  # s of a processor: twice over for cores that are shared with other work
 
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
