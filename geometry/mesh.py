@@ -310,7 +310,7 @@ def _shape(points: FloatArray) -> FloatArray:
     return np.column_stack([corner, *middle])
 
 
-def _shape_gradients(points: FloatArray) -> FloatArray:
+def shape_gradients(points: FloatArray) -> FloatArray:
     """Their derivatives by the three local coordinates, (n_points, 10, 3)."""
     barycentric = np.column_stack([1 - points.sum(axis=1), points])
     slopes = np.vstack([-np.ones(3), np.eye(3)])
@@ -324,7 +324,7 @@ def _shape_gradients(points: FloatArray) -> FloatArray:
 
 def _jacobian_determinants(nodes: FloatArray, elements: IntArray, points: FloatArray) -> FloatArray:
     """Det J at the given local points of every element, (n_elements, n_points)."""
-    jacobians = np.einsum("eax,qar->eqxr", nodes[elements], _shape_gradients(points), optimize=True)
+    jacobians = np.einsum("eax,qar->eqxr", nodes[elements], shape_gradients(points), optimize=True)
     determinants: FloatArray = np.linalg.det(jacobians)
     return determinants
 

@@ -12,6 +12,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from geometry.curving import ENOUGH, bent, least_coefficients
 from geometry.element_count import check_elements, solid_elements
 from geometry.graphics import INSTALL
 from geometry.memory import check_memory, compactness_of
@@ -35,7 +36,7 @@ _OPTIONS = {
     "Mesh.Optimize": 1,
     "Mesh.ElementOrder": 2,
     "Mesh.SecondOrderLinear": 0,
-    "Mesh.HighOrderOptimize": 1,  # a curved element on a small fillet folds without it
+    "Mesh.HighOrderOptimize": 0,  # not at once: see _mend
     "Mesh.HighOrderIterMax": 20,  # more do not mend more, and turn round-off into 1e-3 mm
     "Mesh.HighOrderNumLayers": 2,  # of elements moved around a bad one; 1 kinks small fillets
     "Mesh.MeshSizeExtendFromBoundary": 0,
@@ -47,6 +48,7 @@ _OPTIONS = {
 
 # Algorithms of the volume mesh, the faster one first; where it folds an element, the other may not.
 _MESHERS = (("HXT", 10), ("Delaunay, because HXT folded an element", 1))
+_MENDED = 0.05  # the least coefficient of an element that gmsh has mended beside bent ones
 # What high-order optimisation says where it could not mend an element.
 _STAYED_BAD = ("Failed to reach critical value", "Optimization failed")
 _UNKNOWNS, _LOADS = 4.3, 8  # unknowns per element of a compact mesh; unit loads of a pin
@@ -179,6 +181,7 @@ def _generate(gmsh: Any) -> None:
     gmsh.option.setNumber("General.AbortOnError", 0)
     try:
         gmsh.model.mesh.generate(3)
+        _mend(gmsh)
         messages = gmsh.logger.get()
     finally:
         gmsh.option.setNumber("General.AbortOnError", 2)
@@ -190,6 +193,44 @@ def _generate(gmsh: Any) -> None:
         if any("3D mesh failed" in m or "ntersect" in m for m in errors):
             hint = "; a wall or a ligament may be far thinner than the elements beside it"
         raise MeshError(f"gmsh could not mesh the part: {'; '.join(errors[:3])}{hint}")
+
+
+def _mend(gmsh: Any) -> None:
+    """Mend curved elements that fold in gmsh's model.
+
+    gmsh's own optimiser moves all nodes of two layers of elements around each, those on the surface
+    too, which took half of the time of a toggle bar's mesh. So inner edges are bent first, and few
+    elements are left to it; what it does not mend beside bent edges, it is given as it was.
+    """
+    volumes = [tag for _, tag in gmsh.model.getEntities(3)]
+    tags, nodes, index = _nodes(gmsh)
+    if not len(tags):
+        return  # gmsh has told why
+    elements = np.concatenate([_solids(gmsh, index, tag) for tag in volumes])
+    inside = np.concatenate([index[gmsh.model.mesh.getNodes(3, tag)[0]] for tag in volumes])
+    found = bent(nodes, elements, inside)
+    if least_coefficients(found, elements).min(initial=1.0) < ENOUGH:
+        _place(gmsh, tags, nodes, found)
+        gmsh.model.mesh.optimize("HighOrder")
+        _, found, _ = _nodes(gmsh)
+        if least_coefficients(found, elements).min() < _MENDED:
+            _place(gmsh, tags, found, nodes)
+            gmsh.model.mesh.optimize("HighOrder")
+        return
+    _place(gmsh, tags, nodes, found)
+
+
+def _nodes(gmsh: Any) -> tuple[IntArray, FloatArray, IntArray]:
+    """Tags (n,) and places (n, 3) of the nodes in gmsh's model, and the index of each tag."""
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    index = np.full(int(tags.max(initial=0)) + 1, -1, dtype=np.int64)
+    index[tags] = np.arange(len(tags))
+    return tags, np.array(coordinates, dtype=float).reshape(-1, 3), index
+
+
+def _place(gmsh: Any, tags: IntArray, now: FloatArray, wanted: FloatArray) -> None:
+    for node in np.flatnonzero((now != wanted).any(axis=1)):
+        gmsh.model.mesh.setNode(int(tags[node]), wanted[node].tolist(), [])
 
 
 def faces_where(gmsh: Any, test: Callable[[Any, str], bool]) -> list[int]:
@@ -240,12 +281,10 @@ def _read_mesh(gmsh: Any, body: Body, mesher: str) -> Mesh:
     volumes = [tag for _, tag in gmsh.model.getEntities(3)]
     if len(volumes) != 1 and not (body.stacked and volumes):
         raise MeshError(f"the part must be one solid, the CAD kernel built {len(volumes)}")
-    tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    index = np.full(int(tags.max()) + 1, -1, dtype=np.int64)
-    index[tags] = np.arange(len(tags))
-    nodes = _rounded(np.asarray(coordinates, dtype=float).reshape(-1, 3))
+    _, places, index = _nodes(gmsh)
+    nodes = _rounded(places)
 
-    solids = [_elements(gmsh, index, 11, tag, 10)[:, _FROM_GMSH_TO_VTK] for tag in volumes]
+    solids = [_solids(gmsh, index, tag) for tag in volumes]
     split = split_bodies(nodes, solids)
     elements = np.concatenate([own[solid] for own, solid in zip(split.copies, solids, strict=True)])
 
@@ -276,6 +315,11 @@ def _read_mesh(gmsh: Any, body: Body, mesher: str) -> Mesh:
         ties=ties_of(placed, renumber[split.pairs], body.bolted_at),
         half=body.half,
     )
+
+
+def _solids(gmsh: Any, index: IntArray, tag: int) -> IntArray:
+    """Node indices of the elements of one CAD solid, (n, 10), VTK order."""
+    return _elements(gmsh, index, 11, tag, 10)[:, _FROM_GMSH_TO_VTK]
 
 
 def _elements(gmsh: Any, index: IntArray, kind: int, tag: int, width: int) -> IntArray:

@@ -240,11 +240,11 @@ def test_a_mesh_that_hxt_folds_is_made_by_the_other_mesher_and_says_so(monkeypat
     def without_repair_by_hxt(*given):
         mesher = given[-2]
         made.append(mesher)
-        repair = 0 if mesher == "HXT" else 1
-        monkeypatch.setitem(meshing._OPTIONS, "Mesh.HighOrderOptimize", repair)
+        repair = (lambda _: None) if mesher == "HXT" else mend
+        monkeypatch.setattr(meshing, "_mend", repair)
         return mesh_with(*given)
 
-    mesh_with = meshing._mesh_with
+    mesh_with, mend = meshing._mesh_with, meshing._mend
     monkeypatch.setattr(meshing, "_mesh_with", without_repair_by_hxt)
     mesh = mesh_shape(replace(PIN, step_fillet=1.0), fineness=0.5)
     assert made == ["HXT", "Delaunay, because HXT folded an element"]

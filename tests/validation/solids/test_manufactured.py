@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 
 from fem.boundary_value import SolidProblem, body_load, traction_load, unknowns
 from fem.unit_solutions import Elastic
-from geometry.mesh import _shape, _shape_gradients
+from geometry.mesh import _shape, shape_gradients
 
 from .meshes import mapped, on
 
@@ -75,7 +75,7 @@ def norms(solution):
     """L2 error of displacement and energy of the error, by a rule of degree 6."""
     mesh = solution.problem.mesh
     rule, weights = skfem.quadrature.get_quadrature(skfem.refdom.RefTet, 6)
-    values, local = _shape(rule.T), _shape_gradients(rule.T)
+    values, local = _shape(rule.T), shape_gradients(rule.T)
     corners = mesh.nodes[mesh.elements]
     found = solution.displacement.reshape(-1, 3)[mesh.elements]  # (e, 10, 3)
     jacobians = np.einsum("eax,qar->eqxr", corners, local)

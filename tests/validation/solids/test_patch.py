@@ -80,10 +80,10 @@ def test_curved_elements_miss_the_patch_test_by_the_square_of_their_curvature():
 
 def test_what_curved_elements_miss_is_the_rule_not_the_shape_functions():
     """With Keast's rule of degree 4 the even stress loads no inner node of the curved patch."""
-    from geometry.mesh import _QUADRATURE_POINTS, _QUADRATURE_WEIGHTS, _shape_gradients
+    from geometry.mesh import _QUADRATURE_POINTS, _QUADRATURE_WEIGHTS, shape_gradients
 
     mesh = patch(0.01)
-    slopes = _shape_gradients(_QUADRATURE_POINTS)
+    slopes = shape_gradients(_QUADRATURE_POINTS)
     jacobians = np.einsum("eax,qar->eqxr", mesh.nodes[mesh.elements], slopes)
     gradients = np.einsum("qar,eqrx->eqax", slopes, np.linalg.inv(jacobians))
     weights = np.linalg.det(jacobians) * _QUADRATURE_WEIGHTS

@@ -1,0 +1,143 @@
+"""Curved elements that fold on a small fillet, mended by bending their edges inside of the part.
+
+A chord across a fillet leaves the part where the tangent plane at its end turns: the edge from
+there to a node in the part then begins outside, and its element is folded although nothing is wrong
+with its corners. Bending that edge mends it. Corners and all nodes on the surface stay where the
+mesher has put them, so the shape of the part stays its own.
+
+The determinant of an element's Jacobian is a cubic polynomial; its least Bernstein coefficient is
+not above its least value anywhere in the element, as the polynomial lies in the convex hull of its
+coefficients. It is taken over the determinant of the element with straight edges.
+"""
+
+from collections.abc import Callable
+from itertools import product
+from math import factorial
+
+import numpy as np
+
+from geometry.mesh import TET_EDGES, FloatArray, IntArray, shape_gradients
+
+ENOUGH = 0.1  # the least coefficient that needs no mending; gmsh's own limit
+_WANTED = 0.25  # up to which it is raised where edges bend
+_STEPS = 20  # more mend hardly one element more of a toggle bar
+_FLAT = 1e-9  # of the size: edges bent by less are straight
+_STIFF = 1e-3  # share of an edge's own bending in what is made small
+
+
+def least_coefficients(nodes: FloatArray, elements: IntArray) -> FloatArray:
+    """Least Bernstein coefficient of each element's det J over its straight one's, (n_elements,).
+
+    Minus infinity where the corners themselves are folded. Nodes mm, elements in VTK order.
+    """
+    places = nodes[elements]
+    straight = _straight(places)
+    found = np.where(straight > 0, 1.0, -np.inf)
+    middles = np.stack([(places[:, i] + places[:, j]) / 2 for i, j in TET_EDGES], axis=1)
+    away = np.abs(places[:, 4:] - middles).max(axis=(1, 2))
+    size = np.ptp(places[:, :4], axis=1).max(axis=1)
+    curved = np.flatnonzero((straight > 0) & (away > _FLAT * size))  # others are 1 everywhere
+    found[curved] = (_coefficients(places[curved])[0] / straight[curved, None]).min(axis=1)
+    return found
+
+
+def bent(nodes: FloatArray, elements: IntArray, inside: IntArray) -> FloatArray:
+    """Nodes (n_nodes, 3) with the inner edges of folded elements bent, mm.
+
+    nodes     (n_nodes, 3) mm
+    elements  (n_elements, 10), VTK order
+    inside    indices of the nodes that are on no surface
+
+    Not every element can be mended so: one with all corners on a fillet has no edge to bend.
+    """
+    moves = np.zeros(len(nodes), dtype=bool)
+    moves[inside] = True
+    moves[elements[:, :4]] = False
+    moves &= np.isin(np.arange(len(nodes)), elements[least_coefficients(nodes, elements) < ENOUGH])
+    moving = np.flatnonzero(moves)
+    if not len(moving):
+        return nodes
+    from scipy.optimize import minimize
+
+    energy = _energy(nodes, elements[moves[elements].any(axis=1)], moving)
+    start = np.zeros(3 * len(moving))
+    done = minimize(energy, start, jac=True, method="L-BFGS-B", options={"maxiter": _STEPS})
+    found = nodes.copy()
+    found[moving] += done.x.reshape(-1, 3)
+    return found
+
+
+def _energy(
+    nodes: FloatArray, elements: IntArray, moving: IntArray
+) -> Callable[[FloatArray], tuple[float, FloatArray]]:
+    """What is made small, and its slopes, of the moves (3 n_moving,) of some nodes.
+
+    The squares of what the coefficients lack, and of the moves over the size of their elements.
+    """
+    place = np.full(len(nodes), -1)
+    place[moving] = np.arange(len(moving))
+    local = place[elements]
+    element, node = np.nonzero(local >= 0)
+    rows = local[element, node]
+    start = nodes[elements]
+    straight = _straight(start)
+    size = np.zeros(len(moving))
+    np.maximum.at(size, rows, np.ptp(start[:, :4], axis=1).max(axis=1)[element])
+    stiff = (_STIFF / size**2)[:, None]
+
+    def energy(flat: FloatArray) -> tuple[float, FloatArray]:
+        moves = flat.reshape(-1, 3)
+        places = start.copy()
+        places[element, node] += moves[rows]
+        lacking = np.maximum(0.0, _WANTED - _coefficients(places)[0] / straight[:, None])
+        bad = np.flatnonzero(lacking.any(axis=1))
+        value = float((lacking[bad] ** 2).sum() + (stiff * moves**2).sum())
+        slopes = 2 * stiff * moves
+        _, jacobians = _coefficients(places[bad])
+        by_coefficient = -2 * lacking[bad] / straight[bad, None]
+        by_node = np.zeros_like(places)
+        by_node[bad] = np.einsum(
+            "eq,eqxr,qar->eax",
+            by_coefficient @ _FROM_VALUES,
+            _cofactors(jacobians),
+            _GRADIENTS,
+            optimize=True,
+        )
+        np.add.at(slopes, rows, by_node[element, node])
+        return value, slopes.ravel()
+
+    return energy
+
+
+def _coefficients(places: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Bernstein coefficients (n, 20) of det J, and the Jacobians (n, 20, 3, 3) they come from."""
+    jacobians = np.tensordot(places, _GRADIENTS, axes=(1, 1)).transpose(0, 2, 1, 3)  # e q x r
+    first, second, third = (jacobians[..., k] for k in range(3))
+    determinants = np.einsum("eqx,eqx->eq", first, np.cross(second, third))
+    return determinants @ _FROM_VALUES.T, jacobians
+
+
+def _cofactors(jacobians: FloatArray) -> FloatArray:
+    first, second, third = (jacobians[..., k] for k in range(3))
+    return np.stack(
+        [np.cross(second, third), np.cross(third, first), np.cross(first, second)], axis=-1
+    )
+
+
+def _straight(places: FloatArray) -> FloatArray:
+    """Det J of the elements with straight edges, (n,)."""
+    sides = places[:, 1:4] - places[:, :1]
+    return np.asarray(np.linalg.det(sides))
+
+
+def _lattice() -> tuple[FloatArray, FloatArray]:
+    """Local points (20, 3) of a cubic, and the matrix from values there to its coefficients."""
+    powers = np.array([p for p in product(range(4), repeat=4) if sum(p) == 3])
+    shares = powers / 3
+    count = np.array([6 / np.prod([factorial(k) for k in p]) for p in powers])
+    values = count * np.prod(shares[:, None, :] ** powers[None, :, :], axis=2)
+    return shares[:, 1:], np.linalg.inv(values)
+
+
+_POINTS, _FROM_VALUES = _lattice()
+_GRADIENTS = shape_gradients(_POINTS)
