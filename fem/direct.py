@@ -38,7 +38,7 @@ def direct_stress(
         if _is_bearing(unit):
             planar = np.asarray(wrenches[unit.interface.name])[[0, 1, 5]]
             for k, arc in enumerate(arcs):
-                load[:, k] += direct_bearing(solutions.elements, unit.interface, planar, arc)
+                load[:, k] += direct_bearing(solutions.elements, unit, planar, arc)
     inertia = slice(column, column + len(ACCELERATIONS))
     load += (solutions.loads[:, inertia] @ coefficients[inertia])[:, None]
     return solutions.recovery.surface_stress(solutions.solve(load))

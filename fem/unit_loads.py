@@ -146,16 +146,18 @@ def with_resultants(
 
 
 def direct_bearing(
-    elements: Elements, interface: Interface, force: FloatArray, arc: float = np.pi
+    elements: Elements, loads: InterfaceLoads, force: FloatArray, arc: float = np.pi
 ) -> FloatArray:
     """Nodal forces (3 n_nodes,) of one cosine pressure on an arc, without a series.
 
+    loads  the unit loads of the bore or journal
     force  (3,) F_x, F_y in N and M_z in N mm; half a part takes half of it
     arc    rad, the full angle on which the pressure acts: p0 cos(pi t / arc), |t| < arc/2
 
     The pressure pattern ends inside elements, so its raw resultant is off by the quadrature, which
-    is fine (degree 19), and scaled to be exact.
+    is fine (degree 19); it is scaled, and unit loads close what is left.
     """
+    interface = loads.interface
     inward = interface.kind == "journal"
     force = elements.mesh.share * np.asarray(force)
     surface = elements.surface(interface.name, degree=19)
@@ -167,20 +169,17 @@ def direct_bearing(
         size = np.where(np.abs(away) < arc / 2, np.cos(np.pi * away / arc), 0.0)
         return np.asarray((-radial if inward else radial) * size[..., None])
 
-    vector = _nodal(elements, surface, pressure)
-    size = np.hypot(force[0], force[1])
+    vector = np.zeros(len(loads.vectors))
+    missing, size = force, np.hypot(force[0], force[1])
     if size:
+        vector = _nodal(elements, surface, pressure)
         got = resultants(elements, vector[:, None], interface.centre)[:2, 0]
         vector *= size**2 / (got @ force[:2])
-    else:
-        vector *= 0.0
-    couple = _nodal(elements, surface, _couple(interface))
-    correct = _nodal(elements, surface, _round_harmonic(interface, 1, np.sin))
-    correct_x = _nodal(elements, surface, _round_harmonic(interface, 1, np.cos))
-    smooth = np.stack([correct_x, correct, couple], axis=1)
-    missing = force - resultants(elements, vector[:, None], interface.centre)[IN_PLANE, 0]
-    share = np.linalg.solve(resultants(elements, smooth, interface.centre)[IN_PLANE], missing)
-    return np.asarray(vector + smooth @ share)
+        missing = force - resultants(elements, vector[:, None], interface.centre)[IN_PLANE, 0]
+    closing = [loads.names.index(name) for name in ("cos 1", "sin 1", "couple")]
+    sign = -1.0 if inward else 1.0
+    share = missing / (elements.mesh.share * np.array([sign, sign, 1.0]))
+    return np.asarray(vector + loads.vectors[:, closing] @ share)
 
 
 def acceleration_loads(elements: Elements, density: float) -> FloatArray:

@@ -182,17 +182,17 @@ def test_the_series_up_to_four_gives_the_peak_of_a_half_cosine_within_0_4_per_ce
 @pytest.mark.parametrize("name", ["bar", "pin"])
 def test_a_direct_pressure_has_the_force_and_couple_asked_for(name, arc, request):
     solutions = request.getfixturevalue(name)
-    interface = next(iter(solutions.mesh.interfaces.values()))
+    unit = solutions.interfaces[0]
     force = np.array([300.0, -400.0, 700.0])
-    load = direct_bearing(solutions.elements, interface, force, arc)
-    got = resultants(solutions.elements, load[:, None], interface.centre)[[0, 1, 5], 0]
+    load = direct_bearing(solutions.elements, unit, force, arc)
+    got = resultants(solutions.elements, load[:, None], unit.interface.centre)[[0, 1, 5], 0]
     assert_allclose(got, force, rtol=0, atol=1e-8 * 500)
 
 
 def test_a_direct_pressure_without_a_force_is_its_couple_alone(pin):
-    interface = pin.mesh.interfaces["eye"]
-    load = direct_bearing(pin.elements, interface, np.array([0.0, 0.0, 50.0]))
-    got = resultants(pin.elements, load[:, None], interface.centre)[[0, 1, 5], 0]
+    unit = next(unit for unit in pin.interfaces if unit.interface.name == "eye")
+    load = direct_bearing(pin.elements, unit, np.array([0.0, 0.0, 50.0]))
+    got = resultants(pin.elements, load[:, None], unit.interface.centre)[[0, 1, 5], 0]
     assert_allclose(got, [0, 0, 50], atol=1e-8)
 
 
