@@ -23,7 +23,10 @@ from ballesta.levels import Level
 from ballesta.part_loads import PartLoads
 from ballesta.stressed import Stressed
 from fatigue.proportionality import PROPORTIONAL
+from fem.recovery import von_mises
 from geometry.mesh import FloatArray, IntArray
+
+_ROUND_OFF = 1e-6  # of a bound: how well stresses are known
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,8 +130,20 @@ class FatigueUse(Judged):
         return level.duty.safety_missed()
 
     def _of_pair(self, stress: FloatArray, limits: FloatArray) -> float:
-        """Goodman's equivalent amplitude of two states, stress (n, 6, 2), at the worst point."""
-        result = fatigue.goodman(stress, np.eye(2), limits, self.ultimate)
+        """Goodman's equivalent amplitude of two states, stress (n, 6, 2), at the worst point.
+
+        The largest principal stress of the middle is between its hydrostatic stress and that and
+        2/3 of its von Mises stress: points whose upper bound is below another's lower one are left
+        out.
+        """
+        demand = von_mises(stress[..., 0] - stress[..., 1]) / 2 / limits
+        middle = stress.mean(axis=2)
+        hydrostatic = middle[:, :3].mean(axis=1)
+        least = demand + np.maximum(hydrostatic, 0.0) / self.ultimate
+        highest = hydrostatic + 2 / 3 * von_mises(middle)
+        most = demand + np.maximum(highest, 0.0) / self.ultimate
+        may = most * (1 + _ROUND_OFF) >= least.max()
+        result = fatigue.goodman(stress[may], np.eye(2), limits[may], self.ultimate)
         return float(result.utilisation.max()) * self.limit
 
     def _over_pair(self, level: Stressed) -> float:
