@@ -1,6 +1,6 @@
-"""What is known of a part without a mesh: its mass and its interfaces; and a coarse skin to draw.
+"""Mass and interfaces of a part that is not meshed, and a coarse skin to draw.
 
-The linkage needs the mass properties, checks by formula the holes, and a report a picture.
+The linkage needs the mass properties, checks by formula need the holes, a report needs a picture.
 """
 
 from collections.abc import Callable, Mapping
@@ -24,7 +24,7 @@ _SMALLEST = 0.5  # of the facets' length on the smallest bore: rounder corners t
 
 @dataclass(frozen=True, eq=False)
 class SolidBody:
-    """What is known of a body that is not meshed, in the part's own axes.
+    """Mass properties and interfaces of a body that is not meshed, in the part's own axes.
 
     interfaces  name -> Interface
     volume      mm3
@@ -72,7 +72,7 @@ def cad_skin(shape: Buildable) -> Skin:
 
 
 def _built(shape: Buildable, known: Callable[[Any, Body], T]) -> T:
-    """What is asked of gmsh with the shape built in its model."""
+    """Return known(gmsh, body), with the shape built in gmsh's model."""
     with gmsh_session() as gmsh:
         try:
             return known(gmsh, shape.build(gmsh))

@@ -125,7 +125,7 @@ def _toggle_bar(shape: ToggleBar) -> SolidBody:
 
 
 def _circle(radius: float, depth: FloatArray) -> FloatArray:
-    """How far from its tangent's corner an arc is, at a depth beside it: 0 to the radius."""
+    """Distance of an arc from its tangent's corner, at a depth beside it: 0 to the radius."""
     beside = np.clip(radius - depth, 0.0, radius)
     return np.asarray(np.sqrt(radius**2 - beside**2))
 
@@ -136,7 +136,7 @@ def _side_walls(
     stop: float,
     corners: tuple[float, ...],
 ) -> _Moments:
-    """What a square tube has between its cheeks, from start(distance from the cheek) to `stop`.
+    """Moments of a square tube's side walls, from start(distance from the cheek) to `stop`.
 
     The inner corners' fillets are a part of the side walls. corners: distances from the cheek, mm,
     at which `start` is not smooth.

@@ -70,9 +70,9 @@ def bent(nodes: FloatArray, elements: IntArray, inside: IntArray) -> FloatArray:
 def _energy(
     nodes: FloatArray, elements: IntArray, moving: IntArray
 ) -> Callable[[FloatArray], tuple[float, FloatArray]]:
-    """What is made small, and its slopes, of the moves (3 n_moving,) of some nodes.
+    """Return the function to minimise, with its gradient, of some nodes' moves (3 n_moving,).
 
-    The squares of what the coefficients lack, and of the moves over the size of their elements.
+    It sums the squares of what the coefficients lack, and of the moves over their elements' size.
     """
     place = np.full(len(nodes), -1)
     place[moving] = np.arange(len(moving))

@@ -1,4 +1,4 @@
-"""How many elements a mesh will take, told from the CAD body before it is meshed."""
+"""Number of elements of a mesh, estimated from the CAD body before it is meshed."""
 
 from math import inf, pi, sqrt
 from typing import TYPE_CHECKING, Any

@@ -35,7 +35,7 @@ class Mirrored(Buildable, Protocol):
 
 
 def has_middle_plane(shape: Buildable) -> TypeGuard[Mirrored]:
-    """Whether a shape may be halved."""
+    """Return True if a shape may be halved at a middle plane."""
     return bool(getattr(shape, "middle_plane", False))
 
 

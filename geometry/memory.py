@@ -33,7 +33,7 @@ def solve_bytes(
 
     columns      right-hand sides
     compactness  cube root of the volume over the greatest extent: 1 for a cube, less for others
-    fill         memory of the solver's factor over that of CHOLMOD's
+    fill         memory of the solver's factor over the memory of CHOLMOD's factor
     """
     fill *= float(_FILL * min(compactness, 1.0) ** _FLATTENED * np.cbrt(unknowns))
     return unknowns * (_ASSEMBLY + fill + _COLUMN * columns)

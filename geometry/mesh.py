@@ -247,7 +247,7 @@ class Mesh:
 
     @property
     def share(self) -> float:
-        """How much of the part the mesh is: 1, or 1/2."""
+        """Share of the part that is meshed: 1, or 1/2."""
         return 0.5 if self.half else 1.0
 
     @cached_property

@@ -61,7 +61,7 @@ def _of_design(dimension: str, meaning: str, default: Any) -> Any:
 
 
 def within(value: float, limit: float) -> bool:
-    """Whether a value is at most a limit, which it may pass by the round-off of its unit.
+    """Return True if a value is at most a limit, which it may pass by the round-off of its unit.
 
     >>> within(448.50000000000006, 448.5), within(448.5001, 448.5)
     (True, False)

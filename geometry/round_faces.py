@@ -56,7 +56,7 @@ class Hole:
 
 @dataclass(frozen=True, eq=False)
 class Curvature:
-    """How a curved face bends: the smaller radius, mm, and whether material is outside the arc."""
+    """Curvature of a face: its smaller radius, mm; concave if the material is outside the arc."""
 
     face: int
     radius: float
@@ -127,7 +127,7 @@ def round_faces(gmsh: Any, solid: int) -> tuple[list[Hole], list[str], list[Curv
 
 
 def canonical(direction: FloatArray) -> FloatArray:
-    """Return the direction or its opposite: that of which the largest component is positive."""
+    """Return the direction or its opposite: the one whose largest component is positive."""
     largest = int(np.argmax(np.round(np.abs(direction), 6)))
     snapped = np.where(np.abs(direction) < 1e-12, 0.0, direction)
     return np.asarray(snapped * np.sign(direction[largest]) / np.linalg.norm(snapped))
@@ -276,7 +276,7 @@ def _hole(pieces: Sequence[Sequence[_Patch]]) -> Hole:
 
 
 def _is_plain(piece: Sequence[_Patch], low: float, high: float) -> bool:
-    """Whether edges of a piece only end it or run along it, and it goes round without a gap."""
+    """Return True if edges of a piece only end it or run along it, and it has no gap around."""
     for patch in piece:
         for edge in patch.edges:
             along = (edge - patch.origin) @ patch.direction

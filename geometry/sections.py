@@ -101,7 +101,7 @@ def plate_pair_section(
     splaying apart or folding: each is a cantilever, of twice its free length.
 
     As a part of the whole column they carry its moment by pushing and pulling, A apart^2/4, and its
-    shear by bending, hinged at the pin: the shear stiffness is 2 x 3 E I/length^2, I that of one.
+    shear by bending, hinged at the pin: the shear stiffness is 2 x 3 E I/length^2, I of one plate.
     """
     one = height * wall**3 / 12
     return Section(

@@ -1,4 +1,4 @@
-"""What a STEP file holds: the one solid that is a part, measured in mm, with its round faces."""
+"""The one solid of a STEP file that is a part, measured in mm, with its round faces."""
 
 import os
 import sys
@@ -190,10 +190,10 @@ def _outline(gmsh: Any) -> FloatArray:
 
 
 def _crossing(gmsh: Any, name: str, faces: list[int]) -> str | None:
-    """Raise ParameterError where faces of the solid cross; in words why that is not known.
+    """Raise ParameterError where faces of the solid cross; return why that is unknown, or None.
 
-    All faces are cut by each other, which leaves the faces of a valid solid as they are. What is
-    in gmsh's model is of no use afterwards.
+    All faces are cut by each other, which leaves the faces of a valid solid as they are. gmsh's
+    model is of no use afterwards.
     """
     unknown = f"whether faces of {name} cross was not found out"
     if len(faces) > _MOST_FACES:

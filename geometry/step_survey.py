@@ -32,7 +32,7 @@ _kept: dict[tuple[str, str], StepSolid | str] = {}  # by name and digest: what i
 
 
 def surveyed(path: Path, digest: str) -> StepSolid:
-    """What `step_file.survey_step` finds in a file of this SHA-256.
+    """Return the solid that `step_file.survey_step` finds in a file of this SHA-256.
 
     Raises ParameterError (field "shape") as that does, and where the file ends or holds the
     process, or takes too much memory; MeshError where gmsh is not to be loaded.

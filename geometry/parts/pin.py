@@ -52,7 +52,7 @@ class Seat:
 
     @property
     def paired(self) -> bool:
-        """Whether there are two lugs, on either side of the pin's mid-plane."""
+        """True if there are two lugs, one on either side of the pin's mid-plane."""
         return not self.single and self.at > 0
 
     @property

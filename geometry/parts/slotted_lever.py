@@ -134,7 +134,7 @@ class SlottedLever:
 
     @property
     def _beyond(self) -> float:
-        """How far the plate reaches beyond its axes, mm."""
+        """Overhang of the plate beyond its axes, mm."""
         return self.width / 2 if self.overhang is None else self.overhang
 
     @property

@@ -94,7 +94,7 @@ class StepPart:
 
     @cached_property
     def solid(self) -> StepSolid:
-        """What the file holds, in its own frame."""
+        """Solid of the file, in the file's own frame."""
         return surveyed(self.path, self.sha256)
 
     @cached_property
@@ -240,13 +240,13 @@ class StepPart:
 
     @property
     def shifts(self) -> Mapping[str, Pair]:
-        """How far each hole stands from where the linkage has it, mm."""
+        """Offset (x, y) of each hole from its place in the linkage, mm."""
         moved = {name: self.centre(name)[:2] - self._place(name) for name in self.interfaces}
         return {name: (float(x), float(y)) for name, (x, y) in moved.items()}
 
     @property
     def heights(self) -> Mapping[str, float]:
-        """Height z of the middle of each hole over that of the first, mm."""
+        """Height z of each hole's middle above the middle of the first hole, mm."""
         return {name: float(self.centre(name)[2]) for name in self.interfaces}
 
     @cached_property
@@ -277,7 +277,7 @@ class StepPart:
 
     @property
     def told(self) -> tuple[str, ...]:
-        """What was made of the file, in words."""
+        """Notes on the reading of the file: sentences for the report."""
         said = [*self.solid.told]
         said.append("no column formula is known for a shape from CAD, so none was checked")
         if self.section is None:
@@ -355,7 +355,7 @@ class StepPart:
 
 
 def _unit_hint(stated: float, found: float) -> str:
-    """What the ratio of two lengths says of their units."""
+    """Return a hint at mixed-up units if the ratio of two lengths suggests one, else ""."""
     apart = max(stated / found, found / stated)
     for factor, unit in ((25.4, "inches"), (1000.0, "metres"), (10.0, "centimetres")):
         if abs(apart / factor - 1) < 1e-3:
