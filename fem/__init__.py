@@ -1,1 +1,1 @@
-"""How a part responds: unit loads, stress, buckling and the numerical error bar."""
+"""Response of a part: unit loads, stress, buckling and the numerical error bar."""

@@ -1,4 +1,4 @@
-"""How the C library hands out memory to arrays and factors."""
+"""Memory allocation of the C library, for arrays and factors."""
 
 import ctypes
 import sys

@@ -204,7 +204,7 @@ class SolidSolution:
 
     @property
     def reactions(self) -> FloatArray:
-        """What the supports exert at the held unknowns, (k,) N."""
+        """Support reactions at the held unknowns, (k,) N."""
         return np.asarray((self._internal - self.load)[self.problem.held])
 
     @cached_property

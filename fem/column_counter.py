@@ -1,6 +1,6 @@
-"""Counts the critical forces of a column by the stiffness of its stretches.
+"""Count of the critical forces of a column by the stiffness of its stretches.
 
-The theory is told in `fem.tapered_columns`.
+The theory stands in `fem.tapered_columns`.
 """
 
 from math import exp, factorial, inf, isinf, log, sqrt

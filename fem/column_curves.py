@@ -35,10 +35,10 @@ def transition_slenderness(yield_stress: float, youngs_modulus: float) -> float:
 
 
 def johnson_stress(slenderness: float, yield_stress: float, youngs_modulus: float) -> float:
-    """Johnson's parabola, MPa, of a slenderness up to that of the transition to Euler.
+    """Johnson's parabola, MPa, of a slenderness up to the transition to Euler.
 
-    It touches Euler's hyperbola there at half the yield stress (Shigley, Mechanical Engineering
-    Design, 10th ed., section 4-13).
+    At the transition it touches Euler's hyperbola, at half the yield stress (Shigley, Mechanical
+    Engineering Design, 10th ed., section 4-13).
 
     >>> round(johnson_stress(transition_slenderness(350.0, 210e3), 350.0, 210e3), 9)
     175.0

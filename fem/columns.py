@@ -1,4 +1,4 @@
-"""What a column's section carries by handbook: yield, Johnson's parabola, Euler.
+"""Column strength of a section by handbook: yield, Johnson's parabola, Euler.
 
 Johnson below the slenderness at which Euler's stress is half the yield stress, Euler above
 (Shigley, Mechanical Engineering Design, 10th ed., section 4-12 and 4-13).

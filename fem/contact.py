@@ -81,7 +81,7 @@ def line_contact(force: float, first: HertzBody, second: HertzBody) -> HertzCont
 
 
 def point_contact(force: float, first: HertzBody, second: HertzBody) -> HertzContact:
-    """Contact of spheres under `force`, N; the shear is that of the body with the more of it.
+    """Contact of spheres under `force`, N; the shear is the larger of both bodies' shear.
 
     a = (3 P R / (4 E*))^(1/3), p0 = 3 P / (2 pi a^2), approach a^2 / R. On the axis at depth s a:
     sigma_r / p0 = -(1 + nu)(1 - s atan(1/s)) + 1 / (2 (1 + s^2)), sigma_z / p0 = -1 / (1 + s^2).

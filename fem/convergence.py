@@ -35,15 +35,15 @@ _GROWTH = 0.08  # the smallest exponent that counts; 0.46 is that of a square co
 
 @dataclass(frozen=True)
 class ErrorBar:
-    """What is left of a peak's numerical error.
+    """Remaining numerical error of a peak, term by term.
 
-    discretisation  what the last refinement leaves to be expected
+    discretisation  error to be expected after the last refinement
     scatter         of the elements that meet at the point
     truncation      of the bearing series
     size            of the value
     singular        exponent of a singularity at the point, 0 if there is none
-    notch           what elements of this size miss in the notch at the point
-    order           with which the value converges: 1 where a pressure ends
+    notch           part of the peak that elements of this size miss in the notch at the point
+    order           order of convergence of the value: 1 where a pressure ends
     """
 
     discretisation: float
@@ -56,7 +56,7 @@ class ErrorBar:
 
     @property
     def mesh(self) -> float:
-        """What a finer mesh makes smaller."""
+        """Part of the error that a finer mesh makes smaller."""
         largest = max(self.discretisation, self._scattered, self.notch)
         return largest + REPEATS * self.size
 
@@ -67,7 +67,7 @@ class ErrorBar:
 
     @property
     def notch_decides(self) -> bool:
-        """Whether the bar is what elements of this size miss in the notch."""
+        """True if the largest term is the part of the peak that such elements miss in the notch."""
         return self.notch > max(self.discretisation, self._scattered)
 
     @property
@@ -92,7 +92,7 @@ def discretisation_error(
 
 
 def moves_like_singular(values: Sequence[float], sizes: Sequence[float], exponent: float) -> bool:
-    """Whether the stress on a sharp re-entrant edge moves with the mesh as a singular one does.
+    """Return True if stress on a sharp re-entrant edge moves with the mesh as a singular one does.
 
     True when it changes from any mesh to the next, up or down, by more than a twentieth of what
     stress ~ size^-exponent predicts, and by more than meshes repeat. Coarse meshes scatter about

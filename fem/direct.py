@@ -45,7 +45,7 @@ def direct_stress(
 
 
 def has_bearings(solutions: UnitSolutions) -> bool:
-    """Whether any interface is a bore or a journal."""
+    """Return True if any interface is a bore or a journal."""
     return any(_is_bearing(unit) for unit in solutions.interfaces)
 
 

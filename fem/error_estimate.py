@@ -1,8 +1,8 @@
-"""Where a solution is uncertain, and the element sizes that would make it certain enough.
+"""Local error of a solution, and the element sizes that would make it small enough.
 
-The estimate is that of Zienkiewicz and Zhu (Int. J. Num. Meth. Eng. 24 (1987) 337): the stress of
-each element against the smoother one that averaging at the nodes recovers. It steers the mesh; the
-error bar itself is taken from what the stress does from mesh to mesh (`convergence`).
+The estimate of Zienkiewicz and Zhu (Int. J. Num. Meth. Eng. 24 (1987) 337) compares the stress of
+each element with the smoother one that averaging at the nodes recovers. It steers the mesh; the
+error bar itself is taken from the change of the stress from mesh to mesh (`convergence`).
 """
 
 from collections.abc import Sequence

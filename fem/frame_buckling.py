@@ -2,10 +2,10 @@
 
 The work of the axial force on the slope of the deflection, 1/2 integral N (v'^2 + w'^2 + r^2 t'^2),
 is taken with the member's own exact deflection: curvature and shear strain follow from its end
-forces, so the slope is that of an unloaded Timoshenko member, v' = turn + shear strain. A prismatic
+forces, so the slope is an unloaded Timoshenko member's, v' = turn + shear strain. A prismatic
 pinned column then tends to Engesser's load Pe / (1 + Pe / k G A), and to Euler's without shear.
 t' is the twist and r^2 = (I_y + I_z) / A (Wagner; Timoshenko and Gere, Theory of Elastic Stability,
-2nd ed., 5.3 and 2.17). What bending moments do to twist (lateral buckling of beams) is not in it.
+2nd ed., 5.3 and 2.17). Bending moments do not act on the twist here (no lateral buckling of beams).
 
 Every assumed deflection is a possible one, so factors come from above and fall with h^4.
 """
@@ -151,7 +151,7 @@ def whitening(stiffness: FloatArray) -> FloatArray:
 
 
 def modes_below(stiffness: FloatArray, geometric: FloatArray, factor: float) -> int:
-    """How many buckling factors stand between 0 and `factor`: negative values of K + f K_s."""
+    """Number of buckling factors between 0 and `factor`: negative eigenvalues of K + f K_s."""
     scaled, scale = _scaled(stiffness)
     return _negative(scaled + factor * scale[:, None] * geometric * scale)
 

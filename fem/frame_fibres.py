@@ -62,8 +62,8 @@ def rectangle_fibres(height: float, width: float) -> Fibres:
     """Corners and middles of the sides of a rectangle, `height` along y and `width` along z.
 
     Shear is 3/2 V/A in the middles of the sides along it and none at corners (Jourawski); the peak
-    of torsion stands in the middle of the longer side and that of the shorter one is the smaller by
-    the sides' ratio (Roark, table 10.1, case 4: exact for a square, 0.74 where it is thin).
+    of torsion stands in the middle of the longer side. In the middle of the shorter one it is
+    smaller by the sides' ratio (Roark, table 10.1, case 4: exact for a square, 0.74 where thin).
     """
     y, z = height / 2, width / 2
     places = np.array([[a * y, b * z] for a in (-1, 0, 1) for b in (-1, 0, 1) if a or b])

@@ -4,11 +4,11 @@ Every link keeps its own unknowns in its own axes; a joint is a set of rows that
 move in the x-y plane and are symmetric about it, so what happens in it (x, y, turn about z) and out
 of it (z, turns about x and y) separate. Forces keep size and direction while the frame buckles, but
 for those between two points, which keep pointing from one to the other, and those of a slot, which
-turn with it. What a force f at the arm r does to a body that turns by t is to second order
+turn with it. The potential of a force f at the arm r of a body that turns by t is to second order
 
     1/2 [(f . r) t . t - (f . t)(r . t)],
 
-as the point goes on by 1/2 t x (t x r). The rows of pins hold the turn about z never.
+as the point goes on by 1/2 t x (t x r). The rows of a pin never hold the turn about z.
 """
 
 from collections.abc import Sequence
@@ -74,7 +74,7 @@ class Link:
         return result
 
     def motion(self, place: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """How a place (2,) moves and turns (6, n), and its arm (2,) from the axis; own axes.
+        """Return the motion (6, n) of a place (2,), and its arm (2,) from the axis; own axes.
 
         Beside the axis and beyond the ends a rigid arm leads there; between nodes the axis is
         taken as bent by cubics.
@@ -105,7 +105,7 @@ def chain(n_nodes: int) -> IntArray:
 
 
 def _carried(x: float, y: float) -> FloatArray:
-    """Motion (6, 6) of the end of a rigid arm (x, y) for that of its foot."""
+    """Matrix (6, 6) from the motion of a rigid arm's foot to the motion of its end (x, y)."""
     result = np.eye(6)
     result[0, 5], result[1, 5] = -y, x
     result[2, 3], result[2, 4] = y, -x
@@ -113,7 +113,7 @@ def _carried(x: float, y: float) -> FloatArray:
 
 
 def _cubics(s: float, length: float) -> FloatArray:
-    """Motion (6, 12) at the share s of a member for that of its nodes."""
+    """Matrix (6, 12) from the motion of a member's nodes to the motion at its share s."""
     start, end = 1 - 3 * s**2 + 2 * s**3, 3 * s**2 - 2 * s**3
     lean, tail = length * s * (1 - s) ** 2, length * s**2 * (s - 1)
     slope = 6 * s * (1 - s) / length
@@ -129,9 +129,9 @@ def _cubics(s: float, length: float) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """How a place of a link moves with all unknowns, in global axes.
+    """Motion of a place of a link with all unknowns, in global axes.
 
-    rows   (6, n)  displacement and turn; zero on the ground
+    rows   (6, n)  displacement and turn per unknown; zero on the ground
     place  (2,)    mm
     arm    (2,)    mm, from the node or axis that turns with it
     """

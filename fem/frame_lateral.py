@@ -11,18 +11,17 @@ of a beam that is bent (-(M_z t)' w' after V_y = -M_z'; Timoshenko and Gere, The
 Stability, 2nd ed., 6.1; Yang and Kuo, Theory and Analysis of Nonlinear Framed Structures, 1994,
 chapter 6).
 
-It is the form of the solid's geometric stiffness. In it a moment M_z at a member's end is one of
-forces along x beside each other. A joint turns by (a, b, c) without strain, and the work of the
-stress in it is 1/2 (tr S - S) of these, S = sum of the forces times their places (virial): -S_xy
-a b for S_xy = M_z at a member's end and -M_z at its start. By balance
-S_xy is as well that of forces along y of the members that leave aside, so each member brings half
-of its own,
+It is the form of the solid's geometric stiffness. In it a moment M_z at a member's end comes from
+parallel forces along x. A joint turns by (a, b, c) without strain, and the work of the stress in it
+is 1/2 (tr S - S) of these, S = sum of the forces times their places (virial): -S_xy a b for S_xy =
+M_z at a member's end and -M_z at its start. By balance S_xy is also the sum over the forces along y
+of the members that leave aside, so each member brings half of its own,
 
     -1/2 [M_z a b] + 1/2 [M_y a c]  from start to end,
 
 in its own axes. It cancels between members in line, and makes couples from outside those of forces
 that keep their direction, half along each of two axes (semi-tangential, Argyris), as a friction
-all round a bore is. Left out: what a torque does, the warping of sections, forces beside the axis.
+all round a bore is. Left out: effects of torque, the warping of sections, forces beside the axis.
 """
 
 import numpy as np
@@ -56,7 +55,7 @@ def section_motions(frame: Frame) -> FloatArray:
 
 
 def section_work(frame: Frame) -> FloatArray:
-    """What each section force weighs in W, per unit, (m, 6 points, 6 forces, 4, 4): symmetric.
+    """Weight of each section force in W, per unit, (m, 6 points, 6 forces, 4, 4): symmetric.
 
     Rows and columns are v', w', t', t of `section_motions`; lengths of integration are in it.
     """

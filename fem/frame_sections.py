@@ -9,7 +9,7 @@ from geometry.mesh import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class Sections:
-    """What sections oppose to strain, each of any shape that broadcasts to (m, 6).
+    """Stiffness properties of sections, each of any shape that broadcasts to (m, 6).
 
     area          mm2
     inertia_y     mm4, second moment about local y: bending along z

@@ -1,4 +1,4 @@
-"""How stress changes from a surface point into the part, for the support that a notch gives.
+"""Stress gradient from a surface point into the part, for the support that a notch gives.
 
 The rule: the stress at nodes, averaged as `recovery` does, is taken as quadratic in each element;
 at a surface point the slopes along the inward normal of the elements that meet there are averaged

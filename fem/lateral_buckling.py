@@ -13,8 +13,8 @@ def column_force(stiffness: FloatArray, shear: FloatArray | float, length: float
     """Buckling force, N, of a hinged column whose stiffness changes along it.
 
     Timoshenko's quotient with one sine wave (Timoshenko and Gere, Theory of Elastic Stability, 2nd
-    ed., 2.8), with the shear strain of 2.17: the integral of w'^2 over that of w^2/(E I) + w'^2/S.
-    Never below the exact force; right for an even column.
+    ed., 2.8), with the shear strain of 2.17: integral of w'^2 over integral of w^2/(E I) + w'^2/S.
+    Never below the exact force; exact for a column of constant section.
 
     stiffness  (k,) E I at even places from end to end, N mm2
     shear      (k,) or one S, N; infinite without shear strain

@@ -3,8 +3,8 @@
 Block Lanczos steps u = K^-1 B x with full orthogonalisation in the inner product of K find the
 largest 1 / lambda of both signs; a random block keeps modes of equal value apart. K appears in no
 product: of every vector the force that gives it is kept beside it. The last step is one inverse
-iteration and a Rayleigh-Ritz step with energies summed at the integration points, whose round-off
-grows with the slenderness, where that of x' K x grows with its square or worse.
+iteration and a Rayleigh-Ritz step with energies summed at the integration points. Their round-off
+grows with the slenderness; the round-off of x' K x grows with its square or worse.
 """
 
 from collections.abc import Callable
@@ -106,7 +106,7 @@ def lowest_modes(
 def _none_below(
     solid: SupportedSolid, matrix: sp.csr_array, value: float, known: FloatArray
 ) -> bool:
-    """Whether a count can be made and tells that no mode lies below a value."""
+    """Return True if a count can be made and shows that no mode lies below a value."""
     try:
         return count_below(solid, matrix, value, known) == 0
     except SolverError:
@@ -242,13 +242,13 @@ def _search(
 
 
 def _around(values: FloatArray, wanted: int, limit: float) -> int:
-    """How many of 1 / lambda (descending) belong to modes not far above the last wanted."""
+    """Number of 1 / lambda (descending) that belong to modes not far above the last wanted."""
     least = (values[wanted - 1] if wanted else 1 / limit) / _AROUND
     return max(int(np.count_nonzero(values > least)), wanted)
 
 
 def _wanted(values: FloatArray, count: int, limit: float) -> int:
-    """How many of 1 / lambda (descending) to find: `count`, and those equal to the last of them."""
+    """Number of 1 / lambda (descending) to find: `count`, and those equal to the last of them."""
     inside = int(np.count_nonzero(values > 1 / limit))
     wanted = min(count, inside)
     while 0 < wanted < inside and values[wanted] > (1 - 2 * _GAP) * values[wanted - 1]:

@@ -1,4 +1,4 @@
-"""How many modes lie below a value: a proof by inertia, apart from any eigenvalue solver.
+"""Number of modes below a value: a proof by inertia, independent of any eigenvalue solver.
 
 With A = K - value B, the number of modes of K x = lambda B x, C x = 0 with lambda between 0 and the
 value is the number of negative eigenvalues of A on C x = 0 (Sylvester's law of inertia; K is
@@ -31,7 +31,7 @@ _ZERO = 1e-11  # of the largest: a smaller eigenvalue of S has no certain sign
 def count_below(
     solid: SupportedSolid, matrix: sp.csr_array, value: float, known: FloatArray
 ) -> int:
-    """How many modes of K x = lambda B x have lambda in (0, value), with the solid's supports.
+    """Number of modes of K x = lambda B x with lambda in (0, value), with the solid's supports.
 
     matrix  upper triangle of B, with the pattern of the stiffness
     known   (3 n_nodes, k) modes thought to lie below the value: where they move, the part is held.
@@ -99,7 +99,7 @@ def _positive(own: sp.csr_array, place: IntArray | None) -> Factor:
 
 
 def _negative(matrix: FloatArray) -> int:
-    """How many eigenvalues of a symmetric matrix are negative; a scaling keeps their signs."""
+    """Number of negative eigenvalues of a symmetric matrix; a scaling keeps their signs."""
     if not len(matrix):
         return 0
     scale = 1 / np.sqrt(np.abs(matrix).max(axis=1))

@@ -1,4 +1,4 @@
-"""What quadratic tetrahedra still tell of a nearly incompressible material, and what not.
+"""Accuracy of quadratic tetrahedra near incompressibility: only the mean stress suffers.
 
 The mean stress is the bulk modulus E / (3 (1 - 2 nu)) times a change of volume that the elements
 have to make small: its error grows like 1 / (1 - 2 nu), and it differs from element to element. The

@@ -1,8 +1,8 @@
-"""How well a mesh follows the notch in which a peak sits.
+"""Resolution of the notch in which a peak sits by the mesh.
 
 The stress below a concave surface of radius rho falls off within a fraction of rho. Elements of
 size h that are not small against it carry the peak too low, each of them alike, so that neither
-their scatter nor a short step from one such mesh to the next tells. What is missing is of the
+their scatter nor a short step from one such mesh to the next tells. The missing part is of the
 order (h / rho)^2; measured on fillets of 0.15 to 2 mm between bars under bending and tension it is
 0.05 to 0.16 of the peak times that (tests/ballesta/test_small_fillets.py).
 """

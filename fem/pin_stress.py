@@ -79,11 +79,11 @@ def under_band(
 
     It presses bands from z = `low` to `high` (k,), mm, of a long solid cylinder. The middle of a
     long band is pressed as a disc (`cylinder_stress`): -1 around and along the radius, nothing
-    along z. Under a short one the surface is that of a half-space, -1 along z, too, and -2 nu
-    around. Between, and
-    beside it, by the Fourier integral of the even pressure around (Rankin, J. Appl. Mech. 11 (1944)
-    A-77; Timoshenko and Goodier, Theory of Elasticity, 3rd ed., article 143), taken for every
-    harmonic. At a band's edge half of it presses.
+    along z. Under a short one the surface behaves as a half-space's does: -1 along z, too, and
+    -2 nu around. Between, and beside it, the stress comes from the Fourier integral of the even
+    pressure around (Rankin, J. Appl. Mech. 11 (1944) A-77; Timoshenko and Goodier, Theory of
+    Elasticity, 3rd ed., article 143), taken for every harmonic. At a band's edge half of it
+    presses.
     """
     distance, table = _steps(poisson_ratio)
     found = np.zeros((3, len(places), len(low)))
@@ -107,8 +107,8 @@ def _steps(poisson_ratio: float) -> tuple[FloatArray, FloatArray]:
         sigma_t = 2 nu B I0 - A I1/x - B I0
         sigma_r = 2 nu B I0 - A (I0 - I1/x) - B (I0 + x I1)
 
-    and a step is the integral of sin(k z)/(pi k) of it. What is left of the ratios at large x
-    falls as 1/x; that is integrated, up to x = 150. Their limits 1 and 2 nu are half of a step.
+    and a step is the integral of sin(k z)/(pi k) of it. The remainder of the ratios at large x
+    falls as 1/x; it is integrated up to x = 150. Their limits 1 and 2 nu are half of a step.
     """
     x = (np.arange(7500) + 0.5) * 0.02
     zero, one = ive(0, x), ive(1, x)

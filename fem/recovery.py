@@ -66,7 +66,7 @@ class Recovery:
 
     @cached_property
     def at_pressed_edges(self) -> BoolArray:
-        """Whether each element meets an edge where a pressure ends, (n_elements,)."""
+        """True for each element that meets an edge where a pressure ends, (n_elements,)."""
         mesh = self.elements.mesh
         return np.asarray(np.isin(mesh.elements, pressed_edges(mesh)).any(axis=1))
 

@@ -117,7 +117,7 @@ def _rows_of(facets: IntArray, wanted: IntArray) -> BoolArray:
 
 
 def singular_exponent(interior_angle: float) -> float:
-    """How steeply stress grows towards the edge: stress ~ r^-exponent. 0 up to 180 degrees.
+    """Exponent of the stress singularity at an edge: stress ~ r^-exponent. 0 up to 180 degrees.
 
     >>> round(singular_exponent(3 * 3.141592653589793 / 2), 4)
     0.4555

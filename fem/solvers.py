@@ -120,7 +120,7 @@ def chosen_solver() -> str:
 
 
 def chosen_fill() -> float:
-    """Memory of the factor by `chosen_solver` over that of CHOLMOD's."""
+    """Memory of the factor by `chosen_solver` over the memory of CHOLMOD's factor."""
     return _FILL.get(chosen_solver().partition(" ")[0], 1.0)
 
 

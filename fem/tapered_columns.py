@@ -36,10 +36,10 @@ _NO_LENGTH = 1e-300  # of the bracket: its relative width decides
 
 @dataclass(frozen=True)
 class ColumnEnd:
-    """How a column's end is held.
+    """Support of a column's end.
 
     turning  N mm/rad, stiffness against turning: 0 a hinge, infinite clamped
-    held     whether it is held sideways
+    held     True if it is held sideways
     """
 
     turning: float = 0.0

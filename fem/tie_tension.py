@@ -1,4 +1,4 @@
-"""What the ties of a stack carry across its faces: where they pull, the real leaves would part."""
+"""Tension of a stack's ties across its faces: where they pull, the real leaves would part."""
 
 from collections.abc import Sequence
 

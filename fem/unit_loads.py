@@ -16,7 +16,7 @@ grows linearly along the pin, z cos(theta) and z sin(theta). Contacts that slide
 fem/sliding.py.
 
 On half of a part, cut at z = 0, the same tractions act, all even in z: half of each resultant in
-the plane. What they leave out of it the cut carries.
+the plane. Their resultant out of the plane is carried by the cut.
 """
 
 from collections.abc import Callable

@@ -1,11 +1,11 @@
-"""At which position of a cycle a part buckles first: modes of some positions judge all the others.
+"""Position of a cycle at which a part buckles first: modes of some positions judge the others.
 
 The geometric stiffness is linear in the unit loads. The modes of a few load states that all
 positions are made of, of either sign, are displacement fields that the part could take at any; the
 largest mu of -K_s x = mu K x among them, at every position, is never above the true one (Rayleigh
 and Ritz), and close to it where the part buckles alike. The position where it is largest is solved
-next, its modes join, until the position that looks worst has been solved. What is told is a solved
-factor; that no other position has a lower one is not proved but sought.
+next, its modes join, until the position that looks worst has been solved. The reported factor is a
+solved one; that no other position has a lower one is not proved but sought.
 """
 
 from collections.abc import Sequence
