@@ -23,7 +23,7 @@ from loads.motion import Motion
 
 
 def moves_alike(known: Linkage, cycle: Cycle, other: Linkage, other_cycle: Cycle) -> bool:
-    """Whether a linkage goes through a cycle exactly as a known one does, at the same positions.
+    """Return True if a linkage goes through a cycle as a known one does, at the same positions.
 
     Masses, gravity, friction and constant forces may differ. False for cycles with a contact, which
     holds bodies still by an amount that depends on the forces.
@@ -91,7 +91,7 @@ def _has_contact(cycle: Cycle) -> bool:
 
 
 def _shape(linkage: Linkage) -> object:
-    """What a linkage's motion depends on."""
+    """Return the data of a linkage that its motion depends on, to be compared."""
     bodies = tuple((body.name, _points(body)) for body in linkage.bodies)
     return bodies, linkage.joints, linkage.forces, dict(linkage.assembled)
 

@@ -61,7 +61,7 @@ def check_change_points(
 
     values    (k,)            of the coordinate, rising
     poses     (k, bodies, 3)  there
-    start     where the linkage is assembled: of several change points the nearest is told
+    start     where the linkage is assembled: of several change points the nearest is reported
     poses_at  the poses (n, bodies, 3) at other values (n,)
 
     The smallest singular value s of the Jacobian J changes by no more than J does (Weyl). Between

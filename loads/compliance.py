@@ -1,4 +1,4 @@
-"""What gives way in a linkage: bodies and joints with small elastic deflections, as numbers."""
+"""Compliance of a linkage: bodies and joints with small elastic deflections, as numbers."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -1,7 +1,7 @@
 """Forces that follow laws: tables over the motion, and contacts that the elastic linkage settles.
 
-A contact pushes with F = max(0, k (at - coordinate)), where the coordinate is that of the deflected
-linkage: its rigid value plus the deflection delta(F) that all loads together cause. F and delta are
+A contact pushes with F = max(0, k (at - coordinate)), with the coordinate of the deflected linkage:
+its rigid value plus the deflection delta(F) that all loads together cause. F and delta are
 solved for together; without friction delta is linear in F and one step does it.
 """
 
@@ -135,12 +135,12 @@ class _Approach:
         return solve_forces(moving, {**self._given, self._name: self.sense * size}, self._solve)
 
     def way(self, moving: Motion, solution: ForceSolution) -> FloatArray:
-        """How far the linkage gives way along the contact's force (n,), mm."""
+        """Deflection of the linkage along the contact's force (n,), mm."""
         state = LoadState(solution, moving)
         return deflection(self.motion.kinematics, self.motion.poses, self._unit, state)
 
     def deflected(self, moving: Motion, size: FloatArray) -> FloatArray:
-        """How far it gives way where the contact pushes with some force (n,), mm."""
+        """Deflection along the contact's force where it pushes with `size` (n,), mm."""
         return self.way(moving, self.solved(moving, size))
 
     @cached_property

@@ -57,7 +57,7 @@ class Phase:
 
 @dataclass(frozen=True)
 class Cycle:
-    """What a linkage does: a coordinate swept from start through the stops of the phases.
+    """Cycle of a linkage: a coordinate swept from start through the stops of the phases.
 
     pace         the coordinate that sets the time; its direction follows the phase
     n_positions  at least, over all phases
@@ -145,7 +145,7 @@ class _Stretch:
 
 @dataclass(frozen=True, eq=False)
 class _Run:
-    """What every phase of a cycle is solved with."""
+    """Path and timing that all phases of a cycle are solved with."""
 
     path: Path
     cycle: Cycle

@@ -121,7 +121,7 @@ class CycleLoads:
 
     @cached_property
     def equilibrium_residual(self) -> Mapping[str, float]:
-        """What is left of force, and moment over size, on each body, over the largest force."""
+        """Residual force, and moment over size, on each body, over the largest force."""
         loads = {body.name: self.body_loads(body.name) for body in self.linkage.moving}
         largest = max(
             [float(np.abs(load.force).max()) for part in loads.values() for load in part]

@@ -1,6 +1,6 @@
-"""What the deflected shape of an elastic linkage changes of forces solved in its rigid shape.
+"""Change of the forces of an elastic linkage when solved in its deflected, not its rigid, shape.
 
-The joints' places are moved by what the loads deform, all poses are solved again with the effort's
+The joints' places are moved by the loads' deflections, all poses are solved again with the effort's
 coordinate held, and the forces once more in that shape. The difference is the next term of a series
 whose first term is the result; where it is not small, the first order does not hold (a softly held
 knee folds, a leaf swings as far as its arm).

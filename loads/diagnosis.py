@@ -1,4 +1,4 @@
-"""What is wrong with measured loads that do not balance: which slip would explain it."""
+"""Diagnosis of measured loads that do not balance: the slip that would explain it."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -37,7 +37,7 @@ class Suggestion:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """How far a body is out of balance and what would close it, the likeliest first."""
+    """Imbalance of a body, and slips that would close it, the likeliest first."""
 
     body: str
     share: float
@@ -129,10 +129,11 @@ def _closes(
 
 
 def _explains(body: MeasuredBody, slips: tuple[Slip, ...], gravity: Vector, size: float) -> bool:
-    """Whether slips that close the balance also account for what was left of it.
+    """Return True if slips that close the balance also account for its residual.
 
-    What remains is little of it, or noise; and a load or motion that a slip makes very small is
-    still needed: where leaving it out does as well, it is the reading itself that is wrong.
+    They do if the residual that remains is small against it, or noise. A load or motion that a slip
+    makes very small must still be needed: where leaving it out does as well, the reading itself is
+    wrong.
     """
     mended = _mended(body, slips)
     (shares, largest), (left, of) = (entry.shares(gravity, size) for entry in (body, mended))
@@ -156,7 +157,7 @@ def _mean(shares: FloatArray) -> float:
 
 
 def _like_noise(left: FloatArray, size: float) -> bool:
-    """Whether what is left (n, 3) jumps from row to row."""
+    """Return True if a residual (n, 3) jumps from row to row."""
     scaled = left / np.array([1.0, 1.0, size or 1.0])
     steps = float(np.sum(np.diff(scaled, axis=0) ** 2))
     whole = float(np.sum(scaled**2)) * (len(left) - 1) / len(left)
@@ -214,7 +215,7 @@ def percent(share: float) -> str:
 
 
 def _what_is_left(body: MeasuredBody, gravity: Vector, size: float, tolerance: float) -> str:
-    """What can be said of loads that no slip explains: noise, or direction and place."""
+    """Return a sentence on loads that no slip explains: noise, or direction and place."""
     left = body.residual(gravity)
     said = "no slip of sign, axes, frame or unit closes it, nor do two together"
     if _like_noise(left, size):
@@ -293,7 +294,10 @@ def _mass_gains(
 def _gain(
     body: MeasuredBody, change: Callable[[float], MeasuredBody], gravity: Vector, size: float
 ) -> tuple[float, float]:
-    """What the best factor leaves at most, and that factor; nothing is gained below some percent.
+    """Return the largest share left by the best factor, and that factor.
+
+    The share is infinite where the factor is at most some percent.
+
 
     change  the body with something times a factor
     """

@@ -1,4 +1,4 @@
-"""What a drive has to do over a cycle, and whether a constant speed is what it would have."""
+"""Effort, work and power of a drive over a cycle, and whether its speed would be constant."""
 
 from collections.abc import Collection
 from dataclasses import dataclass
@@ -14,10 +14,10 @@ _STEADY = 1e-6  # of the speed: what a steady speed may vary by rounding
 
 @dataclass(frozen=True, eq=False)
 class DriveFigures:
-    """What one force or torque does over a cycle.
+    """Effort, work and power of one force or torque over a cycle.
 
-    angular             whether it is a torque (N mm, rad) or a force (N, mm)
-    closed              whether the cycle ends in the pose that it starts from
+    angular             True for a torque (N mm, rad), False for a force (N, mm)
+    closed              True if the cycle ends in the pose that it starts from
     smallest, largest   N or N mm, signed
     mean_effort         over the way of its coordinate, N or N mm; 0 where it does not move
     work                N mm, done on the linkage over the cycle

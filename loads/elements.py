@@ -1,4 +1,4 @@
-"""What stands between bodies: joints, the coordinates that measure them, forces and friction."""
+"""Joints between bodies, coordinates that measure bodies, forces and friction."""
 
 from dataclasses import dataclass
 from math import degrees, hypot, inf, isfinite
@@ -97,7 +97,7 @@ Joint = Revolute | Prismatic | Slot | Fixed
 
 @dataclass(frozen=True)
 class PointCoordinate:
-    """How far a point has come along a direction of the ground frame, from its origin [mm]."""
+    """Position of a point along a direction of the ground frame, from its origin [mm]."""
 
     body: str
     point: str
@@ -123,7 +123,7 @@ class PointCoordinate:
 
 @dataclass(frozen=True)
 class Distance:
-    """How far two points of two bodies are apart [mm]."""
+    """Distance between two points of two bodies [mm]."""
 
     body_a: str
     point_a: str
@@ -144,7 +144,7 @@ class Distance:
 
 @dataclass(frozen=True)
 class Angle:
-    """How far a body is turned, ccw, from the ground frame or from another body [rad].
+    """Angle of a body, ccw, from the ground frame or from another body [rad].
 
     point  where a torque along this coordinate enters the body (and the other body, if it has
            that point); needed only to hand the body's loads to a model of the part

@@ -27,7 +27,7 @@ _LOCKED = 1e-6  # of the frictionless determinant
 
 @dataclass(frozen=True, eq=False)
 class JointLoad:
-    """What a joint does to its body b, at the point of body b; body a gets the opposite there.
+    """Reaction of a joint on its body b, at the point of body b; body a gets the opposite there.
 
     force            (n, 2)  N, ground axes, everything: normal and, of guides, friction
     moment           (n,)    N mm, couple of a guide or weld (zero for pins and slots)

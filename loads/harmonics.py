@@ -1,4 +1,4 @@
-"""What vibration adds to a cycle of loads that was solved without it, harmonic by harmonic.
+"""Vibration added to a cycle of loads that was solved without it, harmonic by harmonic.
 
 The loads of a cycle that runs again and again deform each mode of the linkage by an amount a(t),
 as if slowly (loads over stiffness). Its harmonics h of the cycle's rate come out multiplied by
@@ -59,16 +59,16 @@ class Harmonic:
 
 @dataclass(frozen=True, eq=False)
 class ModeResponse:
-    """What vibration makes of one mode over a cycle that runs again and again.
+    """Response of one mode, without and with vibration, over a cycle that runs again and again.
 
     mode           1 is the softest at the start of the cycle
     lowest, highest  Hz, of its frequency over the cycle
-    share          its largest response over that of the whole linkage: square roots of energy
+    share          its largest response over the whole linkage's: square roots of energy
     jump           largest step of its response, over its largest response
     rise           s, in which its jumps are taken to go
     worst          Hz, frequency in its range at which the deviation is largest
     amplification  largest response with vibration over largest without, there
-    deviation      largest difference of the two at any time, over the largest without, there
+    deviation      largest difference with and without at any time, over the largest without, there
     harmonics      the strongest, by number
     times, slow, dynamic  (samples,) s over the cycle, and response without and with vibration
     """
@@ -90,8 +90,9 @@ class ModeResponse:
 
 @dataclass(frozen=True, eq=False)
 class CycleResponse:
-    """What vibration makes of a cycle; `modes` are what it was found with, at its positions.
+    """Response of a cycle to vibration.
 
+    modes      of the linkage at the cycle's positions, from which the response was found
     period     s, of the cycle
     damping    ratio, of every mode
     responses  of the softest modes

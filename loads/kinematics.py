@@ -160,12 +160,12 @@ class Kinematics:
 
     @cached_property
     def pose_scale(self) -> FloatArray:
-        """What turns unit-free pose changes of the moving bodies into mm and rad (3 moving,)."""
+        """Factors from unit-free pose changes of the moving bodies to mm and rad (3 moving,)."""
         return np.tile([self.size, self.size, 1.0], self.n_bodies - 1)
 
     @cached_property
     def row_scale(self) -> FloatArray:
-        """What turns unit-free constraint errors into mm and rad (constraints,)."""
+        """Factors from unit-free constraint errors to mm and rad (constraints,)."""
         scale = np.full(self.n_constraints, self.size)
         for joint in self.linkage.joints:
             if isinstance(joint, Prismatic | Fixed):

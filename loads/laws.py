@@ -1,4 +1,4 @@
-"""How a given force varies: constant, along a table, or as a contact that pushes back."""
+"""Laws of given forces: constant, along a table, or as a contact that pushes back."""
 
 from dataclasses import dataclass
 from itertools import pairwise

@@ -15,11 +15,11 @@ from loads.point_loads import PointLoad
 
 @dataclass(frozen=True, eq=False)
 class MeasuredLoad:
-    """What acts ON a body at one of its points.
+    """Measured force and moment ON a body at one of its points.
 
     force          (n, 2) N, in the ground's axes, or the body's
     moment         (n,) N mm
-    in_body_frame  whether the force is in the body's axes
+    in_body_frame  True if the force is in the body's axes
     """
 
     point: str
@@ -30,7 +30,7 @@ class MeasuredLoad:
 
 @dataclass(frozen=True, eq=False)
 class MeasuredBody:
-    """How one body moves and what acts on it at its points.
+    """Measured motion of one body, and the loads on it at its points.
 
     angle                 (n,) rad, of the body's frame
     acceleration          (n, 2) mm/s2, of the centre of mass, without gravity
@@ -205,7 +205,7 @@ class MeasuredLoads:
 
     @cached_property
     def equilibrium_residual(self) -> Mapping[str, float]:
-        """What is left of force, and moment over size, on each body, over its largest force."""
+        """Residual force, and moment over size, on each body, over its largest force."""
         return {
             name: float(entry.shares(self.gravity, self.size(name))[0].max())
             for name, entry in self.bodies.items()
@@ -306,7 +306,7 @@ class MeasuredLoads:
         return None if len(taken) < len(seats) else np.sum(list(taken.values()), axis=0)
 
     def _on_pin(self, point: str, seats: Mapping[str, str]) -> dict[str, FloatArray]:
-        """What each measured body does to the pin at a point: source -> (n, 3)."""
+        """Force and moment of each measured body on the pin at a point: source -> (n, 3)."""
         taken = {}
         for source in seats.values():
             for load in self.bodies[source].loads if source in self.bodies else ():

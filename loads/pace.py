@@ -1,4 +1,4 @@
-"""How a cycle runs in time: the rate of one coordinate along its way."""
+"""Timing of a cycle: the rate of one coordinate along its way."""
 
 from dataclasses import dataclass
 from math import isfinite
@@ -37,7 +37,7 @@ class SteadyPace:
 class StrokePace:
     """A coordinate led from rest to rest in every stroke (phases in one direction) of the cycle.
 
-    law   harmonic, cycloidal, or polynomial (3-4-5), of the share of the way over that of the time
+    law   harmonic, cycloidal, or polynomial (3-4-5): share of the way over share of the time
           (Norton, Design of Machinery, ch. 8)
     time  s, of each stroke
     """

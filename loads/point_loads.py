@@ -1,4 +1,4 @@
-"""What acts on one body, point by point."""
+"""Loads on one body, point by point."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,9 +1,9 @@
-"""Whether a drive pulls a linkage through its dead centre against an elastic resistance.
+"""Pull-through: a drive takes a linkage through its dead centre against an elastic resistance.
 
-Near a dead centre of the process a rigid linkage presses without bound; what it presses on, and the
-linkage itself, give way. A resistance of stiffness k in all, touched at some position, asks the
-drive for a force that first rises and then falls again towards the dead centre, where the drive
-holds nothing. If the drive can give the largest of them, nothing stops the linkage there.
+Near a dead centre of the process a rigid linkage presses without bound. The body that it presses on
+and the linkage itself give way. A resistance of stiffness k in all, touched at some position, asks
+the drive for a force that first rises and then falls again towards the dead centre, where the drive
+holds nothing. If the drive can give the largest of these forces, nothing stops the linkage there.
 """
 
 from collections.abc import Callable, Mapping
@@ -56,7 +56,7 @@ def pull_through(
     touch  mm or rad, value of the process force's coordinate where the resistance begins
     given  all other forces
 
-    The stiffness is that of everything in series, so that a compliance of the linkage counts to it.
+    The stiffness is of everything in series, the compliance of the linkage included.
     None where the way from the assembled pose has no dead centre of the process, or does not come
     by the touch before it. Raises LinkageError where friction locks the linkage on the way.
     """

@@ -39,7 +39,7 @@ class Slip:
     without: Mend | None = None
 
     def excludes(self, other: "Slip") -> bool:
-        """Whether the two cannot have happened together, because both are the same reading's."""
+        """Return True if both change the same reading, and so cannot have happened together."""
         return self.kind == other.kind and (
             self.point == other.point or ALL in (self.point, other.point)
         )
@@ -244,7 +244,7 @@ def _motion_slips(body: MeasuredBody, gravity: Vector) -> Iterator[Slip]:
 
 
 def _moved_from(point: str) -> Mend:
-    """The centre's acceleration where the file gives that of a point."""
+    """Return the mend that takes a file's acceleration as a point's and moves it to the centre."""
 
     def mend(body: MeasuredBody) -> MeasuredBody:
         arm = np.array(body.body.centre, dtype=float) - body.body.place(point)

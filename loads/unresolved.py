@@ -1,4 +1,4 @@
-"""How far loads rise between the positions of a cycle: what a count that is too coarse misses."""
+"""Rise of loads between the positions of a cycle: the part that too few positions miss."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

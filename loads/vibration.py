@@ -172,7 +172,7 @@ def _most_alike(overlap: FloatArray) -> IntArray:
 
 
 def closes(cycle: CycleLoads) -> bool:
-    """Whether a cycle ends in the pose that it starts in, and so can run again and again."""
+    """Return True if a cycle ends in the pose that it starts in, and so can run again and again."""
     gap = cycle.poses[-1] - cycle.poses[0]
     gap[:, 2] = np.remainder(gap[:, 2] + np.pi, 2.0 * np.pi) - np.pi
     size = Kinematics(cycle.linkage).size
