@@ -1,4 +1,4 @@
-"""How long a part lasts: Goodman on the stress path of each point, endurance limits by Marin."""
+"""Fatigue life of a part: Goodman on the stress path of each point, endurance limits by Marin."""
 
 from fatigue.counting import (
     Cycles,

@@ -7,7 +7,7 @@ sigma_WK  = K_T,D sigma_W / K_WK                          strength of the part, 
 sigma_AK  = K_AK sigma_WK                                 at the mean stress, `fkm_factor`
 a_BK      = sigma_a j_D / sigma_AK                        utilisation
 
-FKM guideline, 6th ed. (2012), chapter 4. R_m is that of the part at its size: take it from the
+FKM guideline, 6th ed. (2012), chapter 4. R_m holds for the part at its size: take it from the
 range of thickness of its standard, or lower it by the technological size factor. Strengths hold
 for a survival of 97.5 %. Nothing here goes with Marin's factors (`marin`), which start from another
 strength at 50 %; a `ComponentLimit` and an `EnduranceLimit` refuse each other's functions.
@@ -38,7 +38,7 @@ CAST_ROUGHNESS = 200.0  # micrometres: rolling, forging and casting skin
 
 @dataclass(frozen=True)
 class FkmMaterial:
-    """What the guideline needs to know of a material.
+    """Material properties that the guideline asks for.
 
     ultimate_strength         MPa, R_m of the part at its size
     group                     one of FKM_GROUPS

@@ -32,7 +32,7 @@ _LARGEST_POWER, _N_STEPS = 60.0, 58
 
 @dataclass(frozen=True, eq=False)
 class LifeVerdict:
-    """How many duties each point endures, and by how much the loads could grow.
+    """Number of duties that each point endures, and the factor by which the loads could grow.
 
     damage               (n_points,)  of one duty; infinite where a cycle cannot be endured once
     duties_to_failure    (n_points,)  allowed damage over damage; infinite without damage
@@ -40,7 +40,7 @@ class LifeVerdict:
                                       and mean growing; at most 1 is an infinite life
     safety               (n_points,)  factor on all stresses of the duty with which the required
                                       duties do just the allowed damage; infinite if unloaded
-    required_duties, allowed_damage   what the safety was asked for
+    required_duties, allowed_damage   for which the safety holds
     """
 
     damage: FloatArray
@@ -57,12 +57,12 @@ class LifeVerdict:
 
     @property
     def infinite_life(self) -> bool:
-        """Whether no cycle at any point exceeds the endurance limit."""
+        """True if no cycle at any point exceeds the endurance limit."""
         return bool((self.infinite_utilisation <= 1.0).all())
 
     @property
     def finite_life(self) -> bool:
-        """Whether every point endures the required duties."""
+        """True if every point endures the required duties."""
         return bool((self.damage * self.required_duties <= self.allowed_damage).all())
 
 

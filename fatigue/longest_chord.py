@@ -9,9 +9,9 @@ the distance of two positions is the von Mises norm of the difference of their s
    and is dropped. No chord of length L or more, the longest and its equals among them, is lost.
 3. All pairs of the positions that are left are compared.
 
-The result is that of comparing all pairs; the choice of c and L changes only the time. A centre
-near that of the smallest enclosing ball drops most: for the straight or slender paths of most
-points only a few positions near the two ends are left.
+The result equals comparing all pairs; the choice of c and L changes only the time. A centre near
+the smallest enclosing ball's centre drops most: for the straight or slender paths of most points
+only a few positions near the two ends are left.
 """
 
 from __future__ import annotations

@@ -228,10 +228,10 @@ def reliability_factor(reliability: float) -> float:
 
 
 def fretting_factor(fretting: float) -> float:
-    """Return k_f = 1/fretting, of the factor by which fretting lowers the limit, at least 1.
+    """Return k_f = 1/fretting. fretting: factor by which fretting lowers the limit, at least 1.
 
     Shigley, 9th ed., section 6-9, gives k_f from 0.24 to 0.90 by the pair of materials, so 1.1 to
-    4.2; clamped leaves of springs have 1.2 to 1.8. What a part has must be stated, not computed.
+    4.2; clamped leaves of springs have 1.2 to 1.8. A part's factor must be stated, not computed.
     """
     if not (isfinite(fretting) and fretting >= 1.0):
         raise ValueError(

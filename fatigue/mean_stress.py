@@ -1,4 +1,4 @@
-"""What a mean stress costs, by eight rules side by side: Goodman is the verdict, the others a band.
+"""Mean-stress effect by eight rules side by side: Goodman is the verdict, the others a band.
 
 s_a is the amplitude (half the range), s_m the mean, S_e the endurance limit at s_m = 0. Each rule
 gives the fully reversed amplitude s_ar that does the same damage, and, with s_ar = S_e, the line
@@ -48,7 +48,7 @@ FKM_SENSITIVITIES = {
 
 @dataclass(frozen=True)
 class MeanStressMaterial:
-    """What the mean-stress rules need to know of a material.
+    """Material properties that the mean-stress rules ask for.
 
     ultimate_strength, yield_strength   MPa
     fracture_strength   MPa, s_f' of morrow: true fracture strength or fatigue strength coefficient

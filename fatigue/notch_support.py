@@ -1,4 +1,4 @@
-"""How much more a notch endures than its peak stress says: support numbers and notch factors.
+"""Notch support: support numbers and notch factors, as a notch endures more than its peak says.
 
 Two chains, never mixed:
 

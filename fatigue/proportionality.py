@@ -146,10 +146,10 @@ def _bounds(
 
 
 def _extents(turned: FloatArray, swing: FloatArray) -> FloatArray:
-    """Return what the turned rows (n, 6, n_basis) reach over the cycle, (6, n), MPa.
+    """Return the extents of the turned rows (n, 6, n_basis) over the cycle, (6, n), MPa.
 
     Half the range and the middle of the first row, the same of the last row, the largest size of
-    the four between, and that of the first five with the first taken about its middle.
+    the four between, and the largest size of the first five with the first taken about its middle.
     """
     result = np.empty((6, len(turned)))
     blocks = list(point_blocks(len(turned), _SMALLER * 6 * swing.shape[1]))

@@ -39,8 +39,8 @@ class SNCurve:
     survival                 the share of parts that survive the curve
     ultimate_strength  MPa   if given, the curve bends at 1e3 cycles to reach it in the first cycle
 
-    The knee and the slopes may be arrays (n_points,); the last axis of amplitudes then is that of
-    the cycles, (n_points, n_cycles), or (n_cycles,) for all points alike.
+    The knee and the slopes may be arrays (n_points,); the last axis of amplitudes then counts the
+    cycles, (n_points, n_cycles), or (n_cycles,) for all points alike.
 
     >>> curve = SNCurve(knee_amplitude=200.0, knee_cycles=1e6, slope=5.0)
     >>> float(curve.cycles_to_failure(400.0))
@@ -147,7 +147,7 @@ def basquin_curve(
     """Return the line through (1e3, fraction * ultimate strength) and (1e6, endurance limit).
 
     Shigley, 9th ed., eqs. (6-13) to (6-15); below 1e3 cycles (6-17), straight to the ultimate
-    strength at the first cycle. The fraction, None for `low_cycle_fraction`, is that of steel.
+    strength at the first cycle. None takes `low_cycle_fraction`, for steel.
     """
     if fraction is None:
         fraction = low_cycle_fraction(ultimate_strength)

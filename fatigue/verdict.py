@@ -84,14 +84,14 @@ class Verdict:
 
     @property
     def highest_utilisation(self) -> FloatArray:
-        """What the utilisation of each point does not exceed, its plane searched or not."""
+        """Upper bound of the utilisation of each point, its plane searched or not."""
         known = np.isfinite(self.plane_utilisation)
         plane = np.where(known, self.plane_utilisation, self.plane_bound)
         return np.asarray(np.maximum(self.goodman_bound, plane))
 
     @property
     def proportional(self) -> npt.NDArray[np.bool_]:
-        """Whether the path of each point is a straight line, so that Goodman alone judges it."""
+        """True for each point whose path is a straight line, so that Goodman alone judges it."""
         return np.asarray(self.bounds.width <= PROPORTIONAL)
 
     @property

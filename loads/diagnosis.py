@@ -298,7 +298,6 @@ def _gain(
 
     The share is infinite where the factor is at most some percent.
 
-
     change  the body with something times a factor
     """
     without = change(0.0).residual(gravity)
