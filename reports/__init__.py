@@ -1,4 +1,4 @@
-"""What we tell people: the verdict as text, as a page with charts and pictures, and as files."""
+"""Reports of a result: the verdict as text, as a page with charts and pictures, and as files."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any

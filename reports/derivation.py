@@ -1,8 +1,8 @@
-"""How the number of a check comes about: what was put in, the formulas, and what they give.
+"""Derivation of a check's number: given values, formulas, and their results.
 
 A derivation holds no result that could drift away from its formulas: every value but the given ones
-is evaluated from the text that is shown (`reports.formulas`). What no formula gives, such as an
-eigenvalue of thousands of unknowns, is a given number whose source says so.
+is evaluated from the text that is shown (`reports.formulas`). A number that no formula gives, such
+as an eigenvalue of thousands of unknowns, is a given one whose source says so.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -85,14 +85,14 @@ class Sum:
                 )
 
     def scopes(self, scope: Scope) -> Iterator[dict[str, Value]]:
-        """What the symbols are in each row."""
+        """Yield the values of all symbols, row by row."""
         for row in range(len(self.names)):
             yield dict(scope) | {column.symbol: column.values[row] for column in self.columns}
 
 
 @dataclass(frozen=True)
 class UnitLoad:
-    """What a unit load adds to the stress at a point.
+    """Contribution of a unit load to the stress at a point.
 
     name    of the load, with where it acts
     unit    of its coefficient
@@ -107,7 +107,7 @@ class UnitLoad:
 
     @property
     def contribution(self) -> tuple[float, ...]:
-        """What it adds, (6,) MPa."""
+        """Its contribution to the stress, (6,) MPa."""
         return tuple(self.value * one for one in self.stress)
 
 
@@ -149,7 +149,7 @@ class Section:
 
 @dataclass(frozen=True)
 class Acting:
-    """What acts at an interface of a part: N and N mm, in the part's axes.
+    """Force and moment at an interface of a part: N and N mm, in the part's axes.
 
     on       the point of the machine that the interface is
     wrench   (6,) F_x, F_y, F_z, M_x, M_y, M_z at the interface's centre
@@ -209,9 +209,9 @@ class Bars:
 
 @dataclass(frozen=True)
 class Derivation:
-    """How the value and the limit of a check come about.
+    """Derivation of the value and the limit of a check.
 
-    cases      positions and forces that it is for
+    cases      positions and forces that it holds for
     sections   items in an order in which each uses only what stands before
     value      symbol of the check's value
     limit      symbol of its limit
@@ -255,7 +255,7 @@ class Derivation:
         return value
 
     def misses(self, check: "Check") -> str:
-        """What the formulas miss of a check's value, limit and bars, in words; "" for nothing.
+        """Differences of the formulas from a check's value, limit and bars, in words; "" for none.
 
         An infinite bar has no formula: the words of the bars must say why.
         """

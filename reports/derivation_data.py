@@ -33,7 +33,7 @@ _WRENCH, _ACCELERATIONS = 6, (0, 4)  # how many numbers
 
 
 def plain_derivation(derivation: Derivation) -> dict[str, Any]:
-    """What was given and the formulas, each with its value; None where a formula has none."""
+    """Given values and formulas, each with its value; None where a formula has none."""
     try:
         values = derivation.values
     except FormulaError:

@@ -37,10 +37,10 @@ _LONGEST = 3000  # characters of a text
 def derivation_text(
     check: Check, title: str, *, everything: bool = False, width: int | None = None
 ) -> str:
-    """How a check's number comes about, as plain lines of at most `width` columns.
+    """Derivation of a check's number as plain lines of at most `width` columns.
 
     title  of the check, as the verdict has it
-    Without a width that of the terminal is taken (COLUMNS counts), and 100 when piped.
+    width  None: the terminal's width (COLUMNS counts), and 100 when piped
     """
     width = max(60, width or get_terminal_size((100, 24)).columns)
     lines = labelled("", headline(check, title), width - _HANGING)
@@ -89,7 +89,7 @@ def _loads(derivation: Derivation, *, everything: bool) -> list[tuple[str, str]]
 
 
 def _main(derivation: Derivation) -> list[tuple[str, str]]:
-    """What carries the number: the stresses, then the main formulas of each section in a line."""
+    """Essentials of a number: the stresses, then the main formulas of each section in a line."""
     stresses = [item for item in derivation.items if isinstance(item, Superposition)]
     found = [
         ("stress" if item is stresses[0] else _SAME, _leading(item, parts=item is stresses[0]))
@@ -141,7 +141,7 @@ def _leading(item: Superposition, *, parts: bool) -> str:
 
 
 def _in_short(line: Line) -> str:
-    """What an item is, its formula and its value; numbers put in where they are few."""
+    """Meaning of an item, its formula and its value; numbers put in where they are few."""
     unit = f" {line.unit}".rstrip()
     said = line.meaning.partition(":")[0]
     known = line.source and _PAGES not in line.source

@@ -1,4 +1,4 @@
-"""What the page shows of a derivation, and the filters of derivation.html.j2."""
+"""Derivations as the page shows them, and the filters of derivation.html.j2."""
 
 import re
 from dataclasses import dataclass

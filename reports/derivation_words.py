@@ -202,7 +202,7 @@ def _decimals(item: Superposition) -> int:
 
 
 def shares_of(item: Superposition) -> list[float]:
-    """What each unit load adds to the von Mises stress, MPa: their sum is that stress.
+    """Shares of the unit loads in the von Mises stress, MPa: their sum is that stress.
 
     A contribution counts in the direction of the whole stress, as the gradient of von Mises has it.
     """
@@ -220,7 +220,7 @@ def shares_of(item: Superposition) -> list[float]:
 
 
 def case_texts(case: LoadCase, *, whole: bool = True) -> Iterator[str]:
-    """What acts at each interface, in words; not `whole`: the sizes of forces and couples only."""
+    """Loads at each interface, in words; not `whole`: the sizes of forces and couples only."""
     for acts in case.acting:
         x, y, _, *couples = acts.wrench
         where = f" ({brief(acts.on, 30)})" if acts.on and acts.on != acts.interface else ""
@@ -236,7 +236,7 @@ def case_texts(case: LoadCase, *, whole: bool = True) -> Iterator[str]:
 
 
 def legend(derivation: Derivation) -> list[str]:
-    """What the functions of the formulas mean, each once."""
+    """Meanings of the functions in the formulas, each once."""
     names: dict[str, None] = {}
     for item in derivation.items:
         if isinstance(item, Step | Sum):
@@ -268,7 +268,7 @@ def bar_texts(check: Check, *, formulas: bool = True) -> list[str]:
 
 
 def _shares(derivation: Derivation, symbols: Sequence[str]) -> str:
-    """What a bar of several terms is made of, the largest first; "" where a term has no value."""
+    """Terms of a bar that has several, the largest first; "" where a term has no value."""
     values, items = _values(derivation), {item.symbol: item for item in derivation.items}
     told = []
     for symbol in symbols:

@@ -1,4 +1,4 @@
-"""What differs between two designs or two runs, as plain data for text, page and JSON."""
+"""Differences between two designs or two runs, as plain data for text, page and JSON."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -74,12 +74,12 @@ class DesignDifference:
 
     @property
     def same(self) -> bool:
-        """Whether nothing differs."""
+        """True if nothing differs."""
         return not (any(self.changes.values()) or self.only_a or self.only_b)
 
     @property
     def turned(self) -> int:
-        """How many verdicts differ."""
+        """Number of verdicts that differ."""
         return len(self.changes.get(VERDICTS, ()))
 
     @property

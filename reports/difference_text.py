@@ -30,10 +30,10 @@ _LEAST_NOTE = 30
 def difference_text(
     difference: Difference, width: int | None = None, everything: bool = False
 ) -> str:
-    """Plain lines of at most `width` columns.
+    """Differences as plain lines of at most `width` columns.
 
-    Without a width that of the terminal is taken (COLUMNS counts), and 100 when piped. With
-    `everything` no group is shortened.
+    width       None: the terminal's width (COLUMNS counts), and 100 when piped
+    everything  True: no group is shortened
     """
     width = max(60, width or get_terminal_size((100, 24)).columns)
     lines = labelled("A", brief(difference.a, 300), width)
@@ -58,7 +58,7 @@ def difference_text(
 
 
 def summary_sentence(difference: Difference) -> str:
-    """How many designs differ, in how many verdicts, and what counts as none."""
+    """Sentence on the designs and verdicts that differ, and the difference that counts as none."""
     count, turned = len(difference.designs), sum(design.turned for design in difference.designs)
     if not difference.changed:
         said = f"no difference in {_designs(count)}"

@@ -92,7 +92,7 @@ def index_html(
 
 
 def lead(counts: Mapping[str, int]) -> str:
-    """How many designs pass, and what became of the others."""
+    """Return the leading sentence: number of designs that pass, and the status of the others."""
     total = sum(counts.values())
     if not total:
         return "No design was checked."
@@ -110,7 +110,7 @@ def tone(status: str) -> str:
 
 
 def _spread(name: str, values: Sequence[float | str | None]) -> dict[str, Any]:
-    """How an input varies, in words."""
+    """Range of an input, in words."""
     present = [value for value in values if value is not None]
     different = list(dict.fromkeys(present))
     numbers = [value for value in present if isinstance(value, float)]
@@ -127,7 +127,7 @@ def _spread(name: str, values: Sequence[float | str | None]) -> dict[str, Any]:
 
 
 def _static_row(design: IndexDesign, inputs: Sequence[float | str | None]) -> dict[str, Any]:
-    """What the table without a script says of a design."""
+    """Row of a design in the table without a script."""
     check = next((check for check in design.checks if check["governing"]), None)
     row = {
         "design": design,

@@ -1,4 +1,4 @@
-"""What `ballesta ladder` found: every rung of every part, and what `auto` makes of them."""
+"""Result of `ballesta ladder`: every rung of every part, and the choice of `auto` among them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ class LadderPart:
 
     @property
     def seconds(self) -> float:
-        """What `auto` takes for the part, s."""
+        """Time that `auto` takes for the part, s."""
         return sum(rung.seconds for rung in self.tried)
 
     def to_dict(self) -> dict[str, Any]:

@@ -30,9 +30,9 @@ _MAY_WRAP = ((5, 8), (1, 8), (4, 8), (3, 6), (0, 8), (7, 6))  # column, its leas
 def ladder_text(
     result: LadderResult, width: int | None = None, files: Sequence[str | Path] = ()
 ) -> str:
-    """Everything as plain lines of at most `width` columns (paths are never broken).
+    """Whole ladder as plain lines of at most `width` columns (paths are never broken).
 
-    Without a width that of the terminal is taken (COLUMNS counts), and 100 when piped.
+    width  None: the terminal's width (COLUMNS counts), and 100 when piped
     """
     width = max(60, width or get_terminal_size((100, 24)).columns)
     lines = labelled("", f"{brief(result.name, 60)} ({brief(result.file, 60)})", width)

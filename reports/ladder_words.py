@@ -20,9 +20,9 @@ def seconds_text(seconds: float) -> str:
 
 
 def tried_sentence(rungs: Sequence[RungTried], longest: int = _LONGEST_WHY) -> str:
-    """What was tried, what it took and what it led to.
+    """Rungs tried, their times and their outcomes, in words.
 
-    Of rungs passed over those before the first that answered, and the last.
+    Of the rungs passed over, only those before the first that answered, and the last, are named.
     """
     answering = [k for k, rung in enumerate(rungs) if rung.checks]
     first = answering[0] if answering else len(rungs)
@@ -35,7 +35,7 @@ def tried_sentence(rungs: Sequence[RungTried], longest: int = _LONGEST_WHY) -> s
 
 
 def chosen_sentence(chosen: Sequence[Check], seconds: float) -> str:
-    """What `auto` reports, and by which rung."""
+    """Return a sentence on the checks that `auto` reports, each with its rung."""
     if not chosen:
         return f"after {seconds_text(seconds)}: no answer"
     told = "; ".join(
@@ -66,12 +66,12 @@ def value_and_bar(check: Check) -> tuple[str, str]:
 
 
 def whole_bar(check: Check) -> tuple[float, float]:
-    """How far the whole bar reaches above and below the value, in the check's unit."""
+    """Whole bar above and below the value, in the check's unit."""
     return check.numerical + check.model, check.numerical + check.below
 
 
 def needed(check: Check) -> float:
-    """What the value must not exceed: the limit over the required safety."""
+    """Allowed value: the limit over the required safety."""
     return check.limit / check.required
 
 

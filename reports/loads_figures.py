@@ -1,4 +1,4 @@
-"""What is told of the loads of a cycle or run: extremes, drives, contacts, as plain data."""
+"""Figures of the loads of a cycle or run: extremes, drives, contacts, as plain data."""
 
 from dataclasses import dataclass
 from math import isfinite
@@ -36,7 +36,7 @@ class Extremes:
 
 @dataclass(frozen=True)
 class JointSummary:
-    """What a joint does to the body `on`; `by` gets the opposite."""
+    """Extremes of a joint's reaction on the body `on`; the body `by` gets the opposite."""
 
     name: str
     kind: str
@@ -51,7 +51,7 @@ class JointSummary:
 
 @dataclass(frozen=True)
 class PointSummary:
-    """What was measured to act on a body at one of its points."""
+    """Extremes of the measured load on a body at one of its points."""
 
     body: str
     point: str

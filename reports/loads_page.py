@@ -50,7 +50,7 @@ def loads_html(result: LoadsResult) -> str:
 
 
 def _cycle(cycle: ShownCycle, prefix: str) -> dict[str, Any]:
-    """What the template needs of one cycle beside the cycle itself."""
+    """Data of one cycle for the template, beside the cycle itself."""
     return {
         "cycle": cycle,
         "svg": Markup(mechanism_svg(cycle, prefix)),

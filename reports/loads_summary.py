@@ -151,7 +151,7 @@ class ShownCycle:
         ]
 
     def role(self, force: str) -> str:
-        """Whether a force is solved for, given, or one phase this and another that."""
+        """Role of a force: given, solved, or solved in some phases."""
         solved = [phase.name for phase in self.phases if phase.solve == force]
         if not solved:
             return "given"
@@ -225,7 +225,7 @@ class ShownCycle:
 
     @property
     def closed(self) -> bool:
-        """Whether the cycle ends in the pose that it starts from."""
+        """True if the cycle ends in the pose that it starts from."""
         return self.loads.drive(self.loads.linkage.forces[0].name).closed
 
     def to_dict(self) -> dict[str, Any]:
@@ -271,7 +271,7 @@ class LoadsResult:
 
     @property
     def rubbing(self) -> bool:
-        """Whether any joint has friction in any cycle."""
+        """True if any joint has friction in any cycle."""
         return any(cycle.loads.linkage.friction for cycle in self.cycles)
 
     @property
@@ -298,7 +298,7 @@ class LoadsResult:
 
 
 def _measure_the_same(first: Coordinate, second: Coordinate) -> bool:
-    """Whether two coordinates are one, wherever a torque along them enters."""
+    """Return True if two coordinates are the same, wherever a torque along them enters."""
     if isinstance(first, Angle) and isinstance(second, Angle):
         return (first.body, first.relative_to) == (second.body, second.relative_to)
     return first == second

@@ -25,9 +25,9 @@ _LONGEST_NAME = 18
 def loads_text(
     result: LoadsResult, width: int | None = None, files: Sequence[str | Path] = ()
 ) -> str:
-    """Everything as plain lines of at most `width` columns (paths are never broken).
+    """All loads as plain lines of at most `width` columns (paths are never broken).
 
-    Without a width that of the terminal is taken (COLUMNS counts), and 100 when piped.
+    width  None: the terminal's width (COLUMNS counts), and 100 when piped
     """
     width = max(60, width or get_terminal_size((100, 24)).columns)
     lines = labelled("", f"{brief(result.name, 60)} ({brief(result.file, 60)})", width)

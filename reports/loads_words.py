@@ -68,7 +68,7 @@ def drive_sentences(drive: DriveSummary, cycle: ShownCycle) -> list[str]:
 
 
 def flywheel_sentence(drive: DriveSummary) -> str:
-    """How unevenly a closed crank cycle would turn; "" where that does not apply."""
+    """Irregularity of a closed crank cycle, in words; "" where it does not apply."""
     if drive.ripple is None or drive.reduced_inertia is None:
         return ""
     if drive.irregularity is None or drive.flywheel is None:
@@ -117,7 +117,7 @@ def contact_sentence(contact: ContactSummary, cycle: ShownCycle) -> str:
 
 
 def _held(contact: ContactSummary) -> str:
-    """What a contact does to the motion of the body that it pushes."""
+    """Effect of a contact on the motion of the body that it pushes, in words."""
     if contact.most_held <= 0.0:
         return "keeps its acceleration"
     if contact.least_held >= 1.0 - 1e-9:
@@ -160,12 +160,12 @@ class BrokenGates:
 
     @property
     def told(self) -> str:
-        """What was measured, and then the cure if there is one."""
+        """Meaning of the number, followed by the cure if there is one."""
         return f"{self.meaning}. {self.cure}" if self.cure else self.meaning
 
 
 def _excess(gate: Gate) -> float:
-    """How many times its limit a gate's value is; infinite where nothing is allowed."""
+    """Ratio of a gate's value to its limit; infinite where nothing is allowed."""
     return gate.value / gate.limit if gate.limit else inf
 
 

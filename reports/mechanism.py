@@ -26,7 +26,7 @@ def mechanism_svg(cycle: ShownCycle, prefix: str) -> str:
 
 
 def mechanism_data(cycle: ShownCycle, prefix: str) -> dict[str, Any]:
-    """What the script needs to show any position: poses, points, arrows and readings by frame."""
+    """Data for the script to show any position: poses, points, arrows and readings by frame."""
     loads = cycle.loads
     layout = Layout(loads)
     frames = _frames(len(loads.times))
@@ -51,7 +51,7 @@ def mechanism_data(cycle: ShownCycle, prefix: str) -> dict[str, Any]:
 
 
 def arrow_scale(cycle: ShownCycle) -> str:
-    """How large a force the longest arrow of the picture stands for, in words."""
+    """Force that the longest arrow of the picture stands for, in words."""
     return force_text(Layout(cycle.loads).largest[0])
 
 

@@ -55,7 +55,7 @@ class Drawable(Protocol):
         """Where a point of a body is (k, 2), mm."""
 
     def travel(self, joint: str) -> FloatArray:
-        """How far a pin is along its slot or guide (k,), mm."""
+        """Travel of a pin along its slot or guide (k,), mm."""
 
 
 class Layout:
@@ -235,5 +235,5 @@ class Layout:
         return ends[:, 2:], effort * along / np.hypot(*along.T)[:, None]
 
     def is_rail(self, k: int) -> bool:
-        """Whether a joint along a line is a guide, not a slot."""
+        """Return True if a joint along a line is a guide, not a slot."""
         return isinstance(self.joints[k], Prismatic)

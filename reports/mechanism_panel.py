@@ -129,12 +129,12 @@ def _tidy(value: float, largest: float, factor: float) -> str:
 
 
 def _data(result: DesignResult, names: Sequence[str], picture: Picture) -> dict[str, Any]:
-    """What the script moves by, packed by reports/packed.py, which says what a series is.
+    """Data of the script's motion, packed by reports/packed.py, which explains a series.
 
     A place is [body, x, y]: in the frame of a body of the linkage, mm, y up; body 0 is the ground.
 
     tip      mm, half the length of an arrow's tip
-    joints   how many there are; the reaction of joint k acts at mark k
+    joints   their number; the reaction of joint k acts at mark k
     marks    [*place, lift] of every joint, then of forces that act elsewhere; a label stands `lift`
              mm beside and above it
     spans    [*place, *place, mm, length of the barrel] of forces that reach from point to point

@@ -215,7 +215,7 @@ class Picture:
 
     @property
     def lifts(self) -> list[float]:
-        """How far to the right of each point, and above it, its name stands [mm].
+        """Offset of each point's name to the right of the point, and above it [mm].
 
         Names keep clear of the arc that shows a torque.
         """

@@ -14,7 +14,7 @@ def both_ends(force: Any) -> tuple[tuple[str, str], ...]:
 
 
 def same(first: tuple[float, float], second: tuple[float, float]) -> bool:
-    """Whether two places are one, in mm."""
+    """Return True if two places, mm, are the same within 1e-6 mm."""
     return hypot(first[0] - second[0], first[1] - second[1]) < 1e-6
 
 
@@ -26,7 +26,7 @@ def entry(linkage: Linkage, coordinate: Any) -> tuple[str, str]:
 
 
 def at_one_point(joint: Any) -> bool:
-    """Whether a joint is at a point of both bodies, not along a line."""
+    """Return True if a joint is at a point of both bodies, not along a line."""
     return isinstance(joint, Revolute | Fixed)
 
 

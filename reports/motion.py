@@ -1,4 +1,4 @@
-"""How the parts of a machine move through a cycle, and the forces at their pins, for pictures."""
+"""Motion of a machine's parts through a cycle, and the forces at their pins, for pictures."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -95,7 +95,7 @@ class Motion:
         return self._kinematics.point(self.poses, body, point)
 
     def travel(self, joint: str) -> FloatArray:
-        """How far a pin is along its slot or guide (k,), mm from the line's point."""
+        """Travel of a pin along its slot or guide (k,), mm from the line's point."""
         return self._kinematics.travel_of(self.poses, joint)
 
 

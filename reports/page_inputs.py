@@ -1,4 +1,4 @@
-"""What a design stated, what the command line set, what was taken by default, what was assumed."""
+"""Inputs of a result: stated by the design, set on the command line, by default, or assumed."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -34,7 +34,7 @@ class Assumed:
 
     @property
     def count(self) -> int:
-        """How many there are."""
+        """Number of all of them."""
         return len(self.design) + len(self.tool)
 
 
@@ -54,7 +54,7 @@ def sorted_inputs(result: DesignResult) -> Inputs:
 
 
 def _is_within(key: str, way: str) -> bool:
-    """Whether a dotted key is another or a part of what it leads to."""
+    """Return True if a dotted key is `way` itself or lies below it."""
     return key == way or key.startswith((f"{way}.", f"{way}["))
 
 

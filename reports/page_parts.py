@@ -1,4 +1,4 @@
-"""What the report's templates are given: checks as rows, parts, cycles, what to know first."""
+"""Data of the report's templates: checks as rows, parts, cycles, what to know first."""
 
 from base64 import b64encode
 from collections import Counter
@@ -84,7 +84,7 @@ class PartView:
 
     @property
     def broken(self) -> int:
-        """How many of its gates do not hold."""
+        """Number of its gates that do not hold."""
         return sum(not gate.holds for gate in self.part.gates)
 
 
@@ -205,7 +205,7 @@ def tiles(parts: Sequence[PartView], linkage: Sequence[Row]) -> list[tuple[str, 
 
 
 def counts(checks: Sequence[Check]) -> list[tuple[Status, int]]:
-    """How many checks have which status, worst first, without those that none has."""
+    """Number of checks of each status, worst first, without the statuses that none has."""
     found = Counter(check.status for check in checks)
     return [(status, found[status]) for status in ORDER if found[status]]
 

@@ -29,8 +29,8 @@ def script_hash() -> str:
 def joined(*names: str) -> str:
     """Text of a script of some files of this folder, one after the other.
 
-    They share one scope: what stands at the top of a file is known to all of them as soon as the
-    file has run, so that no two may use a name there. What stands in braces is a file's own.
+    They share one scope: a name at the top of a file is known to all of them as soon as the file
+    has run, so that no two may use a name there. A name in braces is a file's own.
     """
     folder = files("reports")
     parts = [folder.joinpath(name).read_text(encoding="utf-8").strip() for name in names]

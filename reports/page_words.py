@@ -26,7 +26,7 @@ _PLACE = re.compile(r"\(-?[\d.]+, -?[\d.]+, (-?[\d.]+)\)")
 
 @dataclass(frozen=True)
 class RungBeside:
-    """A number of a cheaper model beside that of the model that decided, each as text."""
+    """Number of a cheaper model beside the number of the model that decided, each as text."""
 
     quantity: str
     cheap: str
@@ -73,7 +73,7 @@ def upper_utilisation(check: Check) -> float | None:
 
 
 def reach_words(check: Check) -> str:
-    """How far the bars carry the utilisation; "" where that reads like the utilisation itself."""
+    """Utilisation at the upper end of its bars; "" where that reads like the utilisation itself."""
     upper = upper_utilisation(check)
     if upper is None:
         return ""
@@ -84,7 +84,7 @@ def reach_words(check: Check) -> str:
 
 
 def doubt_of(check: Check, result: DesignResult) -> str:
-    """What a pass rests on that does not hold, in a few words; "" for what is no pass."""
+    """Doubt about a pass that rests on a broken gate, in a few words; "" without doubt or pass."""
     if check.status is not Status.PASS:
         return ""
     if _binding(result.gates):
@@ -143,7 +143,7 @@ def _over(result: DesignResult) -> tuple[Check, str] | None:
 
 
 def _kinds(gates: Sequence[Gate]) -> str:
-    """What the gates measure, each kind once, without the cycle."""
+    """Quantities that the gates measure, each kind once, without the cycle."""
     kinds = dict.fromkeys(gate.name.partition(": ")[2] or gate.name for gate in gates)
     shown = [brief(kind, 50) for kind in list(kinds)[:3]]
     return ", ".join([*shown, *(["more"] if len(kinds) > len(shown) else [])])
@@ -161,12 +161,12 @@ def mirrored(check: Check, part: PartResult | None) -> str:
 
 
 def has_place(check: Check) -> bool:
-    """Whether the place of a check has coordinates."""
+    """Return True if the place of a check has coordinates."""
     return _PLACE.search(check.place) is not None
 
 
 def swings(check: Check) -> bool:
-    """Whether a check is of the swing between two positions rather than of one, as for fatigue."""
+    """Return True if a check is of the swing between two positions, as for fatigue, not of one."""
     return check.kind == "fatigue"
 
 

@@ -31,7 +31,7 @@ _LONGEST = 180.0  # s, to draw the stills of a design
 
 @dataclass(frozen=True, eq=False)
 class Pictures:
-    """What could be drawn, and why the rest could not.
+    """Pictures that could be drawn, and why the rest could not.
 
     charts  None where the page is to draw them
     images  part name -> view ("whole", "peak", and "mode" where one was found; "plain" alone of a
@@ -180,7 +180,7 @@ def _to_chart(result: DesignResult) -> DesignResult:
 
 
 def _charts(file: Path) -> DesignCharts | None:
-    """What the process has drawn; None where it did not come to that."""
+    """Charts that the process has drawn; None where it did not come to that."""
     if not file.is_file():
         return None
     charts = pickle.loads(file.read_bytes())

@@ -207,7 +207,7 @@ def _normal(nodes: FloatArray, triangles: Any, peak: int) -> FloatArray:
 def _sees(
     nodes: FloatArray, triangles: Any, peak: int, normal: FloatArray, direction: FloatArray
 ) -> bool:
-    """Whether the peak faces a direction, with nothing in between."""
+    """Return True if the peak faces a direction, with nothing in between."""
     if normal @ direction <= 0.1:
         return False
     origin = nodes[peak] + 1e-3 * np.linalg.norm(np.ptp(nodes, axis=0)) * normal
@@ -215,7 +215,7 @@ def _sees(
 
 
 def _hits(nodes: FloatArray, triangles: Any, origin: FloatArray, ray: FloatArray) -> bool:
-    """Whether a ray meets any triangle (Moeller and Trumbore 1997, J. Graphics Tools 2(1))."""
+    """Return True if a ray meets a triangle (Moeller and Trumbore 1997, J. Graphics Tools 2(1))."""
     first = nodes[triangles[:, 0]]
     one, two = nodes[triangles[:, 1]] - first, nodes[triangles[:, 2]] - first
     across = np.cross(ray, two)

@@ -1,4 +1,4 @@
-"""How a part's surface looks, the same in stills and in the window; used by both their workers."""
+"""Style of a part's surface, the same in stills and in the window; used by both their workers."""
 
 from typing import Any
 

@@ -61,7 +61,7 @@ class _Compactor:
         return out.replace("<svg ", '<svg xmlns="http://www.w3.org/2000/svg" ', 1)
 
     def _made(self, node: ET.Element) -> list[ET.Element]:
-        """What stands for an element: nothing, itself, or what a group held."""
+        """Elements that replace an element: none, itself, or the content of a group."""
         tag = node.tag.replace(_SVG, "")
         if tag in ("metadata", "style", "title"):
             return []
@@ -128,7 +128,7 @@ def _frame(rect: ET.Element) -> Frame:
 
 
 def _within(node: ET.Element, frame: Frame | None) -> bool:
-    """Whether an element's places all are inside a frame, so that it needs no clipping."""
+    """Return True if all places of an element are inside a frame, so that it needs no clipping."""
     if frame is None:
         return False
     left, low, right, top = frame
@@ -143,7 +143,7 @@ def _within(node: ET.Element, frame: Frame | None) -> bool:
 
 
 def _is_drawn(attributes: Mapping[str, str]) -> bool:
-    """Whether a path shows anything: it has a way, and a stroke or a filling."""
+    """Return True if a path shows anything: it has a way, and a stroke or a filling."""
     way = attributes.get("d", "")
     if "id" in attributes:
         return True

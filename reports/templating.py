@@ -1,4 +1,4 @@
-"""What every page is made with: the templates, and how they write what they are given."""
+"""Templates of every page, and the rules by which they write their data."""
 
 import json
 import sys

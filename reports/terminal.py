@@ -41,8 +41,10 @@ def verdict_text(
 ) -> str:
     """Whole verdict as plain lines of at most `width` columns.
 
-    Without a width that of the terminal is taken (COLUMNS counts), and 100 when piped. The check
-    that decides carries a > in front. `report` is the path that the last line names.
+    width   None: the terminal's width (COLUMNS counts), and 100 when piped
+    report  path that the last line names
+
+    The check that decides carries a > in front.
     """
     width = max(60, width or get_terminal_size((100, 24)).columns)
     positions = ", ".join(

@@ -1,4 +1,4 @@
-"""What a check of a design says: checks with their error bars, gates, and the verdict."""
+"""Result of checking a design: checks with their error bars, gates, and the verdict."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, dataclass, field
@@ -104,12 +104,12 @@ class Check:
 
     @property
     def below(self) -> float:
-        """How far the model band reaches below the value."""
+        """Model band below the value."""
         return self.model if self.model_below is None else self.model_below
 
     @property
     def settled_by_mesh(self) -> bool:
-        """Whether a smaller numerical bar could still change an UNDECIDED verdict."""
+        """True if a smaller numerical bar could still change an UNDECIDED verdict."""
         return (
             self.status is Status.UNDECIDED
             and isfinite(self.numerical)
@@ -191,12 +191,12 @@ class Gate:
 
     @property
     def holds(self) -> bool:
-        """Whether the result may be trusted in this respect."""
+        """True if the result may be trusted in this respect."""
         return bool(self.value <= self.limit)
 
     @property
     def told(self) -> str:
-        """What the number is, and then the cure if there is one."""
+        """Meaning of the number, followed by the cure if there is one."""
         return f"{self.meaning}. {self.cure}" if self.cure else self.meaning
 
     def to_dict(self) -> dict[str, Any]:
@@ -267,7 +267,7 @@ class Surface:
 
     @property
     def is_bare(self) -> bool:
-        """Whether no stress is known on it: its part was not meshed."""
+        """True if no stress is known on it: its part was not meshed."""
         return list(self.fields) == [NOT_MESHED]
 
 

@@ -1,7 +1,7 @@
 """The interactive window of a checked design, and pictures of it, from a process of its own.
 
-Where there is no display, or graphics libraries are missing, that is told with its cure: neither
-can crash or hang what asked for the window.
+Where there is no display, or graphics libraries are missing, a message says so and gives the cure:
+neither can crash or hang the process that asked for the window.
 """
 
 import os

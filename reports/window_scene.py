@@ -1,4 +1,4 @@
-"""What the interactive window shows: parts with their fields, cycles, motion, and the view of them.
+"""Scene of the interactive window: parts with their fields, cycles, motion, and the view of them.
 
 Plain arrays and no graphics; `reports.window_files` takes it to the window's own process.
 """
@@ -78,7 +78,7 @@ class ShownCycle:
 
 @dataclass(frozen=True)
 class View:
-    """What is looked at: part (or LINKAGE), cycle, position of it, field, and how."""
+    """View of a scene: part (or LINKAGE), cycle, position in it, field, deformed, bands."""
 
     part: int
     cycle: int = 0
@@ -134,7 +134,7 @@ class Scene:
 
     @property
     def moves(self) -> bool:
-        """Whether the parts' motion is known in any cycle."""
+        """True if the parts' motion is known in any cycle."""
         return any(cycle.frames for cycle in self.cycles)
 
     def values(self, part: int, view: View) -> FloatArray | None:
@@ -269,7 +269,7 @@ class Scene:
         return best
 
     def told(self, view: View) -> list[str]:
-        """What is seen, in lines of words."""
+        """Caption of a view, in lines of words."""
         what = (
             "the whole linkage" if view.part == LINKAGE else brief(self.parts[view.part].name, 40)
         )

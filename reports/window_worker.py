@@ -104,7 +104,7 @@ class Window:
 
     @property
     def keys(self) -> dict[str, Callable[[], None]]:
-        """What every key does."""
+        """Action of every key."""
         fields = {
             str(number): lambda name=name: self.change(field=name)
             for number, name in enumerate(FIELDS, start=1)
@@ -300,7 +300,7 @@ class Window:
 
 
 def windowless(plotter: Any) -> bool:
-    """Whether what was opened is no window that anybody sees."""
+    """Return True if the window that was opened is one that nobody sees."""
     return plotter.render_window.GetClassName() in _WINDOWLESS
 
 

@@ -191,7 +191,7 @@ def assumptions(result: DesignResult) -> list[tuple[str, str]]:
 
 
 def gate_word(gate: Gate) -> str:
-    """Whether a gate holds, in a word; one that does not alter the verdict is not called broken."""
+    """Return a word for a gate's state; one that does not alter the verdict is never "BROKEN"."""
     if gate.holds:
         return "holds"
     return "BROKEN" if gate.binding else "DOES NOT HOLD"

@@ -18,9 +18,10 @@ from reports.words import clean
 
 @dataclass(frozen=True)
 class Ended:
-    """How a worker ended: its exit code, None where it did not start or was stopped; in words.
+    """End of a worker.
 
-    words  "" where it ended well
+    code   exit code; None where it did not start or was stopped
+    words  reason in words; "" where it ended well
     """
 
     code: int | None
@@ -32,9 +33,9 @@ def run_worker(
 ) -> Ended:
     """Run a worker in a folder until it ends, for at most `timeout` seconds.
 
-    window  whether it opens one, and so must not be kept from the display
+    window  True if it opens one, and so must not be kept from the display
 
-    Its failure is told in the result, never an exception.
+    A failure of the worker is reported in the result, never as an exception.
     """
     try:
         done = subprocess.run(
@@ -75,11 +76,11 @@ class StandingWorker:
 
     @property
     def runs(self) -> bool:
-        """Whether it was started and has not ended."""
+        """True if it was started and has not ended."""
         return self._process is not None and self._process.poll() is None
 
     def hand(self, folder: Path) -> None:
-        """Hand it a folder to draw; whether that went well is told by `answer`."""
+        """Hand it a folder to draw; `answer` reports the outcome."""
         self._tell(_line(folder))
 
     def prepare(self) -> None:
@@ -89,7 +90,7 @@ class StandingWorker:
     def answer(self, folder: Path, timeout: float) -> Ended:
         """Wait until the folder is drawn, or the worker has ended, for at most `timeout` seconds.
 
-        Its failure is told in the result, never an exception.
+        A failure of the worker is reported in the result, never as an exception.
         """
         if self._process is None:
             return self._failure
@@ -159,7 +160,7 @@ def _not_started(error: OSError) -> Ended:
 
 
 def _ended(code: int, errors: bytes) -> Ended:
-    """How a worker ended that left these errors."""
+    """Return the end of a worker that left these errors."""
     if code == 0:
         return Ended(0, "")
     last = errors.decode(errors="replace").strip().splitlines()[-1:]

@@ -79,7 +79,7 @@ class Charts:
 
 
 def gathered(makers: Sequence[Callable[[], Chart | Missing]]) -> Charts:
-    """What some makers make."""
+    """Return the charts that some makers make, and the missing ones."""
     made = [make() for make in makers]
     return Charts(
         tuple(item for item in made if isinstance(item, Chart)),

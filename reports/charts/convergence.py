@@ -1,4 +1,4 @@
-"""How the stress that governs settles from mesh to mesh, and the band in which it is known."""
+"""Convergence of the governing stress from mesh to mesh, and the band in which it is known."""
 
 from collections.abc import Mapping, Sequence
 from math import isfinite
@@ -67,7 +67,7 @@ def _check(part: PartResult, kind: str, entries: Sequence[Mapping[str, Any]]) ->
 
 
 def _half(entry: Mapping[str, Any]) -> bool:
-    """Whether an entry's mesh is half of the part, cut at its plane of symmetry."""
+    """Return True if an entry's mesh is half of the part, cut at its plane of symmetry."""
     return bool(entry.get("half"))
 
 
@@ -78,7 +78,7 @@ def _use(part: PartResult, kind: str) -> float:
 
 
 def _bars(entries: Sequence[Mapping[str, Any]], check: Check | None) -> list[float | None]:
-    """Half the numerical bar of every mesh; of the last one that of its check."""
+    """Half the numerical bar of every mesh; the last one takes its check's bar."""
     bars = [None if entry["bar"] is None else float(entry["bar"]) for entry in entries]
     return bars if check is None else [*bars[:-1], check.numerical]
 

@@ -68,7 +68,7 @@ class CycleAxis:
         return f"{self.name} = {self.value(index)}{unit}"
 
     def value(self, index: int) -> str:
-        """What the axis tells of a position, to four digits."""
+        """Value of the axis at a position, to four digits."""
         return f"{round(float(self.values[index]), 9) + 0.0:.4g}".replace("-", "−")
 
     def track(self, width: float, start: float) -> dict[str, list[float]]:
@@ -107,7 +107,7 @@ def cycle_axis(index: int, cycle: Mapping[str, Any]) -> CycleAxis | None:
 def _shown(
     cycle: Mapping[str, Any], position: FloatArray, runs: tuple[IntArray, ...]
 ) -> tuple[FloatArray, str, str]:
-    """What the axis tells: the shown position if it goes one way in each phase, else the time."""
+    """Values of the axis: the shown position if it goes one way in each phase, else the time."""
     if all(_one_way(position[run]) for run in runs):
         name, unit = cycle.get("shown_name", "position"), cycle.get("unit", "–")
         return position, brief(name, 24), brief(unit, 8)

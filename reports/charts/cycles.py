@@ -231,7 +231,7 @@ def _peak_bar(name: str, k: int, values: FloatArray, check: Check) -> tuple[Bar 
 
 
 def _allowed(checks: Mapping[str, Check]) -> list[Limit]:
-    """What parts may have: the limit over the required safety, equal ones together."""
+    """Allowed values of parts: the limit over the required safety, equal ones together."""
     groups: dict[tuple[float, float], list[str]] = {}
     for part, check in checks.items():
         groups.setdefault((check.limit, check.required), []).append(part)

@@ -59,14 +59,14 @@ def haigh_chart(part: PartResult, result: DesignResult) -> Chart | Missing:
 
 
 def limit_line(data: Mapping[str, Any]) -> FloatArray:
-    """What is endured for ever, (k, 2) mean and amplitude in MPa."""
+    """Limit line of infinite life, (k, 2) mean and amplitude in MPa."""
     if data.get("line"):
         return np.array(data["line"], dtype=float)
     return np.array([[0.0, data["endurance"]], [data["ultimate"], 0.0]], dtype=float)
 
 
 def limit_told(data: Mapping[str, Any], limit: float) -> str:
-    """How an endurance limit, MPa, comes from that away from notches; "" where it is the same."""
+    """An endurance limit as a quotient of the one away from notches, MPa; "" if they are equal."""
     away = float(data.get("away") or limit)
     if not limit < (1.0 - _ALIKE) * away:
         return ""

@@ -75,7 +75,7 @@ class Room:
         self.taken.append((x - wide / 2, y - high / 2, x + wide / 2, y + high / 2))
 
     def _cost(self, x: FloatArray, y: FloatArray, wide: float, high: float) -> FloatArray:
-        """What a text of a width and height costs at some middles, of any shape."""
+        """Cost of a text of a width and height centred at (x, y), of any shape."""
         left, right = x - wide / 2 - 1, x + wide / 2 + 1
         low, top = y - high / 2, y + high / 2
         cost = np.where((low < 0) | (top > self.height), 2 * _NAMED, 0.0)
@@ -89,7 +89,7 @@ class Room:
 
 
 def _nearest(points: FloatArray, lines: Sequence[FloatArray]) -> FloatArray:
-    """How near each point (n, 2) comes to some lines' points; `_ALONE` where there are none."""
+    """Distance of each point (n, 2) to the nearest of some lines' points; `_ALONE` without any."""
     crowd = np.concatenate([np.zeros((0, 2)), *lines])
     if not len(crowd):
         return np.full(len(points), _ALONE)

@@ -106,7 +106,7 @@ def _ends(check: Check) -> tuple[float, float]:
 
 
 def _chosen(part: PartResult, rung: RungTried, check: Check) -> bool:
-    """Whether the part's verdict takes this check of this rung."""
+    """Return True if the part's verdict takes this check of this rung."""
     return any(
         own.kind == check.kind
         and own.method.split(" ")[0] == rung.rung

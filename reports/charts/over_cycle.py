@@ -44,7 +44,7 @@ class Limit:
 
 @dataclass(frozen=True)
 class Bar:
-    """How far a curve's value at a position may be from the truth; `curve` counts in its panel."""
+    """Error bar of a curve's value at a position; `curve` is its number in the panel."""
 
     curve: int
     index: int
@@ -235,7 +235,7 @@ def _name(
 def _marks(
     axis: CycleAxis, panels: Sequence[Panel], drawn: list[tuple[Any, Any]], width: float
 ) -> Marks:
-    """What the cursor needs: where positions are, each curve's values, where these are."""
+    """Data for the cursor: where positions are, each curve's values, where these are."""
     rows = []
     for panel, (axes, kept) in zip(panels, drawn, strict=True):
         low, high = panel.span
@@ -252,7 +252,7 @@ def _marks(
 
 
 def cursor_text(data: Mapping[str, Any]) -> str:
-    """What the cursor needs as text of an attribute."""
+    """Data for the cursor as text of an attribute."""
     return json.dumps(data, separators=(",", ":"), allow_nan=False)
 
 

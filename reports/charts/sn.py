@@ -156,7 +156,7 @@ def _lines(plane: Plane, data: Mapping[str, Any]) -> None:
 
 
 def _limit_name(data: Mapping[str, Any]) -> str:
-    """What the limit is: of a metal whose line goes on below its knee, the strength there."""
+    """Name of the limit: for a metal whose line goes on below its knee, the strength at its end."""
     if data["endless"] or not data["line"]:
         return "endurance limit"
     return f"strength at {times(float(data['line'][-1][0]))} cycles"
@@ -187,7 +187,7 @@ def _duty(plane: Plane, data: Mapping[str, Any], cycles: FloatArray) -> None:
 
 
 def _name_worst(plane: Plane, data: Mapping[str, Any], cycles: FloatArray, *, below: bool) -> None:
-    """How often and how large the cycle is that does most, and what the required safety makes."""
+    """Label the most damaging cycle: number, amplitude, and effect of the required safety."""
     worst = cycles[int(np.lexsort((cycles[:, 1], cycles[:, 2]))[-1])]
     text = f"{times(float(worst[0]))} × {number(worst[1])} MPa"
     if data["damage"]:

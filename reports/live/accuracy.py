@@ -1,10 +1,10 @@
-"""How far rounded fields are off, proven for every position from a look at a few.
+"""Error bound of rounded fields, proven for every position from a look at a few.
 
 The error of a sum is the sum of the fields' errors E times the weights w, and its size is a norm:
 von Mises stress is one (the square root of a quadratic form). A norm of E w is convex in w, so
 between two positions it does not exceed the larger of both, and over a cycle it does not exceed
 its largest value at the corners of any polygon around the path of w. Corners are chosen on the path
-itself; what the path leaves their polygon by, at most d, adds no more than d |E|, with |E| at
+itself; where the path leaves their polygon, by at most d, it adds no more than d |E|, with |E| at
 a node the root of the sum of squares of the fields' errors there (Cauchy and Schwarz).
 """
 

@@ -16,7 +16,7 @@ _Whole = npt.NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class DecodedPart:
-    """What a page knows of a part.
+    """Data of a part, decoded from a page.
 
     nodes      (n, 3) mm
     triangles  (m, 3)

@@ -198,7 +198,7 @@ def _thinned(live: LiveFields, kept: Mapping[str, IntArray]) -> list[str]:
 
 
 def _left_out(live: LiveFields, kept: Mapping[str, IntArray], stress: Fitted) -> list[str]:
-    """What is to be said where a cycle has more positions than a page carries."""
+    """Notes for the reader where a cycle has more positions than a page carries."""
     counts = {name: c.shape[1] for name, c in live.coefficients.items()}
     left = _thinned(live, kept)
     if not left:
@@ -236,7 +236,7 @@ def _shares(lost: Mapping[str, float], sizes: Mapping[str, float]) -> float:
 
 
 def _cancelling(stress: Fitted, tolerance: float) -> list[str]:
-    """What is to be said where single precision costs more than the tolerance."""
+    """Notes for the reader where single precision costs more than the tolerance."""
     if stress.bound <= tolerance:
         return []
     return [
@@ -246,7 +246,7 @@ def _cancelling(stress: Fitted, tolerance: float) -> list[str]:
 
 
 def _accuracy(found: _Fit, thinned: Collection[str], cycles: Sequence[str]) -> dict[str, Any]:
-    """How far the drawing may be off; thinned: cycles of which some positions are left out."""
+    """Error bounds of the drawing. thinned: cycles of which some positions are left out."""
     stress, sample, moved = found.stress, found.sample, found.groups.get("displacement")
     sizes, ways = sizes_with_floor(sample.peaks), sizes_with_floor(found.ways)
     count = sum(len(at) for at in sample.positions.values())
@@ -264,7 +264,7 @@ def _accuracy(found: _Fit, thinned: Collection[str], cycles: Sequence[str]) -> d
     )
 
     def off(own: Mapping[str, float], at_kept: float, left_out: float) -> list[float | None]:
-        """What each cycle's field may be off by, in its unit."""
+        """Error bound of each cycle's field, in its unit."""
         share = {name: left_out if name in thinned else at_kept for name in own}
         return [share[name] * own[name] if name in own else None for name in cycles]
 
@@ -310,10 +310,10 @@ def _relative(triangles: npt.NDArray[np.int32]) -> list[npt.NDArray[np.int64]]:
 
 
 def _less_expected(arrays: Any, near: Neighbours) -> list[npt.NDArray[np.int64]]:
-    """What is left of arrays of values at the nodes when neighbours have said what they expect."""
+    """Values at the nodes less the values that their neighbours predict."""
     return [values.astype(np.int64) - near.expected(values.astype(np.int32)) for values in arrays]
 
 
 def _bent(weights: npt.NDArray[np.int64]) -> list[npt.NDArray[np.int64]]:
-    """What is left of a row of weights when each is expected on the line through the last two."""
+    """Second differences of a row of weights: each less the line through the last two."""
     return list(np.diff(weights, n=2, axis=1, prepend=np.zeros((len(weights), 2), dtype=np.int64)))

@@ -1,4 +1,4 @@
-"""What is known of a part at every node of its surface, at every position of every cycle."""
+"""Fields of a part at every node of its surface, at every position of every cycle."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace

@@ -156,7 +156,7 @@ def _missed(
     kept: Mapping[str, IntArray],
     rounded: Mapping[str, FloatArray],
 ) -> tuple[float, float]:
-    """How far weights in whole steps are off at kept positions, and between them, at most."""
+    """Largest errors of weights in whole steps, at kept positions and over all positions."""
     at_kept, between = 0.0, 0.0
     for name, path in weights.items():
         count = path.shape[1]

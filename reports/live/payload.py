@@ -15,7 +15,7 @@ FORMAT = "ballesta-live/1"
 
 @dataclass(frozen=True)
 class Budget:
-    """How much text the live view of a page may be.
+    """Budget of text for the live view of a page.
 
     coarse     characters, above which the tolerance is raised
     most       characters, above which the largest parts are shown without fields
@@ -32,7 +32,7 @@ BUDGET = Budget()
 
 @dataclass(frozen=True, eq=False)
 class LivePayload:
-    """What a page carries for its live view.
+    """Data that a page carries for its live view.
 
     header  plain data; viewer.js says what stands in it
     blocks  id and text of each block, base64
@@ -43,7 +43,7 @@ class LivePayload:
 
 
 def live_payload(result: DesignResult, budget: Budget = BUDGET) -> LivePayload:
-    """What a page of a result carries; the same result gives the same payload.
+    """Return the payload of a result's page; the same result gives the same payload.
 
     A part whose fields nobody has asked for is its bare surface.
     """
@@ -87,7 +87,7 @@ def without_fields(result: DesignResult) -> DesignResult:
 
 
 def has_fields(result: DesignResult) -> bool:
-    """Whether a page of the result can be written as one of a fresh check would be."""
+    """Return True if a page of the result can be written just as after a fresh check."""
     return all(part.live is not None for part in result.parts)
 
 

@@ -103,7 +103,7 @@ def cycles_data(result: DesignResult) -> list[dict[str, Any]]:
 
 
 def _section_data(result: DesignResult, payload: LivePayload) -> dict[str, Any]:
-    """What the script needs beside the parts themselves."""
+    """Data for the script beside the parts themselves."""
     heads: Sequence[Mapping[str, Any]] = payload.header["parts"]
     first = first_part(result, heads)
     motions = list(result.motion.values())

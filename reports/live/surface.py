@@ -69,7 +69,7 @@ class Neighbours:
     counts: IntArray
 
     def expected(self, values: Integers) -> npt.NDArray[np.int64]:
-        """What comes before says of values (n,): the neighbours' rounded mean, else the last value.
+        """Prediction of values (n,) by earlier ones: the neighbours' rounded mean, else the last one.
 
         The mean of k numbers of sum s is floor((2 s + k) / (2 k)), in whole numbers.
         """

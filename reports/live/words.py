@@ -61,7 +61,7 @@ def rows_of(peaks: Any) -> list[int]:
 
 
 def shown_axis(cycle: Mapping[str, Any]) -> str:
-    """What is shown along a cycle, with its unit."""
+    """Name of the quantity shown along a cycle, with its unit."""
     unit = brief(cycle["unit"], 20)
     return f"{brief(cycle['shown_name'], 40)}{f' [{unit}]' if unit else ''}"
 
