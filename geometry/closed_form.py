@@ -20,7 +20,7 @@ ClosedShape = ToggleBar | PrismaticTube | Pin | PlateLink | LeafPack
 
 
 def closed_body(shape: object) -> SolidBody | None:
-    """Return what formulas know of a shape; None for one that needs the CAD kernel."""
+    """Return a shape's mass and interfaces by formula; None for one that needs the CAD kernel."""
     match shape:
         case ToggleBar():
             return _toggle_bar(shape)

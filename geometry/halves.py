@@ -1,7 +1,7 @@
 """Half of a part that is its own mirror image about z = 0, for loads that are so too.
 
-What a load without a part out of the plane does on one side of the middle plane it does on the
-other, mirrored: half the part, with no displacement along z where it was cut, gives the same
+A load without a component out of the plane acts alike, mirrored, on both sides of the middle
+plane: half the part, with no displacement along z where it was cut, gives the same
 stress with half the unknowns (docs/theory/symmetry.md).
 """
 
@@ -30,7 +30,7 @@ class Mirrored(Buildable, Protocol):
         ...
 
     def named(self, gmsh: Any) -> Body:
-        """Say what stands where in gmsh's current model, the solid or its half at z >= 0."""
+        """Return the body that stands in gmsh's current model, the solid or its half at z >= 0."""
         ...
 
 

@@ -1,9 +1,9 @@
-"""The memory that a part's solve will take, told from the number of unknowns, and what there is.
+"""Memory that a part's solve will take, by its number of unknowns, and memory that is free.
 
 Measured with CHOLMOD on quadratic tetrahedra: assembly takes a fixed number of bytes per unknown,
 the factor of nested dissection grows like n^(4/3) in three dimensions (George 1973; Gilbert and
 Tarjan 1987), and with the cross-section that cuts the part in two: a cube fills up most, a plate
-or a rod less. PARDISO's factor is as large; whoever knows of another solver tells its fill.
+or a rod less. PARDISO's factor is as large; for another solver the caller states `fill`.
 """
 
 from pathlib import Path

@@ -45,7 +45,7 @@ class Interface:
     length    mm, total loaded length along z (sum of both cheeks); 0 for a face
     travel    mm, lowest and highest x of a slide's contact, from the centre
     patch     mm, half the length along x on which a slide's contact presses
-    tilts     whether a bore or journal also carries couples about x and y
+    tilts     True if a bore or journal also carries couples about x and y
     """
 
     name: str
@@ -101,9 +101,9 @@ class Mesh:
     surfaces    name -> (n_facets, 6) node indices: corners, then mid-sides 01, 12, 20
     interfaces  name -> Interface, with the surfaces that it names
     volume_cad  mm3, of the CAD body the mesh stands for
-    mesher      what made the volume mesh
+    mesher      name of the program that made the volume mesh
     ties        between the bodies of a stack, such as the leaves of a spring
-    half        whether it is the half at z >= 0 of a part that is its own mirror image about z = 0;
+    half        True if it is the half at z >= 0 of a part that is its own mirror image about z = 0;
                 it ends at the surface SYMMETRY, and its interfaces are those of the whole part
     """
 

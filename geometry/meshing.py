@@ -78,10 +78,10 @@ class Body:
     interfaces  the places where other parts press
     size        mm, general element size
     regions     where elements are smaller
-    stacked     whether it is several solids that share faces normal to y (made conformal in gmsh);
+    stacked     True if it is several solids that share faces normal to y (made conformal in gmsh);
                 they keep nodes of their own there, with equal displacement along y
     bolted_at   mm, x of the plane in which a stack's solids do not slide on each other either
-    half        whether it is the half at z >= 0 of a part (geometry/halves.py)
+    half        True if it is the half at z >= 0 of a part (geometry/halves.py)
     """
 
     surfaces: Mapping[str, Sequence[int]]

@@ -1,7 +1,7 @@
 """Round faces of a CAD solid: cylinders by their axis, gathered to holes and journals; fillets.
 
-Whatever kind of surface the file has, a face counts as a cylinder if its normals and points are
-those of one: other programs write bores as B-splines or surfaces of revolution.
+Whatever kind of surface the file has, a face counts as a cylinder if its normals and points are a
+cylinder's: other programs write bores as B-splines or surfaces of revolution.
 """
 
 from collections.abc import Iterator, Sequence
@@ -32,7 +32,7 @@ class Hole:
     direction  (3,) unit vector along the axis, its largest component positive
     length     mm, along the axis: of its pieces in sum
     faces      CAD tags
-    plain      whether nothing cuts into its surface, so that a pin can press on all of it
+    plain      True if nothing cuts into its surface, so that a pin can press on all of it
     """
 
     kind: str

@@ -97,7 +97,7 @@ class PlateLink:
         return self.named(gmsh)
 
     def named(self, gmsh: Any) -> Body:
-        """Say what stands where, of the whole part or its half at z >= 0."""
+        """Return the body of the model, of the whole part or its half at z >= 0."""
         places = {"first": 0.0, "second": self.length}
         bores = {name: bore_at(gmsh, places[name], hole) for name, hole in self._holes.items()}
         return Body(

@@ -63,7 +63,7 @@ class PrismaticTube:
         return self.named(gmsh)
 
     def named(self, gmsh: Any) -> Body:
-        """Say what stands where, of the whole part or its half at z >= 0."""
+        """Return the body of the model, of the whole part or its half at z >= 0."""
         ends = {name: faces_where(gmsh, self._at(x)) for name, x in self._places.items()}
         return Body(
             surfaces=ends,

@@ -213,7 +213,7 @@ class SlottedLever:
         return int(rounded[0][1])
 
     def named(self, gmsh: Any) -> Body:
-        """Say what stands where, of the whole part or its half at z >= 0."""
+        """Return the body of the model, of the whole part or its half at z >= 0."""
         bores = {
             name: bore_at(gmsh, x, self.hole) for name, x in (("pivot", 0.0), ("tip", self.length))
         }

@@ -161,7 +161,7 @@ class ToggleBar:
         return 3, next(int(tag) for dimension, tag in extruded if dimension == 3)
 
     def named(self, gmsh: Any) -> Body:
-        """Say what stands where, of the whole part or its half at z >= 0."""
+        """Return the body of the model, of the whole part or its half at z >= 0."""
         radius = self.hole / 2
         tolerance = 1e-4 * self.width
         cut_end = self.cutout_length - self.overhang

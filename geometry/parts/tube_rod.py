@@ -143,7 +143,7 @@ class TubeRod:
         return outline
 
     def named(self, gmsh: Any) -> Body:
-        """Say what stands where, of the whole part or its half at z >= 0."""
+        """Return the body of the model, of the whole part or its half at z >= 0."""
         places = {"first": 0.0, "second": self.length}
         bores = {name: bore_at(gmsh, x, self.hole) for name, x in places.items()}
         fillets = faces_where(gmsh, lambda _, kind: kind == "Torus")
