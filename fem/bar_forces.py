@@ -1,6 +1,6 @@
 """Section forces along a free bar from the loads on one side of each section and its own inertia.
 
-The force and couple that what lies beyond a section (at larger x) exerts on the rest:
+Force and couple that the part beyond a section (at larger x) exerts on the rest:
 
     N = sum F_x,  V = sum F_y,  T = sum M_x,  M_y = sum M_y,  M_z = sum (M_z + (x - x_0) F_y),
 

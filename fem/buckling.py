@@ -81,10 +81,10 @@ def part_buckling(
     """Return the buckling of a part held by its pins, under one load state.
 
     coefficients  (n_basis,) of the unit loads
-    tilt_held     whether the forks hold the ends against tilting out of the plane
+    tilt_held     True if the forks hold the ends against tilting out of the plane
     count         how many modes are wanted at most
-    prove         whether it is proven that no lower mode was skipped
-    weaker        whether a proof of less will do where that fails: `proven` is then below the modes
+    prove         True if it is proven that no lower mode was skipped
+    weaker        True if a proof of less will do where that fails: `proven` is then below the modes
 
     Raises SolverError if the modes do not converge or cannot be proven, ValueError for the tied
     bodies of a stack, whose leaves buckle by themselves, and for half of a part.

@@ -1,4 +1,4 @@
-"""Hertz contact of cylinders and spheres: how wide, how much pressure, how much shear below.
+"""Hertz contact of cylinders and spheres: width, pressure, and the shear below the surface.
 
 Johnson, Contact Mechanics, 1985: line contact section 4.2(c), point contact section 4.2(a); stress
 on the axis below them in the same sections. Bodies are half-spaces there, so the patch must be

@@ -1,7 +1,7 @@
 """Stress under bearing pressures that are applied as they are, on an arc, without a series.
 
-What the unit loads cannot say of themselves is measured with it at the positions that govern: the
-truncation of the bearing series, and how much depends on the arc on which a pin presses.
+It measures two errors of the unit loads at the positions that govern: the truncation of the bearing
+series, and the effect of the arc on which a pin presses.
 """
 
 from collections.abc import Mapping, Sequence

@@ -139,7 +139,7 @@ def fixed_solid(
 def link_solid(solutions: UnitSolutions, *, tilt_held: bool, what: str) -> SupportedSolid:
     """Return a part held at its first two interfaces as pins hold a link.
 
-    tilt_held  whether the forks hold the ends against tilting out of the plane
+    tilt_held  True if the forks hold the ends against tilting out of the plane
     what       is asked, for the message
 
     At each interface the mean displacement is held, along the part at the first only; about the

@@ -157,7 +157,7 @@ def modes_below(stiffness: FloatArray, geometric: FloatArray, factor: float) -> 
 
 
 def _scaled(stiffness: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The stiffness with ones on its diagonal, and by what unknowns were multiplied for it."""
+    """Stiffness scaled to ones on its diagonal, and the factors of the unknowns that do so."""
     diagonal = np.diag(stiffness)
     if not (diagonal > 0).all():
         raise ValueError("the frame can move: an unknown has no stiffness")

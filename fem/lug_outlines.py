@@ -90,5 +90,5 @@ def _even(start: float, stop: float, length: float, size: float) -> tuple[FloatA
 
 
 def mirrored(points: ComplexArray) -> ComplexArray:
-    """Points of a lug whose free end is at +x, as those of one with it at -x."""
+    """Mirror the points of a lug with its free end at +x to one with its free end at -x."""
     return np.asarray(-points.conj())

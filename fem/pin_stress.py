@@ -55,9 +55,9 @@ def surface_stress(
     along: FloatArray,
     sheared: FloatArray,
 ) -> FloatArray:
-    """Stress (k, 6) xx, yy, zz, xy, yz, zx of what acts at angles (k,) of a pin's surface.
+    """Stress (k, 6) xx, yy, zz, xy, yz, zx of tractions at angles (k,) of a pin's surface.
 
-    Of m cases at once it is (k, 6, m), of what acts (k, m).
+    For m cases at once, tractions are (k, m) and the stress is (k, 6, m).
     """
     c, s = np.cos(angles), np.sin(angles)
     if radial.ndim > 1:

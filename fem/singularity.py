@@ -75,8 +75,8 @@ class _SurfaceEdges:
     first, second  (n,) rows of `facets` that meet there
     facets         (m, 6) of the surface
     turn           (n,) rad, between the normals of both
-    concave        (n,) whether it is re-entrant
-    smooth         (n,) whether curved facets alone could leave that turn between them
+    concave        (n,) True if it is re-entrant
+    smooth         (n,) True if curved facets alone could leave that turn between them
     """
 
     nodes: IntArray

@@ -54,7 +54,7 @@ def link_vibration(
 ) -> Vibration:
     """Return the vibration of a part whose pins stand still, as buckling holds it.
 
-    tilt_held  whether the forks hold the ends against tilting out of the plane
+    tilt_held  True if the forks hold the ends against tilting out of the plane
     """
     solid = link_solid(solutions, tilt_held=tilt_held, what="vibration")
     return _vibration(solid, _mass(solutions), count, prove)
