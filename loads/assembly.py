@@ -65,7 +65,7 @@ def assemble(kinematics: Kinematics) -> FloatArray:
 def closest_approach(
     kinematics: Kinematics, coordinate: Coordinate, value: float, pose: FloatArray
 ) -> tuple[str, float]:
-    """Return which joint stays open, and by how much [mm], when a coordinate is forced to a value.
+    """Return the joint that stays open, and its gap [mm], when a coordinate is forced to a value.
 
     First all joints give way alike; then the widest of them alone (the others 1000 times as stiff).
     """

@@ -15,7 +15,7 @@ class AssignedLoads:
 
     interfaces  names
     points      of the body, where the interfaces' wrenches are stated; None: the frame origin
-    sliding     whether an interface is the line of a slot or guide, along which its force moves
+    sliding     True if an interface is the line of a slot or guide, along which its force moves
     loads       number of the interface, and the load there
     """
 

@@ -28,11 +28,11 @@ _LEFT = 1e-12  # of depth and deflection: what may be left of a contact's gap
 class Touch:
     """A contact at every position of a stretch of the motion.
 
-    touching    (n,) whether the linkage, moving on freely, would be in what it touches
+    touching    (n,) True if the linkage, moving on freely, would be in what it touches
     gap         (n,) mm, of the freely moving linkage to the contact; below 0 where it touches
     lift        (n,) mm, of the linkage as it is held, without the contact's force; below 0 where
                 the contact pushes
-    deflection  (n,) mm, how far the linkage gives way along the force, under all its loads
+    deflection  (n,) mm, of the linkage along the force, under all its loads
     held        (n,) share of its acceleration along the force that the pushed body loses: 0 free,
                 1 stopped by a rigid contact
     """
@@ -102,7 +102,7 @@ class _Approach:
     """A linkage in front of a contact: how it gives way along the contact's force.
 
     sense     of the force's value where the contact pushes
-    slope     (n,) mm/N, what the linkage and the contact give way by, together
+    slope     (n,) mm/N, compliance of the linkage and the contact together
     held      (n,) as in Touch; `slowed` is the motion that follows from it
     depth     (n,) mm, how far the rigid linkage would be in the contact
     """

@@ -25,7 +25,7 @@ class ContactLoads:
     """A contact over a cycle, as if nothing were lost where it begins.
 
     touching    (n,)
-    deflection  (n,) mm, how far the linkage gives way along the force, under all its loads
+    deflection  (n,) mm, of the linkage along the force, under all its loads
     held        (n,) share of its acceleration along the force that the pushed body loses
     rate        (n,) mm/s or rad/s, of the force's coordinate, moving on freely
     kinetic     (n,) N mm, energy of the pushed body and what is welded to it, moving on freely
@@ -69,10 +69,10 @@ class CycleLoads:
     velocities     (n, bodies, 3)  mm/s, rad/s
     accelerations  (n, bodies, 3)  mm/s2, rad/s2
     heading        (n, bodies, 3)  direction of the motion, also where it rests
-    reactions      what each joint does to its body b
+    reactions      of each joint, on its body b
     efforts        (n,) N or N mm, by force name, given and solved
     touches        contacts, by the name of their force
-    second_order   what the deflected shape changes of effort and reactions in contact, relative
+    second_order   relative change of effort and reactions in contact by the deflected shape
     conditioning   (n,) share of the motion that the solved force sees: 1 best, 0 dead centre
     pace           the coordinate that sets the time
     unresolved     what the positions miss of loads that rise between them
@@ -191,7 +191,7 @@ class CycleLoads:
         return total(frictions) / turnover if turnover else 0.0
 
     def travel(self, joint: str) -> FloatArray:
-        """Return how far a pin is along its slot or guide (n,) [mm], from the line's point."""
+        """Return the travel of a pin along its slot or guide (n,) [mm], from the line's point."""
         return self._kinematics.travel_of(self.poses, joint)
 
     @cached_property
@@ -218,7 +218,7 @@ class CycleLoads:
         return self._kinematics.value(self.linkage.force(force).coordinate, self.poses)
 
     def drive(self, force: str) -> DriveFigures:
-        """Return what a force or torque does over the cycle."""
+        """Return the effort, work and power of a force or torque over the cycle."""
         return drive_figures(
             self._kinematics,
             self.linkage.force(force),

@@ -49,7 +49,7 @@ class Diagnosis:
 
 
 def diagnose(loads: MeasuredLoads, body: str, tolerance: float) -> Diagnosis | None:
-    """Return what is wrong with the loads on a body, or None where they balance.
+    """Return the diagnosis of the loads on a body, or None where they balance.
 
     tolerance  share of the largest force
     """
@@ -246,7 +246,7 @@ def _what_is_left(body: MeasuredBody, gravity: Vector, size: float, tolerance: f
 
 
 def _acts_through(body: MeasuredBody, left: FloatArray, size: float, limit: float) -> list[str]:
-    """The points about which what is left has no moment."""
+    """Points about which the residual has no moment."""
     if not size or len(body.body.points) < 2 or np.hypot(*left[:, :2].T).max() <= limit:
         return []
     found = []

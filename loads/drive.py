@@ -76,7 +76,7 @@ def drive_figures(
     velocities: FloatArray,
     heading: FloatArray,
 ) -> DriveFigures:
-    """Return what a force does over the positions of a cycle."""
+    """Return the figures of a force over the positions of a cycle."""
     n = len(times)
     coordinate = force.coordinate
     gradient = kinematics.gradient(coordinate, poses)

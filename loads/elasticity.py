@@ -37,7 +37,7 @@ class LoadState:
 
 
 def check_compliance(linkage: Linkage) -> None:
-    """Raise LinkageError where a compliance names what the linkage does not have."""
+    """Raise LinkageError where a compliance names a thing that does not exist, or is repeated."""
     seen: set[str] = set()
     for compliance in linkage.compliance:
         if isinstance(compliance, JointCompliance):
@@ -153,7 +153,7 @@ def _line(linkage: Linkage, body: str, name: str) -> Prismatic | Slot:
 
 
 def _shares(body: str, source: str, places: Sequence[float], travel: FloatArray) -> FloatArray:
-    """Return how much of a load at `travel` each place takes (n, k): two neighbours, linearly."""
+    """Return each place's share (n, k) of a load at `travel`: two neighbours, linearly."""
     low, high = places[0], places[-1]
     slack = _ON_POINT * (high - low)
     outside = np.maximum(low - travel, travel - high)
@@ -277,7 +277,7 @@ Displacements = dict[str, tuple[FloatArray, FloatArray, FloatArray]]
 def beam_displacements(
     kinematics: Kinematics, poses: FloatArray, beam: BeamCompliance, state: LoadState
 ) -> Displacements:
-    """Return what the loads on a beam move, by their source, against its leftmost load.
+    """Return the deflections of a beam under its loads, by source, against its leftmost load.
 
     Shift (n, 2) mm and turn (n,) in the body's axes, and the place along its axis (n, 2) mm that is
     moved. E I v'' = M and E A u' = -N, with M and N as `section_forces` has them.
@@ -312,7 +312,7 @@ def beam_displacements(
 def matrix_displacements(
     kinematics: Kinematics, poses: FloatArray, compliance: MatrixCompliance, state: LoadState
 ) -> Displacements:
-    """Return what the loads on a body move, by their source: as `beam_displacements`."""
+    """Return the deflections of a body under its loads, by source, as `beam_displacements`."""
     wrenches = wrenches_on(kinematics, poses, compliance, state)
     moved = (wrenches @ np.asarray(compliance.matrix, dtype=float)).reshape(len(poses), -1, 3)
     result: Displacements = {}

@@ -101,7 +101,7 @@ def unit_forces(motion: Motion, name: str, size: float, solve: str) -> ForceSolu
 
 
 def _share(motion: Motion, effort: Force) -> FloatArray:
-    """Return how much of the motion an effort sees (n,), or raise at its dead centre."""
+    """Return an effort's share of the motion (n,); LinkageError at its dead centre."""
     share = coordinate_share(motion.kinematics, effort.coordinate, motion.poses, motion.heading)
     singular = (np.abs(share) < SINGULAR) | (share * share[0] <= 0.0)
     if singular.any():
@@ -115,7 +115,7 @@ def _share(motion: Motion, effort: Force) -> FloatArray:
 
 
 def _matrix(motion: Motion, effort: Force) -> FloatArray:
-    """Return what reactions and effort do to all coordinates, unit-free in lengths."""
+    """Return the matrix from reactions and effort to generalised forces, unit-free in lengths."""
     kinematics = motion.kinematics
     size = kinematics.n_constraints + 1
     matrix = np.empty((len(motion.values), size, size))

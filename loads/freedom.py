@@ -15,7 +15,7 @@ _NOTICED = 0.05  # share of a joint in what is held twice
 
 
 def freedom_problem(linkage: "Linkage") -> str | None:
-    """Return what is wrong with the count of joints in words; None for one degree of freedom."""
+    """Return the fault of the count of joints, in words; None for one degree of freedom."""
     n_bodies = len(linkage.moving)
     n_constraints = sum(joint.n_constraints for joint in linkage.joints)
     freedom = 3 * n_bodies - n_constraints

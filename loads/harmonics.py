@@ -49,7 +49,7 @@ class Harmonic:
 
     number     of the cycle's rate; halves in a mode that comes back reversed after a cycle
     amplitude  half its range, over the largest response of the mode
-    factor     what vibration multiplies it by, at the frequency that is worst for the mode
+    factor     its amplification by vibration, at the frequency that is worst for the mode
     """
 
     number: float
@@ -110,7 +110,7 @@ class CycleResponse:
 def cycle_response(
     cycle: CycleLoads, damping: float, rise: float | None = None, modes: LinkageModes | None = None
 ) -> CycleResponse:
-    """Return what vibration makes of a solved cycle that closes.
+    """Return the response to vibration of a solved cycle that closes.
 
     rise   s, in which loads that jump really change; None: as `rise_of` has it
     modes  of this cycle, if they are known (`cycle_modes`)
@@ -229,7 +229,7 @@ def rise_of(times: FloatArray, values: FloatArray, frequency: float, period: flo
 
 
 def _jumps_of(times: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return when a periodic signal is stated twice, its end last, and by what it steps there."""
+    """Return times and heights of the jumps of a periodic signal, the jump at its end last."""
     inside = np.flatnonzero(np.diff(times) <= 1e-12 * float(times[-1]))
     at = np.append(times[inside], times[-1])
     return at, np.append(values[inside + 1] - values[inside], values[0] - values[-1])
@@ -261,7 +261,7 @@ def sampled(
 
 
 def with_vibration(cycle: CycleLoads, response: CycleResponse) -> CycleLoads:
-    """Return the cycle with what vibration adds to its loads, equilibrium kept.
+    """Return the cycle with the loads of vibration added, equilibrium kept.
 
     Elastic inertia and damping of every mode are loads M phi omega (a_dynamic - a_slow) on the
     lumps, which deform the mode by what its response differs. They change joint forces, the effort

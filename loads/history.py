@@ -1,4 +1,4 @@
-"""The loads on one part over a cycle, in its own axes: what a model of the part is loaded with."""
+"""Load history of one part over a cycle, in its own axes: the loads of the part's models."""
 
 from dataclasses import dataclass, field, replace
 from typing import Self
@@ -70,9 +70,9 @@ class LoadHistory:
         )
 
     def equilibrium_residual(self, mass: float, centre: Vector, inertia: float) -> FloatArray:
-        """Return what is left of forces and moment about the origin, with d'Alembert's (n, 3).
+        """Return residual forces and moment about the origin, d'Alembert's included (n, 3).
 
-        mass, centre (in the body frame) and inertia about the centre are those of the part's model;
+        mass, centre (in the body frame) and inertia about the centre belong to the part's model;
         the units are N and N mm. Zero where they agree with the linkage's body.
         """
         x, y = self.locations[:, 0], self.locations[:, 1]

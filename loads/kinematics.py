@@ -173,7 +173,7 @@ class Kinematics:
         return scale
 
     def coordinate_scale(self, coordinate: Coordinate) -> float:
-        """Return what turns a unit-free coordinate into mm or rad."""
+        """Return the factor from a unit-free coordinate to mm or rad."""
         return 1.0 if coordinate.angular else self.size
 
     def arm(self, poses: FloatArray, body: str, point: str) -> FloatArray:
@@ -200,7 +200,7 @@ class Kinematics:
         return rotated(direction / np.hypot(*direction), poses[:, self.index[joint.body_a], 2])
 
     def _turns(self, poses: FloatArray) -> FloatArray:
-        """Return how far body b of every joint that holds it is turned against a (n, turns)."""
+        """Return the angle of body b against a at every joint that holds it (n, turns)."""
         table = self._joints
         angles = poses[:, :, 2]
         turns: FloatArray = (
@@ -231,7 +231,7 @@ class Kinematics:
         return _Placed(arm_a, arm_b, between + arm_b - arm_a, turned[:, 2 * n_joints :])
 
     def constraints(self, poses: FloatArray) -> FloatArray:
-        """Return by how much each constraint is violated (n, constraints) [mm, rad]."""
+        """Return the error of each constraint (n, constraints) [mm, rad]."""
         return self._violations(poses, self._placed(poses))
 
     def jacobian(self, poses: FloatArray) -> FloatArray:
@@ -324,7 +324,7 @@ class Kinematics:
         )
 
     def travel(self, poses: FloatArray, joint: Prismatic | Slot) -> FloatArray:
-        """Return how far point b is along the line from its point a (n,) [mm]."""
+        """Return the position of point b along the line from its point a (n,) [mm]."""
         return dot(self.line(poses, joint), self.separation(poses, joint))
 
     def travel_of(self, poses: FloatArray, joint: str) -> FloatArray:

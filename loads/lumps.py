@@ -1,4 +1,4 @@
-"""The mass of a linkage as what vibrates: points on its beams, one place on every other body."""
+"""Lumped mass of a linkage that vibrates: points on its beams, one place on every other body."""
 
 from dataclasses import dataclass
 
@@ -35,7 +35,7 @@ class Lumps:
         return np.flatnonzero(self.bodies == row)
 
     def wrenches(self, angles: FloatArray) -> FloatArray:
-        """Return what unit loads do at their body's centre (n, 3, d): ground axes, and a couple.
+        """Return the force and couple of unit loads at their body's centre (n, 3, d), ground axes.
 
         angles  (n, bodies) rad
         """

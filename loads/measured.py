@@ -87,7 +87,7 @@ class MeasuredBody:
         return result
 
     def residual(self, gravity: Vector) -> FloatArray:
-        """Return what is left of force, and moment about the centre (n, 3) [N, N mm].
+        """Return the residual force, and moment about the centre (n, 3) [N, N mm].
 
         In the ground's axes: Newton's and Euler's equations of the body, loads less inertia.
         """
@@ -109,7 +109,7 @@ class MeasuredBody:
         return max(sizes, default=0.0)
 
     def shares(self, gravity: Vector, size: float) -> tuple[FloatArray, float]:
-        """Return what is left (n,) over the largest force, and that force [N].
+        """Return the residual (n,) over the largest force, and that force [N].
 
         The force, or the moment over a size where that is more.
         """
@@ -212,7 +212,7 @@ class MeasuredLoads:
         }
 
     def spin_mismatch(self, body: str) -> float | None:
-        """Return how far the angular velocity is off the angle's rate, over the largest rate.
+        """Return the error of the angular velocity against the angle's rate, over the largest rate.
 
         None without times, or where a body does not turn. The balance does not see this velocity.
         """

@@ -133,7 +133,7 @@ def move(
 def coordinate_share(
     kinematics: Kinematics, coordinate: Coordinate, poses: FloatArray, first: FloatArray
 ) -> FloatArray:
-    """Return how much of the motion a coordinate sees (n,), between -1 and 1, 0 at a dead centre.
+    """Return a coordinate's share of the motion (n,), between -1 and 1, 0 at a dead centre.
 
     The coordinate's derivative along the motion over the product of the lengths of its gradient and
     of the motion, lengths measured by the linkage's size and angles in rad.

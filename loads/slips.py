@@ -1,4 +1,4 @@
-"""Slips that people make when they write down loads and motion, each with what mends it."""
+"""Slips that people make when they write down loads and motion, each with its correction."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -24,7 +24,7 @@ MendLoad = Callable[[MeasuredLoad], MeasuredLoad]
 class Slip:
     """One slip, and how the data read without it.
 
-    words   what mends it, such as "reversing Fy at B"
+    words   the correction, such as "reversing Fy at B"
     kind    of two slips of one kind at one point only one can have happened
     point   where; ALL for every point, None for the body's motion and mass
     rarity  0 for the commonest; breaks ties

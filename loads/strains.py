@@ -20,7 +20,7 @@ _ROUNDING = 1e-6  # of the largest eigenvalue of a compliance: what may be below
 def joint_strains(
     kinematics: Kinematics, poses: FloatArray, solution: ForceSolution, lumps: Lumps
 ) -> FloatArray:
-    """Return the rows (n, rows) of what joints and forces do, without loads on the lumps."""
+    """Return the rows (n, rows) of joints and forces, without loads on the lumps."""
     state = LoadState(solution, None)
     parts = []
     for compliance in kinematics.linkage.compliance:

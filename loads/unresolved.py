@@ -28,7 +28,7 @@ Solved = Sequence[tuple[Motion, ForceSolution]]
 
 
 def unresolved(cycle: Solved, others: Sequence[Solved]) -> Unresolved:
-    """Return what the positions of a cycle miss of what the same cycle has at other positions.
+    """Return the peaks that the positions of a cycle miss, found at other positions of it.
 
     cycle   motion and loads, phase by phase, at the positions that count
     others  the same at other positions
