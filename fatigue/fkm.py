@@ -103,7 +103,7 @@ class ComponentLimit:
     temperature    K_T,D, at most 1
     sensitivity    M
     stress         "normal" or "shear"
-    endures        whether the S-N curve is horizontal from 1e6 cycles on
+    endures        True if the S-N curve is horizontal from 1e6 cycles on
     """
 
     limit: FloatArray

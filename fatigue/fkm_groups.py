@@ -38,7 +38,7 @@ class FkmGroup:
     sensitivity      the group of `FKM_SENSITIVITIES` that it belongs to
     weibull          k_st of the statistical support number
     temperature      of the fatigue strength
-    endures          whether its S-N curve is horizontal from 1e6 cycles on
+    endures          True if its S-N curve is horizontal from 1e6 cycles on
     """
 
     strength_ratio: float

@@ -139,7 +139,7 @@ def life_verdict(
 def remaining_duties(
     damage_per_duty: npt.ArrayLike, damage_so_far: npt.ArrayLike = 0.0, allowed_damage: float = 1.0
 ) -> FloatArray:
-    """Return how many more duties are endured after damage already done; never below 0.
+    """Return the number of further duties endured after damage already done; never below 0.
 
     >>> float(remaining_duties(0.001, damage_so_far=0.25))
     750.0

@@ -1,4 +1,4 @@
-"""The first pass over all points: how straight each stress path is, and what no criterion exceeds.
+"""First pass over all points: straightness of each stress path, and bounds of every criterion.
 
 A path is proportional where it is a straight line in the space of all six components: the stress is
 a constant plus one tensor times a number, whatever the constant is. The line taken is the main

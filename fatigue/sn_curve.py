@@ -1,4 +1,4 @@
-"""The S-N curve: how many cycles a fully reversed stress amplitude is endured.
+"""S-N curve: number of cycles to failure over the fully reversed stress amplitude.
 
     N = N_D (S/S_D)**-k   from the knee (S_D, N_D) up, N_D (S/S_D)**-k' below it
 

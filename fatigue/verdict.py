@@ -74,7 +74,7 @@ class Verdict:
 
     @property
     def utilisation(self) -> FloatArray:
-        """The worse of what is known of both criteria at each point; exact at the worst.
+        """The worse known utilisation of both criteria at each point; exact at the worst point.
 
         0 where nothing is known, which `ductile_verdict` leaves only to points that do not govern.
         """
