@@ -26,7 +26,7 @@ class Given:
     """A number, or the components of a vector, that is put in.
 
     source  where it comes from: the design, the loads, a solver, a table
-    main    whether it stands in the short telling, too
+    main    True if it stands in the short telling, too
     """
 
     symbol: str

@@ -77,7 +77,7 @@ class Direction:
 class DriveSummary:
     """One force as a drive; its power in N mm/s, and of a closed crank cycle its unevenness.
 
-    closed         whether the cycle ends in the pose that it starts from
+    closed         True if the cycle ends in the pose that it starts from
     impact_energy  N mm a cycle, of what meets its contacts at a speed: not in the powers
     reduced_inertia, flywheel  t mm2; ripple N mm; None unless the cycle is closed and runs at a
                    constant speed of this drive
@@ -134,7 +134,7 @@ class ContactSummary:
     """Where a force touches, how hard and how fast; N, mm (or N mm, rad), N mm of energy.
 
     body           what is pushed
-    always         whether it touches at every position
+    always         True if it touches at every position
     start_depth    how far it is already pressed at the start of the cycle, or None
     nearest        how near it comes where it never touches, None if it does
     largest        the largest force, and the shown position and phase where it acts

@@ -42,7 +42,7 @@ class Row:
 
     number   of the check in the result, for links
     title    its kind, with the quantity where a part has two of the kind
-    decides  whether it decides the verdict; leads whether it is the worst of its part
+    decides  True if it decides the verdict; leads: True if it is the worst of its part
     gauge    its utilisation as a picture
     place    (cycle, position, part) by their numbers, to be shown in the live view; None if unknown
     doubt    what a pass rests on that does not hold, in a few words

@@ -1,4 +1,4 @@
-"""Words that only the page has: how far bars reach, what a pass is worth, what a place means."""
+"""Words that only the page has: reach of bars, worth of a pass, meaning of a place."""
 
 import re
 from collections.abc import Sequence

@@ -47,7 +47,7 @@ class Pictures:
 def prepare_drawing(worker: Sequence[str] = _WORKER, *, stress: bool = True) -> None:
     """Start the process that draws, so that it loads its libraries beside other work.
 
-    stress  whether stills of stress are likely, which need graphics libraries
+    stress  True if stills of stress are likely, which need graphics libraries
 
     It draws for every design that this process checks, and ends with it.
     """

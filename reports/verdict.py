@@ -30,13 +30,13 @@ class Check:
     """One line of the verdict: demand with its bars against a limit with its required safety.
 
     part, kind        whose check it is; "static", "buckling", "fatigue", "bush"
-    quantity          what `value` is
+    quantity          name of `value`
     value             the demand, in `unit`
     numerical         half-width of the numerical error bar, in `unit`; infinite if unknown
-    sampling          what part of it is for peaks between the positions of the cycle, in `unit`
-    model             how far the model band reaches above the value, in `unit`
-    model_below       how far it reaches below; None for as far as above
-    limit             what the part can take, in `unit`
+    sampling          part of `numerical` for peaks between the positions of the cycle, in `unit`
+    model             model band above the value, in `unit`
+    model_below       model band below the value; None if the same as above
+    limit             largest value that the part can take, in `unit`
     required          safety that must be shown
     cycle, position   where in which cycle, as shown to people ("press, x = 2 mm")
     place             where on the part
@@ -177,8 +177,8 @@ class Check:
 class Gate:
     """A measured number that must stay below a limit for the result to be valid.
 
-    meaning  what the number is, in words
-    binding  whether the verdict depends on it: a drive that is too weak leaves the stresses right
+    meaning  meaning of the number, in words
+    binding  True if the verdict depends on it: a drive that is too weak leaves the stresses right
     cure     what makes it hold, a sentence without its full stop; "" where nothing simple does
     """
 
@@ -278,7 +278,7 @@ class RungTried:
     rung      "formula", "beam" or "solid"
     seconds   that it took; 0 if it was passed over
     unknowns  that it solved
-    checks    what it said
+    checks    its results
     why       why it stopped, went on, or was passed over
     """
 

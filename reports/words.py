@@ -251,7 +251,7 @@ def _wider(check: Check) -> str:
 def headline(result: DesignResult, *, doubted: bool = False) -> str:
     """The verdict for who reads one sentence: how many checks stand how.
 
-    doubted  whether the best estimate of an undecided check is over what is allowed
+    doubted  True if the best estimate of an undecided check is over what is allowed
     """
     count = len(result.checks)
     if not count:

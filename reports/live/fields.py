@@ -58,9 +58,9 @@ class LiveFields:
     coefficients  name of a cycle -> (M, n_positions); cycles that do not load the part are missing
     fatigue       utilisation [1], amplitude and mean [MPa] over the duty, (n,) each, where known;
                   utilisation without the required safety
-    judged        whether that utilisation, times the required safety, is what the check judges;
+    judged        True if that utilisation, times the required safety, is what the check judges;
                   a finite life is counted otherwise
-    decides       whether checks are decided by this stress; one of a mesh to look at decides none
+    decides       True if checks are decided by this stress; one of a mesh to look at decides none
     missing       field -> why there is none, in words
     notes         what else a reader should know of the fields, in words
     peaks         name of a cycle -> (n_positions,) MPa, largest von Mises stress at each position

@@ -69,7 +69,7 @@ class Neighbours:
     counts: IntArray
 
     def expected(self, values: Integers) -> npt.NDArray[np.int64]:
-        """Prediction of values (n,) by earlier ones: the neighbours' rounded mean, else the last one.
+        """Prediction of values (n,) by earlier ones: neighbours' rounded mean, else the last value.
 
         The mean of k numbers of sum s is floor((2 s + k) / (2 k)), in whole numbers.
         """
