@@ -82,9 +82,9 @@ def check_at_least(field: str, value: float, limit: float, unit: str = "mm") -> 
 
 
 def check_at_most(field: str, value: float, limit: float, because: str, unit: str = "mm") -> None:
-    """Raise ParameterError, which says because of what, unless the value is at most the limit.
+    """Raise ParameterError, with its reason `because`, unless the value is at most the limit.
 
-    It may pass it by round-off.
+    It may pass the limit by round-off.
     """
     if not within(value, limit):
         raise ParameterError(
@@ -93,7 +93,7 @@ def check_at_most(field: str, value: float, limit: float, because: str, unit: st
 
 
 def check_below(field: str, value: float, limit: float, because: str) -> None:
-    """Raise ParameterError, which says because of what, unless the length is below the limit."""
+    """Raise ParameterError, with its reason `because`, unless the length is below the limit, mm."""
     if not value < limit:
         raise ParameterError(field, f"must be below {limit:g} mm, {because}, got {value:g} mm")
 

@@ -144,7 +144,7 @@ def _only_solid(gmsh: Any, name: str) -> int:
 
 
 def _remove_others(gmsh: Any, solid: int) -> str:
-    """Remove faces and curves that do not bound the solid; in words what they were."""
+    """Remove faces and curves that do not bound the solid; return them in words."""
     own = {(3, solid)}
     for dimension in (3, 2, 1):
         entities = [entity for entity in own if entity[0] == dimension]

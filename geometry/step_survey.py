@@ -1,4 +1,4 @@
-"""A STEP file surveyed in a process of its own: what is damaged can kill or hold the CAD kernel.
+"""Survey of a STEP file in a process of its own: a damaged file can kill or hold the CAD kernel.
 
 The process has limits on time and memory; what came of a file is kept for as long as ours runs.
 """

@@ -1,4 +1,4 @@
-"""Surveys one STEP file and prints what it holds, as one line of JSON; see step_survey."""
+"""Survey of one STEP file, printed as one line of JSON; see step_survey."""
 
 import json
 import sys
