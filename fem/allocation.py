@@ -8,7 +8,7 @@ _LARGE = 2**30  # bytes; mallopt takes an int
 
 
 def keep_freed_memory() -> bool:
-    """Let this process keep freed memory for its next arrays; whether the C library does so.
+    """Let this process keep freed memory for its next arrays; return True if the C library does so.
 
     By default glibc maps arrays above some size anew and gives them back when they are freed, and
     the first touch of each page costs more than the work on it: a tenth of the time from mesh to

@@ -83,7 +83,7 @@ def balanced_bar(
     mass: FloatArray,
     accelerations: FloatArray,
 ) -> BarLoads:
-    """Balance a bar's loads: what its own mass leaves over is made up by a rigid acceleration.
+    """Balance a bar's loads: a rigid acceleration makes up for the rest that its own mass leaves.
 
     As a solid does it where the loads were computed with other masses than the bar's. Raises
     ValueError for a bar whose mass is nothing or all in one place.

@@ -55,7 +55,7 @@ class ColumnCounter:
         return -ratio if count else ratio
 
     def _cuts(self, force: float) -> IntArray:
-        """Into how many pieces (m,) the stretches are cut so that none buckles by itself."""
+        """Number of pieces (m,) that the stretches are cut into so that none buckles by itself."""
         loosened = 1 / (1 - force / self._shear)
         angle = self._lengths * np.sqrt(force * loosened * self._flexible.max(axis=1))
         return np.asarray(np.maximum(np.ceil(angle / _ANGLE), 1).astype(np.int64))

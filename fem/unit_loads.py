@@ -116,7 +116,7 @@ def with_resultants(
     targets: FloatArray,
     smooth: FloatArray,
 ) -> tuple[FloatArray, float]:
-    """Return nodal forces that have their resultants exactly, and how far off they were.
+    """Return nodal forces that have their resultants exactly, and their error before.
 
     vectors  (3 n_nodes, m) raw loads, which must be right to 1e-3
     targets  (6, m)         the forces N and moments N mm about `centre` that they stand for; half
