@@ -30,7 +30,7 @@ _COARSE = 201  # positions per phase that find where the loads change
 
 
 class CycleError(LinkageError):
-    """A phase of a cycle that cannot be: which, and what is wrong there."""
+    """A phase of a cycle that cannot be, and the reason."""
 
     def __init__(self, cycle: str, phase: int, phase_name: str, problem: str) -> None:
         super().__init__(cycle, phase, phase_name, problem)

@@ -106,7 +106,7 @@ def _part(
     solution: ForceSolution,
     offsets: FloatArray,
 ) -> None:
-    """Open a joint by what its force on body b makes it give way: b goes where a pulls it back."""
+    """Open a joint by its deflection under the force on body b: b goes where a pulls it back."""
     joint = kinematics.linkage.joint(compliance.joint)
     parting = -solution.joints[joint.name].force / compliance.stiffness
     row = kinematics.rows[joint.name].start

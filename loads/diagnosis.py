@@ -28,7 +28,7 @@ _NOISE = 0.5  # correlation from row to row below which it looks like noise
 
 @dataclass(frozen=True)
 class Suggestion:
-    """Slips that together explain what is left, and the share that remains without them."""
+    """Slips that together explain the residual, and the share that remains without them."""
 
     words: str
     left: float

@@ -1,4 +1,4 @@
-"""Effort, work and power of a drive over a cycle, and whether its speed would be constant."""
+"""Effort, work and power of a drive over a cycle, and the irregularity of its speed."""
 
 from collections.abc import Collection
 from dataclasses import dataclass
@@ -136,7 +136,7 @@ def kinetic_energy(
 
 
 def _closed(kinematics: Kinematics, poses: FloatArray) -> bool:
-    """Return whether the last pose is the first, whole turns aside."""
+    """Return True if the last pose is the first, whole turns aside."""
     change = poses[-1, 1:] - poses[0, 1:]
     turns = change[:, 2] / (2.0 * np.pi)
     change = change.copy()

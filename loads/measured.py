@@ -298,7 +298,7 @@ class MeasuredLoads:
         )
 
     def pin_residual(self, point: str, seats: Mapping[str, str]) -> FloatArray | None:
-        """Return what the seats of a pin leave unbalanced (n, 3), ground axes [N, N mm].
+        """Return the imbalance of a pin's seats (n, 3), ground axes [N, N mm].
 
         None where one seat was not measured and so takes what is left.
         """

@@ -232,7 +232,7 @@ def _cosine(kinematics: Kinematics, a: FloatArray, b: FloatArray) -> float:
 def _stopped(
     kinematics: Kinematics, coordinate: Coordinate, pose: FloatArray, end: float, last: float
 ) -> LinkageError:
-    """Return the error of a value that cannot be reached: how far the joints stay open there."""
+    """Return the error of a value that cannot be reached, with the gap that stays in the joints."""
     wanted, reached = (in_words(coordinate, value) for value in (end, last))
     joint, gap = closest_approach(kinematics, coordinate, end, pose)
     where = end
