@@ -1,4 +1,4 @@
-"""One way to refuse a number among many: say what is wrong, where first, and how often."""
+"""Refusal of a number among many: a message with the fault, its first place and its count."""
 
 from __future__ import annotations
 
