@@ -39,7 +39,7 @@ class Given:
 
 @dataclass(frozen=True)
 class Step:
-    """A formula over the symbols before it (reports.formulas), and what it is the value of."""
+    """A formula over the symbols before it (reports.formulas), and the meaning of its value."""
 
     symbol: str
     meaning: str
@@ -167,7 +167,7 @@ class Acting:
 
 @dataclass(frozen=True)
 class LoadCase:
-    """A position of a cycle, and what acts on the part there.
+    """A position of a cycle, and the loads on the part there.
 
     symbol         the stress at this position, "" for none
     position       as shown to people

@@ -212,7 +212,7 @@ def _by_hand(one: Comparison, everything: bool) -> str:
 
 
 def _ends(check: Check, *, everything: bool) -> list[tuple[str, str]]:
-    """Bars, hand checks, what no formula gives, and the rule of the status."""
+    """Bars, hand checks, numbers without a formula, and the rule of the status."""
     derivation = check.derivation
     assert derivation is not None
     found = [("bars", "; ".join(bar_texts(check, formulas=everything)))]

@@ -105,7 +105,7 @@ def lead(counts: Mapping[str, int]) -> str:
 
 
 def tone(status: str) -> str:
-    """Colour class of a status: what has no verdict is no pass."""
+    """Colour class of a status; a design without a verdict has not passed."""
     return status if status in ("pass", "UNDECIDED") else "FAIL"
 
 

@@ -1,4 +1,4 @@
-"""A measured run as data for people: the extremes of what acts on each body at each of its points.
+"""Measured run as data for people: the extremes of the loads on each body at each of its points.
 
 No linkage is solved for it, so that there are neither reactions of joints nor drives.
 """

@@ -173,7 +173,7 @@ def _asked(parts: Sequence[PartResult], folder: Path) -> list[tuple[str, int, Se
 
 
 def _to_chart(result: DesignResult) -> DesignResult:
-    """The result without what stands in no chart."""
+    """Result without the data that no chart needs."""
     bare = Surface(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64), {}, 0)
     parts = [replace(part, surface=bare, mode=None, live=None) for part in result.parts]
     return replace(result, parts=parts, motion={})

@@ -1,4 +1,4 @@
-"""Where in the cycles, and on which part, a check is decided: what the page shows at first."""
+"""Governing places: cycle, position and part that decide a check, which the page shows first."""
 
 from reports.verdict import Check, DesignResult
 
@@ -17,7 +17,7 @@ def deciding_place(result: DesignResult) -> Place | None:
 
 
 def place_of(check: Check, result: DesignResult) -> Place | None:
-    """Where what decides a check is: its load case, else for a static one its part's peak.
+    """Governing place of a check: its load case, else for a static check its part's peak.
 
     Of the two ends of a swing the one that stresses the part more. None where that is not known,
     as for a check of the linkage as a whole.

@@ -71,16 +71,16 @@ class _Compiled(BytecodeCache):
     """Keeps compiled templates beside themselves, as Python keeps its modules; if it may write."""
 
     def get_source_checksum(self, source: str) -> str:
-        """Of the text and of the version of what compiles it."""
+        """Checksum of the text and of the version of jinja2, which compiles it."""
         return super().get_source_checksum(f"{version('jinja2')}\n{source}")
 
     def load_bytecode(self, bucket: Bucket) -> None:
-        """Take what was compiled of the same text; nothing where there is none."""
+        """Load the compiled template of the same text, if there is one."""
         with suppress(OSError), self._file(bucket).open("rb") as stream:
             bucket.load_bytecode(stream)
 
     def dump_bytecode(self, bucket: Bucket) -> None:
-        """Keep what was compiled, if Python keeps its own."""
+        """Write the compiled template, if Python writes its own compiled modules."""
         if sys.dont_write_bytecode:
             return
         file = self._file(bucket)
@@ -90,12 +90,12 @@ class _Compiled(BytecodeCache):
                 bucket.write_bytecode(stream)
 
     def _file(self, bucket: Bucket) -> Path:
-        """One for each template and each set of what it is compiled with."""
+        """File of a compiled template, one for each set of options it is compiled with."""
         return Path(cache_from_source(str(_TEMPLATES / f"{bucket.key}.py")))
 
 
 def environment() -> Environment:
-    """Return a new environment that finds the templates and escapes what they are given."""
+    """Return a new environment that finds the templates and escapes their data."""
     result = Environment(
         loader=FileSystemLoader(_TEMPLATES),
         bytecode_cache=_Compiled(),

@@ -238,7 +238,7 @@ def deciding_of(checks: Sequence[Check]) -> Check:
 
 @dataclass(frozen=True)
 class HandCheck:
-    """A number computed by hand beside the model's, and how far apart they may be."""
+    """A number computed by hand beside the model's, and their largest allowed difference."""
 
     quantity: str
     hand: float
@@ -273,7 +273,7 @@ class Surface:
 
 @dataclass(frozen=True, eq=False)
 class RungTried:
-    """A model of a part that was tried, or passed over, and what came of it.
+    """A model of a part that was tried, or passed over, and the outcome.
 
     rung      "formula", "beam" or "solid"
     seconds   that it took; 0 if it was passed over

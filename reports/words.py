@@ -198,7 +198,7 @@ def gate_word(gate: Gate) -> str:
 
 
 def gate_sentence(gate: Gate) -> str:
-    """Tell what a gate measured, and what it had to stay below."""
+    """Sentence on a gate's measured value and the limit it had to stay below."""
     sign = "≤" if gate.holds else "is not a number, limit" if isnan(gate.value) else ">"
     return f"{gate.name}: {number(gate.value)} {sign} {number(gate.limit)}"
 
@@ -249,7 +249,7 @@ def _wider(check: Check) -> str:
 
 
 def headline(result: DesignResult, *, doubted: bool = False) -> str:
-    """The verdict for who reads one sentence: how many checks stand how.
+    """Verdict in one sentence: number of checks of each status.
 
     doubted  True if the best estimate of an undecided check is over what is allowed
     """

@@ -84,7 +84,7 @@ class StandingWorker:
         self._tell(_line(folder))
 
     def prepare(self) -> None:
-        """Have it load what only some folders need."""
+        """Have it load the modules that only some folders need."""
         self._tell(b"\n")
 
     def answer(self, folder: Path, timeout: float) -> Ended:

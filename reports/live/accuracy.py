@@ -148,7 +148,7 @@ def largest_sizes(fields: FloatArray, metric: FloatArray) -> tuple[Bound, float]
 def lost_in_single(
     fields: npt.NDArray[Any], coefficients: Mapping[str, FloatArray], metric: FloatArray
 ) -> dict[str, float]:
-    """Cycle -> what single precision of unit fields (M, n, c) may cost a sum at any node.
+    """Cycle -> largest error of a sum at any node by single precision of unit fields (M, n, c).
 
     In the unit of the sum; of its norm, and of any principal stress. It is much where unit loads
     nearly cancel each other: their sizes count, not the size of their sum.

@@ -86,7 +86,7 @@ def decode(head: Mapping[str, Any], text: str) -> DecodedPart:
 
 
 def _nodal(left: Sequence[_Whole], near: Neighbours) -> _Whole:
-    """Values (k, n) at the nodes, of what was left of them by their neighbours."""
+    """Return values (k, n) at the nodes from their differences to the neighbours' prediction."""
     if not left:
         return np.zeros((0, 0), dtype=np.int64)
     values = np.stack(left, axis=1)
@@ -104,5 +104,5 @@ def _nodal(left: Sequence[_Whole], near: Neighbours) -> _Whole:
 
 
 def _straight(left: Sequence[_Whole]) -> FloatArray:
-    """Rows of weights of what was left of them by the line through the last two."""
+    """Return rows of weights from their second differences."""
     return np.cumsum(np.cumsum(np.stack(left).astype(np.float64), axis=1), axis=1)

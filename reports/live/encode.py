@@ -172,7 +172,7 @@ def _tell_fields(
     cycles: Sequence[str],
     tolerance: float,
 ) -> None:
-    """Tell in the header what the fields are worth, and how exact they are."""
+    """Write the number of fields, the kept positions and the accuracy into the header."""
     kept, stress = found.kept, found.stress
     head |= {
         "fields": len(stress.fields),

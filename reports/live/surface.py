@@ -1,4 +1,4 @@
-"""A surface in the order in which it is written, and what neighbours say of a node's value."""
+"""Order in which a surface is written, and the prediction of a node's value by its neighbours."""
 
 from dataclasses import dataclass
 
