@@ -8,7 +8,7 @@ import loads
 from ballesta.design_data import Design, Part
 from ballesta.design_model import StackEntry
 from ballesta.part_loads import PartLoads
-from ballesta.sampling import finer, sampled, with_sampling
+from ballesta.sampling import NEAR, finer, sampled, with_sampling
 from ballesta.ties import first_largest
 from geometry.mesh import FloatArray
 from geometry.parts import Pin
@@ -109,8 +109,10 @@ def _pv_check(
     value, worst, _, _, speed = max(found)
     means = ", ".join(f"{name} {mean / 1e3:.3g}" for _, _, name, mean, _ in found)
     paired = bush_count(entry) == 2
-    places, most = finer(part_loads), 0.0
+    products = pressure * np.abs(turned) * diameter / 2
+    places, most = finer(part_loads, products >= NEAR * value), 0.0
     if places is not None:
+        places = places.only(places.share != 0.0)
         speeds = np.abs(places.of(turned)) * diameter / 2
         most = float((_pressure(part, places.between, entry) * speeds).max())
     check = Check(
