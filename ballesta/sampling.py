@@ -4,8 +4,9 @@ Loads are known at positions; a smooth peak between two of them is missed by a s
 the step h. Between two jumps loads follow a cubic spline through the positions, whose error is of
 order h^4; where it meets a corner it rings, which widens the bar. Where a contact begins or ends
 the loads jump somewhere in a step: both sides go on along their tangents over all of it. Each
-check is made again under loads on a grid of an eighth of the step, and what it rises by, with a
-margin, is added to its numerical bar. Rows of measured loads are taken as they are.
+check is made again under loads on a grid of an eighth of the step, where it may have more, and what
+it rises by, with a margin, is added to its numerical bar. Rows of measured loads are taken as they
+are.
 """
 
 from collections.abc import Callable, Sequence
@@ -34,7 +35,7 @@ _MOST_POINTS = 200
 _ROUND_OFF = 1e-9  # of a value
 _STRAIGHT = 1e-6  # of the largest: what leaves the chord by less changes nothing that is told
 _FORMS = 0.7  # of the largest use: positions that may form what decides
-_ROW = 256  # positions that are asked together
+_FEW = 256  # positions: what lies beside these is asked at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -271,9 +272,10 @@ def _that_matter(
     near = (curves.bend > _STRAIGHT * np.abs(curves.values).max(axis=0)).any(axis=1)
     near |= bool(loads.reaches)  # a force times where it acts bends where neither does
     largest = _used(checks)
-    if np.count_nonzero(near) > 2 * _ROW:
-        at = np.flatnonzero(near)
-        for row in np.split(at, range(_ROW, len(at), _ROW)):
+    at = np.flatnonzero(near)
+    if len(at) > _FEW:
+        length = int(np.sqrt(PIECES * len(at)))
+        for row in np.split(at, range(length, len(at), length)):
             used = _used(make(Finer(loads, row, np.zeros(len(row))).between))
             near[row] = any(used.get(name, 0.0) >= NEAR * most for name, most in largest.items())
     places = finer(loads, near)
@@ -373,9 +375,9 @@ def _that_tire(
     basis = duty.basis[points]
     vectors = deviatoric_basis(basis)
     sizes = np.linalg.norm(vectors, axis=1) + np.abs(basis[:, :3].sum(axis=1))
-    jumps = np.isinf(curves.bend).any(axis=1)
+    jumps = np.asarray(np.isinf(curves.bend).any(axis=1))
     off = np.where(jumps[:, None], 0.0, curves.bend) @ sizes.max(axis=0)
-    bends = jumps | (off > _STRAIGHT * use.value(level))
+    bends = np.asarray(jumps | (off > _STRAIGHT * use.value(level)))
     inside = np.zeros(len(bends), dtype=bool)
     for run in duty.runs.values():
         inside[run] = True

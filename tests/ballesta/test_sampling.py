@@ -110,6 +110,42 @@ class TestThePlacesBetween:
         assert np.count_nonzero(places.before == 2) == 1 + PIECES
         assert places.of(values).min() == pytest.approx(0.0, abs=1e-12)
 
+    def test_are_asked_only_where_they_may_matter(self):
+        """Of 900 positions on a bump: all once more in rows, its top finely; on a line none.
+
+        Everywhere these would be 9 times the positions.
+        """
+        x = np.linspace(0.0, 1.0, 900)
+        bump = along(np.exp(-((x - 0.5003) ** 2) / 0.02))
+        line = along(np.linspace(1.0, 2.0, 900))
+        asked = []
+
+        def make(loads):
+            asked.append(len(loads.labels))
+            return largest(loads)
+
+        (check,) = sampled(make, bump)
+        everywhere = largest(finer(bump).between)[0].value
+        assert check.sampling == pytest.approx(MARGIN * (everywhere - check.value), rel=1e-6)
+        assert check.sampling > 0.0
+        assert sum(asked) < 4 * 900
+        asked.clear()
+        (check,) = sampled(make, line)
+        assert asked == [900]
+        assert check.sampling == 0.0
+
+    def test_are_asked_where_a_contact_slides_under_loads_that_go_straight(self):
+        """Force times reach bends where neither does: (1 - x) x is 1/4 at 1/2, 12/49 beside it."""
+        x = np.linspace(0.0, 1.0, 8)
+        sliding = along(1.0 - x, reaches={"first": x})
+
+        def moment(loads):
+            value = float((loads.wrenches["first"][:, 0] * loads.reaches["first"]).max())
+            return [replace(largest(loads)[0], value=value)]
+
+        (check,) = sampled(moment, sliding)
+        assert check.sampling == pytest.approx(MARGIN * (1 / 4 - 12 / 49), rel=1e-6)
+
 
 def test_a_bar_is_a_plain_number():
     """Reports write numbers as Python does; numpy's are written otherwise."""
