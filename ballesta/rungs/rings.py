@@ -24,6 +24,7 @@ _NEAR = 0.97  # of the largest: sections and angles beside which there may be mo
 _FINER = 5  # times, from one round to the next
 _ROUNDS = 5  # from 15 degrees to 0.005: the peak, flat there, is missed by 1e-8
 _MOST = 16  # angles that are followed
+_ROUND_OFF = 1e-12  # of the largest wave of a stress around its ring
 _SAME = 1e-6  # of a degree's radians: two points are one
 
 Values = Callable[[StressHistory, FloatArray], tuple[FloatArray, FloatArray]]
@@ -34,22 +35,23 @@ worst, and a bound (n,) that it does not exceed."""
 def with_peaks(model: RungModel, judged: Values) -> RungModel:
     """Return a model of rings of points with the point of one more, where `judged` is largest."""
     count = model.ring
-    step = 2 * np.pi / count
+    finest = count * _FINER**_ROUNDS  # angles are numbers of these parts of a turn
     followed = _largest(*judged(model.history, model.fretting), _NEAR)
     followed = followed[followed < len(model.history.points) // count * count]
-    rings = followed // count
-    angles: FloatArray = step * (followed % count).astype(np.float64)
-    for _ in range(_ROUNDS):
-        step /= _FINER
-        beside = step * np.arange(-_FINER, _FINER + 1)
-        places = (angles[:, None] + beside).ravel()
-        rings = np.repeat(rings, len(beside))
-        found = judged(_around(model, rings, places), model.fretting[rings * count])
-        # two neighbours differ from the peak by up to the square of their distance
-        best = _largest(*found, 1 - 20 * step**2)
-        rings, angles = rings[best], places[best]
-    ring, angle = rings[:1], angles[:1]
-    more = _around(model, ring, angle)
+    rings, parts = followed // count, followed % count * _FINER**_ROUNDS
+    # the nearest angle, half a step off, is lower by at most degree^2/8 step^2 (Bernstein)
+    lower = _degree(model) ** 2 / 7
+    for k in reversed(range(_ROUNDS)):
+        beside = _FINER**k * np.arange(-_FINER, _FINER + 1)
+        places = rings[:, None] * finest + (parts[:, None] + beside) % finest
+        _, first = np.unique(places, return_index=True)  # windows of neighbours overlap
+        rings, parts = np.divmod(places.ravel()[np.sort(first)], finest)
+        at = _around(model, rings, 2 * np.pi / finest * parts)
+        step = 2 * np.pi / finest * _FINER**k
+        best = _largest(*judged(at, model.fretting[rings * count]), 1 - lower * step**2)
+        rings, parts = rings[best], parts[best]
+    ring = rings[:1]
+    more = _around(model, ring, 2 * np.pi / finest * parts[:1])
     history = model.history
     if np.min(np.linalg.norm(history.points - more.points, axis=1)) < _SAME:
         return model
@@ -81,6 +83,15 @@ def _largest(values: FloatArray, bounds: FloatArray, share: float) -> IntArray:
     worst = int(values.argmax())
     order = order[(bounds[order] >= share * values[worst]) & (order != worst)]
     return np.concatenate([[worst], order])
+
+
+def _degree(model: RungModel) -> int:
+    """Degree of the polynomials of the angle that the stress of a model's rings is."""
+    count, basis = model.ring, model.history.basis
+    whole = len(basis) // count * count
+    waves = np.abs(np.fft.rfft(basis[:whole].reshape(-1, count, *basis.shape[1:]), axis=1))
+    sizes = waves.max(axis=(0, 2, 3))
+    return int(np.flatnonzero(sizes > _ROUND_OFF * sizes.max()).max(initial=1))
 
 
 def _around(model: RungModel, rings: IntArray, angles: FloatArray) -> StressHistory:

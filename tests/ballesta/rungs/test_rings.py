@@ -45,3 +45,17 @@ def test_the_peak_does_not_depend_on_the_direction_of_the_force(degrees):
     assert place[2] == pytest.approx(9.0)
     along = place[0] * np.cos(direction) + place[1] * np.sin(direction)
     assert abs(along) == pytest.approx(5.0, rel=1e-6)
+
+
+def test_no_angle_is_asked_twice_and_few_in_all():
+    """Stress of degree 1: a round follows the angles beside the largest, not what a step holds."""
+    asked = []
+
+    def judged(history, fretting):
+        asked.append(history.points)
+        return static_values(history, fretting)
+
+    with_peaks(bent(np.radians(37.0)), judged)
+    for points in asked:
+        assert len(np.unique(np.round(points, 9), axis=0)) == len(points)
+    assert sum(map(len, asked[1:])) < 200
