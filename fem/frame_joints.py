@@ -230,11 +230,9 @@ class PlacedLinks:
         scale = np.where(own % 6 < 3, 1.0, 1 / self.size)
         rows = constraints[:, own] * scale
         lengths = np.linalg.norm(rows, axis=1)
-        rows = rows[lengths > 0] / lengths[lengths > 0, None]
-        _, values, right = np.linalg.svd(rows)
-        rank = int((values > _REDUNDANT * values[0]).sum()) if len(values) else 0
-        result = np.zeros((self.n_unknowns, len(own) - rank))
-        result[own] = scale[:, None] * right[rank:].T
+        free = _left_free(rows[lengths > 0] / lengths[lengths > 0, None])
+        result = np.zeros((self.n_unknowns, free.shape[1]))
+        result[own] = scale[:, None] * free
         return result
 
     def unit_motions(self, constraints: FloatArray, plane: Sequence[int]) -> FloatArray:
@@ -265,6 +263,22 @@ class PlacedLinks:
             moves.T @ self.stiffness @ moves, moves.T @ geometric @ moves, count=count
         )
         return FrameModes(found.factors, moves @ found.shapes, found.reversed)
+
+
+def _left_free(rows: FloatArray) -> FloatArray:
+    """Orthonormal vectors (n, k) that rows (r, n) of unit length take to zero.
+
+    Rows that do not imply each other give them by a QR decomposition, for a fraction of the cost.
+    """
+    count, n = rows.shape
+    if 0 < count <= n:
+        turned, upper = np.linalg.qr(rows.T, mode="complete")
+        values = np.linalg.svd(upper[:count], compute_uv=False)
+        if values[-1] > _REDUNDANT * values[0]:
+            return np.asarray(turned[:, count:])
+    _, values, right = np.linalg.svd(rows)
+    rank = int((values > _REDUNDANT * values[0]).sum()) if len(values) else 0
+    return np.asarray(right[rank:].T)
 
 
 def _turn(angle: float) -> FloatArray:

@@ -4,7 +4,9 @@ They come in two steps: a coarse walk from the assembled pose, one small step af
 settles the branch; then Newton's method solves all wanted positions together from there.
 """
 
-from dataclasses import dataclass
+import pickle
+from collections import OrderedDict
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -24,6 +26,8 @@ _LARGEST_TURN = np.pi  # of a body in one step: a whole turn more closes the joi
 _REFINEMENTS = 30  # of the knots, where they do not lead to the positions between them
 _CHANGE_POINT = 1e-4  # smallest over largest singular value of the joints where it stops
 _SMALLEST_STEP = 1e-10  # of the range that is walked
+
+_KEPT = 16  # paths: a cycle is tried and then solved, with other masses, by the same one
 
 _Knot = tuple[float, FloatArray, FloatArray]
 
@@ -115,6 +119,9 @@ class Path:
         return guess
 
 
+_traced: OrderedDict[bytes, Path] = OrderedDict()
+
+
 def trace(linkage: Linkage, coordinate: Coordinate, first: float, second: float) -> Path:
     """Return the branch of positions that holds the assembled pose, between two values.
 
@@ -124,6 +131,21 @@ def trace(linkage: Linkage, coordinate: Coordinate, first: float, second: float)
     linkage.check_coordinate(coordinate, "swept coordinate")
     kinematics = Kinematics(linkage)
     low, high = min(first, second), max(first, second)
+    key = pickle.dumps((_geometry(linkage), coordinate, low, high))
+    if key not in _traced:
+        _traced[key] = _traced_anew(kinematics, coordinate, low, high)
+        if len(_traced) > _KEPT:
+            _traced.popitem(last=False)
+    return replace(_traced[key], kinematics=kinematics)
+
+
+def _geometry(linkage: Linkage) -> tuple[object, ...]:
+    """All of a linkage that its positions depend on: not masses, forces or what gives way."""
+    points = [(body.name, dict(body.points)) for body in linkage.bodies]
+    return points, linkage.joints, dict(linkage.assembled)
+
+
+def _traced_anew(kinematics: Kinematics, coordinate: Coordinate, low: float, high: float) -> Path:
     pose = assemble(kinematics)
     start = float(kinematics.value(coordinate, pose)[0])
     scale = max(abs(low), abs(high), abs(start), 1e-3 * kinematics.coordinate_scale(coordinate))

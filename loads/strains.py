@@ -55,16 +55,15 @@ def lump_strains(
             case BeamCompliance():
                 places, loads = _on_beam(kinematics, poses, compliance, state, lumps)
                 own = lumps.of(kinematics.index[compliance.body])
-                columns = [np.zeros(0)] * len(lumps.way)
-                for d in range(len(lumps.way)):
+                rows = _n_rows(compliance, places.shape[1])
+                part = np.zeros((len(poses), rows, len(lumps.way)))  # other bodies' lumps: none
+                for at, d in enumerate(own, start=loads.shape[1] - len(own)):
                     acting = np.zeros_like(loads)
-                    if d in own:
-                        at = loads.shape[1] - len(own) + int(np.flatnonzero(own == d)[0])
-                        acting[:, at, lumps.way[d]] = 1.0
-                        if lumps.way[d] == 0:  # a force along x beside the axis
-                            acting[:, at, 2] = -lumps.places[d, 1]
-                    columns[d] = _beam_rows(compliance, places, acting)
-                parts.append(np.stack(columns, axis=2))
+                    acting[:, at, lumps.way[d]] = 1.0
+                    if lumps.way[d] == 0:  # a force along x beside the axis
+                        acting[:, at, 2] = -lumps.places[d, 1]
+                    part[:, :, d] = _beam_rows(compliance, places, acting)
+                parts.append(part)
     return np.concatenate(parts, axis=1)
 
 
@@ -98,6 +97,11 @@ def _on_beam(
         np.concatenate([places[:, :-1], at], axis=1),  # without the weight at the centre of mass
         np.concatenate([loads[:, :-1], none], axis=1),
     )
+
+
+def _n_rows(beam: BeamCompliance, n_places: int) -> int:
+    """How many rows `_beam_rows` has of so many loads."""
+    return (n_places - 1) * (2 * (beam.bending is not None) + (beam.axial is not None))
 
 
 def _beam_rows(beam: BeamCompliance, places: FloatArray, loads: FloatArray) -> FloatArray:
