@@ -72,11 +72,17 @@ def check_parts(
     solids: dict[str, frozenset[str]] = {}
     results: dict[str, PartResult] = {}
     told_at: dict[str, float] = {}
+    complete: dict[str, tuple[PartResult, PartResult]] = {}  # a result without and with formulas
+
+    def completed(name: str, result: PartResult) -> PartResult:
+        if name not in complete or complete[name][0] is not result:
+            complete[name] = result, _with_formulas(climbs[name], result, solved, models)
+        return complete[name][1]
 
     def told(name: str, result: PartResult, left: Sequence[str] = ()) -> None:
         if finished is not None:
             told_at[name] = perf_counter()
-            finished(_with_formulas(climbs[name], result, solved, models), left)
+            finished(completed(name, result), left)
 
     for part in design.parts.values():
         with told_of_part(design, part):
@@ -141,7 +147,7 @@ def check_parts(
         results[name] = _drawn(design, climbs[name], results[name], models, deadline, say)
         told(name, results[name])
         models.keep_only(set())
-    return [_with_formulas(climbs[name], results[name], solved, models) for name in design.parts]
+    return [completed(name, results[name]) for name in design.parts]
 
 
 def _drawn(

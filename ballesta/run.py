@@ -223,7 +223,7 @@ def check_to_folder(
             store=store,
             live=True,
             begun=begun,
-            keep=supervised.keep if supervised.is_supervised() else None,
+            keep=_kept if supervised.is_supervised() else None,
         )
         with drawing(shown) as pictures, _told_of_folder(folder):
             say("encoding the fields of the live view")
@@ -234,6 +234,16 @@ def check_to_folder(
                 _write_baseline(result, say)
         keep_result(store, design, effort, result if files else shown, files)
     return result
+
+
+def _kept(name: str, value: Any) -> None:
+    """Hand over what is finished, and have charted what can be of it."""
+    from ballesta.unfinished import FRAME
+    from reports.pictures import chart_ahead
+
+    supervised.keep(name, value)
+    if name == FRAME:
+        chart_ahead(value[0])
 
 
 def write_folder(

@@ -17,7 +17,7 @@ import numpy as np
 
 from geometry.graphics import INSTALL
 from reports.charts import DesignCharts
-from reports.pictures_worker import CHARTS, RESULT
+from reports.pictures_worker import AHEAD, CHARTS, RESULT
 from reports.pictures_worker import PLAIN as PLAIN
 from reports.verdict import DesignResult, PartResult, Surface
 from reports.words import clean
@@ -54,6 +54,19 @@ def prepare_drawing(worker: Sequence[str] = _WORKER, *, stress: bool = True) -> 
     process = _standing(worker)
     if stress:
         process.prepare()
+
+
+_ahead: list[TemporaryDirectory[str]] = []  # removed by the process that draws, or at our end
+
+
+def chart_ahead(result: DesignResult, worker: Sequence[str] = _WORKER) -> None:
+    """Have the process chart the loads of a result whose parts are still to be checked."""
+    while _ahead:
+        _ahead.pop().cleanup()
+    folder = TemporaryDirectory(prefix="ballesta-", ignore_cleanup_errors=True)
+    _ahead.append(folder)
+    (Path(folder.name) / AHEAD).write_bytes(pickle.dumps(_to_chart(result)))
+    _standing(worker).hand(Path(folder.name))
 
 
 @contextmanager
@@ -143,6 +156,8 @@ def _end(command: Sequence[str]) -> None:
 def _end_all() -> None:
     for command in list(_running):
         _end(command)
+    for folder in _ahead:
+        folder.cleanup()
 
 
 def _asked(parts: Sequence[PartResult], folder: Path) -> list[tuple[str, int, Sequence[str]]]:

@@ -4,12 +4,15 @@ An empty line has it load the graphics libraries, which it else does when a stil
 
 A folder holds jobs.json (field, views) and part_<i>.npz (nodes, triangles, values, peak), and
 receives part_<i>_<view>.png: "peak" from near, any other view of the whole surface, "plain" without
-colours, colour bar and marker. Where it holds result.pickle it receives charts.pickle, too.
+colours, colour bar and marker. Where it holds result.pickle it receives charts.pickle, too. One
+that holds ahead.pickle is removed, and not answered: the loads of that result are charted beside
+other work, and those charts taken from memory when the same loads come again.
 """
 
 import json
 import os
 import pickle
+import shutil
 import signal
 import sys
 from io import BytesIO
@@ -19,8 +22,10 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from PIL import PngImagePlugin  # noqa: F401 (each still needs it: loaded beside other work)
 
-from reports.charts import design_charts
+from reports.charts import cycle_charts, design_charts
+from reports.charts.cycles import Known
 from reports.plain_still import plain_still
 from reports.surface_style import FACES, LIGHTING, LINES, MARK, sharp_edges
 from reports.svg import draw
@@ -29,7 +34,7 @@ FloatArray = npt.NDArray[np.float64]
 
 SIZE = (900, 600)
 PLAIN = "plain"
-RESULT, CHARTS = "result.pickle", "charts.pickle"
+RESULT, CHARTS, AHEAD = "result.pickle", "charts.pickle", "ahead.pickle"
 _ISOMETRIC = np.array([1.0, -1.3, 0.9]) / np.linalg.norm([1.0, -1.3, 0.9])
 _SCENE = 0.83  # of the width, the rest is the scalar bar's
 _CLOSE = 0.14  # of the part's diagonal: half the height of the view of the peak
@@ -45,14 +50,29 @@ def main() -> None:
         if not line.strip():
             _draw_a_tetrahedron()
             continue
-        draw_folder(Path(os.fsdecode(line.rstrip(b"\n"))))
+        folder = Path(os.fsdecode(line.rstrip(b"\n")))
+        if (folder / AHEAD).is_file():
+            chart_ahead(folder)
+            continue
+        draw_folder(folder)
         answers.write(line)
+
+
+_known: Known = {}
+
+
+def chart_ahead(folder: Path) -> None:
+    """Chart the loads of a folder's result, and keep these charts for what comes next."""
+    result = pickle.loads((folder / AHEAD).read_bytes())
+    shutil.rmtree(folder, ignore_errors=True)
+    _known.clear()
+    cycle_charts(result, _known)
 
 
 def draw_folder(folder: Path) -> None:
     """Draw the charts of a folder, then its stills: these may end the process."""
     if (folder / RESULT).is_file():
-        charts = design_charts(pickle.loads((folder / RESULT).read_bytes()))
+        charts = design_charts(pickle.loads((folder / RESULT).read_bytes()), _known)
         _write(folder / CHARTS, pickle.dumps(charts))
     for index, job in enumerate(json.loads((folder / "jobs.json").read_text(encoding="utf-8"))):
         with np.load(folder / f"part_{index}.npz", allow_pickle=False) as arrays:

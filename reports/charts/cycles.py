@@ -1,6 +1,7 @@
 """Charts over a cycle: loads of the interfaces, efforts and powers, peak stress of every part."""
 
-from collections.abc import Mapping, Sequence
+import pickle
+from collections.abc import Callable, Mapping, Sequence
 from math import isfinite
 from typing import Any
 
@@ -25,23 +26,42 @@ _CLOSE = 0.001  # %, below which an agreement is not told more exactly
 _NOTES = 4  # remarks on single parts in a caption
 
 
-def cycle_charts(result: DesignResult) -> list[tuple[str, Charts]]:
-    """The charts of every cycle of a result, in their order: (name, charts)."""
+Known = dict[bytes, Chart | Missing]
+
+
+def cycle_charts(result: DesignResult, known: Known | None = None) -> list[tuple[str, Charts]]:
+    """The charts of every cycle of a result, in their order: (name, charts).
+
+    known  charts of loads and drives that were drawn before; those that were not join them
+    """
     return [
-        (name, _of_cycle(result, index, name, cycle))
+        (name, _of_cycle(result, index, name, cycle, known))
         for index, (name, cycle) in enumerate(result.cycles.items())
     ]
 
 
-def _of_cycle(result: DesignResult, index: int, name: str, cycle: Mapping[str, Any]) -> Charts:
+def _of_cycle(
+    result: DesignResult, index: int, name: str, cycle: Mapping[str, Any], known: Known | None
+) -> Charts:
     axis = cycle_axis(index, cycle)
     if axis is None:
         why = "the cycle has no positions"
         return Charts((), tuple(Missing(key, title, why) for key, title in _TITLES.items()))
+    own = {key: value for key, value in cycle.items() if key != "peaks"}
+
+    def once(chart: Callable[..., Chart | Missing]) -> Chart | Missing:
+        """A chart of what a cycle has before any part is checked."""
+        if known is None:
+            return chart(name, axis, own)
+        key = pickle.dumps((chart.__name__, index, name, own))
+        if key not in known:
+            known[key] = chart(name, axis, own)
+        return known[key]
+
     return gathered(
         [
-            lambda: loads_chart(name, axis, cycle),
-            lambda: drive_chart(name, axis, cycle),
+            lambda: once(loads_chart),
+            lambda: once(drive_chart),
             lambda: peaks_chart(name, axis, cycle, result.parts),
         ]
     )

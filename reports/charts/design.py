@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from reports.charts.chart import Charts
-from reports.charts.cycles import cycle_charts
+from reports.charts.cycles import Known, cycle_charts
 from reports.charts.parts import part_charts
 from reports.verdict import DesignResult
 
@@ -17,7 +17,7 @@ class DesignCharts:
     cycles: Sequence[tuple[str, Charts]]
 
 
-def design_charts(result: DesignResult) -> DesignCharts:
-    """Draw all charts of a result."""
+def design_charts(result: DesignResult, known: Known | None = None) -> DesignCharts:
+    """Draw all charts of a result; `known` as in `cycle_charts`."""
     parts = [part_charts(part, result) for part in result.parts]
-    return DesignCharts(parts, cycle_charts(result))
+    return DesignCharts(parts, cycle_charts(result, known))

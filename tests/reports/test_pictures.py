@@ -1,7 +1,9 @@
+import pickle
 import subprocess
 import sys
 from dataclasses import replace
 from io import BytesIO
+from pathlib import Path
 from time import monotonic, sleep
 
 import numpy as np
@@ -10,8 +12,16 @@ import pytest
 from PIL import Image
 
 from reports import report_html
-from reports.charts import design_charts
-from reports.pictures import drawing, prepare_drawing, render_stills, stress_field
+from reports.charts import cycle_charts, design_charts
+from reports.charts.over_cycle import over_cycle
+from reports.pictures import (
+    _ahead,
+    chart_ahead,
+    drawing,
+    prepare_drawing,
+    render_stills,
+    stress_field,
+)
 from reports.pictures_worker import SIZE, corner_view, view_of
 from reports.verdict import NOT_MESHED
 from reports.worker import StandingWorker
@@ -107,6 +117,28 @@ def test_charts_that_are_drawn_beside_are_those_that_the_page_draws():
     assert drawn.charts is not None
     assert drawn.charts == design_charts(result)
     assert report_html(result, drawn) == report_html(result, replace(drawn, charts=None))
+
+
+def test_loads_that_are_charted_ahead_are_not_charted_again(monkeypatch):
+    """Of the parts' results only the peaks go into a cycle's charts."""
+    result = chart_results.design()
+    bare = {name: {**cycle, "peaks": {}} for name, cycle in result.cycles.items()}
+    frame = replace(result, parts=(), cycles=bare)
+    known = {}
+    cycle_charts(pickle.loads(pickle.dumps(frame)), known)
+    drawn = []
+    monkeypatch.setattr(
+        "reports.charts.cycles.over_cycle",
+        lambda label, *rest: drawn.append(label) or over_cycle(label, *rest),
+    )
+    found = cycle_charts(pickle.loads(pickle.dumps(result)), known)
+    assert drawn
+    assert all(label.startswith("Peak stress") for label in drawn)
+    assert found == cycle_charts(result)
+    chart_ahead(frame)
+    with drawing(result) as pictures:
+        assert pictures().charts == design_charts(result)
+    assert not any(Path(folder.name).exists() for folder in _ahead)
 
 
 def test_one_process_draws_for_design_after_design(monkeypatch):
