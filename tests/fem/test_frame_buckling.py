@@ -321,6 +321,20 @@ def test_pins_are_hinges_about_z_only():
     assert_allclose(found / EULER, 4, rtol=3e-6)
 
 
+@pytest.mark.parametrize("plane", [IN_PLANE, OUT_OF_PLANE])
+def test_rows_that_others_imply_leave_the_same_motions_free(plane):
+    """Rows that do not imply each other are taken apart another way (QR) than others (SVD)."""
+    placed, clamp = cantilever(angle=0.7)
+    twice = np.vstack([clamp, clamp[0] - 2 * clamp[1], clamp[2] + 3e-4 * clamp[3]])
+    projectors = []
+    for rows in (clamp, twice):
+        free = placed.free_motions(rows, plane)
+        assert_allclose(rows @ free, 0, atol=1e-12)
+        assert free.shape[1] == len(placed.unknowns(plane)) - 3
+        projectors.append(free @ np.linalg.pinv(free))
+    assert_allclose(projectors[0], projectors[1], atol=1e-9)
+
+
 def test_motion_between_nodes_is_that_of_a_node_there():
     """A cubic in both planes with twist; the member's ends from it, its middle and an arm read."""
     placed, _ = cantilever(1)

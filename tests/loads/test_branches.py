@@ -1,11 +1,13 @@
 """Positions near folds and change points, where two ways of assembling a linkage come together."""
 
+from collections import OrderedDict
 from math import acos, atan2, cos, hypot, pi, sin
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 
+import loads.path
 from loads import Angle, trace
 
 from .machines import four_bar
@@ -76,3 +78,20 @@ def test_a_body_that_swings_does_not_gain_a_turn_where_it_is_fast():
     path = trace(four_bar(90.0, 250.0, 250.0, 100.0, at=1.0), CRANK, -3.0, 3.0)
     rocker = path.at(np.linspace(-3.0, 3.0, 2001)).poses[:, 3, 2]
     assert np.abs(np.diff(rocker)).max() < 0.1
+
+
+def test_a_branch_is_traced_once_for_linkages_that_differ_in_masses_alone(monkeypatch):
+    traced = []
+    anew = loads.path._traced_anew
+    monkeypatch.setattr("loads.path._traced_anew", lambda *all: traced.append(all) or anew(*all))
+    monkeypatch.setattr("loads.path._traced", OrderedDict())
+    bare = four_bar(90.0, 250.0, 250.0, 100.0, at=1.0)
+    heavy = bare.with_mass_properties({"crank": (1e-3, (45.0, 0.0), 2.0)})
+    first, second = (trace(linkage, CRANK, -1.0, 1.0) for linkage in (bare, heavy))
+    assert len(traced) == 1
+    assert second.kinematics.linkage is heavy
+    assert_array_equal(second.poses, first.poses)
+    longer = trace(four_bar(90.0, 251.0, 250.0, 100.0, at=1.0), CRANK, -1.0, 1.0)
+    trace(bare, CRANK, -1.0, 1.1)
+    assert len(traced) == 3
+    assert not np.array_equal(longer.poses[-1], first.poses[-1])
