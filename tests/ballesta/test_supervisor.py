@@ -182,6 +182,8 @@ def test_whatever_was_handed_over_makes_a_result_and_a_page(tmp_path):
     ]
     result = unfinished(kept.get, "stopped")
     assert [c.to_dict() for c in result.checks] == [c.to_dict() for c in whole.checks]
+    for kept_part, part in zip(result.parts, whole.parts, strict=True):  # formulas are made once
+        assert all(a is b for a, b in zip(kept_part.checks, part.checks, strict=True))
     assert result.cycles == whole.cycles
 
 
