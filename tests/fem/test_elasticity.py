@@ -231,6 +231,25 @@ def test_a_linear_stress_field_is_recovered_exactly(distorted):
     assert scatter.max() < 1e-10 * np.abs(components).max()
 
 
+def test_a_node_of_a_single_element_takes_the_scatter_around_it():
+    """xx = E x^2: elements disagree by the second derivative times their size squared everywhere.
+
+    One element meets at the middle of most edges of a block; it would agree with itself exactly.
+    """
+    mesh = block((3, 2, 2), (3.0, 2.0, 2.0), distortion=0.2)
+    recovery = Recovery(Elements(mesh), 210e3, 0.0)
+    moved = np.zeros_like(mesh.nodes)
+    moved[:, 0] = 1e-3 * mesh.nodes[:, 0] ** 3 / 3
+    scatter = recovery.scatter(moved.ravel())
+    meet = np.bincount(mesh.elements.ravel(), minlength=len(mesh.nodes))[recovery.points]
+    assert (meet == 1).sum() > 10
+    usual = np.median(scatter[meet > 1])
+    assert scatter[meet == 1].min() > usual / 4
+    assert scatter[meet == 1].max() <= scatter[meet > 1].max()
+    single = np.flatnonzero(meet == 1)[:3]
+    assert_allclose(recovery.scatter(moved.ravel(), single), scatter[single], rtol=1e-12)
+
+
 @pytest.mark.parametrize(
     ("stress", "equivalent"),
     [
