@@ -291,6 +291,7 @@ class Part:
     most_unknowns: int
     contacts: Mapping[str, Roller] = field(default_factory=dict)  # by sliding interface
     fkm: FkmStrength | None = None  # None: Marin's chain
+    arc_stated: bool = False  # whether the file states `bearing_arc`, so knows the clearance
 
 
 @dataclass(frozen=True)

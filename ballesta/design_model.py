@@ -154,7 +154,8 @@ class PartEntry(Table):
     bearing_arc: BearingArc = Field(
         "90 deg",
         validate_default=True,
-        description="narrowest arc on which a pin may press; the model band runs to 180 deg",
+        description="narrowest arc on which a pin may press; the model band runs to 180 deg; "
+        "where it is not stated 7 % further in bores",
     )
     reliability: Fraction = Field(
         "99 %",

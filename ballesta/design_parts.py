@@ -169,6 +169,7 @@ def _part(
         most_unknowns=entry.mesh.most_unknowns,
         contacts=rollers,
         fkm=fkm,
+        arc_stated="bearing_arc" in entry.model_fields_set,
     )
 
 

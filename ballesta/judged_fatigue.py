@@ -18,7 +18,7 @@ from ballesta.duty_verdict import (
 )
 from ballesta.finite_life import DutyLife, LifeTask, lives_of, shortest_life
 from ballesta.fkm_strength import FkmJudgement, fkm_judgement, fkm_points, slopes_of
-from ballesta.judged import Judged, direct_under
+from ballesta.judged import Judged, direct_under, raised_in_bores
 from ballesta.levels import Level
 from ballesta.part_loads import PartLoads
 from ballesta.stressed import Stressed
@@ -75,11 +75,13 @@ class FatigueUse(Judged):
         factor = self.limit / float(level.limits[point])
         return self._over_pair(level) * (factor * swing + middle * self.limit / self.ultimate)
 
-    def direct(self, level: Level, arcs: Sequence[float]) -> list[float]:
+    def direct(self, level: Level, arcs: Sequence[float], *, raised: bool = False) -> list[float]:
         """The quantity between the same two positions under pressures as they are."""
-        pair = [direct_under(self.loads, level, k, arcs) for k in self.worst(level).pair]
+        under = raised_in_bores if raised else direct_under
+        limits = level.limits[level.in_bores] if raised else level.limits
+        pair = [under(self.loads, level, k, arcs) for k in self.worst(level).pair]
         stress, share = np.stack(pair, axis=2), self._over_pair(level)
-        return [share * self._of_pair(stress[..., k], level.limits) for k in range(len(arcs))]
+        return [share * self._of_pair(stress[..., k], limits) for k in range(len(arcs))]
 
     def band(self, level: Stressed) -> tuple[float, str]:
         """How far another criterion of the same strength lies above, MPa, and what is said of it.
@@ -263,10 +265,11 @@ class FkmUse(FatigueUse):
         more = found.utilisation_with(found.amplitude + swing, found.mean + middle)
         return (more - found.utilisation) * self.strength.reference
 
-    def direct(self, level: Level, arcs: Sequence[float]) -> list[float]:
+    def direct(self, level: Level, arcs: Sequence[float], *, raised: bool = False) -> list[float]:
         """The quantity between the same two positions under pressures as they are."""
         found = self.found(level)
-        stress = np.stack([direct_under(self.loads, level, k, arcs) for k in found.pair], axis=2)
+        under = raised_in_bores if raised else direct_under
+        stress = np.stack([under(self.loads, level, k, arcs) for k in found.pair], axis=2)
         used = [found.utilisation_between(stress[..., k]) for k in range(len(arcs))]
         return [float(one.max()) * self.strength.reference for one in used]
 

@@ -65,6 +65,21 @@ class Level(Stressed):
     def _notch_errors(self) -> dict[int, float]:
         return {}
 
+    @cached_property
+    def in_bores(self) -> IntArray:
+        """Surface points (n,) in the holes that pins press on."""
+        surfaces = self.solutions.mesh.surfaces
+        names = [
+            name
+            for unit in self.solutions.interfaces
+            if unit.interface.kind == "bore"
+            for name in unit.interface.surfaces
+        ]
+        pressed = np.zeros(len(self.history.nodes), dtype=bool)
+        for name in names:
+            pressed |= np.isin(self.history.nodes, surfaces[name])
+        return np.flatnonzero(pressed)
+
     def size_at(self, point: int) -> float:
         """Mean size of the elements that meet at a surface point, mm."""
         meet = (self.solutions.mesh.elements == self.history.nodes[point]).any(axis=1)

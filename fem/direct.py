@@ -10,7 +10,7 @@ import numpy as np
 
 from fem.unit_loads import ACCELERATIONS, InterfaceLoads, direct_bearing
 from fem.unit_solutions import UnitSolutions
-from geometry.mesh import FloatArray
+from geometry.mesh import FloatArray, IntArray
 
 _TILTING = ("M_x", "M_y")  # columns whose pressure has no resultant force, hence no direction
 
@@ -42,6 +42,12 @@ def direct_stress(
     inertia = slice(column, column + len(ACCELERATIONS))
     load += (solutions.loads[:, inertia] @ coefficients[inertia])[:, None]
     return solutions.recovery.surface_stress(solutions.solve(load))
+
+
+def tilting_columns(solutions: UnitSolutions) -> IntArray:
+    """Columns (n,) of the basis that are couples about x and y of bores and journals."""
+    named = [(_is_bearing(u), name) for u in solutions.interfaces for name in u.names]
+    return np.flatnonzero([bearing and name in _TILTING for bearing, name in named])
 
 
 def has_bearings(solutions: UnitSolutions) -> bool:

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from math import degrees, pi
 
 from ballesta.design_data import Part
+from ballesta.judged import BEYOND_ARCS
 from ballesta.judged import Bars as SolidBars
 from ballesta.part_loads import PartLoads
 from ballesta.rungs.bands import NoBand
@@ -87,7 +88,7 @@ def solid_bars(bars: SolidBars, value: str, more: float = 0.0) -> Told:
                  f"max(e_h, {SCATTER:g}*e_s, e_n) + {REPEATS:g}*{value} + e_t", "MPa",
                  _CALIBRATED),
         ]  # fmt: skip
-    above, below = _arcs(bars.by_arc, items)
+    above, below = _arcs(bars.by_arc, bars.in_bores, items)
     if more:
         items.append(Given("b_c", "how far another criterion lies above", more, "MPa", "the note"))
         above = f"{above} + b_c" if above else "b_c"
@@ -107,8 +108,11 @@ def _written(share: float) -> str:
     return f"1/{parts}" if share == 1 / parts else f"{share:.17g}"
 
 
-def _arcs(by_arc: Mapping[float, float], items: list[Item]) -> tuple[str, str]:
-    """Formulas of the band above and below, by the arcs on which a pin may press."""
+def _arcs(by_arc: Mapping[float, float], in_bores: float, items: list[Item]) -> tuple[str, str]:
+    """Formulas of the band above and below, by the arcs on which a pin may press.
+
+    in_bores  MPa, the largest in bores whose arc is not stated; 0 without such
+    """
     if not by_arc:
         return "", ""
     names = {}
@@ -118,5 +122,9 @@ def _arcs(by_arc: Mapping[float, float], items: list[Item]) -> tuple[str, str]:
         items.append(Given(names[arc], said, value, "MPa", "solved once more"))
     half = names[pi]
     more = ", ".join(f"{name} - {half}" for name in names.values())
+    if in_bores:
+        said = f"the largest in the bores under {1 + BEYOND_ARCS:g} of the forces in the plane"
+        items.append(Given("p_b", said, in_bores, "MPa", "docs/validation.md"))
+        more += f", p_b - {half}"
     less = ", ".join(f"{half} - {name}" for name in names.values())
     return f"max({more})", f"max({less})"

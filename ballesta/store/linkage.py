@@ -51,5 +51,12 @@ def unjudged(design: Design) -> Design:
 
 def _unjudged_part(part: Part) -> Part:
     return replace(
-        part, surface="", reliability=nan, fkm=None, bearing_arc=nan, fineness=nan, most_unknowns=0
+        part,
+        surface="",
+        reliability=nan,
+        fkm=None,
+        bearing_arc=nan,
+        arc_stated=False,
+        fineness=nan,
+        most_unknowns=0,
     )

@@ -91,6 +91,7 @@ def judged(shape, accuracy):
         most_unknowns=250_000,
         material=material,
         bearing_arc=pi,
+        arc_stated=True,
     )
     design = SimpleNamespace(duty=SimpleNamespace(cycles={}), accuracy=accuracy)
     peak = StaticPeak(LOADS)
