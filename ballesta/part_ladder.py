@@ -218,7 +218,7 @@ def formula_checks(climb: Climb, solved: Solved, models: Models, body: SolidBody
             lambda some: [
                 *pin_checks(design, part, some),
                 *lug_checks(design, part, some, lugs),
-                *slot_checks(design, part, some, body.interfaces),
+                *slot_checks(design, part, some, body.interfaces, solved=some is part_loads),
             ],
             part_loads,
         ),

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-import ballesta.levels
+import ballesta.models
 from ballesta.check import check_file
 from ballesta.design import read_design
 from ballesta.levels import Models, solve_level
@@ -180,7 +180,7 @@ def test_equal_sizes_are_meshed_once(monkeypatch):
     """The second of two equal bars asks for the same sizes with a field of its own."""
     meshed = []
     monkeypatch.setattr(
-        ballesta.levels, "stored_mesh", lambda store, *key: meshed.append(key) or len(meshed)
+        ballesta.models, "stored_mesh", lambda store, *key: meshed.append(key) or len(meshed)
     )
     corners, elements = np.vstack([np.zeros(3), np.eye(3)]), np.array([[0, 1, 2, 3]])
     models = Models()
