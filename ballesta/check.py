@@ -11,53 +11,47 @@ from time import perf_counter
 from typing import Any
 
 import loads
-from ballesta.balance import balance_gates, measured_loads, not_measured
-from ballesta.design import read_design
-from ballesta.design_data import Design
-from ballesta.drawn import undrawn_warnings
-from ballesta.elastic_parts import compliances_of
-from ballesta.errors import DesignError
-from ballesta.explained.buckling import linkage_share
-from ballesta.explained.proven import with_derivation
-from ballesta.gates import load_gates
-from ballesta.levels import Models
-from ballesta.linkage_frame import LinkageMode, linkage_check, worst_mode
-from ballesta.motion import motions_of
-from ballesta.part_ladder import (
-    DEFAULT_EFFORT,
-    Effort,
-    Finished,
-    check_parts,
-    time_warnings,
-)
-from ballesta.part_loads import is_loaded, loads_on, shown_of
-from ballesta.quasi_static import (
+from ballesta.design.read import read_design
+from ballesta.design.step_parts import told_of_steps
+from ballesta.machine.balance import balance_gates, measured_loads, not_measured
+from ballesta.machine.elastic_parts import compliances_of
+from ballesta.machine.motion import motions_of
+from ballesta.machine.quasi_static import (
     assumptions_of,
     quasi_static_gates,
     vibration_of,
     vibration_warnings,
     with_dynamics,
 )
-from ballesta.solved_cycles import (
+from ballesta.machine.solved_cycles import (
     part_masses,
     solve_cycles,
     try_cycles,
     without_unknown_contacts,
 )
-from ballesta.step_parts import told_of_steps
-from ballesta.store.linkage import stored_mode
-from ballesta.store.store import Store
-from ballesta.unfinished import FRAME, PART, Keep, KeptPart, with_parts, without_live
-from ballesta.warnings_of import (
+from ballesta.machine.validity_checks import load_gates
+from ballesta.machine.warnings_of import (
     claim_warnings,
     design_warnings,
     solver_warnings,
     unloaded_warnings,
 )
+from ballesta.unfinished import FRAME, PART, Keep, KeptPart, with_parts, without_live
+from checks.columns.linkage_frame import LinkageMode, linkage_check, worst_mode
+from checks.columns.linkage_store import stored_mode
+from checks.derivations.buckling import linkage_share
+from checks.derivations.proven import with_derivation
+from checks.design.data import Design
+from checks.design.errors import DesignError
+from checks.ladder.drawn import undrawn_warnings
+from checks.ladder.part_ladder import DEFAULT_EFFORT, Effort, Finished, check_parts, time_warnings
+from checks.part.part_loads import is_loaded, loads_on, shown_of
+from checks.result.verdict import Check, DesignResult, PartResult
+from checks.store.store import Store
+from checks.stress.solid_mesh_level import Models
 from fem.allocation import keep_freed_memory
 from fem.solvers import chosen_solver
 from fem.threads import one_thread, policy
-from reports.verdict import Check, DesignResult, PartResult
 
 Say = Callable[[str], None]
 _CAD = (".step", ".stp")

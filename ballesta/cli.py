@@ -183,8 +183,8 @@ def batch(
     crashed, out of time or memory; 130 stopped.
     """
     if until is not None:
-        from ballesta.until_command import Wanted as Search
-        from ballesta.until_command import run_until
+        from ballesta.commands.until_command import Wanted as Search
+        from ballesta.commands.until_command import run_until
 
         wishes = (*(overrides or ()), *([] if accuracy is None else [f"accuracy={accuracy}"]))
         given = {
@@ -200,7 +200,7 @@ def batch(
         unused = tuple(option for option, is_given in given.items() if is_given)
         search = Search(out, until, wishes, fidelity, within, store, unused)
         raise typer.Exit(run_until(designs, sweeps or (), search))
-    from ballesta.batch_command import Wanted, run_batch_command
+    from ballesta.commands.batch_command import Wanted, run_batch_command
 
     wanted = Wanted(
         out=out,
@@ -248,7 +248,7 @@ def loads(
     Exit code 0: the loads are computed, also where a gate does not hold; 2: an input is wrong;
     3: the numerics gave up.
     """
-    from ballesta.loads_command import Wanted, run_loads
+    from ballesta.commands.loads_command import Wanted, run_loads
 
     wanted = Wanted(csv, plot, tuple(cycle or ()), out, json)
     raise typer.Exit(run_loads(design, wanted, overrides or []))
@@ -270,7 +270,7 @@ def ladder(
 
     Exit code 0: told, whatever the checks say; 2: an input is wrong; 3: the numerics gave up.
     """
-    from ballesta.ladder_command import Wanted, run_ladder
+    from ballesta.commands.ladder_command import Wanted, run_ladder
 
     raise typer.Exit(run_ladder(design, Wanted(part, out, json), overrides or []))
 
@@ -299,7 +299,7 @@ def diff(
 
     Exit code 0: compared, whatever changed; 2: an input is wrong; 3: the numerics gave up.
     """
-    from ballesta.difference import Wanted, run_diff
+    from ballesta.diff.difference import Wanted, run_diff
 
     raise typer.Exit(run_diff(before, after, Wanted(html, json, fidelity, within)))
 
@@ -337,7 +337,7 @@ def why(
 
     Exit code 0: told, whatever the verdict; 2: an input is wrong; 3: the numerics gave up.
     """
-    from ballesta.why import Wanted, run_why
+    from ballesta.commands.why import Wanted, run_why
 
     wanted = Wanted(part, tuple(kinds or ()), every, verbose, json)
     raise typer.Exit(run_why(target, wanted, tuple(overrides or ()), fidelity, store))
@@ -372,7 +372,7 @@ def show(
     Exit code 0: shown, whatever the checks say; 2: an input is wrong, or there is no display;
     3: the numerics gave up, or graphics libraries are missing (the message names them).
     """
-    from ballesta.show import Wanted, run_show
+    from ballesta.commands.show import Wanted, run_show
 
     wanted = Wanted(part, off_screen, fidelity, within, None if no_store else store, fields)
     raise typer.Exit(run_show(design, wanted, overrides or []))
@@ -381,7 +381,7 @@ def show(
 @app.command()
 def plan(design: OneDesign, overrides: Overrides = None) -> None:
     """Say what a check would model, without solving: parts, loads, unknowns, time and memory."""
-    from ballesta.plan import plan_text
+    from ballesta.commands.plan import plan_text
     from ballesta.run import guarded
 
     raise typer.Exit(guarded(lambda: print(plan_text(design, overrides or []))))
@@ -410,7 +410,7 @@ def export(
 
     Exit code 0: written; 2: an input is wrong; 3: the numerics gave up.
     """
-    from ballesta.export import run_export
+    from ballesta.commands.export import run_export
 
     raise typer.Exit(run_export(design, part, at, cycle=cycle, out=out, overrides=overrides or []))
 
@@ -433,7 +433,7 @@ def schema() -> None:
     """Print the JSON schema of design files, for editors."""
     import json as json_module
 
-    from ballesta.design_schema import design_schema
+    from ballesta.design.schema import design_schema
 
     print(json_module.dumps(design_schema(), indent=2))
 

@@ -13,14 +13,14 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from ballesta import supervised
-from ballesta.errors import DesignError, NumericsError
+from checks.design.errors import DesignError, NumericsError
 
 if TYPE_CHECKING:
-    from ballesta.effort import Effort
-    from ballesta.store.results import KeptResult
-    from ballesta.store.store import Store
+    from checks.design.effort import Effort
+    from checks.result.verdict import DesignResult
+    from checks.store.results import KeptResult
+    from checks.store.store import Store
     from reports.pictures import Pictures
-    from reports.verdict import DesignResult
 
 Say = Callable[[str], None]
 
@@ -127,7 +127,7 @@ def store_at(folder: Path | None) -> "Store | None":
     """Return the store in a folder; None without one. Raises DesignError for a wrong limit."""
     if folder is None:
         return None
-    from ballesta.store.store import GIB, Store
+    from checks.store.store import GIB, Store
 
     stated = os.environ.get("BALLESTA_STORE_LIMIT")
     if not stated:
@@ -144,15 +144,15 @@ def store_at(folder: Path | None) -> "Store | None":
 
 def effort_of(fidelity: str, within: str | None, *, fields: bool = False) -> "Effort":
     """What the options of the command line ask for; raises DesignError."""
-    from ballesta.effort import FIDELITIES, Effort
-    from ballesta.names import no_such
+    from checks.design.effort import FIDELITIES, Effort
+    from checks.design.names import no_such
 
     here = Path("command line")
     if fidelity not in FIDELITIES:
         raise DesignError(here, "--fidelity", no_such("rung", fidelity, FIDELITIES))
     if within is None:
         return Effort(fidelity, fields=fields)
-    from ballesta.units import measure
+    from checks.design.units import measure
 
     try:
         seconds = measure(within, "time").value
@@ -180,8 +180,8 @@ def check_to_folder(
 
     Raises DesignError (also for a folder that cannot be written) and NumericsError.
     """
-    from ballesta.effort import DEFAULT_EFFORT
-    from ballesta.store.results import keep_files, recalled_result
+    from checks.design.effort import DEFAULT_EFFORT
+    from checks.store.results import keep_files, recalled_result
     from reports.live.payload import has_fields, without_fields
     from reports.pictures import drawing, prepare_drawing
 
@@ -201,7 +201,7 @@ def check_to_folder(
                 _write_baseline(result, say)
         return result
 
-    from ballesta.design import read_design
+    from ballesta.design.read import read_design
 
     start = perf_counter()
     design = read_design(path, overrides)
@@ -211,7 +211,7 @@ def check_to_folder(
     prepare_drawing(stress=effort.shows_stress)
 
     from ballesta.check import check_design
-    from ballesta.store.results import keep_result
+    from checks.store.results import keep_result
     from reports.live.payload import with_encoded_fields
 
     with progress(path) as say:
@@ -255,7 +255,7 @@ def write_folder(
 
     Returns what was written, by name; nothing if pictures are missing that may be there next time.
     """
-    from ballesta.cost import report_seconds
+    from checks.stress.cost import report_seconds
     from reports.files import write_json, write_vtu
     from reports.page import write_report
 
@@ -282,7 +282,7 @@ def write_kept(kept: "KeptResult", folder: Path) -> None:
 
 
 def _write_baseline(result: "DesignResult", say: Say) -> None:
-    from ballesta.baseline import write_baseline
+    from ballesta.regression.baseline import write_baseline
 
     say(f"baseline written to {write_baseline(result)}")
 
@@ -352,7 +352,7 @@ def progress(path: Path) -> Iterator[Say]:
 
 def write_new(template: str, file: Path | None) -> int:
     """Print a template or write it to a file that does not exist yet; returns the exit code."""
-    from ballesta.templates import new_design, templates
+    from ballesta.design.templates import new_design, templates
 
     if not template:
         print("\n".join(name.replace("_", "-") for name in templates()))

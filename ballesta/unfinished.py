@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from reports.verdict import DesignResult, Gate, PartResult, RungTried
+from checks.result.verdict import DesignResult, Gate, PartResult, RungTried
 
 FRAME, PART = "frame", "part "  # names under which a check keeps things
 Keep = Callable[[str, Any], None]

@@ -9,7 +9,7 @@ from time import perf_counter, process_time
 from typing import Any
 
 from ballesta.check import check_file
-from ballesta.part_ladder import Effort
+from checks.ladder.part_ladder import Effort
 
 MACHINES = ("toggle_press", "slider_crank", "quick_return", "spring_hammer")
 FILE = Path(__file__).parent / "rungs" / "cost.json"

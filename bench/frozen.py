@@ -32,7 +32,7 @@ _CHECK = """
 import json, sys
 from pathlib import Path
 from ballesta.check import check_file
-from ballesta.part_ladder import Effort
+from checks.ladder.part_ladder import Effort
 from reports.files import plain
 result = check_file(Path(sys.argv[1]), effort=Effort(sys.argv[2]))
 print("RESULT " + json.dumps(plain(result.to_dict()), allow_nan=False))

@@ -128,8 +128,8 @@ def _cut(chance: random.Random, text: str) -> str:
 def run_one(job: Mapping[str, Any]) -> dict[str, Any]:
     """Check one mutant in this process: its exit code, and whatever was warned of."""
     from ballesta.check import check_file
-    from ballesta.effort import Effort
-    from ballesta.errors import DesignError, NumericsError
+    from checks.design.effort import Effort
+    from checks.design.errors import DesignError, NumericsError
     from reports.files import plain
     from reports.page import write_report
     from reports.pictures import Pictures

@@ -16,8 +16,8 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+from checks.result.verdict import Check
 from reports.index_page import IndexDesign, index_html
-from reports.verdict import Check
 
 LIMITS = {"open ms": 2000.0, "sort ms": 1000.0}
 DESIGNS, CHECKS, TRIES = 2000, 20, 3

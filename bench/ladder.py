@@ -14,10 +14,10 @@ from time import perf_counter, process_time
 from scipy.stats import qmc
 
 from ballesta.check import check_design
-from ballesta.design import read_design
-from ballesta.design_data import Design
-from ballesta.part_ladder import Effort
-from ballesta.screen import Screened, screen
+from ballesta.design.read import read_design
+from ballesta.sweeps.screen import Screened, screen
+from checks.design.data import Design
+from checks.ladder.part_ladder import Effort
 
 PRESS = "designs/toggle_press.toml"
 SEED = 20261121

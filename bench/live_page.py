@@ -22,8 +22,8 @@ from typing import Any
 import numpy as np
 
 from bench.live_view import PARTS, POSITIONS, part_of, solved
+from checks.result.verdict import Check, DesignResult, PartResult, Surface
 from reports.page import report_html
-from reports.verdict import Check, DesignResult, PartResult, Surface
 
 LIMITS = {"ready ms": 1000.0, "step ms": 50.0}
 TRIES, STEPS = 3, 40

@@ -21,15 +21,15 @@ from typing import Any
 
 import numpy as np
 
-from ballesta.design import read_design
-from ballesta.halves import mirrored, surface_triangles
-from ballesta.levels import Models
-from ballesta.live_fields import without_rigid_motion
-from ballesta.part_strength import elastic_of
+from ballesta.design.read import read_design
+from checks.ladder.live_fields import without_rigid_motion
+from checks.result.live_fields import LiveFields
+from checks.strength.part_strength import elastic_of
+from checks.stress.solid_mesh_level import Models
+from checks.stress.symmetry import mirrored, surface_triangles
 from fem.stress_history import StressHistory
-from geometry.halves import Half
+from geometry.symmetry import Half
 from reports.live.encode import EncodedPart, encode
-from reports.live.fields import LiveFields
 
 PARTS, POSITIONS, TRIES = 5, 361, 3
 FINENESS = 1.96  # the next coarser mesh has 29 000 surface nodes

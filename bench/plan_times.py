@@ -9,9 +9,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
 
-from ballesta.effort import Effort
-from ballesta.plan import plan_text
+from ballesta.commands.plan import plan_text
 from ballesta.run import check_to_folder
+from checks.design.effort import Effort
 from fem.threads import one_thread
 
 DESIGNS = ("designs/slider_crank.toml", "designs/quick_return.toml", "designs/toggle_press.toml")

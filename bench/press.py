@@ -17,7 +17,7 @@ def main() -> None:
     """Measure the check of the design named on the command line."""
     start = perf_counter()
     from ballesta.check import check_file
-    from ballesta.part_ladder import Effort
+    from checks.ladder.part_ladder import Effort
     from reports.files import write_json, write_vtu
     from reports.page import write_report
     from reports.pictures import drawing, prepare_drawing

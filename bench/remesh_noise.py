@@ -19,20 +19,20 @@ from typing import Any
 
 import numpy as np
 
-from ballesta.balance import measured_loads
-from ballesta.baseline import rungs_of
 from ballesta.check import part_masses, solve_cycles
-from ballesta.design import read_design
-from ballesta.design_data import Design, Part
-from ballesta.elastic_parts import compliances_of
-from ballesta.errors import DesignError, NumericsError
-from ballesta.levels import Models
-from ballesta.part_loads import loads_on
-from ballesta.quasi_static import vibration_of, with_dynamics
+from ballesta.design.read import read_design
+from ballesta.machine.balance import measured_loads
+from ballesta.machine.elastic_parts import compliances_of
+from ballesta.machine.quasi_static import vibration_of, with_dynamics
 from ballesta.regression.bands import LARGEST, NOISE, band_width, is_bounded, percent
-from ballesta.rungs.climb import start_climb
-from ballesta.rungs.pinned import climb_pinned
-from ballesta.rungs.result import solid_result
+from ballesta.regression.baseline import rungs_of
+from checks.design.data import Design, Part
+from checks.design.errors import DesignError, NumericsError
+from checks.ladder.climb import start_climb
+from checks.ladder.pinned import climb_pinned
+from checks.ladder.result import solid_result
+from checks.part.part_loads import loads_on
+from checks.stress.solid_mesh_level import Models
 from fem.solvers import SolverError
 from geometry.mesh import MeshError, TooManyElementsError
 

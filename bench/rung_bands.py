@@ -1,7 +1,7 @@
 """The error bars of the rungs, from converged solids of the machines' parts.
 
 python -m bench.rung_bands   runs every rung on the variations in bench/rungs/truth.jsonl,
-writes bench/rungs/compared.jsonl and ballesta/rungs/bands.json
+writes bench/rungs/compared.jsonl and checks/models/bands.json
 """
 
 import argparse
@@ -17,18 +17,18 @@ from typing import Any
 import numpy as np
 from scipy.stats import t as student
 
-from ballesta.part_strength import fatigue_use
-from ballesta.rungs.checked import BUCKLING, FATIGUE, STATIC, rung_level
-from ballesta.rungs.climb import BUILDERS
-from ballesta.rungs.families import family_of
-from ballesta.rungs.proportions import proportions_of
 from bench.rung_truth import known
 from bench.rung_variations import SCENES, Machines, Variation
+from checks.ladder.climb import BUILDERS
+from checks.models.checked import BUCKLING, FATIGUE, STATIC, rung_level
+from checks.models.families import family_of
+from checks.models.proportions import proportions_of
+from checks.strength.part_strength import fatigue_use
 from fem.solvers import SolverError
 from geometry.mesh import MeshError
 
 FILE = Path(__file__).parent / "rungs" / "compared.jsonl"
-BANDS = Path(__file__).parents[1] / "ballesta" / "rungs" / "bands.json"
+BANDS = Path(__file__).parents[1] / "checks" / "models" / "bands.json"
 SHARE = 0.95  # of solids that a band is to hold
 _KINDS = (STATIC, FATIGUE, BUCKLING)
 FLOOR = 0.02  # of the value: half of the narrowest band; the loads compared are few

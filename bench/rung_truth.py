@@ -14,9 +14,9 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from ballesta.levels import Models
-from ballesta.solid import Asked, check_solid
 from bench.rung_variations import SCENES, Machines, Variation
+from checks.ladder.solid import Asked, check_solid
+from checks.stress.solid_mesh_level import Models
 from fem.solvers import SolverError
 from geometry.mesh import MeshError
 from geometry.parts import Pin

@@ -15,12 +15,12 @@ import numpy as np
 from scipy.stats import qmc
 
 from ballesta.check import part_masses, solve_cycles
-from ballesta.design import read_design
-from ballesta.design_data import Design, Part
-from ballesta.elastic_parts import compliances_of
-from ballesta.errors import DesignError
-from ballesta.levels import Models
-from ballesta.part_loads import PartLoads, check_reach, loads_on
+from ballesta.design.read import read_design
+from ballesta.machine.elastic_parts import compliances_of
+from checks.design.data import Design, Part
+from checks.design.errors import DesignError
+from checks.part.part_loads import PartLoads, check_reach, loads_on
+from checks.stress.solid_mesh_level import Models
 from geometry.cad_body import cad_body
 from geometry.mesh import MeshError
 from geometry.parameters import ParameterError

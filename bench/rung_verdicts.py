@@ -19,14 +19,14 @@ from typing import Any
 
 from scipy.stats import qmc
 
-from ballesta.levels import Models
-from ballesta.part_loads import PartLoads
-from ballesta.rungs.checked import BUCKLING
-from ballesta.rungs.climb import AUTO, climb_cheap, start_climb
-from ballesta.rungs.result import cheap_result, solid_result
 from bench.rung_truth import known
 from bench.rung_variations import SCENES, SEED, Machines, Variation
-from reports.verdict import Check, PartResult, Status
+from checks.ladder.climb import AUTO, climb_cheap, start_climb
+from checks.ladder.result import cheap_result, solid_result
+from checks.models.checked import BUCKLING
+from checks.part.part_loads import PartLoads
+from checks.result.verdict import Check, PartResult, Status
+from checks.stress.solid_mesh_level import Models
 
 FILE = Path(__file__).parent / "rungs" / "verdicts.jsonl"
 _WIDE, _NEAR = (0.2, 3.0), (0.85, 1.15)

@@ -78,9 +78,9 @@ def bar() -> Any:
 def press_loads() -> tuple[dict[str, Any], Any]:
     """Wrenches (720, 6) on the bar's interfaces over the press' cycle, and accelerations."""
     from ballesta.check import part_masses, solve_cycles
-    from ballesta.design import read_design
-    from ballesta.levels import Models
-    from ballesta.part_loads import loads_on
+    from ballesta.design.read import read_design
+    from checks.part.part_loads import loads_on
+    from checks.stress.solid_mesh_level import Models
 
     design = read_design(DESIGN, [f"cycles.press.positions={POSITIONS}"])
     solved = solve_cycles(design, part_masses(design, Models()))

@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from ballesta.rungs.bands import known_band
 from bench.rung_bands import Compared, predicted
 from bench.rung_truth import ACCURACY, PIN_ACCURACY, known
 from bench.rung_variations import SCENES, SEED
+from checks.models.bands import known_band
 
 HERE = Path(__file__).parent / "rungs"
 DOCS = Path(__file__).parents[1] / "docs"
@@ -260,7 +260,7 @@ def page() -> str:
         "## The bars",
         "",
         "A bar is where the next solid lies in 95 % of all cases if the logarithm of solid over",
-        "rung scatters normally (prediction interval, `ballesta/rungs/bands.json`). *Left out* is",
+        "rung scatters normally (prediction interval, `checks/models/bands.json`). *Left out* is",
         "the share inside bars that were made without the solid in question. Outside the",
         "proportions that were compared a rung has no bar, and `auto` climbs. It stops where 1.5",
         "times the bars leave the verdict alone.",

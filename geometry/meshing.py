@@ -81,7 +81,7 @@ class Body:
     stacked     True if it is several solids that share faces normal to y (made conformal in gmsh);
                 they keep nodes of their own there, with equal displacement along y
     bolted_at   mm, x of the plane in which a stack's solids do not slide on each other either
-    half        True if it is the half at z >= 0 of a part (geometry/halves.py)
+    half        True if it is the half at z >= 0 of a part (geometry/symmetry.py)
     """
 
     surfaces: Mapping[str, Sequence[int]]

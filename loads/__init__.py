@@ -1,14 +1,16 @@
 """Loads of any planar linkage of one degree of freedom over its cycle, part by part."""
 
-from loads.again import forces_again, moves_alike
 from loads.assembly import assembly_gap
 from loads.bodies import GROUND, Body, LinkageError
 from loads.compliance import BeamCompliance, JointCompliance, MatrixCompliance
 from loads.cycle import Cycle, CycleError, Phase, run_cycle, try_cycle
 from loads.cycle_loads import ContactLoads, CycleLoads
+from loads.dead_centre import PullThrough, pull_through
 from loads.diagnosis import Diagnosis, diagnose, percent, position_text
 from loads.drive import DriveFigures
-from loads.elements import (
+from loads.forces import ForceSolution, JointLoad, solve_forces
+from loads.history import LoadHistory
+from loads.joints import (
     Angle,
     Coordinate,
     Distance,
@@ -21,8 +23,6 @@ from loads.elements import (
     Revolute,
     Slot,
 )
-from loads.forces import ForceSolution, JointLoad, solve_forces
-from loads.history import LoadHistory
 from loads.kinematics import Kinematics
 from loads.laws import Contact, Law, Table
 from loads.linkage import Linkage
@@ -31,7 +31,7 @@ from loads.motion import Geometry, Motion, move
 from loads.pace import Pace, SteadyPace, StrokePace
 from loads.path import Path, trace
 from loads.point_loads import PointLoad
-from loads.pull_through import PullThrough, pull_through
+from loads.resolve_forces import forces_again, moves_alike
 
 __all__ = [
     "GROUND",

@@ -4,7 +4,7 @@ import numpy as np
 
 from loads.bodies import FloatArray, LinkageError
 from loads.change_points import held_twice
-from loads.elements import Coordinate
+from loads.joints import Coordinate
 from loads.kinematics import Kinematics
 from loads.linkage import Linkage
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from loads.bodies import LinkageError, nearest
-from loads.elements import Prismatic, Slot
+from loads.joints import Prismatic, Slot
 from loads.linkage import Linkage
 from loads.point_loads import PointLoad
 

@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 
 from loads.bodies import BoolArray, FloatArray, IntArray, LinkageError
-from loads.elements import Coordinate, in_words
+from loads.joints import Coordinate, in_words
 from loads.kinematics import Kinematics
 
 _CHANGE_POINT = 1e-4  # of the smallest singular value where the linkage is farthest from one

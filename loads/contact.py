@@ -13,8 +13,8 @@ import numpy as np
 
 from loads.bodies import BoolArray, FloatArray, LinkageError
 from loads.elasticity import LoadState, deflection
-from loads.elements import Fixed, Force, PointCoordinate, in_words
 from loads.forces import ForceSolution, solve_forces, unit_forces
+from loads.joints import Fixed, Force, PointCoordinate, in_words
 from loads.kinematics import dot, unit
 from loads.laws import Contact, Law, Table
 from loads.linkage import Linkage

@@ -9,20 +9,20 @@ from math import ceil, isfinite
 import numpy as np
 
 from loads.bodies import FloatArray, LinkageError
+from loads.breakpoints import with_extremes, with_roots
 from loads.contact import Touch, contact_gaps, solve_laws
-from loads.corners import with_extremes, with_roots
 from loads.cycle_loads import CycleLoads
 from loads.deflected import second_order
 from loads.elasticity import check_compliance
-from loads.elements import Coordinate, Prismatic, Slot
 from loads.forces import ForceSolution, JointLoad
+from loads.joints import Coordinate, Prismatic, Slot
 from loads.laws import Contact, Law, Table
 from loads.linkage import Linkage
 from loads.motion import Geometry, Motion, move
 from loads.pace import Pace
 from loads.path import Path, trace
+from loads.sampling_error import unresolved
 from loads.timing import Timing
-from loads.unresolved import unresolved
 
 _LEAST_PER_PHASE = 20
 _LARGEST = 1e30  # N; squares and cubes of what is larger leave the range of numbers

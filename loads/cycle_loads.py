@@ -11,13 +11,13 @@ from loads.assigned import AssignedLoads, by_interface, by_point
 from loads.bodies import GROUND, BoolArray, FloatArray, IntArray, LinkageError, nearest
 from loads.contact import Touch, rigidly_joined
 from loads.drive import DriveFigures, drive_figures, kinetic_energy
-from loads.elements import Coordinate, Distance, PointCoordinate, Prismatic, Revolute, Slot
 from loads.forces import JointLoad
 from loads.history import LoadHistory
+from loads.joints import Coordinate, Distance, PointCoordinate, Prismatic, Revolute, Slot
 from loads.kinematics import Kinematics, dot, rotated, turned_left
 from loads.linkage import Linkage
 from loads.point_loads import PointLoad, body_loads
-from loads.unresolved import NOTHING, Unresolved
+from loads.sampling_error import NOTHING, Unresolved
 
 
 @dataclass(frozen=True, eq=False)

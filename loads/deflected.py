@@ -11,7 +11,6 @@ from collections.abc import Mapping
 import numpy as np
 
 from loads.bodies import BoolArray, FloatArray
-from loads.closing import closed_poses
 from loads.compliance import BeamCompliance, JointCompliance, MatrixCompliance
 from loads.elasticity import (
     Displacements,
@@ -19,9 +18,10 @@ from loads.elasticity import (
     beam_displacements,
     matrix_displacements,
 )
-from loads.elements import Joint, Prismatic, Slot
 from loads.forces import ForceSolution, solve_forces
+from loads.joints import Joint, Prismatic, Slot
 from loads.kinematics import Kinematics, dot, rotated, turned_left, unit
+from loads.loop_closure import closed_poses
 from loads.motion import Motion
 
 

@@ -9,9 +9,9 @@ from math import degrees
 import numpy as np
 
 from loads.bodies import FloatArray, IntArray, Vector
+from loads.input_error_hypotheses import ALL, Slip, slips_of
 from loads.kinematics import cross, rotated
 from loads.measured import MeasuredBody, MeasuredLoads
-from loads.slips import ALL, Slip, slips_of
 
 _ROWS = 200  # that slips are tried on; what closes is then tried on all
 _MOST_SUGGESTED = 3

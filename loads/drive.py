@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from loads.bodies import FloatArray, LinkageError
-from loads.elements import Force
+from loads.joints import Force
 from loads.kinematics import Kinematics, dot, rotated, turned_left
 
 _STEADY = 1e-6  # of the speed: what a steady speed may vary by rounding

@@ -14,8 +14,8 @@ import numpy as np
 
 from loads.bodies import FloatArray, IntArray, LinkageError
 from loads.compliance import BeamCompliance, JointCompliance, MatrixCompliance
-from loads.elements import Prismatic, Slot
 from loads.forces import ForceSolution
+from loads.joints import Prismatic, Slot
 from loads.kinematics import Kinematics, cross, dot, rotated, turned_left, unit
 from loads.linkage import Linkage
 from loads.motion import Motion

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from loads.bodies import FloatArray, LinkageError, nearest
-from loads.elements import Fixed, Force, Prismatic, Revolute, Slot
+from loads.joints import Fixed, Force, Prismatic, Revolute, Slot
 from loads.kinematics import rotated, turned_left
 from loads.motion import SINGULAR, Motion, coordinate_share
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from loads.bodies import FloatArray, LinkageError
-from loads.elements import (
+from loads.joints import (
     Angle,
     Coordinate,
     Distance,

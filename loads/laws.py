@@ -5,7 +5,7 @@ from itertools import pairwise
 from math import isfinite
 
 from loads.bodies import LinkageError
-from loads.elements import Coordinate
+from loads.joints import Coordinate
 
 
 @dataclass(frozen=True)

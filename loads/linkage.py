@@ -8,7 +8,7 @@ from typing import Self, TypeVar
 
 from loads.bodies import GROUND, Body, LinkageError, Pose, Vector, nearest
 from loads.compliance import Compliance
-from loads.elements import (
+from loads.joints import (
     Angle,
     Coordinate,
     Distance,
@@ -19,7 +19,7 @@ from loads.elements import (
     PointCoordinate,
     Revolute,
 )
-from loads.freedom import freedom_problem
+from loads.mobility import freedom_problem
 
 
 @dataclass(frozen=True)

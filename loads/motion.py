@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from loads.bodies import FloatArray, LinkageError
-from loads.closing import matrix, solved
-from loads.elements import Coordinate, place_in_words
+from loads.joints import Coordinate, place_in_words
 from loads.kinematics import Kinematics, dot
+from loads.loop_closure import matrix, solved
 
 # A coordinate whose share of the motion is below this cannot lead (or load) it: beyond, more than
 # ten of the sixteen digits of a double are lost.

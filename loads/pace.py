@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from loads.bodies import FloatArray, LinkageError
-from loads.elements import Coordinate
+from loads.joints import Coordinate
 
 STROKE_LAWS: Final = ("harmonic", "cycloidal", "polynomial")
 

@@ -14,10 +14,10 @@ import numpy as np
 from loads.assembly import assemble, closest_approach
 from loads.bodies import BoolArray, FloatArray, IntArray, LinkageError
 from loads.change_points import change_point_error, check_change_points
-from loads.closing import closed_poses, matrix, orientation, pose_norm
-from loads.elements import Coordinate, in_words, place_in_words
+from loads.joints import Coordinate, in_words, place_in_words
 from loads.kinematics import Kinematics
 from loads.linkage import Linkage
+from loads.loop_closure import closed_poses, matrix, orientation, pose_norm
 from loads.motion import Geometry, derivative, differentiate
 
 _STRAIGHT = 0.95  # cosine of the largest turn of the motion in one step of the walk

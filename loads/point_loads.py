@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from loads.bodies import FloatArray
-from loads.elements import Angle, Distance, Force, Prismatic, Slot
 from loads.forces import JointLoad
+from loads.joints import Angle, Distance, Force, Prismatic, Slot
 from loads.kinematics import Kinematics, cross, dot, unit
 
 

@@ -11,7 +11,7 @@ from loads.compliance import BeamCompliance, JointCompliance, MatrixCompliance
 from loads.elasticity import LoadState, beam_loads, section_forces, wrenches_on
 from loads.forces import ForceSolution
 from loads.kinematics import Kinematics
-from loads.lumps import Lumps
+from loads.lumped_masses import Lumps
 
 _GAUSS = 0.5 / np.sqrt(3.0)  # two points integrate the product of two linear moments exactly
 _ROUNDING = 1e-6  # of the largest eigenvalue of a compliance: what may be below zero

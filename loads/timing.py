@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from loads.bodies import FloatArray, LinkageError
-from loads.elements import in_words
+from loads.joints import in_words
 from loads.motion import Geometry, Motion
 from loads.pace import Pace, SteadyPace, stroke_law, stroke_time
 from loads.path import Path

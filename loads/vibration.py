@@ -14,11 +14,11 @@ import numpy as np
 
 from loads.bodies import FloatArray, IntArray, LinkageError
 from loads.cycle_loads import CycleLoads
-from loads.elements import Angle, Coordinate, Distance, Force, PointCoordinate
 from loads.forces import ForceSolution, JointLoad, unit_forces
+from loads.joints import Angle, Coordinate, Distance, Force, PointCoordinate
 from loads.kinematics import Kinematics, rotated, turned_left
 from loads.linkage import Linkage
-from loads.lumps import Lumps, lumps_of
+from loads.lumped_masses import Lumps, lumps_of
 from loads.motion import Motion, coordinate_share
 from loads.strains import joint_strains, lump_strains
 

@@ -4,7 +4,10 @@ from shutil import get_terminal_size
 
 from rich.cells import cell_len
 
-from reports.derivation import Comparison, Derivation, Section, Superposition
+from checks.result.derivation import Comparison, Derivation, Section, Superposition
+from checks.result.formulas import COMPONENTS, number_text, shown_symbol
+from checks.result.verdict import Check
+from checks.result.words import brief, clean, need_text, safety_text, value_and_bars, where
 from reports.derivation_words import (
     Line,
     Paragraph,
@@ -16,10 +19,7 @@ from reports.derivation_words import (
     shares_of,
     status_texts,
 )
-from reports.formulas import COMPONENTS, number_text, shown_symbol
 from reports.terminal import labelled
-from reports.verdict import Check
-from reports.words import brief, clean, need_text, safety_text, value_and_bars, where
 
 _LEADING = 2  # unit loads that are named of a superposition
 _SHORT = 60  # characters of a formula with numbers put in, in the short telling

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 from markupsafe import Markup, escape
 
-from reports.derivation import LoadCase
+from checks.result.derivation import LoadCase
+from checks.result.formulas import number_text, shown_symbol
+from checks.result.verdict import Check
+from checks.result.words import brief, clean
 from reports.derivation_words import Paragraph, bar_texts, legend, paragraphs, status_texts
-from reports.formulas import number_text, shown_symbol
-from reports.verdict import Check
-from reports.words import brief, clean
 
 _SUBSCRIPT = re.compile(r"(?<![A-Za-z])([A-Za-zα-ωΑ-Ω]{1,2})_([A-Za-z0-9α-ω]+)")
 

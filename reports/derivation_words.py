@@ -6,15 +6,8 @@ from math import floor, inf, isfinite, log10
 
 import numpy as np
 
-from reports.derivation import (
-    Derivation,
-    Item,
-    LoadCase,
-    Step,
-    Sum,
-    Superposition,
-)
-from reports.formulas import (
+from checks.result.derivation import Derivation, Item, LoadCase, Step, Sum, Superposition
+from checks.result.formulas import (
     COMPONENTS,
     FUNCTIONS,
     FormulaError,
@@ -27,8 +20,8 @@ from reports.formulas import (
     symbolic,
     vector_text,
 )
-from reports.verdict import Check, Status
-from reports.words import brief, need_text
+from checks.result.verdict import Check, Status
+from checks.result.words import brief, need_text
 
 _DIGITS = 5  # of the largest number of a superposition
 _ROWS = 400  # of a table of a derivation

@@ -7,6 +7,7 @@ from shutil import get_terminal_size
 
 from rich.cells import cell_len
 
+from checks.result.words import brief, number
 from reports.difference_summary import (
     GROUPS,
     ROUND_OFF,
@@ -17,7 +18,6 @@ from reports.difference_summary import (
     Difference,
 )
 from reports.terminal import labelled, table_row
-from reports.words import brief, number
 
 SHOWN = 12  # changes of a group in text, but verdicts; the page and JSON have all
 _VERDICTS_SHOWN = 100

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from reports.verdict import DesignResult, PartResult
+from checks.result.verdict import DesignResult, PartResult
 
 FORMAT = "ballesta-result/1"
 # a list of numbers as json spreads it over lines; no line ends inside of a string

@@ -4,7 +4,7 @@ from math import isfinite
 
 from markupsafe import Markup
 
-from reports.verdict import Check
+from checks.result.verdict import Check
 
 END = 1.3  # utilisation at the right end; what reaches further ends in an arrow
 _UNIT = 100.0  # of the drawing, for a utilisation of 1

@@ -13,11 +13,11 @@ from urllib.parse import quote
 
 from markupsafe import Markup
 
+from checks.result.verdict import Check
+from checks.result.words import clean, need_text, safety_text, utilisation_text
 from reports.gauge import gauge
 from reports.svg import colour_variables
 from reports.templating import environment, json_markup, script_hash
-from reports.verdict import Check
-from reports.words import clean, need_text, safety_text, utilisation_text
 
 STATIC_ROWS = 200  # that are there without a script
 ORDER = ("FAIL", "crashed", "out of memory", "out of time", "gave up", "wrong input", "not run",

@@ -6,6 +6,8 @@ from typing import Any
 
 from markupsafe import Markup
 
+from checks.result.verdict import Check
+from checks.result.words import brief, number
 from reports.ladder_summary import LadderPart, LadderResult
 from reports.ladder_words import (
     AUTO,
@@ -19,8 +21,6 @@ from reports.ladder_words import (
 )
 from reports.svg import SERIES, colour, colour_variables, draw
 from reports.templating import environment
-from reports.verdict import Check
-from reports.words import brief, number
 
 _MARKERS = "os^Dv<>P"
 _SHORTEST = 1e-4  # s: a logarithm needs more than 0

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from reports.verdict import Check, RungTried
+from checks.result.verdict import Check, RungTried
 
 
 @dataclass(frozen=True, eq=False)

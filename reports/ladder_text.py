@@ -6,6 +6,8 @@ from shutil import get_terminal_size
 
 from rich.cells import cell_len
 
+from checks.result.verdict import Check, RungTried
+from checks.result.words import brief, clean, number
 from reports.ladder_summary import LadderPart, LadderResult
 from reports.ladder_words import (
     AUTO,
@@ -18,8 +20,6 @@ from reports.ladder_words import (
     value_and_bar,
 )
 from reports.terminal import labelled, table_row
-from reports.verdict import Check, RungTried
-from reports.words import brief, clean, number
 
 _HEADINGS = ("check", "rung", "time", "unknowns", "value", "± bar", "allowed", "status")
 _RIGHT = {2, 3, 4, 6}

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from math import inf
 
-from reports.verdict import Check, RungTried, Status
-from reports.words import brief, clipped, number
+from checks.result.verdict import Check, RungTried, Status
+from checks.result.words import brief, clipped, number
 
 _LONGEST_WHY = 90
 AUTO = "auto"

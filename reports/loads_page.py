@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
+from checks.result.words import brief, number, place_text, quantity_unit
 from reports.charts import curves_chart
 from reports.files import plain, replacing
 from reports.loads_figures import Extremes
@@ -22,7 +23,6 @@ from reports.mechanism import arrow_scale, mechanism_data, mechanism_svg
 from reports.page_script import joined
 from reports.svg import colour_variables
 from reports.templating import environment, json_markup, script_hash
-from reports.words import brief, number, place_text, quantity_unit
 
 
 def write_loads_page(result: LoadsResult, path: str | Path) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from checks.result.verdict import Gate
 from loads import (
     Angle,
     Coordinate,
@@ -33,7 +34,6 @@ from reports.loads_figures import (
     plain_fields,
 )
 from reports.loads_runs import ShownRun
-from reports.verdict import Gate
 
 _ROUNDING = 1e-9  # of the largest value of its kind: less is rounding, and shown as 0
 _NO_WORK = 1e-5  # of the peak power all the time: less is what the trapezoidal rule leaves of 0

@@ -6,6 +6,8 @@ from shutil import get_terminal_size
 
 from rich.cells import cell_len
 
+from checks.result.verdict import Gate
+from checks.result.words import brief, clean, gate_word, number, place_text, quantity_unit
 from reports.loads_figures import Extremes
 from reports.loads_runs import ShownRun
 from reports.loads_summary import LoadsResult, ShownCycle
@@ -16,8 +18,6 @@ from reports.loads_words import (
     header_sentences,
 )
 from reports.terminal import labelled, wrap
-from reports.verdict import Gate
-from reports.words import brief, clean, gate_word, number, place_text, quantity_unit
 
 _LONGEST_NAME = 18
 

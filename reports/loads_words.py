@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf
 
+from checks.result.verdict import Gate
+from checks.result.words import brief, gate_sentence, number, place_text, quantity_unit
 from reports.loads_figures import ContactSpan, ContactSummary, Direction, DriveSummary
 from reports.loads_summary import LoadsResult, ShownCycle
-from reports.verdict import Gate
-from reports.words import brief, gate_sentence, number, place_text, quantity_unit
 
 SIGNS = (
     "Reactions are what a joint does to the body under “on”; the body under “by” gets the "

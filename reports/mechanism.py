@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from checks.result.words import brief, number, quantity_unit
 from reports.loads_figures import FloatArray
 from reports.loads_summary import ShownCycle
 from reports.mechanism_layout import Layout
 from reports.mechanism_picture import TIP, Picture
-from reports.words import brief, number, quantity_unit
 
 _MOST_FRAMES = 240
 

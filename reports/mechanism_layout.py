@@ -29,7 +29,7 @@ ARROW = 0.2  # length of the longest arrow over the picture's size
 
 
 class Drawable(Protocol):
-    """A cycle that can be drawn: `loads.CycleLoads`, or the thinned `reports.motion.Motion`."""
+    """A cycle that can be drawn: `loads.CycleLoads`, or the thinned `Motion`."""
 
     @property
     def linkage(self) -> Linkage:

@@ -12,18 +12,18 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
+from checks.result.motion import Motion, PinForce, motion_gaps
+from checks.result.verdict import DesignResult
+from checks.result.words import brief, number, place_text, quantity_unit
 from loads import Angle, PointCoordinate
 from reports.loads_figures import FloatArray
 from reports.mechanism import force_text
 from reports.mechanism_layout import ARROW, Layout
 from reports.mechanism_picture import TIP, Picture
 from reports.mechanism_places import both_ends, entry
-from reports.motion import Motion, PinForce, motion_gaps
 from reports.packed import packed_json, series
 from reports.places import deciding_place
 from reports.templating import environment
-from reports.verdict import DesignResult
-from reports.words import brief, number, place_text, quantity_unit
 
 PREFIX = "mechanism"
 _PRINTED = 24  # rows of forces that paper has room for

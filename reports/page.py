@@ -7,6 +7,8 @@ from typing import Any
 
 from markupsafe import Markup
 
+from checks.result.verdict import DesignResult
+from checks.result.words import verdict_sentence
 from reports.charts import design_charts
 from reports.files import replacing
 from reports.gauge import limit_share
@@ -32,8 +34,6 @@ from reports.page_words import (
 from reports.pictures import Pictures
 from reports.svg import colour_variables
 from reports.templating import environment
-from reports.verdict import DesignResult
-from reports.words import verdict_sentence
 
 _WORDS = {
     "bar_words": page_bars,

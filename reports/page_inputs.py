@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from reports.verdict import DesignResult
-from reports.words import assumptions
+from checks.result.verdict import DesignResult
+from checks.result.words import assumptions
 
 Pairs = Sequence[tuple[str, str]]
 

@@ -8,14 +8,22 @@ from math import isfinite
 
 from markupsafe import Markup
 
+from checks.result.verdict import (
+    Check,
+    DesignResult,
+    Gate,
+    HandCheck,
+    PartResult,
+    Status,
+    deciding_of,
+)
+from checks.result.words import brief, check_titles, number
 from reports.charts import Charts, DesignCharts
 from reports.gauge import gauge
 from reports.loads_words import BrokenGates, broken_by_kind
 from reports.page_words import doubt_of
 from reports.pictures import PLAIN, Pictures
 from reports.places import Place, place_of
-from reports.verdict import Check, DesignResult, Gate, HandCheck, PartResult, Status, deciding_of
-from reports.words import brief, check_titles, number
 
 ORDER = (Status.FAIL, Status.UNDECIDED, Status.PASS)  # worst first
 _OPEN_CYCLES = 3  # so many stand open at first; of more only the one that decides

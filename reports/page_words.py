@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 
-from reports.verdict import Check, DesignResult, Gate, PartResult, Status
-from reports.words import (
+from checks.result.verdict import Check, DesignResult, Gate, PartResult, Status
+from checks.result.words import (
     bar_words,
     brief,
     check_titles,

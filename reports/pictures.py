@@ -15,12 +15,12 @@ from typing import Any
 
 import numpy as np
 
+from checks.result.verdict import DesignResult, PartResult, Surface
+from checks.result.words import clean
 from geometry.graphics import INSTALL
 from reports.charts import DesignCharts
 from reports.pictures_worker import AHEAD, CHARTS, RESULT
 from reports.pictures_worker import PLAIN as PLAIN
-from reports.verdict import DesignResult, PartResult, Surface
-from reports.words import clean
 from reports.worker import StandingWorker
 
 VIEWS = ("whole", "peak")

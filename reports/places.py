@@ -1,6 +1,6 @@
 """Governing places: cycle, position and part that decide a check, which the page shows first."""
 
-from reports.verdict import Check, DesignResult
+from checks.result.verdict import Check, DesignResult
 
 Place = tuple[int, int, int]  # cycle, position in it, part: by their numbers in the result
 

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from io import StringIO
 from typing import Any, Literal
 
+from checks.result.words import clean
 from reports.svg_compact import compact
-from reports.words import clean
 
 # name: (what matplotlib is told, light, dark). The first is only a mark, swapped for a variable
 # of the page's style sheet. Series colours are those of Okabe and Ito (jfly, 2008), told apart

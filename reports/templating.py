@@ -16,8 +16,7 @@ from jinja2 import BytecodeCache, Environment, FileSystemLoader, StrictUndefined
 from jinja2.bccache import Bucket
 from markupsafe import Markup
 
-from reports.files import replacing
-from reports.words import (
+from checks.result.words import (
     brief,
     clean,
     gate_sentence,
@@ -32,6 +31,7 @@ from reports.words import (
     value_and_bars,
     where,
 )
+from reports.files import replacing
 
 _TEMPLATES = Path(__file__).with_name("templates")
 

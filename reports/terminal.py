@@ -8,9 +8,8 @@ from shutil import get_terminal_size
 from rich.cells import cell_len, chop_cells
 from rich.text import Text
 
-from reports.ladder_words import tried_sentence
-from reports.verdict import Check, DesignResult, Status
-from reports.words import (
+from checks.result.verdict import Check, DesignResult, Status
+from checks.result.words import (
     assumptions,
     brief,
     broken_gates,
@@ -26,6 +25,7 @@ from reports.words import (
     verdict_sentence,
     where,
 )
+from reports.ladder_words import tried_sentence
 
 _HEADINGS = (
     "part", "check", "value ±num ±model", "limit", "safety (need)", "util.", "status",

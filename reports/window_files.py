@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from reports.live.fields import LiveFields, LivePeak, with_required_safety
-from reports.motion import Motion
-from reports.verdict import DesignResult
+from checks.result.live_fields import LiveFields, LivePeak, with_required_safety
+from checks.result.motion import Motion
+from checks.result.verdict import DesignResult
 from reports.window_scene import Scene, ShownCycle, ShownPart, Worst
 
 _TREE, _ARRAYS = "scene.json", "scene.npz"

@@ -10,9 +10,9 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from reports.live.fields import FATIGUE, LiveFields, von_mises
-from reports.motion import between
-from reports.words import brief, number, place_text
+from checks.result.live_fields import FATIGUE, LiveFields, von_mises
+from checks.result.motion import between
+from checks.result.words import brief, number, place_text
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -12,8 +12,8 @@ from tempfile import TemporaryFile, gettempdir
 from threading import Condition, Thread
 from typing import IO
 
+from checks.result.words import clean
 from fem.threads import ONE_THREAD
-from reports.words import clean
 
 
 @dataclass(frozen=True)

@@ -106,8 +106,8 @@ def equal_meshes_are_made_once(shared: Path) -> Iterator[None]:
 
     A test that looks at how meshes and solutions are made, or alters it, asks for `unshared`.
     """
-    from ballesta.levels import Models
-    from ballesta.store.store import GIB, Store
+    from checks.store.store import GIB, Store
+    from checks.stress.solid_mesh_level import Models
 
     store, begin = Store(shared / "store", limit=GIB), Models.__init__
 
@@ -123,7 +123,7 @@ def equal_meshes_are_made_once(shared: Path) -> Iterator[None]:
 @pytest.fixture(scope="module")
 def unshared(equal_meshes_are_made_once: None) -> Iterator[None]:
     """Models without a store, as a check has them, for the tests of a module."""
-    from ballesta.levels import Models
+    from checks.stress.solid_mesh_level import Models
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Models, "__init__", Models.unshared)

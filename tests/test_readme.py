@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from ballesta.design import read_design
+from ballesta.design.read import read_design
 from geometry.parts import PlateLink
 
 from .geometry.step_files import write_step

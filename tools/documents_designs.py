@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import loads
-from ballesta.design import read_design
-from ballesta.design_data import Design
-from ballesta.machine import cycle_of, linkage_of
+from ballesta.design.read import read_design
+from checks.design.data import Design
+from checks.part.linkage_builder import cycle_of, linkage_of
 
 Floats = NDArray[np.float64]
 DESIGNS = Path(__file__).parent.parent / "designs"

@@ -8,7 +8,7 @@ import numpy as np
 from documents_designs import Floats, design
 
 import loads
-from ballesta.machine import coordinate_of, cycle_of, linkage_of
+from checks.part.linkage_builder import coordinate_of, cycle_of, linkage_of
 
 # the thesis' bars: mass [t], centre and inertia [t mm2], slender
 BAR = (4.14134e-3, (125.0, 0.0), 21.56947917)

@@ -15,7 +15,7 @@ from documents_hammer import FINE, MODULUS, TOUCH, R, law_stress
 from written_page import write_or_check
 
 import fatigue
-from ballesta.design_data import Part
+from checks.design.data import Part
 from geometry.parts import LeafPack
 
 ROOT = Path(__file__).parent.parent

@@ -24,12 +24,12 @@ from hammer_leaf import (
 )
 
 import fatigue
-from ballesta.leaf_checks import with_leaf_checks
-from ballesta.levels import Level, Models, solve_level
-from ballesta.part_loads import PartLoads, loads_on
-from ballesta.part_strength import elastic_of, endurance_of
-from ballesta.solid import check_solid
-from reports.verdict import Check
+from checks.ladder.leaf_checks import with_leaf_checks
+from checks.ladder.solid import check_solid
+from checks.part.part_loads import PartLoads, loads_on
+from checks.result.verdict import Check
+from checks.strength.part_strength import elastic_of, endurance_of
+from checks.stress.solid_mesh_level import Level, Models, solve_level
 
 MODELS = Models()
 SECTION = LEAVES * MODULUS  # mm3

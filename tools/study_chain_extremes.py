@@ -30,7 +30,7 @@ Written by `python tools/study_chain_extremes.py`; the machine, a crank that pus
 plate link, stands in `tests/validation/extremes/chain.py`, and `test_whole_chain.py` there holds
 what is concluded. Checked by the rung `formula` where nothing else is said: from the file to the
 verdict, all checks of the part and of the linkage. Degenerate verdicts:
-`tests/ballesta/test_degenerate_verdicts.py`. Elements, solvers and shapes by themselves:
+`tests/checks/ladder/test_degenerate_verdicts.py`. Elements, solvers and shapes by themselves:
 [extremes.md](extremes.md).
 
 | What | Range | What holds | Where it warns or refuses |
@@ -99,8 +99,8 @@ def machines() -> Iterator[str]:
     """What two machines' cycles miss by their count."""
     import loads
     from ballesta.check import part_masses, solve_cycles
-    from ballesta.design import read_design
-    from ballesta.levels import Models
+    from ballesta.design.read import read_design
+    from checks.stress.solid_mesh_level import Models
 
     chain = study("chain")
     rows = []
@@ -152,7 +152,7 @@ def same() -> Iterator[str]:
 
 def sizes() -> Iterator[str]:
     """Loads, speeds and shapes."""
-    from ballesta.errors import DesignError, NumericsError
+    from checks.design.errors import DesignError, NumericsError
 
     chain = study("chain")
     few = replace(chain.PLAIN, positions=91)

@@ -16,8 +16,8 @@ from ballesta.batch.cluster_worker import Site, leave, run_there, versions
 from ballesta.batch.job import text_digest
 from ballesta.batch.outcome import CRASHED
 from ballesta.batch.pool import Finished, PoolError
-from ballesta.errors import DesignError
-from reports.words import brief
+from checks.design.errors import DesignError
+from checks.result.words import brief
 
 if TYPE_CHECKING:
     from distributed import Client, Security

@@ -18,7 +18,7 @@ from typing import Any
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from ballesta.batch.pool import Finished, PoolError
-from reports.words import brief
+from checks.result.words import brief
 
 _PLAIN = ("bool", "bytearray", "bytes", "complex", "dict", "float", "frozenset", "int", "list",
           "set", "str", "tuple")  # fmt: skip

@@ -125,7 +125,7 @@ def refusal(site: Site) -> str:
 
 def versions() -> dict[str, str]:
     """Versions of all that a result depends on but its inputs; every process has one thread."""
-    from ballesta.fingerprints import code_digest, libraries
+    from checks.store.fingerprints import code_digest, libraries
 
     found = {name: version for name, version in libraries().items() if name != "threads"}
     return {CODE: code_digest(), **found}

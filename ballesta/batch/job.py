@@ -14,12 +14,12 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any, TextIO
 
 from ballesta.batch.outcome import GAVE_UP, OUT_OF_MEMORY, WRONG_INPUT, ended, judged
-from ballesta.errors import DesignError, NumericsError
+from checks.design.errors import DesignError, NumericsError
 
 if TYPE_CHECKING:
-    from ballesta.design_data import Design
-    from ballesta.store.store import Store
-    from reports.verdict import DesignResult
+    from checks.design.data import Design
+    from checks.result.verdict import DesignResult
+    from checks.store.store import Store
 
 RUN = "ballesta.batch.job:run_plain"  # what a worker process is told to call
 _NOT_THE_DESIGN = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO)
@@ -82,7 +82,7 @@ def run_job(job: Job) -> dict[str, Any]:
 
 def run_plain(job: Mapping[str, Any]) -> dict[str, Any]:
     """`run_job` of a job as JSON knows it."""
-    from ballesta.fingerprints import code_digest
+    from checks.store.fingerprints import code_digest
 
     outcome = run_job(Job(**{**job, "overrides": tuple(job["overrides"])}))
     return outcome | {"code": code_digest()}
@@ -92,9 +92,9 @@ def _checked(job: Job, sources: dict[str, str]) -> "DesignResult":
     """Result of a design; the digests of the files it is read from are put into `sources`."""
     from ballesta.batch.thumbnail import write_thumbnail
     from ballesta.check import check_design
-    from ballesta.design import read_design
+    from ballesta.design.read import read_design
     from ballesta.run import check_to_folder, effort_of, progress
-    from ballesta.store.results import keep_result, recalled_result
+    from checks.store.results import keep_result, recalled_result
     from reports.files import write_json
 
     effort = effort_of(job.fidelity, job.within)
@@ -151,7 +151,7 @@ def sources_digests(design: "Design") -> dict[str, str]:
 
 def text_digest(file: Path) -> str | None:
     """The sha256 of a file's text as designs read it; None if it cannot be read."""
-    from ballesta.design_files import read_text
+    from ballesta.design.files import read_text
 
     try:
         return sha256(read_text(file).encode()).hexdigest()

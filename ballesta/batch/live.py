@@ -8,7 +8,7 @@ from time import monotonic
 from typing import Any
 
 from ballesta.batch.outcome import EXIT_CODES, sentence
-from reports.words import brief, clean
+from checks.result.words import brief, clean
 
 Steps = Callable[[], list[tuple[str, float, str]]]
 _SHOW_EVERY = 0.5  # s

@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ballesta.errors import DesignError
+from checks.design.errors import DesignError
 
 if TYPE_CHECKING:
     from ballesta.batch.job import Job
-    from reports.verdict import DesignResult
+    from checks.result.verdict import DesignResult
 
 WRONG_INPUT, GAVE_UP, CRASHED = "wrong input", "gave up", "crashed"
 OUT_OF_TIME, OUT_OF_MEMORY = "out of time", "out of memory"
@@ -32,8 +32,8 @@ def ended(job: "Job", status: str, error: str, stage: str) -> dict[str, Any]:
 
 def judged(job: "Job", result: "DesignResult") -> dict[str, Any]:
     """Outcome of a design that was checked; the first governing check decides its status."""
+    from checks.result.words import broken_gates, check_titles
     from reports.files import plain
-    from reports.words import broken_gates, check_titles
 
     deciding = result.deciding if result.checks else None
     titles = check_titles(result.checks)
@@ -93,7 +93,7 @@ def governing(outcome: Mapping[str, Any]) -> dict[str, Any] | None:
 
 def sentence(outcome: Mapping[str, Any]) -> str:
     """What decides an outcome, in a line."""
-    from reports.words import brief, need_text, safety_text
+    from checks.result.words import brief, need_text, safety_text
 
     check = governing(outcome)
     if check is None:

@@ -10,8 +10,8 @@ from typing import Any
 
 from ballesta.batch.files import write_whole
 from ballesta.batch.job import Job
-from ballesta.errors import DesignError
 from ballesta.run import folder_name
+from checks.design.errors import DesignError
 from geometry.bounded_files import read_bounded
 
 REPORTS_UP_TO = 50  # jobs have a report each unless asked otherwise
@@ -26,7 +26,7 @@ class Request:
 
     designs    files and folders, as given
     overrides  that every job has
-    sweeps, sample, seed  the variations of every design, as `ballesta.sweep` takes them
+    sweeps, sample, seed  the variations of every design, as `ballesta.sweeps.sweep` takes them
     """
 
     designs: tuple[str, ...]
@@ -108,8 +108,8 @@ def _with_variations(file: Path, note: str, request: Request) -> _Design:
     single: list[tuple[str, ...]] = [()]
     if not request.sweeps:
         return _Design(file, single, note)
-    from ballesta.design import read_design
-    from ballesta.sweep import design_variations, variations
+    from ballesta.design.read import read_design
+    from ballesta.sweeps.sweep import design_variations, variations
 
     variations(request.sweeps, request.sample, request.seed)  # raises what no design can take
     try:

@@ -10,7 +10,7 @@ from ballesta.batch.files import write_whole
 from ballesta.batch.outcome import TIMINGS
 from ballesta.batch.plan import Plan
 from ballesta.batch.table import csv_text, parquet_bytes, result_rows, varied_inputs
-from reports.words import clean
+from checks.result.words import clean
 
 
 def prepare() -> None:

@@ -22,8 +22,8 @@ from ballesta.batch.outcome import (
 from ballesta.batch.plan import Plan
 from ballesta.batch.pool import Finished, PoolError, fatal_words
 from ballesta.batch.results import prepare, write_results
-from ballesta.errors import DesignError, NumericsError
-from ballesta.store.results import BY_THE_DAY
+from checks.design.errors import DesignError, NumericsError
+from checks.store.results import BY_THE_DAY
 
 
 class Live(Protocol):
@@ -140,7 +140,7 @@ def key_of(job: Job) -> str:
     These stand in the journal as they were read: a design may be like others that nobody knows
     before reading it.
     """
-    from ballesta.fingerprints import code_digest, digest, libraries
+    from checks.store.fingerprints import code_digest, digest, libraries
 
     # workers have one thread each, whatever this process may take
     # where results go changes none of them; one path may be two files from two folders
@@ -210,7 +210,7 @@ def _entry(job: Job, key: str, finished: Finished, out: Path) -> Entry:
 
 
 def _refuse_other_code(code: str | None, job: Job) -> None:
-    from ballesta.fingerprints import code_digest
+    from checks.store.fingerprints import code_digest
 
     if code is not None and code != code_digest():
         raise NumericsError(

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from math import inf
 from typing import Any
 
-from reports.words import clean
+from checks.result.words import clean
 
 Row = dict[str, Any]
 MOST_VARIED = 40

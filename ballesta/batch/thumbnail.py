@@ -14,7 +14,7 @@ def write_thumbnail(folder: Path, part: str) -> None:
     from markupsafe import escape
 
     from ballesta.batch.files import write_whole
-    from reports.words import brief
+    from checks.result.words import brief
 
     stills = _STILL.findall((folder / "report.html").read_text(encoding="utf-8"))
     named = f" of {escape(brief(part, 60))}, "

@@ -9,9 +9,9 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from ballesta.names import no_such
 from ballesta.regression.bands import parse_bands
 from ballesta.regression.record import KINDS, LADDER, LINKAGE, MASS
+from checks.design.names import no_such
 
 FORMAT = "ballesta-baseline/2"
 SUFFIX = ".baseline.json"

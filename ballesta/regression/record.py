@@ -7,8 +7,8 @@ KINDS = ("static", "fatigue", "buckling")  # of checks that the rungs of the lad
 MASS = "mass [kg]"
 LINKAGE = "linkage"
 LADDER = ("formula", "beam", "solid")
-# The one buckling check that is a rung's, as `ballesta.stability.ELASTIC_SHARE` has it (a test
-# compares them): its import would bring the solvers into every run of pytest.
+# The one buckling check that is a rung's, as `checks.columns.stability.ELASTIC_SHARE` has it (a
+# test compares them): its import would bring the solvers into every run of pytest.
 ELASTIC_SHARE = "elastic load share"
 _DIGITS = 12  # hex digits of a digest that a reader can still compare by eye
 

@@ -37,7 +37,7 @@ def is_mesh_noise(
 
 
 def _verdict(check: Mapping[str, Any]) -> str:
-    """The verdict that the numbers of a check give, as `reports.verdict.Check.status` has it."""
+    """The verdict that the numbers of a check give, as `Check.status` has it."""
     bar, (above, below) = check["numerical"] * check["value"], _model_bars(check)
     if (check["value"] + bar + above) * check["required"] <= check["limit"]:
         return "pass"

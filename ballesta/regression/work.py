@@ -8,8 +8,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ballesta.errors import DesignError, NumericsError
 from ballesta.regression.record import has_new_solid, record_of, rungs_of
+from checks.design.errors import DesignError, NumericsError
 
 Rungs = Mapping[str, Mapping[str, str]]
 
@@ -45,10 +45,10 @@ def measured(
     Raises DesignError and NumericsError.
     """
     from ballesta.check import check_design
-    from ballesta.design import read_design
-    from ballesta.fingerprints import stages_of
-    from ballesta.part_ladder import Effort
+    from ballesta.design.read import read_design
     from ballesta.run import effort_of
+    from checks.ladder.part_ladder import Effort
+    from checks.store.fingerprints import stages_of
 
     design = read_design(path, overrides)
 

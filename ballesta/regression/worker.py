@@ -11,7 +11,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-_PACKAGES = ("ballesta", "reports", "fem", "fatigue", "loads", "geometry")
+_PACKAGES = ("ballesta", "reports", "checks", "fem", "fatigue", "loads", "geometry")
 
 
 def import_from_root() -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from fem.column_curves import (
+from checks.handbook.column_curves import (
     IMPERFECTION,
     ROBERTSON,
     eurocode_stress,
@@ -15,14 +15,14 @@ from fem.column_curves import (
     perry_robertson,
     transition_slenderness,
 )
+from checks.result.verdict import DesignResult, PartResult
+from checks.result.words import brief, need_text, number, safety_text
 from reports.charts.chart import Chart, Missing, Series
 from reports.charts.numbers import FloatArray, decimals_of, fixed, numbers
 from reports.charts.over_cycle import cursor_text
 from reports.charts.plane import Plane, drawing, ink
 from reports.charts.thin import thinned
 from reports.svg import SERIES, Marks, colour
-from reports.verdict import DesignResult, PartResult
-from reports.words import brief, need_text, number, safety_text
 
 _TITLE = "Buckling: column curves"
 _N = 161

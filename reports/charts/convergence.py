@@ -4,12 +4,12 @@ from collections.abc import Mapping, Sequence
 from math import isfinite
 from typing import Any
 
+from checks.result.verdict import Check, PartResult
+from checks.result.words import brief, number
 from reports.charts.chart import Chart, Missing
 from reports.charts.numbers import decimals_of, fixed
 from reports.charts.plane import Plane, drawing, ink
 from reports.svg import SERIES, colour
-from reports.verdict import Check, PartResult
-from reports.words import brief, number
 
 _TITLE = "Convergence of the governing stress"
 _WORDS = {"static": "peak von Mises stress", "fatigue": "equivalent amplitude"}

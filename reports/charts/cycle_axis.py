@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from checks.result.words import brief, place_text
 from reports.charts.numbers import FloatArray, numbers
 from reports.charts.thin import IntArray, thinned
-from reports.words import brief, place_text
 
 _LEAST = 0.08  # of the width, that a phase has at least
 _SLIP = 1e-9  # of the way, by which a position may go back by rounding

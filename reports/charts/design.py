@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from checks.result.verdict import DesignResult
 from reports.charts.chart import Charts
 from reports.charts.cycles import Known, cycle_charts
 from reports.charts.parts import part_charts
-from reports.verdict import DesignResult
 
 
 @dataclass(frozen=True)

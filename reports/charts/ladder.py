@@ -4,13 +4,13 @@ from collections.abc import Sequence
 from math import inf, isfinite
 from typing import Any
 
+from checks.result.verdict import Check, PartResult, RungTried
+from checks.result.words import brief, check_titles, number
 from reports.charts.chart import Chart, Missing
 from reports.charts.numbers import decimals_of, fixed
 from reports.charts.plane import LABEL, Plane, drawing, ink
 from reports.ladder_words import needed, seconds_text, value_and_bar, whole_bar
 from reports.svg import SERIES, colour
-from reports.verdict import Check, PartResult, RungTried
-from reports.words import brief, check_titles, number
 
 _TITLE = "Ladder of models"
 _MARKERS = "os^Dv<>P"

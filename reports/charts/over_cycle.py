@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from checks.result.words import brief
 from reports.charts.chart import SIZE, Series, stroke, swatch
 from reports.charts.cycle_axis import CycleAxis
 from reports.charts.labels import Room, cut, dense
 from reports.charts.numbers import FloatArray, decimals_of, fixed, table_rows
 from reports.charts.thin import gapless, thinned
 from reports.svg import Marks, colour, draw, place
-from reports.words import brief
 
 _LEFT, _RIGHT, _TOP, _BOTTOM, _PANEL, _BETWEEN = 44.0, 12.0, 18.0, 44.0, 122.0, 26.0  # points
 _TOLERANCE = 1e-3  # of a panel's height: what a thinned curve may miss

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from checks.result.words import brief
 from reports.svg import SERIES, colour, draw
-from reports.words import brief
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -1,12 +1,12 @@
 """The charts of a part."""
 
+from checks.result.verdict import DesignResult, PartResult
 from reports.charts.buckling import buckling_chart
 from reports.charts.chart import Charts, gathered
 from reports.charts.convergence import convergence_chart
 from reports.charts.haigh import haigh_chart
 from reports.charts.ladder import ladder_chart
 from reports.charts.sn import sn_chart
-from reports.verdict import DesignResult, PartResult
 
 
 def part_charts(part: PartResult, result: DesignResult) -> Charts:

@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from checks.result.verdict import Check, DesignResult, PartResult
+from checks.result.words import brief, need_text, number, safety_text
 from fatigue import MeanStressMaterial, equivalent_amplitude
 from reports.charts.chart import Chart, Missing, Series
 from reports.charts.haigh import LOWERED, SWING, limit_told, path_of, utilisation
@@ -14,8 +16,6 @@ from reports.charts.over_cycle import cursor_text
 from reports.charts.plane import LABEL, Plane, drawing, ink
 from reports.charts.thin import thinned
 from reports.svg import SERIES, Marks
-from reports.verdict import Check, DesignResult, PartResult
-from reports.words import brief, need_text, number, safety_text
 
 _TITLE = "S-N line and duty"
 _LEAST = 0.08  # of the endurance limit: smaller cycles are below the chart

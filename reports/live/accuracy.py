@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from reports.live.fields import DEVIATOR, FloatArray, IntArray
+from checks.result.live_fields import DEVIATOR, FloatArray, IntArray
 
 # Rows whose squares sum up to that of the von Mises stress, and the mean stress.
 STRESS_METRIC = np.vstack([DEVIATOR, [1 / 3, 1 / 3, 1 / 3, 0.0, 0.0, 0.0]])

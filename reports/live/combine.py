@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from reports.live.fields import FloatArray
+from checks.result.live_fields import FloatArray
 
 NOTHING = 1e-7  # of a cycle's peak: what may be left out with a direction that hardly acts
 _ROUNDS, _CLOSE = 300, 1.005

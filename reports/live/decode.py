@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from reports.live.fields import FATIGUE, FloatArray, IntArray
+from checks.result.live_fields import FATIGUE, FloatArray, IntArray
 from reports.live.planes import read_planes
 from reports.live.surface import Neighbours, neighbours
 

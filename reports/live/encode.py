@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from checks.result.live_fields import FATIGUE, IntArray, LiveFields, von_mises
+from checks.result.words import brief
 from reports.live.accuracy import LENGTH_METRIC, STRESS_METRIC, lost_in_single
 from reports.live.extremes import displacements, scales
-from reports.live.fields import FATIGUE, IntArray, LiveFields, von_mises
 from reports.live.fitting import FLOOR, Fitted, fitted, kept_positions, sizes_with_floor
 from reports.live.planes import Writer
 from reports.live.sampling import Sample, looked_at
@@ -20,7 +21,6 @@ from reports.live.surface import (
     ordered_triangles,
     placed,
 )
-from reports.words import brief
 
 TOLERANCE = 1e-3  # of a cycle's peak
 FATIGUE_LEVELS = 4095

@@ -5,8 +5,14 @@ from typing import Any
 
 import numpy as np
 
+from checks.result.live_fields import (
+    FloatArray,
+    IntArray,
+    LiveFields,
+    RealArray,
+    largest_principal,
+)
 from reports.live.accuracy import LENGTH_METRIC, lost_in_single
-from reports.live.fields import FloatArray, IntArray, LiveFields, RealArray, largest_principal
 from reports.live.sampling import Sample
 
 _TOGETHER, _AT_ONCE = 64, 16  # positions

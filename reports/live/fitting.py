@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from checks.result.live_fields import FloatArray, IntArray
 from reports.live.accuracy import Corners, corners, error_bound, largest_sizes
 from reports.live.combine import NOTHING, Combined, combine
-from reports.live.fields import FloatArray, IntArray
 
 MOST_POSITIONS = 3601  # of a cycle in a page
 FLOOR = 1e-4  # of the largest cycle's size: cycles below that are as exact as if they had it

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from reports.motion import Motion
+from checks.result.motion import Motion
+from checks.result.verdict import DesignResult, PartResult
 from reports.packed import packed_json, series
-from reports.verdict import DesignResult, PartResult
 
 
 def motion_text(result: DesignResult) -> str:

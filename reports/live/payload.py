@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from checks.result.live_fields import LiveFields, grey, with_required_safety
+from checks.result.verdict import DesignResult, PartResult
 from reports.live.encode import TOLERANCE, EncodedPart, encode
-from reports.live.fields import LiveFields, grey, with_required_safety
-from reports.verdict import DesignResult, PartResult
 
 FORMAT = "ballesta-live/1"
 

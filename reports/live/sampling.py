@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from checks.result.live_fields import FloatArray, IntArray, LiveFields, von_mises
 from reports.live.accuracy import STRESS_METRIC, lost_in_single
-from reports.live.fields import FloatArray, IntArray, LiveFields, von_mises
 
 POSITIONS = 24  # of all cycles together at least
 _LEAST = 4  # of each cycle

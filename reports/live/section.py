@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
+from checks.result.motion import motion_gaps
+from checks.result.verdict import DesignResult, PartResult
+from checks.result.words import brief, clean
 from reports.live.linkage import motion_text
 from reports.live.payload import LivePayload, live_payload
 from reports.live.words import peak_tables
-from reports.motion import motion_gaps
 from reports.places import deciding_place
 from reports.templating import environment, json_markup
-from reports.verdict import DesignResult, PartResult
-from reports.words import brief, clean
 
 # name of a colour map -> (its name in matplotlib, what it is called)
 MAPS = {

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from reports.live.fields import FloatArray, IntArray
+from checks.result.live_fields import FloatArray, IntArray
 
 Integers = npt.NDArray[np.int32]
 

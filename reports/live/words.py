@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from reports.verdict import DesignResult, PartResult
-from reports.words import brief, number, place_text
+from checks.result.verdict import DesignResult, PartResult
+from checks.result.words import brief, number, place_text
 
 ROWS = 8  # positions of a cycle, evenly spread; the worst one is added
 

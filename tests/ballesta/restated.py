@@ -6,9 +6,9 @@ from math import cos, pi, radians, sin
 from pathlib import Path
 
 from ballesta.check import check_design
-from ballesta.design import read_design
-from ballesta.overrides import resolve_like
-from ballesta.part_ladder import Effort
+from ballesta.design.overrides import resolve_like
+from ballesta.design.read import read_design
+from checks.ladder.part_ladder import Effort
 
 DESIGNS = Path(__file__).parents[2] / "designs"
 MACHINES = ("slider_crank", "quick_return", "spring_hammer", "toggle_press")

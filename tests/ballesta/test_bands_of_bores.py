@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ballesta.explained.bars import solid_bars
-from ballesta.judged import BEYOND_ARCS, StaticPeak, bars_of
-from ballesta.levels import Models
-from ballesta.part_loads import PartLoads
-from ballesta.part_strength import endurance_of, fatigue_use
-from ballesta.solid import Asked, solve_levels
-from fem.lugs import lug_factor
+from checks.derivations.bars import solid_bars
+from checks.handbook.lugs import lug_factor
+from checks.ladder.solid import Asked, solve_levels
+from checks.part.part_loads import PartLoads
+from checks.strength.part_strength import endurance_of, fatigue_use
+from checks.stress.error_bars import BEYOND_ARCS, StaticPeak, bars_of
+from checks.stress.solid_mesh_level import Models
 
-from .small_machine import machine
+from ..small_machine import machine
 
 ASKED = Asked(kinds=frozenset(("static", "fatigue")), modes=False)
 FORCE, WIDTH, THICK = 1000.0, 30.0, 8.0
@@ -55,7 +55,7 @@ mesh = {{ fineness = 0.5 }}
 
 @pytest.mark.parametrize("share", [0.3, 0.4, 0.5])
 def test_the_default_bars_of_a_lug_reach_the_handbooks_factor(tmp_path, share):
-    """A round end raises the peak above that of Peterson's square one (fem/lugs.py)."""
+    """A round end raises the peak above that of Peterson's square one (checks/handbook/lugs.py)."""
     chart = lug_factor(share * WIDTH, WIDTH) * FORCE / ((WIDTH - share * WIDTH) * THICK)
     (value, found), _ = bars(tmp_path, share)
     assert value + found.above > chart

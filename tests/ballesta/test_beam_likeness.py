@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from ballesta.quasi_static import _beam_like
+from ballesta.machine.quasi_static import _beam_like
 from loads import GROUND, Angle, Body, Distance, Force, PointCoordinate, Revolute, Slot
 
 

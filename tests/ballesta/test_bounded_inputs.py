@@ -4,12 +4,12 @@ import os
 
 import pytest
 
-from ballesta.design import read_design
-from ballesta.errors import DesignError
+from ballesta.design.read import read_design
+from checks.design.errors import DesignError
 from geometry import bounded_files
 from geometry.bounded_files import read_bounded
 
-from .small_machine import MACHINE, PLATE
+from ..small_machine import MACHINE, PLATE
 
 TABLE = 'phases = [{ name = "round", to = "450 deg", forces = { push = %s }, solve = "drive" }]'
 BY_TABLE = TABLE % '{ over = "B.x", table = "push.csv", units = ["mm", "N"] }'

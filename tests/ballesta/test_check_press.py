@@ -12,17 +12,17 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-import ballesta.models
 from ballesta.check import check_file
-from ballesta.design import read_design
-from ballesta.levels import Models, solve_level
-from ballesta.part_ladder import Effort
-from ballesta.part_loads import loads_on
-from ballesta.part_strength import elastic_of, endurance_of
-from ballesta.solid import check_solid
-from ballesta.solved_cycles import part_masses, solve_cycles
+from ballesta.design.read import read_design
+from ballesta.machine.solved_cycles import part_masses, solve_cycles
+from checks.ladder.part_ladder import Effort
+from checks.ladder.solid import check_solid
+from checks.part.part_loads import loads_on
+from checks.result.verdict import Status
+from checks.strength.part_strength import elastic_of, endurance_of
+from checks.stress import kept_models
+from checks.stress.solid_mesh_level import Models, solve_level
 from geometry.sizing import SizeField
-from reports.verdict import Status
 
 SOLID = Effort("solid")
 DESIGNS = Path(__file__).parents[2] / "designs"
@@ -180,7 +180,7 @@ def test_equal_sizes_are_meshed_once(monkeypatch):
     """The second of two equal bars asks for the same sizes with a field of its own."""
     meshed = []
     monkeypatch.setattr(
-        ballesta.models, "stored_mesh", lambda store, *key: meshed.append(key) or len(meshed)
+        kept_models, "stored_mesh", lambda store, *key: meshed.append(key) or len(meshed)
     )
     corners, elements = np.vstack([np.zeros(3), np.eye(3)]), np.array([[0, 1, 2, 3]])
     models = Models()

@@ -12,14 +12,14 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from ballesta.check import check_file
-from ballesta.design import read_design
-from ballesta.errors import DesignError, NumericsError
-from ballesta.part_ladder import Effort
+from ballesta.design.read import read_design
+from checks.design.errors import DesignError, NumericsError
+from checks.ladder.part_ladder import Effort
 from reports.files import plain
 
 from ..geometry.step_files import LINK, write_step
 from . import test_measured_loads as csv
-from . import test_step_parts as step
+from .design import test_step_parts as step
 
 pytestmark = pytest.mark.slow
 NASTY = (b"nan", b"inf", b"-1e308", b"1e400", b"0", b"-", b"", b",,", b";", b"\n", b"\x00", b"\xff",

@@ -8,12 +8,12 @@ import pytest
 import ballesta.check
 import reports.live.payload
 import reports.pictures
-from ballesta.effort import Effort
-from ballesta.errors import DesignError
 from ballesta.run import check_to_folder
+from checks.design.effort import Effort
+from checks.design.errors import DesignError
 from reports.pictures import Pictures
 
-from .small_machine import MACHINE, PLATE
+from ..small_machine import MACHINE, PLATE
 
 
 @pytest.fixture

@@ -8,12 +8,12 @@ from io import StringIO
 import numpy as np
 import pytest
 
-from ballesta.balance import measured_loads
 from ballesta.check import check_file
-from ballesta.design import read_design
-from ballesta.errors import DesignError
-from ballesta.loads_command import loads_of_file
-from ballesta.solved_cycles import solve_cycles
+from ballesta.commands.loads_command import loads_of_file
+from ballesta.design.read import read_design
+from ballesta.machine.balance import measured_loads
+from ballesta.machine.solved_cycles import solve_cycles
+from checks.design.errors import DesignError
 from reports.loads_csv import loads_csv
 from reports.loads_page import loads_html
 from reports.loads_text import loads_text

@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from ballesta.balance import balance_gates, measured_loads, not_measured
 from ballesta.check import check_file
-from ballesta.design import read_design
-from ballesta.errors import DesignError
-from ballesta.levels import Models
-from ballesta.part_ladder import Effort
-from ballesta.part_loads import loads_on
-from ballesta.solved_cycles import part_masses, solve_cycles
+from ballesta.design.read import read_design
+from ballesta.machine.balance import balance_gates, measured_loads, not_measured
+from ballesta.machine.solved_cycles import part_masses, solve_cycles
+from checks.design.errors import DesignError
+from checks.ladder.part_ladder import Effort
+from checks.part.part_loads import loads_on
+from checks.stress.solid_mesh_level import Models
 from loads import LinkageError
 from loads.kinematics import rotated, turned_left
 

@@ -5,7 +5,7 @@ from unittest.mock import patch
 import numpy as np
 
 import fatigue
-from ballesta.judged_fatigue import FatigueUse
+from checks.strength.fatigue_assessment import FatigueUse
 
 ULTIMATE = 500.0
 

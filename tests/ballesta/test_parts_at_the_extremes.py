@@ -7,18 +7,18 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from ballesta.errors import DesignError
-from ballesta.levels import Models
-from ballesta.part_loads import loads_on
-from ballesta.plan import plan
+from ballesta.commands.plan import plan
 from ballesta.run import check_all
-from ballesta.solid import check_solid
+from checks.design.errors import DesignError
+from checks.ladder.solid import check_solid
+from checks.part.part_loads import loads_on
+from checks.stress.solid_mesh_level import Models
 from geometry import memory
 from geometry.mesh import MeshError
 from geometry.meshing import mesh_shape
 
 from ..geometry.step_files import hole, plate_with, write_step
-from .small_machine import MACHINE, PLATE, machine, solved
+from ..small_machine import MACHINE, PLATE, machine, solved
 
 
 @pytest.fixture

@@ -9,13 +9,13 @@ from pathlib import Path
 
 import pytest
 
-from ballesta.design import read_design
-from ballesta.judged import StaticPeak, bars_of
-from ballesta.levels import Models
-from ballesta.part_loads import loads_on
-from ballesta.part_strength import endurance_of, fatigue_use
-from ballesta.solid import Asked, solve_levels
-from ballesta.solved_cycles import solve_cycles
+from ballesta.design.read import read_design
+from ballesta.machine.solved_cycles import solve_cycles
+from checks.ladder.solid import Asked, solve_levels
+from checks.part.part_loads import loads_on
+from checks.strength.part_strength import endurance_of, fatigue_use
+from checks.stress.error_bars import StaticPeak, bars_of
+from checks.stress.solid_mesh_level import Models
 
 DESIGN = Path(__file__).parents[2] / "designs" / "slider_crank.toml"
 STATIC, FATIGUE = 21.03, 20.24  # MPa, von Mises stress and Findley's equivalent amplitude

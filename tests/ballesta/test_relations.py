@@ -13,9 +13,10 @@ import numpy as np
 import pytest
 
 import loads
-from ballesta.design import read_design
-from ballesta.machine import cycle_of, linkage_of
+from ballesta.design.read import read_design
+from checks.part.linkage_builder import cycle_of, linkage_of
 
+from ..small_machine import PLATE, machine
 from .restated import (
     DESIGNS,
     a_turn_later,
@@ -34,7 +35,6 @@ from .restated import (
     three_times_loaded,
     turned,
 )
-from .small_machine import PLATE, machine
 
 CYCLES = {
     "slider_crank": ["bench", "at_300"],

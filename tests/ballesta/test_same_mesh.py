@@ -5,12 +5,12 @@ from math import atan2, cos, degrees, radians, sin
 import numpy as np
 import pytest
 
-from ballesta.design import read_design
-from ballesta.motion import part_frame
-from ballesta.part_loads import loads_on
-from ballesta.solved_cycles import solve_cycles
+from ballesta.design.read import read_design
+from ballesta.machine.motion import part_frame
+from ballesta.machine.solved_cycles import solve_cycles
+from checks.part.part_loads import loads_on
 
-from .small_machine import MACHINE, PLATE
+from ..small_machine import MACHINE, PLATE
 
 PIN = """
 [parts.pin]

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from ballesta.check import check_file
-from ballesta.effort import Effort
-from ballesta.sampling import MARGIN, PIECES, finer, sampled, with_sampling
-from reports.verdict import Check
+from checks.design.effort import Effort
+from checks.result.verdict import Check
+from checks.strength.sampling import MARGIN, PIECES, finer, sampled, with_sampling
 
-from .small_machine import loads_of
+from ..small_machine import loads_of
 
 MACHINES = Path(__file__).parents[2] / "designs"
 COARSE, FINE = 49, 385  # positions of a turn; every coarse one is a fine one, but for corners

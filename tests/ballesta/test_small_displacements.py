@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from ballesta.part_facts import SMALL_DISPLACEMENT
+from checks.ladder.part_facts import SMALL_DISPLACEMENT
 
 
 def elastica(load):

@@ -10,10 +10,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ballesta.judged import StaticPeak, bars_of
-from ballesta.levels import Models
-from ballesta.part_loads import PartLoads
-from ballesta.solid import solve_levels
+from checks.ladder.solid import solve_levels
+from checks.part.part_loads import PartLoads
+from checks.stress.error_bars import StaticPeak, bars_of
+from checks.stress.solid_mesh_level import Models
 from fem.singularity import singular_exponent
 from geometry.meshing import gmsh_session
 from geometry.parts.step_part import NamedHole, StepPart

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from ballesta.check import check_design, check_file
-from ballesta.effort import Effort
+from checks.design.effort import Effort
 
-from .small_machine import PLATE, machine
+from ..small_machine import PLATE, machine
 
 PRESS = Path(__file__).parents[2] / "designs" / "toggle_press.toml"
 HIDDEN = {"CHOLMOD": (), "PARDISO": ("sksparse",), "SuperLU": ("sksparse", "pypardiso")}

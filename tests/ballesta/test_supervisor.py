@@ -10,12 +10,12 @@ from time import monotonic
 import pytest
 
 from ballesta.check import check_design
-from ballesta.effort import Effort
 from ballesta.supervisor import is_long
 from ballesta.unfinished import FRAME, PART, unfinished
+from checks.design.effort import Effort
 from reports.page import report_html
 
-from .small_machine import MACHINE, PLATE, machine
+from ..small_machine import MACHINE, PLATE, machine
 
 ROOT = Path(__file__).parents[2]
 # Children whose solid, loads or page never ends, with Python's lock held as CHOLMOD does; a child
@@ -29,18 +29,18 @@ def held(*_, **__):
     ctypes.PyDLL(None).sleep(600)
 
 def solid(parent):
-    import ballesta.part_ladder
-    ballesta.part_ladder.solid_result = held
+    import checks.ladder.part_ladder
+    checks.ladder.part_ladder.solid_result = held
     supervised.run(parent)
 
 def late(parent):
-    import ballesta.part_ladder
+    import checks.ladder.part_ladder
 
     def held_late(*_, **__):
         supervised.limit(3.0)
         held()
 
-    ballesta.part_ladder.solid_result = held_late
+    checks.ladder.part_ladder.solid_result = held_late
     supervised.run(parent)
 
 def loads(parent):
@@ -49,8 +49,8 @@ def loads(parent):
     supervised.run(parent)
 
 def crash(parent):
-    import ballesta.part_ladder
-    ballesta.part_ladder.solid_result = lambda *_, **__: os.kill(os.getpid(), signal.SIGSEGV)
+    import checks.ladder.part_ladder
+    checks.ladder.part_ladder.solid_result = lambda *_, **__: os.kill(os.getpid(), signal.SIGSEGV)
     supervised.run(parent)
 """
 pytestmark = pytest.mark.skipif(

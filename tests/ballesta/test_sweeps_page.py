@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from ballesta.design import read_design
-from ballesta.sweep import design_variations
-from ballesta.sweep_text import parse_sweep
-from ballesta.until_command import parts_of
+from ballesta.commands.until_command import parts_of
+from ballesta.design.read import read_design
+from ballesta.sweeps.sweep import design_variations
+from ballesta.sweeps.sweep_text import parse_sweep
 
 ROOT = Path(__file__).parent.parent.parent
 PAGE = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")

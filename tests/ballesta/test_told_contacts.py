@@ -8,8 +8,8 @@ from math import asin, cos, degrees, pi, sin, sqrt
 
 import pytest
 
-from ballesta.errors import DesignError
-from ballesta.loads_command import loads_of_file
+from ballesta.commands.loads_command import loads_of_file
+from checks.design.errors import DesignError
 from reports.loads_text import loads_text
 
 PRESS = """

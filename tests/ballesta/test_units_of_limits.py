@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from numpy.testing import assert_allclose
 
-from ballesta.design import read_design
+from ballesta.design.read import read_design
 from geometry.cad_body import cad_body
 from geometry.parameters import ParameterError, within
 

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from ballesta.baseline import baseline_path, compare, measure, read_baseline, record_of
-from ballesta.design import read_design
-from ballesta.fingerprints import stages_of
+from ballesta.design.read import read_design
+from ballesta.regression.baseline import baseline_path, compare, measure, read_baseline, record_of
+from checks.store.fingerprints import stages_of
 
 DESIGN = Path(__file__).parents[2] / "designs" / "toggle_press.toml"
 STATIC = "static: peak von Mises stress"

@@ -5,7 +5,7 @@ from math import inf
 
 import numpy as np
 
-from reports.verdict import RungTried
+from checks.result.verdict import RungTried
 
 from . import results
 

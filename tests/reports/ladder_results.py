@@ -2,8 +2,8 @@
 
 from math import inf
 
+from checks.result.verdict import RungTried
 from reports.ladder_summary import LadderPart, LadderResult
-from reports.verdict import RungTried
 
 from .results import HOSTILE, check
 

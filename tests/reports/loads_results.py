@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from checks.result.verdict import Gate
 from loads import GROUND, Angle, Body, Cycle, Force, Linkage, Phase, Revolute, SteadyPace, run_cycle
 from reports.loads_figures import ShownPhase
 from reports.loads_summary import LoadsResult, ShownCycle
-from reports.verdict import Gate
 
 from ..loads.machines import press_cycle, slider_crank, toggle
 from .results import HOSTILE

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from checks.result.motion import Motion, PinForce, between
 from loads import GROUND, JointLoad
-from reports.motion import Motion, PinForce, between
 
 from . import loads_results, results
 

@@ -5,7 +5,7 @@ from math import inf
 
 import numpy as np
 
-from reports.verdict import Check, DesignResult, Gate, HandCheck, PartResult, Surface
+from checks.result.verdict import Check, DesignResult, Gate, HandCheck, PartResult, Surface
 
 HOSTILE = "<script>alert('x')</script>\"&$\\frac{1}{0}$ \x1b[31m\u202e😀"
 

@@ -1,7 +1,7 @@
 """A gate that is not binding is told, but leaves the verdict as it is."""
 
+from checks.result.verdict import Gate, Status
 from reports import report_html, verdict_text
-from reports.verdict import Gate, Status
 
 from . import results
 from .test_page import Page

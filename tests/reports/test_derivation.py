@@ -7,7 +7,7 @@ from math import inf
 
 import pytest
 
-from reports.derivation import (
+from checks.result.derivation import (
     Acting,
     Bars,
     Column,
@@ -21,13 +21,13 @@ from reports.derivation import (
     Superposition,
     UnitLoad,
 )
-from reports.derivation_data import derivation_of_data
+from checks.result.derivation_data import derivation_of_data
+from checks.result.formulas import FormulaError
+from checks.result.verdict import Status
 from reports.derivation_text import derivation_text
 from reports.derivation_view import FILTERS, formula_markup, view_of
 from reports.derivation_words import bar_texts, paragraphs, shares_of, status_texts
-from reports.formulas import FormulaError
 from reports.templating import environment
-from reports.verdict import Status
 
 from .results import HOSTILE, check
 

@@ -3,8 +3,8 @@ import re
 from base64 import b64encode
 from hashlib import sha256
 
+from checks.result.verdict import Check
 from reports.index_page import STATIC_ROWS, IndexDesign, index_html
-from reports.verdict import Check
 
 from . import results
 from .test_page import Page

@@ -6,9 +6,9 @@ from hashlib import sha256
 import numpy as np
 import pytest
 
+from checks.result.verdict import Gate
 from reports.loads_page import loads_html, write_loads_page
 from reports.mechanism import mechanism_data, mechanism_svg
-from reports.verdict import Gate
 
 from . import loads_results
 from .test_page import Page

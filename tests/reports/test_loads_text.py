@@ -4,9 +4,9 @@ from dataclasses import replace
 import pytest
 from rich.cells import cell_len
 
+from checks.result.verdict import Gate
 from reports.loads_text import loads_text, table
 from reports.loads_words import broken_by_kind
-from reports.verdict import Gate
 
 from ..loads.machines import press_cycle, toggle
 from . import loads_results

@@ -10,11 +10,11 @@ from itertools import pairwise
 
 import pytest
 
+from checks.result.verdict import Gate, HandCheck
 from reports import Pictures, report_html, write_report
 from reports.page_parts import ratio
 from reports.page_script import SCRIPTS, script_text
 from reports.templating import value_text
-from reports.verdict import Gate, HandCheck
 
 from . import results
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import pytest
 
+from checks.result.derivation import Derivation, Given, LoadCase, Section, Step
+from checks.result.verdict import Gate
 from reports import Pictures, write_report
-from reports.derivation import Derivation, Given, LoadCase, Section, Step
-from reports.verdict import Gate
 
 from . import motion_results, results
 from .conftest import NO_GL, until

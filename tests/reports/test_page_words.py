@@ -3,8 +3,9 @@ from math import inf
 
 import pytest
 
+from checks.result.derivation import Derivation, LoadCase
+from checks.result.verdict import Gate, RungTried
 from reports import report_html
-from reports.derivation import Derivation, LoadCase
 from reports.gauge import gauge
 from reports.live.section import live_section
 from reports.page_words import (
@@ -15,7 +16,6 @@ from reports.page_words import (
     rungs_beside,
 )
 from reports.places import deciding_place, place_of
-from reports.verdict import Gate, RungTried
 
 from . import motion_results, results
 from .test_page import Page

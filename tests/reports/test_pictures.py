@@ -11,6 +11,7 @@ import psutil
 import pytest
 from PIL import Image
 
+from checks.result.verdict import NOT_MESHED
 from reports import report_html
 from reports.charts import cycle_charts, design_charts
 from reports.charts.over_cycle import over_cycle
@@ -23,7 +24,6 @@ from reports.pictures import (
     stress_field,
 )
 from reports.pictures_worker import SIZE, corner_view, view_of
-from reports.verdict import NOT_MESHED
 from reports.worker import StandingWorker
 
 from . import chart_results, results

@@ -6,10 +6,10 @@ import pytest
 from rich.cells import cell_len
 from rich.console import Console
 
+from checks.result.verdict import Gate
+from checks.result.words import clean, number, safety_text, utilisation_text, value_and_bars
 from reports import verdict_renderable, verdict_text
 from reports.terminal import wrap
-from reports.verdict import Gate
-from reports.words import clean, number, safety_text, utilisation_text, value_and_bars
 
 from . import results
 

@@ -12,7 +12,7 @@ import pytest
 from numpy.testing import assert_allclose
 from PIL import Image
 
-from reports.live.fields import LiveFields, LivePeak, grey
+from checks.result.live_fields import LiveFields, LivePeak, grey
 from reports.window import open_window, probe_window, window_picture
 from reports.window_files import read_scene, scene_of, write_scene
 from reports.window_scene import LINKAGE, View, Worst, signed_principal

@@ -3,10 +3,10 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
 
-from ballesta.judged import BEYOND_ARCS
 from bench.pin_contact import compare, contact, cosine, persson_half_arc, persson_pressure
 from bench.pin_models import EYES, Eye, Grid, box
-from fem.lugs import lug_factor
+from checks.handbook.lugs import lug_factor
+from checks.stress.error_bars import BEYOND_ARCS
 from tests.fem.calculix import needs_calculix
 
 
@@ -33,7 +33,7 @@ def test_small_arcs_are_those_of_hertz():
 def test_a_square_ended_lug_reaches_the_charts_factor_by_its_bars_not_by_its_value(
     share, of_half_circle, of_band
 ):
-    """Peterson's chart (fem/lugs.py) over the peak under cosines on 180, and on 180 to 90 degrees.
+    """Peterson's chart over the peak under cosines on 180, and on 180 to 90 degrees.
 
     "Pins in holes" in bench/validation_notes.md; half a per cent for the mesh.
     """

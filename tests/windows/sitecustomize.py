@@ -19,7 +19,7 @@ import psutil
 assert filelock.FileLock
 assert psutil.Process
 
-OURS = {"ballesta", "fatigue", "fem", "geometry", "loads", "reports"}
+OURS = {"ballesta", "checks", "fatigue", "fem", "geometry", "loads", "reports"}
 POSIX_ONLY = ("fcntl", "grp", "pty", "pwd", "readline", "resource", "syslog", "termios", "tty")
 # https://docs.python.org/3/library/os.html and signal.html, "Availability: Unix"
 OF_OS = """

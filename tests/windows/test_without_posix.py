@@ -14,10 +14,10 @@ import psutil
 import pytest
 
 from ballesta.check import check_file
-from ballesta.effort import Effort
+from checks.design.effort import Effort
 
 from ..ballesta.batch.jobs import MODULE
-from ..ballesta.small_machine import MACHINE, PLATE
+from ..small_machine import MACHINE, PLATE
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]

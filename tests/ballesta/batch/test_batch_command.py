@@ -13,7 +13,7 @@ from urllib.parse import unquote
 import pytest
 
 from ...conftest import Run
-from ..small_machine import MACHINE, PLATE
+from ...small_machine import MACHINE, PLATE
 from . import jobs
 
 ROOT = Path(__file__).parents[3]

@@ -23,10 +23,10 @@ from ballesta.batch.executor import Settings
 from ballesta.batch.plan import Request, planned
 from ballesta.batch.pool import Finished, PoolError
 from ballesta.batch.run import run_batch
-from ballesta.batch_command import Wanted, run_batch_command
-from ballesta.errors import DesignError, NumericsError
+from ballesta.commands.batch_command import Wanted, run_batch_command
+from checks.design.errors import DesignError, NumericsError
 
-from ..small_machine import MACHINE, PLATE
+from ...small_machine import MACHINE, PLATE
 from . import jobs
 from .dask_machines import DaskMachines, begun, ends, kill
 
@@ -178,7 +178,7 @@ def test_an_interrupt_ends_what_is_being_run_on_the_workers(tmp_path, machines):
 def test_numbers_of_another_version_do_not_slip_in(
     tmp_path, machines, monkeypatch, name, value, words
 ):
-    monkeypatch.setattr(f"ballesta.fingerprints.{name}", lambda: value)
+    monkeypatch.setattr(f"checks.store.fingerprints.{name}", lambda: value)
     with pytest.raises(DesignError, match=words):
         fates(tmp_path, machines, {"a": "one"})
     assert not begun(tmp_path / "out")

@@ -7,10 +7,10 @@ from hashlib import sha256
 import pytest
 
 from ballesta.batch.job import FolderError, Job, run_job
-from ballesta.errors import DesignError, NumericsError
+from checks.design.errors import DesignError, NumericsError
 from geometry.memory import TooLargeError
 
-from ..small_machine import MACHINE, PLATE
+from ...small_machine import MACHINE, PLATE
 
 
 @pytest.fixture

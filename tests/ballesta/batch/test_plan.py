@@ -2,9 +2,9 @@ import pytest
 
 from ballesta.batch.memory import parse_memory
 from ballesta.batch.plan import Request, claim_folder, planned
-from ballesta.errors import DesignError
+from checks.design.errors import DesignError
 
-from ..small_machine import MACHINE, PLATE
+from ...small_machine import MACHINE, PLATE
 
 SWEEP = ("parts.rod.thickness = 6..8 mm : 3",)
 

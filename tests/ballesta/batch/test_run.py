@@ -12,7 +12,7 @@ import pytest
 
 from ballesta.batch.journal import Journal
 from ballesta.batch.run import Settings, locked, run_batch
-from ballesta.errors import DesignError, NumericsError
+from checks.design.errors import DesignError, NumericsError
 
 from . import jobs
 
@@ -101,7 +101,7 @@ def test_a_changed_result_json_is_not_taken_for_the_one_that_was_written(tmp_pat
 @pytest.mark.usefixtures("in_this_process")
 def test_other_code_or_libraries_make_everything_anew(tmp_path, monkeypatch):
     batch(tmp_path, TEXTS)
-    monkeypatch.setattr("ballesta.fingerprints.libraries", lambda: {"numpy": "another"})
+    monkeypatch.setattr("checks.store.fingerprints.libraries", lambda: {"numpy": "another"})
     assert batch(tmp_path, TEXTS)[1].done_before == 0
 
 

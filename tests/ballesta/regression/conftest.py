@@ -5,14 +5,14 @@ from pathlib import Path
 
 import pytest
 
-from ballesta.errors import DesignError
 from ballesta.regression import plugin
 from ballesta.regression.file import write_record
 from ballesta.regression.isolated import CheckError, measure
 from ballesta.regression.work import measured
+from checks.design.errors import DesignError
 
 from ...conftest import made_once
-from ..small_machine import MACHINE, PLATE
+from ...small_machine import MACHINE, PLATE
 
 ROOT = Path(__file__).parents[3]
 DESIGN = MACHINE + PLATE

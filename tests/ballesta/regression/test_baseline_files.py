@@ -4,7 +4,6 @@ import json
 
 import pytest
 
-from ballesta import stability
 from ballesta.regression.compare import compare
 from ballesta.regression.file import (
     BaselineError,
@@ -15,6 +14,7 @@ from ballesta.regression.file import (
     write_record,
 )
 from ballesta.regression.record import ELASTIC_SHARE, record_of, rungs_of
+from checks.columns import stability
 
 from .records import STATIC, record
 

@@ -7,16 +7,16 @@ import sys
 
 import pytest
 
-from ballesta.baseline import write_baseline
 from ballesta.check import check_design
-from ballesta.design import read_design
-from ballesta.effort import Effort
-from ballesta.errors import DesignError
+from ballesta.design.read import read_design
 from ballesta.regression import isolated
+from ballesta.regression.baseline import write_baseline
 from ballesta.regression.file import baseline_path, read_baseline
 from ballesta.regression.isolated import WORKER, CheckError, measure
+from checks.design.effort import Effort
+from checks.design.errors import DesignError
 
-from ..small_machine import machine
+from ...small_machine import machine
 from .conftest import DESIGN, ROOT
 
 

@@ -3,14 +3,14 @@
 import pytest
 
 from ballesta.check import check_design
-from ballesta.effort import Effort
-from ballesta.errors import DesignError, NumericsError
 from ballesta.regression.record import rungs_of
 from ballesta.regression.work import measured
-from ballesta.rungs import climb
+from checks.design.effort import Effort
+from checks.design.errors import DesignError, NumericsError
+from checks.ladder import climb
 from geometry.mesh import MeshError
 
-from ..small_machine import PLATE, machine
+from ...small_machine import PLATE, machine
 
 PINS = [
     {"static": "formula", "fatigue": "formula", "buckling": "formula"},

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.column_curves import eurocode_stress, perry_robertson
+from checks.handbook.column_curves import eurocode_stress, perry_robertson
 from reports.charts import part_charts
 from reports.charts.buckling import column_curves
 from reports.charts.haigh import utilisation

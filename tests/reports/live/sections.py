@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from reports.live.fields import LiveFields, LivePeak, grey, von_mises
+from checks.result.live_fields import LiveFields, LivePeak, grey, von_mises
+from checks.result.verdict import Check, DesignResult, PartResult, Surface
 from reports.live.section import live_section
 from reports.page_script import LIVE, joined
-from reports.verdict import Check, DesignResult, PartResult, Surface
 
 POSITIONS = 73
 CYCLES = ("turn", "hold")

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from checks.result.live_fields import LiveFields, LivePeak, von_mises
 from fem.stress_history import StressHistory
-from reports.live.fields import LiveFields, LivePeak, von_mises
 
 
 def torus(around=36, across=20, radius=100.0, tube=30.0):

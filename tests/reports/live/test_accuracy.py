@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-import reports.live.fields
+from checks.result import live_fields
+from checks.result.live_fields import largest_principal, principal_range, von_mises
 from reports.live.accuracy import (
     LENGTH_METRIC,
     STRESS_METRIC,
@@ -14,7 +15,6 @@ from reports.live.accuracy import (
 )
 from reports.live.combine import NOTHING, combine
 from reports.live.extremes import displacements, largest_size
-from reports.live.fields import largest_principal, principal_range, von_mises
 from reports.live.fitting import FLOOR, sizes_with_floor
 from reports.live.sampling import looked_at
 
@@ -158,13 +158,13 @@ def test_a_bar_that_is_pushed_all_over_is_not_searched_for_the_pull_that_it_lack
     pushed[1, :, 1] = 1e-3
     angle = np.linspace(0.0, np.pi, 400)
     fields = live(pushed, {"work": np.stack([np.sin(angle), angle])}, surface)
-    looked, highest = [], reports.live.fields._highest
+    looked, highest = [], live_fields._highest
 
     def counted(rows):
         looked.append(len(rows))
         return highest(rows)
 
-    monkeypatch.setattr(reports.live.fields, "_highest", counted)
+    monkeypatch.setattr(live_fields, "_highest", counted)
     most = largest_size(fields, looked_at(fields), {"work": np.arange(400)})
     assert most == pytest.approx(100.0, rel=1e-4)
     assert sum(looked) < 3 * 3600, "of 1 440 000 nodes at positions"

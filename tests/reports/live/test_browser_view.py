@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reports.live.fields import von_mises
+from checks.result.live_fields import von_mises
 from reports.live.payload import live_payload
 
 from . import sections

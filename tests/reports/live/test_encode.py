@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
+from checks.result.live_fields import LiveFields, grey, principal_range, von_mises
 from reports.live.decode import decode
 from reports.live.encode import TOLERANCE, encode
-from reports.live.fields import LiveFields, grey, principal_range, von_mises
 from reports.live.planes import Writer, read_planes
 
 from .surfaces import live, peak_of, smooth, torus, turning, usual

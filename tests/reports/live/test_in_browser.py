@@ -9,9 +9,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 import reports.live
+from checks.result.live_fields import grey, von_mises
 from reports.live.decode import decode
 from reports.live.encode import TOLERANCE, encode
-from reports.live.fields import grey, von_mises
 
 from .surfaces import live, smooth, torus, turning, usual
 

@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from checks.result.live_fields import grey
+from checks.result.verdict import Surface
 from reports.live.decode import decode
 from reports.live.encode import EncodedPart
-from reports.live.fields import grey
 from reports.live.payload import (
     Budget,
     has_fields,
@@ -17,7 +18,6 @@ from reports.live.payload import (
     with_encoded_fields,
     without_fields,
 )
-from reports.verdict import Surface
 
 from ..results import HOSTILE, mixed
 from .surfaces import live, smooth, torus, turning, usual

@@ -13,6 +13,7 @@ import pytest
 from markupsafe import Markup
 from matplotlib import colormaps
 
+from checks.result.verdict import Status
 from reports.live.linkage import motion_text
 from reports.live.payload import live_payload
 from reports.live.section import (
@@ -26,7 +27,6 @@ from reports.live.section import (
 from reports.live.words import peak_tables, rows_of
 from reports.packed import series
 from reports.page_script import LIVE
-from reports.verdict import Status
 
 from .. import results
 from . import sections

@@ -10,10 +10,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from ballesta.check import check_design
-from ballesta.design import read_design
-from ballesta.part_ladder import Effort
-from ballesta.solved_cycles import solve_cycles
-from reports.verdict import Check, DesignResult
+from ballesta.design.read import read_design
+from ballesta.machine.solved_cycles import solve_cycles
+from checks.ladder.part_ladder import Effort
+from checks.result.verdict import Check, DesignResult
 
 DESIGNS = Path(__file__).resolve().parents[3] / "designs"
 LOADS = tuple(10.0**k for k in range(-6, 7))  # over the 400 N of the machine

@@ -16,14 +16,14 @@ import pytest
 from numpy.testing import assert_allclose
 
 from ballesta.check import check_file
-from ballesta.design import read_design
-from ballesta.errors import DesignError
-from ballesta.gates import load_gates
-from ballesta.part_ladder import Effort
-from ballesta.solved_cycles import solve_cycles
+from ballesta.design.read import read_design
+from ballesta.machine.solved_cycles import solve_cycles
+from ballesta.machine.validity_checks import load_gates
+from checks.design.errors import DesignError
+from checks.ladder.part_ladder import Effort
+from checks.result.verdict import Status
+from checks.result.words import reason, verdict_sentence
 from fem.threads import ONE_THREAD
-from reports.verdict import Status
-from reports.words import reason, verdict_sentence
 
 from . import chain
 from .chain import PLAIN, apart, check_of, checked, statuses, values

@@ -1,0 +1,204 @@
+"""The loads of a design, solved or measured, without any check of its parts: `ballesta loads`."""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import loads
+from ballesta.design.read import read_design
+from ballesta.machine.balance import balance_gates, measured_loads, not_measured
+from ballesta.machine.shown_loads import shown_cycle, shown_run
+from ballesta.machine.solved_cycles import (
+    part_masses,
+    parts_that_give,
+    solve_cycles,
+    without_unknown_contacts,
+)
+from ballesta.machine.validity_checks import load_gates
+from ballesta.machine.warnings_of import load_warnings
+from ballesta.run import Say, guarded
+from ballesta.supervised import step
+from checks.design.data import Design
+from checks.design.errors import DesignError, NumericsError
+from checks.design.names import no_such
+from checks.result.words import gate_sentence, gate_word
+from checks.stress.kept_models import Models
+from geometry.mesh import MeshError
+from reports.files import plain, replacing
+from reports.loads_csv import loads_csv
+from reports.loads_summary import LoadsResult
+from reports.loads_text import loads_text
+
+Masses = Mapping[str, tuple[float, tuple[float, float], float]]
+
+ABSENT = (
+    "impact, where something is touched or a clearance closes",
+    "clearances, and what they let the joints do",
+    "changes of speed that the drive itself would suffer",
+    "vibration; bodies are rigid but for a stated elasticity in front of a contact",
+    "forces out of the plane",
+)
+ABSENT_MEASURED = ("what the measurement did not see", "forces out of the plane")
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What a user asks of `ballesta loads`; csv is a file or "-", no cycles (or runs) for all."""
+
+    csv: str | None = None
+    plot: bool = False
+    cycles: tuple[str, ...] = ()
+    out: Path = Path("out")
+    as_json: bool = False
+
+
+def loads_of_file(
+    path: Path,
+    overrides: Sequence[str] = (),
+    cycles: Sequence[str] = (),
+    *,
+    say: Say = lambda _: None,
+) -> LoadsResult:
+    """Read a design, solve its cycles and balance its measured runs, or those that are named.
+
+    Raises DesignError for a file that cannot be solved as written or loads that do not balance,
+    NumericsError where a mesh, needed for the mass of a part or for how it gives way, cannot be
+    made or solved.
+    """
+    design = _with_cycles(read_design(path, overrides), cycles)
+    try:
+        # what cannot move or does not balance is told before anything is meshed
+        solve_cycles(without_unknown_contacts(design), {})
+        measured_loads(design, {})
+        models = Models()
+        masses = _masses(design, models, say)
+        compliances = _compliances(design, models, say)
+        solved = solve_cycles(design, masses, compliances)
+        measured = measured_loads(design, masses)
+        gates = [*load_gates(design, solved), *balance_gates(design, measured)]
+        warnings = load_warnings(design, masses, solved)
+    except loads.LinkageError as error:
+        raise DesignError(design.file, "linkage", str(error)) from error
+    return LoadsResult(
+        name=design.name,
+        file=str(design.file),
+        sha256=design.sha256,
+        overrides=design.overrides,
+        cycles=[shown_cycle(design, cycle) for cycle in solved.values()],
+        gates=gates,
+        warnings=warnings,
+        runs=[shown_run(design, run) for run in measured.values()],
+        absent=(*(ABSENT if solved else ABSENT_MEASURED), *not_measured(design)),
+        assumed=[pair for pair in design.assumed if not pair[0].startswith("parts.")],
+        command=" ".join(
+            [
+                "ballesta loads",
+                str(design.file),
+                *(f"--cycle {name}" for name in cycles),
+                "--plot",
+                *(f"--set {override!r}" for override in design.overrides),
+            ]
+        ),
+    )
+
+
+def run_loads(path: Path, wanted: Wanted, overrides: Sequence[str] = ()) -> int:
+    """Print the loads of a design and write the files that are wanted; returns the exit code.
+
+    0: solved, whatever the gates say; 2: an input is wrong; 3: the numerics gave up.
+    """
+
+    def work() -> None:
+        if wanted.as_json and wanted.csv == "-":
+            raise DesignError(path, "--csv", "both the table and --json want standard output")
+
+        def say(text: str) -> None:
+            step(f"{path.stem}: {text}")
+
+        result = loads_of_file(path, overrides, wanted.cycles, say=say)
+        written = _write(result, wanted)
+        if wanted.as_json:
+            report = plain(result.to_dict() | {"files": [str(file) for file in written]})
+            print(json.dumps(report, indent=1, allow_nan=False, ensure_ascii=False))
+        elif wanted.csv == "-":
+            for gate in result.broken:
+                say(f"{gate_word(gate)}: {gate_sentence(gate)}")
+            print(loads_csv(result.cycles, result.runs), end="")
+        else:
+            print(loads_text(result, None, written), end="")
+
+    return guarded(work)
+
+
+def _write(result: LoadsResult, wanted: Wanted) -> list[Path]:
+    written = []
+    option = "--csv"
+    try:
+        if wanted.csv not in (None, "-"):
+            table = Path(str(wanted.csv))
+            with replacing(table) as temporary:
+                temporary.write_text(
+                    loads_csv(result.cycles, result.runs), encoding="utf-8", newline="\n"
+                )
+            written.append(table)
+        option = "--out"
+        if wanted.plot:
+            from reports.loads_page import write_loads_page
+
+            page = wanted.out / Path(result.file).stem / "loads.html"
+            write_loads_page(result, page)
+            written.append(page)
+    except OSError as error:
+        file = Path(str(wanted.csv)) if option == "--csv" else wanted.out
+        raise DesignError(file, option, f"cannot be written: {error.strerror}") from error
+    return written
+
+
+def _with_cycles(design: Design, names: Sequence[str]) -> Design:
+    """Return the design with the named cycles and measured runs only, or all of them."""
+    known = (*design.cycles, *design.measured)
+    for name in names:
+        if name not in known:
+            raise DesignError(design.file, "cycles", no_such("cycle", name, known))
+    if not known:
+        raise DesignError(design.file, "cycles", "the design has no cycle to solve")
+    if not names:
+        return design
+    return replace(
+        design,
+        cycles={name: cycle for name, cycle in design.cycles.items() if name in names},
+        measured={name: run for name, run in design.measured.items() if name in names},
+    )
+
+
+def _masses(design: Design, models: Models, say: Say) -> Masses:
+    """Mass properties of the bodies that take them from their parts."""
+    seen = {name for run in design.measured.values() for name in run.loads.bodies}
+    needed = [
+        body.name
+        for body in design.bodies.values()
+        if (design.cycles or body.name in seen)
+        and body.part is not None
+        and None in (body.mass, body.inertia, body.centre)
+    ]
+    if not needed:
+        return {}
+    say(f"the mass of {', '.join(needed)} comes from its part")
+    try:
+        return part_masses(design, models)
+    except MeshError as error:
+        raise NumericsError(
+            str(error), str(design.file), "check the part's dimensions, or change mesh.fineness"
+        ) from error
+
+
+def _compliances(
+    design: Design, models: Models, say: Say
+) -> Mapping[str, loads.MatrixCompliance] | None:
+    """Compliances of the bodies that give way as their parts do, for which these are solved."""
+    if not any(parts_that_give(design)):
+        return None
+    from ballesta.machine.elastic_parts import compliances_of
+
+    return compliances_of(design, models, say)

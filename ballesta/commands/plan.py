@@ -1,0 +1,142 @@
+"""What a check would model, before it is paid for."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+
+import loads
+from ballesta.commands.sketch import joints_in_words, sketch
+from ballesta.design.read import read_design
+from ballesta.machine.balance import measured_loads
+from ballesta.machine.elastic_parts import compliances_of
+from ballesta.machine.solved_cycles import part_masses, solve_cycles
+from checks.design.data import Design, Part
+from checks.design.errors import DesignError, NumericsError
+from checks.ladder.solid import FIRST, check_first_mesh
+from checks.part.part_loads import check_reach, loads_on
+from checks.stress.cost import (
+    SECOND_MESH,
+    mesh_seconds,
+    report_seconds,
+    solid_seconds,
+    solve_gibibytes,
+)
+from checks.stress.solid_mesh_level import Models
+from checks.stress.symmetry import half_of
+from geometry.mesh import MeshError, TooManyElementsError
+
+
+@dataclass(frozen=True)
+class PlannedPart:
+    """One part as it would be modelled; forces in N by interface, time in s, memory in GiB.
+
+    halved  whether the second mesh is of half of it
+    """
+
+    part: Part
+    unknowns: tuple[int, ...]
+    halved: bool
+    forces: dict[str, float]
+    seconds: float
+    gibibytes: float
+
+
+def plan(design: Design) -> list[PlannedPart]:
+    """Mesh the parts and solve the loads of a design, but no stresses.
+
+    A part whose body gives way as it does is solved once, for that.
+    Raises DesignError and NumericsError as a check does.
+    """
+    models = Models()
+    try:
+        masses = part_masses(design, models)
+        solved: dict[str, loads.CycleLoads | loads.MeasuredLoads] = {
+            **solve_cycles(design, masses, compliances_of(design, models)),
+            **measured_loads(design, masses),
+        }
+        planned = []
+        for part in design.parts.values():
+            first = 3 * len(models.mesh(part.geometry, FIRST * part.fineness).nodes)
+            part_loads = loads_on(design, part, solved)
+            halved = half_of(part, part_loads) is not None
+            second = int(SECOND_MESH * first / (2 if halved else 1))
+            check_first_mesh(part, first)
+            check_reach(design, part, part_loads, models.body(part.geometry).interfaces)
+            unknowns = (first, min(second, part.most_unknowns))
+            seconds = solid_seconds(*unknowns)
+            planned.append(
+                PlannedPart(
+                    part,
+                    unknowns,
+                    halved,
+                    {name: float(part_loads.resultant(name).max()) for name in part_loads.wrenches},
+                    seconds,
+                    max(map(solve_gibibytes, unknowns)),
+                )
+            )
+    except loads.LinkageError as error:
+        raise DesignError(design.file, "linkage", str(error)) from error
+    except TooManyElementsError as error:
+        raise DesignError(design.file, "parts", str(error)) from error
+    except MeshError as error:
+        raise NumericsError(
+            str(error), str(design.file), "check the part's dimensions, or change mesh.fineness"
+        ) from error
+    return planned
+
+
+def plan_text(path: str | Path, overrides: Sequence[str] = ()) -> str:
+    """Return the plan of a design file in words."""
+    design = read_design(path, overrides)
+    lines = [f"{design.name} ({path})", "", sketch(design), ""]
+    lines += ["joints", *(f"  {line}" for line in joints_in_words(design))]
+    lines += ["cycles"]
+    for cycle in design.cycles.values():
+        duty = design.duty.cycles.get(cycle.name)
+        counted = f"{duty:.3g} times in its life" if duty else "not in the duty: yield, buckling"
+        phases = ", ".join(f"{p.name} (solves {p.solve})" for p in cycle.phases)
+        lines.append(
+            f"  {cycle.name}: at least {cycle.positions} positions of {cycle.coordinate}; {counted}"
+        )
+        lines.append(f"    phases {phases}")
+    for run in design.measured.values():
+        duty = design.duty.cycles.get(run.name)
+        counted = f"{duty:.3g} times in its life" if duty else "not in the duty: yield, buckling"
+        lines.append(
+            f"  {run.name}: {len(run.loads.positions)} positions measured in {run.file}; {counted}"
+        )
+    start = perf_counter()
+    planned = plan(design)
+    so_far = perf_counter() - start  # a check takes it, too
+    if not planned:
+        lines += ["no parts: nothing to check; ballesta loads tells the forces"]
+        return "\n".join(lines)
+    lines += ["parts"]
+    for entry in planned:
+        part = entry.part
+        unknowns = " and about ".join(f"{count:,}".replace(",", " ") for count in entry.unknowns)
+        cost = f"about {_seconds(entry.seconds)}"
+        lines.append(
+            f"  {part.name}: {part.shape}, {part.material.name}, solid on two meshes of {unknowns} "
+            f"unknowns{' (of half of it)' if entry.halved else ''}, {cost}, "
+            f"{entry.gibibytes:.1f} GiB"
+        )
+        for name, point in part.interfaces.items():
+            lines.append(
+                f"    {name} at {point}: up to {entry.forces[name] / 1e3:.4g} kN over the cycles"
+            )
+    left = sum(entry.seconds - mesh_seconds(entry.unknowns[0]) for entry in planned)
+    seconds = so_far + left + report_seconds(len(planned))
+    peak = max((entry.gibibytes for entry in planned), default=0.0)
+    lines += [
+        f"in all about {_seconds(seconds)} by --fidelity solid, by this machine's speed now, and "
+        f"{peak:.1f} GiB; auto takes solids only of what cheaper models leave open. A third, finer "
+        "mesh is taken where two leave the error above the accuracy asked for",
+    ]
+    return "\n".join(lines)
+
+
+def _seconds(seconds: float) -> str:
+    """A time that is known to a factor of two."""
+    return f"{seconds:.0f} s" if seconds < 120 else f"{seconds / 60:.0f} min"

@@ -1,0 +1,82 @@
+"""A linkage drawn with letters, for a terminal."""
+
+from checks.design.data import GROUND, Design
+
+
+def sketch(design: Design, width: int = 60, height: int = 22) -> str:
+    """Return the assembled linkage: points by name, bodies as dots, pulling forces as dashes.
+
+    The line that a point slides on is drawn with colons.
+
+    A point on the ground carries an underscore, one that slides on a line a colon.
+    """
+    points = design.points
+    left, right = min(x for x, _ in points.values()), max(x for x, _ in points.values())
+    low, high = min(y for _, y in points.values()), max(y for _, y in points.values())
+    # a letter is about twice as high as wide
+    scale = min((width - 4) / max(right - left, 1e-9), 2 * (height - 1) / max(high - low, 1e-9))
+
+    def cell(point: tuple[float, float]) -> tuple[int, int]:
+        return round((point[0] - left) * scale), round((high - point[1]) * scale / 2)
+
+    canvas: dict[tuple[int, int], str] = {}
+
+    def line(first: str, second: str, mark: str) -> None:
+        (x0, y0), (x1, y1) = cell(points[first]), cell(points[second])
+        steps = max(abs(x1 - x0), abs(y1 - y0), 1)
+        for k in range(steps + 1):
+            place = (round(x0 + (x1 - x0) * k / steps), round(y0 + (y1 - y0) * k / steps))
+            canvas.setdefault(place, mark)
+
+    for body in design.bodies.values():
+        for first, second in zip(body.pins, body.pins[1:], strict=False):
+            line(first, second, ".")
+    for force in design.forces.values():
+        if force.between is not None:
+            (_, first), (_, second) = force.between
+            line(first, second, "-")
+    for slide in design.slides.values():
+        line(slide.through, slide.point, ":")
+    guided = {body.pins[0] for body in design.bodies.values() if body.guide}
+    guided |= {slide.point for slide in design.slides.values()}
+    for name, place in points.items():
+        column, row = cell(place)
+        label = name + ("_" if name in design.ground else ":" if name in guided else "")
+        for offset, letter in enumerate(label):
+            canvas[column + offset, row] = letter
+    rows = max(row for _, row in canvas) + 1
+    columns = max(column for column, _ in canvas) + 1
+    drawn = ("".join(canvas.get((c, r), " ") for c in range(columns)) for r in range(rows))
+    return "\n".join(row.rstrip() for row in drawn)
+
+
+def joints_in_words(design: Design) -> list[str]:
+    """Each joint as a line."""
+    lines = [
+        f"{point}: pin of {', '.join(map(_named, bodies))}"
+        for point, bodies in design.joints.items()
+    ]
+    for slide in design.slides.values():
+        x, y = slide.direction
+        lines.append(
+            f"{slide.name}: {slide.kind} of {slide.body} at {slide.point} on {_named(slide.on)}, "
+            f"through {slide.through} along {x:.4g}, {y:.4g}{_between(slide.ends)}"
+        )
+    lines += [
+        f"{weld.name}: weld of {' and '.join(map(_named, weld.bodies))} at {weld.point}"
+        for weld in design.welds.values()
+    ]
+    lines += [
+        f"guide of {body.name}{_between(body.guide_ends)}"
+        for body in design.bodies.values()
+        if body.guide
+    ]
+    return lines
+
+
+def _named(body: str) -> str:
+    return "the ground" if body == GROUND else body
+
+
+def _between(ends: tuple[float, float] | None) -> str:
+    return f", from {ends[0]:g} to {ends[1]:g} mm" if ends else ""

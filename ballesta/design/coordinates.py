@@ -1,0 +1,32 @@
+"""Reads the coordinates that a design file names, such as A.y or cylinder.length."""
+
+from checks.design.data import Coordinate
+from checks.design.errors import Problems
+from checks.design.model import DesignFile
+from checks.design.names import listed, no_such
+
+
+def coordinate_of(key: str, text: str, file: DesignFile, problems: Problems) -> Coordinate | None:
+    """Return what a text names, None where a problem was told."""
+    name, _, what = text.rpartition(".")
+    pins = dict.fromkeys(pin for body in file.bodies.values() for pin in body.pins)
+    pulling = [force for force, entry in file.forces.items() if entry.between is not None]
+    kinds = {
+        "x": ("point on a body", list(pins)),
+        "y": ("point on a body", list(pins)),
+        "angle": ("body", list(file.bodies)),
+        "length": ("force between two points", pulling),
+    }
+    if what not in kinds or not name:
+        problems.add(
+            key,
+            "must be <point>.x, <point>.y, <body>.angle or <force>.length, "
+            f'got "{text}"; points {listed(pins)}; bodies {listed(file.bodies)}; '
+            f"forces {listed(pulling)}",
+        )
+        return None
+    kind, known = kinds[what]
+    if name not in known:
+        problems.add(key, no_such(kind, name, known))
+        return None
+    return Coordinate(name, what)

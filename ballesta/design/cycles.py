@@ -1,0 +1,182 @@
+"""Puts the cycles and the duty of a design together."""
+
+from collections.abc import Mapping
+
+from ballesta.design.coordinates import coordinate_of
+from ballesta.design.files import Sources
+from ballesta.design.joints import friction_of
+from ballesta.design.laws import law_of
+from checks.design.data import ContactLaw, Coordinate, Cycle, Duty, Law, Pace, Phase, Shown, Stop
+from checks.design.errors import Problems
+from checks.design.model import DesignFile
+from checks.design.names import no_such
+from checks.design.tables import CycleEntry, PaceEntry
+from checks.design.units import DIMENSIONS, Measured
+
+
+def cycles_of(
+    file: DesignFile, joint_names: Mapping[str, str], sources: Sources, problems: Problems
+) -> dict[str, Cycle]:
+    """Return the cycles whose entries are in order; joint names as of `design_joints`."""
+    cycles = {}
+    for name, entry in file.cycles.items():
+        cycle = _cycle(name, entry, file, joint_names, sources, problems)
+        if cycle is not None:
+            cycles[name] = cycle
+    return cycles
+
+
+def duty_of(file: DesignFile, problems: Problems) -> Duty:
+    """Return the duty; a cycle or measured run that does not exist is a problem."""
+    known = (*file.cycles, *file.measured)
+    for name in file.duty.cycles:
+        if name not in known:
+            problems.add(f"duty.cycles.{name}", no_such("cycle", name, known))
+    duty = file.duty
+    if duty.damage_so_far and duty.life != "finite":
+        problems.add(
+            "duty.damage_so_far",
+            'is of a finite life only; state life = "finite", or leave it out',
+        )
+    elif duty.damage_so_far >= duty.allowed_damage:
+        problems.add(
+            "duty.damage_so_far",
+            f"{duty.damage_so_far:g} leaves nothing of the allowed damage of "
+            f"{duty.allowed_damage:g}",
+        )
+    return Duty(dict(duty.cycles), duty.rate, duty.life, duty.allowed_damage, duty.damage_so_far)
+
+
+def _cycle(
+    name: str,
+    entry: CycleEntry,
+    file: DesignFile,
+    joint_names: Mapping[str, str],
+    sources: Sources,
+    problems: Problems,
+) -> Cycle | None:
+    key = f"cycles.{name}"
+    swept = coordinate_of(f"{key}.coordinate", entry.coordinate, file, problems)
+    paced = coordinate_of(f"{key}.pace.coordinate", entry.pace.coordinate, file, problems)
+
+    def along(where: str, measured: Measured) -> float:
+        if swept is not None:
+            _check_dimension(f"{key}.{where}", measured, swept.dimension, problems)
+        return measured.value
+
+    start = along("start", entry.start)
+    ends = [along(f"phases[{i}].to", phase.to) for i, phase in enumerate(entry.phases)]
+    phases = _phases(key, entry, ends, start, file, sources, problems)
+    shown, stop, friction = None, None, None
+    if entry.shown is not None:
+        zero = along("shown.zero", entry.shown.zero)
+        shown = Shown(entry.shown.name, zero, entry.shown.sign)
+    if entry.stop is not None:
+        stop = Stop(entry.stop.basis, along("stop.tolerance", entry.stop.tolerance))
+    if entry.friction is not None:
+        friction = friction_of(f"{key}.friction", entry.friction, joint_names, problems)
+    pace = _pace(f"{key}.pace", entry.pace, paced, problems)
+    if swept is None or pace is None:
+        return None
+    return Cycle(
+        name=name,
+        coordinate=swept,
+        start=start,
+        pace=pace,
+        positions=entry.positions,
+        shown=shown,
+        stop=stop,
+        phases=phases,
+        friction=friction,
+    )
+
+
+def _check_dimension(key: str, measured: Measured, dimension: str, problems: Problems) -> None:
+    if measured.dimension != dimension:
+        kinds = DIMENSIONS[dimension], DIMENSIONS[measured.dimension]
+        problems.add(
+            key, f'must be {kinds[0].title} such as "{kinds[0].example}", got {kinds[1].title}'
+        )
+
+
+def _pace(
+    key: str, entry: PaceEntry, coordinate: Coordinate | None, problems: Problems
+) -> Pace | None:
+    if entry.speed is not None and entry.law is not None:
+        problems.add(key, "has both speed and law; a stroke runs by one of them")
+        return None
+    if entry.speed is None and entry.law is None:
+        problems.add(key, 'needs speed such as "0.1 m/s", or law and time such as "1.5 s"')
+        return None
+    if entry.law is not None:
+        if entry.acceleration is not None:
+            problems.add(f"{key}.acceleration", "follows from the law; leave it out")
+        if entry.time is None:
+            problems.add(f"{key}.time", 'must be stated such as "1.5 s": of each stroke')
+            return None
+    elif entry.time is not None:
+        problems.add(f"{key}.time", "is only used with law; leave it out")
+    if coordinate is None:
+        return None
+    angular = "angular " if coordinate.dimension == "angle" else ""
+    for field, dimension in (("speed", "speed"), ("acceleration", "acceleration")):
+        measured = getattr(entry, field)
+        if measured is not None:
+            _check_dimension(f"{key}.{field}", measured, angular + dimension, problems)
+    return Pace(
+        coordinate,
+        entry.speed.value if entry.speed else None,
+        entry.acceleration.value if entry.acceleration else 0.0,
+        entry.law,
+        entry.time,
+    )
+
+
+def _phases(
+    key: str,
+    entry: CycleEntry,
+    ends: list[float],
+    start: float,
+    file: DesignFile,
+    sources: Sources,
+    problems: Problems,
+) -> tuple[Phase, ...]:
+    phases: list[Phase] = []
+    for index, (phase, end) in enumerate(zip(entry.phases, ends, strict=True)):
+        here = f"{key}.phases[{index}]"
+        if end == (ends[index - 1] if index else start):
+            problems.add(f"{here}.to", f"phase {phase.name!r} ends where it starts")
+        if phase.name in [earlier.name for earlier in phases]:
+            problems.add(f"{here}.name", f"{phase.name!r} is there twice")
+        given: dict[str, Law] = {}
+        for force, entered in phase.forces.items():
+            if force not in file.forces:
+                problems.add(f"{here}.forces.{force}", no_such("force", force, file.forces))
+                continue
+            law = law_of(f"{here}.forces.{force}", force, entered, file, sources, problems)
+            if law is None:
+                continue
+            others = [name for name, other in given.items() if isinstance(other, ContactLaw)]
+            if others and isinstance(law, ContactLaw):
+                problems.add(
+                    f"{here}.forces.{force}",
+                    f"is a second contact beside {others[0]}; a phase can have one",
+                )
+            given[force] = law
+        if phase.solve not in file.forces:
+            problems.add(f"{here}.solve", no_such("force", phase.solve, file.forces))
+        elif phase.solve in phase.forces:
+            problems.add(
+                f"{here}.solve",
+                f"phase {phase.name!r} both gives and solves {phase.solve}; it can only do one",
+            )
+        for force in file.forces:
+            if force not in phase.forces and force != phase.solve:
+                rest = "0 N" if file.forces[force].turns is None else "0 N m"
+                problems.add(
+                    f"{here}.forces",
+                    f"phase {phase.name!r} leaves {force} neither given nor solved; "
+                    f'state it, {force} = "{rest}" when it rests',
+                )
+        phases.append(Phase(phase.name, end, given, phase.solve))
+    return tuple(phases)

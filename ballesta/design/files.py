@@ -1,0 +1,201 @@
+"""The files that a design takes from: the file itself, those that it is like, its tables."""
+
+import copy
+import hashlib
+import re
+import tomllib
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from ballesta.design.overrides import HUGE_NUMBER, Way, dotted, huge_number_at
+from checks.design.errors import DesignError
+from checks.design.names import nearest
+from geometry.bounded_files import MOST_TEXT, read_bounded
+
+
+@dataclass
+class Sources:
+    """Every file that was read for a design, and which of them states what.
+
+    texts    path as written -> text, in the order of reading, bases first
+    written  dotted key -> the file that states it; of a table the last one that adds to it
+    overridden  dotted keys that were set from outside
+    """
+
+    file: Path
+    texts: dict[Path, str] = field(default_factory=dict)
+    written: dict[str, Path] = field(default_factory=dict)
+    overridden: set[str] = field(default_factory=set)
+
+    @property
+    def sha256(self) -> str:
+        """Checksum of all texts, one after the other."""
+        return hashlib.sha256("".join(self.texts.values()).encode()).hexdigest()
+
+    def file_of(self, key: str) -> Path:
+        """Return the file that states a key, or the table that it is missing from."""
+        while key:
+            if key in self.written:
+                return self.written[key]
+            key = key[: max(key.rfind("."), key.rfind("["), 0)]
+        return self.file
+
+    def override(self, key: str) -> None:
+        """Note that a key was set from outside; errors there are the file's own."""
+        self.written[key] = self.file
+        self.overridden.add(key)
+
+    def replaces(self, older: str, key: str) -> bool:
+        """Whether a key, or what would hold it, was stated after an older key, or set."""
+        by_set = any(
+            key == other or key.startswith((f"{other}.", f"{other}[")) for other in self.overridden
+        )
+        order = [*self.texts]
+        return by_set or order.index(self.file_of(key)) > order.index(self.file_of(older))
+
+    def read_beside(self, key: str, name: str, most: int = MOST_TEXT) -> str:
+        """Return the text of a file that is named relative to the file that states the key.
+
+        most  bytes that it may have
+        """
+        stated = self.file_of(key)
+        path = stated.parent / name
+        self.texts[path] = text = read_text(path, NamedFile(stated, key, name), most)
+        return text
+
+
+@dataclass(frozen=True)
+class NamedFile:
+    """Where a file is named that cannot be read: errors are told there."""
+
+    file: Path
+    key: str
+    name: str
+
+    def error(self, problem: str) -> DesignError:
+        """Return the error."""
+        return DesignError(self.file, self.key, f"{self.name!r} cannot be read: {problem}")
+
+
+def read_design_files(file: Path) -> tuple[dict[str, Any], Sources]:
+    """Return the data of a design file merged over the files that it is like, and all sources.
+
+    Tables merge key by key; lists and values of the later file replace those of the base.
+    """
+    sources = Sources(file)
+    return _merged(file, None, (), sources), sources
+
+
+def read_text(file: Path, named: NamedFile | None = None, most: int = MOST_TEXT) -> str:
+    """Return the text of a file; its errors are told at the key that names it, if one does."""
+
+    def error(problem: str, where: str = "cannot be read") -> DesignError:
+        return DesignError(file, where, problem) if named is None else named.error(problem)
+
+    try:
+        content = read_bounded(file, most)
+    except FileNotFoundError:
+        beside = sorted(other.name for other in file.parent.glob(f"*{file.suffix}"))
+        guess = nearest(file.name, beside) if named else None
+        hint = f", did you mean {guess}?" if guess else ""
+        raise error(f"there is no such file{hint}") from None
+    except IsADirectoryError:
+        kind = "file" if named else "design file"
+        raise error(f"is a directory, not a {kind}") from None
+    except (OSError, ValueError) as reason:
+        strerror = getattr(reason, "strerror", None) or str(reason)
+        raise error(str(strerror).lower()) from None
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as reason:
+        line = content.count(b"\n", 0, reason.start) + 1
+        raise error("is not UTF-8 text; save the file as UTF-8", f"line {line}") from None
+    return text.replace("\r\n", "\n")
+
+
+def _merged(
+    file: Path, named: NamedFile | None, chain: tuple[Path, ...], sources: Sources
+) -> dict[str, Any]:
+    text = read_text(file, named)
+    if not text.strip():
+        if named is not None:
+            raise named.error("the file is empty")
+        raise DesignError(file, "cannot be read", "the file is empty; ballesta new writes one")
+    data = _parsed(file, text)
+    huge = huge_number_at(data)
+    if huge is not None:
+        raise DesignError(file, dotted(huge), HUGE_NUMBER)
+    chain = (*chain, file)
+    base: dict[str, Any] = {}
+    if "like" in data:
+        name = data.pop("like")
+        if not isinstance(name, str) or not name.strip():
+            raise DesignError(
+                file, "like", f'must be another design file such as "press.toml", got {name!r}'
+            )
+        other = file.parent / name
+        if _place(other) in map(_place, chain):
+            circle = " is like ".join(path.name for path in (*chain, other))
+            raise DesignError(file, "like", f"goes round in a circle: {circle}")
+        base = _merged(other, NamedFile(file, "like", name), chain, sources)
+    sources.texts[file] = text
+    _merge(base, data, (), file, sources)
+    return base
+
+
+def _place(file: Path) -> Path:
+    try:
+        return file.resolve()
+    except (OSError, ValueError, RuntimeError):  # no such place; reading it tells why
+        return file
+
+
+def _merge(
+    into: dict[str, Any], data: dict[str, Any], way: Way, file: Path, sources: Sources
+) -> None:
+    for key, value in data.items():
+        here = (*way, key)
+        sources.written[dotted(here)] = file
+        if isinstance(value, dict) and isinstance(into.get(key), dict):
+            _merge(into[key], value, here, file, sources)
+            continue
+        if key in into:
+            inside = (f"{dotted(here)}.", f"{dotted(here)}[")
+            for known in [known for known in sources.written if known.startswith(inside)]:
+                del sources.written[known]
+        into[key] = copy.deepcopy(value)
+        _mark(value, here, file, sources)
+
+
+def _mark(value: object, way: Way, file: Path, sources: Sources) -> None:
+    """Note that a value and everything inside it is stated in a file."""
+    sources.written[dotted(way)] = file
+    entries = value.items() if isinstance(value, dict) else ()
+    for step, entry in entries:
+        _mark(entry, (*way, step), file, sources)
+
+
+@lru_cache(maxsize=32)
+def _toml(text: str) -> dict[str, Any]:
+    """The tables of a text, parsed once: variations of a design read its files again and again."""
+    return tomllib.loads(text)
+
+
+def _parsed(file: Path, text: str) -> dict[str, Any]:
+    try:
+        return dict(_toml(text))
+    except tomllib.TOMLDecodeError as error:
+        message = str(error)
+        place = re.search(r" \(at (?:line (\d+), column (\d+)|end of document)\)$", message)
+        what = message[: place.start()] if place else message
+        if place and place[1]:
+            where = f"line {place[1]}, column {place[2]}"
+        else:
+            where = f"line {text.count(chr(10)) + 1}, at the end"
+        raise DesignError(file, where, f"is not TOML: {what}") from None
+    except ValueError:  # Python reads no number of more than 4300 digits
+        raise DesignError(file, "cannot be read", f"has {HUGE_NUMBER}") from None
+    except RecursionError:
+        raise DesignError(file, "cannot be read", "is not TOML: nested too deeply") from None

@@ -1,0 +1,187 @@
+"""Puts the forces and torques of a design together, and what their drives can give."""
+
+import math
+
+from checks.design.data import GROUND, Force, Pair
+from checks.design.errors import Problems
+from checks.design.model import DesignFile
+from checks.design.names import listed, no_such
+from checks.design.tables import Available, ForceEntry
+from checks.design.units import DIMENSIONS, Measured
+
+_KINDS = {
+    "between": "a force between two points",
+    "body": "a force on a body",
+    "turns": "a torque",
+}
+_USED = {
+    "between": ("on",),
+    "body": ("at", "direction"),
+    "turns": ("against", "at"),
+}
+
+
+def forces_of(file: DesignFile, problems: Problems) -> dict[str, Force]:
+    """Return the forces whose entries are in order."""
+    forces = {}
+    for name, entry in file.forces.items():
+        key = f"forces.{name}"
+        kinds = [kind for kind in _KINDS if getattr(entry, kind) is not None]
+        if len(kinds) != 1:
+            problems.add(
+                key,
+                "needs one of between = [point, point], body with at and direction, or turns"
+                + (f"; it has {' and '.join(kinds)}" if kinds else ""),
+            )
+            continue
+        (kind,) = kinds
+        if not _only_used(key, entry, kind, problems):
+            continue
+        limits = _limits(f"{key}.available", entry.available, kind, problems)
+        if kind == "between":
+            ends = _ends(key, entry, file, problems)
+            if ends is not None:
+                forces[name] = Force(name, ends, None, None, None, limits)
+        elif kind == "body" and _is_placed(key, entry, file, problems):
+            forces[name] = Force(name, None, entry.body, entry.at, entry.direction, limits)
+        elif kind == "turns" and _turns(key, entry, file, problems):
+            against = entry.against or GROUND
+            forces[name] = Force(name, None, None, entry.at, None, limits, entry.turns, against)
+    return forces
+
+
+def dimension_of(entry: ForceEntry) -> str:
+    """`force` or `moment`."""
+    return "force" if entry.turns is None else "moment"
+
+
+def wrong_dimension(value: Measured, wanted: str, whose: str) -> str:
+    """Say that a value is a force where a torque is meant, or the other way round."""
+    kind, other = DIMENSIONS[wanted], DIMENSIONS[value.dimension]
+    return f'must be {kind.title} such as "{kind.example}", {whose}; got {other.title}'
+
+
+def _only_used(key: str, entry: ForceEntry, kind: str, problems: Problems) -> bool:
+    right = True
+    for field in ("on", "at", "direction", "against"):
+        if getattr(entry, field) is not None and field not in _USED[kind]:
+            for_ = [_KINDS[other] for other, used in _USED.items() if field in used]
+            problems.add(
+                f"{key}.{field}",
+                f"is only used for {' and '.join(for_)}, this is {_KINDS[kind]}; leave it out",
+            )
+            right = False
+    return right
+
+
+def _limits(
+    key: str, entry: Measured | Available | None, kind: str, problems: Problems
+) -> Pair | None:
+    """Return what the drive can give with a positive and with a negative sign, N or N mm."""
+    if entry is None:
+        return None
+    if isinstance(entry, Measured):
+        wanted = "moment" if kind == "turns" else "force"
+        if entry.dimension != wanted:
+            problems.add(key, wrong_dimension(entry, wanted, f"this is {_KINDS[kind]}"))
+            return None
+        return entry.value, entry.value
+    stated = [field for field in Available.model_fields if getattr(entry, field) is not None]
+    if kind != "between":
+        example = DIMENSIONS["moment" if kind == "turns" else "force"].example
+        problems.add(
+            key, f'a table is for a force between two points; write it such as "{example}"'
+        )
+        return None
+    if stated and set(stated) <= {"push", "pull"}:
+        if entry.push is None or entry.pull is None:
+            missing = "push" if entry.push is None else "pull"
+            problems.add(f"{key}.{missing}", "must be stated beside the other direction")
+            return None
+        return entry.pull, entry.push
+    if {"push", "pull"} & set(stated) or not stated:
+        problems.add(
+            key, f"needs either push and pull, or bore, rod and pressure; it has {listed(stated)}"
+        )
+        return None
+    if entry.bore is None or entry.pressure is None or entry.rod is None:
+        for field in ("bore", "rod", "pressure"):
+            if field not in stated:
+                description = Available.model_fields[field].description
+                problems.add(f"{key}.{field}", f"must be stated: {description}")
+        return None
+    if entry.rod >= entry.bore:
+        problems.add(
+            f"{key}.rod", f"must be below the bore of {entry.bore:g} mm, got {entry.rod:g} mm"
+        )
+        return None
+    piston = math.pi * entry.bore**2 / 4
+    ring = piston - math.pi * entry.rod**2 / 4
+    return entry.pressure * ring, entry.pressure * piston
+
+
+def _ends(
+    key: str, entry: ForceEntry, file: DesignFile, problems: Problems
+) -> tuple[tuple[str, str], tuple[str, str]] | None:
+    assert entry.between is not None
+    if entry.on is not None and entry.on not in file.bodies:
+        problems.add(f"{key}.on", no_such("body", entry.on, file.bodies))
+        return None
+    ends, candidates = [], []
+    for index, point in enumerate(entry.between):
+        if point not in file.points:
+            problems.add(f"{key}.between[{index}]", no_such("point", point, file.points))
+            return None
+        users = [name for name, body in file.bodies.items() if point in body.pins]
+        candidates += users
+        if point in file.ground:
+            ends.append((GROUND, point))
+        elif not users:
+            problems.add(f"{key}.between[{index}]", f"point {point} is on no body")
+            return None
+        else:
+            ends.append((entry.on if entry.on in users else users[0], point))
+    if entry.on is not None and entry.on not in candidates:
+        problems.add(
+            f"{key}.on",
+            f"body {entry.on} has neither {entry.between[0]} nor {entry.between[1]}; "
+            f"there are {listed(dict.fromkeys(candidates))}",
+        )
+        return None
+    if ends[0][0] == ends[1][0]:
+        problems.add(f"{key}.between", f"both points are on {ends[0][0]}; nothing can move")
+        return None
+    return ends[0], ends[1]
+
+
+def _is_placed(key: str, entry: ForceEntry, file: DesignFile, problems: Problems) -> bool:
+    if entry.body not in file.bodies:
+        problems.add(f"{key}.body", no_such("body", str(entry.body), file.bodies))
+        return False
+    if entry.at is None or entry.direction is None:
+        missing = "at" if entry.at is None else "direction"
+        problems.add(f"{key}.{missing}", "must be stated")
+        return False
+    return _at_point_of(key, entry.body, entry.at, file, problems)
+
+
+def _turns(key: str, entry: ForceEntry, file: DesignFile, problems: Problems) -> bool:
+    if entry.turns not in file.bodies:
+        problems.add(f"{key}.turns", no_such("body", str(entry.turns), file.bodies))
+        return False
+    if entry.against not in (None, GROUND, *file.bodies):
+        known = [GROUND, *file.bodies]
+        problems.add(f"{key}.against", no_such("body", str(entry.against), known))
+        return False
+    if entry.against == entry.turns:
+        problems.add(f"{key}.against", f"{entry.turns} cannot be turned against itself")
+        return False
+    return entry.at is None or _at_point_of(key, entry.turns, entry.at, file, problems)
+
+
+def _at_point_of(key: str, body: str, point: str, file: DesignFile, problems: Problems) -> bool:
+    pins = file.bodies[body].pins
+    if point not in pins:
+        problems.add(f"{key}.at", no_such(f"point of body {body}", point, pins))
+        return False
+    return True

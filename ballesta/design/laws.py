@@ -1,0 +1,236 @@
+"""Puts the laws of the forces in a phase together: constant, tabled, or a contact."""
+
+import csv
+import io
+import math
+from collections.abc import Sequence
+from itertools import islice, pairwise
+
+from ballesta.design.coordinates import coordinate_of
+from ballesta.design.csv_columns import MOST_ROWS
+from ballesta.design.files import Sources
+from ballesta.design.forces import dimension_of, wrong_dimension
+from checks.design.data import ContactLaw, Coordinate, Law, TableLaw
+from checks.design.errors import DesignError, Problems
+from checks.design.model import DesignFile
+from checks.design.tables import ContactLaw as ContactEntry
+from checks.design.tables import ForceEntry
+from checks.design.tables import TableLaw as TableEntry
+from checks.design.units import DIMENSIONS, Measured, measure
+from checks.result.words import brief
+
+_EXAMPLE = 'over = "A.y", at = ["0 mm", "5 mm"], force = ["0 N", "80 N"]'
+
+
+def law_of(
+    key: str,
+    force: str,
+    entry: Measured | TableEntry | ContactEntry,
+    file: DesignFile,
+    sources: Sources,
+    problems: Problems,
+) -> Law | None:
+    """Return the law of a force in a phase, None where a problem was told."""
+    stated = file.forces[force]
+    if isinstance(entry, Measured):
+        return _value(key, force, entry, stated, problems)
+    if isinstance(entry, ContactEntry):
+        return _contact(key, force, entry, stated, file, problems)
+    return _table(key, force, entry, stated, file, sources, problems)
+
+
+def _value(
+    key: str, force: str, value: Measured, stated: ForceEntry, problems: Problems
+) -> float | None:
+    wanted = dimension_of(stated)
+    if value.dimension != wanted:
+        kind = "a torque" if wanted == "moment" else "a force"
+        problems.add(key, wrong_dimension(value, wanted, f"{force} is {kind}"))
+        return None
+    return value.value
+
+
+def _contact(
+    key: str,
+    force: str,
+    entry: ContactEntry,
+    stated: ForceEntry,
+    file: DesignFile,
+    problems: Problems,
+) -> ContactLaw | None:
+    own = _own_coordinate(force, stated)
+    if own is None:
+        what = "is a torque" if stated.turns is not None else "pushes askew"
+        problems.add(
+            key, f"a contact needs a force along x or y, or between two points; {force} {what}"
+        )
+        return None
+    if entry.touches.strip() != str(own):
+        problems.add(
+            f"{key}.touches",
+            f'must be "{own}", the coordinate along which {force} pushes, got "{entry.touches}"',
+        )
+        return None
+    if entry.at.dimension != "length":
+        kind = DIMENSIONS["length"]
+        problems.add(
+            f"{key}.at",
+            f'must be {kind.title} such as "{kind.example}", '
+            f"got {DIMENSIONS[entry.at.dimension].title}",
+        )
+        return None
+    gives = file.elastic.joints or any(body.elastic for body in file.bodies.values())
+    if entry.stiffness is None and not gives:
+        problems.add(
+            f"{key}.stiffness",
+            'must be stated such as "80 kN/mm": where nothing gives way the force has no size; or '
+            "let a body or joint give way: bodies.<body>.elastic, elastic.joints.<joint>",
+        )
+        return None
+    if entry.stops and own.what == "length":
+        problems.add(
+            f"{key}.stops", "holds a body on a line only, not two points apart; leave it out"
+        )
+        return None
+    stops = entry.stops if entry.stops is not None else own.what != "length"
+    return ContactLaw(own, entry.at.value, entry.stiffness, stops)
+
+
+def _own_coordinate(force: str, stated: ForceEntry) -> Coordinate | None:
+    """Return what a force works along, if a design file can name it."""
+    if stated.between is not None:
+        return Coordinate(force, "length")
+    if stated.direction is None or stated.at is None:
+        return None
+    x, y = stated.direction
+    if x != 0.0 and y != 0.0:
+        return None
+    return Coordinate(stated.at, "x" if y == 0.0 else "y")
+
+
+def _table(
+    key: str,
+    force: str,
+    entry: TableEntry,
+    stated: ForceEntry,
+    file: DesignFile,
+    sources: Sources,
+    problems: Problems,
+) -> TableLaw | None:
+    over = coordinate_of(f"{key}.over", entry.over, file, problems)
+    if entry.table is not None:
+        columns = _from_csv(key, entry, sources, problems)
+        for field in ("at", "force"):
+            if getattr(entry, field) is not None:
+                problems.add(f"{key}.{field}", "is in the file of table; leave one out")
+                return None
+    elif entry.at is None or entry.force is None:
+        missing = "at" if entry.at is None else "force"
+        problems.add(f"{key}.{missing}", f"must be stated, such as {_EXAMPLE}, or table a file")
+        return None
+    else:
+        columns = list(entry.at), list(entry.force)
+        if entry.units is not None:
+            problems.add(f"{key}.units", "is only used with table; leave it out")
+    if columns is None or over is None:
+        return None
+    values, forces = columns
+    place = key if entry.table is None else f"{key}.table"
+    fields = ("at", "force") if entry.table is None else ("table", "table")
+    if len(values) != len(forces) or len(values) < 2:
+        problems.add(
+            place,
+            "needs as many forces as values and at least two, got "
+            f"{len(values)} values and {len(forces)} forces",
+        )
+        return None
+    checks = (
+        (fields[0], values, over.dimension, f"{over} is {DIMENSIONS[over.dimension].title}"),
+        (
+            fields[1],
+            forces,
+            dimension_of(stated),
+            f"{force} is a {'torque' if stated.turns is not None else 'force'}",
+        ),
+    )
+    right = True
+    for field, column, wanted, why in checks:
+        wrong = next((value for value in column if value.dimension != wanted), None)
+        if wrong is not None:
+            problems.add(f"{key}.{field}", wrong_dimension(wrong, wanted, why))
+            right = False
+    return _rising(f"{key}.{fields[0]}", over, values, forces, problems) if right else None
+
+
+def _rising(
+    key: str,
+    over: Coordinate,
+    values: Sequence[Measured],
+    forces: Sequence[Measured],
+    problems: Problems,
+) -> TableLaw | None:
+    for before, after in pairwise(value.value for value in values):
+        if after <= before:
+            angle = over.dimension == "angle"
+            first, second = (math.degrees(v) if angle else v for v in (before, after))
+            unit = "deg" if angle else "mm"
+            problems.add(key, f"must rise, got {first:g} {unit} and then {second:g} {unit}")
+            return None
+    return TableLaw(over, tuple(v.value for v in values), tuple(f.value for f in forces))
+
+
+def _from_csv(
+    key: str, entry: TableEntry, sources: Sources, problems: Problems
+) -> tuple[list[Measured], list[Measured]] | None:
+    """Read the two columns of a CSV file; a first line of words is passed over."""
+    assert entry.table is not None
+    if entry.units is None:
+        problems.add(
+            f"{key}.units", 'must be stated beside table, for its two columns, such as ["mm", "N"]'
+        )
+        return None
+    try:
+        text = sources.read_beside(f"{key}.table", entry.table)
+    except DesignError as error:
+        problems.take(error)
+        return None
+    columns: tuple[list[Measured], list[Measured]] = ([], [])
+    accepted = (("length", "angle"), ("force", "moment"))
+    delimiter = next((mark for mark in ";\t" if mark in text), ",")
+    try:
+        reader = csv.reader(io.StringIO(text), delimiter=delimiter)
+        rows = list(islice(reader, MOST_ROWS + 2))
+    except csv.Error as error:
+        problems.add(f"{key}.table", f"{entry.table}: is not CSV: {error}")
+        return None
+    if len(rows) > MOST_ROWS + 1:
+        told = f"has more than {MOST_ROWS} rows; resample it"
+        problems.add(f"{key}.table", f"{entry.table}: {told}")
+        return None
+    for number, row in enumerate(rows, start=1):
+        cells = [cell.strip() for cell in row]
+        if not any(cells) or (number == 1 and not any(map(_is_number, cells))):
+            continue
+        where = f"{entry.table}, line {number}: "
+        if len(cells) != 2:
+            problems.add(f"{key}.table", f"{where}needs two columns, got {len(cells)}")
+            return None
+        for index, cell in enumerate(cells):
+            if not _is_number(cell):
+                hint = "; decimals are written with a point" if "," in cell else ""
+                problems.add(f"{key}.table", f'{where}must be a number, got "{brief(cell)}"{hint}')
+                return None
+            try:
+                columns[index].append(measure(f"{cell} {entry.units[index]}", *accepted[index]))
+            except ValueError as error:
+                problems.add(f"{key}.units[{index}]", f"{where}{error}")
+                return None
+    return columns
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True

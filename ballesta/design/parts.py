@@ -1,0 +1,321 @@
+"""Puts the parts of a design together: shape, material, and where they sit in the linkage."""
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from ballesta.design.files import Sources
+from ballesta.design.step_parts import step_geometry
+from checks.design.data import Body, Part, Roller, SlidingJoint
+from checks.design.errors import DesignError, Problems
+from checks.design.materials import Material, known_materials
+from checks.design.model import BodyPartEntry, DesignFile, StepPartEntry
+from checks.design.names import LINKAGE, listed, no_such
+from checks.design.stacks import check_stacks
+from checks.design.strength import FkmStrength, fkm_of
+from checks.result.words import clipped
+from geometry.parameters import GIVEN_BY_DESIGN, GIVEN_BY_LINKAGE, ParameterError
+from geometry.parts import SHAPES, Pin, Seat
+
+SLIDING = ("contact", "slot")  # interfaces of shapes on which a slot or guide of the linkage runs
+_LONGEST = 200  # bytes of a name: systems allow 255 for a file, with its suffix
+_SHOWN = 40  # letters of a name that is longer
+
+
+def materials_of(file: DesignFile, problems: Problems) -> dict[str, Material]:
+    """Return ballesta's materials and the design's own."""
+    materials = dict(known_materials())
+    for name, entry in file.materials.items():
+        if name in known_materials():
+            problems.add(f"materials.{name}", "ballesta has a material of that name; rename yours")
+            continue
+        try:
+            materials[name] = entry.named(name)
+        except ParameterError as error:
+            problems.add(f"materials.{name}.{error.field}", error.problem)
+    return materials
+
+
+def _why_no_name(name: str) -> str:
+    """Why no part may have a name; "" where one may."""
+    if name == LINKAGE:
+        return "stands for the linkage as a whole; give the part another name"
+    if (size := len(name.encode())) > _LONGEST:
+        return (
+            f"a part's name is that of its file, so it has at most {_LONGEST} letters, got {size}; "
+            "give the part a shorter name"
+        )
+    return ""
+
+
+def parts_of(
+    file: DesignFile,
+    bodies: Mapping[str, Body],
+    joints: Mapping[str, tuple[str, ...]],
+    slides: Mapping[str, SlidingJoint],
+    materials: Mapping[str, Material],
+    sources: Sources,
+    problems: Problems,
+) -> dict[str, Part]:
+    """Return the parts whose entries are in order; STEP files are read and added to the sources."""
+    parts: dict[str, Part] = {}
+    owners: dict[tuple[str, str], str] = {}
+    for name, entry in file.parts.items():
+        key = f"parts.{name}"
+        if unusable := _why_no_name(name):
+            file_of_it = sources.file_of(key)
+            problems.take(DesignError(file_of_it, f"parts.{clipped(name, _SHOWN)}", unusable))
+            continue
+        kind = "body" if isinstance(entry, BodyPartEntry) else "joint"
+        place = getattr(entry, kind)
+        first = owners.setdefault((kind, place), name)
+        if first != name:
+            problems.add(f"{key}.{kind}", f"{first} is already the part of {kind} {place}")
+        # a material with a problem of its own is told once, at the material
+        if entry.material not in materials and entry.material not in file.materials:
+            problems.add(f"{key}.material", no_such("material", entry.material, materials))
+        elif entry.material in materials and (why := materials[entry.material].why_not_goodman):
+            problems.add(f"{key}.material", f"{why}; only ductile metals can be checked")
+        if isinstance(entry, BodyPartEntry):
+            sits = _sits_in_body(key, entry, file, slides, problems)
+            rollers = _rollers(key, entry, materials, problems)
+        else:
+            sits = _sits_in_joint(key, entry, file, joints, problems)
+            rollers = {}
+        if not sits or entry.material not in materials or (kind == "body" and place not in bodies):
+            continue
+        try:
+            if isinstance(entry, StepPartEntry):
+                geometry = step_geometry(key, entry, bodies[entry.body].points, sources)
+            else:
+                geometry = _geometry(entry, bodies)
+        except DesignError as error:
+            problems.take(error)
+            continue
+        except ParameterError as error:
+            field = "stack" + error.field[5:] if error.field.startswith("seats") else error.field
+            problems.add(f"{key}.{field}", error.problem)
+            continue
+        stated = sorted(entry.column.model_fields_set)
+        if stated and not geometry.sections:
+            problems.add(
+                f"{key}.column.{stated[0]}",
+                "the part is no column: it has no section that is compressed along its length; "
+                "leave it out",
+            )
+        material = materials[entry.material]
+        fkm = fkm_of(key, entry, material, geometry, problems) if material.ductile else None
+        parts[name] = _part(name, entry, file, geometry, material, rollers, fkm)
+    check_stacks(parts, file.parts, problems)
+    return parts
+
+
+def _rollers(
+    key: str, entry: Any, materials: Mapping[str, Material], problems: Problems
+) -> dict[str, Roller]:
+    """What presses on the part's sliding contacts, where it is round."""
+    sliding = [name for name in entry.interfaces if name in SLIDING]
+    rollers = {}
+    for name, contact in entry.contacts.items():
+        if name not in sliding or isinstance(entry, StepPartEntry):
+            known = no_such("sliding interface of the part", name, sliding)
+            problems.add(f"{key}.contacts.{name}", known)
+        elif contact.material is not None and contact.material not in materials:
+            known = no_such("material", contact.material, materials)
+            problems.add(f"{key}.contacts.{name}.material", known)
+        elif 2 * contact.radius > (room := getattr(entry, "slot_width", math.inf)):
+            problems.add(
+                f"{key}.contacts.{name}.radius",
+                f"a roller of radius {contact.radius:g} mm cannot stand in a slot of {room:g} mm; "
+                f"it must be at most {room / 2:g} mm; is {contact.radius:g} mm its diameter?",
+            )
+        else:
+            own = None if contact.material is None else materials[contact.material]
+            rollers[name] = Roller(contact.radius, own)
+    return rollers
+
+
+def _part(
+    name: str,
+    entry: Any,
+    file: DesignFile,
+    geometry: Any,
+    material: Material,
+    rollers: Mapping[str, Roller],
+    fkm: FkmStrength | None,
+) -> Part:
+    is_body = isinstance(entry, BodyPartEntry)
+    stack = () if is_body else tuple(entry.stack)
+    return Part(
+        name=name,
+        shape=entry.shape.step if isinstance(entry, StepPartEntry) else entry.shape,
+        geometry=geometry,
+        material=material,
+        body=entry.body if is_body else None,
+        joint=None if is_body else entry.joint,
+        interfaces=dict(entry.interfaces)
+        if is_body
+        else {lug.body or lug.force: entry.joint for lug in stack},
+        fixed_to=None if is_body else entry.fixed_to,
+        offsets=dict(entry.offsets) if is_body else {lug.body or lug.force: 0.0 for lug in stack},
+        tilt_held_at=_tilt_held_at(entry, file),
+        stack=stack,
+        surface=entry.surface,
+        bearing_arc=entry.bearing_arc,
+        column=entry.column,
+        reliability=entry.reliability,
+        fineness=entry.mesh.fineness,
+        most_unknowns=entry.mesh.most_unknowns,
+        contacts=rollers,
+        fkm=fkm,
+        arc_stated="bearing_arc" in entry.model_fields_set,
+    )
+
+
+def _tilt_held_at(entry: Any, file: DesignFile) -> str:
+    """The interface that takes the couples out of the linkage's plane that the others leave.
+
+    Where it is not stated: one without an offset, whose couple would have no effect there, on the
+    ground if there is one, as a shaft has its bearings there; then as the body has its pins.
+    """
+    if not isinstance(entry, BodyPartEntry):
+        return str(entry.fixed_to)
+    if entry.tilt_held_at:
+        return entry.tilt_held_at
+    pins = file.bodies[entry.body].pins
+
+    def rank(interface: str) -> tuple[bool, bool, int]:
+        point = entry.interfaces[interface]
+        return bool(entry.offsets.get(interface)), point not in file.ground, pins.index(point)
+
+    return min((name for name in entry.interfaces if name not in SLIDING), key=rank)
+
+
+def _sits_in_body(
+    key: str, entry: Any, file: DesignFile, slides: Mapping[str, SlidingJoint], problems: Problems
+) -> bool:
+    if entry.body not in file.bodies:
+        problems.add(f"{key}.body", no_such("body", entry.body, file.bodies))
+        return False
+    right = True
+    step = isinstance(entry, StepPartEntry)
+    wanted = tuple(entry.holes) if step else SHAPES[entry.shape].interfaces
+    kind = "hole of the part" if step else f"interface of {entry.shape}"
+    pins = file.bodies[entry.body].pins
+    sliding = () if step else SLIDING
+    lines = [name for name, slide in slides.items() if slide.on == entry.body]
+    for interface, point in entry.interfaces.items():
+        here = f"{key}.interfaces.{interface}"
+        if interface not in wanted:
+            problems.add(here, no_such(kind, interface, wanted))
+            right = False
+        elif interface in sliding:
+            joint = file.joints.get(point)
+            if (
+                joint
+                and joint.kind != "fixed"
+                and (point not in slides or joint.on not in file.bodies)
+            ):
+                right = False  # what is wrong with the joint was told there
+            elif point not in lines:
+                problems.add(here, no_such(f"slot or guide on body {entry.body}", point, lines))
+                right = False
+        elif point not in pins:
+            problems.add(here, no_such(f"point of body {entry.body}", point, pins))
+            right = False
+    for name, interface in (
+        *((f"offsets.{name}", name) for name in entry.offsets),
+        *([("tilt_held_at", entry.tilt_held_at)] if entry.tilt_held_at else []),
+    ):
+        if interface not in entry.interfaces or interface in sliding:
+            fixed = [known for known in entry.interfaces if known not in sliding]
+            problems.add(f"{key}.{name}", no_such("interface that may tilt", interface, fixed))
+            right = False
+    missing = [interface for interface in wanted if interface not in entry.interfaces]
+    if missing:
+        problems.add(f"{key}.interfaces", f"must say at which point {listed(missing)} sits")
+        right = False
+    elif len(set(entry.interfaces.values())) < len(entry.interfaces):
+        problems.add(f"{key}.interfaces", "two of them sit at the same point")
+        right = False
+    return right
+
+
+def _sits_in_joint(
+    key: str,
+    entry: Any,
+    file: DesignFile,
+    joints: Mapping[str, tuple[str, ...]],
+    problems: Problems,
+) -> bool:
+    if entry.joint not in joints:
+        problems.add(f"{key}.joint", no_such("joint", entry.joint, joints))
+        return False
+    joined, right = joints[entry.joint], True
+    here = [
+        name
+        for name, force in file.forces.items()
+        if entry.joint in (force.between or ()) or force.at == entry.joint
+    ]
+    if entry.fixed_to not in joined:
+        kind = f"body at joint {entry.joint}"
+        problems.add(f"{key}.fixed_to", no_such(kind, entry.fixed_to, joined))
+        right = False
+    for index, lug in enumerate(entry.stack):
+        where = f"{key}.stack[{index}]"
+        if (lug.body is None) == (lug.force is None):
+            problems.add(where, "needs either body or force: what presses on the pin here")
+            right = False
+        elif lug.body is not None and lug.body not in joined:
+            kind = f"body at joint {entry.joint}"
+            problems.add(f"{where}.body", no_such(kind, lug.body, joined))
+            right = False
+        elif lug.force is not None and lug.force not in here:
+            kind = f"force at point {entry.joint}"
+            problems.add(f"{where}.force", no_such(kind, lug.force, here))
+            right = False
+    absent = [body for body in joined if body not in [lug.body for lug in entry.stack]]
+    if absent:
+        problems.add(
+            f"{key}.stack", f"joint {entry.joint} also has {listed(absent)}: where on the pin?"
+        )
+        right = False
+    return right
+
+
+def _geometry(entry: Any, bodies: Mapping[str, Body]) -> Any:
+    shape: Any = SHAPES[entry.shape]
+    values: dict[str, Any] = {}
+    for parameter in dataclasses.fields(shape):
+        given_by = parameter.metadata.get("given_by")
+        if given_by == GIVEN_BY_DESIGN:
+            values[parameter.name] = _rounded(getattr(entry, parameter.name))
+        elif given_by == GIVEN_BY_LINKAGE:
+            first, second = (entry.interfaces[name] for name in shape.interfaces[:2])
+            points = bodies[entry.body].points
+            values[parameter.name] = _rounded(math.dist(points[first], points[second]))
+    if shape is Pin:
+        values["seats"] = tuple(_seat(index, lug) for index, lug in enumerate(entry.stack))
+    return shape(**values)
+
+
+def _rounded(value: Any) -> Any:
+    """A dimension to 12 digits, as it is in any unit and however the machine is drawn.
+
+    Mesh generation is chaotic: a plate larger by 2e-16 of its size had 1009 nodes instead of 1019.
+    """
+    return float(f"{value:.12g}") if isinstance(value, float) else value
+
+
+def _seat(index: int, lug: Any) -> Seat:
+    try:
+        return Seat(
+            lug.body or lug.force,
+            at=_rounded(lug.at),
+            width=_rounded(lug.width),
+            diameter=_rounded(lug.diameter),
+            single=lug.single,
+        )
+    except ParameterError as error:
+        raise ParameterError(f"seats[{index}].{error.field}", error.problem) from None

@@ -1,0 +1,254 @@
+"""The door: reads a design file, refuses what cannot be meant, converts the units once.
+
+Inside ballesta a `Design` is trusted: names exist, quantities are finite and in N, mm, s and tonne.
+"""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from ballesta.design.cycles import cycles_of, duty_of
+from ballesta.design.files import Sources, read_design_files
+from ballesta.design.forces import forces_of
+from ballesta.design.joints import (
+    elastic_joints_of,
+    friction_of,
+    joint_names,
+    joints_of,
+    slides_of,
+    welds_of,
+)
+from ballesta.design.linkage import bodies_of, check_points
+from ballesta.design.measured import measured_of
+from ballesta.design.overrides import (
+    apply_override,
+    dotted,
+    parse_override,
+    resolve_like,
+    split_key,
+)
+from ballesta.design.parts import materials_of, parts_of
+from ballesta.design.problems import tell_problems
+from ballesta.design.step_parts import told_of_steps
+from checks.design.data import ContactLaw, Cycle, Design
+from checks.design.errors import Problems
+from checks.design.model import DesignFile
+from checks.design.names import nearest, no_such
+from checks.design.strength import strength_defaults
+from checks.design.units import DIMENSIONS, Quantity, Vector
+
+
+def read_design(path: str | Path, overrides: Sequence[str] = ()) -> Design:
+    """Return the design that the file states, with the overrides ("key=value") put in first.
+
+    Raises DesignError, or DesignErrors for several problems at once, in the words of the author.
+    """
+    file = Path(path)
+    data, sources = read_design_files(file)
+    changes = [parse_override(text) for text in overrides]
+    for change in changes:
+        apply_override(data, change, file)
+        sources.override(change.key)
+    inputs = tuple(_stated(data, ()))
+    problems = Problems(file, sources.file_of)
+    origins = resolve_like(data, problems)
+    problems.raise_if_any()
+    try:
+        model = DesignFile.model_validate(data)
+    except ValidationError as error:
+        tell_problems(error, origins, {change.key for change in changes}, problems)
+        problems.raise_if_any()
+        raise  # an error that pydantic does not describe is ours
+    return _assembled(model, data, inputs, sources, tuple(overrides), problems)
+
+
+def _assembled(
+    model: DesignFile,
+    data: Mapping[str, Any],
+    inputs: tuple[tuple[str, str], ...],
+    sources: Sources,
+    overrides: tuple[str, ...],
+    problems: Problems,
+) -> Design:
+    if not model.cycles and not model.measured:
+        problems.add("cycles", "must be stated: what the machine does, such as [cycles.press]")
+    check_points(model, problems)
+    bodies = bodies_of(model, problems)
+    joints = joints_of(model)
+    slides = slides_of(model, bodies, problems)
+    welds = welds_of(model, problems)
+    names = joint_names(model, joints)
+    materials = materials_of(model, problems)
+    assumed = {
+        key: reason
+        for key, reason in model.assumed.items()
+        if _is_assumed(key, data, sources, problems)
+    }
+    for name in model.claims:
+        if name not in model.parts:
+            problems.add(f"claims.{name}", no_such("part", name, model.parts))
+    design_forces = forces_of(model, problems)
+    friction = friction_of("friction", model.friction, names, problems)
+    elastic_joints = elastic_joints_of(model, names, problems)
+    cycles = cycles_of(model, names, sources, problems)
+    measured = {}
+    if len(bodies) == len(model.bodies):
+        measured = measured_of(model, bodies, sources, problems)
+    duty = duty_of(model, problems)
+    parts = parts_of(model, bodies, joints, slides, materials, sources, problems)
+    for name, part in parts.items():
+        if part.fkm is not None and duty.life == "finite":
+            problems.add(
+                f"parts.{name}.strength",
+                'must be "marin" where duty.life is "finite", got "fkm": a finite life is judged '
+                "by Marin's chain only",
+            )
+    problems.raise_if_any()
+    by_key: dict[str, str | None] = {**dict(_defaults(model, "")), **dict(strength_defaults(model))}
+    defaults = [(key, value) for key, value in by_key.items() if value is not None]
+    for name, force in model.forces.items():
+        ends = design_forces[name].between
+        if ends is not None and force.on is None:
+            on = [body for body, point in ends if len(joints.get(point, ())) > 1 and body in bodies]
+            defaults += [(f"forces.{name}.on", body) for body in on]
+    for name, entry in model.bodies.items():
+        if bodies[name].part is None and entry.centre is None:
+            defaults.append((f"bodies.{name}.centre", f"at its first pin, {entry.pins[0]}"))
+    defaults += _contact_defaults(model, cycles)
+    return Design(
+        name=model.name,
+        file=sources.file,
+        source=sources.texts[sources.file],
+        sources=tuple((str(path), text) for path, text in sources.texts.items()),
+        sha256=sources.sha256,
+        inputs=inputs,
+        overrides=overrides,
+        accuracy=model.accuracy,
+        require=model.require,
+        gravity=model.gravity,
+        ground=tuple(model.ground),
+        points=dict(model.points),
+        bodies=bodies,
+        joints=joints,
+        slides=slides,
+        welds=welds,
+        forces=design_forces,
+        friction=friction,
+        elastic_joints=elastic_joints,
+        irregularity=model.drive.irregularity,
+        dynamics=model.dynamics,
+        cycles=cycles,
+        measured=measured,
+        duty=duty,
+        parts=parts,
+        materials={part.material.name: part.material for part in parts.values()},
+        defaults_used=tuple(defaults),
+        assumed=(
+            *assumed.items(),
+            *_assumed_stops(model),
+            *(reason for run in measured.values() for reason in run.assumed),
+            *told_of_steps(parts),
+        ),
+        claims={
+            (part, kind): (claim.safety, claim.source)
+            for part, kinds in model.claims.items()
+            for kind, claim in kinds.items()
+        },
+    )
+
+
+def _stated(value: Any, way: tuple[str | int, ...]) -> Iterator[tuple[str, str]]:
+    """Everything that is stated, as dotted key and text, but the assumptions."""
+    if isinstance(value, dict):
+        for key, entry in value.items():
+            if way or key != "assumed":
+                yield from _stated(entry, (*way, key))
+    elif isinstance(value, list) and any(isinstance(entry, dict) for entry in value):
+        for index, entry in enumerate(value):
+            yield from _stated(entry, (*way, index))
+    else:
+        yield dotted(way), str(value)
+
+
+def _is_assumed(key: str, data: Mapping[str, Any], sources: Sources, problems: Problems) -> bool:
+    """Whether the design has a key that is marked as assumed; if it never had it, a problem.
+
+    A reason lapses with its key where a later file or an override has replaced what held the key.
+    """
+    here: Any = data
+    for step in split_key(key) or ("",):
+        in_list = isinstance(here, list) and isinstance(step, int) and step < len(here)
+        if in_list or (isinstance(here, dict) and step in here):
+            here = here[step]
+            continue
+        if not sources.replaces(f"assumed.{key}", key):
+            guess = nearest(key, list(_keys(data, ())))
+            hint = f", did you mean {guess}?" if guess else ""
+            problems.add(f"assumed.{key}", f"the design has no such key{hint}")
+        return False
+    return True
+
+
+def _keys(data: Any, way: tuple[str | int, ...]) -> Iterator[str]:
+    entries = data.items() if isinstance(data, dict) else enumerate(data)
+    for step, value in entries:
+        if not way and step == "assumed":
+            continue
+        yield dotted((*way, step))
+        if isinstance(value, (dict, list)):
+            yield from _keys(value, (*way, step))
+
+
+def _assumed_stops(model: DesignFile) -> Iterator[tuple[str, str]]:
+    for name, cycle in model.cycles.items():
+        key = f"cycles.{name}.stop"
+        if cycle.stop is not None and cycle.stop.basis == "assumed" and key not in model.assumed:
+            yield key, "nothing mechanical ends the travel there"
+
+
+def _defaults(table: BaseModel, key: str) -> Iterator[tuple[str, str]]:
+    """Every value that the file does not state and that is not simply absent."""
+    for name, field in type(table).model_fields.items():
+        value = getattr(table, name)
+        here = f"{key}.{name}" if key else name
+        if isinstance(value, BaseModel):
+            yield from _defaults(value, here)
+        elif isinstance(value, (dict, list)):
+            entries = value.items() if isinstance(value, dict) else enumerate(value)
+            for step, entry in entries:
+                if isinstance(entry, BaseModel):
+                    inner = f"[{step}]" if isinstance(step, int) else f".{step}"
+                    yield from _defaults(entry, here + inner)
+        elif name not in table.model_fields_set and value is not None:
+            yield here, _with_unit(value, field.metadata)
+
+
+def _contact_defaults(model: DesignFile, cycles: Mapping[str, Cycle]) -> Iterator[tuple[str, str]]:
+    for name, cycle in cycles.items():
+        for index, phase in enumerate(model.cycles[name].phases):
+            for force, entry in phase.forces.items():
+                law = cycle.phases[index].given[force]
+                if not isinstance(law, ContactLaw):
+                    continue
+                assert isinstance(entry, BaseModel)
+                key = f"cycles.{name}.phases[{index}].forces.{force}"
+                if "stops" not in entry.model_fields_set:
+                    yield f"{key}.stops", str(law.stops).lower()
+                if law.stiffness is None:
+                    yield f"{key}.stiffness", "rigid"
+
+
+def _with_unit(value: object, metadata: Sequence[object]) -> str:
+    for mark in metadata:
+        if isinstance(mark, Quantity) and isinstance(value, float):
+            if mark.dimensions == ("fraction",):
+                return f"{100 * value:g} %"
+            if mark.dimensions == ("angle",):
+                return f"{math.degrees(value):g} deg"
+            return f"{value:.4g} {DIMENSIONS[mark.dimensions[0]].unit}"
+        if isinstance(mark, Vector) and isinstance(value, tuple):
+            return f"{value[0]:g}, {value[1]:g} {DIMENSIONS[mark.dimension].unit}"
+    return str(value)

@@ -1,0 +1,1 @@
+"""What differs between two designs or two results."""

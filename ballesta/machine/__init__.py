@@ -1,0 +1,1 @@
+"""Loads of a design's machine: validity, drives, stops, vibration, motion for pictures."""

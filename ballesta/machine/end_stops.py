@@ -1,0 +1,126 @@
+"""What ends a travel that nothing mechanical ends, and what a drive pulls through."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+import loads
+from checks.design.data import Cycle, Design, Phase
+from checks.part.linkage_builder import cycle_of
+from checks.part.part_loads import shown_name, shown_position
+
+
+def stop_warnings(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list[str]:
+    """Say what the largest load becomes if an assumed stop is passed by its tolerance."""
+    warnings, told = [], set()
+    for cycle in design.cycles.values():
+        if cycle.stop is None or cycle.stop.basis != "assumed":
+            continue
+        ends = [cycle.start, *(phase.to for phase in cycle.phases)]
+        forward = int(np.argmax(np.abs(np.array(ends) - cycle.start)))
+        end = ends[forward]
+        if (cycle.coordinate, end) in told:
+            continue
+        told.add((cycle.coordinate, end))
+        further = end + np.sign(end - cycle.start) * cycle.stop.tolerance
+        phase = replace(cycle.phases[forward - 1], to=float(further))
+        longer = replace(cycle, start=ends[forward - 1], phases=(phase,), positions=40)
+        shown, unit = shown_name(cycle)
+        at, there = (
+            round(float(shown_position(cycle, np.array([v]))[0]), 9) + 0.0 for v in (end, further)
+        )
+        now = _largest_joint_force(solved[cycle.name])
+        said = f"{cycle.name}: the stop at {shown} = {at:.4g} {unit} is ASSUMED; "
+        through = _pulled_through(design, cycle, cycle.phases[forward - 1], solved)
+        try:
+            beyond = loads.run_cycle(solved[cycle.name].linkage, cycle_of(design, longer))
+            after = _largest_joint_force(beyond)
+            warnings.append(
+                f"{said}at {shown} = {there:.4g} {unit} the largest joint force is "
+                f"{after / 1e3:.3g} kN instead of {now / 1e3:.3g} kN{through}"
+            )
+        except loads.LinkageError as error:
+            warnings.append(
+                f"{said}{shown} = {there:.4g} {unit} cannot be: the loads grow "
+                f"without bound on the way there ({error}){through}"
+            )
+    return warnings
+
+
+def _largest_joint_force(cycle: loads.CycleLoads) -> float:
+    return max(
+        float(np.hypot(load.force[:, 0], load.force[:, 1]).max())
+        for load in cycle.reactions.values()
+    )
+
+
+def _pulled_through(
+    design: Design,
+    cycle: Cycle,
+    phase: Phase,
+    solved: Mapping[str, loads.CycleLoads],
+) -> str:
+    """Say below which stiffness the drive pulls the linkage through its dead centre, if it can."""
+    constant = {name: law for name, law in phase.given.items() if isinstance(law, float)}
+    drives = [
+        name for name, size in constant.items() if size and design.forces[name].between is not None
+    ]
+    if len(drives) != 1 or len(constant) < len(phase.given):
+        return ""
+    (drive,) = drives
+    others = {name: size for name, size in constant.items() if name != drive}
+    run = solved[cycle.name]
+    last = int(np.flatnonzero(run.phase_of == cycle.phases.index(phase))[-1])
+    touch = float(run.coordinate(phase.solve)[last])
+    try:
+        found = loads.pull_through(run.linkage, drive, constant[drive], phase.solve, touch, others)
+    except loads.LinkageError:
+        return ""  # the linkage cannot go on from there: told by the travel beyond the stop
+    if found is None:
+        return ""
+    return (
+        f". Nothing else stops it: where all that {phase.solve} meets there (workpiece, frame and "
+        f"parts in series) is softer than {found.stiffness / 1e3:.3g} kN/mm, "
+        f"{abs(constant[drive]) / 1e3:.4g} kN of {drive} pull the linkage through its dead "
+        f"centre, and {phase.solve} reaches up to {found.force / 1e3:.3g} kN"
+    )
+
+
+def dead_centre_warnings(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list[str]:
+    """Whether a cylinder pulls the linkage through the dead centre of a contact, or jams before.
+
+    A crank is meant to pass its dead centres; of a drive without a stated limit nothing is known.
+    """
+    warnings = []
+    for name, run in solved.items():
+        for contact, touch in run.touches.items():
+            slope = run.slope(contact)
+            passed = np.flatnonzero((slope[1:] * slope[:-1] <= 0.0) & touch.touching[1:])
+            if not len(passed):
+                continue
+            drive = design.cycles[name].phases[int(run.phase_of[passed[0]])].solve
+            limits = design.forces[drive].limits
+            if limits is None or run.linkage.force(drive).coordinate.angular:
+                continue
+            needed = np.where(touch.touching, run.efforts[drive], 0.0)[: passed[0] + 2]
+            worst = int(np.argmax(np.abs(needed)))
+            limit = limits[0 if needed[worst] > 0 else 1]
+            shown, unit = shown_name(design.cycles[name])
+            place = shown_position(design.cycles[name], run.positions)
+            at = f"{shown} = {place[worst]:.4g} {unit}"
+            if abs(needed[worst]) <= limit:
+                warnings.append(
+                    f"{name}: nothing stops the linkage: {drive} needs "
+                    f"{abs(needed[worst]) / 1e3:.4g} kN at most ({at}), has {limit / 1e3:.4g} kN "
+                    f"and pulls it through the dead centre of {contact}, which reaches "
+                    f"{np.abs(run.efforts[contact]).max() / 1e3:.3g} kN"
+                )
+            else:
+                stuck = int(np.argmax(np.abs(needed) > limit))
+                warnings.append(
+                    f"{name}: {drive} has {limit / 1e3:.4g} kN and jams at {shown} = "
+                    f"{place[stuck]:.4g} {unit}; the loads beyond need "
+                    f"{abs(needed[worst]) / 1e3:.4g} kN ({at})"
+                )
+    return warnings

@@ -1,0 +1,340 @@
+"""Whether the linkage may be taken as moving slowly: its vibration against the machine's speed."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+import loads
+from checks.design.data import Design, Part
+from checks.part.part_loads import shown_name, shown_position
+from checks.result.verdict import Gate
+from checks.result.words import number
+from geometry.parts.leaf_pack import LeafPack
+from loads.harmonics import CycleResponse, Harmonic, ModeResponse, cycle_response, with_vibration
+from loads.vibration import closes, cycle_modes
+
+VALID = 1.05  # largest response with vibration over that without, which needs no word
+_LIMIT = 1.2
+_SHARE = 0.05  # of the linkage's deformation: modes below it count by their share only
+_TOLD_SUM = 1.01  # over the worst deviation: less is not told to be a sum
+_PLACES = 12  # positions whose frequencies are told
+_ON_AXIS = 1e-2  # of a body's length
+
+
+@dataclass(frozen=True, eq=False)
+class Vibration:
+    """What is known of a cycle's vibration.
+
+    positions    (m,)    as shown, of the frequencies told; unit and name as shown
+    frequencies  (m, 3)  Hz, the lowest ones, the drive held; infinite where there are fewer
+    response     None where the cycle has no harmonics, `unasked` then says why
+    sections     (body, section) that give way by the section of their part
+    rigid        bodies taken as rigid, with the reason where they have a part
+    """
+
+    cycle: str
+    shown: tuple[str, str]
+    positions: np.typing.NDArray[np.float64]
+    frequencies: np.typing.NDArray[np.float64]
+    response: CycleResponse | None
+    unasked: str
+    sections: tuple[tuple[str, str], ...]
+    rigid: tuple[str, ...]
+
+    @property
+    def telling(self) -> tuple[ModeResponse, ...]:
+        """Modes that carry a share of the linkage's deformation worth judging."""
+        if self.response is None:
+            return ()
+        return tuple(mode for mode in self.response.responses if mode.share >= _SHARE)
+
+    @property
+    def worst(self) -> ModeResponse | None:
+        """The telling mode that differs most, or the one that adds most to a `summed` above it."""
+        if self.response is None:
+            return None
+        own = max(self.telling, key=lambda mode: mode.deviation, default=None)
+        if own is not None and own.deviation >= self.summed:
+            return own
+        return max(self.response.responses, key=_counted, default=None)
+
+    @property
+    def summed(self) -> float:
+        """Deviations of all modes, each times its share of the linkage's deformation."""
+        return 0.0 if self.response is None else sum(map(_counted, self.response.responses))
+
+    @property
+    def deviation(self) -> float:
+        """How far off the loads are that ignore vibration.
+
+        The deviation of the worst telling mode, or `summed` where that is more: in resonance a
+        mode of little share can deform as much as all the others.
+        """
+        return max([self.summed, *(mode.deviation for mode in self.telling)])
+
+
+def _counted(mode: ModeResponse) -> float:
+    return mode.share * mode.deviation
+
+
+def vibration_of(design: Design, solved: Mapping[str, loads.CycleLoads]) -> dict[str, Vibration]:
+    """Return what is known of the vibration of every cycle that something elastic moves in.
+
+    Where its modes cannot be followed through a cycle, `unasked` says so.
+    Bodies without stated elasticity give way by the least section of their part, all along it.
+    """
+    result = {}
+    for name, cycle in solved.items():
+        elastic, sections, rigid = with_sections(design, cycle)
+        masses = any(body.mass or body.inertia for body in elastic.linkage.moving)
+        if elastic.linkage.compliance and masses:
+            result[name] = _vibration(design, name, elastic, sections, rigid)
+    return result
+
+
+def _vibration(
+    design: Design,
+    name: str,
+    cycle: loads.CycleLoads,
+    sections: tuple[tuple[str, str], ...],
+    rigid: tuple[str, ...],
+) -> Vibration:
+    modes = cycle_modes(cycle)
+    response, unasked = None, ""
+    if closes(cycle):
+        dynamics = design.dynamics
+        try:
+            response = cycle_response(cycle, dynamics.damping, dynamics.rise, modes)
+        except loads.LinkageError as error:
+            unasked = f"{error}; more positions may help"
+    else:
+        unasked = "it does not end where it starts, so it has no speed to compare with"
+    even = np.linspace(cycle.times[0], cycle.times[-1], _PLACES + 1)[:_PLACES]
+    chosen = np.unique(np.searchsorted(cycle.times, even))
+    stated = design.cycles[name]
+    found = np.full((len(chosen), 3), np.inf)
+    lowest = modes.frequencies[chosen, :3]
+    found[:, : lowest.shape[1]] = lowest
+    return Vibration(
+        name,
+        shown_name(stated),
+        shown_position(stated, cycle.positions)[chosen],
+        found,
+        response,
+        unasked,
+        sections,
+        rigid,
+    )
+
+
+def with_sections(
+    design: Design, cycle: loads.CycleLoads
+) -> tuple[loads.CycleLoads, tuple[tuple[str, str], ...], tuple[str, ...]]:
+    """Return the cycle with every body elastic that can be, what was taken for it, and what is not.
+
+    Stated elasticity stays. A body with a part gets the least E I and E A of its sections.
+    """
+    linkage = cycle.linkage
+    known = {c.body for c in linkage.compliance if not isinstance(c, loads.JointCompliance)}
+    added, sections, rigid = [], [], []
+    for body in design.bodies.values():
+        if body.name in known:
+            continue
+        if body.part is None:
+            rigid.append(body.name)
+            continue
+        part = design.parts[body.part]
+        found = _stiffness(part)
+        if found is None:
+            rigid.append(f"{body.name} (shape {part.shape} has no section all along it)")
+        elif not _beam_like(linkage, body.name):
+            rigid.append(f"{body.name} (loaded beside its x axis, or at no stated point)")
+        else:
+            bending, area, words = found
+            added.append(loads.BeamCompliance(body.name, bending, area))
+            sections.append((body.name, words))
+    elastic = replace(linkage, compliance=(*linkage.compliance, *added))
+    return replace(cycle, linkage=elastic), tuple(sections), tuple(rigid)
+
+
+def _stiffness(part: Part) -> tuple[float, float, str] | None:
+    """Return E I in plane [N mm2], E A [N] and the section's name; None for a shape without."""
+    young = part.material.youngs_modulus
+    shape: object = part.geometry
+    if isinstance(shape, LeafPack):
+        area = shape.leaves * shape.width * shape.thickness
+        words = f"{shape.leaves} leaves that slide on each other"
+        return young * area * shape.thickness**2 / 12, young * area, words
+    sections = part.geometry.sections
+    if not sections:
+        return None
+    least = min(sections, key=lambda section: section.inertia_in_plane)
+    area = min(section.area for section in sections)
+    return young * least.inertia_in_plane, young * area, least.name
+
+
+def _beam_like(linkage: loads.Linkage, name: str) -> bool:
+    """Whether all that acts on a body acts on its x axis, at stated points."""
+    body = linkage.body(name)
+    points, directions = [], []
+    for joint in linkage.joints:
+        if name == joint.body_a:
+            points.append(joint.point_a)
+            if isinstance(joint, loads.Slot | loads.Prismatic):
+                directions.append(joint.direction)
+        elif name == joint.body_b:
+            points.append(joint.point_b)
+    for force in linkage.forces:
+        coordinate = force.coordinate
+        if isinstance(coordinate, loads.Angle):
+            if name in coordinate.bodies:
+                if coordinate.point not in body.points:
+                    return False
+                points.append(str(coordinate.point))
+        elif isinstance(coordinate, loads.Distance):
+            ends = (coordinate.body_a, coordinate.point_a), (coordinate.body_b, coordinate.point_b)
+            points += [point for owner, point in ends if owner == name]
+        elif coordinate.body == name:
+            points.append(coordinate.point)
+    places = np.array([body.place(point) for point in points])
+    length = float(np.ptp(places[:, 0]))
+    straight = all(abs(y) <= 1e-6 * float(np.hypot(x, y)) for x, y in directions)
+    return straight and bool(np.abs(places[:, 1]).max() <= _ON_AXIS * length)
+
+
+def quasi_static_gates(design: Design, found: Mapping[str, Vibration]) -> list[Gate]:
+    """One gate for every cycle whose speed is known: how far off the loads are that ignore it."""
+    gates = []
+    for name, vibration in found.items():
+        worst = vibration.worst
+        if worst is None:
+            continue
+        applied = design.dynamics.apply and not design.cycles[name].has_contact
+        gates.append(
+            Gate(
+                f"{name}: quasi-static loads",
+                1.0 + vibration.deviation,
+                _LIMIT,
+                f"{verdict_words(1.0 + vibration.deviation)}. {_meaning(design, vibration, worst)}"
+                + (" What it adds is in the loads." if applied else ""),
+                binding=not applied,
+            )
+        )
+    return gates
+
+
+def verdict_words(factor: float) -> str:
+    """Return `valid`, `amplification 1.08` or `not valid`."""
+    if factor <= VALID:
+        return "valid"
+    return f"amplification {factor:.3g}" if factor <= _LIMIT else "not valid"
+
+
+def _meaning(design: Design, vibration: Vibration, worst: ModeResponse) -> str:
+    assert vibration.response is not None
+    rate = 1.0 / vibration.response.period
+    told = ", ".join(_harmonic(one) for one in worst.harmonics)
+    jump = contact = ""
+    if design.cycles[vibration.cycle].has_contact:
+        contact = " The contact counts as a load, not as a support."
+    if worst.jump > VALID - 1.0:
+        jump = f" Its load jumps by {worst.jump:.0%} at once, which " + (
+            f"is taken to rise in {number(worst.rise)} s (dynamics.rise): a single sudden jump "
+            "adds up to as much again, repeated ones more where they come before it has died out."
+            if design.dynamics.rise is None
+            else f"rises in {number(design.dynamics.rise)} s."
+        )
+    if vibration.deviation > _TOLD_SUM * worst.deviation or worst not in vibration.telling:
+        words = (
+            "1 + sum over all modes of the largest difference that vibration makes at any time, "
+            "over the largest response of the mode, times its share of the linkage's deformation; "
+            f"most of it by mode {worst.mode}, share {worst.share:.2g}, difference "
+            f"{number(worst.deviation)}"
+        )
+    else:
+        words = (
+            "1 + largest difference that vibration makes at any time, over the largest response "
+            "of the mode that differs most"
+        )
+    return (
+        f"{words}: {number(worst.lowest)} to {number(worst.highest)} Hz over the "
+        f"cycle of {number(rate)} 1/s, the drive held, damping {design.dynamics.damping:g}; at the "
+        f"worst frequency of this range, {number(worst.worst)} Hz, the largest response itself is "
+        f"{number(worst.amplification)} times as large. Harmonics, half range x factor: {told}."
+        f"{contact}{jump}"
+    )
+
+
+def _harmonic(one: Harmonic) -> str:
+    return f"{one.number:g}: {one.amplitude:.2g} x {one.factor:.3g}"
+
+
+def assumptions_of(design: Design, found: Mapping[str, Vibration]) -> list[tuple[str, str]]:
+    """What is assumed of the vibration, told in every result."""
+    result: dict[tuple[str, str], None] = {}
+    for name, vibration in found.items():
+        for body, section in vibration.sections:
+            reason = f"its part's section all along it ({section}), for vibration only"
+            result[f"bodies.{body}.elastic", reason] = None
+        if vibration.rigid:
+            words = f"rigid in vibration: {', '.join(vibration.rigid)}"
+            result["dynamics", words] = None
+        if vibration.unasked:
+            words = f"quasi-static: not asked, {vibration.unasked}"
+            if design.dynamics.apply:
+                words += "; vibration is not put on its loads"
+            result[f"cycles.{name}", words] = None
+        if design.dynamics.apply and design.cycles[name].has_contact:
+            words = "vibration is not put on its loads: it would change the force of its contact"
+            result[f"cycles.{name}", words] = None
+    return list(result)
+
+
+def vibration_warnings(
+    design: Design, solved: Mapping[str, loads.CycleLoads], found: Mapping[str, Vibration]
+) -> list[str]:
+    """Whether vibration is on the loads of each cycle, where the design asks for it.
+
+    solved  the cycles without vibration
+    """
+    if not design.dynamics.apply:
+        return []
+    warnings = []
+    for name, vibration in found.items():
+        if design.cycles[name].has_contact:
+            why = "it would change the force of the cycle's contact"
+        elif vibration.response is None:
+            why = vibration.unasked
+        else:
+            vibrating = with_vibration(solved[name], vibration.response)
+            most = [_largest_force(cycle) for cycle in (solved[name], vibrating)]
+            warnings.append(
+                f"{name}: vibration is on its loads: the largest joint force is {most[1]:.4g} N, "
+                f"{most[0]:.4g} N without it"
+            )
+            continue
+        warnings.append(f"{name}: vibration is NOT on its loads, though dynamics.apply asks: {why}")
+    return warnings
+
+
+def _largest_force(cycle: loads.CycleLoads) -> float:
+    sizes = (np.hypot(*load.force.T).max() for load in cycle.reactions.values())
+    return float(max(sizes, default=0.0))
+
+
+def with_dynamics(
+    design: Design, solved: Mapping[str, loads.CycleLoads], found: Mapping[str, Vibration]
+) -> dict[str, loads.CycleLoads]:
+    """Return the cycles with what vibration adds, where the design asks for it.
+
+    Cycles with a contact, and those without harmonics, stay as they are (`assumptions_of`).
+    """
+    result = dict(solved)
+    if not design.dynamics.apply:
+        return result
+    for name, vibration in found.items():
+        if vibration.response is None or design.cycles[name].has_contact:
+            continue
+        result[name] = with_vibration(solved[name], vibration.response)
+    return result

@@ -1,0 +1,198 @@
+"""What must hold for the loads of a cycle to count, and what their drive must be able to do."""
+
+from collections.abc import Mapping
+from math import ceil, sqrt
+
+import loads
+from ballesta.machine.shown_loads import shown_cycle
+from checks.design.data import Design
+from checks.part.part_loads import shown_name, shown_position
+from checks.result.verdict import Gate
+from checks.result.words import number
+
+_GAP = 1e-6  # mm
+_RESIDUAL = 1e-9  # of the largest force, or of the power turned over
+_RESIDUAL_WITH_FRICTION = 1e-6
+_UNRESOLVED = 0.01  # share of the largest load that may lie between positions
+_SECOND_ORDER = 0.05  # share of the largest force
+_CONDITIONING = 0.02  # share of the motion that the solved force sees
+_FRICTION_SHARE = 0.3  # a coefficient is known to a third at best: the efforts then to 10 %
+_USED_TRAVEL = 0.98  # of a slot's length: closer than 1 % of it to an end, play lets it strike
+
+
+def load_gates(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list[Gate]:
+    """Every gate of the loads, cycle by cycle."""
+    return [gate for name, cycle in solved.items() for gate in _cycle_gates(design, name, cycle)]
+
+
+def _cycle_gates(design: Design, name: str, cycle: loads.CycleLoads) -> list[Gate]:
+    return [
+        *_numerical(name, cycle),
+        _positions(name, cycle),
+        _dead_centre(design, name, cycle),
+        *_friction(name, cycle),
+        *_deflected_shape(name, cycle),
+        *_slot_ends(name, cycle),
+        *_irregularity(design, name, cycle),
+        *_drive_forces(design, name, cycle),
+        *_cycle_time(design, name, cycle),
+    ]
+
+
+def _numerical(name: str, cycle: loads.CycleLoads) -> list[Gate]:
+    frictionless = not cycle.linkage.friction
+    return [
+        Gate(
+            f"{name}: joints closed",
+            cycle.constraint_residual,
+            _GAP,
+            "widest gap of a joint at any position, mm",
+        ),
+        Gate(
+            f"{name}: equilibrium of the bodies",
+            max(cycle.equilibrium_residual.values()),
+            _RESIDUAL,
+            "force and moment left on a body over the largest force",
+        ),
+        Gate(
+            f"{name}: power balance",
+            cycle.power_balance_error,
+            _RESIDUAL if frictionless else _RESIDUAL_WITH_FRICTION,
+            "power that is not accounted for, over the power turned over",
+        ),
+    ]
+
+
+def _positions(name: str, cycle: loads.CycleLoads) -> Gate:
+    """What is missed of a smooth peak between positions falls with the square of their number."""
+    missed, count = cycle.unresolved, len(cycle.positions)
+    meaning = (
+        "how far loads rise between the positions of the cycle, over the largest of their kind, "
+        "as the same cycle has them at other positions"
+    )
+    if missed.share > _UNRESOLVED:
+        enough = ceil(count * sqrt(missed.share / _UNRESOLVED) / 10) * 10
+        meaning += (
+            f": {count} positions are too few, peaks are missed (most: {missed.what}); state "
+            f"positions = {enough} or more, or leave it out"
+        )
+    return Gate(f"{name}: loads between the positions", missed.share, _UNRESOLVED, meaning)
+
+
+def _dead_centre(design: Design, name: str, cycle: loads.CycleLoads) -> Gate:
+    stated = design.cycles[name]
+    worst = int(cycle.conditioning.argmin())
+    shown, unit = shown_name(stated)
+    at = float(shown_position(stated, cycle.positions)[worst])
+    return Gate(
+        f"{name}: nearness to a dead centre",
+        1.0 / float(cycle.conditioning[worst]),
+        1.0 / _CONDITIONING,
+        "1 where the solved force sees the whole motion, growing without bound towards a dead "
+        f"centre, where it sees none of it; nearest at {shown} = {at:.4g} {unit}. Beyond the limit "
+        "the loads are those of rigid bodies next to a dead centre and depend strongly on the "
+        "geometry there",
+    )
+
+
+def _deflected_shape(name: str, cycle: loads.CycleLoads) -> list[Gate]:
+    if not cycle.touches or not cycle.linkage.compliance:
+        return []
+    return [
+        Gate(
+            f"{name}: forces in the deflected shape",
+            cycle.second_order,
+            _SECOND_ORDER,
+            "how much drive and joint forces change when they are solved again in the shape that "
+            "they bend the linkage to; beyond the limit it is too soft for small deflections",
+        )
+    ]
+
+
+def _friction(name: str, cycle: loads.CycleLoads) -> list[Gate]:
+    if not cycle.linkage.friction:
+        return []
+    return [
+        Gate(
+            f"{name}: share of friction",
+            cycle.friction_share,
+            _FRICTION_SHARE,
+            "work that friction takes over the work turned over; beyond the limit the loads are as "
+            "uncertain as the coefficients of friction",
+        )
+    ]
+
+
+def _slot_ends(name: str, cycle: loads.CycleLoads) -> list[Gate]:
+    gates = []
+    for joint, margin in cycle.slot_margin.items():
+        ends = cycle.linkage.joint(joint)
+        assert isinstance(ends, loads.Slot | loads.Prismatic)
+        assert ends.ends is not None
+        low, high = ends.ends
+        gates.append(
+            Gate(
+                f"{name}: travel in {joint}",
+                1.0 - 2.0 * margin / (high - low),
+                _USED_TRAVEL,
+                f"share of the length between its ends that is used about the middle; "
+                f"{number(margin)} mm are left to the nearer end, beyond the limit play and wear "
+                "let it strike there, which is not in the loads",
+            )
+        )
+    return gates
+
+
+def _irregularity(design: Design, name: str, cycle: loads.CycleLoads) -> list[Gate]:
+    shown = shown_cycle(design, cycle)
+    gates = []
+    for drive in shown.drives:
+        if drive.irregularity is None or shown.role(drive.name) != "solved":
+            continue
+        assert drive.flywheel is not None
+        gates.append(
+            Gate(
+                f"{name}: speed irregularity of {drive.name}",
+                drive.irregularity,
+                drive.allowed,
+                "(fastest - slowest) / mean speed that the uneven torque would give; the loads "
+                "assume constant speed",
+                cure=f"A flywheel of {number(drive.flywheel * 1e-3)} kg m2 in all, reduced to the "
+                f"driver, brings it to {number(drive.allowed)}",
+            )
+        )
+    return gates
+
+
+def _drive_forces(design: Design, name: str, cycle: loads.CycleLoads) -> list[Gate]:
+    shown = shown_cycle(design, cycle)
+    return [
+        Gate(
+            f"{name}: {force}, {direction.words}",
+            direction.needed / direction.available,
+            1.0,
+            f"largest effort of the drive over what is available in this direction, at "
+            f"{shown.shown_name} = {direction.at:.4g} {shown.unit}; the drive cannot do its work "
+            "beyond the limit",
+            binding=False,
+        )
+        for force in shown.available
+        for direction in shown.directions(force)
+        if direction.available is not None
+    ]
+
+
+def _cycle_time(design: Design, name: str, cycle: loads.CycleLoads) -> list[Gate]:
+    if design.duty.rate is None or name not in design.duty.cycles:
+        return []
+    allowed = 1.0 / design.duty.rate
+    return [
+        Gate(
+            f"{name}: time of a cycle",
+            float(cycle.times[-1]) / allowed,
+            1.0,
+            f"one cycle takes {number(cycle.times[-1])} s, the duty of "
+            f"{60 * design.duty.rate:.4g} 1/min allows {number(allowed)} s",
+            binding=False,
+        )
+    ]

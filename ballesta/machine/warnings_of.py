@@ -1,0 +1,249 @@
+"""Warnings about the machine rather than its parts: drive, cycle time, stop, assembly."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+import loads
+from ballesta.machine.end_stops import dead_centre_warnings, stop_warnings
+from ballesta.machine.shown_loads import shown_cycle
+from checks.design.data import Design, Part
+from checks.part.linkage_builder import interface_distance, linkage_of
+from checks.part.part_loads import is_loaded
+from checks.result.verdict import PartResult
+from checks.result.words import quantity_unit
+from geometry.parts import Pin, PrismaticTube, ToggleBar
+
+_STATED = 1e-3  # mm, how exactly points are usually stated
+_FAR = 3.0  # diameters of its hole that a plate beside another may stand away
+_ROUND_OFF = 1e-6
+_RESERVE = 0.10  # of a drive's available force; less is worth a warning
+
+
+def design_warnings(
+    design: Design,
+    masses: Mapping[str, tuple[float, tuple[float, float], float]],
+    solved: Mapping[str, loads.CycleLoads | loads.MeasuredLoads],
+) -> list[str]:
+    """Everything about drive, cycle and assembly that a designer should act on, in words."""
+    computed = {n: cycle for n, cycle in solved.items() if isinstance(cycle, loads.CycleLoads)}
+    return [
+        *(
+            []
+            if design.duty.cycles
+            else ["no cycle stands in the duty: fatigue was not checked, a PASS says nothing of it"]
+        ),
+        *load_warnings(design, masses, computed),
+        *_assembly(design, solved),
+        *_short_columns(design),
+    ]
+
+
+def _short_columns(design: Design) -> list[str]:
+    """Effective lengths below what any ends give that only hold the part sideways."""
+    warnings = []
+    for part in design.parts.values():
+        if part.body is None or not part.geometry.sections:
+            continue
+        least = interface_distance(design, part) / 2
+        for plane in ("in_plane", "out_of_plane"):
+            length = getattr(part.column, plane)
+            if length is not None and length < (1 - _ROUND_OFF) * least:
+                warnings.append(
+                    f"{part.name}: column.{plane} = {length:.4g} mm is less than half the distance "
+                    f"between its pins, {least:.4g} mm, which even clamped ends have: is it guided "
+                    "in between?"
+                )
+    return warnings
+
+
+def load_warnings(
+    design: Design,
+    masses: Mapping[str, tuple[float, tuple[float, float], float]],
+    solved: Mapping[str, loads.CycleLoads],
+) -> list[str]:
+    """What the loads alone call for beyond their gates: small reserves, assumed stops."""
+    return [
+        *_assembly_gap(design, masses),
+        *_drives(design, solved),
+        *_open_cycles(design, solved),
+        *stop_warnings(design, solved),
+        *dead_centre_warnings(design, solved),
+    ]
+
+
+def _assembly_gap(
+    design: Design, masses: Mapping[str, tuple[float, tuple[float, float], float]]
+) -> list[str]:
+    """Say where the stated points do not meet; the linkage is closed by moving its bodies."""
+    if not design.bodies or not design.cycles:
+        return []
+    linkage = linkage_of(design, masses)
+    joint, gap = loads.assembly_gap(linkage)
+    if gap <= _STATED:
+        return []
+    return [
+        f"the stated points leave joint {joint} open by {gap:.3g} mm; the bodies were moved and "
+        "turned until it closed"
+    ]
+
+
+def claim_warnings(design: Design, results: Sequence[PartResult]) -> list[str]:
+    """Claimed safeties that the check does not find."""
+    warnings = []
+    for result in results:
+        for kind in dict.fromkeys(check.kind for check in result.checks):
+            if (result.name, kind) not in design.claims:
+                continue
+            claimed, source = design.claims[result.name, kind]
+            found = min((c for c in result.checks if c.kind == kind), key=lambda c: c.safety)
+            if found.safety < claimed:
+                warnings.append(
+                    f"{result.name}: {source} claims a safety of {claimed:g} against {kind}; found "
+                    f"{found.safety:.3g} ({found.quantity}, {found.value:.4g} against "
+                    f"{found.limit:.4g} {found.unit}: {found.basis})"
+                )
+    return warnings
+
+
+def unloaded_warnings(results: Sequence[PartResult]) -> list[str]:
+    """Parts that pass because nothing was asked of them."""
+    return [
+        f"{result.name}: nothing loads it in any cycle; that it passes says nothing of what it "
+        "could carry: is a force or a mass of 0 meant, or a column of the wrong unit?"
+        for result in results
+        if result.checks and not any(check.value for check in result.checks)
+    ]
+
+
+def solver_warnings(results: Sequence[PartResult]) -> list[str]:
+    """Parts that were solved by the solver of last resort, what that costs and how to cure it."""
+    slow = {
+        result.name: mesh["solver"]
+        for result in results
+        for mesh in result.meshes
+        if str(mesh.get("solver")).startswith("SuperLU")
+    }
+    if not slow:
+        return []
+    solver = next(iter(slow.values()))
+    return [
+        f"{', '.join(slow)}: solved by SciPy's {solver}, for there is neither CHOLMOD nor PARDISO: "
+        "the same numbers in 4 to 11 times the time of the solve and up to 7 times its memory. "
+        'Cure: pip install "ballesta[pardiso]" (Windows, Linux on x86-64), elsewhere SuiteSparse '
+        'and pip install "ballesta[cholmod]"'
+    ]
+
+
+def _drives(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list[str]:
+    """Drives that can do their work, but only just; what they cannot do breaks a gate."""
+    warnings = []
+    for force in design.forces.values():
+        if force.limits is None:
+            continue
+        reserves = [
+            (1 - direction.needed / direction.available, direction.words, direction)
+            for cycle in solved.values()
+            for direction in shown_cycle(design, cycle).directions(force.name)
+            if direction.available is not None
+        ]
+        if not reserves:
+            continue
+        reserve, words, direction = min(reserves, key=lambda entry: entry[0])
+        assert direction.available is not None
+        if 0 <= reserve < _RESERVE:
+            unit, factor = quantity_unit(force.dimension == "moment", direction.available)
+            warnings.append(
+                f"{force.name}, {words}: {direction.available * factor:.4g} {unit} available, "
+                f"{direction.needed * factor:.4g} {unit} needed: {100 * reserve:.1f} % reserve"
+            )
+    return warnings
+
+
+def _open_cycles(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list[str]:
+    """Cycles of the duty that cannot follow one another as they are stated."""
+    return [
+        f"{name}: stands in the duty but is not closed: it ends in another pose than it starts "
+        "from; the way back is in no load, nor in fatigue, unless another cycle has it"
+        for name, cycle in solved.items()
+        if name in design.duty.cycles and not shown_cycle(design, cycle).closed
+    ]
+
+
+def _assembly(
+    design: Design, solved: Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
+) -> list[str]:
+    """Say what cannot be put together, or is modelled elsewhere than it stands."""
+    warnings = []
+    for part in design.parts.values():
+        warnings += _far_offsets(part)
+        if isinstance(part.geometry, Pin):
+            warnings += _necks(part.name, part.geometry)
+            for entry in part.stack:
+                warnings += _cheek_offset(design, part.name, entry.body, entry.at)
+        elif isinstance(part.geometry, PrismaticTube):
+            warnings.append(
+                f"{part.name}: loaded on its end faces, neither pin nor lug is modelled"
+                + _pin_too_thick(part, solved)
+            )
+    return warnings
+
+
+def _pin_too_thick(part: Part, solved: Mapping[str, loads.CycleLoads | loads.MeasuredLoads]) -> str:
+    """That the thinnest pin for the load cannot pass the tube, if so.
+
+    Double shear at 250 MPa: von Mises yield of a 650 MPa steel over a safety of 1.5.
+    """
+    assert isinstance(part.geometry, PrismaticTube)
+    assert part.body is not None
+    force = max(
+        float(np.hypot(*load.force.T).max())
+        for cycle in solved.values()
+        if is_loaded(part, cycle)
+        for load in cycle.body_loads(part.body)
+    )
+    pin = float(np.sqrt(2 * force / (np.pi * 250.0)))
+    clear = part.geometry.width - 2 * part.geometry.wall
+    if pin <= clear:
+        return ""
+    return (
+        f"; a pin for {force / 1e3:.3g} kN needs at least {pin:.3g} mm and cannot pass the "
+        f"{clear:.3g} mm between the tube's walls"
+    )
+
+
+def _necks(name: str, pin: Pin) -> list[str]:
+    seated = pin.seated()
+    for number, (seat, _, _) in enumerate(seated):
+        neck = seat.diameter or pin.diameter
+        if neck < pin.diameter and 0 < number < len(seated) - 1:
+            return [
+                f"{name}: a one-piece pin with {pin.diameter:g} mm on both sides of the "
+                f"{neck:g} mm seat of {seat.name!r} cannot be put through that bore"
+            ]
+    return []
+
+
+def _far_offsets(part: Part) -> list[str]:
+    """Name forces far beside a part: a length in the wrong unit does not look wrong."""
+    hole = float(getattr(part.geometry, "hole", 0.0))
+    return [
+        f"{part.name}: its force at {name} acts {offset:g} mm beside its middle plane, "
+        f"{abs(offset) / hole:.3g} times its hole of {hole:g} mm; columns are checked without it"
+        for name, offset in part.offsets.items()
+        if hole and abs(offset) > _FAR * hole
+    ]
+
+
+def _cheek_offset(design: Design, pin: str, body: str | None, at: float) -> list[str]:
+    """Name a bar whose cheeks do not stand where the pin's stack has them."""
+    for part in design.parts.values():
+        if part.body == body and body and isinstance(part.geometry, ToggleBar):
+            cheek = (part.geometry.width - part.geometry.wall) / 2
+            if abs(cheek - at) > 0.1:
+                return [
+                    f"{pin}: has the cheeks of {part.name} at +-{at:g} mm, the bar's tube has them "
+                    f"at +-{cheek:g} mm; the offset of {at - cheek:+.2f} mm is not in the "
+                    "bar's model"
+                ]
+    return []

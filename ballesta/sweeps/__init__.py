@@ -1,0 +1,1 @@
+"""Variations of a design: sweeps, thresholds, many variations by formula."""

@@ -1,0 +1,218 @@
+"""Many variations of a design by formula: which pass, which fail, and by what.
+
+Every variation is the design with other values at some of its keys, read through the same door as
+any design. Its masses follow from its parts, in closed form where there is one; its loads are
+solved for again with them, at the positions of the design as it is where only masses, friction and
+constant forces differ (`loads.moves_alike`), else from the beginning. Every part is judged by the
+rung `formula` with its error bars and by the checks that are formulas anyway.
+"""
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, field
+from math import ceil
+from typing import Any
+
+import loads
+from ballesta.design.read import read_design
+from ballesta.machine.balance import measured_loads
+from ballesta.machine.elastic_parts import compliances_of
+from ballesta.machine.quasi_static import vibration_of, with_dynamics
+from ballesta.machine.solved_cycles import part_masses, told_of_cycle
+from checks.columns.stability import column_checks
+from checks.design.data import Design, Part
+from checks.design.errors import DesignError, NumericsError
+from checks.joints.pin_offsets import offset_gates
+from checks.ladder.climb import answered, climb_cheap, start_climb
+from checks.ladder.part_ladder import formula_checks, told_of_part
+from checks.ladder.result import reported_level, rung_gates
+from checks.part.linkage_builder import cycle_of, linkage_of
+from checks.part.part_loads import check_reach, loads_on
+from checks.result.verdict import Check, Gate, Status, deciding_of, status_of
+from checks.stress.solid_mesh_level import Models
+from geometry.cad_body import SolidBody
+
+NOT_ASKED = (
+    "buckling of the linkage as a whole",
+    "vibration, unless the design puts it on its loads",
+    "gates of the loads: drives, dead centres, balance of power",
+    "the proof of the fatigue safety, all loads times the safety",
+)
+_RUNG = "formula"
+_SHARES = 8  # of the variations for each process, so that none is left with the slow ones
+
+Variation = Mapping[str, Any] | Sequence[str]
+Masses = Mapping[str, tuple[float, tuple[float, float], float]]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Screened:
+    """What formulas say of one variation of a design.
+
+    overrides  what it changes, each as "key=value"
+    checks     of all parts, with their bars
+    gates      of all parts
+    masses     t, of the parts by name; a pin counts in no body
+    open       part -> why no rung below the solid judges its stress
+    afresh     whether its loads were run from the beginning, their positions placed anew
+    problem    why it could not be checked, else nothing
+    """
+
+    overrides: tuple[str, ...]
+    checks: Sequence[Check] = ()
+    gates: Sequence[Gate] = ()
+    masses: Mapping[str, float] = field(default_factory=dict)
+    open: Mapping[str, str] = field(default_factory=dict)
+    afresh: bool = False
+    problem: str = ""
+
+    @property
+    def mass(self) -> float:
+        """Mass of all parts, t."""
+        return sum(self.masses.values())
+
+    @property
+    def status(self) -> Status | None:
+        """As of a design's result, by what was asked; None where it could not be checked."""
+        if self.problem:
+            return None
+        found = status_of(self.checks, self.gates)
+        return Status.UNDECIDED if self.open and found is Status.PASS else found
+
+    @property
+    def governing(self) -> Check | None:
+        """The check that is nearest to its limit, bars included."""
+        return deciding_of(self.checks) if self.checks else None
+
+
+def screen(
+    design: Design, variations: Iterable[Variation], *, processes: int = 1
+) -> list[Screened]:
+    """Check variations of a design by formula, in their order.
+
+    variations  key -> value, as in the design file ("parts.bar_upper.wall": "5 mm"), or the same
+                as "key=value"
+    processes   that share the variations; each solves the design's own cycles first
+
+    What is wrong with a variation is told in its `problem`. Raises DesignError and NumericsError
+    for the design itself. What a whole check asks besides is `NOT_ASKED`.
+    """
+    wanted = [_overrides(variation) for variation in variations]
+    known = _Known(design)  # what is wrong with the design itself is raised here
+    if processes == 1:
+        return [_screened(known, overrides) for overrides in wanted]
+    size = max(1, ceil(len(wanted) / (_SHARES * processes)))
+    shares = [wanted[start : start + size] for start in range(0, len(wanted), size)]
+    with ProcessPoolExecutor(processes, initializer=_begin, initargs=(design,)) as pool:
+        return [one for found in pool.map(_share_screened, shares) for one in found]
+
+
+_begun: list["_Known"] = []  # in a process of a pool: the design that it screens by
+
+
+def _begin(design: Design) -> None:
+    _begun.append(_Known(design))
+
+
+def _share_screened(share: list[tuple[str, ...]]) -> list[Screened]:
+    return [_screened(_begun[-1], overrides) for overrides in share]
+
+
+def _overrides(variation: Variation) -> tuple[str, ...]:
+    if isinstance(variation, Mapping):
+        return tuple(f"{key}={json.dumps(value)}" for key, value in variation.items())
+    return tuple(variation)
+
+
+class _Known:
+    """A design whose cycles are solved, to solve those of its variations by."""
+
+    def __init__(self, design: Design) -> None:
+        self.design = design
+        self.models = Models()
+        masses = part_masses(design, self.models)
+        self._linkages: dict[str, loads.Linkage] = {}
+        self._cycles: dict[str, loads.Cycle] = {}
+        self._solved: dict[str, loads.CycleLoads] = {}
+        self._solved, _ = self.solve(design, masses)
+        for name, cycle in design.cycles.items():
+            self._linkages[name] = self._solved[name].linkage
+            self._cycles[name] = cycle_of(design, cycle)
+
+    def solve(self, design: Design, masses: Masses) -> tuple[dict[str, loads.CycleLoads], bool]:
+        """The cycles of a variation, and whether any was run from the beginning."""
+        compliances = compliances_of(design, self.models)
+        solved, afresh = {}, False
+        for name, stated in design.cycles.items():
+            with told_of_cycle(design, name):
+                linkage = linkage_of(design, masses, stated, compliances)
+                cycle = cycle_of(design, stated)
+                known = self._solved.get(name)
+                if known is not None and loads.moves_alike(
+                    self._linkages[name], self._cycles[name], linkage, cycle
+                ):
+                    solved[name] = loads.forces_again(known, linkage, cycle)
+                else:
+                    solved[name] = loads.run_cycle(linkage, cycle)
+                    afresh = True
+        return solved, afresh
+
+
+def _screened(known: _Known, overrides: tuple[str, ...]) -> Screened:
+    design = known.design
+    try:
+        varied = read_design(design.file, (*design.overrides, *overrides))
+        return _checked(known, varied, overrides)
+    except (DesignError, NumericsError) as error:
+        return Screened(overrides=overrides, problem=str(error))
+
+
+def _checked(known: _Known, design: Design, overrides: tuple[str, ...]) -> Screened:
+    masses = part_masses(design, known.models)
+    solved, afresh = known.solve(design, masses)
+    if design.dynamics.apply:
+        solved = with_dynamics(design, solved, vibration_of(design, solved))
+    runs: dict[str, loads.CycleLoads | loads.MeasuredLoads] = {
+        **solved,
+        **measured_loads(design, masses),
+    }
+    checks: list[Check] = []
+    gates: list[Gate] = []
+    left: dict[str, str] = {}
+    weights: dict[str, float] = {}
+    for part in design.parts.values():
+        with told_of_part(design, part):
+            body = known.models.body(part.geometry)
+            weights[part.name] = body.mass_properties(part.material.density).mass
+            why = _check_part(known, design, part, body, runs, checks, gates)
+        if why:
+            left[part.name] = why
+    return Screened(
+        overrides=overrides, checks=checks, gates=gates, masses=weights, open=left, afresh=afresh
+    )
+
+
+def _check_part(
+    known: _Known,
+    design: Design,
+    part: Part,
+    body: SolidBody,
+    runs: Mapping[str, loads.CycleLoads | loads.MeasuredLoads],
+    checks: list[Check],
+    gates: list[Gate],
+) -> str:
+    """Add a part's checks and gates; returns why its stress is not judged, if it is not."""
+    part_loads = loads_on(design, part, runs)
+    check_reach(design, part, part_loads, body.interfaces)
+    climb = start_climb(design, part, part_loads, runs)
+    why = ""
+    if climb_cheap(climb, _RUNG):
+        why = "; ".join(tried.why for tried in climb.tried)
+    else:
+        checks += answered(climb)
+        gates += rung_gates(climb, reported_level(climb), body.size)
+    checks += column_checks(design, part, part_loads)
+    checks += formula_checks(climb, runs, known.models, body)
+    gates += offset_gates(design, part, runs)
+    return why

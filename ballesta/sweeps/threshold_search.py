@@ -1,0 +1,219 @@
+"""The value of one input at which a design begins to pass: `--until pass`."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ballesta.design.read import read_design
+from ballesta.sweeps.bisection import LARGER, PROBES, TOLERANCE, Search, search_passing
+from ballesta.sweeps.sweep import spread
+from ballesta.sweeps.sweep_text import Sweep, parse_sweep, refusal
+from checks.design.effort import DEFAULT_EFFORT, Effort
+from checks.design.errors import DesignError
+from checks.design.names import listed, no_such
+from checks.result.verdict import Check, DesignResult, Status, deciding_of, status_of
+from checks.result.words import brief, need_text, number, safety_text
+from reports.terminal import labelled, table_row
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A value of the input that a design was checked with.
+
+    overrides  that set it
+    status     of the parts that are judged; None where the design cannot be checked with it
+    words      what decides it, or why it cannot be checked
+    mass       of all parts, kg; None where it cannot be checked
+    """
+
+    overrides: tuple[str, ...]
+    status: Status | None
+    words: str
+    mass: float | None
+
+    @property
+    def value(self) -> str:
+        """The value as written."""
+        return self.overrides[0].partition("=")[2]
+
+
+@dataclass(frozen=True)
+class UntilResult:
+    """What `--until pass` has found; without parts all of the design is judged."""
+
+    file: str
+    sweep: str
+    parts: tuple[str, ...]
+    not_judged: tuple[str, ...]
+    effort: Effort
+    trials: tuple[Trial, ...]
+    search: Search[tuple[str, ...]]
+
+    @property
+    def found(self) -> Trial | None:
+        """The trial at the edge of those that pass."""
+        return next((t for t in self.trials if t.overrides == self.search.found), None)
+
+    @property
+    def exit_code(self) -> int:
+        """0 when a value passes, else 1."""
+        return 1 if self.found is None else 0
+
+    def to_dict(self) -> dict[str, Any]:
+        """The result as plain data."""
+        beyond = self.search.beyond
+        return {
+            "format": "ballesta-until/1",
+            "file": self.file,
+            "sweep": self.sweep,
+            "parts": list(self.parts),
+            "options": self.effort.options,
+            "found": self.found.value if self.found else None,
+            "beyond": beyond[0].partition("=")[2] if beyond else None,
+            "safer": self.search.safer,
+            "problem": self.search.problem,
+            "trials": [
+                {
+                    "overrides": list(trial.overrides),
+                    "value": trial.value,
+                    "status": None if trial.status is None else str(trial.status),
+                    "decided by": trial.words,
+                    "mass [kg]": trial.mass,
+                }
+                for trial in self.trials
+            ],
+        }
+
+
+def until_pass(
+    file: str | Path,
+    sweep: str,
+    overrides: Sequence[str] = (),
+    *,
+    parts: Sequence[str] = (),
+    effort: Effort = DEFAULT_EFFORT,
+    probes: int = PROBES,
+    check: Callable[[tuple[str, ...]], DesignResult] | None = None,
+    say: Callable[[str], None] = lambda _: None,
+) -> UntilResult:
+    """Search the smallest value of one input with which a design passes.
+
+    sweep  a range (to a thousandth of it), a range with a count or a step, or a list in its order
+    parts  that are judged, by the loads' gates and the linkage's checks, too; all without any
+    check  the result of a design with overrides; `ballesta.check.check_file` without one
+
+    A value with which the design cannot be checked as written does not pass. Raises DesignError
+    for a wrong sweep or part, and where no value can be checked; NumericsError where a solver gave
+    up, as that is no verdict.
+    """
+    path = Path(file)
+    design = read_design(path, overrides)
+    for part in parts:
+        if part not in design.parts:
+            raise DesignError(path, "parts", no_such("part", part, design.parts))
+    values = _values(spread(parse_sweep(sweep), design))
+    if {value.partition("=")[0] for value in values[0]} & {
+        override.partition("=")[0].strip() for override in overrides
+    }:
+        raise refusal(sweep, "what is searched is set by --set, too")
+    trials: dict[tuple[str, ...], Trial] = {}
+    errors: list[DesignError] = []
+
+    def status(value: tuple[str, ...]) -> Status | None:
+        every = (*overrides, *value)
+        try:
+            result = check(every) if check else _check(path, every, effort)
+            trials[value] = _judged(value, result, parts)
+        except DesignError as error:
+            errors.append(error)
+            trials[value] = Trial(value, None, str(error), None)
+        trial = trials[value]
+        say(f"{trial.value}: {trial.status or 'cannot be checked'}, {trial.words}")
+        return trial.status
+
+    search = search_passing(status, values, probes=probes)
+    if len(errors) == len(trials):
+        raise errors[0]
+    left_out = tuple(name for name in design.parts if parts and name not in parts)
+    ordered = tuple(trials[value] for value, _ in search.tried)
+    return UntilResult(str(path), sweep.strip(), tuple(parts), left_out, effort, ordered, search)
+
+
+def _values(sweep: Sweep) -> list[tuple[str, ...]]:
+    if sweep.interval is not None:
+        count = round(1 / TOLERANCE)
+        return [sweep.at(k / count) for k in range(count + 1)]
+    return [sweep.overrides(choice) for choice in sweep.choices]
+
+
+def _check(path: Path, overrides: tuple[str, ...], effort: Effort) -> DesignResult:
+    from ballesta.check import check_file
+
+    return check_file(path, overrides, effort=effort)
+
+
+def _judged(value: tuple[str, ...], result: DesignResult, parts: Sequence[str]) -> Trial:
+    """The verdict on the parts that are asked for."""
+    judged = [part for part in result.parts if not parts or part.name in parts]
+    checks = [*(check for part in judged for check in part.checks), *result.linkage]
+    gates = [*result.gates, *(gate for part in judged for gate in part.gates)]
+    status = status_of(checks, gates)
+    broken = [gate.name for gate in gates if gate.binding and not gate.holds]
+    words = _decided(deciding_of(checks)) if checks else "nothing was checked"
+    if broken and status is Status.UNDECIDED:
+        words += f"; gates do not hold: {listed(broken)}"
+    mass = sum(float(part.facts["mass [kg]"]) for part in result.parts)
+    return Trial(value, status, words, mass)
+
+
+def _decided(check: Check) -> str:
+    return (
+        f"{check.part} {check.kind}, safety {safety_text(check.safety)}, "
+        f"needs {need_text(check.required)}"
+    )
+
+
+def until_text(result: UntilResult, width: int = 100) -> str:
+    """The trials and what they say, as plain lines of at most `width` columns."""
+    lines = labelled(
+        "", f"until pass: {brief(result.sweep, 120)} ({brief(result.file, 60)})", width
+    )
+    rows = [["value", "status", "mass, kg", "decided by"]]
+    for trial in result.trials:
+        mass = "" if trial.mass is None else number(trial.mass, 4)
+        rows.append(
+            [brief(trial.value, 24), str(trial.status or "–"), mass, brief(trial.words, 160)]
+        )
+    widths = [max(len(row[column]) for row in rows) for column in range(3)]
+    widths.append(width - 2 - sum(widths) - len(widths))
+    marks = ["  ", *("> " if trial is result.found else "  " for trial in result.trials)]
+    for mark, row in zip(marks, rows, strict=True):
+        lines += table_row(mark, row, widths, {0, 2})
+    return "\n".join([*lines, *labelled("", _sentence(result), width)]) + "\n"
+
+
+def _sentence(result: UntilResult) -> str:
+    found, search = result.found, result.search
+    options = f" with {' '.join(result.effort.options)}" if result.effort.options else ""
+    tail = f" {len(result.trials)} checks{options}."
+    if result.not_judged:
+        tail += (
+            f" Judged: {listed(result.parts)}, loads and linkage; not judged: "
+            f"{listed(result.not_judged)}."
+        )
+    if found is None:
+        said = [f"{t.value} {t.status or 'cannot be checked'}" for t in result.trials]
+        return f"NO VALUE: {search.problem}: {listed(said)}.{tail}"
+    if search.beyond is None:
+        return (
+            f"{found.value} passes, and so does every other value tried: the limit lies outside "
+            f"of the range.{tail}"
+        )
+    edge = "smallest" if search.safer == LARGER else "largest"
+    beyond = search.beyond[0].partition("=")[2]
+    why = next(trial for trial in result.trials if trial.overrides == search.beyond)
+    return (
+        f"{found.value} is the {edge} that passes, {beyond} does not ({why.status or why.words}); "
+        f"{search.safer} is safer.{tail}"
+    )

@@ -1,0 +1,1 @@
+"""Columns and buckling, of parts and of the linkage as a frame."""

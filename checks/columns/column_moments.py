@@ -1,0 +1,317 @@
+"""A crooked column that is bent besides: how far all loads may be raised until its edge yields.
+
+First-order moments (couples at the pins with their friction, weight and inertia, offsets of the
+force) grow with the axial force F, and so does what a crooked or eccentric column adds to them.
+With a moment's sine series b_n over the length, r = F/F_cr and hinged ends (Timoshenko and Gere,
+Theory of Elastic Stability, 2nd ed., 1.11)
+
+    M(x) = M_1(x) + sum b_n r/(n^2 - r) sin(n pi x/L)
+
+which for a crookedness e sin(pi x/L) is F e/(1 - r) and for equal end moments the secant formula.
+The stress F/A + M/W rises faster than the load: the safety is the factor on all loads at which it
+reaches yield, never the ratio of stresses.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from math import isfinite, pi
+
+import numpy as np
+
+from checks.columns.column_first_order import GRID, FirstOrder, first_order
+from checks.columns.column_limits import Plane, planes_of, whole_force
+from checks.design.data import Design, Part
+from checks.handbook.column_curves import BOW
+from checks.part.first_maximum import first_largest
+from checks.part.part_loads import PartLoads
+from checks.result.verdict import Check
+from geometry.mesh import FloatArray, IntArray
+from geometry.sections import Section
+
+STRAIGHTNESS = 1000.0  # L/e of a bar without a stated curve or crookedness
+_TERMS = 9  # of the moments' sine series
+_ORDER = np.arange(1, _TERMS + 1)
+_EVEN = 4 / (pi * _ORDER) * (_ORDER % 2)  # of an even moment
+_CLOSE = 1e-9  # of the load factor
+_NO_MOMENT = 1e-9  # of the largest force times the length
+
+
+def axial_compression(part: Part, loads: PartLoads) -> FloatArray:
+    """Compressive force (n,) at that of a part's two ends where it is larger, N; < 0 is tension.
+
+    The ends differ by the part's weight and inertia.
+    """
+    first, second = part.geometry.interfaces[:2]
+    return np.asarray(np.maximum(loads.wrenches[first][:, 0], -loads.wrenches[second][:, 0]))
+
+
+@dataclass(frozen=True, eq=False)
+class CrookedColumn:
+    """A part's sections under all positions at which it is compressed, one plane crooked.
+
+    force       (n,)     N, compression
+    places      (k,)     share of the length
+    areas       (k,)     mm2
+    moduli      (2, k)   mm3, W in the crooked plane and in the other
+    moments     (2, n, k)  N mm, first order
+    series      (2, n, m)  N mm, their sine series
+    critical    (2,)     N, Euler's force in both planes; infinite for a plane without moments
+    bow         (k,)     mm, crookedness
+    beside      mm, eccentricity
+    """
+
+    force: FloatArray
+    places: FloatArray
+    areas: FloatArray
+    moduli: FloatArray
+    moments: FloatArray
+    series: FloatArray
+    critical: FloatArray
+    bow: FloatArray
+    beside: float
+
+    def stress(
+        self, factor: float, rows: slice = slice(None), places: slice = slice(None)
+    ) -> FloatArray:
+        """Largest compressive stress (n, k), MPa, under all loads times `factor`."""
+        force = factor * self.force[rows, None]
+        total = force / self.areas[places]
+        waves = self._waves[:, places]
+        for plane in (0, 1):
+            moment = np.abs(factor * self.moments[plane][rows, places])
+            if isfinite(self.critical[plane]):
+                ratio = force / self.critical[plane]
+                grown = ratio / (_ORDER**2 - ratio)
+                series = factor * self.series[plane][rows]
+                moment += np.abs((grown * series) @ waves)
+                if plane == 0:
+                    moment += force * (self.bow[places] / (1 - ratio))
+                if plane == 0 and self.beside:
+                    moment += force * self.beside * (1 + (grown * _EVEN) @ waves)
+            total += moment / self.moduli[plane][places]
+        return np.asarray(total)
+
+    @cached_property
+    def _waves(self) -> FloatArray:
+        """The series' sines (m, k) at the places."""
+        return np.asarray(np.sin(pi * _ORDER[:, None] * self.places))
+
+    def load_factor(self, yield_stress: float) -> tuple[float, int, int]:
+        """Least factor on all loads at which an edge yields, and at which position and place."""
+        largest = float((self.force / self.critical.min()).max())
+        factor = min(1.0, 0.5 / largest)
+        row, place = self._worst_at(factor)
+        best = (np.inf, row, place)
+        while True:
+            found = self._factor_at(row, place, yield_stress)
+            if not found < best[0] * (1 - _CLOSE):
+                return best
+            best = (found, row, place)
+            if found * largest >= 1:  # another position is beyond its critical force there
+                (row,) = first_largest(self.force)
+                (place,) = first_largest(self._near_critical(row))
+                continue
+            row, place = self._worst_at(found)
+
+    def _worst_at(self, factor: float) -> tuple[int, int]:
+        row, place = first_largest(self.stress(factor))
+        return row, place
+
+    def _near_critical(self, row: int) -> FloatArray:
+        factor = 0.999 * float(self.critical.min() / self.force[row])
+        return np.asarray(self.stress(factor, slice(row, row + 1))[0])
+
+    def _factor_at(self, row: int, place: int, yield_stress: float) -> float:
+        force = float(self.force[row])
+        # the edge yields at the latest where the stress without growth does
+        straight = force / self.areas[place] + sum(
+            abs(self.moments[plane][row, place]) / self.moduli[plane][place] for plane in (0, 1)
+        )
+        most = yield_stress / straight if straight else np.inf
+        most = min(most, float(self.critical.min()) / force) if force else most
+
+        def over(share: float) -> float:
+            stress = self.stress(share * most, slice(row, row + 1), slice(place, place + 1))
+            return float(stress[0, 0] / yield_stress - 1)
+
+        top = 1 - 1e-12
+        if over(top) <= 0:
+            return float(most)
+        from scipy.optimize import brentq
+
+        return float(most * brentq(over, 0.0, top, xtol=1e-15, rtol=1e-13))
+
+
+@dataclass(frozen=True, eq=False)
+class _Pressed:
+    """A part at the positions that compress it, before it is taken to be crooked in a plane.
+
+    Where the compression ends between two positions, that place is one more: as it does not bend
+    less there, the positions alone would leave out what lies between them.
+
+    positions  (n,)    which of all positions these are, or are next to
+    force      (n,)    N, compression
+    places     (k,)    share of the length
+    sections   (k,)
+    moments    plane -> (n, k) N mm, first order
+    series     plane -> (n, m) N mm, their sine series
+    bent       plane -> whether there are any
+    """
+
+    positions: IntArray
+    force: FloatArray
+    places: FloatArray
+    sections: list[Section]
+    moments: dict[str, FloatArray]
+    series: dict[str, FloatArray]
+    bent: dict[str, bool]
+
+
+def _pressed(part: Part, loads: PartLoads, length: float, mass: float | None) -> _Pressed:
+    force = axial_compression(part, loads)
+    mix, pressed = _compressed(force, loads.steps)
+    waves = np.sin(pi * _ORDER[:, None] * np.linspace(0.0, 1.0, GRID))
+    weights = np.full(GRID, 1 / (GRID - 1))
+    weights[[0, -1]] /= 2
+    places, sections = _stations(part, length)
+    largest = _NO_MOMENT * length * force.max()
+    force = np.maximum(mix(force), 0.0)  # nothing, less round-off, where it ends
+    moments, series, bent = {}, {}, {}
+    planes = first_order(part, loads, length, mass)
+    for name, whole in zip(("in plane", "out of plane"), planes, strict=True):
+        moment = FirstOrder(mix(whole.acting), whole.shapes)
+        series[name] = moment.over(2 * weights * waves)
+        moments[name] = moment.at(places)
+        bent[name] = bool(np.abs(moment.moments).max() > largest)
+    return _Pressed(pressed, force, places, sections, moments, series, bent)
+
+
+def _compressed(
+    force: FloatArray, steps: IntArray
+) -> tuple[Callable[[FloatArray], FloatArray], IntArray]:
+    """Positions under compression and places where it ends: what mixes loads to them, and which.
+
+    force  (n,)  N, compression
+    steps  (m,)  positions after which the loads go on to the next one without a jump
+
+    The function takes loads (n, ...) to those (k, ...) at the k positions and places; these are
+    numbered (k,) by the position that is compressed.
+    """
+    own = np.flatnonzero(force > 0)
+    before, after = force[steps], force[steps + 1]
+    ends = (before > 0) != (after > 0)
+    first, before, after = steps[ends], before[ends], after[ends]
+    share = before / (before - after)
+
+    def mix(values: FloatArray) -> FloatArray:
+        part = share.reshape(-1, *[1] * (values.ndim - 1))
+        between = (1 - part) * values[first] + part * values[first + 1]
+        return np.concatenate([values[own], between])
+
+    return mix, np.concatenate([own, np.where(before > 0, first, first + 1)])
+
+
+def _crooked(part: Part, pressed: _Pressed, plane: Plane, other: Plane) -> CrookedColumn:
+    sides = (plane, other)
+    sections = pressed.sections
+    moduli, critical = [], []
+    for side in sides:
+        moduli.append([inertia / half for inertia, half in map(side.built_up, sections)])
+        carried = min(whole_force(part, side, section) for section in set(sections))
+        judged = side is plane or pressed.bent[side.name]
+        critical.append(carried if judged else np.inf)  # its own check judges it
+    return CrookedColumn(
+        pressed.force,
+        pressed.places,
+        np.array([section.area for section in sections]),
+        np.array(moduli),
+        np.stack([pressed.moments[side.name] for side in sides]),
+        np.stack([pressed.series[side.name] for side in sides]),
+        np.array(critical),
+        crookedness(part, plane) * np.sin(pi * pressed.places),
+        part.column.eccentricity,
+    )
+
+
+def crooked_column(
+    part: Part, loads: PartLoads, plane: Plane, other: Plane, mass: float | None = None
+) -> tuple[CrookedColumn, list[Section], IntArray]:
+    """The part crooked in `plane`, its sections by place, and which positions (n,) compress it."""
+    pressed = _pressed(part, loads, plane.own, mass)
+    return _crooked(part, pressed, plane, other), pressed.sections, pressed.positions
+
+
+def crookedness(part: Part, plane: Plane) -> float:
+    """Largest initial deflection, mm: as stated, as Eurocode 3 has it for the curve, or L/1000."""
+    column = part.column
+    if column.crookedness is not None:
+        return column.crookedness
+    return plane.length / (STRAIGHTNESS if column.curve is None else BOW[column.curve])
+
+
+def crooked_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
+    """Return a check per plane of the crooked column's edge against yield, over all positions.
+
+    The value is the yield stress over the load factor, so that the safety is the load factor.
+    """
+    if not part.geometry.sections or not axial_compression(part, loads).max() > 0:
+        return []
+    planes = planes_of(design, part)
+    mass = None if part.body is None else design.bodies[part.body].mass
+    checks = []
+    pressed = _pressed(part, loads, planes[0].own, mass)
+    for plane, other in (planes, planes[::-1]):
+        column, sections = _crooked(part, pressed, plane, other), pressed.sections
+        strength = part.material.yield_stress
+        factor, row, place = column.load_factor(strength)
+        position = int(pressed.positions[row])
+        force = float(column.force[row])
+        ratio = force / float(column.critical[0])
+        said = "beyond what the column carries: no state of rest under the load itself"
+        if force < column.critical.min():
+            stress = column.stress(1.0, slice(row, row + 1))[0, place]
+            said = f"{stress:.4g} MPa under the load itself"
+        beside = f", {column.beside:.3g} mm beside the middle" if column.beside else ""
+        checks.append(
+            Check(
+                part=part.name,
+                kind="buckling",
+                quantity=f"crooked bar {plane.name}",
+                value=strength / factor,
+                unit="MPa",
+                numerical=0.0,
+                model=0.0,
+                limit=strength,
+                required=design.require.static,
+                cycle=loads.cycle_names[position],
+                position=loads.labels[position],
+                place=f"{sections[place].name} at {plane.own * column.places[place]:.4g} mm",
+                method="formula",
+                basis=f"F/A + M/W with moments grown by 1/(1 - F/F_cr), F_cr = "
+                f"{column.critical[0]:.4g} N; value is the yield stress over "
+                f"the factor {factor:.4g} on all loads at which the edge yields",
+                note=f"{said}; axial {force / column.areas[place]:.4g} MPa, F/F_cr {ratio:.3g}, "
+                f"crooked by {crookedness(part, plane):.3g} mm ({_source(part)}){beside}",
+            )
+        )
+    return checks
+
+
+def _source(part: Part) -> str:
+    if part.column.crookedness is not None:
+        return "stated"
+    if part.column.curve is not None:
+        return f"Eurocode 3, curve {part.column.curve}"
+    return "L/1000, assumed"
+
+
+def _stations(part: Part, length: float) -> tuple[FloatArray, list[Section]]:
+    """Places, as shares of the length, at which each section is judged."""
+    places, sections = [], []
+    for section in part.geometry.sections:
+        start, stop = (0.0, length) if section.stretch is None else section.stretch
+        found = np.linspace(start / length, stop / length, 33)
+        places.append(found)
+        sections += [section] * len(found)
+    return np.concatenate(places), sections

@@ -1,0 +1,409 @@
+"""Assemblies that buckle together: the linkage as a frame, at its worst position over all cycles.
+
+Parts that are bars are members with their sections along them, other bodies are rigid, pins are
+hinges about z. In the plane the drive is held where it is: the linkage would move with it, and
+whether its force can keep it there is a question of its own. Out of the plane two bounds of what
+the forks hold enclose the truth (docs/theory/linkage_frames.md):
+
+soft   where a body is pinned to the ground or to a guided body it may tilt about the axis across
+       itself, not about its own; a body in another's slot is not held sideways by it
+stiff  all bodies at a pin share all tilts, bodies in a slot hold each other sideways
+
+The load factor multiplies all forces of the position together, inertia included.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+import loads
+from checks.columns.link_forces import forces_of
+from checks.columns.link_joints import JointRows
+from checks.columns.link_model import LinkModel, link_model
+from checks.design.data import Design
+from checks.part.part_loads import shown_of
+from checks.result.verdict import Check
+from checks.strength.sampling import with_sampling
+from fem.frame_joints import IN_PLANE, OUT_OF_PLANE, PlacedLinks
+from geometry.mesh import FloatArray, IntArray
+
+COARSE, MIDDLE, FINE = 4, 8, 16  # pieces of a bar's longest stretch
+_COARSE_ERROR = 0.03  # of a factor, how much higher the coarse frame may be than the fine one
+_RANKED = 40  # positions of a cycle that are asked at first, besides those of largest forces
+_ROUND_OFF = 1e-9  # of a factor
+_NEAR = 0.95  # of the largest share: about which of these all positions are asked
+_PLANES = {"in plane": IN_PLANE, "out of plane": OUT_OF_PLANE}
+Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
+
+
+class _Case(NamedTuple):
+    """A plane and which forks; in the plane they make no difference."""
+
+    plane: str
+    stiff: bool
+
+
+_IN, _SOFT, _STIFF = (
+    _Case("in plane", False),
+    _Case("out of plane", False),
+    _Case("out of plane", True),
+)
+_Place = tuple[str, int]  # cycle and position
+
+
+@dataclass(frozen=True, eq=False)
+class LinkageMode:
+    """The lowest buckling mode of a linkage over all positions.
+
+    factor            load factor, forks soft
+    plane             "in plane" or "out of plane"
+    stiff_factor      lowest over all positions in either plane, forks stiff; None: none above 0
+    error             of the factor, by its change from 8 to 16 pieces per bar
+    rise              of 1/factor, what it may be more between this position and its neighbours
+    cycle, index      where it is; `position` is that in words
+    other_plane       lowest over all positions in the other plane, forks soft; None: none above 0
+    shares            body -> share of the strain energy of the mode
+    body              the bar in compression with the largest share, None if none is compressed
+    compression       of that body, N
+    effective_length  mm, of a hinged column of its section at mid-length with that factor
+    rigid             bodies that are no bars
+    slots_hold        whether slots hold sideways even with soft forks, as something is loose else
+    shape             body -> (n, 3) mm, largest displacement 1, at `places` (n, 2) mm; ground axes
+    """
+
+    factor: float
+    plane: str
+    stiff_factor: float | None
+    error: float
+    rise: float
+    cycle: str
+    index: int
+    position: str
+    other_plane: float | None
+    shares: Mapping[str, float]
+    body: str | None
+    compression: float
+    effective_length: float | None
+    rigid: tuple[str, ...]
+    slots_hold: bool
+    places: Mapping[str, FloatArray]
+    shape: Mapping[str, FloatArray]
+
+
+def worst_mode(design: Design, solved: Solved) -> LinkageMode | None:
+    """Return the lowest buckling mode of the linkage over all positions of the solved cycles.
+
+    None where no part is a bar, or no position has a factor above 0. Measured runs are left out:
+    they tell no positions of the bodies. Raises loads.LinkageError where the frame can move.
+    """
+    cycles = {name: run for name, run in solved.items() if isinstance(run, loads.CycleLoads)}
+    if not cycles:
+        return None
+    coarse = _Search(design, cycles, COARSE)
+    if not coarse.model.has_bars:
+        return None
+    try:
+        ranked = coarse.ranked()
+    except loads.LinkageError:  # a body that only slots keep from moving sideways
+        coarse = _Search(design, cycles, COARSE, slots_hold=True)
+        ranked = coarse.ranked()
+    fine = _Search(design, cycles, FINE, slots_hold=coarse.slots_hold)
+    lowest = {case: fine.lowest(case, places) for case, places in ranked.items()}
+    soft = [(*lowest[case], case.plane) for case in (_IN, _SOFT) if case in lowest]
+    if not soft:
+        return None
+    factor, name, k, plane = min(soft)
+    middle = _Search(design, cycles, MIDDLE, slots_hold=coarse.slots_hold)
+    return fine.told(
+        name,
+        k,
+        plane,
+        error=abs(factor - (middle.factor(name, k, plane) or np.inf)),
+        rise=fine.rise(name, k, plane, factor),
+        other=next((f for f, _, _, p in soft if p != plane), None),
+        stiff=min((lowest[case][0] for case in (_IN, _STIFF) if case in lowest), default=None),
+    )
+
+
+def linkage_check(design: Design, mode: LinkageMode) -> Check:
+    """Return the verdict's line about the assembly, value 1/factor with soft forks."""
+    value = 1 / mode.factor
+    # without a mode of stiff forks nothing of the value is certain
+    below = value if mode.stiff_factor is None else max(value - 1 / mode.stiff_factor, 0.0)
+    stiff = "none" if mode.stiff_factor is None else f"{mode.stiff_factor:.3g}"
+    other = "in plane" if mode.plane == "out of plane" else "out of plane"
+    beside = "none" if mode.other_plane is None else f"{mode.other_plane:.3g}"
+    column = ""
+    if mode.body is not None:
+        column = (
+            f"; {mode.body} with {mode.compression:.4g} N is as a hinged column of "
+            f"{mode.effective_length:.4g} mm"
+        )
+    rigid = f"; taken as rigid: {', '.join(mode.rigid)}" if mode.rigid else ""
+    slots = "; slots hold sideways, else something were loose" if mode.slots_hold else ""
+    shares = ", ".join(f"{name} {share:.0%}" for name, share in mode.shares.items() if share > 5e-3)
+    check = Check(
+        part="linkage",
+        kind="buckling",
+        quantity="linkage frame, elastic load share",
+        value=value,
+        unit="",
+        numerical=value * mode.error / mode.factor,
+        model=0.0,
+        model_below=below,
+        limit=1.0,
+        required=design.require.buckling,
+        cycle=mode.cycle,
+        position=mode.position,
+        place=f"{mode.plane} mode",
+        method="frame",
+        basis="linear eigenvalue of all bars and rigid bodies together, drive held: knows neither "
+        "yield nor crookedness nor snapping through",
+        note=f"lowest factor {mode.factor:.3g} {mode.plane}, {beside} {other}; with forks that "
+        f"share all tilts: {stiff}; strain energy: {shares}{column}{slots}{rigid}",
+    )
+    return with_sampling(check, mode.rise)
+
+
+def _spread(run: loads.CycleLoads, stride: int, sizes: FloatArray) -> IntArray:
+    """Every so many-th position of a cycle, the ends of its phases, and where a force is largest.
+
+    sizes  (n, c) N, forces over the cycle
+    """
+    borders = np.flatnonzero(np.diff(run.phase_of))
+    ends = [0, *borders, *(borders + 1), len(run.positions) - 1]
+    peaks = [*sizes.argmax(axis=0), *sizes.argmin(axis=0)]
+    return np.unique([*range(0, len(run.positions), stride), *ends, *peaks])
+
+
+def _reduced(
+    placed: PlacedLinks, free: FloatArray, geometric: FloatArray, plane: str
+) -> FloatArray:
+    """-X' K_s X (..., m, m) of motions X (n, m) in a plane and stiffness K_s (..., n, n)."""
+    own = placed.unknowns(_PLANES[plane])
+    inside = free[own]
+    return np.asarray(-inside.T @ geometric[..., own[:, None], own] @ inside)
+
+
+def _largest_inverses(reduced: FloatArray) -> FloatArray:
+    """1/factor (n,) of the lowest modes of (n, m, m) whitened -K_s; 0 where there is none."""
+    values = np.linalg.eigvalsh(reduced)
+    top = values[:, -1]
+    return np.where(top > 1e-9 * np.abs(values).max(axis=1), top, 0.0)
+
+
+class _Search:
+    """The frames of all positions with one number of pieces per bar."""
+
+    def __init__(
+        self,
+        design: Design,
+        cycles: Mapping[str, loads.CycleLoads],
+        pieces: int,
+        *,
+        slots_hold: bool = False,
+    ) -> None:
+        self._design, self._cycles, self.slots_hold = design, cycles, slots_hold
+        first = next(iter(cycles.values()))
+        self.model: LinkModel = link_model(design, first.linkage, pieces)
+        self._rows = {name: JointRows(self.model, run, slots_hold) for name, run in cycles.items()}
+        self._forces = {name: forces_of(self.model, rows) for name, rows in self._rows.items()}
+        self._acting: dict[_Place, tuple[PlacedLinks, FloatArray]] = {}
+
+    def ranked(self) -> dict[_Case, list[tuple[float, _Place]]]:
+        """1/factor and place by case, largest first; cases without a factor above 0 are left out.
+
+        Left out are those whose 1/factor cannot come near the largest, as the matrix's norm shows.
+        Of many positions some are asked that are spread evenly, the ends of phases and the largest
+        forces among them, and then all about those that come near the largest; a cycle's positions
+        lie as dense as its loads change. Raises loads.LinkageError where something moves without
+        strain.
+        """
+        found: dict[_Case, list[tuple[float, _Place]]] = {}
+        strides = {name: -(-len(run.positions) // _RANKED) for name, run in self._cycles.items()}
+        spread = {
+            name: _spread(run, strides[name], self._forces[name].sizes())
+            for name, run in self._cycles.items()
+        }
+        self._rank(found, [(name, int(k)) for name, some in spread.items() for k in some])
+        about: dict[_Place, None] = {}
+        for places in found.values():
+            largest = max((value for value, _ in places), default=0.0)
+            for name, k in (place for value, place in places if value >= _NEAR * largest):
+                last, stride = len(self._cycles[name].positions), strides[name]
+                near = np.arange(max(0, k - stride + 1), min(last, k + stride))
+                left = np.setdiff1d(near, spread[name])
+                about |= dict.fromkeys((name, int(j)) for j in left)
+        self._rank(found, list(about))
+        return {case: sorted(places, reverse=True) for case, places in found.items() if places}
+
+    def _rank(
+        self, found: dict[_Case, list[tuple[float, _Place]]], places: Sequence[_Place]
+    ) -> None:
+        """Add 1/factor and place of the places that come near the largest so far.
+
+        Positions with the same pose and drive share the stiffness and are solved together.
+        """
+        sizes = {name: forces.sizes() for name, forces in self._forces.items()}
+        largest = {
+            case: max((value for value, _ in found.get(case, ())), default=0.0)
+            for case in (_IN, _SOFT, _STIFF)
+        }
+        for members in self._alike(places).values():
+            name, k = members[0]
+            placed = self._placed(name, k)
+            forms = self._forces[name].forms(placed, k)
+            rows = {stiff: self._rows[name].rows(placed, k, stiff=stiff) for stiff in (False, True)}
+            acting = np.array([sizes[other][j] for other, j in members])
+            geometric = np.tensordot(acting, forms, 1)
+            for case in largest:
+                free = self._moves(placed, rows[case.stiff], case.plane)
+                reduced = _reduced(placed, free, geometric, case.plane)
+                bounds = np.linalg.norm(reduced, axis=(1, 2))
+                near = np.flatnonzero(bounds > _NEAR * largest[case])
+                if not len(near):
+                    continue
+                top = _largest_inverses(reduced[near])
+                largest[case] = max(largest[case], float(top.max()))
+                found.setdefault(case, []).extend(
+                    (float(value), members[n])
+                    for value, n in zip(top, near, strict=True)
+                    if value > 0
+                )
+
+    def lowest(self, case: _Case, ranked: Sequence[tuple[float, _Place]]) -> tuple[float, str, int]:
+        """The lowest factor, its cycle and position, of those ranked on a coarser frame.
+
+        All eigenvalues of a position cost less than a mode that is proven: only what has the lowest
+        but for round-off is.
+        """
+        found: dict[_Place, float] = {}
+        largest = 0.0
+        for inverse, place in ranked:
+            if inverse * (1 + _COARSE_ERROR) <= largest:
+                break
+            found[place] = self.largest_inverse(place, case)
+            largest = max(largest, found[place])
+        best: tuple[float, str, int] = (np.inf, *ranked[0][1])
+        for (name, k), inverse in found.items():
+            if inverse > (1 - _ROUND_OFF) * largest:
+                factor = self.factor(name, k, case.plane, stiff=case.stiff)
+                if factor is not None:
+                    best = min(best, (factor, name, k))
+        return best
+
+    def largest_inverse(self, place: _Place, case: _Case) -> float:
+        """1/factor of the lowest mode of a position; 0 for none."""
+        name, k = place
+        if place not in self._acting:
+            placed = self._placed(name, k)
+            self._acting[place] = placed, self._forces[name].geometric(placed, k)
+        placed, geometric = self._acting[place]
+        rows = self._rows[name].rows(placed, k, stiff=case.stiff)
+        free = self._moves(placed, rows, case.plane)
+        return float(_largest_inverses(_reduced(placed, free, geometric, case.plane)[None])[0])
+
+    def _alike(self, places: Sequence[_Place]) -> dict[tuple[object, ...], list[_Place]]:
+        """Places by pose and pace."""
+        result: dict[tuple[object, ...], list[_Place]] = {}
+        sizes = {
+            name: float(np.ptp(run.poses[:, :, :2])) or 1.0 for name, run in self._cycles.items()
+        }
+        for name, k in places:
+            run, size = self._cycles[name], sizes[name]
+            pose = np.round(run.poses[k] / np.array([size, size, 1.0]) * 1e9).astype(np.int64)
+            result.setdefault((run.pace, pose.tobytes()), []).append((name, k))
+        return result
+
+    def _placed(self, name: str, k: int) -> PlacedLinks:
+        return self.model.placed(self._cycles[name].poses[k])
+
+    def _moves(self, placed: PlacedLinks, rows: FloatArray, plane: str) -> FloatArray:
+        try:
+            return placed.unit_motions(rows, _PLANES[plane])
+        except ValueError as error:
+            raise loads.LinkageError(f"buckling of the linkage, {plane}: {error}") from error
+
+    def _modes(
+        self, name: str, k: int, plane: str, *, stiff: bool
+    ) -> tuple[float | None, FloatArray]:
+        placed = self._placed(name, k)
+        rows = self._rows[name].rows(placed, k, stiff=stiff)
+        geometric = self._forces[name].geometric(placed, k)
+        found = placed.buckling(rows, geometric, _PLANES[plane])
+        if not len(found.factors):
+            return None, found.shapes
+        return float(found.factors[0]), found.shapes[:, 0]
+
+    def factor(self, name: str, k: int, plane: str, *, stiff: bool = False) -> float | None:
+        """The lowest factor of a position in a plane, proven to be the lowest; None for none."""
+        return self._modes(name, k, plane, stiff=stiff)[0]
+
+    def rise(self, name: str, k: int, plane: str, factor: float) -> float:
+        """What 1/factor may be more beside a position than at it, by the parabola's bend there.
+
+        A smooth peak over three positions is at most an eighth of the second difference higher.
+        """
+        run = self._cycles[name]
+        if not 0 < k < len(run.positions) - 1 or run.phase_of[k - 1] != run.phase_of[k + 1]:
+            return 0.0
+        beside = [self.factor(name, other, plane) for other in (k - 1, k + 1)]
+        before, after = (0.0 if one is None else 1 / one for one in beside)
+        return max(0.0, 2 / factor - before - after) / 8
+
+    def told(
+        self,
+        name: str,
+        k: int,
+        plane: str,
+        *,
+        error: float,
+        rise: float,
+        other: float | None,
+        stiff: float | None,
+    ) -> LinkageMode:
+        """Everything about the lowest mode of a position."""
+        factor, shape = self._modes(name, k, plane, stiff=False)
+        assert factor is not None
+        placed, forces = self._placed(name, k), self._forces[name]
+        strain = placed.stiffness * shape[:, None] * shape
+        parts = {link.name: placed.part(n) for n, link in enumerate(placed.links)}
+        energy = {body: float(strain[np.ix_(own, own)].sum()) for body, own in parts.items()}
+        pressed = {n: float(-bar.axial(k).min()) for n, bar in forces.bars.items()}
+        number = max(
+            (n for n in pressed if pressed[n] > 0),
+            key=lambda n: energy[placed.links[n].name],
+            default=None,
+        )
+        body, compression, length = None, 0.0, None
+        if number is not None:
+            body, compression = placed.links[number].name, pressed[number]
+            bending = self.model.bars[number].bending_at_middle(plane)
+            length = float(np.pi * np.sqrt(bending / (factor * compression)))
+        shown, unit, values = shown_of(self._design, name, self._cycles[name])
+        phase = self._cycles[name].phases[int(self._cycles[name].phase_of[k])]
+        places, moved = self.model.moved(placed, shape)
+        total = sum(energy.values())
+        return LinkageMode(
+            factor=factor,
+            plane=plane,
+            stiff_factor=stiff,
+            error=error,
+            rise=rise,
+            cycle=name,
+            index=k,
+            position=f"{shown} = {values[k]:.4g} {unit}" + (f" {phase}" if phase != name else ""),
+            other_plane=other,
+            shares={name: value / total for name, value in energy.items()},
+            body=body,
+            compression=compression,
+            effective_length=length,
+            rigid=tuple(
+                link.name for n, link in enumerate(placed.links) if n not in self.model.bars
+            ),
+            slots_hold=self.slots_hold,
+            places=places,
+            shape=moved,
+        )

@@ -1,0 +1,302 @@
+"""Buckling of a part at its worst position: column formulas in both planes, and eigenvalues."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import inf
+
+import numpy as np
+
+from checks.columns.column_limits import UNKNOWN_CURVE, ColumnCase, Plane, cases_of, planes_of
+from checks.columns.column_moments import axial_compression as axial_compression
+from checks.columns.column_moments import crooked_checks
+from checks.design.data import Design, Part
+from checks.part.first_maximum import first_largest
+from checks.part.part_loads import PartLoads
+from checks.result.verdict import Check, Status
+from checks.store.solutions import remembered
+from checks.strength.sampling import beside, with_sampling
+from fem.buckling import Buckling, BucklingMode
+from fem.unit_solutions import UnitSolutions
+from fem.worst_position import buckling_at, shares_of, worst_buckling
+from geometry.mesh import FloatArray
+
+# What the check of the elastic buckling load is called, by whatever model.
+ELASTIC_SHARE = "elastic load share"
+# Half-width of the bar while only the first mesh has been asked, times its fineness. From there to
+# the finest mesh the factor falls by 1.4 % for the toggle bar; for local modes of thin-walled tubes
+# by 22 % at fineness 1, 46 % at 0.5 and 79 % at 0.35.
+_ONE_MESH_BAR = 0.3
+_SAME = 1e-9  # of a safety
+_FAR = 3.0  # times the required safety: beyond it the stiffer fork's bound is not computed
+
+
+def column_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
+    """Return a check per plane of the section with the least safety, and the crooked column's.
+
+    What decides is the least of yield, Johnson and Euler, or the Eurocode 3 curve that the part's
+    column states, over all positions; the other limits stand in the note. The required safety is
+    that of buckling either way: no partial factor is mixed into it.
+    """
+    worst = worst_compression(part, loads)
+    if worst is None:
+        return []
+    checks = []
+    for plane in planes_of(design, part):
+        judged = judged_columns(part, plane, float(axial_compression(part, loads)[worst]))
+        case, stress, safety = judged.deciding
+        limit = safety * stress
+        checks.append(
+            Check(
+                part=part.name,
+                kind="buckling",
+                quantity=column_quantity(plane),
+                value=stress,
+                unit="MPa",
+                numerical=0.0,
+                model=0.0,
+                model_below=stress * (1 - safety / judged.stiffest) if judged.between else 0.0,
+                limit=limit,
+                required=design.require.buckling,
+                cycle=loads.cycle_names[worst],
+                position=loads.labels[worst],
+                place=case.section.name,
+                method="formula",
+                basis=f"{case.law(part.column.curve)}; slenderness {case.strength.slenderness:.1f} "
+                f"over {_length(case)}; Euler {case.strength.euler:.4g} MPa; value is axial stress",
+                note=judged.told(part),
+            )
+        )
+    return [*checks, *crooked_checks(design, part, loads)]
+
+
+def column_quantity(plane: Plane) -> str:
+    """What the check of a column in a plane is called."""
+    return f"column {plane.name}"
+
+
+def column_facts(design: Design, part: Part, loads: PartLoads) -> dict[str, float | str]:
+    """All column limits of a part side by side: safeties by section and plane, effective lengths.
+
+    Empty for a part that is never compressed or has no sections.
+    """
+    worst = worst_compression(part, loads)
+    if worst is None:
+        return {}
+    force = float(axial_compression(part, loads)[worst])
+    where = f"{loads.cycle_names[worst]}, {loads.labels[worst]}"
+    facts: dict[str, float | str] = {
+        "largest compression [N]": force,
+        "largest compression at": where,
+    }
+    for plane in planes_of(design, part):
+        for case in cases_of(part, plane):
+            safeties = case.safeties(force / case.section.area, part.material.yield_stress)
+            name = f"column {plane.name}, {case.section.name}{'' if case.whole else ', by itself'}"
+            facts[f"{name}: safety"] = ", ".join(f"{k} {v:.3g}" for k, v in safeties.items())
+            facts[f"{name}: effective length [mm]"] = case.length
+            facts[f"{name}: slenderness"] = case.strength.slenderness
+    return facts
+
+
+def column_told(part: Part, loads: PartLoads) -> str | None:
+    """Why a part that has sections is not judged as a column, in words; None where it is."""
+    if not part.geometry.sections:
+        return None
+    largest = float(axial_compression(part, loads).max())
+    if largest > 0:
+        return None
+    return (
+        "it is pulled at every position: there is no column to be checked"
+        if largest < 0
+        else "it is never compressed: there is no column to be checked"
+    )
+
+
+@dataclass(frozen=True)
+class JudgedColumns:
+    """A plane's columns under one force.
+
+    found     (case, axial stress, safety), the least safety first
+    held      what has the least safety, with the stiffest ends
+    stiffest  the least safety of all with the stiffest ends
+    """
+
+    found: tuple[tuple[ColumnCase, float, float], ...]
+    held: ColumnCase
+    stiffest: float
+
+    @property
+    def deciding(self) -> tuple[ColumnCase, float, float]:
+        """What has the least safety."""
+        return self.found[0]
+
+    @property
+    def between(self) -> bool:
+        """Whether stiffer ends would make a difference."""
+        return self.stiffest > self.deciding[2] * (1 + _SAME)
+
+    def told(self, part: Part) -> str:
+        """All limits of the deciding column, and what the others have."""
+        (case, stress, _), *others = self.found
+        safeties = case.safeties(stress, part.material.yield_stress)
+        shown = {UNKNOWN_CURVE, part.column.curve or UNKNOWN_CURVE}
+        texts = [
+            f"{name} {value:.3g}"
+            for name, value in safeties.items()
+            if not name.startswith("Eurocode") or name.split()[-1] in shown
+        ]
+        told = f"safety by {', '.join(texts)}"
+        if self.between:
+            told += f"; with the stiffest ends {self.stiffest:.3g}"
+        if others:
+            told += "; other sections, safety: " + "; ".join(
+                f"{c.section.name}{'' if c.whole else ' by itself'}: {value:.2f} "
+                f"({c.law(part.column.curve)}, slenderness {c.strength.slenderness:.1f})"
+                for c, _, value in others
+            )
+        return told
+
+
+def judged_columns(part: Part, plane: Plane, force: float) -> JudgedColumns:
+    """Judge every section of a part as a column in a plane under a compression, N."""
+    curve = part.column.curve
+    found = []
+    for case in cases_of(part, plane):
+        stress = force / case.section.area
+        found.append((case, stress, case.limit(curve) / stress))
+    held = cases_of(part, plane, stiffest=True)
+    order = sorted(range(len(found)), key=lambda k: found[k][2])
+    stiffest = min(case.limit(curve) * case.section.area / force for case in held)
+    return JudgedColumns(tuple(found[k] for k in order), held[order[0]], stiffest)
+
+
+def worst_compression(part: Part, loads: PartLoads) -> int | None:
+    """Position of the largest compression; None without sections or compression.
+
+    A column's limits do not depend on the position, so that it is the worst of all of them.
+    """
+    if not part.geometry.sections:
+        return None
+    force = axial_compression(part, loads)
+    (worst,) = first_largest(force)
+    return worst if force[worst] > 0 else None
+
+
+def _length(case: ColumnCase) -> str:
+    """Effective length, in words."""
+    if not case.whole:
+        return f"{case.length:.4g} mm of its own"
+    return f"{case.length:.4g} mm{' as the stepped column' if case.stepped else ''}"
+
+
+def eigenvalue_check(
+    design: Design,
+    part: Part,
+    loads: PartLoads,
+    levels: Sequence[tuple[UnitSolutions, FloatArray]],
+    peak: int,
+) -> tuple[Check, BucklingMode] | None:
+    """Return the lowest buckling factor of the solid over all positions, ends free to tilt.
+
+    levels  solutions and coefficients (n_basis, n) of the meshes, coarse to fine
+    peak    position of the largest stress, asked besides that of the largest compression
+
+    Any part of one body between two interfaces is asked, with sections or without: a plate that is
+    bent may buckle sideways while it is pulled. Forks that hold the ends against tilting are the
+    model band. None for pins and stacks, and where nothing buckles.
+    """
+    solutions, coefficients = levels[0]
+    if part.body is None or solutions.ties is not None or len(solutions.interfaces) < 2:
+        return None
+    starts = [*first_largest(axial_compression(part, loads)), peak]
+    found = remembered(
+        solutions,
+        "buckling",
+        (coefficients, starts, False),
+        lambda: worst_buckling(solutions, coefficients, starts, tilt_held=False),
+    )
+    if found is None:
+        return None
+    worst, buckling = found
+    modes = buckling.modes
+    stiff: float | None = None
+    forks = "not asked"
+    if modes[0].factor < _FAR * design.require.buckling:
+        held = _buckling_at(solutions, coefficients[:, worst], tilt_held=True).modes
+        stiff = held[0].factor if held else np.inf
+        forks = f"{stiff:.3g}" if held else "none"
+    turned = ""
+    if buckling.reversed is not None and buckling.reversed < modes[0].factor:
+        turned = f"; with all loads turned round it would buckle at {buckling.reversed:.3g} of them"
+    stated = part.column.fork_stiffness is not None
+    unused = " (the stated fork_stiffness is the column formulas' only)" if stated else ""
+    proof, missed = _proof(buckling)
+    by_plane = {mode.plane: mode.factor for mode in reversed(modes)}
+    planes = ", ".join(f"{factor:.3g} {plane}" for plane, factor in by_plane.items())
+
+    def checked(mode: BucklingMode, bar: float, meshes: str) -> Check:
+        below = 0.0 if stiff is None else max(0.0, 1 - modes[0].factor / stiff) / mode.factor
+        below *= max(0.0, 1 - bar)  # the stiffer forks' factor is as uncertain
+        check = Check(
+            part=part.name,
+            kind="buckling",
+            quantity=ELASTIC_SHARE,
+            value=1 / mode.factor,
+            unit="",
+            numerical=max(bar / mode.factor, missed),
+            model=0.0,
+            model_below=below,
+            limit=1.0,
+            required=design.require.buckling,
+            cycle=loads.cycle_names[worst],
+            position=loads.labels[worst],
+            place=f"{mode.plane} mode",
+            method=f"solid ({meshes})",
+            basis="linear eigenvalue, both ends held sideways: knows neither yield nor crookedness",
+            note=f"lowest factors {planes}, {proof} at this position, the worst of all that was "
+            f"found; with forks that hold the ends against tilting: {forks}{unused}{turned}",
+        )
+        return with_sampling(check, rise * check.value)
+
+    fields = np.stack([mode.shape.ravel() for mode in modes], axis=1)
+    places = beside(loads, worst)
+    rise = 0.0  # of the share, over it
+    if places is not None:
+        between = np.column_stack([coefficients[:, worst], places.of(coefficients.T).T])
+        share, *others = shares_of(solutions, between, fields)
+        rise = max(0.0, max(others) / share - 1)
+
+    check = checked(modes[0], _ONE_MESH_BAR / part.fineness, "one mesh")
+    if check.status is Status.UNDECIDED and len(levels) > 1:
+        solutions, coefficients = levels[-1]
+        again = _buckling_at(solutions, coefficients[:, worst], tilt_held=False)
+        if again.modes:
+            proof, missed = _proof(again)
+            bar = abs(again.modes[0].factor / modes[0].factor - 1)
+            return checked(again.modes[0], bar, "two meshes"), again.modes[0]
+    return check, modes[0]
+
+
+def _buckling_at(solutions: UnitSolutions, state: FloatArray, *, tilt_held: bool) -> Buckling:
+    """Modes of one position, from the store of the solutions if they have one."""
+    return remembered(
+        solutions,
+        "buckling_at",
+        (state, tilt_held),
+        lambda: buckling_at(solutions, state, tilt_held=tilt_held),
+    )
+
+
+def _proof(buckling: Buckling) -> tuple[str, float]:
+    """What a count proves of the lowest factor, in words, and what share it leaves above its own.
+
+    A mode that the count does not exclude may be as low as what it does; without a count, as low as
+    any: then the share is infinite.
+    """
+    lowest = buckling.modes[0].factor
+    if buckling.proven >= lowest:
+        return "counted: none is lower", 0.0
+    if buckling.proven > 0:
+        left = 1 / buckling.proven - 1 / lowest
+        return f"counted: none is below {buckling.proven:.3g}, another may be between", left
+    return "not proved to be the lowest", inf

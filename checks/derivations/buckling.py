@@ -1,0 +1,146 @@
+"""Elastic buckling by eigenvalues, of a solid and of the linkage: what no formula gives."""
+
+from checks.columns.linkage_frame import LinkageMode
+from checks.derivations.columns import euler_alone
+from checks.derivations.common import load_case, position_of
+from checks.derivations.elastic import share_items
+from checks.derivations.proven import BARS
+from checks.design.data import Design, Part
+from checks.models.model import ElasticLoad
+from checks.part.part_loads import PartLoads
+from checks.result.derivation import (
+    Bars,
+    Comparison,
+    Derivation,
+    Given,
+    Item,
+    LoadCase,
+    Section,
+    Step,
+)
+from checks.result.formulas import number_text
+from checks.result.verdict import Check
+from fem.buckling import BucklingMode
+from geometry.parts import LeafPack, PlateLink, PrismaticTube, ToggleBar, TubeRod
+
+_ONE = Given("one", "the load itself", 1.0, "", "at 1 it buckles", main=True)
+
+
+def elastic_share(design: Design, part: Part, loads: PartLoads, load: ElasticLoad) -> Derivation:
+    """Of the share of the elastic buckling load by a rung below the solid."""
+    items = load.explain() if load.bar is None else share_items(load.bar)
+    return Derivation(
+        cases=(load_case(part, loads, load.position),),
+        sections=(
+            Section(f"Demand: {load.words}", tuple(items)),
+            Section("Limit", (_ONE,)),
+        ),
+        value="share",
+        limit="one",
+        unproved=load.unproved,
+        compared=tuple(euler_alone(design, part, loads, load.position, load.share)),
+    )
+
+
+def solid_share(
+    design: Design,
+    part: Part,
+    loads: PartLoads,
+    check: Check,
+    mode: BucklingMode,
+    unknowns: int,
+) -> Derivation:
+    """Of the share of the elastic buckling load of a solid."""
+    position = position_of(loads, check)
+    return Derivation(
+        cases=(load_case(part, loads, position),),
+        sections=(
+            Section("Demand", tuple(_factor(mode.factor, f"{mode.plane} mode", "buckling.md"))),
+            Section("Limit", (_ONE,)),
+        ),
+        value="share",
+        limit="one",
+        unproved=f"the factor is the lowest eigenvalue of {unknowns} unknowns, K x = −λ K_G x with "
+        "the stress of this position in K_G: no formula gives it",
+        compared=tuple(euler_alone(design, part, loads, position, check.value)),
+        bars=Bars(words="how far the factor moves from mesh to mesh, and what a count of all "
+                  "lower ones leaves; below, forks that hold the ends"),
+    )  # fmt: skip
+
+
+def linkage_share(design: Design, mode: LinkageMode, check: Check) -> Derivation:
+    """Of the share of the load under which the linkage buckles as a frame."""
+    items = _factor(mode.factor, f"{mode.plane} mode of the linkage", "linkage_frames.md")
+    compared: tuple[Comparison, ...] = ()
+    notes: tuple[str, ...] = ()
+    if mode.body is not None and mode.effective_length is not None:
+        items.append(
+            Given("N", f"compression of {mode.body}, whose strain is the largest share of the mode",
+                  mode.compression, "N", "the loads")
+        )  # fmt: skip
+        compared, notes = _alone(design, mode, check.value)
+    bars, widths = _bars(mode)
+    return Derivation(
+        cases=(LoadCase("", mode.cycle, mode.position, mode.index, ()),),
+        sections=(
+            Section("Demand", tuple(items)),
+            Section("Limit", (_ONE,)),
+            Section(BARS, tuple(widths)),
+        ),
+        value="share",
+        limit="one",
+        unproved="the factor is the lowest eigenvalue of a frame of all bars and rigid bodies "
+        "together: no formula gives it",
+        compared=compared,
+        bars=bars,
+        notes=notes,
+    )
+
+
+def _bars(mode: LinkageMode) -> tuple[Bars, list[Item]]:
+    """From 8 to 16 pieces of each bar; below, forks that share all tilts."""
+    page = "docs/theory/linkage_frames.md"
+    below = "share"
+    items: list[Item] = [
+        Given("e", "change of the factor from 8 to 16 pieces of each bar", mode.error, "", page),
+        Step("e_num", "numerical error bar", "share*e/lam"),
+    ]
+    if mode.stiff_factor is not None:
+        said = "lowest factor with forks that share all tilts"
+        items.append(Given("lam_2", said, mode.stiff_factor, "", page))
+        below = "max(0, share - 1/lam_2)"
+    items.append(Step("b_lo", "model band below: stiff forks", below))
+    return Bars("e_num", below="b_lo"), items
+
+
+def _factor(factor: float, what: str, page: str) -> list[Item]:
+    return [
+        Given("lam", f"lowest factor on all loads, {what}", factor, "",
+              f"eigenvalue: docs/theory/{page}", main=True),
+        Step("share", "share that the loads are of those that buckle it", "1/lam", main=True),
+    ]  # fmt: skip
+
+
+def _alone(
+    design: Design, mode: LinkageMode, share: float
+) -> tuple[tuple[Comparison, ...], tuple[str, ...]]:
+    """The share of Euler's force of the bar that is bent most, hinged between its own pins.
+
+    Where its shape has no such length, a note says so in its place.
+    """
+    assert mode.effective_length is not None
+    shape = next(p.geometry for p in design.parts.values() if p.body == mode.body)
+    if not isinstance(shape, PrismaticTube | ToggleBar | TubeRod | PlateLink | LeafPack):
+        told = f"no comparison with Euler's force: {mode.body} is no bar between two pins"
+        return (), (told,)
+    length = shape.length
+    compared = Comparison(
+        f"share of Euler's force of {mode.body} alone, hinged at its pins",
+        share * (length / mode.effective_length) ** 2,
+        share,
+        "",
+        f"N·L²/(π²·E·I) with N = {number_text(mode.compression)} N and L = "
+        f"{number_text(length)} mm; as part of the linkage it is as long as "
+        f"{number_text(mode.effective_length)} mm",
+    )
+    return (compared,), ()

@@ -1,0 +1,270 @@
+"""Pins in their holes, bushes, and contacts that slide: pressures, and pins that tear out."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+import loads
+from checks.derivations.common import load_case, shear_yield, yield_stress
+from checks.derivations.proven import BARS
+from checks.design.data import Design, Part, Roller
+from checks.design.model import StackEntry
+from checks.joints.bushes import (
+    SHARE_BAND,
+    bush_count,
+    bush_diameter,
+    bush_name,
+    pressed_quantity,
+    sliding_quantity,
+    turning,
+)
+from checks.joints.lug_checks import Pressed, Torn, lugs_of, pressed_lugs, torn_most
+from checks.joints.slot_checks import (
+    FIRST_YIELD,
+    couple_on,
+    flat_pressure,
+    flat_quantity,
+    force_across,
+    roller_material,
+    round_quantity,
+    softer_of,
+)
+from checks.part.first_maximum import first_largest
+from checks.part.part_loads import PartLoads
+from checks.result.derivation import Bars, Derivation, Given, Item, Section, Step
+from checks.result.verdict import Check
+from geometry.cad_body import SolidBody
+from geometry.mesh import Interface, Mesh
+from geometry.parts import Pin
+
+Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
+_EXACT = Bars(words="a formula has no mesh; its limit is one of mean stress")
+_SHAPE, _LOADS, _DESIGN = "the part's shape", "the loads", "the design"
+_FITS = "docs/theory/fits.md"
+
+
+def lugs(
+    design: Design, part: Part, part_loads: PartLoads, body: Mesh | SolidBody
+) -> dict[str, Derivation]:
+    """Of the pressure in the holes and the shear behind them, by the kind of their checks."""
+    if isinstance(part.geometry, Pin):
+        return {}
+    holes = lugs_of(design, part, body)
+    if not holes:
+        return {}
+    found = {"bearing": _pressed(part, part_loads, pressed_lugs(part_loads, holes)[0])}
+    torn = torn_most(part, part_loads, body, holes)
+    if torn is not None:
+        found["shear-out"] = _torn(part, part_loads, torn)
+    return found
+
+
+def _pressed(part: Part, part_loads: PartLoads, most: Pressed) -> Derivation:
+    lug = most.lug
+    return Derivation(
+        cases=(load_case(part, part_loads, most.position),),
+        sections=(
+            Section(
+                "Demand",
+                (
+                    Given("F", f"force of the pin in {lug.interface}", most.force, "N", _LOADS,
+                          main=True),
+                    Given("d", "diameter that presses", lug.diameter, "mm", _SHAPE),
+                    Given("t", "width that presses", lug.width, "mm", _SHAPE),
+                    Step("p", "mean pressure on the projected area", "F/(d*t)", "MPa",
+                         f"EN 1993-1-8:2005, table 3.10; {_FITS}", main=True),
+                ),
+            ),
+            Section(
+                "Limit",
+                (
+                    Given("S_y", f"yield stress of {lug.softer.name}, the weaker of pin and hole",
+                          lug.softer.yield_stress, "MPa", lug.softer.source, main=True),
+                ),
+            ),
+        ),
+        value="p",
+        limit="S_y",
+        bars=_EXACT,
+    )  # fmt: skip
+
+
+def _torn(part: Part, part_loads: PartLoads, torn: Torn) -> Derivation:
+    return Derivation(
+        cases=(load_case(part, part_loads, torn.position),),
+        sections=(
+            Section(
+                "Demand",
+                (
+                    Given("F", f"pull of the pin in {torn.lug.interface} towards "
+                          f"{torn.ligament.until}", torn.force, "N", _LOADS, main=True),
+                    Given("A", "area of one of the two planes behind it", torn.area, "mm2",
+                          f"{_SHAPE}: {_FITS}"),
+                    Step("tau", "mean shear stress in both planes", "F/(2*A)", "MPa", _FITS,
+                         main=True),
+                ),
+            ),
+            Section("Limit", (yield_stress(part), shear_yield())),
+        ),
+        value="tau",
+        limit="tau_y",
+        bars=_EXACT,
+    )  # fmt: skip
+
+
+def bush(part: Part, part_loads: PartLoads, solved: Solved, check: Check) -> Derivation | None:
+    """Of the pressure of a bush, or its pressure times speed; None for one that is not found."""
+    entries = [one for one in part.stack if one.bush is not None]
+    pressed = next((one for one in entries if check.quantity == pressed_quantity(one)), None)
+    slid = next((one for one in entries if check.quantity == sliding_quantity(one)), None)
+    entry = pressed or slid
+    if entry is None or entry.bush is None:
+        return None
+    speed = entry is slid
+    turn = 0.0
+    if speed:
+        position, turn = _fastest(part_loads, solved, part, entry, check.cycle)
+    else:
+        (position,) = first_largest(part_loads.resultant(bush_name(entry)))
+    name, count = bush_name(entry), bush_count(entry)
+    items: list[Item] = [
+        Given("F", f"force of {name} on the pin", float(part_loads.resultant(name)[position]), "N",
+              _LOADS, main=True),
+        Given("m", "bushes that share it", float(count), "", _DESIGN),
+        Given("d", "diameter of the pin", bush_diameter(part, entry), "mm", _DESIGN),
+        Given("l", "length of a bush", entry.bush.length, "mm", _DESIGN),
+        Step("p", "mean pressure on the projected area", "F/(m*d*l)", "MPa", _FITS, main=True),
+    ]  # fmt: skip
+    limit = Given("p_a", "allowable pressure", entry.bush.allowable, "MPa", _DESIGN, main=True)
+    value = "p"
+    if speed:
+        assert entry.bush.pv is not None
+        items += [
+            Given("omega", "angular speed against the pin", turn, "rad/s", _LOADS),
+            Step("v", "sliding speed", "omega*d/2000", "m/s"),
+            Step("q", "pressure times speed", "p*v", "MPa m/s", main=True),
+        ]
+        limit = Given("q_a", "allowable p v", entry.bush.pv / 1e3, "MPa m/s", _DESIGN, main=True)
+        value = "q"
+    bars = Bars(words="a formula has no mesh")
+    band: list[Item] = []
+    if count == 2:
+        bars = Bars(above="b_up", words="a pair shares the load evenly only if nothing is askew")
+        band = [
+            Given("s", "share that one of a pair may take beyond its half", SHARE_BAND, "",
+                  "assumed"),
+            Step("b_up", "model band above", f"s*{value}", check.unit),
+        ]  # fmt: skip
+    return Derivation(
+        cases=(load_case(part, part_loads, position),),
+        sections=(
+            Section("Demand", tuple(items)),
+            Section("Limit", (limit,)),
+            Section(BARS, tuple(band)),
+        ),
+        value=value,
+        limit=limit.symbol,
+        bars=bars,
+    )
+
+
+def _fastest(
+    part_loads: PartLoads, solved: Solved, part: Part, entry: StackEntry, name: str
+) -> tuple[int, float]:
+    """Position of the largest p v in a computed cycle, as labels may repeat; the speed, rad/s."""
+    cycle = solved[name]
+    assert isinstance(cycle, loads.CycleLoads)
+    columns = part_loads.cycles[name]
+    speed = np.abs(turning(cycle, part, entry))
+    (at,) = first_largest(part_loads.resultant(bush_name(entry))[columns] * speed)
+    return int(columns.start) + at, float(speed[at])
+
+
+def contact(
+    part: Part, part_loads: PartLoads, interfaces: Mapping[str, Interface], check: Check
+) -> Derivation | None:
+    """Of the pressure of a contact that slides; None for one that is not found."""
+    for name, interface in interfaces.items():
+        roller = part.contacts.get(name)
+        if interface.kind != "slide":
+            continue
+        if roller is None and check.quantity == flat_quantity(name):
+            return _flat(part, part_loads, interface)
+        if roller is not None and check.quantity == round_quantity(name):
+            return _round(part, part_loads, interface, roller)
+    return None
+
+
+def _round(part: Part, part_loads: PartLoads, interface: Interface, roller: Roller) -> Derivation:
+    (position,) = first_largest(force_across(part_loads, interface))
+    own, other, softer = part.material, roller_material(roller), softer_of(part, roller)
+    johnson = "Johnson, Contact Mechanics, 1985, 4.2(c)"
+    return Derivation(
+        cases=(load_case(part, part_loads, position),),
+        sections=(
+            Section(
+                "Demand",
+                (
+                    _across(part_loads, interface, position),
+                    Given("l", "width of the flat", interface.length, "mm", _SHAPE),
+                    Given("r", "radius of the pin or roller", roller.radius, "mm", _DESIGN),
+                    Given("E_1", f"Young's modulus of {own.name}", own.youngs_modulus, "MPa",
+                          own.source),
+                    Given("nu_1", "its Poisson's ratio", own.poisson_ratio, "", own.source),
+                    Given("E_2", "Young's modulus of the roller", other.youngs_modulus, "MPa",
+                          other.source),
+                    Given("nu_2", "its Poisson's ratio", other.poisson_ratio, "", other.source),
+                    Step("E_s", "modulus of both",
+                         "1/((1 - nu_1^2)/E_1 + (1 - nu_2^2)/E_2)", "MPa", johnson),
+                    Step("b", "half width of the contact", "sqrt(4*N/l*r/(pi*E_s))", "mm", johnson),
+                    Step("p", "largest pressure by Hertz", "2*N/l/(pi*b)", "MPa", johnson,
+                         main=True),
+                ),
+            ),
+            Section(
+                "Limit",
+                (
+                    Given("S_y", f"yield stress of {softer.name}, the softer", softer.yield_stress,
+                          "MPa", softer.source),
+                    Given("c", "pressure over yield stress where yield begins below the surface",
+                          FIRST_YIELD, "", "Johnson 1985, 6.1(a), Tresca"),
+                    Step("p_y", "pressure at first yield", "c*S_y", "MPa", main=True),
+                ),
+            ),
+        ),
+        value="p",
+        limit="p_y",
+        bars=Bars(words="a formula has no mesh; the bodies are half-spaces"),
+    )  # fmt: skip
+
+
+def _across(part_loads: PartLoads, interface: Interface, position: int) -> Given:
+    """The force across a contact at a position."""
+    force = float(force_across(part_loads, interface)[position])
+    said = f"force across the contact {interface.name}"
+    return Given("N", said, force, "N", _LOADS, main=True)
+
+
+def _flat(part: Part, part_loads: PartLoads, interface: Interface) -> Derivation:
+    (position,) = first_largest(flat_pressure(part_loads, interface))
+    couple = float(couple_on(part_loads, interface)[position])
+    return Derivation(
+        cases=(load_case(part, part_loads, position),),
+        sections=(
+            Section(
+                "Demand",
+                (
+                    _across(part_loads, interface, position),
+                    Given("C", "couple on the block about its middle", couple, "N mm", _LOADS),
+                    Given("l", "length of the block", 2 * interface.patch, "mm", _SHAPE),
+                    Given("b", "its width", interface.length, "mm", _SHAPE),
+                    Step("p", "pressure at the block's end", "N/(l*b) + 6*C/(b*l^2)", "MPa",
+                         _FITS, main=True),
+                ),
+            ),
+            Section("Limit", (yield_stress(part),)),
+        ),
+        value="p",
+        limit="S_y",
+        bars=Bars(words="a formula has no mesh; the block's sharp edges are not modelled"),
+    )  # fmt: skip

@@ -1,0 +1,98 @@
+"""A derivation for every check of a part: one door, asked after the checks are made."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from math import isfinite
+
+import loads
+from checks.columns.stability import ELASTIC_SHARE
+from checks.derivations.bars import ERROR, rung_bars
+from checks.derivations.buckling import elastic_share
+from checks.derivations.columns import columns
+from checks.derivations.contacts import bush, contact, lugs
+from checks.derivations.crooked import crooked
+from checks.derivations.pins import pin
+from checks.derivations.proven import BARS, unknown, with_derivation
+from checks.derivations.stresses import fatigue, static
+from checks.ladder.climb import Climb
+from checks.models.model import RungLevel
+from checks.part.part_loads import PartLoads
+from checks.result.derivation import Bars, Derivation, Section
+from checks.result.verdict import Check
+from geometry.cad_body import SolidBody
+from geometry.mesh import Mesh
+
+Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
+
+
+def explained(
+    climb: Climb,
+    checks: Sequence[Check],
+    solved: Solved,
+    lugged: Mesh | SolidBody,
+    body: SolidBody,
+) -> list[Check]:
+    """Return the checks of a part, each with its derivation.
+
+    lugged  the part as its ligaments are known: meshed if it is from CAD
+
+    Those of a solid have theirs already (`checks.derivations.solids`): its mesh is gone by now. A
+    check that nothing here knows gets one that says so (`checks.derivations.proven.unknown`).
+    """
+    design, part, part_loads = climb.design, climb.part, climb.loads
+    by_quantity = columns(design, part, part_loads) | crooked(design, part, part_loads)
+    by_kind = lugs(design, part, part_loads, lugged)
+    of_kind: Mapping[str, Callable[[Check], Derivation | None]] = {
+        "static": lambda check: _of_rung(climb, check),
+        "fatigue": lambda check: _of_rung(climb, check),
+        "buckling": lambda check: (
+            _of_rung(climb, check)
+            if check.quantity == ELASTIC_SHARE
+            else by_quantity.get(check.quantity)
+        ),
+        "bearing": lambda check: by_kind.get(check.kind),
+        "shear-out": lambda check: by_kind.get(check.kind),
+        "pin bending": lambda check: pin(part, part_loads, check),
+        "pin shear": lambda check: pin(part, part_loads, check),
+        "bush": lambda check: bush(part, part_loads, solved, check),
+        "contact": lambda check: contact(part, part_loads, body.interfaces, check),
+    }
+    done = []
+    for check in checks:
+        derivation = check.derivation
+        if derivation is None and check.kind in of_kind:
+            derivation = of_kind[check.kind](check)
+        done.append(with_derivation(check, derivation or unknown(check)))
+    return done
+
+
+def _of_rung(climb: Climb, check: Check) -> Derivation | None:
+    level = climb.levels.get(check.method)
+    if level is None:
+        return None
+    design, part, part_loads = climb.design, climb.part, climb.loads
+    if check.kind == "buckling":
+        load = level.model.buckling
+        if load is None:
+            return None
+        found = elastic_share(design, part, part_loads, load)
+    elif check.kind == "static":
+        found = static(part, part_loads, level)
+    else:
+        if climb.use is None:
+            return None
+        found = fatigue(part, part_loads, level, climb.use)
+    return _with_rung_bars(found, part_loads, climb, level, check)
+
+
+def _with_rung_bars(
+    found: Derivation, part_loads: PartLoads, climb: Climb, level: RungLevel, check: Check
+) -> Derivation:
+    if part_loads.is_nothing:
+        return replace(found, bars=Bars(words="nothing loads the part"))
+    bars, items = rung_bars(climb.part, part_loads, level.model, check, found.value)
+    if not isfinite(check.model) and bars.above:
+        bars = Bars(bars.numerical, words="no model band: see the note of the check")
+        items = [item for item in items if item.symbol in (ERROR, bars.numerical)]
+    found = replace(found, bars=bars, sections=(*found.sections, Section(BARS, tuple(items))))
+    return climb.bands[check.method].explained(check, found)

@@ -1,0 +1,76 @@
+"""The share that loads are of a bar's elastic buckling load, by the rung `formula`."""
+
+from math import pi
+
+import numpy as np
+
+from checks.derivations.common import numbers
+from checks.models.model import PressedColumn, PressedStretch
+from checks.result.derivation import Column, Given, Item, Step, Sum
+
+SHARE = "share"  # the symbol of the result
+_QUOTIENT = "Timoshenko's quotient: Timoshenko and Gere, Theory of Elastic Stability, 2nd ed., 2.8"
+_LATERAL = "Timoshenko and Gere, 2nd ed., 6.1 to 6.3"
+_FORCE_SHARE = Step(SHARE, "share of the elastic buckling load", "max(0, F/F_cr)", main=True)
+
+
+def share_items(bar: PressedColumn | PressedStretch) -> list[Item]:
+    """How the share of a bar comes about: items, the last one the share itself."""
+    if isinstance(bar, PressedStretch):
+        return _by_itself(bar)
+    if bar.sideways is None:
+        return [*_critical(bar), _FORCE_SHARE]
+    return [*_critical(bar), *_bent_besides(bar.sideways)]
+
+
+def _bent_besides(moments: float) -> list[Item]:
+    """Out of the plane, where a bent bar also gives way sideways."""
+    return [
+        Step("p", "compression over it", "F/F_cr"),
+        Given(
+            "m",
+            "share that the moments are of those that buckle the bar sideways: the lowest of an "
+            "energy of three waves",
+            moments,
+            "",
+            _LATERAL,
+        ),
+        Step(SHARE, "share of the elastic buckling load", "(p + sqrt(p^2 + 4*m^2))/2", "",
+             _LATERAL, main=True),
+    ]  # fmt: skip
+
+
+def _by_itself(stretch: PressedStretch) -> list[Item]:
+    return [
+        Given("F", "largest compression", stretch.force, "N", "the loads", main=True),
+        Given("F_cr", "force under which a stretch buckles by itself: plates and columns",
+              1 / stretch.local, "N", "Timoshenko and Gere, 2nd ed., 9.2; docs/theory/rungs.md"),
+        _FORCE_SHARE,
+    ]  # fmt: skip
+
+
+def _critical(column: PressedColumn) -> list[Item]:
+    """Compression, and the force under which such a hinged column buckles."""
+    count = len(column.stiffness)
+    weights = np.ones(count)
+    weights[[0, -1]] = 0.5
+    columns = [
+        Column("t", "place over the length, times π", "", numbers(np.linspace(0, pi, count))),
+        Column("w", "weight", "", numbers(weights)),
+    ]
+    bends = Column("B", "E I of the section there", "N mm2", numbers(column.stiffness))
+    slides, gives = [], "w*sin(t)^2/B"
+    if np.isfinite(column.shear).all():
+        slides = [Column("K", "shear stiffness there", "N",
+                         numbers(np.broadcast_to(np.asarray(column.shear), count)))]  # fmt: skip
+        gives += " + w*(pi/L*cos(t))^2/K"
+    names = tuple(f"station {number}" for number in range(1, count + 1))
+    return [
+        Given("F", "compression", column.force, "N", "the loads", main=True),
+        Given("L", "length between the pins", column.length, "mm", "the part's shape"),
+        Sum("Q_1", "work of the force, one wave", "w*(pi/L*cos(t))^2", names, tuple(columns), "",
+            _QUOTIENT),
+        Sum("Q_2", "what bends and slides", gives, names, (*columns, bends, *slides), "",
+            _QUOTIENT),
+        Step("F_cr", "buckling force of the hinged column", "Q_1/Q_2", "N", _QUOTIENT, main=True),
+    ]  # fmt: skip

@@ -1,0 +1,100 @@
+"""The endurance limit by Marin's factors, as docs/theory/strength.md has it."""
+
+from checks.design.data import Part
+from checks.result.derivation import Given, Item, Section, Step
+from checks.strength.fatigue_assessment import FatigueUse
+from checks.strength.part_strength import endurance_of
+from checks.stress.stress_result import Stressed
+from fatigue.marin import LARGEST_SPECIMEN_LIMIT, LOADS, SURFACES
+
+BOOK = "Shigley, 9th ed."
+
+
+def limit_section(part: Part) -> Section:
+    """S_e of a part away from notches, from the ultimate strength S_u."""
+    return Section("Limit: endurance limit by Marin's factors", tuple(_items(part)))
+
+
+def at_point(level: Stressed, use: FatigueUse, point: int) -> list[Item]:
+    """The endurance limit S_p at a point, where fretting may lower it."""
+    factor = use.limit / float(level.limits[point])
+    return [
+        Given("K_f", "fretting or fatigue notch factor there", factor, "", "the part's shape"),
+        Step("S_p", "endurance limit at the point", "S_e/K_f", "MPa"),
+    ]
+
+
+def _ultimate(part: Part) -> Given:
+    material = part.material
+    said = f"ultimate strength of {material.name}"
+    return Given("S_u", said, material.ultimate_stress, "MPa", material.source)
+
+
+def _items(part: Part) -> list[Item]:
+    evenly = part.geometry.stressed_evenly
+    load = "axial" if evenly else "bending"
+    limit = endurance_of(part)
+    return [
+        _ultimate(part),
+        *_specimen(part),
+        _surface(part),
+        *_size(part),
+        Given("k_c", f"load: {load}", LOADS[load], "", f"{BOOK}, eq. 6-26"),
+        Given("k_d", "temperature: 20 °C", limit.temperature, "", f"{BOOK}, eq. 6-27"),
+        Given("R", "share of parts that survive", part.reliability, "", "the design, reliability"),
+        Step("k_e", "reliability", "1 - 0.08*quantile(R)", "", f"{BOOK}, eq. 6-29"),
+        Step(
+            "S_e",
+            "endurance limit of the part, fully reversed",
+            "k_a*k_b*k_c*k_d*k_e*S_e0",
+            "MPa",
+            f"Marin: {BOOK}, eq. 6-18",
+            main=True,
+        ),
+    ]
+
+
+def _specimen(part: Part) -> list[Item]:
+    said, ratio = "of a polished rotating-beam specimen", part.material.endurance_ratio
+    if ratio is None:
+        formula = f"min(0.5*S_u, {LARGEST_SPECIMEN_LIMIT:g})"
+        return [Step("S_e0", f"endurance limit {said}", formula, "MPa", f"{BOOK}, eq. 6-8")]
+    return [
+        Given("q", f"endurance limit {said} over the ultimate strength", ratio, "",
+              "the material, endurance_ratio"),
+        Step("S_e0", f"endurance limit {said}", "q*S_u", "MPa"),
+    ]  # fmt: skip
+
+
+def _surface(part: Part) -> Step:
+    """The power law of table 6-2, but not more than that of any smoother finish, nor than 1."""
+    smoother = list(SURFACES)[: list(SURFACES).index(part.surface) + 1]
+    laws = ", ".join(
+        f"{SURFACES[name][0]:g}*S_u^{SURFACES[name][1]:g}"
+        for name in dict.fromkeys(reversed(smoother))
+    )
+    said = f"surface: {part.surface}; not above a smoother finish's"
+    return Step("k_a", said, f"min(1, {laws})", "", f"{BOOK}, eq. 6-19, table 6-2")
+
+
+def _size(part: Part) -> list[Item]:
+    if part.geometry.stressed_evenly:
+        return [Given("k_b", "size: none in axial force", 1.0, "", f"{BOOK}, eq. 6-21")]
+    section = part.geometry.stressed_section
+    found: list[Item] = []
+    if len(section) == 1:
+        found.append(Given("D", "diameter that is bent", section[0], "mm", "the part's shape"))
+        formula, equation = "0.370*D", "6-24"
+    else:
+        found += [
+            Given("B", "width that is bent", section[0], "mm", "the part's shape"),
+            Given("H", "height that is bent", section[1], "mm", "the part's shape"),
+        ]
+        formula, equation = "0.808*sqrt(B*H)", "6-25"
+    large = 0.37 * section[0] if len(section) == 1 else 0.808 * (section[0] * section[1]) ** 0.5
+    law = "1.51*d_e^-0.157" if large > 51.0 else "min(1, (d_e/7.62)^-0.107)"
+    return [
+        *found,
+        Step("d_e", "equivalent diameter, not turning", formula, "mm", f"{BOOK}, eq. {equation}"),
+        Step("k_b", "size", law, "", f"{BOOK}, eq. 6-20"),
+    ]

@@ -1,0 +1,1 @@
+"""A design as plain data: its schema, materials, units and errors."""

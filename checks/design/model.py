@@ -1,0 +1,342 @@
+"""What a design file may contain: the pydantic models its tables are read with.
+
+The tables of the linkage and its cycles are in `design_tables`. The parts' parameters are described
+by the dataclasses in `geometry.parts`, and their models are made from those.
+"""
+
+import dataclasses
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Discriminator, Field, Tag, create_model
+
+from checks.design.materials import MaterialEntry
+from checks.design.measured_entry import MeasuredEntry
+from checks.design.step_entry import STEP_SUFFIXES, HoleEntry, Section2, StepFile, StepShape
+from checks.design.tables import (
+    BodyEntry,
+    CycleEntry,
+    DriveEntry,
+    DynamicsEntry,
+    ElasticJoints,
+    ForceEntry,
+    FrictionEntry,
+    JointEntry,
+    Name,
+    Positive,
+    Table,
+)
+from checks.design.units import (
+    BY_DIMENSION,
+    Acceleration2,
+    BearingArc,
+    Fraction,
+    Length,
+    OffsetLength,
+    Point2,
+    PositiveLength,
+    PositivePressureSpeed,
+    PositiveStress,
+    PositiveTurning,
+    Rate,
+    Roughness,
+)
+from geometry.parameters import GIVEN_BY_DESIGN
+from geometry.parts import SHAPES, Pin
+
+
+class Claim(Table):
+    """A safety that somebody has claimed for a part, to be told beside the one that was found."""
+
+    safety: Positive = Field(description="the claimed safety")
+    source: str = Field(description="who claims it, and where")
+
+
+class Requirements(Table):
+    """The safety each kind of check must show."""
+
+    static: Positive = Field(1.5, description="against yield")
+    buckling: Positive = Field(3.0, description="against buckling")
+    fatigue: Positive = Field(1.3, description="against fatigue")
+    bush: Positive = Field(1.0, description="against the bushes' allowable pressure")
+
+
+class DutyEntry(Table):
+    """How often each cycle runs in the machine's life."""
+
+    cycles: dict[str, Positive] = Field(
+        default_factory=dict, description="number of runs by the cycle's name"
+    )
+    rate: Rate | None = Field(None, description="runs per time the machine is to reach")
+    life: Literal["infinite", "finite"] = Field(
+        "infinite",
+        description="infinite: no cycle exceeds the endurance limit; finite: Miner's sum of these "
+        "runs is allowed",
+    )
+    allowed_damage: Positive = Field(
+        0.3, description="Miner's sum at failure: 0.3 is the FKM guideline's least, 1 Miner's own"
+    )
+    damage_so_far: Annotated[float, Field(strict=True, ge=0, allow_inf_nan=False)] = Field(
+        0.0, description="what of it earlier use has taken"
+    )
+
+
+class Column(Table):
+    """What is known of the part as a column; lengths where they are not the pins' distance."""
+
+    in_plane: PositiveLength | None = Field(
+        None, description="effective length in the plane of the linkage"
+    )
+    out_of_plane: PositiveLength | None = Field(
+        None, description="effective length out of that plane"
+    )
+    fork_stiffness: PositiveTurning | None = Field(
+        None,
+        description="of each end's fork against tilting out of the plane; without it the ends "
+        "count as hinged",
+    )
+    curve: Literal["a0", "a", "b", "c", "d"] | None = Field(
+        None,
+        description="column curve of Eurocode 3 that decides instead of yield, Johnson and Euler",
+    )
+    crookedness: PositiveLength | None = Field(
+        None,
+        description="largest initial deflection; without it 1/1000 of the effective length, or "
+        "what Eurocode 3 has for the curve",
+    )
+    eccentricity: OffsetLength = Field(
+        "0 mm",
+        validate_default=True,
+        description="by how much the force may pass beside the middle of both ends, such as half "
+        "the clearance of the pins",
+    )
+
+
+class MeshEntry(Table):
+    """How fine the part's mesh starts."""
+
+    fineness: Positive = Field(1.0, description="2 halves the size of the elements")
+    most_unknowns: Annotated[int, Field(strict=True, gt=0)] = Field(
+        300_000, description="where a finer mesh would have more, it stops short of the accuracy"
+    )
+
+
+class Bush(Table):
+    """A plain bush between pin and lug."""
+
+    length: PositiveLength = Field(description="bearing length in one lug")
+    allowable: PositiveStress = Field(description="mean pressure that the bush bears")
+    pv: PositivePressureSpeed | None = Field(
+        None, description="mean pressure times sliding speed that the bush bears, if it is stated"
+    )
+
+
+class StackEntry(Table):
+    """A lug on a pin, or a pair of them at +-`at`: a body's, or the eye of a force."""
+
+    body: str | None = Field(None, description="the body that the lug belongs to, or ground")
+    force: str | None = Field(None, description="the force that acts through this eye")
+    at: Length = Field(description="distance of the lug's mid-plane from the pin's")
+    single: bool = Field(
+        False, description="this lug alone stands at `at`, which may then be below 0"
+    )
+    width: PositiveLength = Field(description="width of the lug on the pin")
+    diameter: PositiveLength | None = Field(None, description="of the pin in this lug, if stepped")
+    bush: Bush | None = None
+
+
+class PartEntry(Table):
+    """What every part states, whatever its shape."""
+
+    material: str = Field(description="name of a material", examples=["S355"])
+    surface: Literal["ground", "machined", "cold_drawn", "hot_rolled", "as_forged"] = Field(
+        "hot_rolled", description="surface finish, for the endurance limit"
+    )
+    bearing_arc: BearingArc = Field(
+        "90 deg",
+        validate_default=True,
+        description="narrowest arc on which a pin may press; the model band runs to 180 deg; "
+        "where it is not stated 7 % further in bores",
+    )
+    reliability: Fraction = Field(
+        "99 %",
+        validate_default=True,
+        description="share of parts that must survive; of Marin's chain only",
+    )
+    strength: Literal["marin", "fkm"] = Field(
+        "marin",
+        description="chain that the fatigue strength comes from: Marin's factors, or the FKM "
+        "guideline with the support of the stress gradient; never both",
+    )
+    roughness: Roughness | None = Field(
+        None, description="Rz, of FKM's chain only; without it that of the surface"
+    )
+    column: Column = Field(default=Column.model_validate({}))
+    mesh: MeshEntry = Field(default=MeshEntry.model_validate({}))
+
+
+class ContactEntry(Table):
+    """What slides or rolls on a part at one of its sliding contacts."""
+
+    radius: PositiveLength = Field(description="of the pin or roller that presses there")
+    material: str | None = Field(
+        None, description="name of its material; without it steel that is as strong as the part"
+    )
+
+
+class BodyPartEntry(PartEntry):
+    """A part that is a body of the linkage."""
+
+    body: str = Field(description="the body that this part is")
+    interfaces: dict[str, str] = Field(
+        description="interface of the shape = point of the body that it sits at, or the name of "
+        "the slot or guide that slides on it"
+    )
+    offsets: dict[str, Length] = Field(
+        default_factory=dict,
+        description="interface = how far above the part's middle plane its force acts: plates side "
+        "by side",
+    )
+    contacts: dict[str, ContactEntry] = Field(
+        default_factory=dict,
+        description="sliding interface = the pin or roller on it; without it a flat block",
+    )
+    tilt_held_at: str | None = Field(
+        None,
+        description="interface that takes the couples which the offsets leave; else one without an "
+        "offset, on the ground if there is one",
+    )
+
+
+class StepPartEntry(BodyPartEntry):
+    """A part that is one solid of a STEP file; its interfaces are holes that the entry names."""
+
+    shape: StepShape
+    holes: dict[Name, HoleEntry] = Field(min_length=2, description="interface = its hole")
+    hole_tolerance: PositiveLength = Field(
+        "0.05 mm",
+        validate_default=True,
+        description="of the holes' diameters and places, in the file and in the linkage",
+    )
+    section: Section2 | None = Field(
+        None,
+        description="stressed section: height in the linkage's plane, across the line from the "
+        "first hole to the second, and thickness along the pins; for the endurance limit's size "
+        "factor, and for the rung `formula`, to which the part is a bar of this section",
+    )
+    flip: Annotated[bool, Field(strict=True)] = Field(
+        False, description="turn the part round, so that its other side is up"
+    )
+
+
+class PinPartEntry(PartEntry):
+    """A part that joins bodies at a point."""
+
+    joint: str = Field(description="the point whose bodies the pin joins")
+    fixed_to: str = Field(description="the body that the pin turns with")
+    stack: list[StackEntry] = Field(min_length=1, description="the lugs on the pin")
+
+
+def shape_model(name: str, shape: type[Any]) -> type[PartEntry]:
+    """Return the model of the parts of one shape, made from the shape's parameters."""
+    own: dict[str, Any] = {"shape": (Literal[name], Field(description=shape.__doc__))}
+    for parameter in dataclasses.fields(shape):
+        if parameter.metadata.get("given_by") != GIVEN_BY_DESIGN:
+            continue
+        own[parameter.name] = (
+            BY_DIMENSION[parameter.metadata["dimension"]],
+            Field(
+                ... if parameter.default is dataclasses.MISSING else parameter.default,
+                description=parameter.metadata["meaning"],
+            ),
+        )
+    base = PinPartEntry if shape is Pin else BodyPartEntry
+    model: type[PartEntry] = create_model(shape.__name__ + "Part", __base__=base, **own)
+    model.__doc__ = shape.__doc__
+    return model
+
+
+STEP = "step"
+PART_MODELS: dict[str, type[PartEntry]] = {
+    **{name: shape_model(name, shape) for name, shape in SHAPES.items()},
+    STEP: StepPartEntry,
+}
+
+
+def _kind_of_part(value: Any) -> Any:
+    """Return the name of the model of a part: its shape, or `step` where that is a table."""
+    shape = value.get("shape") if isinstance(value, dict) else getattr(value, "shape", None)
+    if isinstance(shape, dict | StepFile):
+        return STEP
+    return STEP if isinstance(shape, str) and shape.lower().endswith(STEP_SUFFIXES) else shape
+
+
+def _union() -> Any:
+    union: Any = None
+    for name, model in PART_MODELS.items():
+        tagged: Any = Annotated[model, Tag(name)]
+        union = tagged if union is None else union | tagged
+    return Annotated[union, Discriminator(_kind_of_part)]
+
+
+def _flat(value: object) -> object:
+    """Turn nested tables of reasons into dotted keys: TOML nests keys that are not quoted."""
+    if not isinstance(value, dict):
+        return value
+    result: dict[str, object] = {}
+    for key, entry in value.items():
+        if isinstance(entry, dict):
+            inner = _flat(entry)
+            assert isinstance(inner, dict)
+            result.update({f"{key}.{rest}": reason for rest, reason in inner.items()})
+        else:
+            result[key] = entry
+    return result
+
+
+class DesignFile(Table):
+    """A machine to be checked: its linkage, its cycles, its duty and its parts."""
+
+    name: str = Field(description="what the machine is called")
+    accuracy: Fraction = Field(
+        "3 %",
+        validate_default=True,
+        description="numerical error to which meshes are refined, over the stress that is judged",
+    )
+    require: Requirements = Field(default=Requirements.model_validate({}))
+    gravity: Acceleration2 = Field(
+        "0, -9.81 m/s2",
+        validate_default=True,
+        description="in the ground frame",
+    )
+    ground: list[str] = Field(default_factory=list, description="points fixed to the frame")
+    points: dict[Name, Point2] = Field(
+        description="one position in which the linkage is assembled, in the ground frame"
+    )
+    bodies: dict[Name, BodyEntry]
+    joints: dict[Name, JointEntry] = Field(
+        default_factory=dict,
+        description="joints that are no plain pins; a point shared by bodies is a pin by itself",
+    )
+    forces: dict[Name, ForceEntry] = Field(default_factory=dict)
+    friction: FrictionEntry = Field(default=FrictionEntry.model_validate({}))
+    elastic: ElasticJoints = Field(
+        default=ElasticJoints.model_validate({}),
+        description="joints that give way where something pushes back; the others are rigid",
+    )
+    cycles: dict[Name, CycleEntry] = Field(default_factory=dict)
+    measured: dict[Name, MeasuredEntry] = Field(
+        default_factory=dict, description="runs whose loads stand in a file; they count as cycles"
+    )
+    duty: DutyEntry = Field(default=DutyEntry.model_validate({}))
+    drive: DriveEntry = Field(default=DriveEntry.model_validate({}))
+    dynamics: DynamicsEntry = Field(default=DynamicsEntry.model_validate({}))
+    materials: dict[Name, MaterialEntry] = Field(default_factory=dict)
+    parts: dict[Name, _union()] = Field(default_factory=dict)  # type: ignore[valid-type]
+    claims: dict[Name, dict[Literal["static", "buckling", "fatigue", "bush"], Claim]] = Field(
+        default_factory=dict,
+        description="by part and kind of check: a claimed safety; told beside what is found",
+    )
+    assumed: Annotated[dict[str, str], BeforeValidator(_flat)] = Field(
+        default_factory=dict,
+        description="dotted key of this file = why it is assumed; told in every result",
+    )

@@ -1,0 +1,103 @@
+"""What a design states twice, of a pin and of the parts on it: both must say the same."""
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from checks.design.data import Part
+from checks.design.errors import Problems
+from geometry.parts import Pin
+from geometry.parts.step_part import StepPart
+
+APART = 0.1  # mm, between where a force acts and where the model of a part has it
+_LOOSE = 1.25  # times the pin: up to here a check tells the play, beyond no pin is meant so
+_ROUND_OFF = 1e-9  # of a length that is stated in two units
+
+
+def check_stacks(parts: Mapping[str, Part], stated: Mapping[str, Any], problems: Problems) -> None:
+    """Note pins that do not fit the holes of parts on them, and offsets that a stack contradicts.
+
+    stated  the entry of each part, as the design file has it
+    """
+    for pin in parts.values():
+        if isinstance(pin.geometry, Pin):
+            for part, interface in _carried(pin, parts):
+                _check_fit(pin, part, interface, problems)
+                if interface in stated[part.name].offsets:
+                    _check_offset(pin, part, interface, problems)
+
+
+def _carried(pin: Part, parts: Mapping[str, Part]) -> Iterator[tuple[Part, str]]:
+    """The parts on a pin, and which of their interfaces sits on it."""
+    bodies = {lug.body for lug in pin.stack}
+    for part in parts.values():
+        if part.body is not None and part.body in bodies:
+            for interface, point in part.interfaces.items():
+                if point == pin.joint:
+                    yield part, interface
+
+
+def _check_fit(pin: Part, part: Part, interface: str, problems: Problems) -> None:
+    assert isinstance(pin.geometry, Pin)
+    hole = _hole(part, interface)
+    room = hole or float(getattr(part.geometry, "width", math.inf))
+    if pin.geometry.diameter > room * (1 + _ROUND_OFF):
+        problems.add(
+            f"parts.{pin.name}.diameter",
+            f"a pin of {pin.geometry.diameter:g} mm cannot pass {part.name}, which has "
+            f"{room:g} mm there",
+        )
+    index, lug = next((k, lug) for k, lug in enumerate(pin.stack) if lug.body == part.body)
+    neck = pin.geometry.diameter if lug.diameter is None else lug.diameter
+    if hole is None or lug.bush is not None or hole <= _LOOSE * neck:
+        return
+    own = "diameter" if lug.diameter is None else f"stack[{index}].diameter"
+    problems.add(
+        f"parts.{pin.name}.{own}",
+        f"the pin has {neck:g} mm where parts.{part.name} has a hole of {hole:g} mm for it "
+        f"({_hole_key(part, interface)}); make them fit, or state the bush between them in "
+        f"parts.{pin.name}.stack[{index}].bush",
+    )
+
+
+def _hole(part: Part, interface: str) -> float | None:
+    """Diameter of a part's hole at an interface, mm; None where it has no round one there."""
+    shape: Any = part.geometry
+    if isinstance(shape, StepPart):
+        hole = next(hole for hole in shape.holes if hole.name == interface)
+        return float(hole.diameter) if hole.kind == "bore" else None
+    found: float | None = getattr(shape, _hole_field(part, interface), None)
+    return found
+
+
+def _hole_key(part: Part, interface: str) -> str:
+    """The key that states that hole."""
+    if isinstance(part.geometry, StepPart):
+        return f"parts.{part.name}.holes.{interface}.diameter"
+    return f"parts.{part.name}.{_hole_field(part, interface)}"
+
+
+def _hole_field(part: Part, interface: str) -> str:
+    second = interface == "second" and getattr(part.geometry, "second_hole", None) is not None
+    return "second_hole" if second else "hole"
+
+
+def _check_offset(pin: Part, part: Part, interface: str, problems: Problems) -> None:
+    """Where one height of all other lugs tells the offset, whatever forces act."""
+    assert isinstance(pin.geometry, Pin)
+    heights = {seat.name: seat.at if seat.single else 0.0 for seat in pin.geometry.seats}
+    own = heights.pop(str(part.body))
+    # a pin hands the couple of its other lugs to the one that it is fixed in; in the rest it turns
+    arms = {height - own if pin.fixed_to == part.body else 0.0 for height in heights.values()}
+    if len(arms) != 1:
+        return
+    (wanted,) = arms
+    offset = part.offsets[interface]
+    if abs(offset - wanted) <= APART:
+        return
+    turns = "" if pin.fixed_to == part.body else f", as {pin.name} turns in {part.body}"
+    problems.add(
+        f"parts.{part.name}.offsets.{interface}",
+        f"is {offset:g} mm, but by parts.{pin.name}.stack the force acts {wanted:g} mm beside the "
+        f"part's middle plane{turns}; state one of them otherwise",
+    )

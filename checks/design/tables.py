@@ -1,0 +1,332 @@
+"""The tables of a design file that state the linkage and its cycles, as pydantic models.
+
+The models only know each table for itself; what must fit together between the tables is checked
+where the design is put together.
+"""
+
+from collections.abc import Mapping
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, StringConstraints, Tag
+
+from checks.design.names import nearest
+from checks.design.units import (
+    Direction2,
+    ForceOrMoment,
+    Inertia,
+    Length,
+    LengthOrAngle,
+    Mass,
+    OffsetLength,
+    Point2,
+    PositiveBending,
+    PositiveForce,
+    PositiveForceOrMoment,
+    PositiveLength,
+    PositiveStiffness,
+    PositiveStress,
+    PositiveTime,
+    SweepAcceleration,
+    SweepSpeed,
+)
+
+Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_][A-Za-z0-9_-]*$")]
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
+Coefficient = Annotated[Number, Field(ge=0)]
+Damping = Annotated[Number, Field(gt=0, lt=1)]
+# by these pydantic names which of several forms a value has; messages leave them out
+TAGS = ("<value>", "<table>", "<contact>")
+Ends = Annotated[list[Length], Field(min_length=2, max_length=2)]
+
+
+class Table(BaseModel):
+    """A table of the file: unknown keys are refused, what was read stays as it was."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Guide(Table):
+    """A straight guide of a body in the frame, through the body's first pin, without rotation."""
+
+    along: Direction2 = Field(description="direction of travel in the ground frame")
+    ends: Ends | None = Field(
+        None, description="how far the body may travel from where it is assembled, two lengths"
+    )
+
+
+class Elastic(Table):
+    """How a body gives way: as a beam along its own x axis, or as the part that it is."""
+
+    bending: PositiveBending | None = Field(None, description="bending stiffness E I")
+    axial: PositiveForce | None = Field(None, description="stiffness E A against stretching")
+    stiffness: Literal["fem"] | None = Field(
+        None, description="instead of both: as the body's part does, which is meshed and solved"
+    )
+
+
+class BodyEntry(Table):
+    """A rigid body of the linkage."""
+
+    pins: list[str] = Field(
+        min_length=1,
+        description="points of the body: the frame's origin, then where its x axis points, then "
+        "any others; with one pin the axes are the ground's",
+    )
+    mass: Mass | None = Field(None, description="instead of the mass of the part of this body")
+    inertia: Inertia | None = Field(None, description="about the centre of mass")
+    centre: Point2 | None = Field(None, description="centre of mass in the body's frame")
+    guide: Guide | None = Field(None, description="the body slides in the frame")
+    elastic: Elastic | None = Field(
+        None, description="how the body gives way where something pushes back; rigid without it"
+    )
+
+
+class JointEntry(Table):
+    """A joint that is no plain pin: a slot, a guide between two bodies, or a weld."""
+
+    kind: Literal["slot", "guide", "fixed"] = Field(
+        description="slot: a point on a line of another body; guide: as a slot, and the body does "
+        "not turn against the other; fixed: a weld"
+    )
+    on: str | None = Field(None, description="slot, guide: the body that has the line, or ground")
+    through: str | None = Field(None, description="slot, guide: a point of `on` on the line")
+    along: str | None = Field(
+        None,
+        description="slot, guide: a second point of `on` on the line, or a direction in the frame "
+        'of `on` such as "1, 0"',
+        examples=["1, 0"],
+    )
+    body: str | None = Field(None, description="slot, guide: the body that slides")
+    point: str | None = Field(
+        None, description="slot, guide: its point on the line; fixed: the point of the weld"
+    )
+    ends: Ends | None = Field(
+        None, description="slot, guide: how far the point may go from `through`, two lengths"
+    )
+    bodies: Annotated[list[str], Field(min_length=2, max_length=2)] | None = Field(
+        None, description="fixed: the two bodies, or a body and ground"
+    )
+
+
+class Available(Table):
+    """What a drive between two points can give: push and pull, or a cylinder and its pressure."""
+
+    push: PositiveForce | None = Field(None, description="apart")
+    pull: PositiveForce | None = Field(None, description="together")
+    bore: PositiveLength | None = Field(None, description="diameter of the cylinder's piston")
+    rod: OffsetLength | None = Field(None, description="diameter of its rod, on the pulling side")
+    pressure: PositiveStress | None = Field(None, description="of the fluid")
+
+
+def _one_value_or_table(value: object) -> str:
+    return "<table>" if isinstance(value, Mapping | BaseModel) else "<value>"
+
+
+AvailableEntry = Annotated[
+    Annotated[PositiveForceOrMoment, Tag("<value>")] | Annotated[Available, Tag("<table>")],
+    Discriminator(_one_value_or_table),
+]
+
+
+class ForceEntry(Table):
+    """A force: between two points, at a point of a body in a direction, or a torque on a body."""
+
+    between: Annotated[list[str], Field(min_length=2, max_length=2)] | None = Field(
+        None, description="two points; a positive force pulls them together"
+    )
+    on: str | None = Field(
+        None, description="which body takes the force where several share a point of `between`"
+    )
+    body: str | None = Field(None, description="the body that is pushed")
+    at: str | None = Field(
+        None,
+        description="the point of the body at which the force acts, or where a torque enters it",
+    )
+    direction: Direction2 | None = Field(
+        None, description="of the force on the body, in the ground frame"
+    )
+    turns: str | None = Field(
+        None, description="the body that a torque turns; positive turns it counter-clockwise"
+    )
+    against: str | None = Field(
+        None, description="the body that the torque is braced against; the ground without it"
+    )
+    available: AvailableEntry | None = Field(
+        None, description="what the drive can give: in both directions, or as a table"
+    )
+
+
+class PinFriction(Table):
+    """Coulomb friction in a pin joint."""
+
+    coefficient: Coefficient = Field(description="coefficient of friction")
+    diameter: PositiveLength = Field(description="of the pin")
+
+
+class SlidingFriction(Table):
+    """Coulomb friction in a guide or slot."""
+
+    coefficient: Coefficient = Field(description="coefficient of friction")
+
+
+class JointFriction(Table):
+    """Coulomb friction of one joint."""
+
+    coefficient: Coefficient = Field(description="coefficient of friction")
+    diameter: PositiveLength | None = Field(None, description="of the pin; a pin joint needs it")
+
+
+class FrictionEntry(Table):
+    """Friction of the joints; what is not named runs without friction."""
+
+    pins: PinFriction | None = Field(None, description="every pin joint")
+    guides: SlidingFriction | None = Field(None, description="every guide")
+    slots: SlidingFriction | None = Field(None, description="every slot")
+    joints: dict[str, JointFriction] = Field(
+        default_factory=dict, description="single joints: a pin joint by its point, others by name"
+    )
+
+
+class ElasticJoints(Table):
+    """What gives way besides the bodies."""
+
+    joints: dict[str, PositiveStiffness] = Field(
+        default_factory=dict, description="stiffness of a pin joint by its point, others by name"
+    )
+
+
+class PaceEntry(Table):
+    """How fast the cycle runs: the speed of one coordinate, or a law of motion for each stroke."""
+
+    coordinate: str = Field(description="such as cylinder.length", examples=["cylinder.length"])
+    speed: SweepSpeed | None = Field(
+        None, description="magnitude of the coordinate's rate; its direction follows the phase"
+    )
+    acceleration: SweepAcceleration | None = Field(
+        None, description="of the coordinate along its way; above 0 the speed rises"
+    )
+    law: Literal["harmonic", "cycloidal", "polynomial"] | None = Field(
+        None, description="instead of speed: every stroke goes from rest to rest by this law"
+    )
+    time: PositiveTime | None = Field(None, description="with law: of each stroke")
+
+
+class ShownEntry(Table):
+    """The position as reports show it: sign * (coordinate - zero)."""
+
+    name: str = Field(description="what the displayed position is called")
+    zero: LengthOrAngle = Field(description="the coordinate where the displayed position is 0")
+    sign: Literal[1, -1] = Field(1, description="-1 counts the other way")
+
+
+class StopEntry(Table):
+    """What ends the travel."""
+
+    basis: Literal["assumed", "mechanical"] = Field(
+        description="assumed: nothing mechanical stops the travel there"
+    )
+    tolerance: LengthOrAngle = Field(description="the travel ends within +- this")
+
+
+class TableLaw(Table):
+    """A force that follows a table, linear between its points: in the file, or in a CSV file."""
+
+    over: str = Field(description="the coordinate it depends on", examples=["crank.angle"])
+    at: list[LengthOrAngle] | None = Field(None, description="rising values of the coordinate")
+    force: list[ForceOrMoment] | None = Field(None, description="the force at each of them")
+    table: str | None = Field(
+        None, description="instead of at and force: a CSV file of two columns, beside this file"
+    )
+    units: Annotated[list[str], Field(min_length=2, max_length=2)] | None = Field(
+        None, description="units of the two columns", examples=[["mm", "N"]]
+    )
+
+
+class ContactLaw(Table):
+    """A workpiece or stop that pushes back along the force when it is touched, and never pulls."""
+
+    touches: str = Field(description="the coordinate along which it pushes", examples=["D.y"])
+    at: LengthOrAngle = Field(description="the coordinate at first touch")
+    stiffness: PositiveStiffness | None = Field(
+        None, description="of what is touched; rigid without it, then the linkage must be elastic"
+    )
+    stops: bool | None = Field(
+        None,
+        strict=True,
+        description="whether the body stands still along the force while it touches; true unless "
+        "stated for a force on a body",
+    )
+
+
+def _kind_of_law(value: object) -> str:
+    if isinstance(value, Mapping):
+        keys = [str(key) for key in value]
+        own = set(ContactLaw.model_fields) - set(TableLaw.model_fields)
+        return "<contact>" if any(nearest(key, own) for key in keys) else "<table>"
+    return "<contact>" if isinstance(value, ContactLaw) else "<value>"
+
+
+LawEntry = Annotated[
+    Annotated[ForceOrMoment, Tag("<value>")]
+    | Annotated[TableLaw, Tag("<table>")]
+    | Annotated[ContactLaw, Tag("<contact>")],
+    Discriminator(_kind_of_law),
+]
+
+
+class PhaseEntry(Table):
+    """A stretch of the cycle with its forces."""
+
+    name: Name = Field(description="name of the phase")
+    to: LengthOrAngle = Field(description="where the swept coordinate arrives")
+    forces: dict[str, LawEntry] = Field(
+        default_factory=dict, description="forces that are given: constant, tabled, or a contact"
+    )
+    solve: str = Field(description="the force that follows from the others")
+
+
+class CycleEntry(Table):
+    """A cycle of the machine, swept in one coordinate, phase after phase."""
+
+    coordinate: str = Field(
+        description="what is swept: <point>.x, <point>.y, <body>.angle or <force>.length",
+        examples=["A.y"],
+    )
+    start: LengthOrAngle = Field(description="where the coordinate starts")
+    pace: PaceEntry
+    positions: Annotated[int, Field(strict=True, ge=2, le=20_000)] = Field(
+        361, description="at least, over all phases"
+    )
+    shown: ShownEntry | None = None
+    stop: StopEntry | None = None
+    friction: FrictionEntry | None = Field(
+        None, description="in this cycle, instead of the file's friction"
+    )
+    phases: list[PhaseEntry] = Field(min_length=1)
+
+
+class DriveEntry(Table):
+    """What is asked of the machine's drive."""
+
+    irregularity: Positive = Field(
+        0.1,
+        description="largest share by which the speed may vary over a turn for it to count as even",
+    )
+
+
+class DynamicsEntry(Table):
+    """How the vibration of the linkage is judged."""
+
+    damping: Damping = Field(
+        0.02, description="damping ratio of every mode: 0.01 welded steel to 0.05 bolted joints"
+    )
+    rise: PositiveTime | None = Field(
+        None,
+        description="time in which loads really rise that jump from one phase to the next; without "
+        "it four periods of the mode, a tenth of the time between jumps or 5 % of the cycle, "
+        "whichever is least",
+    )
+    apply: bool = Field(
+        False, strict=True, description="whether what vibration adds is put on the loads"
+    )

@@ -1,0 +1,393 @@
+"""Units at the door: text such as "6.3 mm" becomes a number in N, mm, s and tonne, once.
+
+Inside ballesta every number is in N, mm, s, tonne, hence MPa, N mm and tonne mm2; angles are rad.
+The types at the end (`Length`, `Force`, ...) do the conversion in the models of the design file
+and describe themselves in its JSON schema.
+"""
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from operator import ge, gt, le, lt
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import core_schema
+
+from checks.design.names import nearest
+from checks.result.words import brief
+
+if TYPE_CHECKING:
+    import pint
+
+Pair = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """A kind of quantity: its name in a sentence, ballesta's unit, and an example to copy."""
+
+    title: str
+    unit: str
+    example: str
+
+
+DIMENSIONS = {
+    "length": Dimension("a length", "mm", "6.3 mm"),
+    "force": Dimension("a force", "N", "11 kN"),
+    "mass": Dimension("a mass", "t", "10 kg"),
+    "inertia": Dimension("a moment of inertia", "t mm2", "0.02 kg m2"),
+    "stress": Dimension("a stress", "MPa", "140 MPa"),
+    "density": Dimension("a density", "t/mm3", "7850 kg/m3"),
+    "speed": Dimension("a speed", "mm/s", "0.1 m/s"),
+    "angular speed": Dimension("an angular speed", "rad/s", "30 deg/s"),
+    "acceleration": Dimension("an acceleration", "mm/s2", "9.81 m/s2"),
+    "angle": Dimension("an angle", "rad", "120 deg"),
+    "rate": Dimension("a rate", "1/s", "20 1/min"),
+    "fraction": Dimension("a share", "", "5 %"),
+    "time": Dimension("a time", "s", "1.5 s"),
+    "moment": Dimension("a moment", "N mm", "12 N m"),
+    "turning stiffness": Dimension("a stiffness against turning", "N mm/rad", "20 kN m/rad"),
+    "stiffness": Dimension("a stiffness", "N/mm", "80 kN/mm"),
+    "pressure speed": Dimension("a pressure times a speed", "MPa mm/s", "0.5 MPa m/s"),
+    "bending stiffness": Dimension("a bending stiffness E I", "N mm2", "2787 N m2"),
+    "angular acceleration": Dimension("an angular acceleration", "rad/s2", "2 rad/s2"),
+    "roughness": Dimension("a roughness Rz", "mm", "25 um"),
+}
+# only to name what was found where another dimension was expected
+_OTHER_TITLES = {
+    "mm2": "an area", "mm3": "a volume", "K": "a temperature", "W": "a power",
+}  # fmt: skip
+_COMMON_UNITS = [
+    *("mm", "cm", "m", "um", "inch", "N", "kN", "MN", "g", "kg", "t", "tonne", "Pa", "MPa", "GPa"),
+    *("s", "ms", "min", "h", "Hz", "rad", "deg", "%"),
+]
+MOST = 1e20  # N, mm, s, ...: what is larger than any machine's; its powers are finite numbers
+_MOST_STIFFNESS = 1e30  # N mm2: E I grows with the fourth power of a length
+_NO_MACHINE = "which is not finite or beyond any machine"
+_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+_QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*")
+_FACTOR = re.compile(
+    r"\s*([*·/]?)\s*(1(?=\s*/)|[A-Za-zµμ°%]+)(?:\s*(?:\^|\*\*)?\s*(-?\d+)|([²³]))?"
+)
+
+
+@dataclass(frozen=True)
+class Unit:
+    """One of a unit: its size in pint's root units, and their powers."""
+
+    size: float
+    powers: Mapping[str, float]
+
+    def __mul__(self, other: "Unit") -> "Unit":
+        names = self.powers.keys() | other.powers.keys()
+        powers = {name: self.powers.get(name, 0) + other.powers.get(name, 0) for name in names}
+        return Unit(self.size * other.size, {name: p for name, p in powers.items() if p})
+
+    def __pow__(self, power: int) -> "Unit":
+        return Unit(self.size**power, {name: p * power for name, p in self.powers.items()})
+
+
+_LENGTH, _TIME, _ANGLE = {"meter": 1}, {"second": 1}, {"radian": 1}
+_FORCE = {"gram": 1, "meter": 1, "second": -2}
+_PRESSURE = {"gram": 1, "meter": -1, "second": -2}
+# The units that nearly all designs are written in: pint, which knows all others, takes half a
+# second to load.
+KNOWN_UNITS = {
+    **{name: Unit(size, _LENGTH) for name, size in (("mm", 1e-3), ("cm", 1e-2), ("m", 1.0),
+                                                    ("um", 1e-6), ("km", 1e3))},
+    **{name: Unit(size, _FORCE) for name, size in (("N", 1e3), ("kN", 1e6), ("MN", 1e9))},
+    **{name: Unit(size, {"gram": 1}) for name, size in (("g", 1.0), ("kg", 1e3), ("t", 1e6),
+                                                        ("tonne", 1e6))},
+    **{name: Unit(size, _PRESSURE) for name, size in (("Pa", 1e3), ("kPa", 1e6), ("MPa", 1e9),
+                                                      ("GPa", 1e12), ("bar", 1e8))},
+    **{name: Unit(size, _TIME) for name, size in (("s", 1.0), ("ms", 1e-3), ("min", 60.0),
+                                                  ("h", 3600.0))},
+    **{name: Unit(size, _ANGLE) for name, size in (("rad", 1.0), ("deg", math.pi / 180))},
+    "Hz": Unit(1.0, {"second": -1}),
+    "percent": Unit(0.01, {}),
+}  # fmt: skip
+
+
+@lru_cache(maxsize=1)
+def _registry() -> "pint.UnitRegistry[float]":
+    import pint
+
+    return pint.UnitRegistry()
+
+
+def pint_unit(name: str) -> Unit:
+    """Return one of a unit that pint knows; raises ValueError for any other."""
+    import pint
+
+    registry = _registry()
+    try:
+        root = registry.Quantity(1.0, registry.parse_units(name)).to_root_units()
+    except pint.UndefinedUnitError as error:
+        raise ValueError(str(error)) from error
+    powers: dict[str, Any] = dict(root.unit_items())
+    return Unit(float(root.magnitude), powers)
+
+
+@lru_cache(maxsize=1024)
+def _unit(text: str) -> Unit:
+    """Return one of the unit in root units; raises ValueError in the user's words."""
+    result = Unit(1.0, {})
+    position = 0
+    while position < len(text):
+        factor = _FACTOR.match(text, position)
+        if factor is None:
+            raise ValueError(f'unit "{text}" is not understood, write it such as kg m2 or 1/min')
+        operator, name, digits, superscript = factor.groups()
+        position = factor.end()
+        if name == "1":
+            continue
+        name = {"°": "deg", "%": "percent"}.get(name, name)
+        try:
+            unit = KNOWN_UNITS.get(name) or pint_unit(name)
+        except ValueError:
+            guess = nearest(name, _COMMON_UNITS)
+            hint = f", did you mean {guess}?" if guess else ""
+            raise ValueError(f'unit "{name}" is unknown{hint}') from None
+        power = int(digits or {"²": 2, "³": 3, None: 1}[superscript])
+        result = result * unit ** (-power if operator == "/" else power)
+    return result
+
+
+def _title(found: Unit) -> str:
+    for dimension in DIMENSIONS.values():
+        if _unit(dimension.unit).powers == found.powers:
+            return dimension.title
+    for unit, title in _OTHER_TITLES.items():
+        if _unit(unit).powers == found.powers:
+            return title
+    from pint.util import UnitsContainer
+
+    return f"in {_registry().Unit(UnitsContainer(found.powers)):~}"
+
+
+def _shown(value: object) -> str:
+    return f'"{brief(value, 100)}"' if isinstance(value, str) else brief(value, 100)
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A converted number that still knows which of the accepted dimensions it has."""
+
+    value: float
+    dimension: str
+
+
+def measure(value: object, *accepted: str) -> Measured:
+    """Convert text to ballesta's units; it may have any of the accepted dimensions.
+
+    >>> measure("0.1 m/s", "speed")
+    Measured(value=100.0, dimension='speed')
+    """
+    expected = " or ".join(
+        f'{DIMENSIONS[name].title} such as "{DIMENSIONS[name].example}"' for name in accepted
+    )
+    must_be = f"must be {expected}, got {_shown(value)}"
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        if not abs(value) <= MOST:  # of whole numbers, too, that no float can hold
+            raise ValueError(f"{must_be}, {_NO_MACHINE}")
+        if accepted == ("fraction",):
+            return Measured(float(value), "fraction")
+        raise ValueError(f"{must_be} without a unit")
+    match = _QUANTITY.fullmatch(value) if isinstance(value, str) else None
+    if match is None:
+        raise ValueError(must_be)
+    number, unit_text = float(match[1]), match[2]
+    if unit_text.startswith(","):
+        raise ValueError(f"{must_be}; decimals are written with a point, and one value is needed")
+    if not unit_text and "fraction" not in accepted:
+        raise ValueError(f"{must_be} without a unit")
+    try:
+        unit = _unit(unit_text)
+    except ValueError as error:
+        raise ValueError(f"{must_be}: {error}") from None
+    for name in accepted:
+        own = _unit(DIMENSIONS[name].unit)
+        if own.powers == unit.powers:
+            converted = number * (unit.size / own.size)
+            most = _MOST_STIFFNESS if name == "bending stiffness" else MOST
+            if not abs(converted) <= most:
+                raise ValueError(f"{must_be}, {_NO_MACHINE}")
+            return Measured(converted, name)
+    raise ValueError(f"{must_be}, which is {_title(unit)}")
+
+
+def measure_pair(value: object, dimension: str) -> Pair:
+    """Convert text such as "200, 150 mm" to two numbers in ballesta's units."""
+    unit = DIMENSIONS[dimension].unit if dimension else ""
+    example = {"length": "200, 150 mm", "acceleration": "0, -9.81 m/s2", "": "0, 1"}[dimension]
+    what = f"two numbers with a unit, such as {example!r}" if unit else f"such as {example!r}"
+    must_be = f"must be {what}, got {_shown(value)}".replace("'", '"')
+    parts = value.split(",") if isinstance(value, str) else []
+    if len(parts) != 2:
+        hint = "; decimals are written with a point" if len(parts) > 2 else ""
+        raise ValueError(must_be + hint)
+    if not dimension:
+        numbers = [_QUANTITY.fullmatch(part) for part in parts]
+        if any(number is None or number[2] for number in numbers):
+            raise ValueError(f"{must_be}; a direction has no unit")
+        x, y = (float(part) for part in parts)
+        if not (math.isfinite(x) and math.isfinite(y)) or math.hypot(x, y) == 0.0:
+            raise ValueError(f"{must_be}, which is no direction")
+        return x / math.hypot(x, y), y / math.hypot(x, y)
+    last = _QUANTITY.fullmatch(parts[1])
+    if last is not None and re.fullmatch(rf"\s*{_NUMBER}\s*", parts[0]):
+        parts[0] = f"{parts[0]} {last[2]}"  # one unit serves both
+    try:
+        x, y = (measure(part.strip(), dimension).value for part in parts)
+    except ValueError as error:
+        raise ValueError(f"{must_be}: {error}") from None
+    return x, y
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Marks a number of a pydantic model as a quantity of one of the dimensions, within bounds.
+
+    The bounds are in ballesta's units and are shown with them. `if_negative` is said, too, of a
+    number below 0 where that is out of bounds.
+    """
+
+    dimensions: tuple[str, ...]
+    above: float | None = None
+    at_least: float | None = None
+    below: float | None = None
+    at_most: float | None = None
+    keep_dimension: bool = False
+    if_negative: str = ""
+
+    def read(self, value: object) -> float | Measured:
+        """Return the number in ballesta's units, or raise ValueError."""
+        measured = measure(value, *self.dimensions)
+        number = measured.value
+        for word, bound, breaks in (
+            ("above", self.above, le),
+            ("at least", self.at_least, lt),
+            ("below", self.below, ge),
+            ("at most", self.at_most, gt),
+        ):
+            if bound is not None and breaks(number, bound):
+                limit = _limit(bound, measured.dimension)
+                hint = f"; {self.if_negative}" if self.if_negative and number < 0.0 else ""
+                raise ValueError(f"must be {word} {limit}, got {_shown(value)}{hint}")
+        return measured if self.keep_dimension else measured.value
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> core_schema.CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        kinds = [DIMENSIONS[name] for name in self.dimensions]
+        if self.dimensions == ("fraction",):
+            return {
+                "anyOf": [{"type": "string", "pattern": rf"^\s*{_NUMBER}\s*%?\s*$"},
+                          {"type": "number"}],
+                "examples": ["5 %"],
+            }  # fmt: skip
+        return {
+            "type": "string",
+            "pattern": rf"^\s*{_NUMBER}\s*[A-Za-zµμ°1][^,]*$",
+            "examples": [kind.example for kind in kinds],
+        }
+
+
+def _limit(bound: float, dimension: str) -> str:
+    if dimension == "angle":
+        return f"{math.degrees(bound):g} deg"
+    if dimension == "fraction":
+        return f"{100 * bound:g} %"
+    own = DIMENSIONS[dimension]
+    if bound == 0.0:  # zero needs no conversion to the unit that people write
+        return f"0 {own.example.partition(' ')[2]}"
+    return f"{bound:g} {own.unit}"
+
+
+@dataclass(frozen=True)
+class Vector:
+    """Marks a pair of a pydantic model as a vector of one dimension; "" is a unit direction."""
+
+    dimension: str
+
+    def read(self, value: object) -> Pair:
+        """Return the pair in ballesta's units, or raise ValueError."""
+        return measure_pair(value, self.dimension)
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> core_schema.CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        unit = r"\s*[A-Za-zµμ°].*" if self.dimension else r"\s*"
+        example = {"length": "200, 150 mm", "acceleration": "0, -9.81 m/s2", "": "0, 1"}
+        return {
+            "type": "string",
+            "pattern": rf"^\s*{_NUMBER}[^,]*,\s*{_NUMBER}{unit}$",
+            "examples": [example[self.dimension]],
+        }
+
+
+Length = Annotated[float, Quantity(("length",))]
+PositiveLength = Annotated[float, Quantity(("length",), above=0.0)]
+OffsetLength = Annotated[float, Quantity(("length",), at_least=0.0)]
+# the skin left by rolling, forging or casting is the roughest that the FKM guideline knows
+Roughness = Annotated[float, Quantity(("roughness",), above=0.0, at_most=0.2 * (1 + 1e-9))]
+Force = Annotated[float, Quantity(("force",))]
+PositiveForce = Annotated[float, Quantity(("force",), above=0.0)]
+Mass = Annotated[float, Quantity(("mass",), at_least=0.0)]
+Inertia = Annotated[float, Quantity(("inertia",), at_least=0.0)]
+Stress = Annotated[float, Quantity(("stress",))]
+PositiveStress = Annotated[float, Quantity(("stress",), above=0.0)]
+Density = Annotated[float, Quantity(("density",))]
+Speed = Annotated[float, Quantity(("speed",))]
+Acceleration = Annotated[float, Quantity(("acceleration",))]
+Angle = Annotated[float, Quantity(("angle",))]
+BearingArc = Annotated[float, Quantity(("angle",), above=math.radians(30 - 1e-9), at_most=math.pi)]
+Rate = Annotated[float, Quantity(("rate",), above=0.0)]
+Fraction = Annotated[float, Quantity(("fraction",), above=0.0, below=1.0)]
+LengthOrAngle = Annotated[Measured, Quantity(("length", "angle"), keep_dimension=True)]
+SweepSpeed = Annotated[
+    Measured,
+    Quantity(
+        ("speed", "angular speed"),
+        above=0.0,
+        keep_dimension=True,
+        if_negative="the direction comes from `to` of each phase",
+    ),
+]
+SweepAcceleration = Annotated[
+    Measured, Quantity(("acceleration", "angular acceleration"), keep_dimension=True)
+]
+PositivePressureSpeed = Annotated[float, Quantity(("pressure speed",), above=0.0)]
+PositiveTime = Annotated[float, Quantity(("time",), above=0.0)]
+PositiveStiffness = Annotated[float, Quantity(("stiffness",), above=0.0)]
+PositiveTurning = Annotated[float, Quantity(("turning stiffness",), above=0.0)]
+PositiveBending = Annotated[float, Quantity(("bending stiffness",), above=0.0)]
+ForceOrMoment = Annotated[Measured, Quantity(("force", "moment"), keep_dimension=True)]
+PositiveForceOrMoment = Annotated[
+    Measured, Quantity(("force", "moment"), above=0.0, keep_dimension=True)
+]
+Point2 = Annotated[Pair, Vector("length")]
+Acceleration2 = Annotated[Pair, Vector("acceleration")]
+Direction2 = Annotated[Pair, Vector("")]
+
+BY_DIMENSION: dict[str, Any] = {
+    "length": Length,
+    "angle": Angle,
+    "force": Force,
+    "mass": Mass,
+    "number": Annotated[float, Field(strict=True, allow_inf_nan=False)],
+    "count": Annotated[int, Field(strict=True)],
+}

@@ -1,0 +1,1 @@
+"""Handbook formulas without finite elements: lugs, pins, columns, notches, Hertz contact."""

@@ -1,0 +1,1 @@
+"""Pins, bushes, lugs and slots: pressures, tearing out, bending over a stack."""

@@ -1,0 +1,205 @@
+"""Shear, bending and twist along a pin from the lugs of its stack, as a designer draws them.
+
+Every lug presses in one of two ways: all at its mid-plane, or evenly over its width. A real lug,
+which gives way at its edges, is between them. A couple that closes a pin with lugs on one side is
+taken by the lug that the pin is fixed in: as it is at its mid-plane (by a pair: as two forces), or
+as a pressure that grows along the lug.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from checks.handbook.lugs import round_bending, round_shear, round_torsion
+from geometry.mesh import FloatArray
+from geometry.parts import Pin, Seat
+
+_INSIDE = 16  # sections between two changes of load or diameter
+ANGLES = np.radians(np.arange(0, 180, 5))
+_TIED = 1e-6  # of a stress: nearer ones are all computed
+
+
+@dataclass(frozen=True, eq=False)
+class PinDiagram:
+    """Shear, bending and twist along a pin.
+
+    places    (m,) mm; two sections share a place where load or diameter changes
+    diameter  (m,) mm
+    shear     (n, m, 2) N, along x and y
+    moment    (n, m, 2) N mm, in the planes of x and y with z
+    torque    (n, m) N mm, by friction in the lugs
+    """
+
+    places: FloatArray
+    diameter: FloatArray
+    shear: FloatArray
+    moment: FloatArray
+    torque: FloatArray
+
+    @cached_property
+    def bending_stress(self) -> FloatArray:
+        """Largest bending stress (n, m), MPa."""
+        return round_bending(np.hypot(self.moment[..., 0], self.moment[..., 1]), self.diameter)
+
+    @cached_property
+    def shear_stress(self) -> FloatArray:
+        """Largest shear stress (n, m), MPa: at a rim where shear and twist run the same way."""
+        return round_shear(np.hypot(self.shear[..., 0], self.shear[..., 1]), self.diameter) + (
+            self.twist_stress
+        )
+
+    @cached_property
+    def twist_stress(self) -> FloatArray:
+        """Largest shear stress by the torque alone (n, m), MPa."""
+        return round_torsion(np.abs(self.torque), self.diameter)
+
+    @cached_property
+    def most_bent(self) -> float:
+        """Largest bending stress of all sections and positions, MPa."""
+        return float(round_bending(_longest(self.moment), self.diameter).max())
+
+    @cached_property
+    def most_sheared(self) -> float:
+        """Largest shear stress of all sections and positions, MPa."""
+        if self.torque.any():
+            return float(self.shear_stress.max())
+        return float(round_shear(_longest(self.shear), self.diameter).max())
+
+    @property
+    def equivalent_stress(self) -> FloatArray:
+        """Largest von Mises stress of bending with shear and twist (n, m), MPa.
+
+        At the angle a of the rim bending is cos(a - a_M) of its largest and shear, the same all
+        across (Jourawski), sin^2(a - a_V); inside the section bending is less and shear the same.
+        The twist runs with the shear on one of two opposite rims, which are bent alike.
+        """
+        every = np.ones(self.bending_stress.shape, dtype=bool)
+        return self._equivalent(every).reshape(every.shape)
+
+    @property
+    def equivalent_peaks(self) -> FloatArray:
+        """As `equivalent_stress` wherever that may be the largest, else a bound from below (n, m).
+
+        It is at most what bending and shear have at one place, sqrt(sigma^2 + 3 tau^2), and at
+        least either of them.
+        """
+        bent, sheared = self.bending_stress**2, 3 * self.shear_stress**2
+        least = np.sqrt(np.maximum(bent, sheared))
+        near = np.sqrt(bent + sheared) >= (1 - _TIED) * least.max()
+        least[near] = self._equivalent(near)
+        return np.asarray(least)
+
+    def _equivalent(self, chosen: npt.NDArray[np.bool_]) -> FloatArray:
+        """Largest von Mises stress (k,) of the chosen (n, m), MPa."""
+        bending, twist = self.bending_stress[chosen], self.twist_stress[chosen]
+        shear = self.shear_stress[chosen] - twist
+        result = np.sqrt(3) * (shear + twist)  # in the middle, where nothing is bent
+        moment, force = self.moment[chosen], self.shear[chosen]
+        along_m = np.arctan2(moment[:, 1], moment[:, 0])
+        along_v = np.arctan2(force[:, 1], force[:, 0])
+        for turn in ANGLES:
+            angle = along_m + turn
+            bent = bending * np.cos(turn)
+            sheared = shear * np.sin(angle - along_v) ** 2 + twist
+            result = np.maximum(result, np.sqrt(bent**2 + 3 * sheared**2))
+        return np.asarray(result)
+
+
+def _longest(vectors: FloatArray) -> FloatArray:
+    """Length (m,) of the longest of the vectors (n, m, 2) at each place."""
+    squares = vectors[..., 0] ** 2
+    squares += vectors[..., 1] ** 2
+    x, y = vectors[squares.argmax(axis=0), np.arange(squares.shape[1])].T
+    return np.asarray(np.hypot(x, y))
+
+
+def pin_diagram(
+    shape: Pin, wrenches: dict[str, FloatArray], *, spread: bool, ends_only: bool = False
+) -> PinDiagram:
+    """Shear and bending along a pin under the wrenches (n, 6) of its seats.
+
+    spread     each lug presses evenly over its width, and not at its mid-plane
+    ends_only  of stretches without pressure only both ends: shear is even there and the moment
+               linear, so that every stress is largest at one of them
+    """
+    points, diameters = _stations(shape, spread=spread, ends_only=ends_only)
+    # a section at the lower end of a stretch has passed what acts at its place
+    passed = np.r_[True, points[1:] <= points[:-1]]
+    share, lever, turned, pulled = np.zeros((4, len(shape.seats), len(points)))
+    for k, seat in enumerate(shape.seats):
+        for part in _pressed(seat, points) if spread else _pushed(seat, points, passed):
+            for total, own in zip((share, lever, turned, pulled), part, strict=True):
+                total[k] += own
+    count = np.array([len(seat.places) for seat in shape.seats])
+    acting = np.stack([wrenches[seat.name] for seat in shape.seats], axis=1)  # (n, seats, 6)
+    # the two directions stand apart in memory, each is read and written by itself
+    shear, moment = np.moveaxis(np.empty((2, 2, len(acting), len(points))), 1, -1)
+    for axis, dipole in ((0, acting[:, :, 4]), (1, -acting[:, :, 3])):
+        force = acting[:, :, axis] / count
+        shear[..., axis] = force @ share + dipole @ pulled
+        moment[..., axis] = force @ lever + dipole @ turned
+    return PinDiagram(points, diameters, shear, moment, acting[:, :, 5] / count @ share)
+
+
+_Part = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
+
+
+def _pushed(seat: Seat, points: FloatArray, passed: np.ndarray) -> list[_Part]:
+    """Per lug: shear and moment of 1 N at its mid-plane; moment and shear of the seat's dipole.
+
+    The moment of forces at heights z is sum z F; a couple (M_x, M_y) is the dipole (M_y, -M_x).
+    """
+    parts = []
+    for place in seat.places:
+        away = points - place
+        here = np.abs(away) <= 1e-9 * seat.width
+        beyond = (away > 0) & ~here | here & passed
+        step, lever = beyond.astype(float), np.maximum(points - place, 0.0)
+        if seat.paired:  # +-C / (2 at) at +-at
+            share = np.sign(place) / (2 * seat.at)
+            parts.append((step, lever, share * lever, share * step))
+        else:
+            parts.append((step, lever, -step, np.zeros_like(points)))
+    return parts
+
+
+def _pressed(seat: Seat, points: FloatArray) -> list[_Part]:
+    """Per lug: as `_pushed`, under an even pressure, and one that grows along z for the dipole."""
+    half = seat.width / 2
+    centre = 0.0 if seat.paired else seat.at
+    second = sum(seat.width**3 / 12 + seat.width * (z - centre) ** 2 for z in seat.places)
+    parts = []
+    for place in seat.places:
+        low = place - half
+        inside = np.clip(points - low, 0.0, seat.width)  # of the lug, below the section
+        after = np.maximum(points - place - half, 0.0)  # of the pin, beyond the lug
+        share = inside / seat.width
+        lever = inside**2 / (2 * seat.width) + after
+        # q = s / J, s = z - centre: its integral is the shear, once more the moment
+        start = low - centre
+        pulled = (start * inside + inside**2 / 2) / second
+        turned = (start * inside**2 / 2 + inside**3 / 6) / second + pulled * after
+        parts.append((share, lever, turned, pulled))
+    return parts
+
+
+def _stations(shape: Pin, *, spread: bool, ends_only: bool) -> tuple[FloatArray, FloatArray]:
+    """Sections along a pin, mm, from stretch to stretch of equal load and diameter."""
+    seated = shape.seated()
+    necks = [(low, high, seat.diameter or shape.diameter) for seat, low, high in seated]
+    cuts = {shape.ends[0], shape.ends[1]}
+    for low, high, _ in necks:
+        cuts |= {low, (low + high) / 2, high}
+    edges = sorted(cuts)
+    points, diameters = [], []
+    for start, stop in pairwise(edges):
+        middle = (start + stop) / 2
+        own = next((d for low, high, d in necks if low < middle < high), None)
+        pressed = spread and own is not None
+        count = 2 if ends_only and not pressed else _INSIDE + 1
+        points.append(np.linspace(start, stop, count))
+        diameters.append(np.full(count, own or shape.diameter))
+    return np.concatenate(points), np.concatenate(diameters)

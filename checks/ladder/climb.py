@@ -1,0 +1,274 @@
+"""Climbing the ladder: the cheapest model of a part whose error bars leave its verdict alone."""
+
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from math import inf
+from time import perf_counter
+
+from checks.design.data import Design, Part
+from checks.ladder.leaf_checks import LeafBand, Solved, leaf_band
+from checks.models import beam, formula
+from checks.models.bands import known_band
+from checks.models.checked import BUCKLING, FATIGUE, STATIC, rung_estimates, rung_level
+from checks.models.estimate import Estimate
+from checks.models.families import family_of
+from checks.models.model import RungLevel, RungModel
+from checks.part.part_loads import PartLoads
+from checks.result.verdict import Check, RungTried, Status
+from checks.strength.fatigue_assessment import FatigueUse
+from checks.strength.part_strength import fatigue_use
+from fem.solvers import SolverError
+from geometry.mesh import MeshError
+from geometry.parts import LeafPack
+
+AUTO, SOLID = "auto", "solid"
+GAVE_UP = "gave up"
+BUILDERS: Mapping[str, Callable[..., RungModel | None]] = {  # of part and its loads
+    "formula": formula.model_of,
+    "beam": beam.model_of,
+}
+FIDELITIES = (AUTO, *BUILDERS, SOLID)
+FKM_NEEDS_SOLID = "FKM's notch support needs the stress below a solid's surface"
+
+DOUBTED = "has bars of two rungs that exclude each other"
+
+Say = Callable[[str], None]
+
+
+@dataclass
+class Climb:
+    """What is known of a part so far, and by which rungs.
+
+    asked      kinds of checks that a model decides: static, fatigue, buckling
+    best       the narrowest estimate of each kind
+    levels     rung -> its stress, judged
+    bands      rung -> what friction between leaves widened its checks by
+    tried      rungs in the order in which they were tried or passed over
+    doubted    kinds of which two rungs' bars have nothing in common: only a solid settles them
+    """
+
+    design: Design
+    part: Part
+    loads: PartLoads
+    solved: Solved
+    use: FatigueUse | None
+    asked: tuple[str, ...]
+    best: dict[str, Estimate] = field(default_factory=dict)
+    levels: dict[str, RungLevel] = field(default_factory=dict)
+    bands: dict[str, LeafBand] = field(default_factory=dict)
+    tried: list[RungTried] = field(default_factory=list)
+    unbuckled: bool = False
+    doubted: set[str] = field(default_factory=set)
+
+    @property
+    def open(self) -> list[str]:
+        """Kinds that a better model may still settle."""
+        return [kind for kind in self.asked if self._is_open(kind)]
+
+    def _is_open(self, kind: str) -> bool:
+        if kind == BUCKLING and self.unbuckled:
+            return False
+        estimate = self.best.get(kind)
+        if estimate is None or kind in self.doubted:
+            return True
+        return not (estimate.settled or estimate.open_for_good)
+
+    def take(self, rung: str, kinds: Sequence[str] | None = None) -> bool:
+        """Try a rung, for some kinds of checks only; whether it has a model of the part."""
+        wanted = self.asked if kinds is None else kinds
+        start = perf_counter()
+        try:
+            model = BUILDERS[rung](self.part, self.loads)
+        except (MeshError, SolverError) as error:
+            self.skip(rung, f"{GAVE_UP}: {error}")
+            return False
+        if model is None:
+            self.skip(rung, f"there is no {rung} of this shape")
+            return False
+        level = rung_level(self.design, self.part, self.loads, model)
+        band = leaf_band(self.design, self.part, self.loads, self.solved, self._again(rung))
+        found = {
+            kind: _banded(estimate, band)
+            for kind, estimate in rung_estimates(
+                self.design,
+                self.part,
+                self.loads,
+                level,
+                self.use,
+                lambda some: BUILDERS[rung](self.part, some),
+            ).items()
+            if kind in wanted
+        }
+        self.levels[rung] = level
+        self.bands[rung] = band
+        if model.buckling is not None and not model.buckling.share > 0.0:
+            self.unbuckled = True
+        for kind, estimate in found.items():
+            known = self.best.get(kind)
+            if kind in self.doubted:
+                continue
+            if known is not None and not known.agrees(estimate):
+                self.doubted.add(kind)
+                self.best[kind] = _doubted(known)
+            elif known is None or estimate.spread < known.spread:
+                self.best[kind] = estimate
+        self.tried.append(
+            RungTried(
+                rung,
+                perf_counter() - start,
+                model.unknowns,
+                [estimate.check for estimate in found.values()],
+                self._why(),
+            )
+        )
+        return True
+
+    def skip(self, rung: str, why: str) -> None:
+        """Note a rung that was passed over."""
+        self.tried.append(RungTried(rung, 0.0, 0, [], why))
+
+    def worth(self, rung: str) -> str:
+        """Why a rung would settle nothing that is open; nothing where it may."""
+        narrow = []
+        for kind in self.open:
+            band = known_band(family_of(self.part, self.loads, kind), rung, kind)
+            if band is None:
+                continue
+            if kind in self.doubted:
+                continue
+            estimate = self.best.get(kind)
+            if estimate is None or not estimate.spread < float("inf"):
+                return ""
+            if band.width < estimate.spread and estimate.would_settle(band.low, band.high):
+                return ""
+            narrow.append(f"{kind}: {100 * (band.low - 1):+.0f} to {100 * (band.high - 1):+.0f} %")
+        return (
+            f"its bars would settle nothing that is open ({'; '.join(narrow)})"
+            if narrow
+            else "it has no answer to what is open"
+        )
+
+    def _again(self, rung: str) -> Callable[[PartLoads], RungLevel]:
+        def level_of(loads: PartLoads) -> RungLevel:
+            model = BUILDERS[rung](self.part, loads)
+            assert model is not None
+            return rung_level(self.design, self.part, loads, model)
+
+        return level_of
+
+    def _why(self) -> str:
+        """What the estimates so far call for, in words."""
+        open_ones = self.open
+        if not open_ones:
+            return "stopped: " + "; ".join(
+                f"{kind} {_settled_words(self.best[kind])}"
+                for kind in self.asked
+                if kind in self.best
+            )
+        return "goes on: " + "; ".join(
+            f"{kind} {DOUBTED if kind in self.doubted else _open_words(self.best.get(kind))}"
+            for kind in open_ones
+        )
+
+
+def _banded(estimate: Estimate, band: Callable[[Check], Check]) -> Estimate:
+    return Estimate(band(estimate.check), estimate.above, estimate.below, estimate.guard)
+
+
+def _doubted(estimate: Estimate) -> Estimate:
+    note = "; ".join(text for text in (estimate.check.note, f"it {DOUBTED}") if text)
+    check = replace(estimate.check, model=inf, model_below=inf, note=note)
+    return Estimate(check, inf, inf, estimate.guard)
+
+
+def _settled_words(estimate: Estimate) -> str:
+    if estimate.check.status is Status.UNDECIDED:
+        return "stays UNDECIDED by what every model assumes"
+    return f"{estimate.check.status}, {estimate.guard:g} times its bars included"
+
+
+def _open_words(estimate: Estimate | None) -> str:
+    if estimate is None:
+        return "is not known"
+    if not estimate.spread < float("inf"):
+        return "has no error bar"
+    return f"has its limit within {estimate.guard:g} times its bars"
+
+
+def start_climb(design: Design, part: Part, loads: PartLoads, solved: Solved) -> Climb:
+    """A climb at the foot of the ladder."""
+    use = fatigue_use(design, part, loads)
+    asked = [STATIC]
+    if use is not None:
+        asked.append(FATIGUE)
+    if (
+        part.body is not None
+        and not isinstance(part.geometry, LeafPack)
+        and len(loads.wrenches) > 1
+    ):
+        asked.append(BUCKLING)
+    return Climb(design, part, loads, solved, use, tuple(asked))
+
+
+def climb_cheap(climb: Climb, fidelity: str, say: Say = lambda _: None) -> bool:
+    """Climb the rungs below the solid; whether the solid is wanted.
+
+    fidelity  "auto", or the one rung that was asked for; where it has no model of the part the
+              next better one stands for it
+    """
+    rungs = climb_rungs(climb, fidelity, say)
+    while True:
+        try:
+            next(rungs)
+        except StopIteration as stop:
+            return bool(stop.value)
+
+
+def climb_rungs(
+    climb: Climb, fidelity: str, say: Say = lambda _: None
+) -> Generator[None, None, bool]:
+    """Climb as `climb_cheap` does; pauses after each rung that another one follows."""
+    if fidelity == SOLID:
+        return True
+    if climb.part.fkm is not None:
+        climb.skip(next(iter(BUILDERS)) if fidelity == AUTO else fidelity, FKM_NEEDS_SOLID)
+        return True
+    if fidelity == AUTO:
+        for rung in BUILDERS:
+            why = climb.worth(rung) if climb.best or climb.unbuckled else ""
+            if why:
+                climb.skip(rung, why)
+                continue
+            say(f"{climb.part.name}: {rung}")
+            climb.take(rung)
+            if climb.levels and not climb.open:
+                return False
+            yield
+        return True
+    for rung in _from(fidelity):
+        say(f"{climb.part.name}: {rung}")
+        if climb.take(rung):
+            complete(climb)
+            return False
+        yield
+    return True
+
+
+def _from(fidelity: str) -> Iterable[str]:
+    rungs = list(BUILDERS)
+    return rungs[rungs.index(fidelity) :]
+
+
+def complete(climb: Climb) -> None:
+    """Ask the cheaper rungs for the checks that the one that was asked for has no answer to."""
+    for rung in BUILDERS:
+        missing = [k for k in climb.asked if k not in climb.best and not climb.unbuckled]
+        if not missing:
+            return
+        if rung not in climb.levels:
+            climb.take(rung, missing)
+
+
+def answered(climb: Climb, order: Sequence[str] = (STATIC, FATIGUE, BUCKLING)) -> list[Check]:
+    """The checks that the rungs answer, each by its narrowest estimate."""
+    return [climb.best[kind].check for kind in order if kind in climb.best]

@@ -1,0 +1,127 @@
+"""What a page shows of a part at every position: its stress, displacement and fatigue by node."""
+
+import numpy as np
+
+from checks.part.part_loads import PartLoads
+from checks.result.live_fields import FATIGUE, LiveFields, LivePeak, grey
+from checks.result.verdict import Surface
+from checks.strength.fatigue_assessment import FatigueUse, FkmUse, LifeUse
+from checks.strength.fkm_strength import fkm_points, slopes_of
+from checks.stress.duty_verdict import DutyVerdict, NodalUse
+from checks.stress.solid_mesh_level import Level
+from checks.stress.stress_result import Stressed
+from checks.stress.symmetry import mirrored, surface_triangles
+from fem.unit_solutions import rigid_modes
+from geometry.mesh import FloatArray, IntArray
+
+_IMAGE = np.array([1.0, 1.0, 1.0, 1.0, -1.0, -1.0])  # of xx, yy, zz, xy, yz, zx, mirrored at z = 0
+_UNJUDGED = "fatigue was not judged: no cycle of the duty loads this part"
+_ENDLESS = (
+    "the utilisation that is drawn is that of endless life; the verdict counts a finite life "
+    "(Miner's sum) at the worst point, so that 1 is no limit here"
+)
+_BY_CHORDS = (
+    "the utilisation that is drawn is Goodman's, and Findley's where that could decide: at "
+    "places that do not decide, out of phase, Findley's may be higher"
+)
+
+
+def solid_fields(loads: PartLoads, level: Level, use: FatigueUse | None) -> LiveFields:
+    """Fields on the surface of a solid, six-node facets split in four; of the whole of a half.
+
+    use  how its fatigue is judged; None where it is not
+    """
+    history, mesh = level.history, level.solutions.mesh
+    nodes = history.nodes
+    points, triangles = history.points, surface_triangles(mesh, nodes)
+    stress = np.moveaxis(history.basis, 2, 0)
+    unit = level.solutions.displacement
+    moved = np.moveaxis(unit.reshape(len(mesh.nodes), 3, -1)[nodes], 2, 0)
+    fatigue, missing, notes = _fatigue(level, use)
+    if level.half:
+        on_cut = np.isin(nodes, mesh.cut_nodes)
+        points, triangles, beside = mirrored(points, triangles, on_cut)
+        stress = np.concatenate([stress, stress[:, beside] * _IMAGE], axis=1)
+        moved = np.concatenate([moved, moved[:, beside] * [1, 1, -1]], axis=1)
+        fatigue = {name: np.r_[values, values[beside]] for name, values in fatigue.items()}
+    return LiveFields(
+        nodes=points,
+        triangles=triangles,
+        stress=stress,
+        displacement=without_rigid_motion(points, moved),
+        coefficients=_by_cycle(loads, history.coefficients),
+        peaks=_by_cycle(loads, level.peaks_by_position),
+        fatigue=fatigue,
+        judged=bool(fatigue) and not isinstance(use, LifeUse),
+        missing=missing,
+        notes=notes,
+        peak=_peak(loads, level, level.peak.point),
+    )
+
+
+def rung_fields(rung: str, surface: Surface) -> LiveFields:
+    """Return the bare surface of a part that no solid was needed for, with the reason."""
+    return grey(
+        surface.nodes,
+        surface.triangles,
+        f"decided by {rung}, without a mesh: its stress is known at the places "
+        "that decide, not all over its surface; ballesta check --fields meshes it, to look at",
+    )
+
+
+def _by_cycle(loads: PartLoads, values: FloatArray) -> dict[str, FloatArray]:
+    """Values (..., n) of all positions, by the cycle that these belong to."""
+    return {name: values[..., columns] for name, columns in loads.cycles.items()}
+
+
+def _peak(loads: PartLoads, level: Stressed, node: int) -> LivePeak:
+    peak = level.peak
+    cycle = next(
+        name
+        for name, columns in loads.cycles.items()
+        if columns.start <= peak.position < columns.stop
+    )
+    first = loads.cycles[cycle].start
+    return LivePeak(node, cycle, peak.position - first, peak.value, level.place(peak.point))
+
+
+def without_rigid_motion(points: FloatArray, moved: FloatArray) -> FloatArray:
+    """Displacements (M, n, 3) less the rigid motion that fits each of them best."""
+    modes, _ = np.linalg.qr(rigid_modes(points))
+    flat = moved.reshape(len(moved), -1)
+    return np.asarray(flat - (flat @ modes) @ modes.T).reshape(moved.shape)
+
+
+def _fatigue(
+    level: Level, use: FatigueUse | None
+) -> tuple[dict[str, FloatArray], dict[str, str], tuple[str, ...]]:
+    """Fields over the duty by name, why there are none, and what is to be said of them."""
+    duty = level.duty
+    if duty is None or use is None:
+        return {}, dict.fromkeys(FATIGUE, _UNJUDGED), ()
+    found = _by_fkm(level, use, duty) if isinstance(use, FkmUse) else duty.everywhere
+    fields = (found.utilisation, found.amplitude, found.mean)
+    notes = [_ENDLESS] if isinstance(use, LifeUse) else []
+    if found.goodman_only:
+        notes.append(_BY_CHORDS)
+    return dict(zip(FATIGUE, fields, strict=True)), {}, tuple(notes)
+
+
+def _by_fkm(level: Level, use: FkmUse, duty: DutyVerdict) -> NodalUse:
+    """The use of every point by the FKM guideline's chain, on the path that uses it most."""
+    n = len(level.history.nodes)
+    used, amplitude, mean = np.full(n, -1.0), np.zeros(n), np.zeros(n)
+    decides = use.found(level).run
+    for name in sorted(duty.runs, key=lambda name: name != decides):
+        bounds = duty.verdicts[name].bounds
+        highest = use.strength.utilisation(bounds.amplitude, bounds.mean, use.strength.plain)
+        some: IntArray = np.flatnonzero(highest * (1.0 + 1e-9) > used)
+        if not len(some):
+            continue
+        path = np.ascontiguousarray(duty.coefficients[:, duty.runs[name]])
+        found = fkm_points(use.strength, duty.basis, path, some, slopes_of(level.solutions))
+        higher = found.utilisation > used[some]
+        worse = some[higher]
+        used[worse] = found.utilisation[higher]
+        amplitude[worse], mean[worse] = found.amplitude[higher], found.mean[higher]
+    return NodalUse(used, amplitude, mean)

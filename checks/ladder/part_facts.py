@@ -1,0 +1,218 @@
+"""What is told of a part besides its checks: gates, meshes, facts, assumptions."""
+
+from collections.abc import Sequence
+from math import degrees
+
+import numpy as np
+
+import fatigue
+from checks.design.data import Design, Part
+from checks.part.part_loads import PartLoads
+from checks.result.verdict import Gate
+from checks.stress.solid_mesh_level import Level
+from fem.direct import has_bearings
+from fem.near_incompressible import LARGEST_RATIO, MEANING
+from fem.recovery import von_mises
+from fem.solvers import BACKWARD_LIMIT
+from geometry.mesh import Interface, MassProperties, Mesh
+
+_LOAD_LIMIT, _RAW_LIMIT = 1e-6, 1e-3
+_NO_COUPLE = 1e-9  # of the largest force times the part's size
+_ROUND = ("bore", "journal")
+
+# Largest displacement over size. Linear theory leaves out that a bent beam's ends draw together:
+# its moments are too large by 0.6 (w/L)^2 for a cantilever and, as its half is one, by 2.4 (w/L)^2
+# for a beam between two supports. At 0.03 that is 0.2 %, less than a peak repeats from mesh to mesh
+# (docs/theory/fits.md).
+SMALL_DISPLACEMENT = 0.03
+
+
+def gates_of(
+    design: Design,
+    part: Part,
+    loads: PartLoads,
+    levels: Sequence[Level],
+    properties: MassProperties,
+) -> list[Gate]:
+    """Measured numbers that must stay below their limits for the part's result to be valid.
+
+    properties  of the part, with which the linkage was solved
+    """
+    level = levels[-1]
+    solutions = level.solutions
+    slender = np.abs(solutions.displacement @ level.coefficients[:, level.peak.position]).max()
+    size = float(np.ptp(solutions.mesh.nodes, axis=0).max())
+    gates = []
+    if not _stated_mass(design, part):
+        driving = levels[0]  # the whole part
+        gates.append(
+            Gate(
+                f"{part.name}: balance",
+                driving.balance_residual(loads, properties),
+                _LOAD_LIMIT,
+                "resultant of the loads with the part's own inertia, over the largest pin force",
+            )
+        )
+    return [
+        *gates,
+        Gate(
+            f"{part.name}: loads on the mesh",
+            level.load_residual(loads),
+            _LOAD_LIMIT,
+            "force and moment that reached each interface less those asked for, at every position, "
+            "over the largest pin force",
+        ),
+        Gate(
+            f"{part.name}: support reactions",
+            level.reaction_residual(loads),
+            _LOAD_LIMIT,
+            "what the determinate support carries, over the largest pin force",
+        ),
+        Gate(
+            f"{part.name}: raw unit loads",
+            solutions.raw_deviation,
+            _RAW_LIMIT,
+            "resultants of the unit loads on the faceted surfaces before they were normalised",
+        ),
+        Gate(
+            f"{part.name}: equation residual",
+            solutions.residual,
+            BACKWARD_LIMIT,
+            f"backward error of the unit loads' solutions ({solutions.factor.solver})",
+        ),
+        Gate(
+            f"{part.name}: small displacements",
+            float(slender) / size,
+            SMALL_DISPLACEMENT,
+            "largest displacement over the part's size; linear theory makes bending moments too "
+            "large by up to 2.4 times its square, 0.2 % at the limit",
+        ),
+        Gate(
+            f"{part.name}: compressible material",
+            part.material.poisson_ratio,
+            LARGEST_RATIO,
+            MEANING,
+        ),
+    ]
+
+
+def mesh_row(level: Level) -> dict[str, float | int | str]:
+    """One mesh of the part, as plain data."""
+    mesh = level.solutions.mesh
+    return {
+        "fineness": level.fineness,
+        "unknowns": level.unknowns,
+        "elements": len(mesh.elements),
+        "peak": level.peak.value,
+        "equivalent amplitude": level.fatigue.value if level.fatigue else 0.0,
+        "smallest scaled det J": mesh.jacobian_minimum,
+        "mesher": mesh.mesher,
+        "solver": level.solutions.factor.solver,
+    }
+
+
+def facts_of(
+    part: Part,
+    loads: PartLoads,
+    mass: MassProperties,
+    size: float,
+    limit: fatigue.EnduranceLimit | None,
+) -> dict[str, float | str]:
+    """Mass properties, strengths, largest forces and, where there are any, couples, by name.
+
+    size   mm, of the part
+    limit  by Marin's chain; None for a part of the other chain
+    """
+    facts: dict[str, float | str] = {
+        "mass [kg]": mass.mass * 1e3,
+        "centre of mass x [mm]": float(mass.centre[0]),
+        "inertia about the centre [kg m2]": mass.inertia * 1e-3,
+        "yield stress [MPa]": part.material.yield_stress,
+        "ultimate stress [MPa]": part.material.ultimate_stress,
+    }
+    if limit is not None:
+        facts["endurance limit [MPa]"] = limit.value
+        facts["Marin factors"] = (
+            f"surface {limit.surface:.3f}, size {limit.size:.3f}, load {limit.load:.3f}, "
+            f"temperature {limit.temperature:.3f}, reliability {limit.reliability:.3f} on "
+            f"{limit.uncorrected:.4g} MPa"
+        )
+    least = _NO_COUPLE * loads.largest_force * size
+    for name, wrench in loads.wrenches.items():
+        facts[f"largest force at {name} [N]"] = float(loads.resultant(name).max())
+        couple = float(np.abs(wrench[:, 5]).max())
+        if couple > least:
+            facts[f"largest couple at {name} [N m]"] = couple * 1e-3
+    return facts
+
+
+def assumed_of(design: Design, part: Part, level: Level) -> list[str]:
+    """What the model assumes, in words."""
+    said = []
+    if has_bearings(level.solutions):
+        said.append(
+            "pins press with a cosine pressure, even along their length, on "
+            f"{degrees(part.bearing_arc):.0f} to 180 deg"
+            + ("; both cheeks carry the same share" if _has_cheeks(level.solutions.mesh) else "")
+        )
+    if _has_couples(level):
+        said.append(
+            "a couple about a bore's axis enters as an even tangential traction; keys, splines and "
+            "press fits are not modelled"
+        )
+    stated = _stated_mass(design, part)
+    if stated:
+        added = np.abs(level.added).max(axis=0)
+        said.append(
+            f"the body's {stated} of the design file stand for the model's; a residual inertia "
+            f"field up to ({added[0]:.3g}, {added[1]:.3g}) mm/s2 and {added[2]:.3g} rad/s2 "
+            "balances the loads on the mesh"
+        )
+    points, angles = level.edges
+    if len(points):
+        stress = von_mises(level.history.at(level.peak.position))[points]
+        said.append(
+            f"sharp re-entrant edges of up to {degrees(float(angles.max())):.0f} deg: no finite "
+            f"stress there; {float(stress.max()):.3g} MPa on this mesh"
+        )
+    return said
+
+
+def _has_cheeks(mesh: Mesh) -> bool:
+    """Whether a bore or journal is in two pieces, one above the other."""
+    return any(
+        _in_pieces(mesh, interface)
+        for interface in mesh.interfaces.values()
+        if interface.kind in _ROUND
+    )
+
+
+def _in_pieces(mesh: Mesh, interface: Interface) -> bool:
+    """Whether there is a height at which an interface has nothing; half of it ends at z = 0."""
+    heights = mesh.nodes[mesh.surfaces[interface.name], 2]
+    order = heights.min(axis=1).argsort()
+    low, high = heights.min(axis=1)[order], np.maximum.accumulate(heights.max(axis=1)[order])
+    gaps = np.r_[low[1:] - high[:-1], low[0] if mesh.half else 0.0]
+    return bool(gaps.max() > 1e-6 * interface.length)
+
+
+def _has_couples(level: Level) -> bool:
+    """Whether a couple about its axis acts on a bore or journal."""
+    forces, couples = [0.0], [0.0]
+    names = [name for unit in level.solutions.interfaces for name in unit.names]
+    for name, acting in zip(names, np.abs(level.coefficients), strict=False):  # then inertia's
+        if name == "couple":
+            couples.append(float(acting.max()))
+        elif not name.startswith("M_"):
+            forces.append(float(acting.max()))
+    size = float(np.ptp(level.solutions.mesh.nodes, axis=0).max())
+    return max(couples) > _NO_COUPLE * max(forces) * size
+
+
+def _stated_mass(design: Design, part: Part) -> str:
+    """Which mass properties the part's body states itself."""
+    if part.body is None:
+        return ""
+    body = design.bodies[part.body]
+    stated = {"mass": body.mass, "centre": body.centre, "inertia": body.inertia}
+    return ", ".join(name for name, value in stated.items() if value is not None)

@@ -1,0 +1,213 @@
+"""What is reported of a part that climbed the ladder, meshed or not."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from math import inf
+from time import perf_counter
+
+import numpy as np
+
+from checks.columns.stability import column_checks, column_facts, column_told
+from checks.ladder.chart_data import charts_of
+from checks.ladder.climb import SOLID, Climb, answered
+from checks.ladder.leaf_checks import leaf_band, with_leaf_checks
+from checks.ladder.live_fields import rung_fields
+from checks.ladder.part_facts import SMALL_DISPLACEMENT, facts_of
+from checks.ladder.solid import RESCALED, Asked, Say, check_solid, first_level
+from checks.models.checked import BALANCE, BUCKLING, FATIGUE, STATIC
+from checks.models.estimate import Estimate
+from checks.models.model import RungLevel
+from checks.result.verdict import NOT_MESHED, Check, Gate, PartResult, RungTried, Status, Surface
+from checks.strength.fatigue_facts import fatigue_facts
+from checks.strength.part_strength import endurance_of, life_task
+from checks.strength.sampling import sampled
+from checks.stress.solid_mesh_level import Models
+from fem.near_incompressible import LARGEST_RATIO, MEANING
+from geometry.cad_body import Skin
+
+
+def cheap_result(climb: Climb, models: Models, *, live: bool = False) -> PartResult:
+    """What is known of a part whose verdict no solid was needed for.
+
+    live  whether a page will show the fields at every position
+    """
+    design, part, loads = climb.design, climb.part, climb.loads
+    level = reported_level(climb)
+    body = models.body(part.geometry)
+    mass = body.mass_properties(part.material.density)
+    size = body.size
+    facts = facts_of(part, loads, mass, size, endurance_of(part))
+    facts |= column_facts(design, part, loads)
+    gates = rung_gates(climb, level, size)
+    peak = None
+    if climb.use is not None:
+        peak = climb.use.worst(level)
+        facts |= fatigue_facts(part, level, peak, life_task(design, part))
+        missed = climb.use.safety_missed(level)
+        gates.append(Gate(f"{part.name}: fatigue safety", missed, *RESCALED))
+    told = column_told(part, loads)
+    assumed = [f"{climb.tried[-1].rung}: {level.model.neglects}"]
+    surface = _unstressed(models.skin(part.geometry))
+    return PartResult(
+        name=part.name,
+        shape=part.shape,
+        material=part.material.name,
+        checks=[
+            *answered(climb),
+            *sampled(lambda some: column_checks(design, part, some), loads),
+        ],
+        gates=gates,
+        hand_checks=[],
+        meshes=[],
+        facts=facts,
+        charts=charts_of(design, part, loads, level, climb.use),
+        surface=surface,
+        assumed=[*assumed, told] if told else assumed,
+        rungs=climb.tried,
+        live=rung_fields(level.model.rung, surface) if live else None,
+    )
+
+
+def reported_level(climb: Climb) -> RungLevel:
+    """The rung whose stress is reported: that of the deciding stress check."""
+    estimates = [climb.best[kind] for kind in (STATIC, FATIGUE) if kind in climb.best]
+    deciding = max(estimates, key=lambda estimate: estimate.check.utilisation)
+    return climb.levels[deciding.check.method]
+
+
+def rung_gates(climb: Climb, level: RungLevel, size: float) -> list[Gate]:
+    """What must hold for a rung's answer to count; size of the part in mm."""
+    name, model = climb.part.name, level.model
+    missing = [kind for kind in climb.asked if kind not in climb.best]
+    if climb.unbuckled and BUCKLING in missing:
+        missing.remove(BUCKLING)
+    gates = [
+        Gate(
+            f"{name}: balance",
+            model.residual,
+            BALANCE,
+            f"what is left of the part's balance by the rung {model.rung}, over the largest force",
+        ),
+        Gate(
+            f"{name}: small displacements",
+            model.deflection / size,
+            SMALL_DISPLACEMENT,
+            "largest displacement over the part's size, by the same model; linear theory makes "
+            "bending moments too large by up to 2.4 times its square",
+        ),
+        Gate(
+            f"{name}: compressible material",
+            climb.part.material.poisson_ratio,
+            LARGEST_RATIO,
+            MEANING,
+        ),
+    ]
+    if missing:
+        told = f"not answered by the rung that was asked for: {', '.join(missing)}"
+        gates.append(Gate(f"{name}: every check was made", float(len(missing)), 0.0, told))
+    return gates
+
+
+def _unstressed(skin: Skin) -> Surface:
+    return Surface(skin.nodes, skin.triangles, {NOT_MESHED: np.zeros(len(skin.nodes))}, 0)
+
+
+def solid_result(
+    climb: Climb,
+    models: Models,
+    say: Say,
+    *,
+    everything: bool,
+    deadline: float = inf,
+    pinned: frozenset[str] | None = None,
+    live: bool = False,
+) -> PartResult:
+    """Check a part as a solid: all of it, or what the rungs below left open.
+
+    pinned  kinds of checks that are the solid's, refined to the accuracy whatever the verdict
+    live    whether a page will show the fields at every position
+    """
+    design, part, loads = climb.design, climb.part, climb.loads
+    start = perf_counter()
+    kinds = frozenset(climb.asked if everything else climb.open)
+    asked = Asked(kinds | frozenset([STATIC, FATIGUE, BUCKLING])) if everything else Asked(
+        kinds, modes=False, enough=_enough(climb, models), deadline=deadline
+    )  # fmt: skip
+    if pinned is not None:
+        kinds, asked = pinned, Asked(pinned, modes=False)
+    result = check_solid(design, part, loads, models, say, replace(asked, live=live))
+    result = with_leaf_checks(design, part, result, loads, climb.solved, models)
+    checks = [check for check in result.checks if check.method.startswith(SOLID)]
+    solid = RungTried(
+        SOLID,
+        perf_counter() - start,
+        int(result.meshes[-1]["unknowns"]),
+        [replace(check, derivation=None) for check in checks],  # the result's own have them
+        _why(checks, design.accuracy),
+    )
+    if not everything:
+        result = replace(
+            result, checks=_merged(climb, result.checks, kinds, exactly=pinned is not None)
+        )
+    return replace(result, rungs=[*climb.tried, solid])
+
+
+def _enough(climb: Climb, models: Models) -> Callable[[Sequence[Check]], str]:
+    band = leaf_band(
+        climb.design,
+        climb.part,
+        climb.loads,
+        climb.solved,
+        lambda loads: first_level(climb.design, climb.part, loads, models),
+    )
+
+    def enough(checks: Sequence[Check]) -> str:
+        estimates = [Estimate(band(check)) for check in checks]
+        failed = [e.check.kind for e in estimates if e.check.status is Status.FAIL]
+        if failed:
+            return f"fails already ({', '.join(failed)}): no finer mesh would make it pass"
+        if all(estimate.settled or estimate.open_for_good for estimate in estimates):
+            return "settled: no finer mesh changes the verdict"
+        return ""
+
+    return enough
+
+
+def _merged(
+    climb: Climb, checks: Sequence[Check], kinds: frozenset[str], *, exactly: bool
+) -> list[Check]:
+    """The checks of a solid, but for those that a rung below knows better or alone.
+
+    exactly  no check of a solid stands for a rung's that was not asked of the solid
+    """
+    merged = []
+    for check in checks:
+        best = climb.best.get(check.kind)
+        by_solid = check.method.startswith(SOLID)
+        if by_solid and check.kind not in kinds and best and (exactly or _better(best, check)):
+            merged.append(best.check)
+        else:
+            merged.append(check)
+    here = {check.kind for check in checks if check.method.startswith(SOLID)} | kinds
+    alone = {k: climb.best[k].check for k in climb.asked if k in climb.best and k not in here}
+    buckling = [alone.pop(BUCKLING)] if BUCKLING in alone else []
+    return [*alone.values(), *merged, *buckling]
+
+
+def _better(best: Estimate, check: Check) -> bool:
+    """Whether a rung's estimate, settled already, is to stand instead of a mesh's by the way."""
+    by_mesh = Estimate(check)
+    return best.settled and by_mesh.spread > best.spread and best.agrees(by_mesh)
+
+
+def _why(checks: Sequence[Check], accuracy: float) -> str:
+    left = [check for check in checks if check.status is Status.UNDECIDED]
+    if not left:
+        return "stopped: " + "; ".join(f"{check.kind} {check.status}" for check in checks)
+    by_mesh = [check.kind for check in left if check.settled_by_mesh]
+    if by_mesh:
+        return (
+            f"stopped: {', '.join(by_mesh)} would take a numerical error below the "
+            f"{100 * accuracy:g} % asked for, or more unknowns than allowed"
+        )
+    return "stopped: " + "; ".join(f"{c.kind} stays UNDECIDED by its model band" for c in left)

@@ -1,0 +1,403 @@
+"""The solid model of one part: meshes until the stress is known well enough, and its checks."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from math import inf
+from time import perf_counter
+
+import numpy as np
+
+from ballesta import supervised
+from checks.columns.stability import column_checks, column_facts, column_told, eigenvalue_check
+from checks.derivations.buckling import solid_share
+from checks.derivations.solids import of_solid
+from checks.design.data import Design, Part
+from checks.ladder.chart_data import charts_of
+from checks.ladder.hand_calculations import hand_checks
+from checks.ladder.live_fields import solid_fields
+from checks.ladder.part_facts import assumed_of, facts_of, gates_of, mesh_row
+from checks.ladder.part_vibration import frequency_facts
+from checks.models.stress_words import fatigue_words, static_words
+from checks.part.part_loads import PartLoads
+from checks.result.verdict import Check, Gate, HandCheck, PartResult, Status, Surface
+from checks.strength.fatigue_assessment import FatigueUse, FkmUse
+from checks.strength.fatigue_facts import fatigue_facts
+from checks.strength.part_strength import elastic_of, endurance_of, fatigue_use, life_task
+from checks.strength.sampling import fatigue_rise, sampled, static_rise, with_sampling
+from checks.stress.cost import judging_seconds
+from checks.stress.error_bars import Bars, Judged, StaticPeak, bars_of, mesh_bar
+from checks.stress.solid_mesh_level import Level, Models, solve_level
+from checks.stress.symmetry import MEANING, half_of, mode_surface, shown_surface
+from fem.buckling import BucklingMode
+from fem.error_estimate import refined_sizes, stress_error
+from fem.unit_solutions import UnitSolutions
+from geometry.mesh import FloatArray, MassProperties, MeshError, TooManyElementsError
+from geometry.meshing import Buildable
+from geometry.sizing import SizeField
+
+FIRST = 0.7  # fineness of the first mesh; where the stress decides, later ones are finer
+_MOST_MESHES = 5
+_NEXT = 2.5  # times what a mesh took, a finer one takes
+RESCALED = (  # limit and meaning of the gate that proves the safety factor
+    1e-6,
+    "how far from 1 the fatigue safety is when all loads are multiplied by it and judged again",
+)
+_EXAGGERATED = 0.1  # of the part's size: the largest displacement of a mode as it is drawn
+_FINER = 1.3  # general elements, where a mesh with small ones in places is not usable
+_LEAST_STEP = 1.15  # elements that decide must become smaller by this, or a mesh is not worth it
+
+Say = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a solid is asked of a part.
+
+    kinds      checks that its meshes are refined for: "static", "fatigue", "buckling"
+    modes      whether its frequencies, and a buckling mode to look at, are wanted too
+    enough     says of the checks on the meshes so far why no finer one is needed; "" if one is
+    deadline   on the clock of `perf_counter`: no mesh is begun that is expected to end later
+    live       whether a page will show the fields at every position
+    """
+
+    kinds: frozenset[str] = frozenset(("static", "fatigue", "buckling"))
+    modes: bool = True
+    enough: Callable[[Sequence[Check]], str] = lambda _: ""
+    deadline: float = inf
+    live: bool = False
+
+
+EVERYTHING = Asked()
+
+
+def check_solid(
+    design: Design,
+    part: Part,
+    loads: PartLoads,
+    models: Models,
+    say: Say = lambda _: None,
+    asked: Asked = EVERYTHING,
+) -> PartResult:
+    """Check one part as a solid over all cycles of its design.
+
+    After the first mesh each is finer where the last one was uncertain, until the numerical error
+    of what is judged is within the accuracy asked for, or the mesh would have more unknowns than
+    allowed. The finer ones are halves where shape and loads allow it: the first may buckle
+    sideways. Raises MeshError and SolverError.
+    """
+    static = StaticPeak(loads)
+    use = fatigue_use(design, part, loads)
+    both: list[Judged] = [static] if use is None else [static, use]
+    judged = [what for what in both if (what is static and "static" in asked.kinds)
+              or (what is use and "fatigue" in asked.kinds)]  # fmt: skip
+
+    def enough(levels: Sequence[Level]) -> str:
+        return asked.enough(_stress_checks(design, part, loads, levels, judged))
+
+    limit = endurance_of(part).value
+    levels, sizes, stopped = solve_levels(
+        design, part, loads, models, judged, limit, say, asked, enough
+    )
+    finest = levels[-1]
+    supervised.expect("judging, buckling, fields", judging_seconds(finest.unknowns))
+    by_hand = hand_checks(part, loads, finest)
+    # buckling alone is asked of one mesh, on which a stress has no error bar
+    stressed = _stress_checks(
+        design, part, loads, levels, both if len(levels) > 1 else judged, by_hand
+    )
+    if stopped:
+        stressed = [
+            replace(check, note=f"{check.note}; {stopped}")
+            if check.numerical - check.sampling > design.accuracy * check.value
+            else check
+            for check in stressed
+        ]
+    buckled = _Buckled()
+    if "buckling" in asked.kinds:
+        buckled = _judge_buckling(design, part, loads, models, levels, sizes)
+    assumed = assumed_of(design, part, finest)
+    if finest.half:
+        assumed.append(MEANING)
+    no_column = column_told(part, loads)
+    if no_column:
+        assumed.append(no_column)
+    if buckled.untold:
+        assumed.append(buckled.untold)
+    properties = models.body(part.geometry).mass_properties(part.material.density)
+    gates = gates_of(design, part, loads, levels, properties)
+    if use is not None:
+        missed = use.safety_missed(finest)
+        gates.append(Gate(f"{part.name}: fatigue safety", missed, *RESCALED))
+    return PartResult(
+        name=part.name,
+        shape=part.shape,
+        material=part.material.name,
+        checks=[
+            *stressed,
+            *sampled(lambda some: column_checks(design, part, some), loads),
+            *buckled.checks,
+        ],
+        gates=gates,
+        hand_checks=by_hand,
+        meshes=[{"body": "half" if lv.half else "whole", **mesh_row(lv)} for lv in levels],
+        facts=_facts(design, part, loads, levels, use, properties, asked),
+        charts=charts_of(design, part, loads, finest, use, levels),
+        surface=shown_surface(loads, finest),
+        assumed=assumed,
+        mode=buckled.mode,
+        live=solid_fields(loads, finest, use) if asked.live else None,
+    )
+
+
+def _stress_checks(
+    design: Design,
+    part: Part,
+    loads: PartLoads,
+    levels: Sequence[Level],
+    wanted: Sequence[Judged],
+    by_hand: Sequence[HandCheck] | None = None,
+) -> list[Check]:
+    """Check what is wanted on the last mesh; with derivations where hand checks are given."""
+    found = []
+    for what in wanted:
+        bars = bars_of(what, part, levels, design.accuracy)
+        check = _stress_check(design, part, loads, levels[-1], what, bars)
+        if by_hand is not None:
+            check = of_solid(part, loads, levels[-1], what, bars, check, by_hand)
+        found.append(check)
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class _Buckled:
+    """Whether a solid buckles.
+
+    checks  by its lowest factor, none without one
+    untold  why there is none, in words; "" where nothing is to be said
+    mode    the surface as it buckles
+    """
+
+    checks: Sequence[Check] = ()
+    untold: str = ""
+    mode: Surface | None = None
+
+
+def _judge_buckling(
+    design: Design,
+    part: Part,
+    loads: PartLoads,
+    models: Models,
+    levels: Sequence[Level],
+    sizes: SizeField | None,
+) -> _Buckled:
+    """Ask the whole solid for its lowest factor; of finer halves a whole one where it decides.
+
+    sizes  of the elements of the last mesh
+    """
+    finest = levels[-1]
+    whole = [(level.solutions, level.coefficients) for level in levels if not level.half]
+    found = eigenvalue_check(design, part, loads, whole, finest.peak.position)
+    if found and found[0].status is Status.UNDECIDED and finest.half:
+        whole.append(_whole_again(part, loads, models, finest, sizes))
+        found = eigenvalue_check(design, part, loads, whole, finest.peak.position)
+    if found:
+        check, mode = found
+        unknowns = whole[-1 if "two" in check.method else 0][0].loads.shape[0]
+        derivation = solid_share(design, part, loads, check, mode, unknowns)
+        return _Buckled([replace(check, derivation=derivation)], "", _mode_of(whole, mode))
+    if levels[0].solutions.ties is not None:
+        said = "buckling of a stack of bodies that slide on each other is not computed"
+        return _Buckled(untold=said)
+    if part.body is None:
+        return _Buckled()
+    return _Buckled(
+        untold="the solid does not buckle at the positions asked: no factor is positive before its "
+        "stress is a tenth of Young's modulus"
+    )
+
+
+def _facts(
+    design: Design,
+    part: Part,
+    loads: PartLoads,
+    levels: Sequence[Level],
+    use: FatigueUse | None,
+    properties: MassProperties,
+    asked: Asked,
+) -> dict[str, float | str]:
+    """What is told beside the checks, by name; of fatigue by the chain that judges the part."""
+    finest = levels[-1]
+    size = float(np.ptp(finest.solutions.mesh.nodes, axis=0).max())
+    facts = facts_of(part, loads, properties, size, None if part.fkm else endurance_of(part))
+    facts |= column_facts(design, part, loads)
+    if asked.modes:
+        facts |= frequency_facts(part, levels[0].solutions)
+    if isinstance(use, FkmUse):
+        facts |= use.found(finest).facts()
+    elif use is not None:
+        facts |= fatigue_facts(part, finest, use.worst(finest), life_task(design, part))
+    return facts
+
+
+def _mode_of(
+    whole: Sequence[tuple[UnitSolutions, FloatArray]], mode: BucklingMode
+) -> Surface | None:
+    """The surface of the mesh that a mode was found on, displaced by a part of its size."""
+    for solutions, _ in whole:
+        mesh = solutions.mesh
+        if len(mesh.nodes) == len(mode.shape):
+            moved = _EXAGGERATED * float(np.ptp(mesh.nodes, axis=0).max()) * mode.shape
+            size = np.linalg.norm(mode.shape, axis=1)
+            return mode_surface(mesh, solutions.recovery.points, moved, size / size.max())
+    return None
+
+
+def solve_levels(
+    design: Design,
+    part: Part,
+    loads: PartLoads,
+    models: Models,
+    judged: Sequence[Judged],
+    limit: float,
+    say: Say,
+    asked: Asked = EVERYTHING,
+    enough: Callable[[Sequence[Level]], str] = lambda _: "",
+) -> tuple[list[Level], SizeField | None, str]:
+    """Solve a part on finer and finer meshes.
+
+    Returns the last one's sizes too, and why it stopped short of the accuracy, or nothing.
+    """
+    material, base = elastic_of(part), FIRST * part.fineness
+    finer = half_of(part, loads) or part.geometry
+    sideways = asked.modes or "buckling" in asked.kinds
+    first: Buildable = part.geometry if sideways else finer
+    levels: list[Level] = []
+    sizes = None
+    while True:
+        start = perf_counter()
+        try:
+            if not levels:
+                check_first_mesh(part, 3 * len(models.mesh(first, base).nodes))
+            solutions = models.solutions(finer if levels else first, base, material, sizes)
+        except TooManyElementsError as error:
+            if len(levels) < 2:  # one mesh has no error bar
+                raise
+            return levels, sizes, f"a finer mesh was not solved: {error}"
+        except MeshError:
+            if base > _FINER * FIRST * part.fineness:
+                raise
+            base *= _FINER  # sizes between two places may leave a round face too coarse
+            continue
+        unknowns = 3 * len(solutions.mesh.nodes)
+        say(f"{part.name}: {unknowns} unknowns, {solutions.factor.solver}; superposing the cycle")
+        level = solve_level(
+            solutions,
+            base,
+            loads,
+            limit,
+            part.material.ultimate_stress,
+            design.duty.cycles,
+            part.geometry.notch_factors,
+        )
+        levels.append(level)
+        known = (mesh_bar(what, levels) <= design.accuracy for what in judged)
+        if not judged or (len(levels) > 1 and all(known)):
+            return levels, sizes, ""
+        if len(levels) == _MOST_MESHES:
+            return levels, sizes, f"given up after {_MOST_MESHES} meshes"
+        why = enough(levels) if len(levels) > 1 else ""
+        if why:
+            return levels, sizes, why
+        took = perf_counter() - start
+        if len(levels) > 1 and perf_counter() + _NEXT * took > asked.deadline:
+            return (
+                levels,
+                sizes,
+                f"the time is up: a finer mesh would take about {_NEXT * took:.0f} s",
+            )
+        most = part.most_unknowns * len(solutions.mesh.elements) / unknowns
+        if finer is not part.geometry and not level.half:
+            most *= 2  # the next mesh has half of the elements that are estimated on this one
+        errors = [
+            stress_error(solutions.recovery, solutions.displacement @ state)
+            for what in judged
+            for state in what.states(level)
+        ]
+        sharp = level.history.nodes[level.edges[0]]
+        wanted, step = refined_sizes(solutions.recovery, errors, design.accuracy, most, sharp)
+        if step < _LEAST_STEP and len(levels) > 1:
+            return (
+                levels,
+                sizes,
+                f"{unknowns} unknowns taken, at most {part.most_unknowns} allowed "
+                "(mesh.most_unknowns)",
+            )
+        sizes = wanted
+
+
+def first_level(design: Design, part: Part, loads: PartLoads, models: Models) -> Level:
+    """Solve a whole part on its first mesh under some loads; raises MeshError and SolverError."""
+    fineness = FIRST * part.fineness
+    check_first_mesh(part, 3 * len(models.mesh(part.geometry, fineness).nodes))
+    return solve_level(
+        models.solutions(part.geometry, fineness, elastic_of(part)),
+        fineness,
+        loads,
+        endurance_of(part).value,
+        part.material.ultimate_stress,
+        design.duty.cycles,
+        part.geometry.notch_factors,
+    )
+
+
+def check_first_mesh(part: Part, unknowns: int) -> None:
+    """Raise TooManyElementsError if the first mesh of a part is more than it may have."""
+    if unknowns > part.most_unknowns:
+        raise TooManyElementsError(
+            f"mesh.most_unknowns is {part.most_unknowns}, but the first mesh of mesh.fineness "
+            f"{part.fineness:g} has {unknowns} unknowns; allow at least twice as many, or lower "
+            "mesh.fineness"
+        )
+
+
+def _whole_again(
+    part: Part, loads: PartLoads, models: Models, finest: Level, sizes: SizeField | None
+) -> tuple[UnitSolutions, FloatArray]:
+    """Solutions and coefficients of the whole part with the element sizes of a half."""
+    solutions = models.solutions(part.geometry, finest.fineness, elastic_of(part), sizes)
+    coefficients, _ = solutions.coefficients(
+        loads.wrenches, loads.accelerations, loads.reaches, loads.tilt_held_at
+    )
+    return solutions, coefficients
+
+
+def _stress_check(
+    design: Design, part: Part, loads: PartLoads, level: Level, judged: Judged, bars: Bars
+) -> Check:
+    more, why = 0.0, ""
+    if isinstance(judged, FatigueUse):
+        said = fatigue_words(design, part, loads, level, judged)
+        more, why = judged.band(level)
+        rise = fatigue_rise(level, loads, judged)
+    else:
+        said = static_words(design, part, loads, level)
+        rise = static_rise(level, loads)
+    check = Check(
+        part=part.name,
+        kind=said.kind,
+        quantity=said.quantity,
+        value=judged.value(level),
+        unit="MPa",
+        numerical=bars.numerical.value,
+        model=bars.above + more,
+        model_below=bars.below,
+        limit=said.limit,
+        required=said.required,
+        cycle=said.cycle,
+        position=said.position,
+        place=level.place(judged.point(level)),
+        method="solid",
+        basis=said.basis,
+        note=". ".join(text for text in (said.note, why, bars.note) if text),
+    )
+    return with_sampling(check, rise)

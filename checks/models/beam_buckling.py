@@ -1,0 +1,223 @@
+"""At which position a part's frame buckles first, its pins as hinges that let it tilt.
+
+As fem/worst_position.py finds it for solids: modes of a few states judge all positions (Rayleigh
+and Ritz, never above the truth), the position that looks worst is solved, its modes join.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property, partial
+
+import numpy as np
+import scipy.linalg
+
+from checks.columns.column_moments import axial_compression
+from checks.design.data import Part
+from checks.handbook.edge_buckling import pressed_edge_stress
+from checks.handbook.lateral_buckling import plate_stress
+from checks.models.beam_solution import BeamSolution
+from checks.models.model import ElasticLoad
+from checks.part.first_maximum import first_largest
+from checks.part.part_loads import PartLoads
+from checks.result.derivation import Given, Item, Step
+from fem.frame_lateral import geometric_forms
+from geometry.mesh import FloatArray
+from geometry.parts import PrismaticTube, ToggleBar
+
+_MOST = 6  # positions that are solved
+_PATTERNS = 4  # load states whose modes are taken to begin with
+_SMALL = 0.1  # of the largest: what is left of all states counts as known
+_CLOSE = 0.999  # of the lowest factor: an estimate above that asks for no further position
+_TIE = 1e-6  # factors that are closer are equal: the first position is named
+_COUNT = 3  # modes of each state
+_SOFTEST = 40  # motions of the frame that modes are made of
+_NONE = 1e-9  # of the largest factor's inverse: below it, round-off
+_BLOCK = 4096  # positions at a time
+
+
+def buckling_of(
+    part: Part, loads: PartLoads, solved: BeamSolution, coefficients: FloatArray
+) -> ElasticLoad | None:
+    """Largest share of the elastic buckling load; None for pins and leaf packs."""
+    if part.body is None or len(solved.part.pins) < 2:
+        return None
+    search = _Search(solved, coefficients)
+    found = search.worst()
+    told = (
+        f"the frame's factor is the eigenvalue of a frame of {6 * len(solved.part.frame.nodes)} "
+        "unknowns, which no formula gives"
+    )
+    plane, share, position = "nothing presses or bends it", 0.0, 0
+    if found is not None:
+        position, factor, shape = found
+        share = 1 / factor
+        plane = f"{search.plane(shape)}: eigenvalue of the frame, its pins let it tilt"
+    walls = _wall_shares(part, loads)
+    if isinstance(part.geometry, ToggleBar) and walls[position] > 0:
+        together = "with its cheeks as plates between their edges (Dunkerley's sum)"
+        return ElasticLoad(
+            share + float(walls[position]),
+            position,
+            f"{plane}, {together}",
+            partial(_items, share, float(walls[position])),
+            told,
+        )
+    if walls.max() > share:
+        (position,) = first_largest(walls)
+        wall = float(walls[position])
+        said = "walls, at the end that is pressed"
+        return ElasticLoad(wall, position, said, partial(_items, 0.0, wall), told)
+    return ElasticLoad(share, position, plane, partial(_items, share, 0.0), told)
+
+
+def _items(share: float, walls: float) -> list[Item]:
+    """How the share comes about: frame and walls."""
+    items: list[Item] = []
+    if share:
+        items += [
+            Given("lam", "lowest factor on all loads at which the frame buckles", 1 / share, "",
+                  "eigenvalue: docs/theory/rungs_beam.md", main=True),
+            Step("f_1", "share that the loads are of the frame's", "1/lam"),
+        ]  # fmt: skip
+    if walls:
+        said = "share that the stress in the walls is of that under which plates buckle"
+        items.append(Given("f_2", said, walls, "", "Timoshenko and Gere, 2nd ed., 9.2"))
+    terms = [name for name, size in (("f_1", share), ("f_2", walls)) if size] or ["0"]
+    said = "share of the elastic buckling load" + (" (Dunkerley's sum)" if len(terms) > 1 else "")
+    return [*items, Step("share", said, " + ".join(terms), main=True)]
+
+
+def _wall_shares(part: Part, loads: PartLoads) -> FloatArray:
+    """Share (n,) that the stress in a tube's walls is of that under which these buckle.
+
+    Beside a toggle bar's pins its cheeks carry the whole force, as long plates that the side walls
+    hold; the end of a plain tube has free edges.
+    """
+    shape, steel = part.geometry, part.material
+    compression = np.maximum(axial_compression(part, loads), 0.0)
+    match shape:
+        case ToggleBar():
+            sizes = shape.wall, shape.width - shape.wall
+            limit = plate_stress(*sizes, steel.youngs_modulus, steel.poisson_ratio)
+            return compression / (2 * shape.width * shape.wall * limit)
+        case PrismaticTube():
+            (tube,) = shape.sections
+            sizes = shape.wall, shape.width - shape.wall
+            limit = pressed_edge_stress(*sizes, steel.youngs_modulus, steel.poisson_ratio)
+            couples = np.stack([np.abs(loads.wrenches[name][:, 5]) for name in shape.interfaces])
+            bent = couples.max(axis=0) * shape.width / 2 / tube.inertia_in_plane
+            stress = axial_compression(part, loads) / tube.area + bent
+            return np.asarray(np.maximum(stress, 0.0) / limit)
+        case _:
+            return np.zeros(len(compression))
+
+
+@dataclass(frozen=True, eq=False)
+class _Search:
+    solved: BeamSolution
+    coefficients: FloatArray
+
+    @cached_property
+    def fields(self) -> FloatArray:
+        """Motions (6 n, k) that the pins allow: the softest of the frame, of unit strain energy.
+
+        Held are the mean displacements of each pin's nodes, along the part at the first only, and
+        the turn about the part's axis there (fem.end_conditions.link_solid).
+        """
+        frame = self.solved.part.frame
+        scale = np.tile(np.r_[np.ones(3), np.full(3, 1 / self.solved.size)], len(frame.nodes))
+        rows = self._held() * scale
+        free = np.linalg.qr(rows.T, mode="complete")[0][:, len(rows) :] * scale[:, None]
+        values, vectors = scipy.linalg.eigh(
+            free.T @ (frame.stiffness @ free), subset_by_index=(0, min(_SOFTEST, free.shape[1]) - 1)
+        )
+        return np.asarray(free @ (vectors / np.sqrt(values)))
+
+    def _held(self) -> FloatArray:
+        nodes = self.solved.part.frame.nodes
+        rows = []
+        for number, pin in enumerate(self.solved.part.pins[:2]):
+            own = np.array(pin)
+            for axis in (0, 1, 2) if number == 0 else (1, 2):
+                row = np.zeros(6 * len(nodes))
+                row[6 * own + axis] = 1.0
+                rows.append(row)
+            if number == 0:
+                row = np.zeros(6 * len(nodes))
+                row[6 * own + 3] = self.solved.part.entries[0].interface.radius ** 2 / 2 or 1.0
+                row[6 * own + 1] = -nodes[own, 2]
+                rows.append(row)
+        return np.array([row / np.linalg.norm(row) for row in rows])
+
+    @cached_property
+    def forms(self) -> FloatArray:
+        """Second-order work (n_basis, k, k) of each unit case between the fields."""
+        return geometric_forms(self.solved.part.frame, self.solved.at_points, self.fields)
+
+    def modes(self, state: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Lowest factors above 0 of a state (n_basis,) of the loads, and shapes by the fields."""
+        values, vectors = np.linalg.eigh(-np.tensordot(state, self.forms, axes=1))
+        order = np.flatnonzero(values > _NONE * np.abs(values).max(initial=0.0))[::-1][:_COUNT]
+        return 1 / values[order], vectors[:, order]
+
+    def worst(self) -> tuple[int, float, FloatArray] | None:
+        """The position with the lowest factor found, the factor and its shape (6 n,)."""
+        fields = [self.modes(sign * state)[1] for state in self._patterns() for sign in (1.0, -1.0)]
+        if not fields:
+            return None
+        solved: dict[int, tuple[FloatArray, FloatArray]] = {}
+        while len(solved) < _MOST:
+            shares = self._shares(np.hstack(fields))
+            shares[list(solved)] = 0.0
+            position = int(np.argmax(shares))
+            known = max((1 / m[0][0] for m in solved.values() if len(m[0])), default=0.0)
+            if not shares[position] * _CLOSE > known:
+                break
+            solved[position] = self.modes(self.coefficients[:, position])
+            fields.append(solved[position][1])
+        buckling = {k: modes for k, modes in solved.items() if len(modes[0])}
+        if not buckling:
+            return None
+        lowest = min(factors[0] for factors, _ in buckling.values())
+        worst = min(k for k, m in buckling.items() if m[0][0] <= (1.0 + _TIE) * lowest)
+        factors, shapes = buckling[worst]
+        return worst, float(factors[0]), self.fields @ shapes[:, 0]
+
+    def plane(self, shape: FloatArray) -> str:
+        """In which plane a mode moves more."""
+        moved = np.abs(shape.reshape(-1, 6)[:, :3]).max(axis=0)
+        return "out of plane" if moved[2] > moved[:2].max() else "in plane"
+
+    def _patterns(self) -> list[FloatArray]:
+        """Load states that those of all positions are made of, to a tenth of the largest.
+
+        Measured by the section forces, moments over the part's size.
+        """
+        scale = np.r_[np.ones(3), np.full(3, 1 / self.solved.size)]
+        forces = self.solved.at_points * scale[:, None]
+        left = np.linalg.qr(forces.reshape(-1, len(self.coefficients)), mode="r")
+        left = left @ self.coefficients
+        states = self.coefficients.copy()
+        largest = float(np.linalg.norm(left, axis=0).max(initial=0.0))
+        found: list[FloatArray] = []
+        while largest > 0.0 and len(found) < _PATTERNS:
+            sizes = np.linalg.norm(left, axis=0)
+            most = int(sizes.argmax())
+            if sizes[most] < _SMALL * largest:
+                break
+            found.append(states[:, most].copy())
+            along = (left[:, most] @ left) / sizes[most] ** 2
+            states -= np.outer(found[-1], along)
+            left -= np.outer(left[:, most].copy(), along)
+        return found
+
+    def _shares(self, fields: FloatArray) -> FloatArray:
+        """Share (n,) of its lowest factor that each position's load is at least; 0 without any."""
+        own = np.linalg.qr(fields)[0]
+        forms = own.T @ self.forms @ own
+        count = self.coefficients.shape[1]
+        result = np.zeros(count)
+        for start in range(0, count, _BLOCK):
+            part = self.coefficients[:, start : start + _BLOCK]
+            states = -np.tensordot(part.T, forms, axes=1)
+            result[start : start + _BLOCK] = np.linalg.eigvalsh(states)[:, -1]
+        return np.maximum(result, 0.0)

@@ -1,0 +1,190 @@
+"""What a rung below the solid says of a part's checks, with its calibrated bars."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from math import inf
+
+from checks.columns.stability import ELASTIC_SHARE
+from checks.design.data import Design, Part
+from checks.models.bands import Band, NoBand, band_of
+from checks.models.estimate import Estimate
+from checks.models.families import family_of
+from checks.models.model import RungLevel, RungModel
+from checks.models.proportions import proportions_of, unknown_load
+from checks.models.rings import static_values, with_peaks
+from checks.models.stress_words import Words, fatigue_words, static_words
+from checks.part.part_loads import PartLoads
+from checks.result.verdict import Check
+from checks.result.words import UNKNOWN_BAR
+from checks.strength.fatigue_assessment import FatigueUse
+from checks.strength.part_strength import endurance_of
+from checks.strength.sampling import buckling_rise, fatigue_rise, static_rise, with_sampling
+from checks.stress.stress_result import judge
+from fem.stress_history import StressHistory
+from geometry.mesh import FloatArray
+
+STATIC, FATIGUE, BUCKLING = "static", "fatigue", "buckling"
+BALANCE = 1e-6  # of the largest force: what may be left of a part's balance
+NOTHING = "nothing loads the part at any position: no model would find a stress"
+
+
+def rung_level(design: Design, part: Part, loads: PartLoads, model: RungModel) -> RungLevel:
+    """Judge the stress of a rung's model over all cycles of the design."""
+    limit = endurance_of(part).value
+    ultimate, cycles = part.material.ultimate_stress, design.duty.cycles
+    if model.ring and not loads.is_nothing:
+        model = with_peaks(model, static_values)
+
+        def used(history: StressHistory, fretting: FloatArray) -> tuple[FloatArray, FloatArray]:
+            found = judge(history, limit / fretting, limit, ultimate, loads, cycles).duty
+            assert found is not None
+            return found.known, found.bound
+
+        if any(name in loads.cycles for name in cycles):
+            model = with_peaks(model, used)
+    limits = limit / model.fretting
+    judged = judge(model.history, limits, limit, ultimate, loads, cycles)
+    return RungLevel(
+        limits=limits,
+        history=model.history,
+        peak=judged.peak,
+        peaks_by_position=judged.peaks_by_position,
+        duty=judged.duty,
+        model=model,
+    )
+
+
+def rung_estimates(
+    design: Design,
+    part: Part,
+    loads: PartLoads,
+    level: RungLevel,
+    use: FatigueUse | None,
+    again: Callable[[PartLoads], RungModel | None],
+) -> dict[str, Estimate]:
+    """The checks that a rung answers, by kind.
+
+    use    how the part's fatigue is judged; None where no cycle of the duty loads it
+    again  builds the rung's model under other loads
+    """
+    words = static_words(design, part, loads, level)
+    found = {
+        STATIC: _stress_estimate(
+            part, loads, level, words, level.peak.value, level.peak.point, static_rise(level, loads)
+        )
+    }
+    if use is not None:
+        words = fatigue_words(design, part, loads, level, use)
+        found[FATIGUE] = _stress_estimate(
+            part,
+            loads,
+            level,
+            words,
+            use.value(level),
+            use.point(level),
+            fatigue_rise(level, loads, use),
+        )
+    if level.model.buckling is not None and level.model.buckling.share > 0.0:
+        rise = buckling_rise(loads, level.model.buckling, again)
+        found[BUCKLING] = _buckling_estimate(design, part, loads, level.model, rise)
+    return found
+
+
+def _stress_estimate(
+    part: Part,
+    loads: PartLoads,
+    level: RungLevel,
+    words: Words,
+    value: float,
+    point: int,
+    rise: float,
+) -> Estimate:
+    check = Check(
+        part=part.name,
+        kind=words.kind,
+        quantity=words.quantity,
+        value=value,
+        unit="MPa",
+        numerical=level.model.numerical * value,
+        model=0.0,
+        limit=words.limit,
+        required=words.required,
+        cycle=words.cycle,
+        position=words.position,
+        place=level.place(point),
+        method=level.model.rung,
+        basis=words.basis,
+        note=words.note,
+    )
+    if loads.is_nothing:
+        return Estimate(_told(check, 0.0, 0.0, NOTHING))
+    return _with_band(part, loads, level.model, with_sampling(check, rise))
+
+
+def _buckling_estimate(
+    design: Design, part: Part, loads: PartLoads, model: RungModel, rise: float
+) -> Estimate:
+    assert model.buckling is not None
+    position = model.buckling.position
+    check = Check(
+        part=part.name,
+        kind=BUCKLING,
+        quantity=ELASTIC_SHARE,
+        value=model.buckling.share,
+        unit="",
+        numerical=0.0,
+        model=0.0,
+        limit=1.0,
+        required=design.require.buckling,
+        cycle=loads.cycle_names[position],
+        position=loads.labels[position],
+        place="whole part",
+        method=model.rung,
+        basis="elastic, both ends held sideways and free to tilt: knows neither yield nor "
+        "crookedness",
+        note=model.buckling.words,
+    )
+    return _with_band(part, loads, model, with_sampling(check, rise))
+
+
+def _with_band(part: Part, loads: PartLoads, model: RungModel, check: Check) -> Estimate:
+    """The check with the band of solids around the rung's value."""
+    band = band_around(part, loads, model, check)
+    if isinstance(band, NoBand):
+        said = f"{UNKNOWN_BAR}{band.why}"
+        return Estimate(_told(check, inf, inf, said), inf, inf)
+    value = check.value
+    above = (max(0.0, band.high - 1) + band.above[1]) * value
+    below = (max(0.0, 1 - band.low) + band.below[1]) * value
+    return Estimate(
+        _told(check, above, below, _of_solids(band, model)),
+        above - band.above[0] * value,
+        below - band.below[0] * value,
+    )
+
+
+def band_around(part: Part, loads: PartLoads, model: RungModel, check: Check) -> Band | NoBand:
+    """Where solids lie around a rung's check, or why that is not known."""
+    unknown = unknown_load(part, loads)
+    if unknown:
+        return NoBand(unknown)
+    if model.residual > BALANCE:
+        return NoBand(
+            f"the rung {model.rung} leaves {model.residual:.3g} of the loads out of balance"
+        )
+    if not check.value > 0.0:
+        return NoBand(f"the rung {model.rung} finds nothing where the part is loaded")
+    family = family_of(part, loads, check.kind)
+    return band_of(family, model.rung, check.kind, proportions_of(part, loads))
+
+
+def _told(check: Check, above: float, below: float, said: str) -> Check:
+    note = "; ".join(text for text in (check.note, said) if text)
+    return replace(check, model=above, model_below=below, note=note)
+
+
+def _of_solids(band: Band, model: RungModel) -> str:
+    return (
+        f"95 % of {band.count} solids lie {100 * (band.low - 1):+.0f} to "
+        f"{100 * (band.high - 1):+.0f} % from this; neglects {model.neglects}"
+    )

@@ -1,0 +1,236 @@
+"""A part as a bar along x: its loads in balance, fibres of its sections, deflection, buckling."""
+
+from dataclasses import dataclass, fields, replace
+from itertools import pairwise
+from math import inf
+
+import numpy as np
+
+from checks.columns.column_moments import axial_compression
+from checks.design.data import Part
+from checks.handbook.bar_forces import BarForces, BarLoads, balanced_bar, deflection
+from checks.handbook.lateral_buckling import column_force, lateral_share
+from checks.models.formula_points import Points, along_x, in_section, sheared
+from checks.models.model import ElasticLoad, PressedColumn, PressedStretch
+from checks.models.unit_names import acceleration_units, wrench_units
+from checks.part.first_maximum import first_largest
+from checks.part.part_loads import PartLoads
+from geometry.mesh import FloatArray
+
+_STATIONS = 33  # of deflection and lateral buckling
+_IN_PLANE = "in plane: Euler's column"
+_SIDEWAYS = "out of plane: Euler's column and lateral buckling of the bent bar"
+_KINDS = {
+    "axial": "axial force",
+    "shear": "shear force",
+    "torque": "torque",
+    "moment_y": "moment M_y",
+    "moment_z": "moment M_z",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Stretches:
+    """A part's mass and stiffness along x, in cells.
+
+    cuts       (m + 1,) mm, rising
+    area       (m,) mm2
+    inertia_z  (m,) mm4, bending in the linkage's plane
+    inertia_y  (m,) mm4, out of it
+    torsion    (m,) mm4, Saint-Venant's
+    racking    (m,) mm2, shear stiffness out of the plane over E; None without shear strain
+    """
+
+    cuts: FloatArray
+    area: FloatArray
+    inertia_z: FloatArray
+    inertia_y: FloatArray
+    torsion: FloatArray
+    racking: FloatArray | None = None
+
+    @property
+    def middles(self) -> FloatArray:
+        """Middles of the cells, mm."""
+        return (self.cuts[1:] + self.cuts[:-1]) / 2
+
+    def at(self, values: FloatArray, places: FloatArray) -> FloatArray:
+        """What the cells have at places."""
+        cell = np.clip(np.searchsorted(self.cuts, places) - 1, 0, len(values) - 1)
+        return np.asarray(values[cell])
+
+
+def bar_loads(part: Part, loads: PartLoads, places: dict[str, float], mass: Stretches) -> BarLoads:
+    """All loads of a part along its axis; interfaces at x = `places`, sliding ones from there."""
+    points: list[tuple[float | FloatArray, FloatArray]] = []
+    for name, wrench in loads.wrenches.items():
+        reach = loads.reaches.get(name)
+        if reach is None:
+            points.append((places[name], wrench))
+            continue
+        moved = wrench.copy()  # its couple is about the interface's centre
+        moved[:, 5] -= reach * wrench[:, 1]
+        points.append((places[name] + reach, moved))
+    weight = part.material.density * mass.area * np.diff(mass.cuts)
+    return balanced_bar(points, mass.middles, weight, loads.accelerations)
+
+
+class SectionForces:
+    """Section forces of a bar per unit of what acts on it, as columns of its points."""
+
+    def __init__(self, points: Points, bar: BarLoads) -> None:
+        self._points, self._bar = points, bar
+        self._columns: list[int] = []
+        if any(np.ndim(x) for x, _ in bar.points):
+            return
+        acting = [bar.accelerations, *(wrench for _, wrench in bar.points)]
+        names = acceleration_units() + [
+            name for x, _ in bar.points for name in wrench_units(f"x = {float(x):.4g} mm")
+        ]
+        self._columns = points.columns(np.concatenate(acting, axis=1).T, names)
+        own, *units = np.split(np.eye(len(self._columns)), np.arange(4, len(self._columns), 6), 1)
+        at = [(x, unit) for (x, _), unit in zip(bar.points, units, strict=True)]
+        self._bar = replace(bar, points=at, accelerations=own)
+
+    def at(self, places: FloatArray) -> tuple[list[int], BarForces]:
+        """Columns, and the forces (k, columns) at places (k,) per unit of each.
+
+        Where a contact slides past a place what acts is not in proportion: the columns are the
+        section forces themselves, then.
+        """
+        forces = self._bar.at(places)
+        if self._columns:
+            return self._columns, forces
+        rows = [getattr(forces, kind.name) for kind in fields(forces)]
+        names = [
+            in_section(float(x), _KINDS[kind.name])[0] for kind in fields(forces) for x in places
+        ]
+        columns = self._points.columns(np.concatenate(rows), names)
+        return columns, BarForces(*np.split(np.eye(len(columns)), len(rows)))
+
+
+def left_over(bar: BarLoads, loads: PartLoads, length: float) -> float:
+    """Couples out of the plane that no interface holds, over the largest force times the length.
+
+    In the plane nothing is left: an acceleration makes up for it.
+    """
+    couples = sum(wrench[:, 3:5] for _, wrench in bar.points)
+    largest = loads.largest_force * length
+    return float(np.abs(couples).max()) / largest if largest else 0.0
+
+
+def fine_cells(cuts: FloatArray, count: int) -> FloatArray:
+    """Cuts of cells of about 1/count of the whole, none across one of the given cuts."""
+    size = (cuts[-1] - cuts[0]) / count
+    pieces = [
+        np.linspace(a, b, max(1, int(np.ceil((b - a) / size))) + 1)[:-1] for a, b in pairwise(cuts)
+    ]
+    return np.concatenate([*pieces, cuts[-1:]])
+
+
+def add_rectangle_fibres(
+    points: Points,
+    name: str,
+    places: FloatArray,
+    forces: BarForces,
+    size: tuple[float, float],
+    torsion: float,
+) -> None:
+    """Add corners and middles of the faces of solid rectangular sections.
+
+    size     height along y and thickness along z, mm
+    torsion  mm3, torque over the shear stress in the middle of the long faces
+    """
+    height, thickness = size
+    area, inertia = height * thickness, thickness * height**3 / 12
+    across = height * thickness**3 / 12
+    for k, x in enumerate(places):
+        axial, moment, bent, shear, torque = points.columns(
+            np.stack(
+                [
+                    forces.axial[k],
+                    forces.moment_z[k],
+                    forces.moment_y[k],
+                    forces.shear[k],
+                    forces.torque[k],
+                ]
+            ),
+            in_section(x, "axial force", "moment M_z", "moment M_y", "shear force", "torque"),
+        )
+        y, z = (half.ravel() for half in np.meshgrid([-0.5, 0.0, 0.5], [-0.5, 0.5]))
+        y, z = y * height, z * thickness
+        middle = (y == 0).astype(float)
+        points.add(
+            name,
+            np.column_stack([np.full(len(y), x), y, z]),
+            {
+                axial: along_x(np.full(len(y), 1 / area)),
+                moment: along_x(-y / inertia),
+                bent: along_x(z / across),
+                shear: sheared(middle * 1.5 / area),
+                torque: sheared(-middle * np.sign(z) / torsion),
+            },
+        )
+
+
+def most_deflected(loads: BarLoads, part: Part, mass: Stretches, length: float) -> float:
+    """Largest displacement in the plane, mm: off the chord of the pins, or along it between them.
+
+    Off the chord at the positions where the moment is largest at one of the places.
+    """
+    places = np.linspace(0.0, length, _STATIONS)
+    forces = loads.at(places[1:-1])
+    young = part.material.youngs_modulus
+    inner = young * mass.at(mass.area, places[1:-1])
+    along = np.abs(forces.axial / inner[:, None]).mean(axis=0).max() * length
+    moment = np.pad(forces.moment_z, ((1, 1), (0, 0)), mode="edge")
+    chosen = np.unique(np.abs(moment).argmax(axis=1))
+    stiffness = young * mass.at(mass.inertia_z, places)
+    off = np.abs(deflection(moment[:, chosen], stiffness, places)).max()
+    return float(max(along, off))
+
+
+def elastic_load(
+    part: Part,
+    loads: PartLoads,
+    bar: BarLoads,
+    mass: Stretches,
+    length: float,
+    *,
+    local: float = 0.0,
+) -> ElasticLoad:
+    """Largest share of the elastic buckling load over the positions.
+
+    In the plane Euler's of a hinged column with the part's steps; out of it the same, with ends
+    free to tilt, together with the lateral buckling of the bent bar.
+
+    local  1/N, share that 1 N of compression is of the load under which a stretch of the part
+           buckles by itself
+    """
+    force = axial_compression(part, loads)
+    places = np.linspace(0.0, length, _STATIONS)
+    young, ratio = part.material.youngs_modulus, part.material.poisson_ratio
+    flat, across = (young * mass.at(i, places) for i in (mass.inertia_z, mass.inertia_y))
+    racking = np.inf if mass.racking is None else young * mass.at(mass.racking, places)
+    twisting = young / (2 * (1 + ratio)) * mass.at(mass.torsion, places)
+    moment = bar.at(places).moment_z
+    shares = {
+        _IN_PLANE: force / column_force(flat, np.inf, length),
+        _SIDEWAYS: lateral_share(
+            force / column_force(across, racking, length), moment, across, twisting, length
+        ),
+        "a stretch by itself: plates and columns": force * local,
+    }
+    words = max(shares, key=lambda name: float(shares[name].max()))
+    share = np.maximum(shares[words], 0.0)
+    (position,) = first_largest(share)
+    pressed = float(force[position])
+    made_of: PressedColumn | PressedStretch
+    if words == _IN_PLANE:
+        made_of = PressedColumn(pressed, flat, inf, length)
+    elif words == _SIDEWAYS:
+        bent = moment[:, [position]]
+        alone = float(lateral_share(np.zeros(1), bent, across, twisting, length)[0])
+        made_of = PressedColumn(pressed, across, racking, length, alone)
+    else:
+        made_of = PressedStretch(pressed, local)
+    return ElasticLoad(float(share[position]), position, words, bar=made_of)

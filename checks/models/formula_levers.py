@@ -1,0 +1,248 @@
+"""The rung `formula` of levers with a slot."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from checks.design.data import Part
+from checks.handbook.bar_forces import BarLoads
+from checks.handbook.lug_outlines import strip_outline
+from checks.handbook.lug_stress import Lug
+from checks.handbook.notch_factors import bent_plate_hole, curved_bar, stepped_bar
+from checks.handbook.pin_loaded_hole import pin_loaded_hole
+from checks.handbook.slotted_frame import rail_forces
+from checks.models.formula_bars import (
+    Stretches,
+    add_rectangle_fibres,
+    bar_loads,
+    elastic_load,
+    fine_cells,
+    left_over,
+    most_deflected,
+)
+from checks.models.formula_lugs import add_bore, strip_edges
+from checks.models.formula_points import Points, along_x, in_section
+from checks.models.model import RungModel
+from checks.part.part_loads import PartLoads
+from fem.frame_sections import rectangle_torsion
+from geometry.mesh import FloatArray
+from geometry.parts import SlottedLever
+
+_CUT = 1.25  # widths from a hole to where the plate is a bar again
+_STATIONS = 25  # along the slot
+
+
+def slotted_lever_model(part: Part, shape: SlottedLever, loads: PartLoads) -> RungModel | None:
+    """Two lugs, and between them two rails beside the slot that are clamped at its ends.
+
+    None for a boss without a fillet, where the elastic stress has no bound.
+    """
+    if shape.boss_diameter is not None and not shape.boss_fillet:
+        return None
+    mass = _stretches(shape)
+    places = {"pivot": 0.0, "tip": shape.length, "slot": 0.0}
+    bar = bar_loads(part, loads, places, mass)
+    points = Points(len(loads.accelerations))
+    room = {"pivot": shape.slot_from, "tip": shape.length - shape.slot_to}
+    for name, bosses in (("pivot", 0.0), ("tip", 2 * shape.boss_height)):
+        _add_lug(part, points, shape, name, bosses, loads.wrenches[name], room[name])
+    _add_rails(part, points, shape, loads, bar)
+    _add_foot(points, shape, bar)
+    return RungModel(
+        rung="formula",
+        history=points.history(),
+        places=points.places,
+        units=points.units,
+        fretting=points.fretting,
+        numerical=0.0,
+        residual=left_over(bar, loads, shape.length),
+        deflection=most_deflected(bar, part, mass, shape.length),
+        buckling=elastic_load(part, loads, bar, mass, shape.length),
+        neglects="that the ends of the slot give way; that holes, slot and boss disturb each "
+        "other; how wide the contact presses",
+    )
+
+
+def _add_lug(
+    part: Part,
+    points: Points,
+    shape: SlottedLever,
+    name: str,
+    bosses: float,
+    wrench: FloatArray,
+    room: float,
+) -> None:
+    """Add a bore as in a strip of the plate's width; the tip's is as thick as plate and bosses."""
+    half, depth = shape.width / 2, shape.thickness + bosses
+    cut = max(min(_CUT * shape.width, 2 * room), 0.75 * shape.hole)
+    outline = strip_outline(half, shape.overhang, cut)
+    hole = pin_loaded_hole(shape.hole / 2, outline, part.material.poisson_ratio)
+    _, modulus = rectangle_torsion(shape.width, depth)
+    tip = name == "tip"
+    lug = Lug(hole, depth, mirrored=tip, twist_modulus=float(modulus))
+    edges = strip_edges(half, shape.overhang, room, 1.0 if tip else -1.0)
+    x = shape.length if tip else 0.0
+    add_bore(points, name, x, lug, wrench, (0.0,), edges=edges, tilts=True)
+
+
+@dataclass(frozen=True)
+class _Rail:
+    """One of the two rails beside the slot: depth along y and thickness along z, mm."""
+
+    depth: float
+    thickness: float
+    apart: float
+
+    @property
+    def area(self) -> float:
+        return self.depth * self.thickness
+
+    @property
+    def inertia(self) -> float:
+        return self.thickness * self.depth**3 / 12
+
+    @property
+    def across(self) -> float:
+        return self.depth * self.thickness**3 / 12
+
+    def warping(self, length: float, poisson_ratio: float) -> float:
+        """Moment about y at the clamped ends of each rail per N mm of torque on both.
+
+        Both twist by T/(2 G J + 24 E I (apart/2)^2/length^2) per length: as bars, and as clamped
+        beams whose ends move aside against each other, E I per length^2 times 6 for the moment.
+        """
+        one = float(rectangle_torsion(self.depth, self.thickness)[0])
+        shear = one / (2 * (1 + poisson_ratio))  # G J over E
+        stiff = 2 * shear + 6 * self.across * self.apart**2 / length**2
+        return 6 * self.across * self.apart / 2 / length / stiff
+
+
+def _add_rails(
+    part: Part, points: Points, shape: SlottedLever, loads: PartLoads, bar: BarLoads
+) -> None:
+    """Add the edges of the rails, with the factors of the slot's round ends where they are clamped.
+
+    A rail is clamped half-way into the round end. There its own moment turns round the corner, as
+    in a curved bar; axial force finds a shoulder, and bending out of the plane half of a hole.
+    """
+    depth = (shape.width - shape.slot_width) / 2
+    rail = _Rail(depth, shape.thickness, shape.width - depth)
+    into = shape.slot_width / 4
+    places = np.linspace(shape.slot_from + into, shape.slot_to - into, _STATIONS)
+    length = float(places[-1] - places[0])
+    forces = bar.at(places)
+    wrench = loads.wrenches["slot"]
+    rails = rail_forces(
+        places,
+        forces.moment_z,
+        np.abs(wrench[:, 1]),
+        loads.reaches.get("slot", np.zeros(len(wrench))),
+        area=rail.area,
+        inertia=rail.inertia,
+        apart=rail.apart,
+    )
+    pulled = stepped_bar("tension", shape.width, 2 * depth, shape.slot_width / 2)
+    bent = curved_bar(depth, shape.slot_width / 2)
+    folded = bent_plate_hole(shape.slot_width, shape.thickness) * 2 * depth / shape.width
+    warped = rail.warping(length, part.material.poisson_ratio)
+    pairs = [
+        points.column(axial, (f"axial force of the {side} rail by its pair", "N"))
+        for axial, side in zip(rails.axial, ("upper", "lower"), strict=True)
+    ]
+    for k, x in enumerate(places):
+        first, last = k == 0, k == len(places) - 1
+        clamped = first or last
+        whole, aside = points.columns(
+            np.stack([forces.axial[k], forces.moment_y[k]]),
+            in_section(x, "axial force", "moment M_y"),
+        )
+        warping = points.column(
+            forces.torque[k] * (2 * k / (len(places) - 1) - 1), in_section(x, "torque")[0]
+        )
+        for number, side in enumerate((1.0, -1.0)):
+            own = points.column(
+                rails.moment[number, k], (f"own moment of a rail at x = {x:.4g} mm", "N mm")
+            )
+            middle = side * rail.apart / 2
+            y = middle + np.array([-1.0, -1.0, 1.0, 1.0]) * depth / 2
+            z = np.array([-1.0, 1.0, -1.0, 1.0]) * rail.thickness / 2
+            notch = (np.abs(y) < rail.apart / 2) & clamped
+            of_axial, of_moment, of_fold = (np.where(notch, f, 1.0) for f in (pulled, bent, folded))
+            points.add(
+                "slot's end" if clamped else "rail",
+                np.column_stack([np.full(4, x), y, z]),
+                {
+                    whole: along_x(of_axial / (2 * rail.area)),
+                    pairs[number]: along_x(of_axial / rail.area),
+                    own: along_x(-of_moment * (y - middle) / rail.inertia),
+                    aside: along_x(of_fold * z / (2 * rail.across)),
+                    warping: along_x(side * of_fold * warped * z / rail.across),
+                },
+            )
+
+
+def _add_foot(points: Points, shape: SlottedLever, bar: BarLoads) -> None:
+    """Add the plate before the boss, with the fillet's factor on what bends it out of its plane."""
+    if shape.boss_diameter is None:
+        return
+    foot = shape.length - shape.boss_diameter / 2 - shape.boss_fillet
+    places = np.array([foot])
+    size = (shape.width, shape.thickness)
+    _, modulus = rectangle_torsion(*size)
+    add_rectangle_fibres(points, "plate", places, bar.at(places), size, float(modulus))
+    forces = bar.at(places)
+    wide = shape.thickness + 2 * shape.boss_height
+    pulled, bent = (
+        stepped_bar(kind, wide, shape.thickness, shape.boss_fillet)
+        for kind in ("tension", "bending")
+    )
+    axial, aside = points.columns(
+        np.stack([forces.axial[0], forces.moment_y[0]]),
+        in_section(foot, "axial force", "moment M_y"),
+    )
+    z = np.array([-1.0, 1.0]) * shape.thickness / 2
+    points.add(
+        "boss fillet",
+        np.column_stack([np.full(2, foot), np.zeros(2), z]),
+        {
+            axial: along_x(np.full(2, pulled / (shape.width * shape.thickness))),
+            aside: along_x(bent * z * 12 / (shape.width * shape.thickness**3)),
+        },
+    )
+
+
+def _stretches(shape: SlottedLever) -> Stretches:
+    half = shape.width / 2
+    beyond = half if shape.overhang is None else shape.overhang
+    ends = [-beyond, 0.0, shape.slot_from, shape.slot_to, shape.length, shape.length + beyond]
+    cuts = fine_cells(np.array(ends), 128)
+    x = (cuts[1:] + cuts[:-1]) / 2
+    height = np.full(len(x), shape.width)
+    if shape.overhang is None:
+        past = np.maximum(np.maximum(-x, x - shape.length), 0.0)
+        height = 2 * np.sqrt(half**2 - past**2)
+    in_slot = (x > shape.slot_from) & (x < shape.slot_to)
+    into = np.minimum(x - shape.slot_from, shape.slot_to - x)
+    deep = shape.slot_width / 2
+    opened = np.sqrt(np.maximum(deep**2 - np.maximum(deep - into, 0.0) ** 2, 0.0))
+    slot = np.where(in_slot, 2 * opened, 0.0)
+    area = (height - slot) * shape.thickness
+    bosses = 0.0 if shape.boss_diameter is None else shape.boss_diameter
+    from_tip = x - shape.length
+    area += 2 * shape.boss_height * _chord(bosses, from_tip)
+    area -= shape.thickness * _chord(shape.hole, x)
+    area -= (shape.thickness + 2 * shape.boss_height) * _chord(shape.hole, from_tip)
+    rail = (shape.width - shape.slot_width) / 2
+    one = float(rectangle_torsion(rail, shape.thickness)[0])
+    whole = float(rectangle_torsion(shape.width, shape.thickness)[0])
+    return Stretches(
+        cuts,
+        area,
+        shape.thickness * (shape.width**3 - slot**3) / 12,
+        (shape.width - slot) * shape.thickness**3 / 12,
+        np.where(slot > 0, 2 * one, whole),
+    )
+
+
+def _chord(diameter: float, x: FloatArray) -> FloatArray:
+    return np.asarray(2 * np.sqrt(np.maximum(diameter**2 / 4 - x**2, 0.0)))

@@ -1,0 +1,96 @@
+"""Points round a bore and on the outline of its lug, by the bore's wrench."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from checks.handbook.lug_stress import Lug, cartesian, polar
+from checks.handbook.pin_loaded_hole import ComplexArray
+from checks.models.formula_points import XX, XY, YY, Points
+from checks.models.unit_names import bearing_units, interface_units
+from fem.unit_loads import bearing_coefficients
+from geometry.mesh import FloatArray
+
+ANGLES = np.radians(np.arange(0.0, 360.0, 10.0))
+
+
+def add_bore(
+    points: Points,
+    name: str,
+    centre: float,
+    lug: Lug,
+    wrench: FloatArray,
+    faces: Sequence[float],
+    *,
+    tilts: bool = False,
+    edges: ComplexArray | None = None,
+) -> None:
+    """Add the bore's rim, and places on the lug's edges, on some faces.
+
+    centre  mm, x of the bore
+    wrench  (n, 6) on the bore, N and N mm
+    faces   z, mm, where the lug's plane stress stands
+    edges   x + i y from the bore's middle, on the first of the faces
+    tilts   whether its couples about x and y act on the lug, whose middle plane is z = 0: then its
+            faces are added, with these couples
+    """
+    columns = points.columns(
+        bearing_coefficients(wrench[:, [0, 1, 5]], inward=False).T, bearing_units(name)
+    )
+    rim = lug.hole.radius * np.exp(1j * ANGLES)
+    plane = lug.stress(rim)
+    for z in faces:
+        _add(points, name, centre, rim, z, _by_column(columns, plane))
+    if edges is not None:
+        _add(
+            points, f"{name} edge", centre, edges, faces[0], _by_column(columns, lug.stress(edges))
+        )
+    if not tilts:
+        return
+    hoop, radial, shear = polar(plane.transpose(0, 2, 1).reshape(-1, 3), np.repeat(ANGLES, 8))
+    relieved = cartesian(lug.relief * hoop, radial, shear, np.repeat(ANGLES, 8))
+    own = _by_column(columns, relieved.reshape(-1, 8, 3).transpose(0, 2, 1))
+    turned = points.columns(wrench[:, 3:5].T, interface_units(name, ("M_x", "M_y")))
+    tilt = lug.tilted(ANGLES)
+    for z in (-lug.thickness / 2, lug.thickness / 2):
+        _add(points, name, centre, rim, z, own | _by_column(turned, np.sign(z) * tilt))
+
+
+def _by_column(columns: list[int], plane: FloatArray) -> dict[int, FloatArray]:
+    """Stress (k, 6) by column of xx, yy, xy (k, 3, columns)."""
+    return {column: _in_plane(plane[:, :, k]) for k, column in enumerate(columns)}
+
+
+def _add(
+    points: Points,
+    place: str,
+    centre: float,
+    arms: ComplexArray,
+    z: float,
+    stress: dict[int, FloatArray],
+) -> None:
+    at = np.column_stack([centre + arms.real, arms.imag, np.full(len(arms), z)])
+    points.add(place, at, stress)
+
+
+def _in_plane(values: FloatArray) -> FloatArray:
+    """Stress (k, 6) of xx, yy, xy (k, 3)."""
+    stress = np.zeros((len(values), 6))
+    stress[:, [XX, YY, XY]] = values
+    return stress
+
+
+def strip_edges(half_width: float, end: float | None, reach: float, outward: float) -> ComplexArray:
+    """Places on the edges of a lug that goes on as a strip, from its end to `reach` from its hole.
+
+    end      mm, from the hole to the square end; None: round about the hole
+    outward  1 where the end is at +x, -1 where it is at -x
+    """
+    along = np.linspace(0.0 if end is None else -end, reach, 9) + 1j * half_width
+    if end is None:
+        free = half_width * np.exp(1j * np.radians([180.0, 160.0, 140.0, 120.0]))
+    else:
+        free = np.array([-end + 0j, -end + 0.5j * half_width])
+    upper = np.concatenate([free, along])
+    both = np.concatenate([upper, upper[1:].conj()])
+    return np.asarray(both if outward < 0 else -both.conj())

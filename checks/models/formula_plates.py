@@ -1,0 +1,80 @@
+"""The rung `formula` of flat links."""
+
+import numpy as np
+
+from checks.design.data import Part
+from checks.handbook.lug_outlines import strip_outline
+from checks.handbook.lug_stress import Lug
+from checks.handbook.pin_loaded_hole import pin_loaded_hole
+from checks.models.formula_bars import (
+    Stretches,
+    add_rectangle_fibres,
+    bar_loads,
+    elastic_load,
+    fine_cells,
+    left_over,
+    most_deflected,
+)
+from checks.models.formula_lugs import add_bore, strip_edges
+from checks.models.formula_points import Points
+from checks.models.model import RungModel
+from checks.part.part_loads import PartLoads
+from fem.frame_sections import rectangle_torsion
+from geometry.parts import PlateLink
+
+_CUT = 1.25  # widths from a hole to where the plate is a bar again
+_STATIONS = 13
+
+
+def plate_link_model(part: Part, shape: PlateLink, loads: PartLoads) -> RungModel:
+    """A flat link: two lugs that are round about their pins, and the bar between them."""
+    second = shape.hole if shape.second_hole is None else shape.second_hole
+    holes = {"first": (0.0, shape.hole), "second": (shape.length, second)}
+    half, thickness = shape.width / 2, shape.thickness
+    mass = _stretches(shape, holes)
+    bar = bar_loads(part, loads, {name: x for name, (x, _) in holes.items()}, mass)
+    points = Points(len(loads.accelerations))
+    modulus = float(rectangle_torsion(shape.width, thickness)[1])
+    cut = min(_CUT * shape.width, shape.length / 2)
+    for name, (x, hole) in holes.items():
+        outline = strip_outline(half, None, max(cut, 0.75 * hole))
+        found = pin_loaded_hole(hole / 2, outline, part.material.poisson_ratio)
+        lug = Lug(found, thickness, mirrored=x > 0, twist_modulus=modulus)
+        edges = strip_edges(half, None, half, 1.0 if x > 0 else -1.0)
+        add_bore(points, name, x, lug, loads.wrenches[name], (0.0,), edges=edges, tilts=True)
+    low, high = shape.hole / 2, shape.length - second / 2
+    places = np.linspace(low, high, _STATIONS + 2)[1:-1]
+    add_rectangle_fibres(points, "plate", places, bar.at(places), (shape.width, thickness), modulus)
+    return RungModel(
+        rung="formula",
+        history=points.history(),
+        places=points.places,
+        units=points.units,
+        fretting=points.fretting,
+        numerical=0.0,
+        residual=left_over(bar, loads, shape.length),
+        deflection=most_deflected(bar, part, mass, shape.length),
+        buckling=elastic_load(part, loads, bar, mass, shape.length),
+        neglects="stress not linear through the thickness; that the holes disturb each other",
+    )
+
+
+def _stretches(shape: PlateLink, holes: dict[str, tuple[float, float]]) -> Stretches:
+    half = shape.width / 2
+    ends = np.array([-half, 0.0, shape.length, shape.length + half])
+    cuts = fine_cells(np.unique(ends), 96)
+    x = (cuts[1:] + cuts[:-1]) / 2
+    beyond = np.maximum(np.maximum(-x, x - shape.length), 0.0)
+    height = 2 * np.sqrt(half**2 - beyond**2)
+    for at, hole in holes.values():
+        height = height - 2 * np.sqrt(np.maximum(hole**2 / 4 - (x - at) ** 2, 0.0))
+    thickness = shape.thickness
+    ones = np.ones(len(x))
+    torsion, _ = rectangle_torsion(shape.width, thickness)
+    return Stretches(
+        cuts,
+        height * thickness,
+        ones * thickness * shape.width**3 / 12,
+        ones * shape.width * thickness**3 / 12,
+        ones * torsion,
+    )

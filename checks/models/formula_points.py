@@ -1,0 +1,124 @@
+"""Points of a handbook model: where they are, and of which forces their stress is made."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from checks.models.model import UnitName
+from fem.stress_history import StressHistory
+from geometry.mesh import FloatArray, IntArray
+
+XX, YY, ZZ, XY, YZ, ZX = range(6)
+_SECTION = {  # what acts in a section, and its unit
+    "axial force": "N",
+    "shear force": "N",
+    "moment M_z": "N mm",
+    "moment M_y": "N mm",
+    "torque": "N mm",
+}
+
+
+class Points:
+    """Collects columns of coefficients and the points whose stress they make up."""
+
+    def __init__(self, count: int) -> None:
+        self._count = count
+        self._rows: list[FloatArray] = []
+        self._names: list[UnitName] = []
+        self._points: list[FloatArray] = []
+        self._stress: list[tuple[list[int], FloatArray]] = []
+        self._places: list[str] = []
+        self._fretting: list[FloatArray] = []
+
+    def column(self, values: FloatArray, name: UnitName) -> int:
+        """Number of a new column with these coefficients (n,), named for whoever explains it."""
+        if values.shape != (self._count,):
+            raise ValueError(f"a column needs ({self._count},) values, got {values.shape}")
+        self._rows.append(values)
+        self._names.append(name)
+        return len(self._rows) - 1
+
+    def columns(self, values: FloatArray, names: Sequence[UnitName]) -> list[int]:
+        """Numbers of new columns with coefficients (k, n) and k names."""
+        return [self.column(row, name) for row, name in zip(values, names, strict=True)]
+
+    def add(
+        self,
+        place: str,
+        points: FloatArray,
+        stress: Mapping[int, FloatArray],
+        fretting: float = 1.0,
+    ) -> None:
+        """Add points (k, 3), mm, with stress (k, 6), MPa per unit, by number of column."""
+        self.add_block(place, points, list(stress), np.stack([*stress.values()], axis=2), fretting)
+
+    def add_block(
+        self,
+        place: str,
+        points: FloatArray,
+        columns: list[int],
+        stress: FloatArray,
+        fretting: float = 1.0,
+    ) -> None:
+        """Add points (k, 3), mm, with stress (k, 6, m), MPa per unit, of m different columns."""
+        self._points.append(points)
+        self._stress.append((columns, stress))
+        self._places += [place] * len(points)
+        self._fretting.append(np.full(len(points), fretting))
+
+    @property
+    def width(self) -> int:
+        """Number of columns."""
+        return len(self._rows)
+
+    @property
+    def places(self) -> list[str]:
+        """What stands at each point."""
+        return self._places
+
+    @property
+    def fretting(self) -> FloatArray:
+        """Factor of fretting at each point."""
+        return np.concatenate(self._fretting)
+
+    def history(self) -> StressHistory:
+        """All points over all positions; columns that are nothing everywhere are left out."""
+        points = np.concatenate(self._points)
+        rows, acts = np.stack(self._rows), self._acting()
+        basis = np.zeros((len(points), 6, len(rows)))
+        start = 0
+        for columns, stress in self._stress:
+            basis[start : start + len(stress), :, columns] = stress
+            start += len(stress)
+        return StressHistory(
+            np.arange(len(points)), points, np.ascontiguousarray(basis[:, :, acts]), rows[acts]
+        )
+
+    def _acting(self) -> IntArray:
+        """Columns that are something somewhere; a history has at least one, if of nothing."""
+        acts = [k for k, row in enumerate(self._rows) if row.any()]
+        return np.array(acts or [0])
+
+    @property
+    def units(self) -> list[UnitName]:
+        """Names of the columns of the history."""
+        return [self._names[k] for k in self._acting()]
+
+
+def in_section(place: float, *kinds: str) -> list[UnitName]:
+    """Names of what acts in the section at a place, mm, such as "axial force" and "moment M_z"."""
+    return [(f"{kind} at x = {place:.4g} mm", _SECTION[kind]) for kind in kinds]
+
+
+def along_x(values: FloatArray) -> FloatArray:
+    """Stress (k, 6) with these (k,) along x and nothing else."""
+    stress = np.zeros((len(values), 6))
+    stress[:, XX] = values
+    return stress
+
+
+def sheared(values: FloatArray, component: int = XY) -> FloatArray:
+    """Stress (k, 6) with these (k,) as one of its shear components."""
+    stress = np.zeros((len(values), 6))
+    stress[:, component] = values
+    return stress

@@ -1,0 +1,138 @@
+"""The rung `formula` of round rods with an eye at each end."""
+
+from math import sqrt
+
+import numpy as np
+
+from checks.design.data import Part
+from checks.handbook.bar_forces import BarLoads
+from checks.handbook.lug_outlines import mirrored, round_outline
+from checks.handbook.lug_stress import Lug
+from checks.handbook.lugs import ball_ligament
+from checks.handbook.notch_factors import stepped_shaft
+from checks.handbook.pin_loaded_hole import ComplexArray, pin_loaded_hole
+from checks.models.formula_bars import (
+    Stretches,
+    bar_loads,
+    elastic_load,
+    fine_cells,
+    left_over,
+    most_deflected,
+)
+from checks.models.formula_lugs import add_bore
+from checks.models.formula_points import Points, along_x, in_section, sheared
+from checks.models.model import RungModel
+from checks.part.part_loads import PartLoads
+from geometry.mesh import FloatArray
+from geometry.parts import TubeRod
+
+_AROUND = np.radians(np.arange(0.0, 360.0, 45.0))
+_STATIONS = 9
+
+
+def tube_rod_model(part: Part, shape: TubeRod, loads: PartLoads) -> RungModel | None:
+    """Two eyes as round lugs as thick as they are wide, and the tube between them.
+
+    An eye is a ball cut flat: as a lug it gets the outline that leaves it the same ligament. None
+    for a rod without fillets, where the elastic stress has no bound.
+    """
+    if not shape.fillet:
+        return None
+    places = {"first": 0.0, "second": shape.length}
+    mass = _stretches(shape)
+    bar = bar_loads(part, loads, places, mass)
+    points = Points(len(loads.accelerations))
+    ligament = ball_ligament(shape.eye_diameter, shape.eye_width, shape.hole) / shape.eye_width
+    radius = shape.hole / 2 + ligament
+    outline = round_outline(radius, min(shape.tube_diameter / 2, 0.95 * radius))
+    hole = pin_loaded_hole(shape.hole / 2, outline, part.material.poisson_ratio)
+    rear = np.radians([180.0, 150.0, 120.0, 90.0, 270.0, 240.0, 210.0])
+    edge: ComplexArray = np.asarray(radius * np.exp(1j * rear))
+    for name, x in places.items():
+        lug = Lug(hole, shape.eye_width, mirrored=x > 0)
+        own = mirrored(edge) if x > 0 else edge
+        add_bore(points, name, x, lug, loads.wrenches[name], (0.0,), edges=own)
+    _add_tube(points, shape, bar)
+    return RungModel(
+        rung="formula",
+        history=points.history(),
+        places=points.places,
+        units=points.units,
+        fretting=points.fretting,
+        numerical=0.0,
+        residual=left_over(bar, loads, shape.length),
+        deflection=most_deflected(bar, part, mass, shape.length),
+        buckling=elastic_load(part, loads, bar, mass, shape.length),
+        neglects="that a ball's eye is thinner towards its outline; where the tube's bore ends",
+    )
+
+
+def _bore(shape: TubeRod) -> float:
+    return 0.0 if shape.wall is None else shape.tube_diameter - 2 * shape.wall
+
+
+def _shank_end(shape: TubeRod) -> float:
+    """Distance from the pin axis to where the tube's fillet begins, mm."""
+    radius, reach = shape.eye_diameter / 2, shape.tube_diameter / 2 + shape.fillet
+    return sqrt((radius + shape.fillet) ** 2 - reach**2)
+
+
+def _add_tube(points: Points, shape: TubeRod, bar: BarLoads) -> None:
+    """Add the tube's fibres all round, with the fillets' factors where these begin."""
+    end = _shank_end(shape)
+    places = np.linspace(end, shape.length - end, _STATIONS)
+    forces = bar.at(places)
+    (section,) = shape.sections
+    modulus = section.inertia_in_plane / (shape.tube_diameter / 2)
+    sizes = (shape.eye_diameter, shape.tube_diameter, shape.fillet)
+    for k, x in enumerate(places):
+        ends = k in (0, len(places) - 1)
+        pulled, bent = (stepped_shaft(kind, *sizes) if ends else 1.0 for kind in _FACTORS)
+        axial, moment, shear = points.columns(
+            np.stack([forces.axial[k], forces.moment_z[k], forces.shear[k]]),
+            in_section(x, "axial force", "moment M_z", "shear force"),
+        )
+        y, z = np.sin(_AROUND), np.cos(_AROUND)
+        at = np.column_stack([np.full(len(y), x), y, z])
+        at[:, 1:] *= shape.tube_diameter / 2
+        points.add(
+            "fillet" if ends else "tube",
+            at,
+            {
+                axial: along_x(np.full(len(y), pulled / section.area)),
+                moment: along_x(-bent * y / modulus),
+                shear: sheared(_around_middle(z) * 2 / section.area),
+            },
+        )
+
+
+_FACTORS = ("tension", "bending")
+
+
+def _around_middle(z: FloatArray) -> FloatArray:
+    """1 at the tube's sides, where bending vanishes and shear is twice the mean of a thin tube."""
+    return (np.abs(z) > 1 - 1e-9).astype(float)
+
+
+def _stretches(shape: TubeRod) -> Stretches:
+    radius = shape.eye_diameter / 2
+    ends = np.array([-radius, radius, shape.length - radius, shape.length + radius])
+    cuts = fine_cells(ends, 160)
+    x = (cuts[1:] + cuts[:-1]) / 2
+    (section,) = shape.sections
+    beside = np.minimum(np.abs(x), np.abs(x - shape.length))
+    own = np.sqrt(np.maximum(radius**2 - beside**2, 0.0))
+    height = np.minimum(own, shape.eye_width / 2)
+    angle = np.arcsin(np.divide(height, own, out=np.zeros_like(own), where=own > 0))
+    disc = 2 * own**2 * angle + 2 * height * np.sqrt(own**2 - height**2)  # a circle cut flat
+    chord = 2 * np.sqrt(np.maximum(shape.hole**2 / 4 - beside**2, 0.0))
+    area = np.where(beside < radius, disc - chord * np.minimum(2 * own, shape.eye_width), 0.0)
+    area = np.maximum(area, np.where(beside < radius, 0.0, section.area))
+    ones = np.ones(len(x))
+    return Stretches(
+        cuts,
+        area,
+        ones * section.inertia_in_plane,
+        ones * section.inertia_out_of_plane,
+        ones * 2 * section.inertia_in_plane,
+    )

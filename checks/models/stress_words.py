@@ -1,0 +1,89 @@
+"""What stands beside the number of a stress check, whatever model made it."""
+
+from dataclasses import dataclass
+
+from checks.design.data import Design, Part
+from checks.part.part_loads import PartLoads
+from checks.strength.fatigue_assessment import FatigueUse, FkmUse, LifeUse
+from checks.strength.fatigue_facts import chord_at, plane_at
+from checks.stress.stress_result import Stressed
+
+
+@dataclass(frozen=True)
+class Words:
+    """What stands in a check beside its numbers."""
+
+    kind: str
+    quantity: str
+    limit: float
+    required: float
+    cycle: str
+    position: str
+    basis: str
+    note: str = ""
+
+
+def static_words(design: Design, part: Part, loads: PartLoads, level: Stressed) -> Words:
+    """Of the largest von Mises stress."""
+    return Words(
+        "static",
+        "peak von Mises stress",
+        part.material.yield_stress,
+        design.require.static,
+        loads.cycle_names[level.peak.position],
+        loads.labels[level.peak.position],
+        f"yield stress, guaranteed minimum ({part.material.source})",
+    )
+
+
+def fatigue_words(
+    design: Design, part: Part, loads: PartLoads, level: Stressed, use: FatigueUse
+) -> Words:
+    """Of the largest equivalent amplitude."""
+    worst = use.worst(level)
+    if isinstance(use, FkmUse):
+        found = use.found(level)
+        amplitude, mean = found.amplitude, found.mean
+        note = f"support {float(found.limit.support):.3f}, K_AK {found.mean_factor:.3f}"
+        basis = (
+            f"FKM guideline, {use.strength.material.group}, Rz {use.strength.roughness:g} um: even "
+            "reversed stress; infinite life"
+        )
+    else:
+        amplitude, mean, _ = chord_at(level, worst)
+        factor = use.limit / float(level.limits[worst.point])
+        note = f"fatigue notch factor {factor:.3g}" if factor > 1 else ""
+        if worst.criterion == "Findley":
+            note = ", ".join(
+                text for text in (f"longest chord; {plane_at(level, worst)}", note) if text
+            )
+        life = "infinite life"
+        if isinstance(use, LifeUse):
+            lasts = use.life(level)
+            life = f"finite life: Miner's sum {lasts.damage:.3g} of {use.task.allowed_damage:g}"
+            if lasts.raised > 1.0:
+                raised = f"cycles raised by {lasts.raised:.4g}, Findley's plane over the chord"
+                note = ", ".join(text for text in (raised, note) if text)
+        basis = (
+            f"endurance limit, Marin: {part.surface}, {100 * part.reliability:g} % survival; {life}"
+        )
+    return Words(
+        "fatigue",
+        f"{worst.criterion} equivalent amplitude",
+        use.limit,
+        design.require.fatigue,
+        worst.cycle,
+        " to ".join(_position(loads, k, worst.cycle) for k in worst.pair),
+        basis,
+        ", ".join(
+            text
+            for text in (f"amplitude {amplitude:.4g} MPa", f"mean {mean:.4g} MPa", note)
+            if text
+        ),
+    )
+
+
+def _position(loads: PartLoads, position: int, cycle: str) -> str:
+    """Where in the duty, with the cycle's name where the pair may be of two."""
+    label = loads.labels[position]
+    return label if cycle in loads.cycles else f"{loads.cycle_names[position]} {label}"

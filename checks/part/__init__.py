@@ -1,0 +1,1 @@
+"""A part under the loads of its cycles, in its own axes."""

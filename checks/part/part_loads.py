@@ -1,0 +1,260 @@
+"""The loads of one part over every cycle of a design, one behind the other, in its own axes."""
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+import numpy as np
+
+import loads
+from checks.design.data import Cycle, Design, Part
+from checks.design.errors import DesignError
+from checks.part.linkage_builder import part_placing
+from geometry.mesh import FloatArray, IntArray, Interface
+from geometry.parts import Pin
+
+_LARGEST = 1e33  # N, N mm; squares and cubes of what is larger leave the range of numbers
+
+
+@dataclass(frozen=True, eq=False)
+class PartLoads:
+    """Loads on a part at all positions of all cycles.
+
+    wrenches       interface -> (n, 6) N, N mm
+    accelerations  (n, 4)
+    reaches        interface on which a contact slides -> (n,) mm along x from its centre
+    tilting        N mm, largest couple out of the plane that `tilt_held_at` takes of the forces
+    tilt_held_at   interface that takes the couples out of the plane, also those of inertia
+    cycles         name -> slice of the n positions
+    labels         (n,) where in which cycle, in words
+    stretch_of     (n,) stretch of its cycle that each position is in: a phase, or what of it lies
+                   between the beginnings and ends of contacts; at its border the loads may jump;
+                   None where every cycle is one stretch
+    path           (n,) coordinate along which the positions of cycles lie, mm or rad; NaN in
+                   measured runs; None where it is not known
+    """
+
+    wrenches: Mapping[str, FloatArray]
+    accelerations: FloatArray
+    cycles: Mapping[str, slice]
+    labels: tuple[str, ...]
+    cycle_names: tuple[str, ...]
+    reaches: Mapping[str, FloatArray] = field(default_factory=dict)
+    tilting: float = 0.0
+    tilt_held_at: str | None = None
+    stretch_of: IntArray | None = None
+    path: FloatArray | None = None
+
+    @property
+    def steps(self) -> IntArray:
+        """Positions (m,) after which the loads go on to the next one without a jump."""
+        names = np.array(self.cycle_names)
+        smooth = names[1:] == names[:-1]
+        if self.stretch_of is not None:
+            smooth &= self.stretch_of[1:] == self.stretch_of[:-1]
+        return np.flatnonzero(smooth)
+
+    @property
+    def largest_force(self) -> float:
+        """The largest force on any interface, N."""
+        return max(
+            float(np.hypot(wrench[:, 0], wrench[:, 1]).max()) for wrench in self.wrenches.values()
+        )
+
+    @property
+    def is_nothing(self) -> bool:
+        """Whether no force, couple, weight or inertia acts at any position."""
+        wrenches = (wrench.any() for wrench in self.wrenches.values())
+        return not (self.accelerations.any() or any(wrenches))
+
+    def resultant(self, interface: str) -> FloatArray:
+        """Size (n,) of the force on an interface, N."""
+        wrench = self.wrenches[interface]
+        return np.asarray(np.hypot(wrench[:, 0], wrench[:, 1]))
+
+
+def shown_position(cycle: Cycle, values: FloatArray) -> FloatArray:
+    """Positions as reports show them."""
+    if cycle.shown is None:
+        return np.degrees(values) if cycle.coordinate.dimension == "angle" else values
+    shown = cycle.shown.sign * (values - cycle.shown.zero)
+    return np.degrees(shown) if cycle.coordinate.dimension == "angle" else shown
+
+
+def shown_name(cycle: Cycle) -> tuple[str, str]:
+    """Name and unit of the shown position."""
+    name = cycle.shown.name if cycle.shown else str(cycle.coordinate)
+    return name, "deg" if cycle.coordinate.dimension == "angle" else "mm"
+
+
+def shown_of(
+    design: Design, name: str, cycle: loads.CycleLoads | loads.MeasuredLoads
+) -> tuple[str, str, FloatArray]:
+    """Name, unit and values of a cycle's positions as reports show them."""
+    if isinstance(cycle, loads.MeasuredLoads):
+        turned = cycle.position_unit == "deg"
+        values = np.degrees(cycle.positions) if turned else cycle.positions
+        return cycle.position_name, cycle.position_unit, values
+    stated = design.cycles[name]
+    return *shown_name(stated), shown_position(stated, cycle.positions)
+
+
+def is_loaded(part: Part, cycle: loads.CycleLoads | loads.MeasuredLoads) -> bool:
+    """Whether a cycle says anything of a part; a measured run may leave bodies out."""
+    if isinstance(cycle, loads.CycleLoads):
+        return True
+    if part.body is not None:
+        return part.body in cycle.bodies
+    return any(
+        load.point == part.joint
+        for name in part.interfaces
+        if name in cycle.bodies
+        for load in cycle.bodies[name].loads
+    )
+
+
+def loads_on(
+    design: Design, part: Part, solved: Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
+) -> PartLoads:
+    """Gather a part's loads over the solved cycles and the measured runs that have any.
+
+    Raises loads.LinkageError where a force meets the part at no interface, or nothing loads it.
+    """
+    placing = part_placing(design, part)
+    wrenches: dict[str, list[FloatArray]] = {}
+    reaches: dict[str, list[FloatArray]] = {}
+    labels: list[str] = []
+    accelerations, names, stretch_of, path = [], [], [], []
+    slices, start = {}, 0
+    for name, cycle_loads in solved.items():
+        if not is_loaded(part, cycle_loads):
+            continue
+        history = _history(part, cycle_loads)
+        part_wrenches, part_accelerations = placing.to_part(history)
+        for interface, wrench in part_wrenches.items():
+            wrenches.setdefault(interface, []).append(wrench)
+        for interface, reach in placing.reaches(history).items():
+            reaches.setdefault(interface, []).append(reach)
+        accelerations.append(part_accelerations)
+        shown, unit, values = shown_of(design, name, cycle_loads)
+        told = {name, *loads.MeasuredLoads.phases}
+        phases = tuple("" if phase in told else f" {phase}" for phase in history.phases)
+        labels += _labels(
+            shown, unit, tuple(values.tolist()), tuple(history.phase_of.tolist()), phases
+        )
+        names += [name] * len(values)
+        stretch_of.append(_stretches(cycle_loads))
+        known = isinstance(cycle_loads, loads.CycleLoads)
+        path.append(cycle_loads.positions if known else np.full(len(values), np.nan))
+        slices[name] = slice(start, start + len(values))
+        start += len(values)
+    if not slices:
+        raise loads.LinkageError(f"no load acts on it: {', '.join(solved)} have none")
+    together = {name: np.concatenate(parts) for name, parts in wrenches.items()}
+    largest = max(float(np.abs(wrench).max()) for wrench in together.values())
+    if not largest < _LARGEST:
+        raise loads.LinkageError(
+            f"its loads reach {largest:.3g} N or N mm, at most {_LARGEST:g} can be computed with: "
+            "is a unit or an exponent wrong?"
+        )
+    return PartLoads(
+        together,
+        np.concatenate(accelerations),
+        slices,
+        tuple(labels),
+        tuple(names),
+        {name: np.concatenate(parts) for name, parts in reaches.items()},
+        _tilt(part, together),
+        part.tilt_held_at,
+        np.concatenate(stretch_of),
+        np.concatenate(path),
+    )
+
+
+def _stretches(cycle: loads.CycleLoads | loads.MeasuredLoads) -> IntArray:
+    """Number (n,) of the stretch of a cycle, between two jumps, that each position is in."""
+    jumps = np.diff(cycle.phase_of) != 0
+    if isinstance(cycle, loads.CycleLoads):
+        for touch in cycle.touches.values():
+            jumps |= touch.touching[1:] != touch.touching[:-1]
+    return np.concatenate([[0], np.cumsum(jumps)])
+
+
+@lru_cache(maxsize=16)
+def _labels(
+    shown: str,
+    unit: str,
+    values: tuple[float, ...],
+    phase_of: tuple[int, ...],
+    phases: tuple[str, ...],
+) -> tuple[str, ...]:
+    """Where in the cycle positions are, in words: the same for every part and every variation."""
+    return tuple(
+        f"{shown} = {value:.4g} {unit}{phases[phase]}"
+        for value, phase in zip(values, phase_of, strict=True)
+    )
+
+
+def check_reach(
+    design: Design, part: Part, part_loads: PartLoads, interfaces: Mapping[str, Interface]
+) -> None:
+    """Raise DesignError where a contact slides off the stretch that the part has for it."""
+    for name, reach in part_loads.reaches.items():
+        interface = interfaces[name]
+        low, high = interface.travel
+        slack = 1e-6 * (high - low)
+        first, last = float(reach.min()), float(reach.max())
+        if first >= low - slack and last <= high + slack:
+            continue
+        worst = int(np.argmax(np.maximum(low - reach, reach - high)))
+        zero = float(interface.centre[0])
+        stated = [
+            field.name
+            for field in dataclasses.fields(part.geometry)
+            if field.name.startswith(("travel_", "contact_", "slot_"))
+        ]
+        raise DesignError(
+            design.file,
+            f"parts.{part.name}.interfaces.{name}",
+            f"the contact slides from x = {zero + first:.4g} to {zero + last:.4g} mm along the "
+            f"part, which has it from {zero + low:.4g} to {zero + high:.4g} mm; at "
+            f"{part_loads.cycle_names[worst]}, {part_loads.labels[worst]} it leaves that; change "
+            f"{', '.join(stated)}",
+        )
+
+
+def _tilt(part: Part, wrenches: Mapping[str, FloatArray]) -> float:
+    """Add the couples of forces that act beside the part's middle plane, and what balances them.
+
+    Returns the largest couple, N mm, that the interface which holds the part against tilting takes.
+    A force F at height z has the couple z x F: (-z F_y, z F_x) about x and y.
+    """
+    heights = interface_heights(part)
+    if not any(part.offsets.values()) and not any(heights.values()):
+        return 0.0
+    left = np.zeros((len(next(iter(wrenches.values()))), 2))
+    for name, wrench in wrenches.items():
+        acts, centre = part.offsets.get(name, 0.0) + heights.get(name, 0.0), heights.get(name, 0.0)
+        for height, couple in ((acts - centre, wrench[:, 3:5]), (acts, left)):
+            couple[:, 0] -= height * wrench[:, 1]
+            couple[:, 1] += height * wrench[:, 0]
+    wrenches[part.tilt_held_at][:, 3:5] -= left
+    return float(np.hypot(left[:, 0], left[:, 1]).max())
+
+
+def interface_heights(part: Part) -> Mapping[str, float]:
+    """Height z, mm, of the middle of each interface that is not in the part's middle plane."""
+    if isinstance(part.geometry, Pin):
+        return {seat.name: seat.at for seat in part.geometry.seats if seat.single and seat.at}
+    heights: Mapping[str, float] = getattr(part.geometry, "heights", {})
+    return heights
+
+
+def _history(part: Part, cycle_loads: loads.CycleLoads | loads.MeasuredLoads) -> loads.LoadHistory:
+    if part.body is not None:
+        return cycle_loads.part_history(part.body, part.interfaces)
+    assert part.joint is not None
+    assert part.fixed_to is not None
+    seats = {name: name for name in part.interfaces}
+    return cycle_loads.pin_history(part.joint, seats, part.fixed_to)

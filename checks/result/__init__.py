@@ -1,0 +1,1 @@
+"""Checks, gates, derivations and verdicts as plain types, and how numbers are written."""

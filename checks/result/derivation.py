@@ -1,0 +1,332 @@
+"""Derivation of a check's number: given values, formulas, and their results.
+
+A derivation holds no result that could drift away from its formulas: every value but the given ones
+is evaluated from the text that is shown (`checks.result.formulas`). A number that no formula gives,
+such as an eigenvalue of thousands of unknowns, is a given one whose source says so.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from math import isfinite
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+
+from checks.result.formulas import COMPONENTS, FormulaError, Scope, Value, evaluate, functions_of
+
+if TYPE_CHECKING:
+    from checks.result.verdict import Check
+
+ROUND_OFF = 1e-9  # of a check's value: how far its formulas may miss it
+
+
+@dataclass(frozen=True)
+class Given:
+    """A number, or the components of a vector, that is put in.
+
+    source  where it comes from: the design, the loads, a solver, a table
+    main    True if it stands in the short telling, too
+    """
+
+    symbol: str
+    meaning: str
+    value: float | tuple[float, ...]
+    unit: str = ""
+    source: str = ""
+    main: bool = False
+
+
+@dataclass(frozen=True)
+class Step:
+    """A formula over the symbols before it (`formulas`), and the meaning of its value."""
+
+    symbol: str
+    meaning: str
+    formula: str
+    unit: str = ""
+    source: str = ""
+    main: bool = False
+
+
+@dataclass(frozen=True)
+class Column:
+    """A symbol with a value in every row of a sum."""
+
+    symbol: str
+    meaning: str
+    unit: str
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Sum:
+    """A formula summed over the rows of a table.
+
+    names    of the rows
+    columns  of numbers, each with as many values as there are names
+    """
+
+    symbol: str
+    meaning: str
+    formula: str
+    names: tuple[str, ...]
+    columns: tuple[Column, ...]
+    unit: str = ""
+    source: str = ""
+    main: bool = False
+
+    def __post_init__(self) -> None:
+        for column in self.columns:
+            if len(column.values) != len(self.names):
+                raise ValueError(
+                    f"the sum {self.symbol} has {len(self.names)} rows, but {column.symbol} "
+                    f"{len(column.values)} values"
+                )
+
+    def scopes(self, scope: Scope) -> Iterator[dict[str, Value]]:
+        """Yield the values of all symbols, row by row."""
+        for row in range(len(self.names)):
+            yield dict(scope) | {column.symbol: column.values[row] for column in self.columns}
+
+
+@dataclass(frozen=True)
+class UnitLoad:
+    """Contribution of a unit load to the stress at a point.
+
+    name    of the load, with where it acts
+    unit    of its coefficient
+    value   the coefficient at the position
+    stress  (6,) MPa per unit: xx, yy, zz, xy, yz, zx
+    """
+
+    name: str
+    unit: str
+    value: float
+    stress: tuple[float, ...]
+
+    @property
+    def contribution(self) -> tuple[float, ...]:
+        """Its contribution to the stress, (6,) MPa."""
+        return tuple(self.value * one for one in self.stress)
+
+
+@dataclass(frozen=True)
+class Superposition:
+    """The stress at a point at a position: the sum of coefficient times unit stress.
+
+    symbol    of the stress, a vector of six components
+    position  cycle and position, in words
+    """
+
+    symbol: str
+    meaning: str
+    position: str
+    loads: tuple[UnitLoad, ...]
+    source: str = ""
+    unit: str = "MPa"
+    main: bool = True
+
+    @property
+    def stress(self) -> tuple[float, ...]:
+        """The sum (6,), MPa."""
+        total = np.zeros(len(COMPONENTS))
+        for load in self.loads:
+            total += load.contribution
+        return tuple(float(one) for one in total)
+
+
+Item = Given | Step | Sum | Superposition
+
+
+@dataclass(frozen=True)
+class Section:
+    """Items under a title; what follows may use their symbols."""
+
+    title: str
+    items: tuple[Item, ...]
+
+
+@dataclass(frozen=True)
+class Acting:
+    """Force and moment at an interface of a part: N and N mm, in the part's axes.
+
+    on       the point of the machine that the interface is
+    wrench   (6,) F_x, F_y, F_z, M_x, M_y, M_z at the interface's centre
+    """
+
+    interface: str
+    on: str
+    wrench: tuple[float, ...]
+
+    @property
+    def force(self) -> float:
+        """Size of the force in the plane, N."""
+        return float(np.hypot(self.wrench[0], self.wrench[1]))
+
+
+@dataclass(frozen=True)
+class LoadCase:
+    """A position of a cycle, and the loads on the part there.
+
+    symbol         the stress at this position, "" for none
+    position       as shown to people
+    index          of the position in its cycle, from 0
+    accelerations  (4,) a_x, a_y less gravity, mm/s2; alpha and omega squared, rad/s2, 1/s2
+    """
+
+    symbol: str
+    cycle: str
+    position: str
+    index: int
+    acting: tuple[Acting, ...]
+    accelerations: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A number by hand beside the model's."""
+
+    quantity: str
+    hand: float
+    model: float
+    unit: str
+    formula: str
+
+
+@dataclass(frozen=True)
+class Bars:
+    """Symbols of the error bars, "" where nothing adds to one, and what each is made of, in words.
+
+    The symbols are of items of the section of the error bars.
+    """
+
+    numerical: str = ""
+    above: str = ""
+    below: str = ""
+    words: str = ""
+
+
+@dataclass(frozen=True)
+class Derivation:
+    """Derivation of the value and the limit of a check.
+
+    cases      positions and forces that it holds for
+    sections   items in an order in which each uses only what stands before
+    value      symbol of the check's value
+    limit      symbol of its limit
+    bars       of its error bars
+    unproved   why the value is no formula's, in words; "" for one that is
+    equal      pairs of symbols whose values must agree, as a root that was sought proves
+    compared   hand checks beside it
+    notes      what a reader must know to follow
+    """
+
+    cases: tuple[LoadCase, ...]
+    sections: tuple[Section, ...]
+    value: str
+    limit: str
+    bars: Bars = field(default_factory=Bars)
+    unproved: str = ""
+    equal: tuple[tuple[str, str], ...] = ()
+    compared: tuple[Comparison, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    @property
+    def items(self) -> list[Item]:
+        """All items in their order."""
+        return [item for section in self.sections for item in section.items]
+
+    @cached_property
+    def values(self) -> Mapping[str, Value]:
+        """Every symbol's value, evaluated in order; raises FormulaError."""
+        scope: dict[str, Value] = {}
+        for item in self.items:
+            if item.symbol in scope:
+                raise FormulaError(f"the symbol {item.symbol!r} is given twice")
+            scope[item.symbol] = _value_of(item, scope)
+        return scope
+
+    def number(self, symbol: str) -> float:
+        """Value of a symbol that is a number; raises FormulaError."""
+        value = self.values.get(symbol)
+        if not isinstance(value, float):
+            raise FormulaError(f"no number is named {symbol!r}")
+        return value
+
+    def misses(self, check: "Check") -> str:
+        """Differences of the formulas from a check's value, limit and bars, in words; "" for none.
+
+        An infinite bar has no formula: the words of the bars must say why.
+        """
+        try:
+            pairs = [
+                ("a value", self.number(self.value), check.value),
+                ("a limit", self.number(self.limit), check.limit),
+                *((one, self.number(one), self.number(other)) for one, other in self.equal),
+            ]
+            told = [
+                f"the formulas give {what} of {found:.9g}, where {wanted:.9g} must stand"
+                for what, found, wanted in pairs
+                if not (isfinite(wanted) and abs(found - wanted) <= ROUND_OFF * abs(wanted))
+            ]
+            for name, size, symbols in (
+                ("numerical bar", check.numerical, self.bars.numerical),
+                ("model band above", check.model, self.bars.above),
+                ("model band below", check.below, self.bars.below),
+            ):
+                told += self._missed_bar(name, size, symbols.split(), abs(check.value))
+        except FormulaError as error:
+            return f"the formulas give no number: {error}"
+        return "; ".join(told)
+
+    def _missed_bar(
+        self, name: str, size: float, symbols: Sequence[str], value: float
+    ) -> Iterator[str]:
+        found = sum(self.number(symbol) for symbol in symbols)
+        if not isfinite(size):
+            if symbols:
+                yield f"the formulas give a {name} of {found:.9g}, where an infinite one must stand"
+            elif not self.bars.words:
+                yield f"nothing says why the {name} is infinite"
+        elif not abs(found - size) <= ROUND_OFF * max(value, size):
+            if symbols:
+                yield f"the formulas give a {name} of {found:.9g}, where {size:.9g} must stand"
+            else:
+                yield f"no formula gives the {name} of {size:.9g}"
+
+    def with_items(self, title: str, items: Sequence[Item]) -> Self:
+        """Return it with a section more."""
+        return replace(self, sections=(*self.sections, Section(title, tuple(items))))
+
+    def to_dict(self) -> dict[str, Any]:
+        """It as plain data (`checks.result.derivation_data`)."""
+        from checks.result.derivation_data import plain_derivation
+
+        return plain_derivation(self)
+
+
+def _value_of(item: Item, scope: Scope) -> Value:
+    if isinstance(item, Given):
+        if isinstance(item.value, tuple):
+            return np.array(item.value, dtype=np.float64)
+        return float(item.value)
+    if isinstance(item, Superposition):
+        stress = np.array(item.stress)
+        if not np.isfinite(stress).all():
+            raise FormulaError(f"the stress {item.symbol!r} is not finite")
+        return stress
+    if isinstance(item, Step):
+        return _number(item, scope)
+    functions_of(item.formula)  # of no rows nothing would be read
+    total = float(sum(_number(item, row) for row in item.scopes(scope)))
+    if not isfinite(total):
+        raise FormulaError(f"the sum {item.symbol!r} is not finite")
+    return total
+
+
+def _number(item: Step | Sum, scope: Scope) -> float:
+    value = evaluate(item.formula, scope)
+    if not isinstance(value, float):
+        raise FormulaError(f"{item.symbol!r} must be a number, its formula gives a vector")
+    return value

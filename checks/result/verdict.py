@@ -1,0 +1,429 @@
+"""Result of checking a design: checks with their error bars, gates, and the verdict."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import MISSING, dataclass, field
+from enum import StrEnum
+from math import inf, isfinite
+from typing import TYPE_CHECKING, Any, Self
+
+if TYPE_CHECKING:
+    from checks.result.derivation import Derivation
+    from checks.result.live_fields import LiveFields
+    from checks.result.motion import Motion
+    from reports.live.encode import EncodedPart
+
+NOT_MESHED = "not meshed"  # the only field on the surface of a part that no stress is known on
+_BARS = ("numerical", "model", "model_below")  # of a check: None in plain data where infinite
+_NUMBERS = ("value", "limit", "required", "sampling")
+
+
+class Status(StrEnum):
+    """The outcome of a check; only PASS is a pass."""
+
+    PASS = "pass"
+    UNDECIDED = "UNDECIDED"
+    FAIL = "FAIL"
+
+
+@dataclass(frozen=True)
+class Check:
+    """One line of the verdict: demand with its bars against a limit with its required safety.
+
+    part, kind        whose check it is; "static", "buckling", "fatigue", "bush"
+    quantity          name of `value`
+    value             the demand, in `unit`
+    numerical         half-width of the numerical error bar, in `unit`; infinite if unknown
+    sampling          part of `numerical` for peaks between the positions of the cycle, in `unit`
+    model             model band above the value, in `unit`
+    model_below       model band below the value; None if the same as above
+    limit             largest value that the part can take, in `unit`
+    required          safety that must be shown
+    cycle, position   where in which cycle, as shown to people ("press, x = 2 mm")
+    place             where on the part
+    method            which model gave the value
+    basis             where the limit comes from, scatter of strength included
+    note              anything that a reader must know, such as a singular edge
+    derivation        how value, limit and bars come about; None where nobody asked for it
+    """
+
+    part: str
+    kind: str
+    quantity: str
+    value: float
+    unit: str
+    numerical: float
+    model: float
+    limit: float
+    required: float
+    cycle: str
+    position: str
+    place: str
+    method: str
+    basis: str
+    note: str = ""
+    model_below: float | None = None
+    sampling: float = 0.0
+    derivation: "Derivation | None" = field(default=None, compare=False, repr=False)
+
+    def __post_init__(self) -> None:
+        if not self.required > 0 or not self.limit > 0:
+            raise ValueError(f"{self.part} {self.kind}: limit and required safety must be above 0")
+        if not isfinite(self.value) or self.value < 0:
+            raise ValueError(f"{self.part} {self.kind}: the value is {self.value}")
+        if not (self.numerical >= 0 and self.model >= 0 and self.below >= 0):
+            raise ValueError(f"{self.part} {self.kind}: error bars must not be negative")
+
+    @property
+    def safety(self) -> float:
+        """Limit over value; infinite for a part without load."""
+        return self.limit / self.value if self.value else inf
+
+    @property
+    def utilisation(self) -> float:
+        """Value times required safety over limit: at most 1 is enough."""
+        return self.value * self.required / self.limit
+
+    @property
+    def status(self) -> Status:
+        """PASS when the upper end of the bars holds the limit, FAIL when the lower end does not."""
+        if self.upper * self.required <= self.limit:
+            return Status.PASS
+        if self.lower * self.required > self.limit:
+            return Status.FAIL
+        return Status.UNDECIDED
+
+    @property
+    def upper(self) -> float:
+        """The upper end of the error bars, in `unit`; infinite if either has no end."""
+        return self.value + self.numerical + self.model
+
+    @property
+    def lower(self) -> float:
+        """The lower end of the error bars, in `unit`; it may lie below 0."""
+        return self.value - self.numerical - self.below
+
+    @property
+    def below(self) -> float:
+        """Model band below the value."""
+        return self.model if self.model_below is None else self.model_below
+
+    @property
+    def settled_by_mesh(self) -> bool:
+        """True if a smaller numerical bar could still change an UNDECIDED verdict."""
+        return (
+            self.status is Status.UNDECIDED
+            and isfinite(self.numerical)
+            and not (
+                (self.value + self.model) * self.required > self.limit
+                and (self.value - self.below) * self.required <= self.limit
+            )
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """The check as plain data, infinite bars as None; with its derivation if it has one."""
+        names = (name for name in self.__dataclass_fields__ if name != "derivation")
+        plain = {name: getattr(self, name) for name in names}
+        plain |= {name: None for name in ("numerical", "model") if not isfinite(plain[name])}
+        safety = self.safety if isfinite(self.safety) else None
+        derived = {} if self.derivation is None else {"derivation": self.derivation.to_dict()}
+        return plain | {
+            "model_below": self.below if isfinite(self.below) else None,
+            "safety": safety,
+            "utilisation": self.utilisation,
+            "status": str(self.status),
+            **derived,
+        }
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Self:
+        """Return the check that `to_dict` has written; raises TypeError and ValueError.
+
+        What else stands in the data is left out.
+        """
+        from checks.result.derivation_data import derivation_of_data, number_of, text_of
+
+        if not isinstance(data, Mapping):
+            raise TypeError(f"{str(data)[:40]!r} is no check")
+        own: dict[str, Any] = {bar: inf for bar in _BARS}
+        for name in cls.__dataclass_fields__:
+            if name not in data:
+                continue
+            value = data[name]
+            try:
+                if name == "derivation":
+                    own[name] = None if value is None else derivation_of_data(value)
+                elif name in _BARS:
+                    own[name] = inf if value is None else number_of(value)
+                else:
+                    own[name] = (number_of if name in _NUMBERS else text_of)(value)
+            except TypeError as error:
+                raise TypeError(f"{name}: {error}") from error
+            except ValueError as error:  # a UnicodeEncodeError has other arguments
+                raise ValueError(f"{name}: {error}") from error
+        missing = [
+            name
+            for name, one in cls.__dataclass_fields__.items()
+            if one.default is MISSING and name not in own
+        ]
+        if missing:
+            raise TypeError(f"a check must have {', '.join(missing)}")
+        check = cls(**own)
+        if not isfinite(check.utilisation):
+            raise ValueError("a check's utilisation is not finite")
+        return check
+
+
+@dataclass(frozen=True)
+class Gate:
+    """A measured number that must stay below a limit for the result to be valid.
+
+    meaning  meaning of the number, in words
+    binding  True if the verdict depends on it: a drive that is too weak leaves the stresses right
+    cure     what makes it hold, a sentence without its full stop; "" where nothing simple does
+    """
+
+    name: str
+    value: float
+    limit: float
+    meaning: str
+    binding: bool = True
+    cure: str = ""
+
+    @property
+    def holds(self) -> bool:
+        """True if the result may be trusted in this respect."""
+        return bool(self.value <= self.limit)
+
+    @property
+    def told(self) -> str:
+        """Meaning of the number, followed by the cure if there is one."""
+        return f"{self.meaning}. {self.cure}" if self.cure else self.meaning
+
+    def to_dict(self) -> dict[str, Any]:
+        """The gate as plain data."""
+        return {
+            "name": self.name,
+            "value": self.value,
+            "limit": self.limit,
+            "holds": self.holds,
+            "meaning": self.meaning,
+            "binding": self.binding,
+            "cure": self.cure,
+        }
+
+
+def status_of(checks: Sequence[Check], gates: Sequence[Gate]) -> Status:
+    """FAIL if a check fails, else UNDECIDED if one is or a binding gate breaks, else PASS."""
+    outcomes = {check.status for check in checks}
+    if Status.FAIL in outcomes:
+        return Status.FAIL
+    broken = any(not gate.holds and gate.binding for gate in gates)
+    if Status.UNDECIDED in outcomes or broken or not checks:
+        return Status.UNDECIDED
+    return Status.PASS
+
+
+def deciding_of(checks: Sequence[Check]) -> Check:
+    """The check that is nearest to its limit, bars included; a worse status comes first."""
+    order = {Status.FAIL: 0, Status.UNDECIDED: 1, Status.PASS: 2}
+    return min(
+        checks,
+        key=lambda c: (
+            order[c.status],
+            -(c.value + (c.numerical + c.model if isfinite(c.numerical) else 0))
+            * (c.required / c.limit),
+        ),
+    )
+
+
+@dataclass(frozen=True)
+class HandCheck:
+    """A number computed by hand beside the model's, and their largest allowed difference."""
+
+    quantity: str
+    hand: float
+    model: float
+    unit: str
+    formula: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """The comparison as plain data."""
+        return {name: getattr(self, name) for name in self.__dataclass_fields__}
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Fields on the surface of a part, for pictures and files.
+
+    nodes      (n, 3) mm; triangles (m, 3) indices of them
+    fields     name -> (n,) values
+    peak       index of the node that carries the reported peak stress
+    """
+
+    nodes: Any
+    triangles: Any
+    fields: Mapping[str, Any]
+    peak: int
+
+    @property
+    def is_bare(self) -> bool:
+        """True if no stress is known on it: its part was not meshed."""
+        return list(self.fields) == [NOT_MESHED]
+
+
+@dataclass(frozen=True, eq=False)
+class RungTried:
+    """A model of a part that was tried, or passed over, and the outcome.
+
+    rung      "formula", "beam" or "solid"
+    seconds   that it took; 0 if it was passed over
+    unknowns  that it solved
+    checks    its results
+    why       why it stopped, went on, or was passed over
+    """
+
+    rung: str
+    seconds: float
+    unknowns: int
+    checks: Sequence[Check]
+    why: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """The rung as plain data."""
+        return {
+            "rung": self.rung,
+            "seconds": self.seconds,
+            "unknowns": self.unknowns,
+            "checks": [check.to_dict() for check in self.checks],
+            "why": self.why,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class PartResult:
+    """Everything that was found about one part.
+
+    meshes   one dict per mesh that was solved: unknowns, elements, peak stress, ...
+    charts   plain data of the part's charts (Haigh path)
+    mode     the lowest buckling mode: nodes as displaced, exaggerated; one field, its size
+    rungs    models that were tried, in their order
+    live     fields at every position, for a page; None where none is to be written
+    """
+
+    name: str
+    shape: str
+    material: str
+    checks: Sequence[Check]
+    gates: Sequence[Gate]
+    hand_checks: Sequence[HandCheck]
+    meshes: Sequence[Mapping[str, Any]]
+    facts: Mapping[str, Any]
+    charts: Mapping[str, Any]
+    surface: Surface
+    assumed: Sequence[str] = ()
+    mode: Surface | None = None
+    rungs: Sequence[RungTried] = ()
+    live: "LiveFields | EncodedPart | None" = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """The result as plain data, without fields on the surface."""
+        return {
+            "name": self.name,
+            "shape": self.shape,
+            "material": self.material,
+            "checks": [check.to_dict() for check in self.checks],
+            "gates": [gate.to_dict() for gate in self.gates],
+            "hand_checks": [check.to_dict() for check in self.hand_checks],
+            "meshes": [dict(mesh) for mesh in self.meshes],
+            "facts": dict(self.facts),
+            "charts": dict(self.charts),
+            "assumed": list(self.assumed),
+            "rungs": [rung.to_dict() for rung in self.rungs],
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class DesignResult:
+    """Everything that was found about one design.
+
+    cycles    name -> plain data over the cycle: shown position, forces, efforts
+    gates     of the loads
+    linkage   checks of the linkage as a whole
+    timings   stage -> s
+    inputs    every input as (key, value); `defaults` those that the file did not state
+    motion    cycle -> how the parts move in it; none of a run that was measured
+    assumed_by_design  keys of `assumed` that the design itself marks; the others are the tool's
+    """
+
+    name: str
+    file: str
+    sha256: str
+    overrides: Sequence[str]
+    parts: Sequence[PartResult]
+    cycles: Mapping[str, Mapping[str, Any]]
+    gates: Sequence[Gate]
+    warnings: Sequence[str]
+    not_checked: Sequence[str]
+    assumed: Sequence[tuple[str, str]]
+    defaults: Sequence[tuple[str, str]]
+    inputs: Sequence[tuple[str, str]]
+    source: str
+    versions: Mapping[str, str]
+    command: str
+    timings: Mapping[str, float] = field(default_factory=dict)
+    linkage: Sequence[Check] = ()
+    motion: "Mapping[str, Motion]" = field(default_factory=dict)
+    assumed_by_design: Sequence[str] = ()
+
+    @property
+    def checks(self) -> list[Check]:
+        """All checks of all parts, in order, then those of the linkage."""
+        return [*(check for part in self.parts for check in part.checks), *self.linkage]
+
+    @property
+    def status(self) -> Status:
+        """FAIL if a check fails, else UNDECIDED if one is or a binding gate breaks, else PASS."""
+        return status_of(self.checks, self.all_gates)
+
+    @property
+    def all_gates(self) -> list[Gate]:
+        """Gates of the loads and of every part."""
+        return [*self.gates, *(gate for part in self.parts for gate in part.gates)]
+
+    @property
+    def deciding(self) -> Check:
+        """The check that is nearest to its limit, bars included; a worse status comes first."""
+        return deciding_of(self.checks)
+
+    @property
+    def exit_code(self) -> int:
+        """0 when every part passes, else 1."""
+        return 0 if self.status is Status.PASS else 1
+
+    def to_dict(self) -> dict[str, Any]:
+        """The result as plain data."""
+        return {
+            "format": "ballesta-result/1",
+            "name": self.name,
+            "file": self.file,
+            "sha256": self.sha256,
+            "overrides": list(self.overrides),
+            "status": str(self.status),
+            "exit_code": self.exit_code,
+            "decided_by": {"part": self.deciding.part, "kind": self.deciding.kind}
+            if self.checks
+            else None,
+            "parts": [part.to_dict() for part in self.parts],
+            "linkage": [check.to_dict() for check in self.linkage],
+            "cycles": {name: dict(cycle) for name, cycle in self.cycles.items()},
+            "gates": [gate.to_dict() for gate in self.gates],
+            "warnings": list(self.warnings),
+            "not_checked": list(self.not_checked),
+            "assumed": [list(pair) for pair in self.assumed],
+            "assumed_by_design": list(self.assumed_by_design),
+            "defaults": [list(pair) for pair in self.defaults],
+            "inputs": [list(pair) for pair in self.inputs],
+            "versions": dict(self.versions),
+            "command": self.command,
+            "timings": dict(self.timings),
+        }

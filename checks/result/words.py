@@ -1,0 +1,301 @@
+"""Numbers, names and verdicts as people read them, the same on the terminal and on the page."""
+
+import unicodedata
+from collections.abc import Sequence
+from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Decimal
+from math import inf, isfinite, isinf, isnan
+
+from checks.result.verdict import Check, DesignResult, Gate, Status
+
+# Marks that turn the direction of text and so could make a name read as something else.
+_TURNING = {0x061C, 0x200E, 0x200F, *range(0x202A, 0x202F), *range(0x2066, 0x206A)}
+
+
+UNKNOWN_BAR = "no error bar: "  # in a check's note, before why it has none
+_LONGEST_UTILISATION = 1e6  # that is written with all its digits
+
+
+def clean(text: object, *, lines: bool = False) -> str:
+    """Text without anything that steers a terminal or turns the direction of reading.
+
+    Line breaks and tabs stay with `lines`, and become spaces without.
+    """
+    if (plain := str(text)).isascii() and plain.isprintable():
+        return plain
+    return "".join(_harmless(letter, lines) for letter in plain)
+
+
+def _harmless(letter: str, lines: bool) -> str:
+    if letter in "\n\t":
+        return letter if lines else " "
+    if letter == "\r":
+        return "" if lines else " "
+    if ord(letter) in _TURNING or unicodedata.category(letter) in ("Cc", "Cs"):
+        return "\N{REPLACEMENT CHARACTER}"
+    return letter
+
+
+def brief(text: object, length: int = 60) -> str:
+    """Text of at most `length` characters; of a longer one its beginning and its end."""
+    plain = clean(text)
+    if len(plain) <= length:
+        return plain
+    tail = (length - 1) // 3
+    return f"{plain[: length - 1 - tail]}…{plain[len(plain) - tail :]}"
+
+
+def clipped(text: object, length: int) -> str:
+    """Text of at most `length` characters, without the end of a longer one."""
+    plain = clean(text)
+    return plain if len(plain) <= length else f"{plain[: length - 1].rstrip()}…"
+
+
+def number(value: object, digits: int = 3, rounding: str = ROUND_HALF_EVEN) -> str:
+    """Write a number to so many significant digits, without an exponent where it stays readable.
+
+    >>> [number(value) for value in (141.34, 0.012345, 1.1e7, 0)]
+    ['141', '0.0123', '1.1e+07', '0']
+    """
+    value = float(value)  # type: ignore[arg-type]
+    if not isfinite(value):
+        return "∞" if value > 0 else "-∞" if isinf(value) else "not a number"
+    if value == 0:
+        return "0"
+    exact = Decimal(repr(value))
+    rounded = exact.quantize(Decimal(1).scaleb(exact.adjusted() - digits + 1), rounding)
+    if not 1e-4 <= abs(value) < 1e6:
+        return f"{float(rounded):g}"
+    return f"{rounded:f}" if int(rounded.as_tuple().exponent) <= 0 else f"{int(rounded)}"
+
+
+def place_text(position: float) -> str:
+    """A shown position to five digits, without rounding's -0.
+
+    >>> place_text(1.99999999999), place_text(-1e-13)
+    ('2', '0')
+    """
+    return f"{round(position, 9) + 0.0:.5g}"
+
+
+def quantity_unit(angular: bool, largest: float) -> tuple[str, float]:
+    """Unit in which a force [N] or torque [N mm] of this size is read well, and the factor to it.
+
+    >>> quantity_unit(False, 61180.0), quantity_unit(True, 12e3)
+    (('kN', 0.001), ('N m', 0.001))
+    """
+    if angular:
+        return ("kN m", 1e-6) if largest >= 1e7 else ("N m", 1e-3)
+    return ("kN", 1e-3) if largest >= 1e4 else ("N", 1.0)
+
+
+def safety_text(safety: float) -> str:
+    """Safety to three digits, rounded down so that it never looks better than it is.
+
+    >>> safety_text(1.2999), safety_text(inf)
+    ('1.29', 'not loaded')
+    """
+    return "not loaded" if safety == inf else number(safety, 3, ROUND_FLOOR)
+
+
+def utilisation_text(utilisation: float) -> str:
+    """Utilisation to two decimals, rounded up so that it never looks better than it is."""
+    if not utilisation < _LONGEST_UTILISATION:
+        return number(utilisation, 3, ROUND_CEILING)
+    return str(Decimal(repr(utilisation)).quantize(Decimal("0.01"), ROUND_CEILING))
+
+
+def need_text(required: float) -> str:
+    """Write a required safety as people do, without zeros at the end."""
+    return f"{required:g}"
+
+
+def value_and_bars(check: Check) -> tuple[str, str, str]:
+    """Value with its numerical and model bar, to the decimals that the smaller bar deserves."""
+    bars = check.numerical, check.model, check.below
+    written = number(check.value)
+    if "e" in written:
+        decimals = None
+    else:
+        decimals = len(written.partition(".")[2])
+        least = min((bar for bar in bars if bar and isfinite(bar)), default=0.0)
+        while decimals and least >= 10.0 ** (1 - decimals):
+            decimals -= 1
+        written = f"{check.value:.{decimals}f}"
+    return (
+        written,
+        _bar(check.numerical, decimals, "singular"),
+        _band(check, decimals),
+    )
+
+
+def bar_words(check: Check) -> str:
+    """The error bars of a check with what leaves them open; those that are 0 are left out."""
+    _, numerical, model = value_and_bars(check)
+    said = [
+        (f"{numerical} numerical", check.numerical),
+        (f"{model} model", check.model + check.below),
+    ]
+    return ", ".join(text.replace(" ", "\N{NO-BREAK SPACE}") for text, size in said if size) or "±0"
+
+
+def _band(check: Check, decimals: int | None) -> str:
+    """The model band: ±, or + and − where it reaches differently far above and below."""
+    above, below = (_bar(bar, decimals, "unknown") for bar in (check.model, check.below))
+    return above if above == below else f"+{above[1:]} −{below[1:]}"
+
+
+def _bar(bar: float, decimals: int | None, unknown: str) -> str:
+    """Half an error bar with its sign, or why it is infinite; never 0 unless it is."""
+    if not isfinite(bar):
+        return f"±∞ ({unknown})"
+    rounded = f"{bar:.{decimals}f}" if decimals is not None else number(bar, 2)
+    return f"±{rounded if float(rounded) or not bar else number(bar, 1)}" if bar else "±0"
+
+
+def check_titles(checks: Sequence[Check]) -> list[str]:
+    """Names of the checks: each its kind, with the quantity where a part has two of the kind."""
+    seen = [(check.part, check.kind) for check in checks]
+    return [
+        f"{check.kind} ({check.quantity})" if seen.count(pair) > 1 else check.kind
+        for check, pair in zip(checks, seen, strict=True)
+    ]
+
+
+def moment(check: Check) -> str:
+    """Where in the cycle."""
+    return ": ".join(text for text in (check.cycle, check.position) if text)
+
+
+def where(check: Check) -> str:
+    """Where on the part and where in the cycle."""
+    return ", ".join(text for text in (check.place, moment(check)) if text)
+
+
+def broken_gates(result: DesignResult) -> list[tuple[str, Gate]]:
+    """Gates that do not hold, each with the part that it belongs to, or "loads"."""
+    owned = [("loads", gate) for gate in result.gates]
+    owned += [(part.name, gate) for part in result.parts for gate in part.gates]
+    return [(owner, gate) for owner, gate in owned if not gate.holds]
+
+
+def assumptions(result: DesignResult) -> list[tuple[str, str]]:
+    """Everything that was assumed, of the design and of its parts, as (keys, what).
+
+    What several parts assume in the same words is one assumption.
+    """
+    of_parts = [(part.name, what) for part in result.parts for what in part.assumed]
+    keys: dict[str, dict[str, None]] = {}
+    for key, what in (*result.assumed, *of_parts):
+        keys.setdefault(what, {})[key] = None
+    return [(", ".join(of), what) for what, of in keys.items()]
+
+
+def gate_word(gate: Gate) -> str:
+    """Return a word for a gate's state; one that does not alter the verdict is never "BROKEN"."""
+    if gate.holds:
+        return "holds"
+    return "BROKEN" if gate.binding else "DOES NOT HOLD"
+
+
+def gate_sentence(gate: Gate) -> str:
+    """Sentence on a gate's measured value and the limit it had to stay below."""
+    sign = "≤" if gate.holds else "is not a number, limit" if isnan(gate.value) else ">"
+    return f"{gate.name}: {number(gate.value)} {sign} {number(gate.limit)}"
+
+
+def reason(check: Check) -> str:
+    """Why a check has the status that it has, in words."""
+    high, low = check.upper, check.lower
+    least = safety_text(check.limit / high) if high else ""
+    has = f"safety {safety_text(check.safety)}, needs {need_text(check.required)}"
+    if not check.value:
+        has = f"not loaded: a value of 0 has no safety (needs {need_text(check.required)})"
+    if check.status is Status.PASS:
+        upper = f"{has}; {least} at the upper end of its error bars" if least else has
+        return f"{upper}{_wider(check)}"
+    if check.status is Status.FAIL:
+        best = safety_text(check.limit / low)
+        return f"{has}; {best} at the lower end of its error bars"
+    if not isfinite(check.numerical):
+        return f"{has}; its numerical error bar is infinite (singular): no mesh settles it"
+    if not isfinite(check.model):
+        why = check.note.partition(UNKNOWN_BAR)[2]
+        if why:
+            return f"{has}; its model error bar is unknown ({why}): a better model may settle it"
+        return f"{has}; its model error bar is infinite (unknown): no mesh settles it"
+    cure = (
+        "a finer mesh can settle it (accuracy, mesh.most_unknowns)"
+        if check.settled_by_mesh
+        else "the model's own bar holds the limit, so a finer mesh cannot settle it"
+    )
+    best = number(check.limit / low, 3, ROUND_CEILING) if low > 0 else "no end"
+    return f"{has}; between {least} and {best} within its error bars{_wider(check)}: {cure}"
+
+
+def _wider(check: Check) -> str:
+    """Say of a bar that is wider than its value that the model tells little more than a bound."""
+    _, numerical, model = value_and_bars(check)
+    for bar, owner, written in (
+        (check.numerical, "numerical", numerical),
+        (check.model, "model", model),
+    ):
+        if check.value and bar > check.value:
+            return (
+                f"; its {owner} bar is wider than the value: {written} on "
+                f"{number(check.value)} {check.unit}".rstrip()
+                + ", so the value is a bound, not an estimate"
+            )
+    return ""
+
+
+def headline(result: DesignResult, *, doubted: bool = False) -> str:
+    """Verdict in one sentence: number of checks of each status.
+
+    doubted  True if the best estimate of an undecided check is over what is allowed
+    """
+    count = len(result.checks)
+    if not count:
+        return "Nothing was checked."
+    outcomes = [check.status for check in result.checks]
+    failed, open_ = outcomes.count(Status.FAIL), outcomes.count(Status.UNDECIDED)
+    gates = sum(1 for _, gate in broken_gates(result) if gate.binding)
+    doubt = f"{gates} validity gate{'s are' if gates > 1 else ' is'} broken"
+    if failed:
+        also = f"; {open_} more {_are(open_)} undecided" if open_ else ""
+        one, whose = ("s", "end of its") if failed == 1 else ("", "ends of their")
+        said = f"{failed} of {count} checks fail{one}, even at the lower {whose} error bars{also}"
+    elif open_:
+        said = (
+            f"No check fails{' for certain' if doubted else ''}, but {open_} of {count} "
+            f"{_are(open_)} undecided: the limit lies within the error bars"
+        )
+    elif gates:
+        return f"Every check passes, but {doubt}: the numbers may not be trusted in that respect."
+    else:
+        checks = f"All {count} checks pass" if count > 1 else "The one check passes"
+        return f"{checks}, error bars included."
+    return f"{said}. Also, {doubt}." if gates else f"{said}."
+
+
+def _are(count: int) -> str:
+    return "is" if count == 1 else "are"
+
+
+def verdict_sentence(result: DesignResult) -> str:
+    """Verdict, what decides it, and why."""
+    status = str(result.status).upper()
+    if not result.checks:
+        return f"{status}: nothing was checked"
+    deciding = result.deciding
+    titles = check_titles(result.checks)
+    title = titles[next(i for i, check in enumerate(result.checks) if check is deciding)]
+    decided = f"decided by {brief(deciding.part, 40)} {brief(title, 40)}, {reason(deciding)}"
+    broken = [(owner, gate) for owner, gate in broken_gates(result) if gate.binding]
+    if result.status is Status.UNDECIDED and deciding.status is Status.PASS:
+        nearest = decided.replace("decided by", "nearest to its limit is", 1)
+        names = ", ".join(f"{brief(owner, 40)} {brief(gate.name, 40)}" for owner, gate in broken)
+        return f"{status}: every check passes, but these gates do not hold: {names}; {nearest}"
+    count = len(assumptions(result))
+    under = f" (under {count} assumption{'s' if count > 1 else ''})" if count else ""
+    doubt = " (gates are broken, too)" if broken else ""
+    return f"{status}{under}; {decided}{doubt}"

@@ -1,0 +1,301 @@
+"""How a part's fatigue is judged: Goodman and Findley, a finite life, or the FKM guideline."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from math import isfinite
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+import fatigue
+from checks.design.strength import FkmStrength
+from checks.part.part_loads import PartLoads
+from checks.strength.finite_life import DutyLife, LifeTask, lives_of, shortest_life
+from checks.strength.fkm_strength import FkmJudgement, fkm_judgement, fkm_points, slopes_of
+from checks.stress.duty_verdict import (
+    WHOLE_DUTY,
+    DutyVerdict,
+    FatiguePeak,
+    duty_runs,
+    duty_verdict,
+)
+from checks.stress.error_bars import Judged, direct_under, raised_in_bores
+from checks.stress.solid_mesh_level import Level
+from checks.stress.stress_result import Stressed
+from fatigue.proportionality import PROPORTIONAL
+from fem.recovery import von_mises
+from geometry.mesh import FloatArray, IntArray
+
+_ROUND_OFF = 1e-6  # of a bound: how well stresses are known
+
+
+@dataclass(frozen=True, eq=False)
+class FatigueUse(Judged):
+    """The largest fatigue utilisation over the duty, times the endurance limit.
+
+    limit     MPa, endurance limit away from notches
+    ultimate  MPa
+
+    Goodman's or Findley's, whichever is worse. Its bars are those of the pair of positions that
+    decides, as Goodman judges it, in proportion.
+    """
+
+    loads: PartLoads
+    limit: float
+    ultimate: float
+
+    def worst(self, level: Stressed) -> FatiguePeak:
+        """The point and the pair of positions."""
+        assert level.fatigue is not None
+        return level.fatigue
+
+    def value(self, level: Stressed) -> float:
+        """The quantity on one mesh, MPa."""
+        return self.worst(level).value
+
+    def point(self, level: Stressed) -> int:
+        """Index of the surface point that carries it."""
+        return self.worst(level).point
+
+    def at(self, level: Stressed, points: IntArray) -> FloatArray:
+        """Equivalent amplitude at some surface points (n,) on the path that decides, MPa."""
+        assert level.duty is not None
+        return level.duty.utilisation_at(points) * self.limit
+
+    def states(self, level: Stressed) -> list[FloatArray]:
+        """Half the swing, and the middle, of the pair of positions."""
+        first, second = (level.coefficients[:, k] for k in self.worst(level).pair)
+        return [(first - second) / 2, (first + second) / 2]
+
+    def scatter(self, level: Level, *, of_edges: bool = True) -> float:
+        """Scatter of amplitude and mean, as they enter the quantity, MPa."""
+        point = self.point(level)
+        states = self.states(level)
+        swing, middle = (level.scatter(state, point, of_edges=of_edges) for state in states)
+        factor = self.limit / float(level.limits[point])
+        return self._over_pair(level) * (factor * swing + middle * self.limit / self.ultimate)
+
+    def direct(self, level: Level, arcs: Sequence[float], *, raised: bool = False) -> list[float]:
+        """The quantity between the same two positions under pressures as they are."""
+        under = raised_in_bores if raised else direct_under
+        limits = level.limits[level.in_bores] if raised else level.limits
+        pair = [under(self.loads, level, k, arcs) for k in self.worst(level).pair]
+        stress, share = np.stack(pair, axis=2), self._over_pair(level)
+        return [share * self._of_pair(stress[..., k], limits) for k in range(len(arcs))]
+
+    def band(self, level: Stressed) -> tuple[float, str]:
+        """How far another criterion of the same strength lies above, MPa, and what is said of it.
+
+        Nothing where both criteria have been asked.
+        """
+        assert level.duty is not None
+        return 0.0, ""
+
+    def over(
+        self,
+        level: Stressed,
+        points: IntArray,
+        coefficients: FloatArray,
+        cycles: Mapping[str, slice],
+    ) -> float:
+        """The quantity at some surface points (n,) over other positions, MPa.
+
+        coefficients  (n_basis, m) of the unit loads
+        cycles        name -> slice of the m positions
+        """
+        duty = self._duty_over(level, points, coefficients, cycles)
+        return duty.peak.value
+
+    def _duty_over(
+        self,
+        level: Stressed,
+        points: IntArray,
+        coefficients: FloatArray,
+        cycles: Mapping[str, slice],
+    ) -> DutyVerdict:
+        duty = level.duty
+        assert duty is not None
+        found = duty_verdict(
+            duty.basis[points],
+            coefficients,
+            duty.limits[points],
+            duty.limit,
+            duty.ultimate,
+            duty_runs(cycles, [name for name in duty.runs if name in cycles]),
+        )
+        assert found is not None
+        return found
+
+    def safety_missed(self, level: Stressed) -> float:
+        """How far from 1 the safety is that all loads times the safety leave."""
+        assert level.duty is not None
+        return level.duty.safety_missed()
+
+    def _of_pair(self, stress: FloatArray, limits: FloatArray) -> float:
+        """Goodman's equivalent amplitude of two states, stress (n, 6, 2), at the worst point.
+
+        The largest principal stress of the middle is between its hydrostatic stress and that and
+        2/3 of its von Mises stress: points whose upper bound is below another's lower one are left
+        out.
+        """
+        demand = von_mises(stress[..., 0] - stress[..., 1]) / 2 / limits
+        middle = stress.mean(axis=2)
+        hydrostatic = middle[:, :3].mean(axis=1)
+        least = demand + np.maximum(hydrostatic, 0.0) / self.ultimate
+        highest = hydrostatic + 2 / 3 * von_mises(middle)
+        most = demand + np.maximum(highest, 0.0) / self.ultimate
+        may = most * (1 + _ROUND_OFF) >= least.max()
+        result = fatigue.goodman(stress[may], np.eye(2), limits[may], self.ultimate)
+        return float(result.utilisation.max()) * self.limit
+
+    def _over_pair(self, level: Stressed) -> float:
+        """The quantity over Goodman's for the deciding pair at its point: 1 where he decides."""
+        point = [self.point(level)]
+        pair = level.coefficients[:, list(self.worst(level).pair)]
+        judged = self._of_pair(level.history.basis[point] @ pair, level.limits[point])
+        return self.value(level) / judged if judged else 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class LifeUse(FatigueUse):
+    """The endurance limit over the safety that a finite life leaves: Miner's sum over the duty.
+
+    task  what the life is asked of
+    """
+
+    task: LifeTask
+    _lives: WeakKeyDictionary[Stressed, DutyLife] = field(default_factory=WeakKeyDictionary)
+
+    def life(self, level: Stressed) -> DutyLife:
+        """Life of the worst point of a level, sought once."""
+        assert level.duty is not None
+        if level not in self._lives:
+            self._lives[level] = shortest_life(level.duty, self.task)
+        return self._lives[level]
+
+    def worst(self, level: Stressed) -> FatiguePeak:
+        """The point that lasts the shortest, and the ends of the longest chord of its path."""
+        life = self.life(level)
+        value = self.limit / life.safety
+        return FatiguePeak(value, life.point, WHOLE_DUTY, life.pair, "Miner")
+
+    def over(
+        self,
+        level: Stressed,
+        points: IntArray,
+        coefficients: FloatArray,
+        cycles: Mapping[str, slice],
+    ) -> float:
+        """The quantity at some surface points (n,) over other positions, MPa."""
+        duty = self._duty_over(level, points, coefficients, cycles)
+        return self.limit / shortest_life(duty, self.task).safety
+
+    def safety_missed(self, level: Stressed) -> float:
+        """How far from 1 the safety is that all loads times the safety leave, counted again."""
+        life = self.life(level)
+        if not isfinite(life.safety):
+            return 0.0
+        assert level.duty is not None
+        (again,) = lives_of(level.duty, self.task, np.array([life.point]), life.safety)
+        return abs(again.safety - 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class FkmUse(FatigueUse):
+    """The largest utilisation by the FKM guideline's chain, times its reference strength.
+
+    strength  of the part; `limit` is its reference
+    """
+
+    strength: FkmStrength
+    _judged: WeakKeyDictionary[Stressed, FkmJudgement] = field(default_factory=WeakKeyDictionary)
+
+    def judgement(self, level: Stressed, factor: float = 1.0) -> FkmJudgement:
+        """The worst point of a level, all loads multiplied by a factor."""
+        assert level.duty is not None
+        duty = level.duty
+        slopes = slopes_of(_solid(level).solutions)
+        return fkm_judgement(
+            self.strength, duty.basis, factor * duty.coefficients, duty.runs, slopes
+        )
+
+    def found(self, level: Stressed) -> FkmJudgement:
+        """The worst point of a level, sought once."""
+        if level not in self._judged:
+            self._judged[level] = self.judgement(level)
+        return self._judged[level]
+
+    def worst(self, level: Stressed) -> FatiguePeak:
+        """The point and the pair of positions."""
+        found = self.found(level)
+        return FatiguePeak(found.demand, found.point, found.run, found.pair, "FKM")
+
+    def at(self, level: Stressed, points: IntArray) -> FloatArray:
+        """Equivalent amplitude at some surface points (n,) on the path that decides, MPa."""
+        assert level.duty is not None
+        duty = level.duty
+        path = np.ascontiguousarray(duty.coefficients[:, duty.runs[self.found(level).run]])
+        slopes = slopes_of(_solid(level).solutions)
+        used = fkm_points(self.strength, duty.basis, path, points, slopes).utilisation
+        return np.asarray(used * self.strength.reference)
+
+    def band(self, level: Stressed) -> tuple[float, str]:
+        """How far Findley's criterion with the same component strength lies above, MPa.
+
+        The guideline's chain judges the longest chord of a path only.
+        """
+        found = self.found(level)
+        if found.width <= PROPORTIONAL:
+            return 0.0, ""
+        assert level.duty is not None
+        duty = level.duty
+        criterion = fatigue.findley_criterion()
+        path = np.ascontiguousarray(duty.coefficients[:, duty.runs[found.run]])
+        plane = fatigue.critical_plane(duty.basis[found.point] @ path, criterion.k)
+        strength = float(found.limit.limit) * self.strength.endurance_share
+        by_plane = plane.value / (criterion.limit_ratio * strength) * self.strength.reference
+        said = "the path is not proportional, FKM judges its longest chord only: by Findley's plane"
+        return max(0.0, by_plane - found.demand), f"{said} {by_plane:.4g} MPa"
+
+    def scatter(self, level: Level, *, of_edges: bool = True) -> float:
+        """Scatter of amplitude and mean, as they enter the quantity, MPa."""
+        found = self.found(level)
+        states = self.states(level)
+        swing, middle = (level.scatter(state, found.point, of_edges=of_edges) for state in states)
+        more = found.utilisation_with(found.amplitude + swing, found.mean + middle)
+        return (more - found.utilisation) * self.strength.reference
+
+    def direct(self, level: Level, arcs: Sequence[float], *, raised: bool = False) -> list[float]:
+        """The quantity between the same two positions under pressures as they are."""
+        found = self.found(level)
+        under = raised_in_bores if raised else direct_under
+        stress = np.stack([under(self.loads, level, k, arcs) for k in found.pair], axis=2)
+        used = [found.utilisation_between(stress[..., k]) for k in range(len(arcs))]
+        return [float(one.max()) * self.strength.reference for one in used]
+
+    def over(
+        self,
+        level: Stressed,
+        points: IntArray,
+        coefficients: FloatArray,
+        cycles: Mapping[str, slice],
+    ) -> float:
+        """The quantity at some surface points (n,) over other positions, MPa."""
+        duty = self._duty_over(level, points, coefficients, cycles)
+        slopes = slopes_of(_solid(level).solutions)
+        found = fkm_judgement(
+            self.strength, duty.basis, coefficients, duty.runs, lambda some: slopes(points[some])
+        )
+        return found.demand
+
+    def safety_missed(self, level: Stressed) -> float:
+        """How far from 1 the safety is that all loads times the safety leave."""
+        safety = self.found(level).safety
+        return abs(self.judgement(level, safety).safety - 1.0) if isfinite(safety) else 0.0
+
+
+def _solid(level: Stressed) -> Level:
+    """A level that is a solid: FKM's support needs the stress below the surface."""
+    if not isinstance(level, Level):
+        raise TypeError("the FKM guideline's notch support needs a solid's stress gradient")
+    return level

@@ -1,0 +1,76 @@
+"""What a part can take: its elasticity, its endurance limit, and how its fatigue is judged."""
+
+import fatigue
+from checks.design.data import Design, Part
+from checks.design.errors import DesignError
+from checks.part.part_loads import PartLoads
+from checks.strength.fatigue_assessment import FatigueUse, FkmUse, LifeUse
+from checks.strength.finite_life import LifeTask, why_no_curve
+from fem.unit_solutions import Elastic
+
+
+def elastic_of(part: Part) -> Elastic:
+    """Return the elastic constants of a part's material."""
+    material = part.material
+    return Elastic(material.youngs_modulus, material.poisson_ratio, material.density)
+
+
+def endurance_of(part: Part) -> fatigue.EnduranceLimit:
+    """Endurance limit by Marin's factors.
+
+    The load factor is that of bending where the shape's peaks are local, with a gradient below
+    them, and of axial force where the whole section is stressed alike; there no size factor applies
+    (Shigley, 6-20). The part does not turn under its load: the size factor takes an equivalent
+    diameter.
+    """
+    ultimate, ratio = part.material.ultimate_stress, part.material.endurance_ratio
+    specimen = None if ratio is None else ratio * ultimate
+    if part.geometry.stressed_evenly:
+        return fatigue.endurance_limit(
+            ultimate,
+            part.surface,
+            load="axial",
+            reliability=part.reliability,
+            specimen_limit=specimen,
+        )
+    section = part.geometry.stressed_section
+    if len(section) == 1:
+        diameter = fatigue.round_equivalent_diameter(*section)
+    else:
+        diameter = fatigue.rectangle_equivalent_diameter(*section)
+    return fatigue.endurance_limit(
+        ultimate,
+        part.surface,
+        equivalent_diameter=diameter,
+        load="bending",
+        reliability=part.reliability,
+        specimen_limit=specimen,
+    )
+
+
+def life_task(design: Design, part: Part) -> LifeTask:
+    """What a finite life of a part is asked of."""
+    duty = design.duty
+    return LifeTask(
+        duty.cycles,
+        part.material,
+        part.geometry.stressed_evenly,
+        duty.allowed_damage - duty.damage_so_far,
+        begun=duty.damage_so_far > 0,
+    )
+
+
+def fatigue_use(design: Design, part: Part, loads: PartLoads) -> FatigueUse | None:
+    """How the part's fatigue is judged, None where no cycle of the duty loads it."""
+    if not any(name in loads.cycles for name in design.duty.cycles):
+        return None
+    ultimate = part.material.ultimate_stress
+    if part.fkm is not None:
+        return FkmUse(loads, part.fkm.reference, ultimate, part.fkm)
+    limit = endurance_of(part).value
+    if design.duty.life == "finite":
+        why = why_no_curve(part.material, limit, axial=part.geometry.stressed_evenly)
+        if why:
+            raise DesignError(design.file, f"parts.{part.name}.material", why)
+        return LifeUse(loads, limit, ultimate, life_task(design, part))
+    return FatigueUse(loads, limit, ultimate)

@@ -1,0 +1,266 @@
+"""What is judged at the worst point of a part, and its error bars from one mesh to the next."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from math import degrees, pi
+
+import numpy as np
+
+from checks.design.data import Part
+from checks.part.part_loads import PartLoads
+from checks.stress.solid_mesh_level import Level, peak_of
+from checks.stress.stress_result import Stressed
+from fem.convergence import (
+    ORDER,
+    ErrorBar,
+    discretisation_error,
+    growth_exponent,
+    moves_like_singular,
+)
+from fem.direct import direct_stress, has_bearings, tilting_columns
+from fem.recovery import von_mises
+from fem.singularity import singular_exponent
+from geometry.mesh import FloatArray, IntArray
+
+BEYOND_ARCS = (
+    0.07  # of a bore's stress: by how much contacts exceed the assumed arcs' (docs/validation.md)
+)
+_UNRESOLVED = 0.05  # error that elements make in a notch, over the peak
+
+
+@dataclass(frozen=True)
+class Bars:
+    """Numerical error bar, model band above and below, and what must be said of them.
+
+    values, sizes  MPa and mm: the quantity, and the elements at its place, mesh by mesh
+    by_arc         arc of contact, rad -> the quantity under that pressure, MPa; empty without pins
+    in_bores       the largest in the bores, raised, MPa; 0 where the arc is stated
+    """
+
+    numerical: ErrorBar
+    above: float
+    below: float
+    note: str
+    values: Sequence[float] = ()
+    sizes: Sequence[float] = ()
+    by_arc: Mapping[float, float] = field(default_factory=dict)
+    in_bores: float = 0.0
+
+
+class Judged(ABC):
+    """A quantity of a part that is judged at its worst point."""
+
+    @abstractmethod
+    def value(self, level: Stressed) -> float:
+        """The quantity on one mesh, MPa."""
+
+    @abstractmethod
+    def point(self, level: Stressed) -> int:
+        """Index of the surface point that carries it."""
+
+    @abstractmethod
+    def at(self, level: Stressed, points: IntArray) -> FloatArray:
+        """The quantity at some surface points (n,), MPa."""
+
+    @abstractmethod
+    def scatter(self, level: Level, *, of_edges: bool = True) -> float:
+        """Scatter of the elements that meet at the point, in the quantity, MPa.
+
+        of_edges  as in `Level.scatter`
+        """
+
+    @abstractmethod
+    def states(self, level: Stressed) -> list[FloatArray]:
+        """Coefficients (n_basis,) of the load states whose stress it is made of."""
+
+    @abstractmethod
+    def direct(self, level: Level, arcs: Sequence[float], *, raised: bool = False) -> list[float]:
+        """The quantity under bearing pressures as they are, on arcs (rad), without a series.
+
+        raised  the largest in the bores, as in `raised_in_bores`
+        """
+
+
+@dataclass(frozen=True, eq=False)
+class StaticPeak(Judged):
+    """The largest von Mises stress over all cycles."""
+
+    loads: PartLoads
+
+    def value(self, level: Stressed) -> float:
+        """The quantity on one mesh, MPa."""
+        return level.peak.value
+
+    def point(self, level: Stressed) -> int:
+        """Index of the surface point that carries it."""
+        return level.peak.point
+
+    def at(self, level: Stressed, points: IntArray) -> FloatArray:
+        """Von Mises stress at some surface points (n,) at the position of the peak, MPa."""
+        return von_mises(level.history.at(level.peak.position)[points])
+
+    def states(self, level: Stressed) -> list[FloatArray]:
+        """The load state of the peak."""
+        return [level.coefficients[:, level.peak.position]]
+
+    def scatter(self, level: Level, *, of_edges: bool = True) -> float:
+        """Scatter of the elements that meet at the point, MPa."""
+        return level.scatter(self.states(level)[0], level.peak.point, of_edges=of_edges)
+
+    def direct(self, level: Level, arcs: Sequence[float], *, raised: bool = False) -> list[float]:
+        """The peak at the same position under pressures as they are."""
+        under = raised_in_bores if raised else direct_under
+        stress = under(self.loads, level, level.peak.position, arcs)
+        return [peak_of(stress[:, :, k]) for k in range(len(arcs))]
+
+
+def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float) -> Bars:
+    """Numerical bar, model band and a note for a quantity known on several meshes."""
+    finest = levels[-1]
+    value = judged.value(finest)
+    arcs = arcs_of(part, finest)
+    by_arc = dict(zip(arcs, judged.direct(finest, arcs), strict=True)) if arcs else {}
+    values = [judged.value(level) for level in levels]
+    sizes = sizes_at_peak(judged, levels)
+    angle, exponent = _singular_edge(judged, levels)
+    notch = finest.notch_error(judged.point(finest))
+    order = finest.order(judged.point(finest))
+    # a notch that the mesh does not follow yet grows, too, and so does the stress beside a pressed
+    # edge while elements come nearer: finite both, with an error in the bar
+    finite = notch > _UNRESOLVED or order < ORDER
+    grows = 0.0 if exponent or finite else growth_exponent(values, sizes)
+    bar = ErrorBar(
+        discretisation_error(values, sizes, order),
+        judged.scatter(finest),
+        _truncation(judged, levels, by_arc[pi], sizes) if by_arc else 0.0,
+        abs(value),
+        exponent or grows,
+        notch * abs(value),
+        order,
+    )
+    notes = []
+    if exponent:
+        notes.append(
+            f"singular: a sharp re-entrant edge of {degrees(angle):.0f} deg, where stress grows "
+            f"like 1/distance^{exponent:.2f} and {value:.4g} MPa is only what this mesh "
+            "shows; give the edge its radius"
+        )
+    elif grows:
+        notes.append(
+            f"singular: the peak grows like 1/size^{grows:.2f} of the elements from mesh to mesh, "
+            f"and {value:.4g} MPa is only what the last one shows"
+        )
+    elif bar.value > accuracy * abs(value):
+        why = ": elements too large for the notch at the peak" if bar.notch_decides else ""
+        if order < ORDER and not why:
+            why = ": the peak lies where a pressure ends with a jump"
+        notes.append(
+            f"numerical error {100 * bar.value / abs(value):.2g} %, asked for {100 * accuracy:g} %"
+            + why
+        )
+    if by_arc:
+        by = ", ".join(f"{degrees(a):.0f} deg {v:.4g}" for a, v in by_arc.items())
+        notes.append(f"by arc of contact, MPa: {by}")
+    in_bores = 0.0
+    if by_arc and len(finest.in_bores) and not part.arc_stated:
+        in_bores = max(judged.direct(finest, arcs, raised=True))
+        notes.append(f"model band: {100 * BEYOND_ARCS:g} % more in bores, whose arc is not stated")
+    reached = [*by_arc.values(), in_bores]
+    above = max(reached) - by_arc[pi] if by_arc else 0.0
+    below = max((by_arc[pi] - other for other in by_arc.values()), default=0.0)
+    return Bars(bar, above, below, "; ".join(notes), values, sizes, by_arc, in_bores)
+
+
+def mesh_bar(judged: Judged, levels: Sequence[Level]) -> float:
+    """The part of the numerical bar that a finer mesh makes smaller, over the value."""
+    values = [judged.value(level) for level in levels]
+    finest, value = levels[-1], abs(values[-1])
+    if not value:
+        return 0.0
+    point = judged.point(finest)
+    left = discretisation_error(values, sizes_at_peak(judged, levels), finest.order(point))
+    notch = finest.notch_error(point) * value
+    scatter = judged.scatter(finest, of_edges=False)
+    order = finest.order(point)
+    return ErrorBar(left, scatter, 0.0, value, 0.0, notch, order).mesh / value
+
+
+def _truncation(
+    judged: Judged, levels: Sequence[Level], direct: float, sizes: Sequence[float]
+) -> float:
+    """What the bearing series leaves out, and what its measure may still change by.
+
+    A half cosine ends with a kink: what it differs by from its series converges with order 1.
+    """
+    before, finest = levels[-2], levels[-1]
+    missing = [judged.direct(before, [pi])[0] - judged.value(before), direct - judged.value(finest)]
+    return abs(missing[1]) + discretisation_error(missing, sizes[-2:], 1.0)
+
+
+def sizes_at_peak(judged: Judged, levels: Sequence[Level]) -> list[float]:
+    """Size of the elements of every mesh where the last one has its peak, mm."""
+    finest = levels[-1]
+    place = finest.history.points[judged.point(finest)]
+    return [level.size_at(level.nearest(place)) for level in levels]
+
+
+def arcs_of(part: Part, level: Level) -> list[float]:
+    """Arcs of contact: the half circle of the unit loads, and down to the narrowest stated."""
+    if not has_bearings(level.solutions):
+        return []
+    narrow = part.bearing_arc
+    return [pi] if narrow >= pi else [pi, (pi + narrow) / 2, narrow]
+
+
+def direct_under(
+    loads: PartLoads, level: Level, position: int, arcs: Sequence[float]
+) -> FloatArray:
+    """Surface stress (n, 6, n_arcs) at a position under bearing pressures as they are, MPa.
+
+    All arcs (rad) are solved together, and once per level for positions with the same loads.
+    """
+    key = level.coefficients[:, position].tobytes(), tuple(arcs)
+    if key not in level.direct_stresses:
+        wrenches = {name: wrench[position] for name, wrench in loads.wrenches.items()}
+        level.direct_stresses[key] = direct_stress(
+            level.solutions, wrenches, level.coefficients[:, position], arcs
+        )
+    return level.direct_stresses[key]
+
+
+def raised_in_bores(
+    loads: PartLoads, level: Level, position: int, arcs: Sequence[float]
+) -> FloatArray:
+    """Stress (n, 6, n_arcs) in the bores, as `direct_under`, with more of the forces' share, MPa.
+
+    Lugs were compared under forces in their plane: the stress of couples out of it stays.
+    """
+    points, solutions = level.in_bores, level.solutions
+    tilting = tilting_columns(solutions)
+    couples = level.history.basis[points][:, :, tilting] @ level.coefficients[tilting, position]
+    stress = direct_under(loads, level, position, arcs)[points]
+    return np.asarray((1 + BEYOND_ARCS) * stress - BEYOND_ARCS * couples[:, :, None])
+
+
+def _singular_edge(judged: Judged, levels: Sequence[Level]) -> tuple[float, float]:
+    """Interior angle (rad) and exponent of a sharp re-entrant edge that spoils a peak, else 0, 0.
+
+    An edge counts if it carries at least half the peak and its largest value moves with the mesh.
+    A sharp edge of the body is sharp on every mesh; what only some show is a coarse fillet.
+    """
+    if not all(len(level.edges[0]) for level in levels):
+        return 0.0, 0.0
+    values, sizes, worst = [], [], 0
+    for level in levels:
+        on_edge = level.edges[0]
+        found = judged.at(level, on_edge)
+        worst = int(on_edge[found.argmax()])
+        values.append(float(found.max()))
+        sizes.append(level.size_at(worst))
+    points, angles = levels[-1].edges
+    angle = float(angles[points == worst][0])
+    exponent = singular_exponent(angle)
+    if values[-1] >= judged.value(levels[-1]) / 2 and moves_like_singular(values, sizes, exponent):
+        return angle, exponent
+    return 0.0, 0.0

@@ -1,0 +1,237 @@
+"""A part solved on one mesh: its stress history, peaks and fatigue, over all cycles of a design."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from checks.part.part_loads import PartLoads
+from checks.stress.kept_models import Models as Models
+from checks.stress.stress_result import Stressed, judge
+from fem.convergence import ORDER
+from fem.gradient import inward_normals
+from fem.notch_resolution import concave_curvature, notch_error
+from fem.recovery import tensor, von_mises
+from fem.singularity import pressed_edges, reentrant_edges
+from fem.stress_history import StressHistory
+from fem.unit_loads import ACCELERATIONS, IN_PLANE, inertia_of, resultants
+from fem.unit_solutions import UnitSolutions
+from geometry.mesh import SYMMETRY, FloatArray, IntArray, MassProperties
+from geometry.sizing import element_sizes
+
+_BESIDE = 3.0  # elements from an edge where a pressure ends, within which it disturbs the stress
+_JUMP = 0.09  # of that pressure: the least scatter there (tests/fem/test_pressed_edges.py)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Level(Stressed):
+    """A part as a solid on one mesh.
+
+    limits  at the surface points, notches included
+    added   (n, 3) rigid-body acceleration field that balances foreign mass properties
+    """
+
+    fineness: float
+    solutions: UnitSolutions
+    added: FloatArray
+
+    @property
+    def half(self) -> bool:
+        """Whether the mesh is half of the part."""
+        return self.solutions.mesh.half
+
+    @property
+    def unknowns(self) -> int:
+        """Number of unknowns of the mesh."""
+        return 3 * len(self.solutions.mesh.nodes)
+
+    @cached_property
+    def edges(self) -> tuple[IntArray, FloatArray]:
+        """Surface points on sharp re-entrant edges (n,), and the interior angles there, rad."""
+        found = reentrant_edges(self.solutions.mesh)
+        return np.searchsorted(self.history.nodes, found.nodes), found.angles
+
+    @cached_property
+    def direct_stresses(self) -> dict[tuple[bytes, tuple[float, ...]], FloatArray]:
+        """Stress (n, 6, n_arcs) that was solved besides the basis, by loads and arcs, MPa."""
+        return {}
+
+    @cached_property
+    def _sizes(self) -> FloatArray:
+        return element_sizes(self.solutions.mesh)
+
+    @cached_property
+    def _notch_errors(self) -> dict[int, float]:
+        return {}
+
+    @cached_property
+    def in_bores(self) -> IntArray:
+        """Surface points (n,) in the holes that pins press on."""
+        surfaces = self.solutions.mesh.surfaces
+        names = [
+            name
+            for unit in self.solutions.interfaces
+            if unit.interface.kind == "bore"
+            for name in unit.interface.surfaces
+        ]
+        pressed = np.zeros(len(self.history.nodes), dtype=bool)
+        for name in names:
+            pressed |= np.isin(self.history.nodes, surfaces[name])
+        return np.flatnonzero(pressed)
+
+    def size_at(self, point: int) -> float:
+        """Mean size of the elements that meet at a surface point, mm."""
+        meet = (self.solutions.mesh.elements == self.history.nodes[point]).any(axis=1)
+        return float(self._sizes[meet].mean())
+
+    def nearest(self, place: FloatArray) -> int:
+        """Return the surface point nearest to a place (3,); half of a part has that at z >= 0."""
+        if self.half:
+            place = np.array([place[0], place[1], abs(place[2])])
+        return int(((self.history.points - place) ** 2).sum(axis=1).argmin())
+
+    def notch_error(self, point: int) -> float:
+        """Error of the stress at a surface point in a notch, as a share of it."""
+        if point not in self._notch_errors:
+            curvature = concave_curvature(self.solutions.mesh, int(self.history.nodes[point]))
+            self._notch_errors[point] = notch_error(self.size_at(point), curvature)
+        return self._notch_errors[point]
+
+    def place(self, point: int) -> str:
+        """Where a point is, in words."""
+        node = self.history.nodes[point]
+        names = [
+            name
+            for name, facets in self.solutions.mesh.surfaces.items()
+            if name != SYMMETRY and np.any(facets == node)
+        ]
+        x, y, z = self.history.points[point]
+        return f"{'/'.join(names) or 'surface'} ({_tenth(x)}, {_tenth(y)}, {_tenth(z)})"
+
+    def load_residual(self, loads: PartLoads) -> float:
+        """Force and moment that reached the mesh less those asked for, over the largest force.
+
+        Per interface and position; moments over the interface's radius or the part's size. Of half
+        of a part, twice what reached it in its plane.
+        """
+        worst, column = 0.0, 0
+        size = float(np.ptp(self.solutions.mesh.nodes, axis=0).max())
+        for unit in self.solutions.interfaces:
+            columns = slice(column, column + len(unit.names))
+            column = columns.stop
+            reached = (
+                resultants(self.solutions.elements, unit.vectors, unit.interface.centre)
+                @ self.coefficients[columns]
+            )
+            reached /= self.solutions.mesh.share
+            missing = np.abs(reached - loads.wrenches[unit.interface.name].T)
+            if self.half:
+                missing[2:5] = 0.0  # the cut balances them
+            if unit.interface.name == loads.tilt_held_at:
+                missing[3:5] = 0.0  # it takes what inertia leaves, too; reactions tell if enough
+            missing[3:] /= unit.interface.radius or size
+            worst = max(worst, float(missing.max()))
+        return worst / loads.largest_force if loads.largest_force else worst
+
+    def balance_residual(self, loads: PartLoads, properties: MassProperties) -> float:
+        """Resultant of the loads before the added field closed it, over the largest force.
+
+        Interface loads and the inertia of the mass properties that the linkage was solved with
+        balance by themselves; what the mesh's own differ from these by is taken off. This is the
+        test of everything between the linkage and the mesh.
+        """
+        first = len(self.coefficients) - len(ACCELERATIONS)
+        units = self.solutions.unit_resultants[IN_PLANE, first:] / self.solutions.mesh.share
+        left = units[:, :3] @ self.added.T
+        left += (units - inertia_of(properties)) @ loads.accelerations.T
+        left[2] /= float(np.ptp(self.solutions.mesh.nodes, axis=0).max())
+        left = np.abs(left)
+        return float(left.max()) / (loads.largest_force or 1.0)
+
+    def reaction_residual(self, loads: PartLoads) -> float:
+        """Largest support reaction over the largest force: the support must carry nothing."""
+        reactions = np.abs(self.solutions.reactions(self.coefficients))
+        return float(reactions.max()) / (loads.largest_force or 1.0)
+
+    @cached_property
+    def _pressed_edges(self) -> FloatArray:
+        """Places (n, 3) of the nodes on edges where a pressure ends, mm."""
+        mesh = self.solutions.mesh
+        return mesh.nodes[pressed_edges(mesh)]
+
+    def order(self, point: int) -> float:
+        """With which stress at a surface point converges: 1 beside an edge where a pressure ends.
+
+        The judged point there is the nearest that the edge does not spoil, and moves towards it.
+        """
+        return 1.0 if self._beside_pressed_edge(point) else ORDER
+
+    def _beside_pressed_edge(self, point: int) -> bool:
+        if not len(self._pressed_edges):
+            return False
+        place = self.history.points[self.solutions.recovery.stands_for[point]]
+        away = np.linalg.norm(self._pressed_edges - place, axis=1).min()
+        return bool(away < _BESIDE * self.size_at(point))
+
+    def scatter(self, coefficients: FloatArray, point: int, *, of_edges: bool = True) -> float:
+        """Scatter of the elements that meet at a point under some load state, MPa.
+
+        of_edges  whether it is, beside an edge where a pressure ends, not less than a share of that
+                  pressure, which finer meshes leave
+        """
+        displacement = self.solutions.displacement @ coefficients
+        found = self.solutions.recovery.scatter(displacement, np.array([point]))[0]
+        if not (of_edges and self._beside_pressed_edge(point)):
+            return float(found)
+        points = self.history.points
+        near = np.linalg.norm(points - points[point], axis=1) < _BESIDE * self.size_at(point)
+        normals = inward_normals(self.solutions.mesh)[near]
+        stress = tensor(self.history.basis[near] @ coefficients)
+        pressure = np.abs(np.einsum("pi,pij,pj->p", normals, stress, normals)).max()
+        return float(max(found, _JUMP * pressure))
+
+
+def solve_level(
+    solutions: UnitSolutions,
+    fineness: float,
+    loads: PartLoads,
+    endurance_limit: float,
+    ultimate_stress: float,
+    duty: Mapping[str, float],
+    notch_factors: Mapping[str, float] | None = None,
+) -> Level:
+    """Superpose the cycle on solved unit loads; fatigue over the cycles of the duty.
+
+    notch_factors  surface -> factor by which fatigue notch or fretting lowers the endurance limit
+    """
+    coefficients, added = solutions.coefficients(
+        loads.wrenches, loads.accelerations, loads.reaches, loads.tilt_held_at
+    )
+    nodes = solutions.recovery.points
+    history = StressHistory(nodes, solutions.mesh.nodes[nodes], solutions.basis, coefficients)
+    limits = np.full(len(nodes), endurance_limit)
+    for surface, factor in (notch_factors or {}).items():
+        notched = np.isin(nodes, solutions.mesh.surfaces[surface])
+        limits[notched] = np.minimum(limits[notched], endurance_limit / factor)
+    judged = judge(history, limits, endurance_limit, ultimate_stress, loads, duty)
+    return Level(
+        fineness=fineness,
+        solutions=solutions,
+        added=added,
+        history=history,
+        limits=limits,
+        peak=judged.peak,
+        peaks_by_position=judged.peaks_by_position,
+        duty=judged.duty,
+    )
+
+
+def _tenth(value: float) -> str:
+    """A coordinate to a tenth, without a negative zero."""
+    return f"{round(value, 1) + 0.0:.1f}"
+
+
+def peak_of(stress: FloatArray) -> float:
+    """Largest von Mises stress of surface stresses (n_points, 6), MPa."""
+    return float(von_mises(stress).max())

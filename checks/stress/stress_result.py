@@ -1,0 +1,88 @@
+"""A part's stress over its cycles by any model, and what is judged of it.
+
+Whatever made the stress, a formula, a beam, a plane model or a solid, it is the same history:
+points x unit loads, and the coefficients of these over the positions.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+from checks.part.first_maximum import first_largest
+from checks.part.part_loads import PartLoads
+from checks.stress.duty_verdict import DutyVerdict, FatiguePeak, duty_runs, duty_verdict
+from fem.stress_history import StressHistory
+from geometry.mesh import FloatArray
+
+
+@dataclass(frozen=True)
+class Peak:
+    """The largest von Mises stress over all cycles: MPa, point index, position index."""
+
+    value: float
+    point: int
+    position: int
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Stressed(ABC):
+    """A part's stress over all cycles of a design, its peak and its fatigue.
+
+    limits             (n_points,) MPa, endurance limit at the points, fretting included
+    history            of the stress at the points
+    peaks_by_position  (n,) MPa, largest von Mises stress at each position
+    duty               fatigue over the cycles of the duty, None without one
+    """
+
+    limits: FloatArray
+    history: StressHistory
+    peak: Peak
+    peaks_by_position: FloatArray
+    duty: DutyVerdict | None
+
+    @property
+    def coefficients(self) -> FloatArray:
+        """Coefficients (n_basis, n) of the unit loads over all positions."""
+        return self.history.coefficients
+
+    @cached_property
+    def fatigue(self) -> FatiguePeak | None:
+        """What decides fatigue over the duty; None without one."""
+        return None if self.duty is None else self.duty.peak
+
+    @abstractmethod
+    def place(self, point: int) -> str:
+        """Where a point is, in words."""
+
+
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """What a history says of a part, as in `Stressed`."""
+
+    peak: Peak
+    peaks_by_position: FloatArray
+    duty: DutyVerdict | None
+
+
+def judge(
+    history: StressHistory,
+    limits: FloatArray,
+    endurance_limit: float,
+    ultimate_stress: float,
+    loads: PartLoads,
+    duty: Mapping[str, float],
+) -> Judgement:
+    """Find the peak of a history, and its fatigue over the cycles of a duty.
+
+    limits           (n_points,) MPa, endurance limit at the points
+    endurance_limit  MPa, away from fretting
+    """
+    by_position, where = history.peaks_by_position()
+    (position,) = first_largest(by_position)
+    peak = Peak(float(by_position[position]), int(where[position]), position)
+    runs = duty_runs(loads.cycles, duty)
+    verdict = duty_verdict(
+        history.basis, history.coefficients, limits, endurance_limit, ultimate_stress, runs
+    )
+    return Judgement(peak, by_position, verdict)

@@ -1,0 +1,189 @@
+import subprocess
+import sys
+
+import pytest
+
+import ballesta.check
+from ballesta.cli import main
+from ballesta.commands import show
+from ballesta.commands.show import Wanted, run_show
+from checks.design.errors import DesignError
+from reports.window import probe_window, window_picture
+
+from ...small_machine import MACHINE, PLATE
+
+
+@pytest.fixture
+def design(tmp_path):
+    path = tmp_path / "machine.toml"
+    path.write_text(MACHINE + PLATE, encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def shown(monkeypatch):
+    """What would be shown, by scenes and parts; the window itself stays closed."""
+    seen = []
+    monkeypatch.setattr(show, "probe_window", lambda **_: None)
+    monkeypatch.setattr(show, "open_window", lambda *found: seen.append(found))
+    return seen
+
+
+FORMULA = {"fidelity": "formula"}
+
+
+def test_a_design_is_checked_and_its_parts_shown_with_their_motion(design, shown, capsys):
+    assert run_show(design, Wanted("rod", **FORMULA)) == 0
+    ((scene, part),) = shown
+    assert part == "rod"
+    assert [each.name for each in scene.parts] == ["rod"]
+    assert scene.moves
+    said = capsys.readouterr()
+    assert "decided by rod" in said.out or "nearest to its limit is rod" in said.out
+    assert "rod is shown without stress: decided by formula" in said.err
+
+
+def test_a_part_that_is_not_there_is_told_before_anything_is_checked(design, shown, capsys):
+    assert run_show(design, Wanted("rood", **FORMULA)) == 2
+    assert "no part is named 'rood', did you mean rod?" in capsys.readouterr().err
+    assert shown == []
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="elsewhere DISPLAY says nothing")
+def test_without_a_display_nothing_is_checked_and_the_cure_is_named(design, monkeypatch, capsys):
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.setattr(ballesta.check, "check_design", None)  # it would fail
+    assert main(["show", str(design)]) == 2
+    said = capsys.readouterr().err
+    assert "there is no display" in said
+    assert "--off-screen FILE.png" in said
+
+
+@pytest.mark.parametrize(
+    ("code", "words"),
+    [
+        ("import os, signal; os.kill(os.getpid(), signal.SIGSEGV)", "signal SIGSEGV"),
+        ("import time; time.sleep(60)", "took longer than 0.5 s and was stopped"),
+    ],
+)
+def test_missing_graphics_libraries_end_it_with_words_and_their_cure(
+    design, monkeypatch, capsys, code, words
+):
+    worker = (sys.executable, "-c", code)
+    monkeypatch.setattr(
+        show, "probe_window", lambda **how: probe_window(worker=worker, timeout=0.5, **how)
+    )
+    monkeypatch.setattr(ballesta.check, "check_design", None)
+    assert run_show(design, Wanted(picture=design.with_suffix(".png"), **FORMULA)) == 3
+    said = capsys.readouterr().err
+    assert words in said
+    assert "apt-get install libgl1 libegl1" in said
+    assert not design.with_suffix(".png").exists()
+
+
+def test_a_window_that_dies_after_the_check_is_told_too(design, monkeypatch, capsys):
+    worker = (sys.executable, "-c", "import os; os._exit(139)")
+    monkeypatch.setattr(show, "probe_window", lambda **_: None)
+    monkeypatch.setattr(
+        show, "window_picture", lambda *found: window_picture(*found, worker=worker)
+    )
+    assert run_show(design, Wanted(picture=design.with_suffix(".png"), **FORMULA)) == 3
+    assert "exit code 139, signal SIGSEGV" in capsys.readouterr().err
+
+
+def test_the_picture_of_the_window_is_written(design, capsys):
+    picture = design.with_name("window.png")
+    code = main(["show", str(design), "rod", "--off-screen", str(picture), "--fidelity", "formula"])
+    assert code == 0, capsys.readouterr().err
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_picture_that_cannot_be_written_is_a_wrong_input(design, monkeypatch, capsys):
+    def refused(*_):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(show, "probe_window", lambda **_: None)
+    monkeypatch.setattr(show, "window_picture", refused)
+    assert run_show(design, Wanted(picture=design.with_suffix(".png"), **FORMULA)) == 2
+    assert "--off-screen: cannot be written: Permission denied" in capsys.readouterr().err
+
+
+def test_a_picture_that_could_not_be_written_is_refused_before_the_check(
+    design, monkeypatch, capsys
+):
+    monkeypatch.setattr(show, "probe_window", None)  # it would fail
+    folder = design.with_name("folder.png")
+    folder.mkdir()
+    for picture, said in (
+        (folder, f"is a folder, name a file in it such as {folder / 'window.png'}"),
+        (design / "a" / "window.png", f"cannot be written: {design} is no folder"),
+    ):
+        assert run_show(design, Wanted(picture=picture, **FORMULA)) == 2
+        assert f"{picture}: --off-screen: {said}" in capsys.readouterr().err
+
+
+def test_it_is_told_where_the_picture_was_written(design, monkeypatch, capsys):
+    monkeypatch.setattr(show, "probe_window", lambda **_: None)
+    monkeypatch.setattr(show, "window_picture", lambda *_: None)
+    picture = design.with_name("new") / "window.png"
+    assert run_show(design, Wanted(picture=picture, **FORMULA)) == 0
+    assert f"written: {picture}\n" in capsys.readouterr().out
+
+
+def test_a_result_is_refused_with_what_is_needed(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(show, "probe_window", None)  # it would fail
+    (tmp_path / "result.json").write_text("{}", encoding="utf-8")
+    for target in (tmp_path, tmp_path / "result.json"):
+        assert run_show(target, Wanted(**FORMULA)) == 2
+        assert "show needs the design file (.toml)" in capsys.readouterr().err
+
+
+def test_its_words_advise_its_own_option(design, shown, capsys):
+    assert run_show(design, Wanted("rod", **FORMULA)) == 0
+    assert "ballesta show --fields meshes it" in capsys.readouterr().err
+    ((scene, _),) = shown
+    (live,) = (part.live for part in scene.parts)
+    told = [*scene.told(scene.first_view()), *live.missing.values(), *live.notes]
+    assert any("ballesta show --fields" in words for words in told)
+    assert not any("ballesta check" in words for words in told)
+
+
+def test_it_begins_at_the_worst_position_also_without_a_field(design, shown):
+    assert run_show(design, Wanted(**FORMULA)) == 0
+    ((scene, _),) = shown
+    (part,) = scene.parts
+    assert part.live.peak is None
+    view = scene.first_view()
+    assert (view.cycle, view.position) == (part.worst.cycle, part.worst.position)
+    assert part.worst.value > 0
+
+
+@pytest.mark.parametrize("name", ["window.jpg", "window", "window.png.svg"])
+def test_only_a_png_is_drawn_in_place_of_a_window(design, monkeypatch, capsys, name):
+    monkeypatch.setattr(show, "probe_window", None)  # it would fail
+    assert run_show(design, Wanted(picture=design.with_name(name), **FORMULA)) == 2
+    assert f'--off-screen: must be named .png, got "{name}"' in capsys.readouterr().err
+
+
+def test_that_no_part_will_have_a_field_is_told_before_the_check(
+    design, shown, monkeypatch, capsys
+):
+    def stopped(*_, **__):
+        raise DesignError(design, "part", "stopped here")
+
+    monkeypatch.setattr(ballesta.check, "check_design", stopped)
+    for fidelity in ("formula", "beam", "solid"):
+        assert run_show(design, Wanted(fidelity=fidelity)) == 2
+        said = capsys.readouterr().err
+        assert "stopped here" in said
+        assert ("no part will have a field" in said) == (fidelity != "solid")
+    assert shown == []
+
+
+def test_the_solvers_are_imported_after_the_trial_of_a_window():
+    code = (
+        "import sys, ballesta.commands.show; "
+        "sys.exit(', '.join({'skfem', 'gmsh', 'ballesta.check'} & set(sys.modules)) or 0)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr

@@ -1,0 +1,230 @@
+"""Paces, force laws, contacts and elasticity in a design file: what is read, what is refused."""
+
+# ruff: noqa: E501 - one refusal a line: the change of the file, then the wording
+
+import math
+import random
+import re
+from pathlib import Path
+
+import pytest
+
+import loads
+from ballesta.design.read import read_design
+from checks.design.data import ContactLaw, Coordinate, Pace, TableLaw
+from checks.design.errors import DesignError
+from checks.part.linkage_builder import cycle_of, linkage_of
+
+DESIGNS = Path(__file__).parents[3] / "designs"
+HAMMER = (DESIGNS / "spring_hammer.toml").read_text()
+CRANK = (DESIGNS / "slider_crank.toml").read_text()
+PRESS = (DESIGNS / "toggle_press.toml").read_text()
+ALL = sorted(DESIGNS.glob("*.toml"))
+
+
+def read(tmp_path, *changes, text=CRANK, overrides=()):
+    """Read a design with pieces of its text exchanged."""
+    for old, new in changes:
+        assert text.count(old) >= 1, old
+        text = text.replace(old, new, 1)
+    file = tmp_path / "machine.toml"
+    file.write_text(text)
+    return read_design(file, overrides)
+
+
+def given(design, cycle, force):
+    return design.cycles[cycle].phases[0].given[force]
+
+
+STEADY = 'pace = { coordinate = "crank.angle", speed = "1 rad/s" }'
+PUSH = 'push = "0 N"'
+
+
+def test_a_pace_may_speed_up_or_follow_a_law(tmp_path):
+    crank = Coordinate("crank", "angle")
+    up = read(tmp_path, ('speed = "1 rad/s"', 'speed = "60 rpm", acceleration = "-30 deg/s2"'))
+    pace = up.cycles["bench"].pace
+    assert pace.coordinate == crank
+    assert (pace.speed, pace.acceleration) == pytest.approx((2 * math.pi, -math.pi / 6))
+    assert isinstance(cycle_of(up, up.cycles["bench"]).pace, loads.SteadyPace)
+    law = read(tmp_path, ('speed = "1 rad/s"', 'law = "cycloidal", time = "1500 ms"'))
+    assert law.cycles["bench"].pace == Pace(crank, None, 0.0, "cycloidal", 1.5)
+    assert cycle_of(law, law.cycles["bench"]).pace == loads.StrokePace(
+        loads.Angle("crank"), "cycloidal", 1.5
+    )
+
+
+def test_a_force_may_follow_a_table(tmp_path):
+    table = 'push = { over = "crank.angle", at = ["0 deg", "360 deg"], force = ["0 N", "-1 kN"] }'
+    design = read(tmp_path, (PUSH, table))
+    law = given(design, "bench", "push")
+    assert law == TableLaw(Coordinate("crank", "angle"), (0.0, 2 * math.pi), (0.0, -1000.0))
+    solved = loads.run_cycle(linkage_of(design, {}), cycle_of(design, design.cycles["bench"]))
+    assert solved.efforts["push"] == pytest.approx(-1000 * solved.positions / (2 * math.pi))
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["0,0\n1,50\n400,-50\n", "x mm;F\n0;0\n1;50\n400;-50\n", "\n 0\t0\n1\t5e1\n\n400\t-50\n"],
+    ids=["comma", "semicolon and a line of words", "tab and empty lines"],
+)
+def test_a_table_may_stand_in_a_csv_file_which_counts_as_a_source(text, tmp_path):
+    (tmp_path / "work.csv").write_text(text)
+    change = (PUSH, 'push = { over = "B.x", table = "work.csv", units = ["mm", "N"] }')
+    design = read(tmp_path, change)
+    assert given(design, "bench", "push").values == (0.0, 1.0, 400.0)
+    assert given(design, "bench", "push").forces == (0.0, 50.0, -50.0)
+    assert [Path(path).name for path, _ in design.sources] == ["machine.toml", "work.csv"]
+    (tmp_path / "work.csv").write_text(text.replace("-50", "-51"))
+    assert read(tmp_path, change).sha256 != design.sha256
+
+
+def test_a_contact_is_told_along_the_axis_and_handed_on_along_the_force(tmp_path):
+    """A force that points down has the coordinate -y: touching at y is touching at -y there."""
+    design = read(tmp_path, text=HAMMER)
+    law = given(design, "at_5_work_10", "workpiece")
+    assert law == ContactLaw(Coordinate("D", "y"), 1123.5, None, True)
+    key = "cycles.at_5_work_10.phases[0].forces.workpiece"
+    assert {(f"{key}.stops", "true"), (f"{key}.stiffness", "rigid")} <= set(design.defaults_used)
+    handed = cycle_of(design, design.cycles["at_5_work_10"]).phases[0].given["workpiece"]
+    assert handed == loads.Contact(1123.5, None, 1, True)
+    press = read(
+        tmp_path,
+        ('forces = { process = "0 N" }', 'forces = { process = { touches = "A.y", at = "490 mm", stiffness = "80 kN/mm", stops = false } }'),
+        text=PRESS,
+    )  # fmt: skip
+    handed = cycle_of(press, press.cycles["press"]).phases[0].given["process"]
+    assert handed == loads.Contact(-490.0, 80e3, 1, False)
+
+
+def test_a_buffer_between_two_points_pushes_them_apart(tmp_path):
+    """The cylinder is 0.5675 m long when open and gets shorter; brief 4.2, equation (5.3)."""
+    text = PRESS.replace('process = "0 N" }', 'process = "0 N", buffer = "0 N" }')
+    design = read(
+        tmp_path,
+        ("[forces.process]", '[forces.buffer]\nbetween = ["D", "B"]\n[forces.process]'),
+        ('buffer = "0 N"', 'buffer = { touches = "buffer.length", at = "400 mm", stiffness = "1 N/mm" }'),
+        text=text.replace('cylinder = "11 kN" }', 'cylinder = "11 kN", buffer = "0 N" }'),
+    )  # fmt: skip
+    mass = {"upper": (4e-3, (125.0, 0.0), 20.0), "lower": (4e-3, (125.0, 0.0), 20.0)}
+    solved = loads.run_cycle(linkage_of(design, mass), cycle_of(design, design.cycles["press"]))
+    force = solved.efforts["buffer"][solved.phase_of == 0]
+    assert force[0] == 0.0
+    assert -60.0 < force[-1] < 0.0, "a push is a negative pull"
+
+
+def test_bodies_and_joints_may_give_way(tmp_path):
+    design = read(
+        tmp_path,
+        ("[joints.slot]", '[elastic]\njoints.R = "200 kN/mm"\njoints.slot = "1 MN/m"\n[joints.slot]'),
+        ('elastic = { bending = "2786.9184 N m2" }', 'elastic = { bending = "2786.9184 N m2", axial = "390 MN" }'),
+        text=HAMMER,
+    )  # fmt: skip
+    beam, *joints = linkage_of(design, {}).compliance
+    assert (beam.body, beam.axial) == ("rocker", 390e6)
+    assert beam.bending == pytest.approx(3 * 210e3 * 60 * 9.6**3 / 12, rel=1e-12)
+    assert joints == [loads.JointCompliance("R", 200e3), loads.JointCompliance("slot", 1e3)]
+
+
+def refused(file):
+    """Return the error of a design, or None; any other exception is a bug."""
+    try:
+        read_design(file)
+    except DesignError as error:
+        return error
+    return None
+
+
+TABLE = 'push = { over = "crank.angle", at = ["0 deg", "360 deg"], force = ["0 N", "50 N"] }'
+REFUSED = {
+    "speed and law": ((STEADY, STEADY.replace(" }", ', law = "harmonic", time = "1 s" }')), r"cycles\.bench\.pace: has both speed and law"),
+    "no pace": ((STEADY, 'pace = { coordinate = "crank.angle" }'), r"cycles\.bench\.pace: needs speed such as \"0\.1 m/s\", or law and time"),
+    "law without time": ((STEADY, 'pace = { coordinate = "crank.angle", law = "harmonic" }'), r"cycles\.bench\.pace\.time: must be stated such as \"1\.5 s\": of each stroke"),
+    "law with acceleration": ((STEADY, 'pace = { coordinate = "crank.angle", law = "harmonic", time = "1 s", acceleration = "1 rad/s2" }'), r"pace\.acceleration: follows from the law; leave it out"),
+    "speed with time": ((STEADY, STEADY.replace(" }", ', time = "1 s" }')), r"pace\.time: is only used with law; leave it out"),
+    "unknown law": ((STEADY, 'pace = { coordinate = "crank.angle", law = "cycloid", time = "1 s" }'), r"pace\.law: must be 'harmonic', 'cycloidal' or 'polynomial', got \"cycloid\", did you mean cycloidal\?"),
+    "no time": ((STEADY, 'pace = { coordinate = "crank.angle", law = "harmonic", time = "0 s" }'), r"pace\.time: must be above 0 s, got \"0 s\""),
+    "time in metres": ((STEADY, 'pace = { coordinate = "crank.angle", law = "harmonic", time = "1 m" }'), r"pace\.time: must be a time such as \"1\.5 s\", got \"1 m\", which is a length"),
+    "acceleration of a length": ((STEADY, STEADY.replace(" }", ', acceleration = "1 m/s2" }')), r"pace\.acceleration: must be an angular acceleration .*, got an acceleration"),
+    "torque for a force": ((PUSH, 'push = "5 N m"'), r"phases\[0\]\.forces\.push: must be a force such as \"11 kN\", push is a force; got a moment"),
+    "bare number": ((PUSH, "push = 5"), r"phases\[0\]\.forces\.push: must be a force such as \"11 kN\" or a moment such as \"12 N m\", got 5 without a unit"),
+    "falling table": ((PUSH, TABLE.replace('"360 deg"', '"-1 deg"')), r"forces\.push\.at: must rise, got 0 deg and then -1 deg"),
+    "uneven table": ((PUSH, TABLE.replace('"0 deg", ', '"0 deg", "5 deg", ')), r"forces\.push: needs as many forces as values and at least two, got 3 values and 2 forces"),
+    "lengths of an angle": ((PUSH, TABLE.replace('"360 deg"', '"360 mm"')), r"forces\.push\.at: must be an angle .*crank\.angle is an angle; got a length"),
+    "torques in a table": ((PUSH, TABLE.replace('"50 N"', '"50 N m"')), r"forces\.push\.force: must be a force .*push is a force; got a moment"),
+    "over nothing": ((PUSH, TABLE.replace("crank.angle", "crnk.angle")), r"forces\.push\.over: no body is named 'crnk', did you mean crank\?"),
+    "table without forces": ((PUSH, TABLE.replace(', force = ["0 N", "50 N"]', "")), r"forces\.push\.force: must be stated, such as over ="),
+    "misspelt in a table": ((PUSH, TABLE.replace("over", "ovr")), r"forces\.push\.ovr: unknown key, did you mean over\?"),
+    "table without units": ((PUSH, 'push = { over = "B.x", table = "work.csv" }'), r"forces\.push\.units: must be stated beside table"),
+    "no file": ((PUSH, 'push = { over = "B.x", table = "wrk.csv", units = ["mm", "N"] }'), r"forces\.push\.table: 'wrk\.csv' cannot be read: there is no such file, did you mean work\.csv\?$"),
+    "words in a file": ((PUSH, 'push = { over = "B.x", table = "work.csv", units = ["mm", "N"] }'), r"forces\.push\.table: work\.csv, line 3: must be a number, got \"many\""),
+    "units of a file": ((PUSH, 'push = { over = "B.x", table = "work.csv", units = ["kg", "N"] }'), r"forces\.push\.units\[0\]: work\.csv, line 2: must be a length .* which is a mass"),
+    "touches elsewhere": ((PUSH, 'push = { touches = "A.x", at = "1 mm", stiffness = "1 N/mm" }'), r"forces\.push\.touches: must be \"B\.x\", the coordinate along which push pushes, got \"A\.x\""),
+    "touches at an angle": ((PUSH, 'push = { touches = "B.x", at = "1 deg", stiffness = "1 N/mm" }'), r"forces\.push\.at: must be a length .*, got an angle"),
+    "touches nowhere": ((PUSH, 'push = { touches = "B.x", stiffness = "1 N/mm" }'), r"forces\.push\.at: must be stated: the coordinate at first touch"),
+    "all is rigid": ((PUSH, 'push = { touches = "B.x", at = "1 mm" }'), r"forces\.push\.stiffness: must be stated such as \"80 kN/mm\": where nothing gives way"),
+    "soft as butter": ((PUSH, 'push = { touches = "B.x", at = "1 mm", stiffness = "0 N/mm" }'), r"forces\.push\.stiffness: must be above 0 kN/mm, got \"0 N/mm\""),
+    "misspelt contact": ((PUSH, 'push = { toches = "B.x", at = "1 mm" }'), r"forces\.push\.toches: unknown key, did you mean touches\?"),
+    "stops maybe": ((PUSH, 'push = { touches = "B.x", at = "1 mm", stiffness = "1 N/mm", stops = "no" }'), r"forces\.push\.stops: must be true or false, got \"no\""),
+    "contact of a torque": (('forces = { push = "0 N" }, solve = "drive"', 'forces = { drive = { touches = "crank.angle", at = "1 deg", stiffness = "1 N/mm" } }, solve = "push"'), r"forces\.drive: a contact needs a force along x or y, or between two points; drive is a torque"),
+    "contact askew": (('direction = "1, 0"', 'direction = "1, 1"'), None),
+    "given and solved": (('forces = { push = "0 N" }', 'forces = { push = "0 N", drive = { touches = "B.x", at = "1 mm" } }'), r"phases\[0\]\.solve: phase 'turn' both gives and solves drive; it can only do one"),
+    "elastic in nothing": (('centre = "75, 0 mm"', 'centre = "75, 0 mm"\nelastic = {}'), r"bodies\.rod\.elastic: needs bending such as \"2787 N m2\", axial such as \"390 MN\", or both"),
+    "elastic in newton": (('centre = "75, 0 mm"', 'centre = "75, 0 mm"\nelastic = { bending = "5 N" }'), r"bodies\.rod\.elastic\.bending: must be a bending stiffness E I such as \"2787 N m2\", got \"5 N\", which is a force"),
+    "elastic joint": (("[forces.drive]", '[elastic.joints]\nQ = "1 N/mm"\n[forces.drive]'), r"elastic\.joints\.Q: no joint is named 'Q'"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_a_pace_or_law_that_cannot_be_meant_is_refused_at_its_key(case, tmp_path):
+    change, message = REFUSED[case]
+    (tmp_path / "work.csv").write_text("x,F\n1,2\n3,many\n")
+    changes = [change]
+    if case == "contact askew":
+        changes.append((PUSH, 'push = { touches = "B.x", at = "1 mm", stiffness = "1 N/mm" }'))
+        message = r"forces\.push: a contact needs a force along x or y.*; push pushes askew"
+    with pytest.raises(DesignError) as caught:
+        read(tmp_path, *changes)
+    lines = str(caught.value).splitlines()
+    assert any(re.search(message, line) for line in lines), lines
+
+
+def test_a_decimal_comma_in_a_file_is_named(tmp_path):
+    (tmp_path / "work.csv").write_text("1,5;2\n3;4\n")
+    with pytest.raises(DesignError, match=r'line 1: must be a number, got "1,5"; decimals'):
+        read(tmp_path, (PUSH, 'push = { over = "B.x", table = "work.csv", units = ["mm", "N"] }'))
+
+
+def test_two_contacts_in_one_phase_are_refused(tmp_path):
+    contact = '{ touches = "B.x", at = "1 mm", stiffness = "1 N/mm" }'
+    with pytest.raises(DesignError, match=r"forces\.stop: is a second contact beside push"):
+        read(
+            tmp_path,
+            ("[forces.push]", '[forces.stop]\nbody = "slider"\nat = "B"\ndirection = "-1, 0"\n[forces.push]'),
+            (PUSH, f"push = {contact}, stop = {contact}"),
+            ('push = "-200 N"', 'push = "-200 N", stop = "0 N"'),
+        )  # fmt: skip
+
+
+@pytest.mark.parametrize("file", ALL, ids=lambda file: file.stem)
+def test_a_design_with_any_line_spoilt_is_read_or_refused_in_words(file, tmp_path):
+    """200 designs, each with one line left out, doubled or with a part of it exchanged."""
+    for other in DESIGNS.glob("*.toml"):
+        (tmp_path / other.name).write_text(other.read_text())
+    lines, chance = file.read_text().splitlines(), random.Random(1)
+    spoilt = tmp_path / "spoilt.toml"
+    wrong = ['"5 kg"', '"x"', "-1", "[]", "{}", "true", '"1 mm"', '["a", "b"]', '"5 N m"', "nan"]
+    for _ in range(200):
+        row = chance.randrange(len(lines))
+        key, equals, value = lines[row].partition(" = ")
+        way = chance.randrange(5)
+        new = {
+            0: [],
+            1: [lines[row], lines[row]],
+            2: [f"{key}{equals}{chance.choice(wrong)}" if equals else "[nothing]"],
+            3: [re.sub(r'"[^"]*"', chance.choice(wrong), lines[row], count=1)],
+            4: [f"{key}{equals}{value.swapcase()}"],
+        }[way]
+        spoilt.write_text("\n".join([*lines[:row], *new, *lines[row + 1 :]]))
+        refusal = refused(spoilt)
+        assert refusal is None or (refusal.problem and "<" not in refusal.key)

@@ -1,0 +1,370 @@
+"""Derivations of what the four machines have not: solids, FKM, lives, curves, contacts."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from ballesta.check import check_design
+from checks.derivations import bars, buckling, contacts
+from checks.derivations.bars import solid_bars
+from checks.derivations.derivations import explained
+from checks.derivations.elastic import share_items
+from checks.derivations.friction import with_friction
+from checks.derivations.pins import pin
+from checks.derivations.proven import UNKNOWN, with_derivation
+from checks.design.effort import Effort
+from checks.handbook.lateral_buckling import column_force
+from checks.joints.pin_checks import pin_checks
+from checks.joints.slot_checks import slot_checks
+from checks.ladder import part_ladder
+from checks.models.model import PressedColumn, PressedStretch
+from checks.result.derivation import Bars, Derivation, Given, Section, Step
+from checks.result.verdict import Status
+from checks.stress.error_bars import Bars as SolidBars
+from fem.convergence import ErrorBar
+from reports.charts.buckling import column_curves
+
+from ...small_machine import PLATE, loads_of, machine
+from ..joints.test_bush_checks import PIN
+from ..joints.test_slot_checks import LEVER, MESH, lever
+
+SLOT = ('points.P="144, -120 mm"', 'points.T="144, 100 mm"', 'ground=["O", "P"]')
+ROLLER = '"10 mm"\ncontacts = { slot = { radius = "6 mm" } }\n'
+BUSH = PIN.replace("BEARS", 'allowable = "40 MPa", pv = "1 MPa m/s"')
+COLUMN = PLATE + "column = { COLUMN }\n"
+
+
+def result_of(folder, text, *overrides, rung="formula"):
+    return check_design(machine(folder, text, *overrides), effort=Effort(rung))
+
+
+def found(result, kind, words=""):
+    return next(c for c in result.checks if c.kind == kind and words in c.quantity)
+
+
+@pytest.mark.parametrize(
+    ("text", "overrides"),
+    [
+        (PLATE, ("duty.life=finite",)),
+        (PLATE, ("duty.life=finite", "duty.damage_so_far=0.2")),
+        (PLATE, ("duty.life=finite", "parts.rod.thickness=0.4 mm")),
+        (PLATE, ("parts.rod.thickness=0.05 mm",)),
+        (PLATE.replace("S275", "6082-T6"), ()),
+        (COLUMN.replace("COLUMN", 'curve = "c"'), ()),
+        (COLUMN.replace("COLUMN", 'curve = "a0"'), ("parts.rod.thickness=1 mm",)),
+        (COLUMN.replace("COLUMN", 'crookedness = "1 mm", eccentricity = "0.3 mm"'), ()),
+        (
+            COLUMN.replace("COLUMN", 'crookedness = "1 mm", eccentricity = "0.3 mm"'),
+            ('cycles.turn.pace.speed="200 rad/s"',),  # inertia: it yields beside its middle
+        ),
+        (COLUMN.replace("COLUMN", 'out_of_plane = "400 mm", fork_stiffness = "1 N m/rad"'), ()),
+        (BUSH, ()),
+        (LEVER, SLOT),
+        (LEVER.replace('"10 mm"\n', ROLLER), SLOT),
+    ],
+)
+def test_every_number_follows_from_its_formulas(tmp_path, text, overrides):
+    for check in result_of(tmp_path, text, *overrides).checks:
+        assert check.derivation.misses(check) == "", check.quantity
+        assert not check.derivation.unproved or check.method == "frame"
+
+
+@pytest.fixture(scope="module")
+def solids(tmp_path_factory):
+    """The rod as a solid, by Marin's chain, by FKM's, and for a finite life."""
+    folder = tmp_path_factory.mktemp("solids")
+    return {
+        "marin": result_of(folder, PLATE, rung="solid"),
+        "fkm": result_of(folder, PLATE + 'strength = "fkm"\n', rung="solid"),
+        "finite": result_of(
+            folder, PLATE, "duty.life=finite", "duty.damage_so_far=0.2", rung="solid"
+        ),
+    }
+
+
+@pytest.mark.parametrize("chain", ["marin", "fkm", "finite"])
+def test_a_solid_s_stresses_follow_from_its_unit_loads(solids, chain):
+    for kind in ("static", "fatigue"):
+        check = found(solids[chain], kind)
+        assert check.method == "solid"
+        assert check.derivation.misses(check) == ""
+        bars = check.derivation.bars
+        own = sum(check.derivation.number(symbol) for symbol in bars.numerical.split())
+        assert own == pytest.approx(check.numerical, rel=1e-9)
+        slack = 1e-9 * check.value
+        for size, symbol in ((check.model, bars.above), (check.below, bars.below)):
+            assert check.derivation.number(symbol) == pytest.approx(size, rel=1e-9, abs=slack)
+
+
+def test_the_life_is_that_of_miner_s_sum(solids):
+    derivation = found(solids["finite"], "fatigue").derivation
+    assert derivation.number("D") == pytest.approx(derivation.number("D_a"), rel=1e-9)
+    assert derivation.number("D_a") == pytest.approx(0.3 - 0.2)
+
+
+def test_an_eigenvalue_says_that_no_formula_gives_it_and_stands_beside_euler(solids):
+    check = found(solids["marin"], "buckling", "elastic load share")
+    assert "unknowns" in check.derivation.unproved
+    assert check.derivation.number("share") == pytest.approx(check.value, rel=1e-12)
+    across = next(one for one in check.derivation.compared if "out of plane" in one.quantity)
+    assert 0.5 < across.model / across.hand < 2.0
+
+
+def test_hand_checks_stand_beside_the_solid_s_numbers(solids):
+    part = solids["marin"].parts[0]
+    derivation = found(solids["marin"], "static").derivation
+    assert [one.hand for one in derivation.compared] == [one.hand for one in part.hand_checks]
+    assert part.hand_checks
+
+
+def test_the_unit_loads_of_a_solid_are_named_by_interface_and_pattern(solids):
+    derivation = found(solids["marin"], "static").derivation
+    names = {load.name for load in derivation.items[0].loads}
+    assert {"first cos 0", "first cos 1", "second cos 2"} <= names
+    assert all(load.unit for load in derivation.items[0].loads)
+
+
+def test_a_column_shows_all_its_limits(tmp_path):
+    derivation = found(result_of(tmp_path, PLATE), "buckling", "column in plane").derivation
+    steps = {item.symbol for item in derivation.items if isinstance(item, Step)}
+    assert {"sigma_E", "S", "S_P", "S_c"} <= steps
+    limits = [derivation.number(symbol) for symbol in ("sigma_E", "S", "S_P", "S_c")]
+    assert min(limits) > 0
+
+
+def test_perry_and_robertson_s_limit_beside_the_others_is_that_of_the_chart(tmp_path):
+    """By the stated crookedness, and by the slenderness of a part that states none."""
+    stated = COLUMN.replace("COLUMN", 'crookedness = "1 mm"')
+    for text in (PLATE, stated):
+        result = result_of(tmp_path, text)
+        curves = column_curves(result.parts[0].charts["column"])
+        for plane in result.parts[0].charts["column"]["planes"]:
+            own = found(result, "buckling", f"column {plane['plane']}").derivation
+            name = "Perry-Robertson" + (f" {plane['plane']}" if text is stated else "")
+            assert own.number("S_P") == pytest.approx(curves[name](plane["slenderness"]), rel=1e-9)
+            if text is stated:
+                assert own.number("eta_P") == pytest.approx(plane["eta"], rel=1e-9)
+            assert own.number("S_c") == pytest.approx(
+                curves["Eurocode 3 c"](plane["slenderness"]), rel=1e-9
+            )
+
+
+def test_a_bar_of_the_linkage_stands_beside_euler_s_force_of_its_own_length(tmp_path):
+    """The plate of 30 x 8 mm, bent over its 8 mm."""
+    (check,) = result_of(tmp_path, PLATE).linkage
+    (one,) = check.derivation.compared
+    euler = np.pi**2 * 210e3 * (30 * 8**3 / 12) / (144**2 + 72**2)
+    assert one.hand == pytest.approx(check.derivation.number("N") / euler, rel=1e-6)
+    assert one.model == check.value
+
+
+def test_the_pressure_under_a_block_that_is_turned_has_its_couple(tmp_path):
+    design = lever(tmp_path)
+    rows = [(0.0, 80.0, 80.0 * 60.0), (0.0, 800.0, 120.0 * 800.0 + 500.0)]
+    loads = loads_of({"slot": rows}, {"slot": np.array([60.0, 120.0])})
+    part = design.parts["lever"]
+    (check,) = slot_checks(design, part, loads, MESH.interfaces)
+    derivation = contacts.contact(part, loads, MESH.interfaces, check)
+    assert derivation.misses(check) == ""
+    assert derivation.number("C") == pytest.approx(500.0)
+
+
+def test_a_pin_that_friction_twists_follows_from_its_formulas(climbed):
+    climb, *_ = climbed["pin_A"]
+    wrenches = {name: wrench.copy() for name, wrench in climb.loads.wrenches.items()}
+    for sign, wrench in zip((1, -1), wrenches.values(), strict=True):
+        wrench[:, 5] += sign * 4e3
+    loads = replace(climb.loads, wrenches=wrenches)
+    checks = pin_checks(climb.design, climb.part, loads)
+    assert checks
+    twisted = 0
+    for check in checks:
+        derivation = pin(climb.part, loads, check)
+        assert derivation.misses(check) == "", check.quantity
+        twisted += any(item.symbol == "T" for item in derivation.items)
+    assert twisted
+
+
+def test_the_stress_of_a_pin_in_two_directions_is_findley_s(tmp_path):
+    check = found(result_of(tmp_path, BUSH), "fatigue")
+    assert check.quantity.startswith("Findley")
+    normal = next(item for item in check.derivation.items if item.symbol == "n")
+    assert isinstance(normal, Given)
+    assert sum(one**2 for one in normal.value) == pytest.approx(1.0)
+
+
+def test_a_solid_s_eigenvalue_says_that_its_bars_are_not_reproduced(solids):
+    check = found(solids["marin"], "buckling", "elastic load share")
+    off = with_derivation(check, check.derivation)
+    assert off.derivation.unproved == check.derivation.unproved
+    # what lies between the positions has a formula, the two meshes' bar has none
+    assert "the formulas give a numerical bar of" in check.derivation.unproved
+
+
+def test_a_roller_without_a_material_is_said_to_be_assumed(tmp_path):
+    rolling = LEVER.replace('"10 mm"\n', ROLLER)
+    derivation = found(result_of(tmp_path, rolling, *SLOT), "contact").derivation
+    sources = {item.symbol: item.source for item in derivation.items}
+    assert sources["E_2"] == sources["nu_2"] == "assumed: steel"
+    stated = rolling.replace('radius = "6 mm"', 'radius = "6 mm", material = "S355"')
+    derivation = found(result_of(tmp_path, stated, *SLOT), "contact").derivation
+    assert next(item for item in derivation.items if item.symbol == "E_2").source.startswith("S355")
+
+
+@pytest.fixture(scope="module")
+def climbed(tmp_path_factory):
+    """Arguments of `explained` for every part, by text of the design: rod and pin, lever."""
+    caught = {}
+
+    def keep(climb, checks, *rest):
+        caught.setdefault(climb.part.name, (climb, checks, *rest))
+        return explained(climb, checks, *rest)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(part_ladder, "explained", keep)
+        for name, text, overrides in (
+            ("bush", PLATE + BUSH, ()),
+            ("slot", LEVER, SLOT),
+        ):
+            result_of(tmp_path_factory.mktemp(name), text, *overrides)
+    return caught
+
+
+@pytest.mark.parametrize(
+    ("part", "quantity"),
+    [
+        ("rod", "column in plane"),
+        ("rod", "crooked bar in plane"),
+        ("rod", "elastic load share"),
+        ("pin_A", "nominal bending stress 32 M/(pi d^3)"),
+        ("pin_A", "nominal shear stress 4/3 of 4 V/(pi d^2)"),
+        ("pin_A", "bush of rod"),
+        ("pin_A", "p v of the bush of rod"),
+        ("lever", "mean pressure at slot"),
+    ],
+)
+def test_a_check_under_another_name_gets_a_derivation_that_says_it_has_none(
+    climbed, part, quantity
+):
+    climb, checks, *rest = climbed[part]
+    check = next(c for c in checks if c.quantity == quantity)
+    (known,) = explained(climb, [check], *rest)
+    assert UNKNOWN not in known.derivation.unproved
+    (other,) = explained(climb, [replace(check, quantity=f"the {quantity}, reworded")], *rest)
+    assert other.derivation.unproved == UNKNOWN
+    assert other.derivation.misses(other) == ""
+
+
+def test_a_check_of_a_new_kind_gets_a_derivation_that_says_it_has_none(climbed):
+    climb, checks, *rest = climbed["rod"]
+    check = replace(checks[0], kind="creep", derivation=None, model=float("inf"), model_below=None)
+    (other,) = explained(climb, [check], *rest)
+    assert other.derivation.unproved == UNKNOWN
+
+
+def test_bars_that_exclude_each_other_leave_the_rung_s_own_error(climbed):
+    """A doubted check has no model band, but its rung's numerical error is told by a formula."""
+    climb, checks, *rest = climbed["rod"]
+    check = next(c for c in checks if c.kind == "static")
+    level = climb.levels[check.method]
+    wrong = replace(level, model=replace(level.model, numerical=0.02))
+    doubted = replace(
+        check,
+        derivation=None,
+        numerical=0.02 * check.value + check.sampling,
+        model=float("inf"),
+        model_below=float("inf"),
+    )
+    again = replace(climb, levels={check.method: wrong})
+    (told,) = explained(again, [doubted], *rest)
+    assert told.derivation.unproved == ""
+    found = [told.derivation.number(one) for one in told.derivation.bars.numerical.split()]
+    assert sum(found) == pytest.approx(doubted.numerical, rel=1e-12)
+
+
+@pytest.mark.parametrize("at", [0, 4])
+def test_p_v_is_told_where_it_is_largest_also_at_the_first_position(climbed, monkeypatch, at):
+    climb, checks, solved, *_ = climbed["pin_A"]
+    check = next(c for c in checks if c.quantity == "p v of the bush of rod")
+    speeds = np.zeros(len(climb.loads.labels))
+    speeds[at] = -3.0
+    monkeypatch.setattr(contacts, "turning", lambda *_: speeds)
+    derivation = contacts.bush(climb.part, climb.loads, solved, replace(check, position="no label"))
+    assert derivation.cases[0].index == at
+    assert derivation.number("omega") == 3.0
+
+
+def test_a_singular_place_and_a_single_mesh_are_told_apart():
+    plain = SolidBars(ErrorBar(1.0, 1.0, 0.0, 100.0), 0.0, 0.0, "", (99.0, 100.0), (2.0, 1.0))
+    singular = replace(plain, numerical=replace(plain.numerical, singular=0.4))
+    assert "singular" in solid_bars(singular, "sigma")[0].words
+    assert "two meshes" in solid_bars(replace(plain, values=(1.0,)), "sigma")[0].words
+    assert solid_bars(plain, "sigma")[0].numerical == "e_num"
+
+
+def test_the_constants_of_a_solid_s_bar_are_those_of_its_computation(monkeypatch):
+    plain = SolidBars(ErrorBar(1.0, 1.0, 0.0, 100.0), 0.0, 0.0, "", (99.0, 100.0), (2.0, 1.0))
+    for name, value in (("FINER", 1.7), ("SAFETY", 2.5), ("LEAST", 0.3), ("SCATTER", 0.7),
+                        ("REPEATS", 0.004), ("ORDER", 3.0)):  # fmt: skip
+        monkeypatch.setattr(bars, name, value)
+    items = {item.symbol: item for item in solid_bars(plain, "sigma")[1]}
+    assert items["r_m"].formula == "max(h_1/h_2, 1.7)"
+    assert items["e_h"].formula == "max(2.5/(r_m^3 - 1), 0.29999999999999999)*abs(sigma - v_1)"
+    assert items["e_num"].formula == "max(e_h, 0.7*e_s, e_n) + 0.004*sigma + e_t"
+
+
+def test_a_bar_of_another_shape_is_compared_with_euler_in_words(tmp_path):
+    """Every bar of a linkage is compared; for a shape that is none a note stands in its place."""
+    result = result_of(tmp_path, PLATE)
+    (check,) = result.linkage
+    assert check.derivation.compared
+    shape = SimpleNamespace(body="rod", geometry=SimpleNamespace(length=1.0))
+    mode = SimpleNamespace(body="rod", effective_length=2.0, compression=3.0)
+    compared, notes = buckling._alone(SimpleNamespace(parts={"rod": shape}), mode, 0.5)
+    assert compared == ()
+    assert "no comparison with Euler's force: rod" in notes[0]
+
+
+BENDING, SHEAR = np.linspace(1e6, 2e6, 9), np.linspace(3e4, 5e4, 9)
+
+
+@pytest.mark.parametrize(
+    ("bar", "share"),
+    [
+        (PressedColumn(500.0, BENDING, np.inf, 90.0), 500 / column_force(BENDING, np.inf, 90.0)),
+        (PressedColumn(500.0, BENDING, SHEAR, 90.0), 500 / column_force(BENDING, SHEAR, 90.0)),
+        (PressedColumn(0.0, BENDING, 4e4, 90.0, sideways=0.3), 0.3),
+        (PressedStretch(500.0, local=1e-3), 0.5),
+        (PressedStretch(-500.0, local=1e-3), 0.0),
+    ],
+)
+def test_the_share_of_a_bar_follows_from_its_numbers(bar, share):
+    own = Derivation((), (Section("all", tuple(share_items(bar))),), "share", "share")
+    assert own.number("share") == pytest.approx(share, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("most", "least", "above", "below"),
+    [(2.0, 0.5, "b w_up", "w_lo"), (0.5, 0.5, "b", "w_lo"), (float("inf"), 1.0, "", "")],
+)
+def test_friction_hands_over_its_own_terms(climbed, most, least, above, below):
+    check = replace(climbed["rod"][1][0], value=100.0, numerical=0.0, model=1.0, model_below=0.0)
+    items = (Given("sigma", "", 100.0), Given("L", "", check.limit), Given("b", "", 1.0))
+    own = Derivation((), (Section("all", items),), "sigma", "L", Bars(above="b", words="own"))
+    check = replace(
+        check,
+        model=1.0 + max(0.0, most - 1) * 100.0,
+        model_below=max(0.0, 1 - least) * 100.0,
+    )
+    found = with_friction(own, check, most, least, "solved again")
+    assert (found.bars.above, found.bars.below) == (above, below)
+    assert found.misses(check) == ""
+
+
+def test_a_check_whose_formulas_miss_it_says_so_in_words(tmp_path):
+    check = found(result_of(tmp_path, PLATE), "bearing")
+    off = with_derivation(replace(check, value=1.001 * check.value), check.derivation)
+    assert "do not give all of the check's numbers" in off.derivation.unproved
+    assert check.status is Status.PASS

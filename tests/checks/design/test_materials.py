@@ -1,0 +1,91 @@
+"""The materials that ballesta knows, and what a design's own must state."""
+
+from pathlib import Path
+
+import pytest
+
+from ballesta.design.read import read_design
+from checks.design.errors import DesignError
+from checks.design.materials import Material, known_materials
+from fatigue import FkmMaterial, component_limit, endurance_limit
+from geometry.parameters import ParameterError
+
+PRESS = Path(__file__).parents[3] / "designs" / "toggle_press.toml"
+ALLOY = {
+    "name": "alloy",
+    "youngs_modulus": 70e3,
+    "poisson_ratio": 0.33,
+    "density": 2.7e-9,
+    "yield_stress": 240.0,
+    "ultimate_stress": 290.0,
+    "ductile": True,
+    "source": "a test",
+}
+
+
+def test_what_is_not_steel_must_state_its_endurance_ratio():
+    with pytest.raises(ParameterError, match="70 GPa is not steel's"):
+        Material(**ALLOY)
+    assert Material(**ALLOY, endurance_ratio=0.4).endurance_ratio == 0.4
+    assert Material(**{**ALLOY, "youngs_modulus": 210e3}).endurance_ratio is None
+
+
+@pytest.mark.parametrize("ratio", [0.0, 1.0, -0.4, float("nan")])
+def test_an_endurance_ratio_is_a_share_of_the_strength(ratio):
+    with pytest.raises(ParameterError, match="between 0 and 1"):
+        Material(**ALLOY, endurance_ratio=ratio)
+
+
+@pytest.mark.parametrize(
+    ("name", "yields", "breaks", "standard"),
+    [
+        ("S275", 275.0, 410.0, "EN 10025-2"),
+        ("S355", 355.0, 470.0, "EN 10025-2"),
+        ("C45", 305.0, 580.0, "EN ISO 683-1"),
+        ("42CrMo4", 650.0, 900.0, "EN ISO 683-2"),
+        ("51CrV4", 1200.0, 1350.0, "EN 10089"),
+        ("51CrV4_QT", 800.0, 1000.0, "EN ISO 683-2"),
+        ("6082-T6", 240.0, 295.0, "EN 485-2"),
+    ],
+)
+def test_metals_have_the_minima_of_their_standard(name, yields, breaks, standard):
+    metal = known_materials()[name]
+    assert (metal.yield_stress, metal.ultimate_stress) == (yields, breaks)
+    assert standard in metal.source
+    assert "mm" in metal.source or "test pieces" in metal.source
+    assert metal.why_not_goodman is None
+
+
+def test_every_known_metal_can_go_through_both_chains():
+    metals = [m for m in known_materials().values() if m.ductile]
+    assert len(metals) == 8
+    for metal in metals:
+        specimen = metal.endurance_ratio and metal.endurance_ratio * metal.ultimate_stress
+        marin = endurance_limit(metal.ultimate_stress, "machined", specimen_limit=specimen)
+        own = FkmMaterial(metal.ultimate_stress, metal.fkm_group)
+        fkm = component_limit(own, roughness=10.0)
+        for limit in (marin.value, float(fkm.limit)):
+            assert 0.2 * metal.ultimate_stress < limit < 0.5 * metal.ultimate_stress
+
+
+def test_alumina_is_brittle_and_says_why_goodman_cannot_judge_it():
+    alumina = known_materials()["alumina"]
+    assert not alumina.ductile
+    assert alumina.endurance_ratio is None
+    assert "alumina is brittle: it breaks from its largest flaw" in alumina.why_not_goodman
+
+
+def test_a_part_of_alumina_is_refused(tmp_path):
+    text = PRESS.read_text()
+    assert text.count('material = "42CrMo4"\n') == 1
+    design = tmp_path / "ceramic.toml"
+    design.write_text(text.replace('material = "42CrMo4"\n', 'material = "alumina"\n'))
+    with pytest.raises(DesignError, match=r"alumina is brittle: it breaks .*; only ductile metals"):
+        read_design(design)
+
+
+def test_a_material_says_to_which_group_of_the_guideline_it_belongs():
+    alloy = Material(**ALLOY, endurance_ratio=0.4, fkm_group="wrought_aluminium")
+    assert alloy.fkm_group == "wrought_aluminium"
+    with pytest.raises(ParameterError, match=r"must be one of steel, .* got 'alloy'"):
+        Material(**ALLOY, endurance_ratio=0.4, fkm_group="alloy")

@@ -1,0 +1,261 @@
+"""Which rungs are tried, and what a part's result says of it."""
+
+from math import inf
+
+import numpy as np
+import pytest
+
+from ballesta.check import check_design
+from checks.ladder import climb
+from checks.ladder.climb import AUTO, climb_cheap, start_climb
+from checks.ladder.part_ladder import Effort, check_parts
+from checks.ladder.result import cheap_result, solid_result
+from checks.models import bands
+from checks.part.part_loads import loads_on
+from checks.result.verdict import NOT_MESHED, Status
+from checks.stress.solid_mesh_level import Models
+
+from ...small_machine import PLATE, machine, solved
+from ..models.wide_bands import bands_of
+
+
+@pytest.fixture
+def bars(monkeypatch):
+    """Set the bars of the rungs."""
+
+    def put(**widths):
+        monkeypatch.setattr(bands, "_data", lambda: bands_of(**widths))
+
+    return put
+
+
+def started(folder, *overrides, text=PLATE):
+    design = machine(folder, text, *overrides)
+    part = design.parts["rod"]
+    cycles = solved(design)
+    return start_climb(design, part, loads_on(design, part, cycles), cycles)
+
+
+def required_at(state, kind, utilisation):
+    """The required safety at which a check of a climb is used so far."""
+    check = state.best[kind].check
+    return utilisation * check.limit / check.value
+
+
+def test_a_part_that_obviously_passes_stops_at_the_formula(tmp_path, bars):
+    bars(formula=0.1, beam=0.05)
+    state = started(tmp_path)
+    assert not climb_cheap(state, AUTO)
+    assert [rung.rung for rung in state.tried] == ["formula"]
+    assert state.tried[0].why.startswith("stopped: static pass")
+
+
+def test_a_limit_within_the_bars_climbs_to_the_rung_that_settles_it(tmp_path, bars):
+    """5 % below the limit: a formula of 15 % leaves it open, a beam of 2 % does not."""
+    bars(formula=0.15, beam=0.02)
+    first = started(tmp_path)
+    climb_cheap(first, AUTO)
+    need = required_at(first, "static", 0.95)
+    state = started(tmp_path, f"require.static={need}")
+    assert not climb_cheap(state, AUTO)
+    assert [(rung.rung, bool(rung.checks)) for rung in state.tried] == [
+        ("formula", True),
+        ("beam", True),
+    ]
+    assert state.best["static"].check.method == "beam"
+    assert state.best["static"].check.status is Status.PASS
+
+
+def test_a_rung_whose_bars_would_settle_nothing_is_passed_over(tmp_path, bars):
+    """5 % below the limit: a formula of 10 % leaves it open, and so would a beam of 9 %."""
+    bars(formula=0.1, beam=0.09)
+    first = started(tmp_path)
+    climb_cheap(first, AUTO)
+    state = started(tmp_path, f"require.static={required_at(first, 'static', 0.95)}")
+    assert climb_cheap(state, AUTO)
+    assert [(rung.rung, bool(rung.checks)) for rung in state.tried] == [
+        ("formula", True),
+        ("beam", False),
+    ]
+    assert "would settle nothing" in state.tried[1].why
+
+
+def test_no_rung_below_a_solid_settles_a_part_at_its_limit(tmp_path, bars):
+    bars(formula=0.1, beam=0.05)
+    first = started(tmp_path)
+    climb_cheap(first, AUTO)
+    state = started(tmp_path, f"require.static={required_at(first, 'static', 1.0)}")
+    assert climb_cheap(state, AUTO)
+    assert state.open == ["static"]
+
+
+def test_proportions_that_no_solid_was_compared_at_climb_to_the_solid(tmp_path, monkeypatch):
+    monkeypatch.setattr(bands, "_data", lambda: {})
+    state = started(tmp_path)
+    assert climb_cheap(state, AUTO)
+    assert state.best["static"].check.model == inf
+    assert "no error bar" in state.best["static"].check.note
+
+
+def test_fkm_goes_straight_to_the_solid(tmp_path, bars):
+    bars(formula=0.1)
+    fkm = ('parts.rod.strength="fkm"', 'parts.rod.roughness="25 um"')
+    state = started(tmp_path, *fkm)
+    assert climb_cheap(state, AUTO)
+    assert not state.levels
+    assert "FKM" in state.tried[0].why
+
+
+def test_a_part_that_passes_by_formula_is_never_meshed(tmp_path, bars, monkeypatch):
+    bars(formula=0.1)
+    design = machine(tmp_path, PLATE)
+
+    def no_mesh(*_):
+        raise AssertionError("meshed")
+
+    monkeypatch.setattr(Models, "mesh", no_mesh)
+    result = check_design(design)
+    (part,) = result.parts
+    assert part.meshes == []
+    assert part.surface.is_bare
+    assert not np.any(part.surface.fields[NOT_MESHED])
+    assert part.facts["mass [kg]"] > 0.1
+    assert {check.method for check in part.checks} == {"formula"}
+    assert [gate.name for gate in part.gates if not gate.holds] == []
+
+
+def test_every_fidelity_gives_the_same_checks_by_its_own_model(tmp_path, bars):
+    bars(formula=0.2, beam=0.2)
+    design = machine(tmp_path, PLATE)
+    values = {}
+    for fidelity in ("formula", "beam", "solid"):
+        (part,) = check_design(design, effort=Effort(fidelity)).parts
+        stress = {check.kind: check for check in part.checks if check.kind in ("static", "fatigue")}
+        assert {check.method for check in stress.values()} == {fidelity}
+        values[fidelity] = {kind: check.value for kind, check in stress.items()}
+        assert any(check.quantity == "elastic load share" for check in part.checks)
+    for fidelity, found in values.items():
+        for kind, value in found.items():
+            assert value == pytest.approx(values["solid"][kind], rel=0.12), (fidelity, kind)
+
+
+def test_a_verdict_by_auto_is_that_of_the_solid_near_the_limit(tmp_path, bars):
+    """The solid that `auto` comes to judges as the whole solid does, and says what it tried."""
+    bars(formula=0.1, beam=0.05)
+    first = started(tmp_path)
+    climb_cheap(first, AUTO)
+    for share in (0.98, 1.015):
+        need = required_at(first, "static", share)
+        design = machine(tmp_path, PLATE, f"require.static={need}")
+        (part,) = check_design(design).parts
+        (whole,) = check_design(design, effort=Effort("solid")).parts
+        by_auto, by_solid = (
+            next(check for check in one.checks if check.kind == "static") for one in (part, whole)
+        )
+        assert by_auto.status is by_solid.status
+        assert part.rungs[-1].rung == "solid"
+        assert part.rungs[-1].seconds > 0
+
+
+def test_without_time_no_solid_is_begun_and_what_it_would_settle_is_told(tmp_path, bars):
+    bars(formula=0.1)
+    first = started(tmp_path)
+    climb_cheap(first, AUTO)
+    need = required_at(first, "static", 1.0)
+    design = machine(tmp_path, PLATE, f"require.static={need}")
+    result = check_design(design, effort=Effort(within=0.001))
+    (part,) = result.parts
+    assert part.meshes == []
+    assert part.rungs[-1].why.startswith("no time")
+    assert part.rungs[-1].why.endswith("it may settle static")
+    assert any("it may settle static" in text for text in result.warnings)
+    assert result.status is Status.UNDECIDED
+    assert "--within 0.001s" in result.command
+
+
+def test_parts_that_need_solids_come_cheapest_first_under_a_time_limit(tmp_path, monkeypatch):
+    monkeypatch.setattr(bands, "_data", lambda: {})
+    two = PLATE + PLATE.replace("[parts.rod]", "[parts.crank]").replace(
+        'body = "rod"', 'body = "crank"'
+    ).replace('first = "A", second = "B"', 'first = "O", second = "A"').replace(
+        'width = "30 mm"', 'width = "60 mm"'
+    )
+    design = machine(tmp_path, two)
+    order = []
+    costs = {"rod": 9.0, "crank": 2.0}
+
+    def noted(state, models, *_, **__):
+        order.append(state.part.name)
+        return cheap_result(state, models)
+
+    monkeypatch.setattr("checks.ladder.part_ladder.solid_result", noted)
+    monkeypatch.setattr(
+        "checks.ladder.part_ladder._cost", lambda design, state, models: costs[state.part.name]
+    )
+    check_parts(design, solved(design), Models(), Effort(within=1e6), 0.0, lambda _: None)
+    assert order == ["crank", "rod"]
+
+
+def test_what_no_model_settles_is_not_meshed(tmp_path, bars, monkeypatch):
+    """A band that every model has, across the limit wherever in the formula's bars the value is."""
+    bars(formula=0.05)
+    wide = lambda check: check.__class__(  # noqa: E731
+        **{
+            **{name: getattr(check, name) for name in check.__dataclass_fields__},
+            "model": check.model + check.value,
+            "model_below": check.below + 0.9 * check.value,
+        }
+    )
+    monkeypatch.setattr(climb, "leaf_band", lambda *_: wide)
+    first = started(tmp_path)
+    climb_cheap(first, AUTO)
+    need = [f"require.{kind}={required_at(first, kind, 1.0)}" for kind in ("static", "fatigue")]
+    state = started(tmp_path, *need)
+    assert not climb_cheap(state, AUTO)
+    assert "stays UNDECIDED by what every model assumes" in state.tried[-1].why
+
+
+def test_a_solid_that_is_asked_for_one_check_leaves_the_others_to_the_rungs_below(tmp_path, bars):
+    bars(formula=0.1)
+    first = started(tmp_path)
+    climb_cheap(first, AUTO)
+    state = started(tmp_path, f"require.fatigue={required_at(first, 'fatigue', 1.0)}")
+    assert climb_cheap(state, AUTO)
+    assert state.open == ["fatigue"]
+    result = solid_result(state, Models(), lambda _: None, everything=False)
+    methods = {check.kind: check.method for check in result.checks if "column" not in check.quantity
+               and "crooked" not in check.quantity}  # fmt: skip
+    assert methods["fatigue"] == "solid"
+    assert methods["buckling"] == "formula"
+
+
+def test_a_solid_that_fails_by_its_bars_is_not_refined_for_its_other_checks(tmp_path, bars):
+    """Static fails by a third; fatigue is at its limit, which a finer mesh would look into."""
+    bars()
+    known = started(tmp_path)
+    result = solid_result(known, Models(), lambda _: None, everything=True)
+    values = {check.kind: check.limit / check.value for check in result.checks[:2]}
+    state = started(
+        tmp_path,
+        f"require.static={1.33 * values['static']}",
+        f"require.fatigue={values['fatigue']}",
+        "accuracy=0.1%",
+    )
+    result = solid_result(state, Models(), lambda _: None, everything=False)
+    status = {check.kind: check.status for check in result.checks[:2]}
+    assert status == {"static": Status.FAIL, "fatigue": Status.UNDECIDED}
+    assert len(result.meshes) == 2
+    assert any("fails already (static)" in check.note for check in result.checks)
+
+
+def test_the_cheapest_model_of_every_part_comes_before_a_better_one_of_any(tmp_path, monkeypatch):
+    monkeypatch.setattr(bands, "_data", lambda: {})
+    monkeypatch.setattr(climb.Climb, "worth", lambda *_: "")
+    two = PLATE + PLATE.replace("[parts.rod]", "[parts.crank]").replace(
+        'body = "rod"', 'body = "crank"'
+    ).replace('first = "A", second = "B"', 'first = "O", second = "A"')
+    design = machine(tmp_path, two)
+    said = []
+    check_parts(design, solved(design), Models(), Effort(within=0.001), 0.0, said.append)
+    rungs = [text.rpartition(": ")[2] for text in said if ": " in text]
+    assert rungs[:4] == ["formula", "formula", "beam", "beam"]

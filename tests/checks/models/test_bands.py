@@ -1,0 +1,95 @@
+"""Bars of the rungs: from solids, and only for proportions that were compared."""
+
+from math import exp, sqrt
+
+import pytest
+
+from bench import rung_bands
+from bench.rung_bands import Compared
+from checks.models import bands
+from checks.models.bands import Band, NoBand, band_of, known_band
+from checks.models.proportions import SHARE
+
+ENTRY = {
+    "low": 0.9,
+    "high": 1.2,
+    "count": 20,
+    "above": [0.01, 0.05],
+    "below": [0.0, 0.1],
+    "scales": {"hole / width": [0.3, 0.7]},
+}
+
+
+@pytest.fixture(autouse=True)
+def one_band(monkeypatch):
+    monkeypatch.setattr(bands, "_data", lambda: {"plate_link": {"formula": {"static": ENTRY}}})
+
+
+def test_a_part_within_the_proportions_compared_has_the_band():
+    band = band_of("plate_link", "formula", "static", {"hole / width": 0.5})
+    assert band == Band(0.9, 1.2, 20, (0.01, 0.05), (0.0, 0.1))
+
+
+def test_proportions_may_leave_the_range_by_a_tenth_of_it():
+    assert isinstance(band_of("plate_link", "formula", "static", {"hole / width": 0.73}), Band)
+    beyond = band_of("plate_link", "formula", "static", {"hole / width": 0.75})
+    assert beyond == NoBand("hole / width is 0.75, solids were compared from 0.3 to 0.7")
+
+
+def test_a_proportion_that_no_solid_had_has_no_band():
+    """A pin without a step tells none of its fillet; one with a step must have been compared."""
+    stepped = band_of("plate_link", "formula", "static", {"fillet / neck": 0.03})
+    assert stepped == NoBand("no solid with fillet / neck was compared")
+    assert isinstance(band_of("plate_link", "formula", "static", {}), Band)
+
+
+def test_a_shape_or_check_that_was_not_compared_has_no_band():
+    assert isinstance(band_of("leaf_pack", "formula", "static", {}), NoBand)
+    assert known_band("plate_link", "formula", "fatigue") is None
+
+
+def row(truth, value, scale=0.5, above=0.0):
+    return Compared(
+        "plate_link", "s/p", "s/p/0", "formula", "static", truth, 0.0, above, 0.0, value, 1.0,
+        {"hole / width": scale},
+    )  # fmt: skip
+
+
+def test_a_band_is_where_the_next_solid_lies_in_95_per_cent_of_all_cases():
+    """Ratios e^-0.1, 1, e^0.1: mean 0, deviation 0.1, and t of 2 degrees of freedom is 4.303."""
+    rows = [row(exp(x), 1.0) for x in (-0.1, 0.0, 0.1)]
+    found = rung_bands.band_of(rows)
+    reach = 4.3027 * 0.1 * sqrt(4 / 3)
+    assert found["low"] == pytest.approx(exp(-reach), rel=1e-4)
+    assert found["high"] == pytest.approx(exp(reach), rel=1e-4)
+    assert found["count"] == 3
+
+
+def test_solids_that_hardly_scatter_leave_two_per_cent_to_either_side():
+    found = rung_bands.band_of([row(ratio, 1.0) for ratio in (1.0999, 1.1, 1.1001)])
+    assert (found["low"], found["high"]) == pytest.approx((1.1 * 0.98, 1.1 * 1.02), rel=1e-4)
+
+
+def test_shares_of_the_largest_force_may_leave_the_range_by_a_tenth_of_that_force(monkeypatch):
+    name = SHARE + "pulled"
+    entry = ENTRY | {"scales": {name: [0.0, 0.02]}}
+    monkeypatch.setattr(bands, "_data", lambda: {"plate_link": {"formula": {"static": entry}}})
+    assert isinstance(band_of("plate_link", "formula", "static", {name: 0.09}), Band)
+    assert isinstance(band_of("plate_link", "formula", "static", {name: 0.13}), NoBand)
+
+
+def test_a_biased_rung_keeps_its_bias_in_the_band():
+    """Ratios 1.1 and 1.2: both ends of the band are above 1 if they scatter less than that."""
+    rows = [row(ratio, 1.0) for ratio in (1.19, 1.2, 1.21)]
+    assert 1.15 < rung_bands.band_of(rows)["low"] < 1.19
+
+
+def test_a_band_knows_the_least_and_the_most_of_the_solids_own_model_bands():
+    rows = [row(100.0, 100.0, above=a) for a in (2.0, 5.0)] + [row(101.0, 100.0)]
+    assert rung_bands.band_of(rows)["above"] == pytest.approx([0.0, 0.05])
+
+
+def test_too_few_solids_make_no_band():
+    assert rung_bands.bands([row(1.0, 1.0), row(1.1, 1.0)]) == {}
+    enough = [row(1.0 + 0.01 * k, sqrt(1.0)) for k in range(5)]
+    assert "static" in rung_bands.bands(enough)["plate_link"]["formula"]
