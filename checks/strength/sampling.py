@@ -13,11 +13,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import isfinite
+from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from checks.models.model import ElasticLoad, RungModel
 from checks.part.part_loads import PartLoads
@@ -27,6 +27,9 @@ from checks.stress.stress_result import Stressed
 from fatigue.stress_path import deviatoric_basis
 from fem.stress_history import StressHistory
 from geometry.mesh import FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 PIECES = 8  # of a step between two positions
 MARGIN = 2.0  # times what was found: a Findley amplitude rose by 1.38 times it, at a corner
@@ -117,12 +120,14 @@ class Curves:
     """
 
     values: FloatArray
-    splines: Sequence[CubicSpline]
+    splines: Sequence["CubicSpline"]
     bend: FloatArray
 
     @staticmethod
     def of(loads: PartLoads, values: FloatArray) -> "Curves":
         """The curves of any values that the positions have."""
+        from scipy.interpolate import CubicSpline  # brings scipy.optimize along
+
         values = np.asarray(values, dtype=np.float64)
         path = loads.path
         assert path is not None

@@ -12,6 +12,7 @@ import reports.pictures
 from ballesta.design.read import read_design
 from ballesta.run import check_all, check_to_folder, store_at
 from checks.design.effort import Effort
+from checks.design.errors import DesignError
 from checks.store.fingerprints import code_digest, digest
 from checks.store.results import keep_result, recalled_result
 from checks.store.store import Store
@@ -108,7 +109,7 @@ def test_a_change_in_a_file_that_the_design_is_like_is_seen(folder, checks):
     run("three", path="heavy.toml")
     assert len(checks) == 2
     base.unlink()
-    with pytest.raises(ballesta.errors.DesignError, match="no such file"):
+    with pytest.raises(DesignError, match="no such file"):
         run("four", path="heavy.toml")
 
 
