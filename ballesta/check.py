@@ -44,7 +44,14 @@ from checks.derivations.proven import with_derivation
 from checks.design.data import Design
 from checks.design.errors import DesignError
 from checks.ladder.drawn import undrawn_warnings
-from checks.ladder.part_ladder import DEFAULT_EFFORT, Effort, Finished, check_parts, time_warnings
+from checks.ladder.part_ladder import (
+    DEFAULT_EFFORT,
+    Effort,
+    Finished,
+    check_parts,
+    time_warnings,
+    told_of_part,
+)
 from checks.part.part_loads import is_loaded, loads_on, shown_of
 from checks.result.verdict import Check, DesignResult, PartResult
 from checks.store.store import Store
@@ -247,7 +254,8 @@ def _cycle_data(
         for part in design.parts.values():
             if not is_loaded(part, cycle):
                 continue
-            part_loads = loads_on(design, part, {name: cycle})
+            with told_of_part(design, part):
+                part_loads = loads_on(design, part, {name: cycle})
             for interface in part_loads.wrenches:
                 links[f"{part.name} {interface}"] = part_loads.resultant(interface).tolist()
         efforts, torques = _efforts(cycle)

@@ -1,7 +1,7 @@
 """A plugin of pytest: a test that takes more of a processor than its budget fails.
 
-Marked `slow` it has no budget, marked `budget(seconds, why)` one of its own. Set-ups that tests
-share are not counted. BALLESTA_TEST_BUDGET=off counts nothing.
+Marked `slow` it has no budget, nor has a design beside its baseline; marked `budget(seconds, why)`
+one of its own. Set-ups that tests share are not counted. BALLESTA_TEST_BUDGET=off counts nothing.
 """
 
 import os
@@ -20,7 +20,9 @@ def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
     budget = own.args[0] if own else BUDGET
     begin = _processor_seconds()
     yield
-    if item.get_closest_marker("slow") or os.environ.get("BALLESTA_TEST_BUDGET") == "off":
+    if item.get_closest_marker("slow") or item.get_closest_marker("ballesta"):
+        return
+    if os.environ.get("BALLESTA_TEST_BUDGET") == "off":
         return
     taken = _processor_seconds() - begin
     if taken > budget:

@@ -168,3 +168,15 @@ def test_designs_of_one_name_get_folders_of_their_own():
 
     folders = output_folders([Path("a/x.toml"), Path("b/x.toml"), Path("c/y.toml")], Path("out"))
     assert folders == [Path("out/a_x"), Path("out/b_x"), Path("out/c_y").with_name("y")]
+
+
+def test_a_pin_whose_stack_forgets_a_force_is_refused_with_its_part(tmp_path):
+    text = (ROOT / PRESS).read_text(encoding="utf-8")
+    kept = [line for line in text.splitlines() if '{ force = "cylinder"' not in line]
+    assert len(kept) == len(text.splitlines()) - 1
+    file = tmp_path / "press.toml"
+    file.write_text("\n".join(kept), encoding="utf-8")
+    code = [sys.executable, "-m", "ballesta.cli", "check", str(file), "--fidelity", "formula"]
+    done = subprocess.run([*code, "--out", str(tmp_path)], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 2
+    assert "parts.pin_B: pin 'B': every one of cylinder, lower, upper needs one seat" in done.stderr
