@@ -48,12 +48,16 @@ def bent(nodes: FloatArray, elements: IntArray, inside: IntArray) -> FloatArray:
     elements  (n_elements, 10), VTK order
     inside    indices of the nodes that are on no surface
 
-    Not every element can be mended so: one with all corners on a fillet has no edge to bend.
+    Where one is folded, elements that nearly are get better with it. Not every element can be
+    mended so: one with all corners on a fillet has no edge to bend.
     """
+    least = least_coefficients(nodes, elements)
+    if not (least < ENOUGH).any():
+        return nodes
     moves = np.zeros(len(nodes), dtype=bool)
     moves[inside] = True
     moves[elements[:, :4]] = False
-    moves &= np.isin(np.arange(len(nodes)), elements[least_coefficients(nodes, elements) < ENOUGH])
+    moves &= np.isin(np.arange(len(nodes)), elements[least < _WANTED])
     moving = np.flatnonzero(moves)
     if not len(moving):
         return nodes
