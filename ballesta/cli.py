@@ -80,6 +80,9 @@ def check(
     no_store: Annotated[
         bool, typer.Option("--no-store", help="compute everything, whatever BALLESTA_STORE says")
     ] = False,
+    verbose: Annotated[
+        bool, typer.Option("--verbose", "-v", help="print all checks, warnings and assumptions")
+    ] = False,
 ) -> None:
     """Check designs and write report.html, result.json and a .vtu file per part.
 
@@ -101,6 +104,7 @@ def check(
         within=within,
         store=None if no_store else store,
         fields=fields,
+        verbose=verbose,
     )
     raise typer.Exit(code)
 

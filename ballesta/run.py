@@ -39,11 +39,13 @@ def check_all(
     within: str | None = None,
     store: Path | None = None,
     fields: bool = False,
+    verbose: bool = False,
 ) -> int:
     """Check designs one after the other and write their results; returns the exit code.
 
-    store   folder of what earlier checks have left; None for none
-    fields  whether parts whose checks need no mesh get one, for the live view
+    store    folder of what earlier checks have left; None for none
+    fields   whether parts whose checks need no mesh get one, for the live view
+    verbose  all checks, warnings and assumptions instead of the answer in about twenty lines
 
     Verdicts go to standard output, progress and errors to standard error.
     """
@@ -83,9 +85,7 @@ def check_all(
                 supervised.limit(None)
             results.append(result.to_dict() | {"report": str(folder / "report.html")})
             if not as_json:
-                from reports.terminal import verdict_text
-
-                print(verdict_text(result, None, report=folder / "report.html"), flush=True)
+                print(_printed(result, folder / "report.html", verbose=verbose), flush=True)
             return result.exit_code
 
         codes.append(guarded(one))
@@ -99,6 +99,16 @@ def check_all(
 
         print(json.dumps(plain(results), indent=1, allow_nan=False))
     return max(codes, default=0)
+
+
+def _printed(result: "DesignResult", report: Path, *, verbose: bool) -> str:
+    if verbose:
+        from reports.terminal import verdict_text
+
+        return verdict_text(result, report=report)
+    from reports.answer import answer_text
+
+    return answer_text(result, report=report)
 
 
 def _ended_to_folder(folder: Path) -> "DesignResult | None":

@@ -143,7 +143,7 @@ def _static_row(design: IndexDesign, inputs: Sequence[float | str | None]) -> di
     return row | {
         "part": check["part"],
         "check": check["check"],
-        "safety": safety_text(safety),
+        "safety": safety_text(safety, check["required"]),
         "need": need_text(check["required"]),
         "utilisation": utilisation_text(check["utilisation"]),
         "gauge": gauge(Check.from_dict({"basis": "", **check})),

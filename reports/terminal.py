@@ -77,7 +77,7 @@ def verdict_text(
         text = f"{len(assumed)}: {items}" if assumed else "nothing beyond the defaults"
         lines += labelled("ASSUMED", f"{text} {defaults if result.defaults else ''}", width)
     lines += labelled("", verdict_sentence(result), width)
-    lines += _footer(result, report, width)
+    lines += footer(result, report, width)
     return "\n".join(lines) + "\n"
 
 
@@ -103,7 +103,7 @@ def _row(check: Check, title: str) -> list[str]:
         brief(title, 40),
         f"{value} {numerical} {model} {brief(check.unit, 8)}",
         number(check.limit),
-        f"{safety_text(check.safety)} ({need_text(check.required)})",
+        f"{safety_text(check.safety, check.required)} ({need_text(check.required)})",
         utilisation_text(check.utilisation),
         status,
         f"{brief(where(check), 120)}; {brief(check.method, 60)}",
@@ -145,10 +145,10 @@ def table_row(mark: str, cells: list[str], widths: list[int], right: Set[int]) -
     return lines
 
 
-def labelled(label: str, text: str, width: int) -> list[str]:
-    """Paragraph behind its label, continuation lines under the first."""
-    indent = max(9, len(label) + 2) if label else 0
-    first, *rest = wrap(clean(text), width - indent)
+def labelled(label: str, text: str, width: int, *, indent: int = 9) -> list[str]:
+    """Paragraph behind its label, continuation lines under the first, `indent` columns in."""
+    indent = max(indent, len(label) + 2) if label else 0
+    first, *rest = wrap(clean(text), width - (indent or 2))
     return [(label.ljust(indent) + first).rstrip(), *(" " * (indent or 2) + line for line in rest)]
 
 
@@ -169,7 +169,8 @@ def wrap(text: str, width: int) -> list[str]:
     return lines
 
 
-def _footer(result: DesignResult, report: str | Path | None, width: int) -> list[str]:
+def footer(result: DesignResult, report: str | Path | None, width: int) -> list[str]:
+    """Times of the stages, and the path of the report, never wrapped."""
     lines: list[str] = []
     if result.timings:
         stages = ", ".join(f"{clean(stage)} {time:.1f}" for stage, time in result.timings.items())

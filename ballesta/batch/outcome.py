@@ -104,7 +104,7 @@ def sentence(outcome: Mapping[str, Any]) -> str:
     safety = float("inf") if check["safety"] is None else check["safety"]
     broken = "; gates are broken" if outcome["broken_gates"] else ""
     return brief(
-        f"{check['part']} {check['check']}: safety {safety_text(safety)} "
+        f"{check['part']} {check['check']}: safety {safety_text(safety, check['required'])} "
         f"(needs {need_text(check['required'])}){broken}",
         160,
     )

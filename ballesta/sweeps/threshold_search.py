@@ -169,7 +169,7 @@ def _judged(value: tuple[str, ...], result: DesignResult, parts: Sequence[str]) 
 
 def _decided(check: Check) -> str:
     return (
-        f"{check.part} {check.kind}, safety {safety_text(check.safety)}, "
+        f"{check.part} {check.kind}, safety {safety_text(check.safety, check.required)}, "
         f"needs {need_text(check.required)}"
     )
 

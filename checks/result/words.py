@@ -12,6 +12,7 @@ _TURNING = {0x061C, 0x200E, 0x200F, *range(0x202A, 0x202F), *range(0x2066, 0x206
 
 
 UNKNOWN_BAR = "no error bar: "  # in a check's note, before why it has none
+_NEAR = 0.05  # of the required safety, within which four digits tell the safety
 _LONGEST_UTILISATION = 1e6  # that is written with all its digits
 
 
@@ -88,13 +89,18 @@ def quantity_unit(angular: bool, largest: float) -> tuple[str, float]:
     return ("kN", 1e-3) if largest >= 1e4 else ("N", 1.0)
 
 
-def safety_text(safety: float) -> str:
+def safety_text(safety: float, required: float = 0.0) -> str:
     """Safety to three digits, rounded down so that it never looks better than it is.
 
-    >>> safety_text(1.2999), safety_text(inf)
-    ('1.29', 'not loaded')
+    required  safety that it is compared with; one within 5 % of it is written with four digits
+
+    >>> safety_text(1.2999), safety_text(1.2885, 1.3), safety_text(inf)
+    ('1.29', '1.288', 'not loaded')
     """
-    return "not loaded" if safety == inf else number(safety, 3, ROUND_FLOOR)
+    if safety == inf:
+        return "not loaded"
+    near = abs(safety - required) <= _NEAR * required
+    return number(safety, 4 if near else 3, ROUND_FLOOR)
 
 
 def utilisation_text(utilisation: float) -> str:
@@ -205,31 +211,53 @@ def gate_sentence(gate: Gate) -> str:
 
 def reason(check: Check) -> str:
     """Why a check has the status that it has, in words."""
-    high, low = check.upper, check.lower
-    least = safety_text(check.limit / high) if high else ""
-    has = f"safety {safety_text(check.safety)}, needs {need_text(check.required)}"
+    has = f"safety {_safety_of(check)}, needs {need_text(check.required)}"
     if not check.value:
         has = f"not loaded: a value of 0 has no safety (needs {need_text(check.required)})"
-    if check.status is Status.PASS:
-        upper = f"{has}; {least} at the upper end of its error bars" if least else has
-        return f"{upper}{_wider(check)}"
+    if check.status is Status.UNDECIDED:
+        said = range_text(check)
+        ends = f"; {said} within its error bars{_wider(check)}:" if said else ";"
+        return f"{has}{ends} {open_reason(check)}"
     if check.status is Status.FAIL:
-        best = safety_text(check.limit / low)
+        best = safety_text(check.limit / check.lower, check.required)
         return f"{has}; {best} at the lower end of its error bars"
+    if not check.upper:
+        return has + _wider(check)
+    least = safety_text(check.limit / check.upper, check.required)
+    return f"{has}; {least} at the upper end of its error bars{_wider(check)}"
+
+
+def range_text(check: Check) -> str:
+    """Safeties at both ends of the error bars, in words; "" where a bar is infinite."""
+    if not isfinite(check.upper):
+        return ""
+    least = _safety_at(check, check.upper, ROUND_FLOOR)
+    best = _safety_at(check, check.lower, ROUND_CEILING) if check.lower > 0 else "no end"
+    return f"between {least} and {best}"
+
+
+def open_reason(check: Check) -> str:
+    """Why an undecided check is open, and whether a finer mesh would settle it."""
     if not isfinite(check.numerical):
-        return f"{has}; its numerical error bar is infinite (singular): no mesh settles it"
+        return "its numerical error bar is infinite (singular): no mesh settles it"
     if not isfinite(check.model):
         why = check.note.partition(UNKNOWN_BAR)[2]
         if why:
-            return f"{has}; its model error bar is unknown ({why}): a better model may settle it"
-        return f"{has}; its model error bar is infinite (unknown): no mesh settles it"
-    cure = (
-        "a finer mesh can settle it (accuracy, mesh.most_unknowns)"
-        if check.settled_by_mesh
-        else "the model's own bar holds the limit, so a finer mesh cannot settle it"
-    )
-    best = number(check.limit / low, 3, ROUND_CEILING) if low > 0 else "no end"
-    return f"{has}; between {least} and {best} within its error bars{_wider(check)}: {cure}"
+            return f"its model error bar is unknown ({why}): a better model may settle it"
+        return "its model error bar is infinite (unknown): no mesh settles it"
+    if check.settled_by_mesh:
+        return "a finer mesh can settle it (accuracy, mesh.most_unknowns)"
+    return "the model's own bar holds the limit, so a finer mesh cannot settle it"
+
+
+def _safety_of(check: Check) -> str:
+    return safety_text(check.safety, check.required)
+
+
+def _safety_at(check: Check, value: float, rounding: str) -> str:
+    safety = check.limit / value if value else inf
+    near = abs(safety - check.required) <= _NEAR * check.required
+    return "not loaded" if safety == inf else number(safety, 4 if near else 3, rounding)
 
 
 def _wider(check: Check) -> str:

@@ -22,12 +22,31 @@ def test_the_press_is_judged_by_its_exit_code(press):
     assert status in press.stdout or status.upper() in press.stdout
 
 
-def test_the_table_names_part_check_bars_limit_and_place(press):
-    assert re.search(r"bar_upper +static +\d+ ±[\d.]+ .* MPa +355 ", press.stdout)
-    assert "NOT CHECKED" in press.stdout
-    assert "ASSUMED" in press.stdout
-    assert re.search(r"WARNING .*stop at x = 2 mm is ASSUMED", press.stdout)
-    assert re.search(r"WARNING .*2\.\d % reserve", press.stdout)
+def test_the_answer_names_part_check_bars_limit_and_place(press):
+    lines = press.stdout.splitlines()
+    assert lines[0] == "Toggle press (designs/toggle_press.toml): UNDECIDED"
+    assert re.search(r"> bar_upper +fatigue +\d+ ±[\d.]+ .* MPa +154 ", press.stdout)
+    assert re.search(r"pin_B +bush \(bush of upper\) ", press.stdout)
+    assert re.search(r"where +knee ", press.stdout)
+    assert re.search(r"when +press: x = 2 mm", press.stdout)
+    assert re.search(r"assumed +\d+ assumptions", press.stdout)
+    assert re.search(r"not checked +impact", press.stdout)
+    assert re.search(r"warning .*stop at x = 2 mm is ASSUMED", press.stdout)
+    assert re.search(r"warning .*2\.\d % reserve", press.stdout)
+    assert len(lines) <= 35
+    assert "…" not in press.stdout
+
+
+def test_the_verbose_answer_has_every_check(tmp_path, command):
+    run = command(
+        "check", PRESS, "-v", "--fidelity", "formula", "--out", str(tmp_path), out=tmp_path
+    )
+    checks = [check for part in run.result["parts"] for check in part["checks"]]
+    rows = re.findall(r"^[> ] (?:bar_upper|bar_lower|pin_B) ", run.stdout, re.MULTILINE)
+    assert len(rows) == len(checks) > 20
+    assert {"LADDER", "NOT CHECKED", "ASSUMED"} <= set(
+        re.findall(r"^[A-Z]+(?: [A-Z]+)*(?=  )", run.stdout, re.M)
+    )
 
 
 def test_reading_a_design_loads_no_library_that_it_has_no_use_for():

@@ -64,7 +64,7 @@ def test_the_ends_of_an_undecided_range_lie_on_both_sides_of_what_is_needed():
     """Limit over value 1.2987 to 1.3013: rounding both the same way would hide why."""
     close = results.check(value=100.0, numerical=0.1, model=0.0, limit=130.0, required=1.3)
     text = verdict_text(results.design(results.part(checks=[close])), 200)
-    assert "between 1.29 and 1.31 within its error bars" in text
+    assert "between 1.298 and 1.302 within its error bars" in text
 
 
 def test_a_long_place_of_a_passing_check_still_names_the_position():
@@ -79,9 +79,8 @@ def test_an_undecided_check_says_whether_a_finer_mesh_helps():
     assert "a finer mesh can settle it" in verdict_text(
         results.design(results.part(checks=[mesh])), 200
     )
-    assert "a finer mesh cannot settle it" in verdict_text(
-        results.design(results.part(checks=[results.UNDECIDED])), 200
-    )
+    undecided = verdict_text(results.design(results.part(checks=[results.UNDECIDED])), 200)
+    assert "a finer mesh cannot settle it" in " ".join(undecided.split())
 
 
 def test_a_broken_gate_takes_the_pass_away_and_is_named():

@@ -1,0 +1,93 @@
+"""The ten questions of a designer, in the first lines of the answer."""
+
+from dataclasses import replace
+from math import inf
+
+import pytest
+from rich.cells import cell_len
+
+from checks.result.verdict import Gate
+from reports.answer import answer_text
+
+from . import results
+
+MASS = {"mass [kg]": 4.15}
+
+
+def words(text):
+    return " ".join(text.split())
+
+
+def test_the_first_25_lines_answer_what_a_designer_asks():
+    design = results.design(
+        results.part(checks=[results.check(), results.check(kind="fatigue", value=400.0)]),
+        warnings=["a: the stop is ASSUMED; it may be lower. More of it"],
+    )
+    design = replace(design, parts=[replace(part, facts=MASS) for part in design.parts])
+    lines = answer_text(design, 100).splitlines()
+    assert len(lines) <= 25
+    text = words("\n".join(lines))
+    deciding = design.deciding
+    assert lines[0].endswith(": FAIL")  # does it survive?
+    assert f"decided by {deciding.kind} of bar_upper" in text  # which part?
+    assert f"where {deciding.place}" in text
+    assert f"when {deciding.cycle}: {deciding.position}" in text
+    assert f", {deciding.required:g} needed" in text  # by how much?
+    assert "mass 4.15 kg" in text
+    assert "why the limit is exceeded even at the lower end of the error bars" in text
+    assert "assumed 2 assumptions" in text
+    assert "not checked " in text
+    assert "warning a: the stop is ASSUMED; it may be lower more" in text
+
+
+def test_parts_of_one_outcome_share_a_row_and_others_do_not():
+    same = [results.part(name=n, checks=[results.check(part=n)]) for n in ("a", "b")]
+    other = results.part(name="c", checks=[results.check(part="c", value=100.0)])
+    rows = [line.split() for line in answer_text(results.design(*same, other), 140).splitlines()]
+    assert [row[:3] for row in rows if row[:1] in (["a,"], ["c"], [">"])] == [
+        [">", "a,", "b"],
+        ["c", "static", row_value(rows)],
+    ]
+
+
+def row_value(rows):
+    return next(row[2] for row in rows if row[:1] == ["c"])
+
+
+def test_each_part_has_its_governing_check_and_the_others_are_counted():
+    checks = [results.check(), results.check(kind="buckling", value=1.0)]
+    text = answer_text(results.design(results.part(checks=checks)), 100)
+    assert "and 1 other check, it passes" in text
+    assert "buckling" not in text
+    two_open = [results.check(kind=k, value=300.0, model=inf) for k in ("static", "fatigue", "pin")]
+    text = answer_text(results.design(results.part(checks=two_open)), 100)
+    assert "and 2 other checks, 2 of them open or failed" in text
+
+
+@pytest.mark.parametrize(("binding", "label"), [(True, "NOT VALID"), (False, "not valid")])
+def test_a_validity_check_that_does_not_hold_is_told_with_its_cure(binding, label):
+    gate = Gate("speed", 2.0, 1.0, "the drive slows down", binding, "State drive.control")
+    text = words(answer_text(results.design(gates=[gate]), 100))
+    assert f"{label} speed: 2.00 > 1.00; the drive slows down. State drive.control" in text
+
+
+def test_a_safety_near_the_need_has_four_digits_and_is_rounded_down():
+    near = results.check(value=100.0, limit=128.859, required=1.3, numerical=0.0, model=25.0)
+    text = answer_text(results.design(results.part(checks=[near])), 100)
+    assert "safety       1.288, 1.3 needed; between 1.03 and 1.72 within its error bars" in text
+    assert "why open     the model's own bar holds the limit" in text
+
+
+@pytest.mark.parametrize("width", [60, 80, 100, 200])
+@pytest.mark.parametrize("make", [results.mixed, results.hostile, results.design])
+def test_no_line_is_wider_than_the_terminal_and_nothing_is_cut(make, width):
+    text = answer_text(make(), width)
+    assert max(map(cell_len, text.splitlines())) <= width
+    if make is not results.hostile:
+        assert "…" not in text
+    assert not {"\x1b", "\u202e"} & set(text)
+
+
+def test_a_design_without_parts_says_that_nothing_was_checked():
+    empty = replace(results.design(), parts=())
+    assert "nothing was checked" in answer_text(empty, 100)
