@@ -24,6 +24,7 @@ class Unresolved:
 
 
 NOTHING = Unresolved(0.0, "")
+LEAST_SIZE = 1e-9  # over the largest load: below it stands what rounding leaves of balanced halves
 Solved = Sequence[tuple[Motion, ForceSolution]]
 
 
@@ -35,15 +36,17 @@ def unresolved(cycle: Solved, others: Sequence[Solved]) -> Unresolved:
 
     Compared are the largest and least components of every joint's force in the axes of both its
     bodies, over the joint's largest force, and those of every effort over the largest effort: what
-    bends and presses the parts. A smooth peak between positions a step h apart is missed by a share
-    of order h^2, so that a grid as fine as the cycle's own but placed otherwise tells its size.
+    bends and presses the parts. A size is at least `LEAST_SIZE` of the largest of all. A smooth
+    peak between positions a step h apart is missed by a share of order h^2, so that a grid as fine
+    as the cycle's own but placed otherwise tells its size.
     """
     found = NOTHING
     taken = {what: (low, high, size) for what, low, high, size in _extremes(cycle)}
+    least_size = LEAST_SIZE * max(size for _, _, size in taken.values())
     for other in others:
         for what, low, high, size in _extremes(other):
             least, most, largest = taken[what]
-            scale = max(size, largest)
+            scale = max(size, largest, least_size)
             share = max(high - most, least - low, 0.0) / scale if scale else 0.0
             if share > found.share:
                 found = Unresolved(share, what)

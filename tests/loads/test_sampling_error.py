@@ -56,6 +56,17 @@ def test_no_load_misses_nothing():
     assert unresolved(idle, [idle]) == NOTHING
 
 
+def test_what_rounding_leaves_on_a_joint_that_carries_nothing_is_not_missed():
+    """Beside 1 kN a force that doubles between the positions: 1e-13 N is none, 1 N is half of 2."""
+    angles = np.zeros(2)
+
+    def beside(force):
+        return solved(angles, [(force, 0), (0, 0)], [1000.0, 1000.0])
+
+    assert unresolved(beside(1e-13), [beside(2e-13)]).share < 1e-6
+    assert unresolved(beside(1.0), [beside(2.0)]).share == pytest.approx(0.5, rel=1e-12)
+
+
 def test_the_worst_of_several_grids_counts():
     """2 and 3 N beyond 10 N: 3 of 13."""
     angles = np.zeros(2)
