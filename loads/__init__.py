@@ -1,8 +1,8 @@
 """Loads of any planar linkage of one degree of freedom over its cycle, part by part."""
 
 from loads.assembly import assembly_gap
-from loads.bodies import GROUND, Body, LinkageError
-from loads.compliance import BeamCompliance, JointCompliance, MatrixCompliance
+from loads.bodies import GROUND, Body, LinkageError, Pose
+from loads.compliance import BeamCompliance, Compliance, JointCompliance, MatrixCompliance
 from loads.cycle import Cycle, CycleError, Phase, run_cycle, try_cycle
 from loads.cycle_loads import ContactLoads, CycleLoads
 from loads.dead_centre import PullThrough, pull_through
@@ -38,6 +38,7 @@ __all__ = [
     "Angle",
     "BeamCompliance",
     "Body",
+    "Compliance",
     "Contact",
     "ContactLoads",
     "Coordinate",
@@ -70,6 +71,7 @@ __all__ = [
     "Phase",
     "PointCoordinate",
     "PointLoad",
+    "Pose",
     "Prismatic",
     "PullThrough",
     "Revolute",

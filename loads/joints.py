@@ -1,6 +1,6 @@
 """Joints between bodies, coordinates that measure bodies, forces and friction."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import degrees, hypot, inf, isfinite
 from typing import ClassVar
 
@@ -123,18 +123,22 @@ class PointCoordinate:
 
 @dataclass(frozen=True)
 class Distance:
-    """Distance between two points of two bodies [mm]."""
+    """Distance between two points of two bodies [mm].
+
+    force  name of the force whose length it is, for messages; "" where they name the points
+    """
 
     body_a: str
     point_a: str
     body_b: str
     point_b: str
+    force: str = field(default="", compare=False)
     angular: ClassVar[bool] = False
 
     @property
     def label(self) -> str:
         """The coordinate as messages call it."""
-        return f"distance {self.point_a}-{self.point_b}"
+        return f"{self.force}.length" if self.force else f"distance {self.point_a}-{self.point_b}"
 
     @property
     def bodies(self) -> tuple[str, ...]:

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 import loads
 from ballesta.design.read import read_design
+from ballesta.machine.solved_cycles import linkage_of
 from checks.design.data import Design
-from checks.part.linkage_builder import cycle_of, linkage_of
 
 Floats = NDArray[np.float64]
 DESIGNS = Path(__file__).parent.parent / "designs"
@@ -26,7 +26,7 @@ def run(name: str, cycle: str, overrides: tuple[str, ...] = ()) -> loads.CycleLo
     """Return the loads of a cycle of a design that states all its masses."""
     found = design(name, overrides)
     stated = found.cycles[cycle]
-    return loads.run_cycle(linkage_of(found, {}, stated), cycle_of(found, stated))
+    return loads.run_cycle(linkage_of(found, {}, stated), stated.run)
 
 
 def crossed(a: Floats, b: Floats) -> Floats:

@@ -8,7 +8,7 @@ import numpy as np
 from documents_designs import Floats, design
 
 import loads
-from checks.part.linkage_builder import coordinate_of, cycle_of, linkage_of
+from ballesta.machine.solved_cycles import linkage_of
 
 # the thesis' bars: mass [t], centre and inertia [t mm2], slender
 BAR = (4.14134e-3, (125.0, 0.0), 21.56947917)
@@ -25,9 +25,9 @@ def _path(name: str, rear: float) -> tuple[loads.Path, loads.Coordinate]:
     changes = () if rear == BASE else (f"points.D={-rear:g}, 250 mm",)
     found = design(name, changes)
     stated = found.cycles["capacity"]
-    height = coordinate_of(found, stated.coordinate)
+    height = stated.run.coordinate
     path = loads.trace(linkage_of(found, MASSES, stated), height, 5.0, 499.5)
-    return path, coordinate_of(found, stated.pace.coordinate)
+    return path, stated.run.pace.coordinate
 
 
 def _at(
@@ -273,7 +273,7 @@ def stroke_time() -> float:
     """Return how long a stroke and its return take [s]."""
     found = design("toggle_press")
     stated = found.cycles["press"]
-    turn = loads.run_cycle(linkage_of(found, MASSES, stated), cycle_of(found, stated))
+    turn = loads.run_cycle(linkage_of(found, MASSES, stated), stated.run)
     return float(turn.times[-1])
 
 

@@ -176,11 +176,9 @@ def _masses(design: Design, models: Models, say: Say) -> Masses:
     """Mass properties of the bodies that take them from their parts."""
     seen = {name for run in design.measured.values() for name in run.loads.bodies}
     needed = [
-        body.name
-        for body in design.bodies.values()
-        if (design.cycles or body.name in seen)
-        and body.part is not None
-        and None in (body.mass, body.inertia, body.centre)
+        body
+        for body, stated in design.stated_masses.items()
+        if (design.cycles or body in seen) and None in stated
     ]
     if not needed:
         return {}

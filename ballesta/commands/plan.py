@@ -92,12 +92,13 @@ def plan_text(path: str | Path, overrides: Sequence[str] = ()) -> str:
     lines = [f"{design.name} ({path})", "", sketch(design), ""]
     lines += ["joints", *(f"  {line}" for line in joints_in_words(design))]
     lines += ["cycles"]
-    for cycle in design.cycles.values():
+    for cycle in (stated.run for stated in design.cycles.values()):
         duty = design.duty.cycles.get(cycle.name)
         counted = f"{duty:.3g} times in its life" if duty else "not in the duty: yield, buckling"
         phases = ", ".join(f"{p.name} (solves {p.solve})" for p in cycle.phases)
         lines.append(
-            f"  {cycle.name}: at least {cycle.positions} positions of {cycle.coordinate}; {counted}"
+            f"  {cycle.name}: at least {cycle.n_positions} positions of {cycle.coordinate.label}; "
+            f"{counted}"
         )
         lines.append(f"    phases {phases}")
     for run in design.measured.values():

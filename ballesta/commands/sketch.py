@@ -1,6 +1,9 @@
 """A linkage drawn with letters, for a terminal."""
 
-from checks.design.data import GROUND, Design
+from itertools import pairwise
+
+import loads
+from checks.design.data import Design
 
 
 def sketch(design: Design, width: int = 60, height: int = 22) -> str:
@@ -29,19 +32,18 @@ def sketch(design: Design, width: int = 60, height: int = 22) -> str:
             canvas.setdefault(place, mark)
 
     for body in design.bodies.values():
-        for first, second in zip(body.pins, body.pins[1:], strict=False):
+        for first, second in pairwise(body.points):
             line(first, second, ".")
     for force in design.forces.values():
-        if force.between is not None:
-            (_, first), (_, second) = force.between
-            line(first, second, "-")
+        if isinstance(force.coordinate, loads.Distance):
+            line(force.coordinate.point_a, force.coordinate.point_b, "-")
     for slide in design.slides.values():
-        line(slide.through, slide.point, ":")
-    guided = {body.pins[0] for body in design.bodies.values() if body.guide}
-    guided |= {slide.point for slide in design.slides.values()}
+        if slide.point_a in points:
+            line(slide.point_a, slide.point_b, ":")
+    guided = {slide.point_b for slide in design.slides.values()}
     for name, place in points.items():
         column, row = cell(place)
-        label = name + ("_" if name in design.ground else ":" if name in guided else "")
+        label = name + ("_" if name in design.ground.points else ":" if name in guided else "")
         for offset, letter in enumerate(label):
             canvas[column + offset, row] = letter
     rows = max(row for _, row in canvas) + 1
@@ -53,30 +55,27 @@ def sketch(design: Design, width: int = 60, height: int = 22) -> str:
 def joints_in_words(design: Design) -> list[str]:
     """Each joint as a line."""
     lines = [
-        f"{point}: pin of {', '.join(map(_named, bodies))}"
-        for point, bodies in design.joints.items()
+        f"{point}: pin of {', '.join(map(_named, bodies))}" for point, bodies in design.pins.items()
     ]
-    for slide in design.slides.values():
-        x, y = slide.direction
-        lines.append(
-            f"{slide.name}: {slide.kind} of {slide.body} at {slide.point} on {_named(slide.on)}, "
-            f"through {slide.through} along {x:.4g}, {y:.4g}{_between(slide.ends)}"
-        )
-    lines += [
-        f"{weld.name}: weld of {' and '.join(map(_named, weld.bodies))} at {weld.point}"
-        for weld in design.welds.values()
-    ]
-    lines += [
-        f"guide of {body.name}{_between(body.guide_ends)}"
-        for body in design.bodies.values()
-        if body.guide
-    ]
-    return lines
+    guides = []
+    for name, joints in design.joints.items():
+        for joint in joints:
+            bodies = _named(joint.body_a), _named(joint.body_b)
+            if isinstance(joint, loads.Fixed):
+                lines.append(f"{name}: weld of {' and '.join(bodies)} at {joint.point}")
+            elif not isinstance(joint, loads.Revolute):
+                x, y = joint.direction
+                between = f", from {joint.ends[0]:g} to {joint.ends[1]:g} mm" if joint.ends else ""
+                if joint.point_a not in design.points:
+                    guides.append(f"guide of {joint.body_b}{between}")
+                    continue
+                kind = "slot" if isinstance(joint, loads.Slot) else "guide"
+                lines.append(
+                    f"{name}: {kind} of {joint.body_b} at {joint.point_b} on {bodies[0]}, "
+                    f"through {joint.point_a} along {x:.4g}, {y:.4g}{between}"
+                )
+    return [*lines, *guides]
 
 
 def _named(body: str) -> str:
-    return "the ground" if body == GROUND else body
-
-
-def _between(ends: tuple[float, float] | None) -> str:
-    return f", from {ends[0]:g} to {ends[1]:g} mm" if ends else ""
+    return "the ground" if body == loads.GROUND else body

@@ -1,13 +1,21 @@
 """Reads the coordinates that a design file names, such as A.y or cylinder.length."""
 
-from checks.design.data import Coordinate
+from collections.abc import Mapping
+
+import loads
 from checks.design.errors import Problems
 from checks.design.model import DesignFile
 from checks.design.names import listed, no_such
 
 
-def coordinate_of(key: str, text: str, file: DesignFile, problems: Problems) -> Coordinate | None:
-    """Return what a text names, None where a problem was told."""
+def coordinate_of(
+    key: str,
+    text: str,
+    file: DesignFile,
+    forces: Mapping[str, loads.Force],
+    problems: Problems,
+) -> loads.Coordinate | None:
+    """Return the coordinate that a text names, None where a problem was told."""
     name, _, what = text.rpartition(".")
     pins = dict.fromkeys(pin for body in file.bodies.values() for pin in body.pins)
     pulling = [force for force, entry in file.forces.items() if entry.between is not None]
@@ -29,4 +37,14 @@ def coordinate_of(key: str, text: str, file: DesignFile, problems: Problems) -> 
     if name not in known:
         problems.add(key, no_such(kind, name, known))
         return None
-    return Coordinate(name, what)
+    if what == "length":
+        return forces[name].coordinate if name in forces else None
+    if what == "angle":
+        return loads.Angle(name)
+    owner = next(body for body, entry in file.bodies.items() if name in entry.pins)
+    return loads.PointCoordinate(owner, name, (1.0, 0.0) if what == "x" else (0.0, 1.0))
+
+
+def dimension_along(coordinate: loads.Coordinate) -> str:
+    """Dimension of a coordinate's values: "angle" or "length"."""
+    return "angle" if coordinate.angular else "length"

@@ -1,12 +1,13 @@
 """Puts the cycles and the duty of a design together."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
-from ballesta.design.coordinates import coordinate_of
+import loads
+from ballesta.design.coordinates import coordinate_of, dimension_along
 from ballesta.design.files import Sources
 from ballesta.design.joints import friction_of
 from ballesta.design.laws import law_of
-from checks.design.data import ContactLaw, Coordinate, Cycle, Duty, Law, Pace, Phase, Shown, Stop
+from checks.design.data import Cycle, Duty, Shown, Stop
 from checks.design.errors import Problems
 from checks.design.model import DesignFile
 from checks.design.names import no_such
@@ -15,12 +16,16 @@ from checks.design.units import DIMENSIONS, Measured
 
 
 def cycles_of(
-    file: DesignFile, joint_names: Mapping[str, str], sources: Sources, problems: Problems
+    file: DesignFile,
+    forces: Mapping[str, loads.Force],
+    joints: Mapping[str, Sequence[loads.Joint]],
+    sources: Sources,
+    problems: Problems,
 ) -> dict[str, Cycle]:
-    """Return the cycles whose entries are in order; joint names as of `design_joints`."""
+    """Return the cycles whose entries are in order."""
     cycles = {}
     for name, entry in file.cycles.items():
-        cycle = _cycle(name, entry, file, joint_names, sources, problems)
+        cycle = _cycle(name, entry, file, forces, joints, sources, problems)
         if cycle is not None:
             cycles[name] = cycle
     return cycles
@@ -51,22 +56,24 @@ def _cycle(
     name: str,
     entry: CycleEntry,
     file: DesignFile,
-    joint_names: Mapping[str, str],
+    forces: Mapping[str, loads.Force],
+    joints: Mapping[str, Sequence[loads.Joint]],
     sources: Sources,
     problems: Problems,
 ) -> Cycle | None:
     key = f"cycles.{name}"
-    swept = coordinate_of(f"{key}.coordinate", entry.coordinate, file, problems)
-    paced = coordinate_of(f"{key}.pace.coordinate", entry.pace.coordinate, file, problems)
+    told = len(problems)
+    swept = coordinate_of(f"{key}.coordinate", entry.coordinate, file, forces, problems)
+    paced = coordinate_of(f"{key}.pace.coordinate", entry.pace.coordinate, file, forces, problems)
 
     def along(where: str, measured: Measured) -> float:
         if swept is not None:
-            _check_dimension(f"{key}.{where}", measured, swept.dimension, problems)
+            _check_dimension(f"{key}.{where}", measured, dimension_along(swept), problems)
         return measured.value
 
     start = along("start", entry.start)
     ends = [along(f"phases[{i}].to", phase.to) for i, phase in enumerate(entry.phases)]
-    phases = _phases(key, entry, ends, start, file, sources, problems)
+    phases = _phases(key, entry, ends, start, file, forces, sources, problems)
     shown, stop, friction = None, None, None
     if entry.shown is not None:
         zero = along("shown.zero", entry.shown.zero)
@@ -74,21 +81,12 @@ def _cycle(
     if entry.stop is not None:
         stop = Stop(entry.stop.basis, along("stop.tolerance", entry.stop.tolerance))
     if entry.friction is not None:
-        friction = friction_of(f"{key}.friction", entry.friction, joint_names, problems)
+        friction = friction_of(f"{key}.friction", entry.friction, file, joints, problems)
     pace = _pace(f"{key}.pace", entry.pace, paced, problems)
-    if swept is None or pace is None:
+    if swept is None or pace is None or len(problems) > told:
         return None
-    return Cycle(
-        name=name,
-        coordinate=swept,
-        start=start,
-        pace=pace,
-        positions=entry.positions,
-        shown=shown,
-        stop=stop,
-        phases=phases,
-        friction=friction,
-    )
+    run = loads.Cycle(name, swept, start, pace, phases, entry.positions)
+    return Cycle(run, shown, stop, friction)
 
 
 def _check_dimension(key: str, measured: Measured, dimension: str, problems: Problems) -> None:
@@ -100,8 +98,8 @@ def _check_dimension(key: str, measured: Measured, dimension: str, problems: Pro
 
 
 def _pace(
-    key: str, entry: PaceEntry, coordinate: Coordinate | None, problems: Problems
-) -> Pace | None:
+    key: str, entry: PaceEntry, coordinate: loads.Coordinate | None, problems: Problems
+) -> loads.Pace | None:
     if entry.speed is not None and entry.law is not None:
         problems.add(key, "has both speed and law; a stroke runs by one of them")
         return None
@@ -118,18 +116,16 @@ def _pace(
         problems.add(f"{key}.time", "is only used with law; leave it out")
     if coordinate is None:
         return None
-    angular = "angular " if coordinate.dimension == "angle" else ""
+    angular = "angular " if coordinate.angular else ""
     for field, dimension in (("speed", "speed"), ("acceleration", "acceleration")):
         measured = getattr(entry, field)
         if measured is not None:
             _check_dimension(f"{key}.{field}", measured, angular + dimension, problems)
-    return Pace(
-        coordinate,
-        entry.speed.value if entry.speed else None,
-        entry.acceleration.value if entry.acceleration else 0.0,
-        entry.law,
-        entry.time,
-    )
+    if entry.law is not None and entry.time is not None:
+        return loads.StrokePace(coordinate, entry.law, entry.time)
+    assert entry.speed is not None
+    acceleration = entry.acceleration.value if entry.acceleration else 0.0
+    return loads.SteadyPace(coordinate, entry.speed.value, acceleration)
 
 
 def _phases(
@@ -138,30 +134,29 @@ def _phases(
     ends: list[float],
     start: float,
     file: DesignFile,
+    forces: Mapping[str, loads.Force],
     sources: Sources,
     problems: Problems,
-) -> tuple[Phase, ...]:
-    phases: list[Phase] = []
+) -> tuple[loads.Phase, ...]:
+    phases: list[loads.Phase] = []
     for index, (phase, end) in enumerate(zip(entry.phases, ends, strict=True)):
         here = f"{key}.phases[{index}]"
         if end == (ends[index - 1] if index else start):
             problems.add(f"{here}.to", f"phase {phase.name!r} ends where it starts")
         if phase.name in [earlier.name for earlier in phases]:
             problems.add(f"{here}.name", f"{phase.name!r} is there twice")
-        given: dict[str, Law] = {}
+        given: dict[str, loads.Law] = {}
         for force, entered in phase.forces.items():
             if force not in file.forces:
                 problems.add(f"{here}.forces.{force}", no_such("force", force, file.forces))
                 continue
-            law = law_of(f"{here}.forces.{force}", force, entered, file, sources, problems)
+            at = f"{here}.forces.{force}"
+            law = law_of(at, force, entered, file, forces, sources, problems)
             if law is None:
                 continue
-            others = [name for name, other in given.items() if isinstance(other, ContactLaw)]
-            if others and isinstance(law, ContactLaw):
-                problems.add(
-                    f"{here}.forces.{force}",
-                    f"is a second contact beside {others[0]}; a phase can have one",
-                )
+            others = [name for name, other in given.items() if isinstance(other, loads.Contact)]
+            if others and isinstance(law, loads.Contact):
+                problems.add(at, f"is a second contact beside {others[0]}; a phase can have one")
             given[force] = law
         if phase.solve not in file.forces:
             problems.add(f"{here}.solve", no_such("force", phase.solve, file.forces))
@@ -178,5 +173,5 @@ def _phases(
                     f"phase {phase.name!r} leaves {force} neither given nor solved; "
                     f'state it, {force} = "{rest}" when it rests',
                 )
-        phases.append(Phase(phase.name, end, given, phase.solve))
+        phases.append(loads.Phase(phase.name, end, given, phase.solve))
     return tuple(phases)

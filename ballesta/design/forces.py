@@ -2,12 +2,14 @@
 
 import math
 
-from checks.design.data import GROUND, Force, Pair
+import loads
+from checks.design.data import Pair
 from checks.design.errors import Problems
 from checks.design.model import DesignFile
 from checks.design.names import listed, no_such
 from checks.design.tables import Available, ForceEntry
 from checks.design.units import DIMENSIONS, Measured
+from loads import GROUND
 
 _KINDS = {
     "between": "a force between two points",
@@ -21,9 +23,12 @@ _USED = {
 }
 
 
-def forces_of(file: DesignFile, problems: Problems) -> dict[str, Force]:
-    """Return the forces whose entries are in order."""
-    forces = {}
+def forces_of(
+    file: DesignFile, problems: Problems
+) -> tuple[dict[str, loads.Force], dict[str, Pair]]:
+    """Return the forces whose entries are in order, and what the drives of some can give."""
+    forces: dict[str, loads.Force] = {}
+    available = {}
     for name, entry in file.forces.items():
         key = f"forces.{name}"
         kinds = [kind for kind in _KINDS if getattr(entry, kind) is not None]
@@ -38,16 +43,13 @@ def forces_of(file: DesignFile, problems: Problems) -> dict[str, Force]:
         if not _only_used(key, entry, kind, problems):
             continue
         limits = _limits(f"{key}.available", entry.available, kind, problems)
-        if kind == "between":
-            ends = _ends(key, entry, file, problems)
-            if ends is not None:
-                forces[name] = Force(name, ends, None, None, None, limits)
-        elif kind == "body" and _is_placed(key, entry, file, problems):
-            forces[name] = Force(name, None, entry.body, entry.at, entry.direction, limits)
-        elif kind == "turns" and _turns(key, entry, file, problems):
-            against = entry.against or GROUND
-            forces[name] = Force(name, None, None, entry.at, None, limits, entry.turns, against)
-    return forces
+        if limits is not None:
+            available[name] = limits
+        make = {"between": _distance, "body": _along, "turns": _angle}[kind]
+        coordinate = make(name, entry, file, problems)
+        if coordinate is not None:  # a positive force pulls its two points together
+            forces[name] = loads.Force(name, coordinate, -1 if kind == "between" else 1)
+    return forces, available
 
 
 def dimension_of(entry: ForceEntry) -> str:
@@ -120,9 +122,10 @@ def _limits(
     return entry.pressure * ring, entry.pressure * piston
 
 
-def _ends(
-    key: str, entry: ForceEntry, file: DesignFile, problems: Problems
-) -> tuple[tuple[str, str], tuple[str, str]] | None:
+def _distance(
+    name: str, entry: ForceEntry, file: DesignFile, problems: Problems
+) -> loads.Distance | None:
+    key = f"forces.{name}"
     assert entry.between is not None
     if entry.on is not None and entry.on not in file.bodies:
         problems.add(f"{key}.on", no_such("body", entry.on, file.bodies))
@@ -151,32 +154,42 @@ def _ends(
     if ends[0][0] == ends[1][0]:
         problems.add(f"{key}.between", f"both points are on {ends[0][0]}; nothing can move")
         return None
-    return ends[0], ends[1]
+    return loads.Distance(*ends[0], *ends[1], name)
 
 
-def _is_placed(key: str, entry: ForceEntry, file: DesignFile, problems: Problems) -> bool:
+def _along(
+    name: str, entry: ForceEntry, file: DesignFile, problems: Problems
+) -> loads.PointCoordinate | None:
+    key = f"forces.{name}"
     if entry.body not in file.bodies:
         problems.add(f"{key}.body", no_such("body", str(entry.body), file.bodies))
-        return False
+        return None
     if entry.at is None or entry.direction is None:
         missing = "at" if entry.at is None else "direction"
         problems.add(f"{key}.{missing}", "must be stated")
-        return False
-    return _at_point_of(key, entry.body, entry.at, file, problems)
+        return None
+    if not _at_point_of(key, entry.body, entry.at, file, problems):
+        return None
+    return loads.PointCoordinate(entry.body, entry.at, entry.direction)
 
 
-def _turns(key: str, entry: ForceEntry, file: DesignFile, problems: Problems) -> bool:
+def _angle(
+    name: str, entry: ForceEntry, file: DesignFile, problems: Problems
+) -> loads.Angle | None:
+    key = f"forces.{name}"
     if entry.turns not in file.bodies:
         problems.add(f"{key}.turns", no_such("body", str(entry.turns), file.bodies))
-        return False
+        return None
     if entry.against not in (None, GROUND, *file.bodies):
         known = [GROUND, *file.bodies]
         problems.add(f"{key}.against", no_such("body", str(entry.against), known))
-        return False
+        return None
     if entry.against == entry.turns:
         problems.add(f"{key}.against", f"{entry.turns} cannot be turned against itself")
-        return False
-    return entry.at is None or _at_point_of(key, entry.turns, entry.at, file, problems)
+        return None
+    if entry.at is not None and not _at_point_of(key, entry.turns, entry.at, file, problems):
+        return None
+    return loads.Angle(entry.turns, entry.against or GROUND, entry.at)
 
 
 def _at_point_of(key: str, body: str, point: str, file: DesignFile, problems: Problems) -> bool:

@@ -2,14 +2,16 @@
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping, Sequence
 
-from checks.design.data import GROUND, Body, Friction, Pair, SlidingJoint, Weld
+import loads
+from checks.design.data import Pair
 from checks.design.errors import Problems
 from checks.design.model import DesignFile
 from checks.design.names import no_such
 from checks.design.tables import FrictionEntry, JointEntry
 from checks.design.units import measure_pair
+from loads import GROUND
 
 _SLIDING = ("on", "through", "along", "body", "point")
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
@@ -29,59 +31,66 @@ def bodies_at(point: str, file: DesignFile) -> list[str]:
     return users + [name for name, entry in file.bodies.items() if point in entry.pins]
 
 
-def joints_of(file: DesignFile) -> dict[str, tuple[str, ...]]:
+def pins_of(file: DesignFile) -> dict[str, tuple[str, ...]]:
     """Return the pin joints: point -> the bodies that it joins, the ground first."""
     welded = {
         (entry.point, *sorted(entry.bodies))
         for entry in file.joints.values()
         if entry.kind == "fixed" and entry.bodies and entry.point
     }
-    joints = {}
+    pins = {}
     for point in file.points:
         users = bodies_at(point, file)
         if len(users) > 1 and (point, *sorted(users)) not in welded:
-            joints[point] = tuple(users)
+            pins[point] = tuple(users)
+    return pins
+
+
+def joints_of(
+    file: DesignFile,
+    pins: Mapping[str, Sequence[str]],
+    bodies: Mapping[str, loads.Body],
+    problems: Problems,
+) -> dict[str, tuple[loads.Joint, ...]]:
+    """Return the joints whose entries are in order, by name in the file.
+
+    Guides on the ground are named "guide:<body>". A pin of three bodies is two joints.
+    """
+    joints: dict[str, tuple[loads.Joint, ...]] = {}
+    for body, stated in file.bodies.items():
+        if stated.guide is not None and body in bodies:
+            name = f"guide:{body}"
+            ends = _ends(f"bodies.{body}.guide.ends", stated.guide.ends, problems)
+            pin, way = stated.pins[0], stated.guide.along
+            joints[name] = (loads.Prismatic(name, GROUND, body, name, pin, way, ends),)
+    welds: list[loads.Fixed] = []
+    for name, entry in file.joints.items():
+        key = f"joints.{name}"
+        if name in pins:
+            problems.add(
+                key, f"the pin joint at point {name} already has this name; choose another"
+            )
+        if entry.kind == "fixed":
+            if (weld := _weld(name, entry, file, problems)) is not None:
+                for other in welds:
+                    if other.point == weld.point and _both(other) == _both(weld):
+                        problems.add(key, f"is the same weld as joints.{other.name}")
+                welds.append(weld)
+        elif (slide := _slide(name, entry, file, bodies, problems)) is not None:
+            joints[name] = (slide,)
+    joints |= {weld.name: (weld,) for weld in welds}
+    for point, (first, *others) in pins.items():
+        held = [_both(weld) for weld in welds if weld.point == point]
+        joints[point] = tuple(
+            loads.Revolute(point if len(others) == 1 else f"{point}:{other}", first, other, point)
+            for index, other in enumerate(others)
+            if not any({before, other} in held for before in (first, *others[:index]))
+        )
     return joints
 
 
-def slides_of(
-    file: DesignFile, bodies: Mapping[str, Body], problems: Problems
-) -> dict[str, SlidingJoint]:
-    """Return the slots and guides of [joints] whose entries are in order."""
-    slides = {}
-    for name, entry in _entries(file, problems):
-        if entry.kind != "fixed":
-            slide = _slide(name, entry, file, bodies, problems)
-            if slide is not None:
-                slides[name] = slide
-    return slides
-
-
-def welds_of(file: DesignFile, problems: Problems) -> dict[str, Weld]:
-    """Return the fixed joints whose entries are in order."""
-    welds: dict[str, Weld] = {}
-    for name, entry in file.joints.items():
-        if entry.kind != "fixed":
-            continue
-        weld = _weld(name, entry, file, problems)
-        if weld is None:
-            continue
-        for other in welds.values():
-            if other.point == weld.point and set(other.bodies) == set(weld.bodies):
-                problems.add(f"joints.{name}", f"is the same weld as joints.{other.name}")
-        welds[name] = weld
-    return welds
-
-
-def _entries(file: DesignFile, problems: Problems) -> Iterator[tuple[str, JointEntry]]:
-    pins = joints_of(file)
-    for name, entry in file.joints.items():
-        if name in pins:
-            problems.add(
-                f"joints.{name}",
-                f"the pin joint at point {name} already has this name; choose another",
-            )
-        yield name, entry
+def _both(joint: loads.Joint) -> set[str]:
+    return {joint.body_a, joint.body_b}
 
 
 def _stated(key: str, entry: JointEntry, wanted: tuple[str, ...], problems: Problems) -> bool:
@@ -105,11 +114,11 @@ def _slide(
     name: str,
     entry: JointEntry,
     file: DesignFile,
-    bodies: Mapping[str, Body],
+    bodies: Mapping[str, loads.Body],
     problems: Problems,
-) -> SlidingJoint | None:
+) -> loads.Slot | loads.Prismatic | None:
     key = f"joints.{name}"
-    ends = ends_of(f"{key}.ends", entry.ends, problems)
+    ends = _ends(f"{key}.ends", entry.ends, problems)
     if not _stated(key, entry, _SLIDING, problems):
         return None
     on, body, through, point = entry.on, entry.body, entry.through, entry.point
@@ -136,7 +145,8 @@ def _slide(
     direction = _direction(key, entry, file, bodies, problems) if right else None
     if direction is None or body not in bodies or (on != GROUND and on not in bodies):
         return None
-    return SlidingJoint(name, entry.kind, on, through, direction, body, point, ends)
+    kind = loads.Slot if entry.kind == "slot" else loads.Prismatic
+    return kind(name, on, body, through, point, direction, ends)
 
 
 def _has_point(key: str, body: str, point: str, file: DesignFile, problems: Problems) -> bool:
@@ -157,7 +167,7 @@ def _direction(
     key: str,
     entry: JointEntry,
     file: DesignFile,
-    bodies: Mapping[str, Body],
+    bodies: Mapping[str, loads.Body],
     problems: Problems,
 ) -> Pair | None:
     """Return the direction of the line in the frame of `on`."""
@@ -187,7 +197,7 @@ def _direction(
     return (x1 - x0) / length, (y1 - y0) / length
 
 
-def ends_of(key: str, ends: list[float] | None, problems: Problems) -> Pair | None:
+def _ends(key: str, ends: list[float] | None, problems: Problems) -> Pair | None:
     """Return the two ends of a travel; they must rise."""
     if ends is None:
         return None
@@ -198,7 +208,7 @@ def ends_of(key: str, ends: list[float] | None, problems: Problems) -> Pair | No
     return low, high
 
 
-def _weld(name: str, entry: JointEntry, file: DesignFile, problems: Problems) -> Weld | None:
+def _weld(name: str, entry: JointEntry, file: DesignFile, problems: Problems) -> loads.Fixed | None:
     key = f"joints.{name}"
     if not _stated(key, entry, ("bodies", "point"), problems):
         return None
@@ -216,12 +226,12 @@ def _weld(name: str, entry: JointEntry, file: DesignFile, problems: Problems) ->
     if first == second:
         problems.add(f"{key}.bodies", f"{first} is there twice")
         right = False
-    return Weld(name, (first, second), entry.point) if right else None
+    return loads.Fixed(name, first, second, entry.point) if right else None
 
 
-def joint_names(file: DesignFile, joints: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
+def _kinds(file: DesignFile) -> dict[str, str]:
     """Return every joint that can rub or give way, by name: "pin", "slot" or "guide"."""
-    names = dict.fromkeys(joints, "pin")
+    names = dict.fromkeys(pins_of(file), "pin")
     names |= {name: entry.kind for name, entry in file.joints.items() if entry.kind != "fixed"}
     return names | {f"guide:{name}": "guide" for name, body in file.bodies.items() if body.guide}
 
@@ -229,17 +239,19 @@ def joint_names(file: DesignFile, joints: Mapping[str, tuple[str, ...]]) -> dict
 def friction_of(
     key: str,
     entry: FrictionEntry,
-    names: Mapping[str, str],
+    file: DesignFile,
+    joints: Mapping[str, Sequence[loads.Joint]],
     problems: Problems,
-) -> dict[str, Friction]:
-    """Return the friction of every joint that has some; `names` as of `joint_names`."""
+) -> dict[str, loads.Friction]:
+    """Return the friction of every joint of the linkage that has some."""
+    names = _kinds(file)
     friction = {}
     for name, kind in names.items():
         if kind == "pin" and entry.pins is not None:
-            friction[name] = Friction(entry.pins.coefficient, entry.pins.diameter / 2)
+            friction[name] = loads.Friction(entry.pins.coefficient, entry.pins.diameter / 2)
         sliding = {"slot": entry.slots, "guide": entry.guides}.get(kind)
         if sliding is not None:
-            friction[name] = Friction(sliding.coefficient, 0.0)
+            friction[name] = loads.Friction(sliding.coefficient)
     for kind, stated in (("slot", entry.slots), ("guide", entry.guides)):
         if stated is not None and kind not in names.values():
             others = [f"{name} is a {found}" for name, found in names.items() if found != "pin"]
@@ -256,15 +268,22 @@ def friction_of(
                 f"{here}.diameter", f"is not used, {name} is a {names[name]}; leave it out"
             )
         else:
-            friction[name] = Friction(own.coefficient, (own.diameter or 0.0) / 2)
-    return friction
+            friction[name] = loads.Friction(own.coefficient, (own.diameter or 0.0) / 2)
+    return {
+        joint.name: stated for name, stated in friction.items() for joint in joints.get(name, ())
+    }
 
 
-def elastic_joints_of(
-    file: DesignFile, names: Mapping[str, str], problems: Problems
-) -> dict[str, float]:
-    """Return the stiffness in N/mm of every joint that gives way."""
+def joint_compliances(
+    file: DesignFile, joints: Mapping[str, Sequence[loads.Joint]], problems: Problems
+) -> list[loads.JointCompliance]:
+    """Return the compliance of every joint of the linkage that gives way."""
+    names = _kinds(file)
     for name in file.elastic.joints:
         if name not in names:
             problems.add(f"elastic.joints.{name}", no_such("joint", name, names))
-    return dict(file.elastic.joints)
+    return [
+        loads.JointCompliance(joint.name, stiffness)
+        for name, stiffness in file.elastic.joints.items()
+        for joint in joints.get(name, ())
+    ]

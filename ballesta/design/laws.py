@@ -3,19 +3,17 @@
 import csv
 import io
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import islice, pairwise
 
-from ballesta.design.coordinates import coordinate_of
+import loads
+from ballesta.design.coordinates import coordinate_of, dimension_along
 from ballesta.design.csv_columns import MOST_ROWS
 from ballesta.design.files import Sources
 from ballesta.design.forces import dimension_of, wrong_dimension
-from checks.design.data import ContactLaw, Coordinate, Law, TableLaw
 from checks.design.errors import DesignError, Problems
 from checks.design.model import DesignFile
-from checks.design.tables import ContactLaw as ContactEntry
-from checks.design.tables import ForceEntry
-from checks.design.tables import TableLaw as TableEntry
+from checks.design.tables import ContactLaw, ForceEntry, TableLaw
 from checks.design.units import DIMENSIONS, Measured, measure
 from checks.result.words import brief
 
@@ -25,18 +23,19 @@ _EXAMPLE = 'over = "A.y", at = ["0 mm", "5 mm"], force = ["0 N", "80 N"]'
 def law_of(
     key: str,
     force: str,
-    entry: Measured | TableEntry | ContactEntry,
+    entry: Measured | TableLaw | ContactLaw,
     file: DesignFile,
+    forces: Mapping[str, loads.Force],
     sources: Sources,
     problems: Problems,
-) -> Law | None:
+) -> loads.Law | None:
     """Return the law of a force in a phase, None where a problem was told."""
     stated = file.forces[force]
     if isinstance(entry, Measured):
         return _value(key, force, entry, stated, problems)
-    if isinstance(entry, ContactEntry):
-        return _contact(key, force, entry, stated, file, problems)
-    return _table(key, force, entry, stated, file, sources, problems)
+    if isinstance(entry, ContactLaw):
+        return _contact(key, forces[force], entry, file, problems) if force in forces else None
+    return _table(key, force, entry, file, forces, sources, problems)
 
 
 def _value(
@@ -51,24 +50,21 @@ def _value(
 
 
 def _contact(
-    key: str,
-    force: str,
-    entry: ContactEntry,
-    stated: ForceEntry,
-    file: DesignFile,
-    problems: Problems,
-) -> ContactLaw | None:
-    own = _own_coordinate(force, stated)
-    if own is None:
-        what = "is a torque" if stated.turns is not None else "pushes askew"
+    key: str, force: loads.Force, entry: ContactLaw, file: DesignFile, problems: Problems
+) -> loads.Contact | None:
+    own = force.coordinate
+    direction = own.direction if isinstance(own, loads.PointCoordinate) else (1.0, 0.0)
+    if own.angular or all(direction):
+        what = "is a torque" if own.angular else "pushes askew"
         problems.add(
-            key, f"a contact needs a force along x or y, or between two points; {force} {what}"
+            key, f"a contact needs a force along x or y, or between two points; {force.name} {what}"
         )
         return None
-    if entry.touches.strip() != str(own):
+    if entry.touches.strip() != (wanted := own.label.removeprefix("-")):
         problems.add(
             f"{key}.touches",
-            f'must be "{own}", the coordinate along which {force} pushes, got "{entry.touches}"',
+            f'must be "{wanted}", the coordinate along which {force.name} pushes, '
+            f'got "{entry.touches}"',
         )
         return None
     if entry.at.dimension != "length":
@@ -87,37 +83,29 @@ def _contact(
             "let a body or joint give way: bodies.<body>.elastic, elastic.joints.<joint>",
         )
         return None
-    if entry.stops and own.what == "length":
+    apart = isinstance(own, loads.Distance)
+    if entry.stops and apart:
         problems.add(
             f"{key}.stops", "holds a body on a line only, not two points apart; leave it out"
         )
         return None
-    stops = entry.stops if entry.stops is not None else own.what != "length"
-    return ContactLaw(own, entry.at.value, entry.stiffness, stops)
-
-
-def _own_coordinate(force: str, stated: ForceEntry) -> Coordinate | None:
-    """Return what a force works along, if a design file can name it."""
-    if stated.between is not None:
-        return Coordinate(force, "length")
-    if stated.direction is None or stated.at is None:
-        return None
-    x, y = stated.direction
-    if x != 0.0 and y != 0.0:
-        return None
-    return Coordinate(stated.at, "x" if y == 0.0 else "y")
+    stops = entry.stops if entry.stops is not None else not apart
+    # along its own direction, a force that points down has the coordinate -y; between two points
+    # the contact pushes them apart when they come closer than `at`
+    return loads.Contact(sum(direction) * entry.at.value, entry.stiffness, 1, stops)
 
 
 def _table(
     key: str,
     force: str,
-    entry: TableEntry,
-    stated: ForceEntry,
+    entry: TableLaw,
     file: DesignFile,
+    forces: Mapping[str, loads.Force],
     sources: Sources,
     problems: Problems,
-) -> TableLaw | None:
-    over = coordinate_of(f"{key}.over", entry.over, file, problems)
+) -> loads.Table | None:
+    stated = file.forces[force]
+    over = coordinate_of(f"{key}.over", entry.over, file, forces, problems)
     if entry.table is not None:
         columns = _from_csv(key, entry, sources, problems)
         for field in ("at", "force"):
@@ -134,21 +122,22 @@ def _table(
             problems.add(f"{key}.units", "is only used with table; leave it out")
     if columns is None or over is None:
         return None
-    values, forces = columns
+    values, sizes = columns
     place = key if entry.table is None else f"{key}.table"
     fields = ("at", "force") if entry.table is None else ("table", "table")
-    if len(values) != len(forces) or len(values) < 2:
+    if len(values) != len(sizes) or len(values) < 2:
         problems.add(
             place,
             "needs as many forces as values and at least two, got "
-            f"{len(values)} values and {len(forces)} forces",
+            f"{len(values)} values and {len(sizes)} forces",
         )
         return None
+    kind = dimension_along(over)
     checks = (
-        (fields[0], values, over.dimension, f"{over} is {DIMENSIONS[over.dimension].title}"),
+        (fields[0], values, kind, f"{over.label} is {DIMENSIONS[kind].title}"),
         (
             fields[1],
-            forces,
+            sizes,
             dimension_of(stated),
             f"{force} is a {'torque' if stated.turns is not None else 'force'}",
         ),
@@ -159,28 +148,27 @@ def _table(
         if wrong is not None:
             problems.add(f"{key}.{field}", wrong_dimension(wrong, wanted, why))
             right = False
-    return _rising(f"{key}.{fields[0]}", over, values, forces, problems) if right else None
+    return _rising(f"{key}.{fields[0]}", over, values, sizes, problems) if right else None
 
 
 def _rising(
     key: str,
-    over: Coordinate,
+    over: loads.Coordinate,
     values: Sequence[Measured],
     forces: Sequence[Measured],
     problems: Problems,
-) -> TableLaw | None:
+) -> loads.Table | None:
     for before, after in pairwise(value.value for value in values):
         if after <= before:
-            angle = over.dimension == "angle"
-            first, second = (math.degrees(v) if angle else v for v in (before, after))
-            unit = "deg" if angle else "mm"
+            first, second = (math.degrees(v) if over.angular else v for v in (before, after))
+            unit = "deg" if over.angular else "mm"
             problems.add(key, f"must rise, got {first:g} {unit} and then {second:g} {unit}")
             return None
-    return TableLaw(over, tuple(v.value for v in values), tuple(f.value for f in forces))
+    return loads.Table(over, tuple(v.value for v in values), tuple(f.value for f in forces))
 
 
 def _from_csv(
-    key: str, entry: TableEntry, sources: Sources, problems: Problems
+    key: str, entry: TableLaw, sources: Sources, problems: Problems
 ) -> tuple[list[Measured], list[Measured]] | None:
     """Read the two columns of a CSV file; a first line of words is passed over."""
     assert entry.table is not None

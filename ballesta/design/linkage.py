@@ -2,12 +2,14 @@
 
 import math
 
-from ballesta.design.joints import ends_of, points_of_joints
-from checks.design.data import GROUND, Body, Elastic, Pair
+import loads
+from ballesta.design.joints import points_of_joints
+from checks.design.data import Pair
 from checks.design.errors import Problems
 from checks.design.model import DesignFile
 from checks.design.names import no_such
 from checks.design.tables import BodyEntry
+from loads import GROUND
 
 
 def check_points(file: DesignFile, problems: Problems) -> None:
@@ -47,38 +49,43 @@ def check_points(file: DesignFile, problems: Problems) -> None:
             )
 
 
-def bodies_of(file: DesignFile, problems: Problems) -> dict[str, Body]:
-    """Return the bodies whose entries are in order."""
+def bodies_of(
+    file: DesignFile, problems: Problems
+) -> tuple[dict[str, loads.Body], dict[str, loads.Pose]]:
+    """Return the bodies whose entries are in order, and the poses in which they are assembled.
+
+    The frame's origin is the first pin and its x axis points to the second; with one pin its axes
+    are the ground's. Mass properties that are not stated are 0.
+    """
     part_of = {
         body: name
         for name, part in file.parts.items()
         if (body := getattr(part, "body", None)) is not None
     }
-    bodies = {}
+    bodies, assembled = {}, {}
     for name, entry in file.bodies.items():
         key = f"bodies.{name}"
-        if name == GROUND:
+        bad = name == GROUND
+        if bad:
             problems.add(key, "the frame is named ground; choose another name")
-        bad_pins = False
         for index, pin in enumerate(entry.pins):
             if pin not in file.points:
                 problems.add(f"{key}.pins[{index}]", no_such("point", pin, file.points))
-                bad_pins = True
+                bad = True
             elif pin in entry.pins[:index]:
                 problems.add(f"{key}.pins[{index}]", f"{pin} is there twice")
-                bad_pins = True
-        if bad_pins:
+                bad = True
+        if bad:
             continue
         if name not in part_of:
             _check_mass(key, entry, problems)
+        _check_elastic(key, entry, part_of.get(name), problems)
         places = [file.points[pin] for pin in entry.pins]
         if len(places) > 1 and places[0] == places[1]:
             problems.add(f"{key}.pins", f"{entry.pins[0]} and {entry.pins[1]} are the same place")
             continue
-        ends = ends_of(f"{key}.guide.ends", entry.guide.ends if entry.guide else None, problems)
-        bodies[name] = _body(name, entry, places, part_of.get(name), ends)
-        _check_elastic(key, entry, part_of.get(name), problems)
-    return bodies
+        bodies[name], assembled[name] = _body(name, entry, places)
+    return bodies, assembled
 
 
 def _check_elastic(key: str, entry: BodyEntry, part: str | None, problems: Problems) -> None:
@@ -118,9 +125,7 @@ def _check_mass(key: str, entry: BodyEntry, problems: Problems) -> None:
                 )
 
 
-def _body(
-    name: str, entry: BodyEntry, places: list[Pair], part: str | None, ends: Pair | None
-) -> Body:
+def _body(name: str, entry: BodyEntry, places: list[Pair]) -> tuple[loads.Body, loads.Pose]:
     (x0, y0) = places[0]
     angle = math.atan2(places[1][1] - y0, places[1][0] - x0) if len(places) > 1 else 0.0
     cosine, sine = math.cos(angle), math.sin(angle)
@@ -128,25 +133,24 @@ def _body(
         pin: (cosine * (x - x0) + sine * (y - y0), -sine * (x - x0) + cosine * (y - y0))
         for pin, (x, y) in zip(entry.pins, places, strict=True)
     }
-    without_part = part is None
-    return Body(
-        name=name,
-        pins=tuple(entry.pins),
-        points=points,
-        position=(x0, y0),
-        angle=angle,
-        mass=entry.mass,
-        inertia=0.0 if entry.inertia is None and without_part else entry.inertia,
-        centre=(0.0, 0.0) if entry.centre is None and without_part else entry.centre,
-        guide=entry.guide.along if entry.guide else None,
-        part=part,
-        guide_ends=ends,
-        elastic=_elastic(entry),
-    )
+    centre = entry.centre or (0.0, 0.0)
+    body = loads.Body(name, points, entry.mass or 0.0, entry.inertia or 0.0, centre)
+    return body, (x0, y0, angle)
 
 
-def _elastic(entry: BodyEntry) -> Elastic | None:
-    stated = entry.elastic
-    if stated is None:
-        return None
-    return Elastic(stated.bending, stated.axial, stated.stiffness == "fem")
+def ground_of(file: DesignFile) -> loads.Body:
+    """Return the frame: its points, and where guides on it go through the first pins of bodies."""
+    points = {name: file.points[name] for name in file.ground if name in file.points}
+    for name, entry in file.bodies.items():
+        if entry.guide is not None and entry.pins[0] in file.points:
+            points[f"guide:{name}"] = file.points[entry.pins[0]]
+    return loads.Body(GROUND, points)
+
+
+def body_compliances(file: DesignFile) -> list[loads.BeamCompliance]:
+    """Return the compliance of every body that bends or shortens as the file states it."""
+    return [
+        loads.BeamCompliance(name, elastic.bending, elastic.axial)
+        for name, entry in file.bodies.items()
+        if (elastic := entry.elastic) is not None and elastic.stiffness is None
+    ]

@@ -1,7 +1,7 @@
 """Reads the loads of a measured run from its file, in ballesta's units, as they act on bodies."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,7 +9,7 @@ import numpy as np
 import loads
 from ballesta.design.csv_columns import Columns, ColumnsError, read_columns
 from ballesta.design.files import Sources
-from checks.design.data import Body, MeasuredRun, Pair
+from checks.design.data import MeasuredRun, Pair
 from checks.design.errors import DesignError, Problems
 from checks.design.measured_entry import MeasuredBodyEntry, MeasuredEntry
 from checks.design.model import DesignFile
@@ -19,9 +19,15 @@ from geometry.mesh import FloatArray
 
 
 def measured_of(
-    file: DesignFile, bodies: Mapping[str, Body], sources: Sources, problems: Problems
+    file: DesignFile,
+    bodies: Mapping[str, loads.Body],
+    assembled: Mapping[str, loads.Pose],
+    sources: Sources,
+    problems: Problems,
 ) -> dict[str, MeasuredRun]:
     """Return the measured runs whose entries and files are in order."""
+    guided = {name for name in bodies if file.bodies[name].guide is not None}
+    angles = {name: pose[2] for name, pose in assembled.items()}
     runs = {}
     for name, entry in file.measured.items():
         if name in file.cycles:
@@ -35,7 +41,9 @@ def measured_of(
         except DesignError as error:
             problems.take(error)
             continue
-        run = _Reader(f"measured.{name}", entry, columns, bodies, file.gravity, problems).run(name)
+        key = f"measured.{name}"
+        reader = _Reader(key, entry, columns, bodies, angles, guided, file.gravity, problems)
+        run = reader.run(name)
         if run is not None:
             runs[name] = run
     return runs
@@ -43,12 +51,18 @@ def measured_of(
 
 @dataclass
 class _Reader:
-    """Reads one run; whatever is wrong goes to the problems, and zeros stand in for it."""
+    """Reads one run; whatever is wrong goes to the problems, and zeros stand in for it.
+
+    angles  rad, of the assembled bodies
+    guided  bodies that a guide holds at their angle
+    """
 
     key: str
     entry: MeasuredEntry
     columns: Columns
-    bodies: Mapping[str, Body]
+    bodies: Mapping[str, loads.Body]
+    angles: Mapping[str, float]
+    guided: Set[str]
     gravity: Pair
     problems: Problems
     sound: bool = True
@@ -115,7 +129,7 @@ class _Reader:
         result: FloatArray = times - times[0]
         return result
 
-    def _body(self, body: Body, entry: MeasuredBodyEntry) -> loads.MeasuredBody:
+    def _body(self, body: loads.Body, entry: MeasuredBodyEntry) -> loads.MeasuredBody:
         key, n = f"bodies.{body.name}", len(self.columns.rows)
         point_loads = []
         for point, at in entry.at.items():
@@ -156,20 +170,20 @@ class _Reader:
             and entry.acceleration.frame == "body",
         )
 
-    def _angle(self, body: Body, entry: MeasuredBodyEntry) -> FloatArray:
+    def _angle(self, body: loads.Body, entry: MeasuredBodyEntry) -> FloatArray:
         """The stated angle; that of the assembled body where a guide holds it."""
         key, n, stated = f"bodies.{body.name}.angle", len(self.columns.rows), entry.angle
         if stated is None:
             frames = [at.force.frame for at in entry.at.values() if at.force is not None]
             frames += [entry.acceleration.frame] if entry.acceleration is not None else []
-            if body.guide is None and ("ground" in frames or self.gravity != (0.0, 0.0)):
+            if body.name not in self.guided and ("ground" in frames or self.gravity != (0.0, 0.0)):
                 why = "loads are" if "ground" in frames else "gravity is"
                 self._tell(
                     key,
                     f"must be stated, {why} in the ground frame: "
                     '{ column = "theta", unit = "deg" }, or { constant = "30 deg" }',
                 )
-            return np.full(n, body.angle)
+            return np.full(n, self.angles[body.name])
         if stated.constant is not None:
             if stated.column is not None or stated.unit is not None:
                 self._tell(key, "needs either column and unit, or constant")
@@ -180,13 +194,13 @@ class _Reader:
         return self._column(f"{key}.column", stated.column, stated.unit)
 
     def _assumed(
-        self, body: Body, entry: MeasuredBodyEntry, read: loads.MeasuredBody
+        self, body: loads.Body, entry: MeasuredBodyEntry, read: loads.MeasuredBody
     ) -> list[tuple[str, str]]:
         key = f"{self.key}.bodies.{body.name}"
         found = []
         if entry.acceleration is None:
             found.append((f"{key}.acceleration", "not stated: the centre of mass is taken at rest"))
-        if body.guide is None:
+        if body.name not in self.guided:
             turned = math.degrees(float(np.ptp(read.angle)))
             but = f", though the angle changes by {turned:.4g} deg" if turned > 0 else ""
             if entry.angular_velocity is None:

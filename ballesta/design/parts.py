@@ -2,12 +2,13 @@
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+import loads
 from ballesta.design.files import Sources
 from ballesta.design.step_parts import step_geometry
-from checks.design.data import Body, Part, Roller, SlidingJoint
+from checks.design.data import Part, Roller
 from checks.design.errors import DesignError, Problems
 from checks.design.materials import Material, known_materials
 from checks.design.model import BodyPartEntry, DesignFile, StepPartEntry
@@ -51,9 +52,9 @@ def _why_no_name(name: str) -> str:
 
 def parts_of(
     file: DesignFile,
-    bodies: Mapping[str, Body],
-    joints: Mapping[str, tuple[str, ...]],
-    slides: Mapping[str, SlidingJoint],
+    bodies: Mapping[str, loads.Body],
+    pins: Mapping[str, Sequence[str]],
+    joints: Mapping[str, Sequence[loads.Joint]],
     materials: Mapping[str, Material],
     sources: Sources,
     problems: Problems,
@@ -78,10 +79,10 @@ def parts_of(
         elif entry.material in materials and (why := materials[entry.material].why_not_goodman):
             problems.add(f"{key}.material", f"{why}; only ductile metals can be checked")
         if isinstance(entry, BodyPartEntry):
-            sits = _sits_in_body(key, entry, file, slides, problems)
+            sits = _sits_in_body(key, entry, file, joints, problems)
             rollers = _rollers(key, entry, materials, problems)
         else:
-            sits = _sits_in_joint(key, entry, file, joints, problems)
+            sits = _sits_in_joint(key, entry, file, pins, problems)
             rollers = {}
         if not sits or entry.material not in materials or (kind == "body" and place not in bodies):
             continue
@@ -193,7 +194,11 @@ def _tilt_held_at(entry: Any, file: DesignFile) -> str:
 
 
 def _sits_in_body(
-    key: str, entry: Any, file: DesignFile, slides: Mapping[str, SlidingJoint], problems: Problems
+    key: str,
+    entry: Any,
+    file: DesignFile,
+    joints: Mapping[str, Sequence[loads.Joint]],
+    problems: Problems,
 ) -> bool:
     if entry.body not in file.bodies:
         problems.add(f"{key}.body", no_such("body", entry.body, file.bodies))
@@ -204,18 +209,23 @@ def _sits_in_body(
     kind = "hole of the part" if step else f"interface of {entry.shape}"
     pins = file.bodies[entry.body].pins
     sliding = () if step else SLIDING
-    lines = [name for name, slide in slides.items() if slide.on == entry.body]
+    lines = [
+        name
+        for name, joined in joints.items()
+        for joint in joined
+        if isinstance(joint, loads.Slot | loads.Prismatic) and joint.body_a == entry.body
+    ]
     for interface, point in entry.interfaces.items():
         here = f"{key}.interfaces.{interface}"
         if interface not in wanted:
             problems.add(here, no_such(kind, interface, wanted))
             right = False
         elif interface in sliding:
-            joint = file.joints.get(point)
+            stated = file.joints.get(point)
             if (
-                joint
-                and joint.kind != "fixed"
-                and (point not in slides or joint.on not in file.bodies)
+                stated
+                and stated.kind != "fixed"
+                and (point not in joints or stated.on not in file.bodies)
             ):
                 right = False  # what is wrong with the joint was told there
             elif point not in lines:
@@ -246,13 +256,13 @@ def _sits_in_joint(
     key: str,
     entry: Any,
     file: DesignFile,
-    joints: Mapping[str, tuple[str, ...]],
+    pins: Mapping[str, Sequence[str]],
     problems: Problems,
 ) -> bool:
-    if entry.joint not in joints:
-        problems.add(f"{key}.joint", no_such("joint", entry.joint, joints))
+    if entry.joint not in pins:
+        problems.add(f"{key}.joint", no_such("joint", entry.joint, pins))
         return False
-    joined, right = joints[entry.joint], True
+    joined, right = pins[entry.joint], True
     here = [
         name
         for name, force in file.forces.items()
@@ -284,7 +294,7 @@ def _sits_in_joint(
     return right
 
 
-def _geometry(entry: Any, bodies: Mapping[str, Body]) -> Any:
+def _geometry(entry: Any, bodies: Mapping[str, loads.Body]) -> Any:
     shape: Any = SHAPES[entry.shape]
     values: dict[str, Any] = {}
     for parameter in dataclasses.fields(shape):

@@ -10,18 +10,12 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
+import loads
 from ballesta.design.cycles import cycles_of, duty_of
 from ballesta.design.files import Sources, read_design_files
 from ballesta.design.forces import forces_of
-from ballesta.design.joints import (
-    elastic_joints_of,
-    friction_of,
-    joint_names,
-    joints_of,
-    slides_of,
-    welds_of,
-)
-from ballesta.design.linkage import bodies_of, check_points
+from ballesta.design.joints import friction_of, joint_compliances, joints_of, pins_of
+from ballesta.design.linkage import bodies_of, body_compliances, check_points, ground_of
 from ballesta.design.measured import measured_of
 from ballesta.design.overrides import (
     apply_override,
@@ -33,7 +27,7 @@ from ballesta.design.overrides import (
 from ballesta.design.parts import materials_of, parts_of
 from ballesta.design.problems import tell_problems
 from ballesta.design.step_parts import told_of_steps
-from checks.design.data import ContactLaw, Cycle, Design
+from checks.design.data import Cycle, Design, StatedMass
 from checks.design.errors import Problems
 from checks.design.model import DesignFile
 from checks.design.names import nearest, no_such
@@ -76,11 +70,9 @@ def _assembled(
     if not model.cycles and not model.measured:
         problems.add("cycles", "must be stated: what the machine does, such as [cycles.press]")
     check_points(model, problems)
-    bodies = bodies_of(model, problems)
-    joints = joints_of(model)
-    slides = slides_of(model, bodies, problems)
-    welds = welds_of(model, problems)
-    names = joint_names(model, joints)
+    bodies, assembled = bodies_of(model, problems)
+    pins = pins_of(model)
+    joints = joints_of(model, pins, bodies, problems)
     materials = materials_of(model, problems)
     assumed = {
         key: reason
@@ -90,15 +82,15 @@ def _assembled(
     for name in model.claims:
         if name not in model.parts:
             problems.add(f"claims.{name}", no_such("part", name, model.parts))
-    design_forces = forces_of(model, problems)
-    friction = friction_of("friction", model.friction, names, problems)
-    elastic_joints = elastic_joints_of(model, names, problems)
-    cycles = cycles_of(model, names, sources, problems)
+    forces, available = forces_of(model, problems)
+    friction = friction_of("friction", model.friction, model, joints, problems)
+    joint_compliance = joint_compliances(model, joints, problems)
+    cycles = cycles_of(model, forces, joints, sources, problems)
     measured = {}
     if len(bodies) == len(model.bodies):
-        measured = measured_of(model, bodies, sources, problems)
+        measured = measured_of(model, bodies, assembled, sources, problems)
     duty = duty_of(model, problems)
-    parts = parts_of(model, bodies, joints, slides, materials, sources, problems)
+    parts = parts_of(model, bodies, pins, joints, materials, sources, problems)
     for name, part in parts.items():
         if part.fkm is not None and duty.life == "finite":
             problems.add(
@@ -109,13 +101,18 @@ def _assembled(
     problems.raise_if_any()
     by_key: dict[str, str | None] = {**dict(_defaults(model, "")), **dict(strength_defaults(model))}
     defaults = [(key, value) for key, value in by_key.items() if value is not None]
-    for name, force in model.forces.items():
-        ends = design_forces[name].between
-        if ends is not None and force.on is None:
-            on = [body for body, point in ends if len(joints.get(point, ())) > 1 and body in bodies]
-            defaults += [(f"forces.{name}.on", body) for body in on]
+    for name, force in forces.items():
+        ends = force.coordinate
+        if isinstance(ends, loads.Distance) and model.forces[name].on is None:
+            on = ((ends.body_a, ends.point_a), (ends.body_b, ends.point_b))
+            defaults += [
+                (f"forces.{name}.on", body)
+                for body, point in on
+                if len(pins.get(point, ())) > 1 and body in bodies
+            ]
+    of_parts = {part.body for part in parts.values()}
     for name, entry in model.bodies.items():
-        if bodies[name].part is None and entry.centre is None:
+        if name not in of_parts and entry.centre is None:
             defaults.append((f"bodies.{name}.centre", f"at its first pin, {entry.pins[0]}"))
     defaults += _contact_defaults(model, cycles)
     return Design(
@@ -129,15 +126,26 @@ def _assembled(
         accuracy=model.accuracy,
         require=model.require,
         gravity=model.gravity,
-        ground=tuple(model.ground),
         points=dict(model.points),
+        ground=ground_of(model),
         bodies=bodies,
+        assembled=assembled,
+        stated_masses={
+            name: StatedMass(entry.mass, entry.centre, entry.inertia)
+            for name, entry in model.bodies.items()
+            if name in of_parts
+        },
+        pins=pins,
         joints=joints,
-        slides=slides,
-        welds=welds,
-        forces=design_forces,
+        forces=forces,
+        available=available,
         friction=friction,
-        elastic_joints=elastic_joints,
+        compliance=(*body_compliances(model), *joint_compliance),
+        as_parts=tuple(
+            name
+            for name, entry in model.bodies.items()
+            if entry.elastic is not None and entry.elastic.stiffness is not None
+        ),
         irregularity=model.drive.irregularity,
         dynamics=model.dynamics,
         cycles=cycles,
@@ -230,8 +238,8 @@ def _contact_defaults(model: DesignFile, cycles: Mapping[str, Cycle]) -> Iterato
     for name, cycle in cycles.items():
         for index, phase in enumerate(model.cycles[name].phases):
             for force, entry in phase.forces.items():
-                law = cycle.phases[index].given[force]
-                if not isinstance(law, ContactLaw):
+                law = cycle.run.phases[index].given[force]
+                if not isinstance(law, loads.Contact):
                     continue
                 assert isinstance(entry, BaseModel)
                 key = f"cycles.{name}.phases[{index}].forces.{force}"

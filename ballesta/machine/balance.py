@@ -52,14 +52,10 @@ def _known(
 ) -> Iterator[tuple[str, tuple[float, tuple[float, float], float]]]:
     for name in run.loads.bodies:
         body = design.bodies[name]
-        mass, centre, inertia = body.mass, body.centre, body.inertia
         if name in masses:
-            own_mass, own_centre, own_inertia = masses[name]
-            mass = own_mass if mass is None else mass
-            centre = own_centre if centre is None else centre
-            inertia = own_inertia if inertia is None else inertia
-        if mass is not None and centre is not None and inertia is not None:
-            yield name, (mass, centre, inertia)
+            yield name, masses[name]
+        elif None not in design.stated_masses.get(name, ()):
+            yield name, (body.mass, body.centre, body.inertia)
 
 
 def _check_pin(part: Part, run: MeasuredRun, problems: Problems) -> None:

@@ -11,8 +11,8 @@ import loads
 from ballesta.machine.solved_cycles import parts_that_give
 from checks.design.data import Design, Pair, Part
 from checks.ladder.solid import FIRST
-from checks.part.linkage_builder import part_placing
 from checks.part.part_loads import interface_heights
+from checks.part.placing import part_placing
 from checks.part.too_fine import gave_up, told_of_size
 from checks.strength.part_strength import elastic_of
 from checks.stress.solid_mesh_level import Models
@@ -76,7 +76,7 @@ def body_compliance(design: Design, part: Part, solutions: UnitSolutions) -> loa
             fixed.append(_Place(name, in_part.arm(at, interface.centre)))
             continue
         slide = design.slides[at]
-        start, way = in_part.line(slide.through, slide.direction, name)
+        start, way = in_part.line(slide.point_a, slide.direction, name)
         low, high = interface.travel
         along = np.linspace(low, high, len(stations(interface)))[:: int(way)]
         lines[at] = tuple(float(way * (x + interface.centre[0] - start[0])) for x in along)

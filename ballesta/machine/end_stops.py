@@ -6,8 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 import loads
-from checks.design.data import Cycle, Design, Phase
-from checks.part.linkage_builder import cycle_of
+from checks.design.data import Cycle, Design
 from checks.part.part_loads import shown_name, shown_position
 
 
@@ -17,24 +16,26 @@ def stop_warnings(design: Design, solved: Mapping[str, loads.CycleLoads]) -> lis
     for cycle in design.cycles.values():
         if cycle.stop is None or cycle.stop.basis != "assumed":
             continue
-        ends = [cycle.start, *(phase.to for phase in cycle.phases)]
-        forward = int(np.argmax(np.abs(np.array(ends) - cycle.start)))
+        run = cycle.run
+        ends = [run.start, *(phase.stop for phase in run.phases)]
+        forward = int(np.argmax(np.abs(np.array(ends) - run.start)))
         end = ends[forward]
-        if (cycle.coordinate, end) in told:
+        if (run.coordinate, end) in told:
             continue
-        told.add((cycle.coordinate, end))
-        further = end + np.sign(end - cycle.start) * cycle.stop.tolerance
-        phase = replace(cycle.phases[forward - 1], to=float(further))
-        longer = replace(cycle, start=ends[forward - 1], phases=(phase,), positions=40)
+        told.add((run.coordinate, end))
+        further = end + np.sign(end - run.start) * cycle.stop.tolerance
+        phase = run.phases[forward - 1]
+        beyond_it = (replace(phase, stop=float(further)),)
+        longer = replace(run, start=ends[forward - 1], phases=beyond_it, n_positions=40)
         shown, unit = shown_name(cycle)
         at, there = (
             round(float(shown_position(cycle, np.array([v]))[0]), 9) + 0.0 for v in (end, further)
         )
-        now = _largest_joint_force(solved[cycle.name])
-        said = f"{cycle.name}: the stop at {shown} = {at:.4g} {unit} is ASSUMED; "
-        through = _pulled_through(design, cycle, cycle.phases[forward - 1], solved)
+        now = _largest_joint_force(solved[run.name])
+        said = f"{run.name}: the stop at {shown} = {at:.4g} {unit} is ASSUMED; "
+        through = _pulled_through(cycle, phase, solved[run.name])
         try:
-            beyond = loads.run_cycle(solved[cycle.name].linkage, cycle_of(design, longer))
+            beyond = loads.run_cycle(solved[run.name].linkage, longer)
             after = _largest_joint_force(beyond)
             warnings.append(
                 f"{said}at {shown} = {there:.4g} {unit} the largest joint force is "
@@ -55,23 +56,19 @@ def _largest_joint_force(cycle: loads.CycleLoads) -> float:
     )
 
 
-def _pulled_through(
-    design: Design,
-    cycle: Cycle,
-    phase: Phase,
-    solved: Mapping[str, loads.CycleLoads],
-) -> str:
+def _pulled_through(cycle: Cycle, phase: loads.Phase, run: loads.CycleLoads) -> str:
     """Say below which stiffness the drive pulls the linkage through its dead centre, if it can."""
     constant = {name: law for name, law in phase.given.items() if isinstance(law, float)}
     drives = [
-        name for name, size in constant.items() if size and design.forces[name].between is not None
+        name
+        for name, size in constant.items()
+        if size and isinstance(run.linkage.force(name).coordinate, loads.Distance)
     ]
     if len(drives) != 1 or len(constant) < len(phase.given):
         return ""
     (drive,) = drives
     others = {name: size for name, size in constant.items() if name != drive}
-    run = solved[cycle.name]
-    last = int(np.flatnonzero(run.phase_of == cycle.phases.index(phase))[-1])
+    last = int(np.flatnonzero(run.phase_of == cycle.run.phases.index(phase))[-1])
     touch = float(run.coordinate(phase.solve)[last])
     try:
         found = loads.pull_through(run.linkage, drive, constant[drive], phase.solve, touch, others)
@@ -99,8 +96,8 @@ def dead_centre_warnings(design: Design, solved: Mapping[str, loads.CycleLoads])
             passed = np.flatnonzero((slope[1:] * slope[:-1] <= 0.0) & touch.touching[1:])
             if not len(passed):
                 continue
-            drive = design.cycles[name].phases[int(run.phase_of[passed[0]])].solve
-            limits = design.forces[drive].limits
+            drive = design.cycles[name].run.phases[int(run.phase_of[passed[0]])].solve
+            limits = design.available.get(drive)
             if limits is None or run.linkage.force(drive).coordinate.angular:
                 continue
             needed = np.where(touch.touching, run.efforts[drive], 0.0)[: passed[0] + 2]

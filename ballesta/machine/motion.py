@@ -8,8 +8,8 @@ import numpy as np
 import loads
 from ballesta.machine.motion_layers import Skin, layers
 from checks.design.data import Design, Part
-from checks.part.linkage_builder import part_placing
 from checks.part.part_loads import interface_heights, loads_on
+from checks.part.placing import part_placing
 from checks.result.motion import MOST_POSITIONS, Motion, PinForce
 from checks.result.verdict import PartResult
 from geometry.mesh import FloatArray, IntArray

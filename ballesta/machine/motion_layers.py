@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 
 from checks.design.data import Design, Part
-from checks.part.linkage_builder import part_placing
 from checks.part.part_loads import interface_heights
+from checks.part.placing import part_placing
 from checks.result.words import brief, number
 from geometry.mesh import FloatArray, IntArray
 
@@ -116,16 +116,17 @@ def _interface_at(part: Part, joint: str | None) -> str | None:
 def _meetings(design: Design) -> Iterator[_Meeting]:
     """Every pair of body parts that share a joint."""
     of_body = {part.body: part.name for part in design.parts.values() if part.body is not None}
-    for point, bodies in design.joints.items():
+    for point, bodies in design.pins.items():
         here = [of_body[body] for body in bodies if body in of_body]
         for k, first in enumerate(here):
             for second in here[k + 1 :]:
                 yield _Meeting(point, first, second, False)
     for slide in design.slides.values():
-        sliding = dict.fromkeys([slide.body, *design.joints.get(slide.point, ())])
+        on = slide.body_a
+        sliding = dict.fromkeys([slide.body_b, *design.pins.get(slide.point_b, ())])
         for body in sliding:  # or what is pinned to a block without a part that slides
-            if slide.on in of_body and body in of_body and body != slide.on:
-                yield _Meeting(slide.name, of_body[slide.on], of_body[body], True)
+            if on in of_body and body in of_body and body != on:
+                yield _Meeting(slide.name, of_body[on], of_body[body], True)
 
 
 def _shift(

@@ -138,22 +138,22 @@ def with_sections(
     linkage = cycle.linkage
     known = {c.body for c in linkage.compliance if not isinstance(c, loads.JointCompliance)}
     added, sections, rigid = [], [], []
-    for body in design.bodies.values():
-        if body.name in known:
+    for body in design.bodies:
+        if body in known:
             continue
-        if body.part is None:
-            rigid.append(body.name)
+        part = design.part_of(body)
+        if part is None:
+            rigid.append(body)
             continue
-        part = design.parts[body.part]
         found = _stiffness(part)
         if found is None:
-            rigid.append(f"{body.name} (shape {part.shape} has no section all along it)")
-        elif not _beam_like(linkage, body.name):
-            rigid.append(f"{body.name} (loaded beside its x axis, or at no stated point)")
+            rigid.append(f"{body} (shape {part.shape} has no section all along it)")
+        elif not _beam_like(linkage, body):
+            rigid.append(f"{body} (loaded beside its x axis, or at no stated point)")
         else:
             bending, area, words = found
-            added.append(loads.BeamCompliance(body.name, bending, area))
-            sections.append((body.name, words))
+            added.append(loads.BeamCompliance(body, bending, area))
+            sections.append((body, words))
     elastic = replace(linkage, compliance=(*linkage.compliance, *added))
     return replace(cycle, linkage=elastic), tuple(sections), tuple(rigid)
 

@@ -5,8 +5,7 @@ from itertools import pairwise
 import numpy as np
 
 import loads
-from checks.design.data import ContactLaw, Cycle, Design, Law, TableLaw
-from checks.part.linkage_builder import cycle_of
+from checks.design.data import Cycle, Design
 from checks.part.part_loads import shown_name, shown_of, shown_position
 from checks.result.words import number
 from reports.loads_figures import ContactStated, ShownPhase
@@ -25,14 +24,12 @@ def shown_cycle(design: Design, cycle: loads.CycleLoads) -> ShownCycle:
         shown_name=name,
         unit=unit,
         shown=shown_position(stated, cycle.positions),
-        pace=_pace(design, stated),
+        pace=_pace(stated.run.pace),
         duty=design.duty.cycles.get(cycle.name, 0.0),
-        phases=_phases(design, cycle, stated),
-        available={
-            force.name: force.limits for force in design.forces.values() if force.limits is not None
-        },
+        phases=_phases(cycle, stated),
+        available=design.available,
         allowed_irregularity=design.irregularity,
-        stated=_contacts(stated),
+        stated=_contacts(cycle.linkage, stated.run),
     )
 
 
@@ -49,23 +46,30 @@ def shown_run(design: Design, run: loads.MeasuredLoads) -> ShownRun:
     )
 
 
-def _contacts(stated: Cycle) -> dict[str, ContactStated]:
+def _contacts(linkage: loads.Linkage, run: loads.Cycle) -> dict[str, ContactStated]:
     """The contacts as the design has them; a force may have another one in another phase."""
-    laws: dict[str, list[ContactLaw]] = {}
-    for phase in stated.phases:
+    touched: dict[str, dict[str, list[float]]] = {}
+    for phase in run.phases:
         for force, law in phase.given.items():
-            if isinstance(law, ContactLaw):
-                laws.setdefault(force, []).append(law)
+            if isinstance(law, loads.Contact):
+                coordinate, at = _touched(linkage, force, law)
+                touched.setdefault(force, {}).setdefault(coordinate, []).append(at)
     return {
-        force: ContactStated(
-            str(found[0].coordinate), tuple(dict.fromkeys(law.at for law in found))
-        )
-        for force, found in laws.items()
+        force: ContactStated(coordinate, tuple(dict.fromkeys(places)))
+        for force, own in touched.items()
+        for coordinate, places in own.items()
     }
 
 
-def _phases(design: Design, cycle: loads.CycleLoads, stated: Cycle) -> tuple[ShownPhase, ...]:
-    run = cycle_of(design, stated)
+def _touched(linkage: loads.Linkage, force: str, law: loads.Contact) -> tuple[str, float]:
+    """Where a contact touches, as the design has it: the coordinate without the force's sign."""
+    coordinate = linkage.force(force).coordinate
+    way = sum(coordinate.direction) if isinstance(coordinate, loads.PointCoordinate) else 1.0
+    return coordinate.label.removeprefix("-"), way * law.at
+
+
+def _phases(cycle: loads.CycleLoads, stated: Cycle) -> tuple[ShownPhase, ...]:
+    run = stated.run
     ends = shown_position(stated, np.array([run.start, *(phase.stop for phase in run.phases)]))
     return tuple(
         ShownPhase(
@@ -75,30 +79,29 @@ def _phases(design: Design, cycle: loads.CycleLoads, stated: Cycle) -> tuple[Sho
             phase.solve,
             tuple(_law(cycle.linkage, name, law) for name, law in phase.given.items()),
         )
-        for phase, (start, stop) in zip(stated.phases, pairwise(ends), strict=True)
+        for phase, (start, stop) in zip(run.phases, pairwise(ends), strict=True)
     )
 
 
-def _law(linkage: loads.Linkage, name: str, law: Law) -> str:
+def _law(linkage: loads.Linkage, name: str, law: loads.Law) -> str:
     """A given force in words."""
     angular = linkage.force(name).coordinate.angular
     per_1e3, unit = (1e-3, "N m") if angular else (1.0, "N")
-    if isinstance(law, TableLaw):
+    if isinstance(law, loads.Table):
         low, high = min(law.forces) * per_1e3, max(law.forces) * per_1e3
-        return (
-            f"{name} {number(low, 4)} ... {number(high, 4)} {unit} in a table over {law.coordinate}"
-        )
-    if isinstance(law, ContactLaw):
+        over = law.coordinate.label
+        return f"{name} {number(low, 4)} ... {number(high, 4)} {unit} in a table over {over}"
+    if isinstance(law, loads.Contact):
         stiffness = "rigid" if law.stiffness is None else f"{number(law.stiffness, 4)} N/mm"
-        return f"{name} touches at {law.coordinate} = {law.at:.{_FINE}g} mm ({stiffness})"
+        coordinate, at = _touched(linkage, name, law)
+        return f"{name} touches at {coordinate} = {at:.{_FINE}g} mm ({stiffness})"
     return f"{name} {law * per_1e3:.6g} {unit}"
 
 
-def _pace(design: Design, stated: Cycle) -> str:
-    pace = cycle_of(design, stated).pace
+def _pace(pace: loads.Pace) -> str:
     unit = "rad" if pace.coordinate.angular else "mm"
     if isinstance(pace, loads.StrokePace):
         rest = f"from rest to rest in {number(pace.time)} s a stroke"
-        return f"{stated.pace.coordinate} {pace.law} {rest}"
+        return f"{pace.coordinate.label} {pace.law} {rest}"
     rising = f", changing by {pace.acceleration:.4g} {unit}/s2" if pace.acceleration else ""
-    return f"{stated.pace.coordinate} at {pace.speed:.4g} {unit}/s{rising}"
+    return f"{pace.coordinate.label} at {pace.speed:.4g} {unit}/s{rising}"

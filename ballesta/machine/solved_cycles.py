@@ -9,9 +9,9 @@ import numpy as np
 
 import loads
 from ballesta.supervised import expect
-from checks.design.data import ContactLaw, Cycle, Design, Part
+from checks.design.data import Cycle, Design, Part
 from checks.design.errors import DesignError
-from checks.part.linkage_builder import cycle_of, interface_distance, linkage_of, part_placing
+from checks.part.placing import interface_distance, part_placing
 from checks.part.too_fine import gave_up, told_of_size
 from checks.store.loads import stored_loads
 from checks.store.store import Store
@@ -25,7 +25,10 @@ Say = Callable[[str], None]
 def part_masses(
     design: Design, models: Models, say: Say = lambda _: None
 ) -> dict[str, tuple[float, tuple[float, float], float]]:
-    """Mass, centre and inertia of every body that has a part, in the body's frame."""
+    """Mass, centre and inertia of every body that has a part, in the body's frame.
+
+    What the design states of them goes before what its part has.
+    """
     masses = {}
     for part in design.parts.values():
         if part.body is None:
@@ -45,8 +48,44 @@ def part_masses(
         if abs(built - asked) > 1e-9 * built:
             raise AssertionError(f"{part.name} was built {built} mm long")
         properties = body.mass_properties(part.material.density)
-        masses[part.body] = part_placing(design, part).to_body(properties)
+        mass, centre, inertia = part_placing(design, part).to_body(properties)
+        stated = design.stated_mass(part)
+        masses[part.body] = (
+            mass if stated.mass is None else stated.mass,
+            centre if stated.centre is None else stated.centre,
+            inertia if stated.inertia is None else stated.inertia,
+        )
     return masses
+
+
+def linkage_of(
+    design: Design,
+    masses: Mapping[str, tuple[float, tuple[float, float], float]],
+    cycle: Cycle | None = None,
+    compliances: Mapping[str, loads.MatrixCompliance] | None = None,
+) -> loads.Linkage:
+    """Return the linkage of a design, with the (mass, centre, inertia) of the bodies in `masses`.
+
+    With a cycle, under the friction of that cycle; `compliances` (ballesta.machine.elastic_parts)
+    of bodies that give way as their parts, which a cycle with a contact needs. Raises
+    loads.LinkageError where the linkage does not have one degree of freedom.
+    """
+    parts = compliances or {}
+    missing = [body for body in design.as_parts if body not in parts]
+    if missing and cycle is not None and cycle.has_contact:
+        raise ValueError(
+            f"cycle {cycle.run.name!r}: the compliance of {missing} has not been solved"
+        )
+    own_friction = None if cycle is None else cycle.friction
+    return loads.Linkage(
+        bodies=(design.ground, *design.bodies.values()),
+        joints=tuple(joint for joints in design.joints.values() for joint in joints),
+        forces=tuple(design.forces.values()),
+        assembled=design.assembled,
+        friction=design.friction if own_friction is None else own_friction,
+        gravity=design.gravity,
+        compliance=(*design.compliance, *parts.values()),
+    ).with_mass_properties(masses)
 
 
 def solve_cycles(
@@ -67,7 +106,7 @@ def solve_cycles(
         expect(f"{name}, {len(solved) + 1} of {len(design.cycles)} cycles", took)
         linkage = linkage_of(design, masses, cycle, compliances)
         with told_of_cycle(design, name):
-            solved[name] = stored_loads(store, linkage, cycle_of(design, cycle))
+            solved[name] = stored_loads(store, linkage, cycle.run)
         took = perf_counter() - start
     return solved
 
@@ -77,7 +116,7 @@ def try_cycles(design: Design) -> None:
     for name, cycle in design.cycles.items():
         linkage = linkage_of(design, {}, cycle)
         with told_of_cycle(design, name):
-            loads.try_cycle(linkage, cycle_of(design, cycle))
+            loads.try_cycle(linkage, cycle.run)
 
 
 @contextmanager
@@ -94,10 +133,10 @@ def told_of_cycle(design: Design, name: str) -> Iterator[None]:
 
 def parts_that_give(design: Design) -> Iterator[Part]:
     """Parts whose bodies give way as they do."""
-    for body in design.bodies.values():
-        if body.elastic is not None and body.elastic.as_part:
-            assert body.part is not None
-            yield design.parts[body.part]
+    for body in design.as_parts:
+        part = design.part_of(body)
+        assert part is not None
+        yield part
 
 
 def without_unknown_contacts(design: Design) -> Design:
@@ -105,7 +144,7 @@ def without_unknown_contacts(design: Design) -> Design:
 
     Contacts give no force in it, if the compliance of a part is needed to know theirs.
     """
-    if not any(parts_that_give(design)):
+    if not design.as_parts:
         return design
     return replace(
         design, cycles={name: _untouched(cycle) for name, cycle in design.cycles.items()}
@@ -117,10 +156,10 @@ def _untouched(cycle: Cycle) -> Cycle:
         replace(
             phase,
             given={
-                force: 0.0 if isinstance(law, ContactLaw) else law
+                force: 0.0 if isinstance(law, loads.Contact) else law
                 for force, law in phase.given.items()
             },
         )
-        for phase in cycle.phases
+        for phase in cycle.run.phases
     )
-    return replace(cycle, phases=phases)
+    return replace(cycle, run=replace(cycle.run, phases=phases))

@@ -7,9 +7,10 @@ import numpy as np
 import loads
 from ballesta.machine.end_stops import dead_centre_warnings, stop_warnings
 from ballesta.machine.shown_loads import shown_cycle
+from ballesta.machine.solved_cycles import linkage_of
 from checks.design.data import Design, Part
-from checks.part.linkage_builder import interface_distance, linkage_of
 from checks.part.part_loads import is_loaded
+from checks.part.placing import interface_distance
 from checks.result.verdict import PartResult
 from checks.result.words import quantity_unit
 from geometry.parts import Pin, PrismaticTube, ToggleBar
@@ -138,13 +139,11 @@ def solver_warnings(results: Sequence[PartResult]) -> list[str]:
 def _drives(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list[str]:
     """Drives that can do their work, but only just; what they cannot do breaks a gate."""
     warnings = []
-    for force in design.forces.values():
-        if force.limits is None:
-            continue
+    for name in design.available:
         reserves = [
             (1 - direction.needed / direction.available, direction.words, direction)
             for cycle in solved.values()
-            for direction in shown_cycle(design, cycle).directions(force.name)
+            for direction in shown_cycle(design, cycle).directions(name)
             if direction.available is not None
         ]
         if not reserves:
@@ -152,9 +151,10 @@ def _drives(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list[str]
         reserve, words, direction = min(reserves, key=lambda entry: entry[0])
         assert direction.available is not None
         if 0 <= reserve < _RESERVE:
-            unit, factor = quantity_unit(force.dimension == "moment", direction.available)
+            angular = design.forces[name].coordinate.angular
+            unit, factor = quantity_unit(angular, direction.available)
             warnings.append(
-                f"{force.name}, {words}: {direction.available * factor:.4g} {unit} available, "
+                f"{name}, {words}: {direction.available * factor:.4g} {unit} available, "
                 f"{direction.needed * factor:.4g} {unit} needed: {100 * reserve:.1f} % reserve"
             )
     return warnings

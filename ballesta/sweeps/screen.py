@@ -19,7 +19,7 @@ from ballesta.design.read import read_design
 from ballesta.machine.balance import measured_loads
 from ballesta.machine.elastic_parts import compliances_of
 from ballesta.machine.quasi_static import vibration_of, with_dynamics
-from ballesta.machine.solved_cycles import part_masses, told_of_cycle
+from ballesta.machine.solved_cycles import linkage_of, part_masses, told_of_cycle
 from checks.columns.stability import column_checks
 from checks.design.data import Design, Part
 from checks.design.errors import DesignError, NumericsError
@@ -27,7 +27,6 @@ from checks.joints.pin_offsets import offset_gates
 from checks.ladder.climb import answered, climb_cheap, start_climb
 from checks.ladder.part_ladder import formula_checks, told_of_part
 from checks.ladder.result import reported_level, rung_gates
-from checks.part.linkage_builder import cycle_of, linkage_of
 from checks.part.part_loads import check_reach, loads_on
 from checks.result.verdict import Check, Gate, Status, deciding_of, status_of
 from checks.stress.solid_mesh_level import Models
@@ -138,7 +137,7 @@ class _Known:
         self._solved, _ = self.solve(design, masses)
         for name, cycle in design.cycles.items():
             self._linkages[name] = self._solved[name].linkage
-            self._cycles[name] = cycle_of(design, cycle)
+            self._cycles[name] = cycle.run
 
     def solve(self, design: Design, masses: Masses) -> tuple[dict[str, loads.CycleLoads], bool]:
         """The cycles of a variation, and whether any was run from the beginning."""
@@ -147,7 +146,7 @@ class _Known:
         for name, stated in design.cycles.items():
             with told_of_cycle(design, name):
                 linkage = linkage_of(design, masses, stated, compliances)
-                cycle = cycle_of(design, stated)
+                cycle = stated.run
                 known = self._solved.get(name)
                 if known is not None and loads.moves_alike(
                     self._linkages[name], self._cycles[name], linkage, cycle

@@ -258,7 +258,7 @@ def crooked_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
     if not part.geometry.sections or not axial_compression(part, loads).max() > 0:
         return []
     planes = planes_of(design, part)
-    mass = None if part.body is None else design.bodies[part.body].mass
+    mass = design.stated_mass(part).mass
     checks = []
     pressed = _pressed(part, loads, planes[0].own, mass)
     for plane, other in (planes, planes[::-1]):

@@ -9,7 +9,7 @@ import numpy as np
 import loads
 from checks.columns.link_sections import Bar, bar_of
 from checks.design.data import Design
-from checks.part.linkage_builder import Placing, part_placing
+from checks.part.placing import Placing, part_placing
 from fem.frame_joints import Link, PlacedLinks
 from geometry.mesh import FloatArray
 

@@ -21,7 +21,7 @@ def crooked(design: Design, part: Part, loads: PartLoads) -> dict[str, Derivatio
     if worst_compression(part, loads) is None:
         return {}
     planes = planes_of(design, part)
-    mass = None if part.body is None else design.bodies[part.body].mass
+    mass = design.stated_mass(part).mass
     found = {}
     for plane, other in (planes, planes[::-1]):
         column, sections, positions = crooked_column(part, loads, plane, other, mass)

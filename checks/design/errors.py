@@ -56,6 +56,9 @@ class Problems:
         self.file, self._file_of = file, file_of
         self._found: dict[tuple[str, str], DesignError] = {}
 
+    def __len__(self) -> int:
+        return len(self._found)
+
     def add(self, key: str, problem: str) -> None:
         """Note a problem; the same one found twice is told once."""
         file = self.file if self._file_of is None else self._file_of(key)

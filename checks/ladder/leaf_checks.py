@@ -16,7 +16,6 @@ import loads
 from checks.derivations.friction import with_friction
 from checks.design.data import Design, Part
 from checks.ladder.solid import first_level
-from checks.part.linkage_builder import cycle_of
 from checks.part.part_loads import PartLoads, loads_on
 from checks.result.derivation import Derivation
 from checks.result.verdict import Check, Gate, PartResult
@@ -241,7 +240,7 @@ def _stiffened(
     linkage = replace(
         cycle.linkage, compliance=tuple(stiffer(entry) for entry in cycle.linkage.compliance)
     )
-    return loads.run_cycle(linkage, cycle_of(design, design.cycles[cycle.name]))
+    return loads.run_cycle(linkage, design.cycles[cycle.name].run)
 
 
 def _banded(check: Check, stiffer: _Stiffer) -> Check:

@@ -211,8 +211,5 @@ def _has_couples(level: Level) -> bool:
 
 def _stated_mass(design: Design, part: Part) -> str:
     """Which mass properties the part's body states itself."""
-    if part.body is None:
-        return ""
-    body = design.bodies[part.body]
-    stated = {"mass": body.mass, "centre": body.centre, "inertia": body.inertia}
+    stated = design.stated_mass(part)._asdict()
     return ", ".join(name for name, value in stated.items() if value is not None)

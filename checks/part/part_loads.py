@@ -10,7 +10,7 @@ import numpy as np
 import loads
 from checks.design.data import Cycle, Design, Part
 from checks.design.errors import DesignError
-from checks.part.linkage_builder import part_placing
+from checks.part.placing import part_placing
 from geometry.mesh import FloatArray, IntArray, Interface
 from geometry.parts import Pin
 
@@ -76,16 +76,14 @@ class PartLoads:
 
 def shown_position(cycle: Cycle, values: FloatArray) -> FloatArray:
     """Positions as reports show them."""
-    if cycle.shown is None:
-        return np.degrees(values) if cycle.coordinate.dimension == "angle" else values
-    shown = cycle.shown.sign * (values - cycle.shown.zero)
-    return np.degrees(shown) if cycle.coordinate.dimension == "angle" else shown
+    shown = values if cycle.shown is None else cycle.shown.sign * (values - cycle.shown.zero)
+    return np.degrees(shown) if cycle.run.coordinate.angular else shown
 
 
 def shown_name(cycle: Cycle) -> tuple[str, str]:
     """Name and unit of the shown position."""
-    name = cycle.shown.name if cycle.shown else str(cycle.coordinate)
-    return name, "deg" if cycle.coordinate.dimension == "angle" else "mm"
+    name = cycle.shown.name if cycle.shown else cycle.run.coordinate.label
+    return name, "deg" if cycle.run.coordinate.angular else "mm"
 
 
 def shown_of(

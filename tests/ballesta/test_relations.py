@@ -14,7 +14,7 @@ import pytest
 
 import loads
 from ballesta.design.read import read_design
-from checks.part.linkage_builder import cycle_of, linkage_of
+from ballesta.machine.solved_cycles import linkage_of
 
 from ..small_machine import PLATE, machine
 from .restated import (
@@ -86,10 +86,11 @@ def plain(machine):
 def forces(folder, data):
     """Size of the force in every joint and of every effort at every position of every cycle."""
     design = designed(folder, data)
-    bars = {name: (4e-3, (125.0, 0.0), 22.0) for name, b in design.bodies.items() if b.mass is None}
+    unknown = (name for name, stated in design.stated_masses.items() if stated.mass is None)
+    bars = dict.fromkeys(unknown, (4e-3, (125.0, 0.0), 22.0))
     found = []
     for cycle in design.cycles.values():
-        run = loads.run_cycle(linkage_of(design, bars, cycle), cycle_of(design, cycle))
+        run = loads.run_cycle(linkage_of(design, bars, cycle), cycle.run)
         reactions = [np.hypot(*load.force.T) for load in run.reactions.values()]
         found.append(np.array([*reactions, *map(np.abs, run.efforts.values())]))
     return found

@@ -11,9 +11,8 @@ import pytest
 
 import loads
 from ballesta.design.read import read_design
-from checks.design.data import ContactLaw, Coordinate, Pace, TableLaw
+from ballesta.machine.solved_cycles import linkage_of
 from checks.design.errors import DesignError
-from checks.part.linkage_builder import cycle_of, linkage_of
 
 DESIGNS = Path(__file__).parents[3] / "designs"
 HAMMER = (DESIGNS / "spring_hammer.toml").read_text()
@@ -33,7 +32,7 @@ def read(tmp_path, *changes, text=CRANK, overrides=()):
 
 
 def given(design, cycle, force):
-    return design.cycles[cycle].phases[0].given[force]
+    return design.cycles[cycle].run.phases[0].given[force]
 
 
 STEADY = 'pace = { coordinate = "crank.angle", speed = "1 rad/s" }'
@@ -41,25 +40,22 @@ PUSH = 'push = "0 N"'
 
 
 def test_a_pace_may_speed_up_or_follow_a_law(tmp_path):
-    crank = Coordinate("crank", "angle")
+    crank = loads.Angle("crank")
     up = read(tmp_path, ('speed = "1 rad/s"', 'speed = "60 rpm", acceleration = "-30 deg/s2"'))
-    pace = up.cycles["bench"].pace
+    pace = up.cycles["bench"].run.pace
+    assert isinstance(pace, loads.SteadyPace)
     assert pace.coordinate == crank
     assert (pace.speed, pace.acceleration) == pytest.approx((2 * math.pi, -math.pi / 6))
-    assert isinstance(cycle_of(up, up.cycles["bench"]).pace, loads.SteadyPace)
     law = read(tmp_path, ('speed = "1 rad/s"', 'law = "cycloidal", time = "1500 ms"'))
-    assert law.cycles["bench"].pace == Pace(crank, None, 0.0, "cycloidal", 1.5)
-    assert cycle_of(law, law.cycles["bench"]).pace == loads.StrokePace(
-        loads.Angle("crank"), "cycloidal", 1.5
-    )
+    assert law.cycles["bench"].run.pace == loads.StrokePace(crank, "cycloidal", 1.5)
 
 
 def test_a_force_may_follow_a_table(tmp_path):
     table = 'push = { over = "crank.angle", at = ["0 deg", "360 deg"], force = ["0 N", "-1 kN"] }'
     design = read(tmp_path, (PUSH, table))
     law = given(design, "bench", "push")
-    assert law == TableLaw(Coordinate("crank", "angle"), (0.0, 2 * math.pi), (0.0, -1000.0))
-    solved = loads.run_cycle(linkage_of(design, {}), cycle_of(design, design.cycles["bench"]))
+    assert law == loads.Table(loads.Angle("crank"), (0.0, 2 * math.pi), (0.0, -1000.0))
+    solved = loads.run_cycle(linkage_of(design, {}), design.cycles["bench"].run)
     assert solved.efforts["push"] == pytest.approx(-1000 * solved.positions / (2 * math.pi))
 
 
@@ -82,18 +78,16 @@ def test_a_table_may_stand_in_a_csv_file_which_counts_as_a_source(text, tmp_path
 def test_a_contact_is_told_along_the_axis_and_handed_on_along_the_force(tmp_path):
     """A force that points down has the coordinate -y: touching at y is touching at -y there."""
     design = read(tmp_path, text=HAMMER)
-    law = given(design, "at_5_work_10", "workpiece")
-    assert law == ContactLaw(Coordinate("D", "y"), 1123.5, None, True)
     key = "cycles.at_5_work_10.phases[0].forces.workpiece"
     assert {(f"{key}.stops", "true"), (f"{key}.stiffness", "rigid")} <= set(design.defaults_used)
-    handed = cycle_of(design, design.cycles["at_5_work_10"]).phases[0].given["workpiece"]
+    handed = design.cycles["at_5_work_10"].run.phases[0].given["workpiece"]
     assert handed == loads.Contact(1123.5, None, 1, True)
     press = read(
         tmp_path,
         ('forces = { process = "0 N" }', 'forces = { process = { touches = "A.y", at = "490 mm", stiffness = "80 kN/mm", stops = false } }'),
         text=PRESS,
     )  # fmt: skip
-    handed = cycle_of(press, press.cycles["press"]).phases[0].given["process"]
+    handed = press.cycles["press"].run.phases[0].given["process"]
     assert handed == loads.Contact(-490.0, 80e3, 1, False)
 
 
@@ -107,7 +101,7 @@ def test_a_buffer_between_two_points_pushes_them_apart(tmp_path):
         text=text.replace('cylinder = "11 kN" }', 'cylinder = "11 kN", buffer = "0 N" }'),
     )  # fmt: skip
     mass = {"upper": (4e-3, (125.0, 0.0), 20.0), "lower": (4e-3, (125.0, 0.0), 20.0)}
-    solved = loads.run_cycle(linkage_of(design, mass), cycle_of(design, design.cycles["press"]))
+    solved = loads.run_cycle(linkage_of(design, mass), design.cycles["press"].run)
     force = solved.efforts["buffer"][solved.phase_of == 0]
     assert force[0] == 0.0
     assert -60.0 < force[-1] < 0.0, "a push is a negative pull"

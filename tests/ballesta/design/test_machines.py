@@ -10,7 +10,7 @@ import pytest
 
 import loads
 from ballesta.design.read import read_design
-from checks.part.linkage_builder import cycle_of, linkage_of
+from ballesta.machine.solved_cycles import linkage_of
 
 DESIGNS = Path(__file__).parents[3] / "designs"
 # of bars without a part to take them from: mass t, centre mm, inertia t mm2 of a slender bar
@@ -19,8 +19,9 @@ BAR = (4.14134e-3, (125.0, 0.0), 4.14134e-3 * 250.0**2 / 12)
 
 def solved(design, cycle):
     stated = design.cycles[cycle]
-    linkage = linkage_of(design, {"upper": BAR, "lower": BAR}, stated)
-    return loads.run_cycle(linkage, cycle_of(design, stated))
+    bars = {name: BAR for name in ("upper", "lower") if name in design.bodies}
+    linkage = linkage_of(design, bars, stated)
+    return loads.run_cycle(linkage, stated.run)
 
 
 @pytest.mark.parametrize(
@@ -93,9 +94,9 @@ def test_the_order_of_tables_in_a_file_does_not_matter(tmp_path):
 def test_a_design_survives_the_way_between_processes_and_assumes_what_it_says(file):
     design = read_design(file)
     copied = pickle.loads(pickle.dumps(design))
-    assert (copied.cycles, copied.slides, copied.sources) == (
+    assert (copied.cycles, copied.joints, copied.sources) == (
         design.cycles,
-        design.slides,
+        design.joints,
         design.sources,
     )
     assert all(reason for _, reason in design.assumed)

@@ -15,6 +15,7 @@ from ballesta.design.templates import new_design, templates
 from checks.design.errors import DesignError
 from checks.design.materials import known_materials
 from checks.design.units import KNOWN_UNITS, measure, measure_pair, pint_unit
+from loads import Distance
 
 from ...small_machine import PLATE, machine
 
@@ -53,7 +54,7 @@ def test_the_unit_of_a_point_serves_both_numbers_or_each_has_its_own():
 def test_the_toggle_press_is_read_whole():
     """Brief 4.2 to 4.5: 250 mm between the pins, 2.2 million cycles a year, 40 mm pin."""
     design = read_design(PRESS)
-    assert design.joints == {
+    assert design.pins == {
         "C": ("ground", "lower"),
         "B": ("lower", "upper"),
         "A": ("upper", "mould"),
@@ -61,10 +62,10 @@ def test_the_toggle_press_is_read_whole():
     assert design.parts["bar_lower"].geometry.length == pytest.approx(250.0)
     assert design.parts["bar_lower"].geometry.wall == 6.3
     assert design.parts["pin_B"].geometry.total_length == pytest.approx(2 * (42.95 + 3.15 + 5))
-    assert design.forces["cylinder"].between == (("ground", "D"), ("lower", "B"))
+    assert design.forces["cylinder"].coordinate == Distance("ground", "D", "lower", "B")
     assert design.duty.cycles == {"press": 1.1e7}
     assert design.gravity == pytest.approx((0.0, -9810.0))
-    assert [phase.solve for phase in design.cycles["press"].phases] == [
+    assert [phase.solve for phase in design.cycles["press"].run.phases] == [
         "cylinder",
         "process",
         "cylinder",
@@ -73,10 +74,11 @@ def test_the_toggle_press_is_read_whole():
 
 
 def test_points_are_told_in_the_frame_of_their_body():
-    body = read_design(PRESS).bodies["upper"]
-    assert body.points["A"] == pytest.approx((250.0, 0.0), abs=1e-12 * 250)
-    assert body.angle == pytest.approx(math.atan2(150, -200))
-    assert body.position == (200.0, 150.0)
+    design = read_design(PRESS)
+    assert design.bodies["upper"].points["A"] == pytest.approx((250.0, 0.0), abs=1e-12 * 250)
+    x, y, angle = design.assembled["upper"]
+    assert (x, y) == (200.0, 150.0)
+    assert angle == pytest.approx(math.atan2(150, -200))
 
 
 def test_what_the_file_does_not_state_and_what_it_assumes_is_listed():

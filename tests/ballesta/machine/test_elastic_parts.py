@@ -12,10 +12,9 @@ from ballesta.commands.loads_command import loads_of_file
 from ballesta.commands.plan import plan
 from ballesta.design.read import read_design
 from ballesta.machine.elastic_parts import body_compliance, compliances_of
-from ballesta.machine.solved_cycles import part_masses, solve_cycles
+from ballesta.machine.solved_cycles import linkage_of, part_masses, solve_cycles
 from checks.design.errors import DesignError
 from checks.ladder.solid import FIRST
-from checks.part.linkage_builder import linkage_of
 from checks.strength.part_strength import elastic_of
 from checks.stress.solid_mesh_level import Models
 from fem.compliance import compliance

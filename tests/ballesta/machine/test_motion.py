@@ -111,7 +111,7 @@ def test_a_sliding_force_acts_where_the_contact_is(checked):
         return
     slide = design.slides["slot"]
     for motion in result.motion.values():
-        contact = motion.point(slide.body, slide.point)
+        contact = motion.point(slide.body_b, slide.point_b)
         assert_allclose(motion.pins["lever slot"].place, contact, atol=1e-6)
         assert np.ptp(motion.travel("slot")) > 10
 
@@ -212,7 +212,7 @@ def test_an_eye_above_its_part_s_plane_is_at_its_lug_s_height_on_the_pin():
         name="rod", body="rod", joint=None, stack=[], interfaces={"eye": "A"}, offsets={},
         geometry=SimpleNamespace(heights={"eye": 4.0}),
     )  # fmt: skip
-    design = SimpleNamespace(parts={"pin": pin, "rod": rod}, joints={"A": ("rod",)}, slides={})
+    design = SimpleNamespace(parts={"pin": pin, "rod": rod}, pins={"A": ("rod",)}, slides={})
     height, _ = layers(design, {})
     assert height["rod"] + 4.0 == pytest.approx(height["pin"] + 10.0)
 

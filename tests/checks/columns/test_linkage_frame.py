@@ -29,10 +29,14 @@ fillet = "3 mm"
 """
 
 
+def at_positions(cycle, count):
+    return replace(cycle, run=replace(cycle.run, n_positions=count))
+
+
 def press(name):
     """The full pull of a toggle press up to x = 2 mm; bars without mass, 0.3 % of the force."""
     design = read_design(DESIGNS / f"{name}.toml")
-    cycle = replace(design.cycles["capacity"], positions=25)
+    cycle = at_positions(design.cycles["capacity"], 25)
     design = replace(design, cycles={"capacity": cycle})
     return design, solve_cycles(design, {})
 
@@ -213,7 +217,7 @@ def test_a_linkage_that_is_only_pulled_has_no_mode(tmp_path, positions):
 def test_a_crank_whose_block_nothing_else_holds_sideways_is_held_by_the_slot():
     """Quick return: the crank is pinned to the ground and to the block only."""
     design = read_design(DESIGNS / "quick_return.toml")
-    cycle = replace(design.cycles["at_10_loaded"], positions=37)
+    cycle = at_positions(design.cycles["at_10_loaded"], 37)
     design = replace(design, cycles={"at_10_loaded": cycle})
     mode = worst_mode(design, solve_cycles(design, {}))
     assert mode.slots_hold

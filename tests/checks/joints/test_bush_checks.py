@@ -157,10 +157,11 @@ def test_the_eye_of_a_force_turns_with_the_line_that_the_force_acts_along():
     loads = loads_on(design, part, cycles)
     product = bush_checks(design, part, loads, cycles)[-1]
     assert product.quantity == "p v of the bush of cylinder"
-    ends, by_hand = design.forces["cylinder"].between, []
+    cylinder, by_hand = design.forces["cylinder"].coordinate, []
     for name, cycle in cycles.items():
         times, first = np.unique(cycle.times, return_index=True)  # phases share their ends
-        reach = (cycle.point(*ends[0]) - cycle.point(*ends[1]))[first]
+        front = cycle.point(cylinder.body_a, cylinder.point_a)
+        reach = (front - cycle.point(cylinder.body_b, cylinder.point_b))[first]
         own = cycle.poses[first, cycle.body_index("lower"), 2]
         turned = np.unwrap(np.arctan2(reach[:, 1], reach[:, 0])) - own
         speed = np.abs(np.gradient(turned, times)) * 20.0
