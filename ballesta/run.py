@@ -12,8 +12,8 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from ballesta import supervised
 from checks.design.errors import DesignError, NumericsError
+from geometry import progress as telling
 
 if TYPE_CHECKING:
     from checks.design.effort import Effort
@@ -52,19 +52,21 @@ def check_all(
     folders = output_folders(designs, out)
     codes: list[int] = []
     results: list[dict[str, Any]] = []
-    done: tuple[list[int], list[dict[str, Any]]] | None = supervised.recovered(_DONE)
+    done: tuple[list[int], list[dict[str, Any]]] | None = telling.recovered(_DONE)
     if done:
         codes, results = done
     opened: list[Store | None] = []
     wrong = guarded(lambda: opened.append(store_at(store)))
     if wrong:
         return wrong
-    ended = supervised.ended()
+    ended = telling.ended()
     for path, folder in list(zip(designs, folders, strict=True))[len(codes) :]:
 
         def one(path: Path = path, folder: Path = folder, ended: str = ended) -> int:
+            from checks.design.effort import effort_of
+
             effort = effort_of(fidelity, within, fields=fields)
-            begun = perf_counter() - (0.0 if codes else supervised.since_begun())
+            begun = perf_counter() - (0.0 if codes else telling.since_begun())
             if ended:
                 recovered = _ended_to_folder(folder)
                 if recovered is None:
@@ -72,7 +74,7 @@ def check_all(
                     return UNDECIDED
                 result = recovered
             else:
-                supervised.limit(effort.within, perf_counter() - begun)
+                telling.limit(effort.within, perf_counter() - begun)
                 result = check_to_folder(
                     path,
                     folder,
@@ -82,7 +84,7 @@ def check_all(
                     store=opened[0],
                     begun=begun,
                 )
-                supervised.limit(None)
+                telling.limit(None)
             results.append(result.to_dict() | {"report": str(folder / "report.html")})
             if not as_json:
                 print(_printed(result, folder / "report.html", verbose=verbose), flush=True)
@@ -90,9 +92,9 @@ def check_all(
 
         codes.append(guarded(one))
         ended = ""
-        supervised.forget("")
-        supervised.keep(_DONE, (codes, results))
-        if supervised.stops():
+        telling.forget("")
+        telling.keep(_DONE, (codes, results))
+        if telling.stops():
             break
     if as_json:
         from reports.files import plain
@@ -121,8 +123,8 @@ def _ended_to_folder(folder: Path) -> "DesignResult | None":
     from reports.page import write_report
     from reports.pictures import Pictures
 
-    why = supervised.ended()
-    result = unfinished(supervised.recovered, why)
+    why = telling.ended()
+    result = unfinished(telling.recovered, why)
     if result is None:
         return None
     with _told_of_folder(folder):
@@ -150,27 +152,6 @@ def store_at(folder: Path | None) -> "Store | None":
         expected = f'must be a number of GiB above 0 such as "20", got "{stated}"'
         raise DesignError(Path("environment"), "BALLESTA_STORE_LIMIT", expected)
     return Store(folder, limit=int(limit * GIB))
-
-
-def effort_of(fidelity: str, within: str | None, *, fields: bool = False) -> "Effort":
-    """What the options of the command line ask for; raises DesignError."""
-    from checks.design.effort import FIDELITIES, Effort
-    from checks.design.names import no_such
-
-    here = Path("command line")
-    if fidelity not in FIDELITIES:
-        raise DesignError(here, "--fidelity", no_such("rung", fidelity, FIDELITIES))
-    if within is None:
-        return Effort(fidelity, fields=fields)
-    from checks.design.units import measure
-
-    try:
-        seconds = measure(within, "time").value
-    except ValueError as error:
-        raise DesignError(here, "--within", str(error)) from error
-    if not seconds > 0:
-        raise DesignError(here, "--within", f'must be above 0 s, got "{within}"')
-    return Effort(fidelity, seconds, fields=fields)
 
 
 def check_to_folder(
@@ -233,7 +214,7 @@ def check_to_folder(
             store=store,
             live=True,
             begun=begun,
-            keep=_kept if supervised.is_supervised() else None,
+            keep=_kept if telling.is_supervised() else None,
         )
         with drawing(shown) as pictures, _told_of_folder(folder):
             say("encoding the fields of the live view")
@@ -251,7 +232,7 @@ def _kept(name: str, value: Any) -> None:
     from ballesta.unfinished import FRAME
     from reports.pictures import chart_ahead
 
-    supervised.keep(name, value)
+    telling.keep(name, value)
     if name == FRAME:
         chart_ahead(value[0])
 
@@ -271,7 +252,7 @@ def write_folder(
 
     start = perf_counter()
     say("writing the report")
-    supervised.expect("pictures and page", report_seconds(len(result.parts)))
+    telling.expect("pictures and page", report_seconds(len(result.parts)))
     names = [f"{part.name}.vtu" for part in result.parts]
     for part, name in zip(result.parts, names, strict=True):
         write_vtu(part, folder / name)
@@ -352,8 +333,8 @@ def progress(path: Path) -> Iterator[Say]:
     name, start = path.stem, perf_counter()
 
     def tell(text: str) -> None:
-        if supervised.is_supervised():
-            supervised.step(text, name)
+        if telling.is_supervised():
+            telling.step(text, name)
         else:
             print(f"{name} {perf_counter() - start:6.1f} s  {text}", file=sys.stderr, flush=True)
 

@@ -12,8 +12,8 @@ from contextlib import contextmanager
 from math import inf
 from time import monotonic, process_time
 
-from ballesta.supervised import Order
 from geometry.child import Child
+from geometry.progress import Order
 
 STOPPED, GAVE_UP = 130, 3  # exit codes: of an interrupt as shells report it; of numerics
 _CHILD = "ballesta.supervised:run"  # its function
@@ -25,15 +25,6 @@ _GRACE = 2.0  # s after a time limit, in which the command has ended
 # for each part; and of the imports for it (the press on a core of 2.5 GHz: 2.3 s, 1.5 s).
 _REPORT, _REPORT_OF_A_PART, _READY = 1.2, 0.5, 2.0
 _WIDTH = 100  # characters of a line of progress
-
-
-def main() -> None:
-    """The program: long commands by a child, the others here."""
-    if is_long(sys.argv[1:]):
-        sys.exit(supervise(sys.argv[1:]))
-    from ballesta.cli import main as command_line
-
-    sys.exit(command_line())
 
 
 def is_long(argv: Sequence[str]) -> bool:

@@ -17,9 +17,9 @@ from time import perf_counter, process_time, sleep
 from typing import Any
 
 from ballesta.batch.executor import Settings
-from ballesta.batch.job import RUN, Job
+from ballesta.batch.job import RUN
 from ballesta.batch.memory import resident_bytes
-from ballesta.batch.outcome import GAVE_UP, ended
+from ballesta.batch.outcome import GAVE_UP, Job, ended
 from ballesta.batch.plan import Plan, Request, planned
 from ballesta.batch.run import run_batch
 

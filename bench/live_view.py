@@ -22,14 +22,14 @@ from typing import Any
 import numpy as np
 
 from ballesta.design.read import read_design
-from checks.ladder.live_fields import without_rigid_motion
-from checks.result.live_fields import LiveFields
+from checks.ladder.part_fields import without_rigid_motion
+from checks.result.live_fields import EncodedPart, LiveFields
 from checks.strength.part_strength import elastic_of
 from checks.stress.solid_mesh_level import Models
 from checks.stress.symmetry import mirrored, surface_triangles
 from fem.stress_history import StressHistory
 from geometry.symmetry import Half
-from reports.live.encode import EncodedPart, encode
+from reports.live.encode import encode
 
 PARTS, POSITIONS, TRIES = 5, 361, 3
 FINENESS = 1.96  # the next coarser mesh has 29 000 surface nodes

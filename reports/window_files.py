@@ -26,7 +26,7 @@ def scene_of(result: DesignResult) -> Scene:
     for part in result.parts:
         if not isinstance(part.live, LiveFields):
             raise ValueError(f"part {part.name!r} has no fields; it was not checked for them")
-        live = with_required_safety(part.live, part.checks)
+        live = with_required_safety(part.live, part.required_safety("fatigue"))
         parts.append(ShownPart(part.name, live, _worst(part.name, result)))
     order = {part.name: k for k, part in enumerate(parts)}
     cycles = [

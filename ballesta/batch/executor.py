@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any, Protocol, Self
 
 from ballesta.batch.cluster import Cluster
-from ballesta.batch.job import Job
 from ballesta.batch.memory import FIRST_ESTIMATE, FIRST_ESTIMATES, Admission, planned_budget
+from ballesta.batch.outcome import Job
 from ballesta.batch.pool import Finished, Limits, Pool
 
 SCRATCH = ".work"  # in the batch's folder, while it runs

@@ -5,7 +5,6 @@ import os
 import sys
 from collections.abc import Mapping
 from contextlib import redirect_stderr
-from dataclasses import dataclass
 from functools import cache
 from hashlib import sha256
 from io import TextIOBase
@@ -13,7 +12,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, TextIO
 
-from ballesta.batch.outcome import GAVE_UP, OUT_OF_MEMORY, WRONG_INPUT, ended, judged
+from ballesta.batch.outcome import GAVE_UP, OUT_OF_MEMORY, WRONG_INPUT, Job, ended, judged
 from checks.design.errors import DesignError, NumericsError
 
 if TYPE_CHECKING:
@@ -27,30 +26,6 @@ _NOT_THE_DESIGN = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO)
 
 class FolderError(Exception):
     """The output folder takes no files: no design's fault, so the batch stops."""
-
-
-@dataclass(frozen=True)
-class Job:
-    """A design to check.
-
-    name       the row it becomes, one of its kind in a batch
-    file       the design file, as given
-    overrides  "key=value", put in before it is read
-    fidelity, within, accuracy  as the options of `ballesta check`; None where not given
-    folder     where its results go
-    reports    whether report.html and a .vtu per part are written beside result.json
-    store      folder of what earlier checks have left (docs/store.md); None for none
-    """
-
-    name: str
-    file: str
-    overrides: tuple[str, ...]
-    fidelity: str
-    within: str | None
-    accuracy: str | None
-    folder: str
-    reports: bool = False
-    store: str | None = None
 
 
 def run_job(job: Job) -> dict[str, Any]:
@@ -93,7 +68,8 @@ def _checked(job: Job, sources: dict[str, str]) -> "DesignResult":
     from ballesta.batch.thumbnail import write_thumbnail
     from ballesta.check import check_design
     from ballesta.design.read import read_design
-    from ballesta.run import check_to_folder, effort_of, progress
+    from ballesta.run import check_to_folder, progress
+    from checks.design.effort import effort_of
     from checks.store.results import keep_result, recalled_result
     from reports.files import write_json
 

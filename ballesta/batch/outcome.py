@@ -1,13 +1,13 @@
 """What came of a design of a batch, as plain data: judged, or ended without a verdict and why."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from checks.design.errors import DesignError
 
 if TYPE_CHECKING:
-    from ballesta.batch.job import Job
     from checks.result.verdict import DesignResult
 
 WRONG_INPUT, GAVE_UP, CRASHED = "wrong input", "gave up", "crashed"
@@ -25,12 +25,36 @@ _OF_A_CHECK = (
 )  # fmt: skip
 
 
-def ended(job: "Job", status: str, error: str, stage: str) -> dict[str, Any]:
+@dataclass(frozen=True)
+class Job:
+    """A design to check.
+
+    name       the row it becomes, one of its kind in a batch
+    file       the design file, as given
+    overrides  "key=value", put in before it is read
+    fidelity, within, accuracy  as the options of `ballesta check`; None where not given
+    folder     where its results go
+    reports    whether report.html and a .vtu per part are written beside result.json
+    store      folder of what earlier checks have left (docs/store.md); None for none
+    """
+
+    name: str
+    file: str
+    overrides: tuple[str, ...]
+    fidelity: str
+    within: str | None
+    accuracy: str | None
+    folder: str
+    reports: bool = False
+    store: str | None = None
+
+
+def ended(job: Job, status: str, error: str, stage: str) -> dict[str, Any]:
     """Outcome of a design that has no verdict: its status, the cause, and what was being done."""
     return _outcome(job, status) | {"error": error, "stage": stage}
 
 
-def judged(job: "Job", result: "DesignResult") -> dict[str, Any]:
+def judged(job: Job, result: "DesignResult") -> dict[str, Any]:
     """Outcome of a design that was checked; the first governing check decides its status."""
     from checks.result.words import broken_gates, check_titles
     from reports.files import plain
@@ -63,7 +87,7 @@ def judged(job: "Job", result: "DesignResult") -> dict[str, Any]:
     return outcome
 
 
-def _outcome(job: "Job", status: str) -> dict[str, Any]:
+def _outcome(job: Job, status: str) -> dict[str, Any]:
     return {
         "name": job.name,
         "design": "",

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ballesta.batch.files import write_whole
-from ballesta.batch.job import Job
+from ballesta.batch.outcome import Job
 from ballesta.run import folder_name
 from checks.design.errors import DesignError
 from geometry.bounded_files import read_bounded

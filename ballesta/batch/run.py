@@ -9,13 +9,14 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from ballesta.batch.executor import Executor, Settings, executor_of
-from ballesta.batch.job import RUN, Job, step_of, text_digest
+from ballesta.batch.job import RUN, step_of, text_digest
 from ballesta.batch.journal import Entry, Journal, Write
 from ballesta.batch.outcome import (
     NOT_RUN,
     STOPPED,
     TIMINGS,
     WRONG_INPUT,
+    Job,
     ended,
     folder_error,
 )

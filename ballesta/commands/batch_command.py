@@ -16,8 +16,9 @@ from ballesta.batch.memory import parse_memory
 from ballesta.batch.outcome import EXIT_CODES
 from ballesta.batch.plan import Request, claim_folder, planned
 from ballesta.batch.run import run_batch
-from ballesta.run import effort_of, guarded
+from ballesta.run import guarded
 from ballesta.sweeps.sweep_text import parse_sweep
+from checks.design.effort import effort_of
 from checks.design.errors import DesignError
 from checks.design.units import measure
 

@@ -13,7 +13,6 @@ from ballesta.machine.balance import measured_loads
 from ballesta.machine.elastic_parts import compliances_of
 from ballesta.machine.solved_cycles import part_masses, solve_cycles, without_unknown_contacts
 from ballesta.run import Say, guarded
-from ballesta.supervised import step
 from checks.design.data import Design, Part
 from checks.design.errors import DesignError, NumericsError
 from checks.design.names import no_such
@@ -25,6 +24,7 @@ from fem.deck import write_deck
 from fem.recovery import von_mises
 from fem.solvers import SolverError
 from geometry.mesh import FloatArray, IntArray, MeshError, TooManyElementsError
+from geometry.progress import step
 from reports.files import replacing
 
 FINENESS = 1.0  # of the exported mesh, times the part's own

@@ -14,7 +14,6 @@ from ballesta.machine.elastic_parts import compliances_of
 from ballesta.machine.quasi_static import vibration_of, with_dynamics
 from ballesta.machine.solved_cycles import part_masses, solve_cycles, without_unknown_contacts
 from ballesta.run import Say, guarded
-from ballesta.supervised import step
 from checks.design.data import Design, Part
 from checks.design.errors import DesignError
 from checks.design.names import no_such
@@ -30,6 +29,7 @@ from fem.solvers import SolverError
 from fem.unit_solutions import Elastic, UnitSolutions
 from geometry.mesh import Mesh, MeshError
 from geometry.meshing import Buildable
+from geometry.progress import step
 from geometry.sizing import SizeField
 from reports.files import plain, replacing
 from reports.ladder_summary import LadderPart, LadderResult

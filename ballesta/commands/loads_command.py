@@ -18,13 +18,13 @@ from ballesta.machine.solved_cycles import (
 from ballesta.machine.validity_checks import load_gates
 from ballesta.machine.warnings_of import load_warnings
 from ballesta.run import Say, guarded
-from ballesta.supervised import step
 from checks.design.data import Design
 from checks.design.errors import DesignError, NumericsError
 from checks.design.names import no_such
 from checks.result.words import gate_sentence, gate_word
 from checks.stress.kept_models import Models
 from geometry.mesh import MeshError
+from geometry.progress import step
 from reports.files import plain, replacing
 from reports.loads_csv import loads_csv
 from reports.loads_summary import LoadsResult

@@ -9,7 +9,8 @@ from time import perf_counter
 
 from ballesta.design.read import read_design
 from ballesta.diff.difference import RESULT
-from ballesta.run import GAVE_UP, WRONG_INPUT, effort_of, guarded, progress, store_at
+from ballesta.run import GAVE_UP, WRONG_INPUT, guarded, progress, store_at
+from checks.design.effort import effort_of
 from checks.design.errors import DesignError
 from checks.design.names import no_such
 from checks.result.words import brief, verdict_sentence

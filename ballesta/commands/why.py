@@ -7,14 +7,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ballesta.diff.difference import RESULT, read_result, result_files
-from ballesta.run import Say, effort_of, guarded, store_at
-from ballesta.supervised import step
+from ballesta.run import Say, guarded, store_at
 from checks.derivations.proven import with_derivation
+from checks.design.effort import effort_of
 from checks.design.errors import DesignError
 from checks.design.names import LINKAGE, listed, no_such
 from checks.result.formulas import FormulaError
 from checks.result.verdict import Check, deciding_of
 from checks.result.words import brief, check_titles
+from geometry.progress import step
 from reports.files import FORMAT
 
 if TYPE_CHECKING:

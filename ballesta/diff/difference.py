@@ -8,12 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ballesta.diff.compared import compared
-from ballesta.run import Say, effort_of, guarded
-from ballesta.supervised import step
+from ballesta.run import Say, guarded
+from checks.design.effort import effort_of
 from checks.design.errors import DesignError
 from checks.design.names import listed
 from checks.result.words import brief
 from geometry.bounded_files import MEBIBYTE, read_bounded
+from geometry.progress import step
 from reports.difference_summary import VERDICTS, DesignDifference, Difference
 from reports.files import plain
 

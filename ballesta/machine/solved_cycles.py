@@ -8,7 +8,6 @@ from time import perf_counter
 import numpy as np
 
 import loads
-from ballesta.supervised import expect
 from checks.design.data import Cycle, Design, Part
 from checks.design.errors import DesignError
 from checks.part.placing import interface_distance, part_placing
@@ -18,6 +17,7 @@ from checks.store.store import Store
 from checks.stress.kept_models import Models
 from geometry.mesh import MeshError, TooManyElementsError
 from geometry.parts.step_part import StepPart
+from geometry.progress import expect
 
 Say = Callable[[str], None]
 

@@ -46,8 +46,7 @@ def measured(
     """
     from ballesta.check import check_design
     from ballesta.design.read import read_design
-    from ballesta.run import effort_of
-    from checks.ladder.part_ladder import Effort
+    from checks.design.effort import Effort, effort_of
     from checks.store.fingerprints import stages_of
 
     design = read_design(path, overrides)

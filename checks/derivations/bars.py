@@ -6,12 +6,12 @@ from math import degrees, pi
 from checks.design.data import Part
 from checks.models.bands import NoBand
 from checks.models.checked import band_around
-from checks.models.model import RungModel
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import Bars, Given, Item, Step
 from checks.result.verdict import Check
 from checks.stress.error_bars import BEYOND_ARCS
 from checks.stress.error_bars import Bars as SolidBars
+from checks.stress.part_model import RungModel
 from fem.convergence import FINER, LEAST, ORDER, REPEATS, SAFETY, SCATTER
 
 ERROR = "e_r"  # the symbol of a rung's own error

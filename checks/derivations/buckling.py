@@ -6,7 +6,6 @@ from checks.derivations.common import load_case, position_of
 from checks.derivations.elastic import share_items
 from checks.derivations.proven import BARS
 from checks.design.data import Design, Part
-from checks.models.model import ElasticLoad
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import (
     Bars,
@@ -20,6 +19,7 @@ from checks.result.derivation import (
 )
 from checks.result.formulas import number_text
 from checks.result.verdict import Check
+from checks.stress.part_model import ElasticLoad
 from fem.buckling import BucklingMode
 from geometry.parts import LeafPack, PlateLink, PrismaticTube, ToggleBar, TubeRod
 

@@ -5,8 +5,8 @@ from math import pi
 import numpy as np
 
 from checks.derivations.common import numbers
-from checks.models.model import PressedColumn, PressedStretch
 from checks.result.derivation import Column, Given, Item, Step, Sum
+from checks.stress.part_model import PressedColumn, PressedStretch
 
 SHARE = "share"  # the symbol of the result
 _QUOTIENT = "Timoshenko's quotient: Timoshenko and Gere, Theory of Elastic Stability, 2nd ed., 2.8"

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from checks.models.model import RungLevel, UnitName
 from checks.models.unit_names import columns_of
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import Superposition, UnitLoad
+from checks.stress.part_model import RungLevel, UnitName
 from checks.stress.solid_mesh_level import Level
 from checks.stress.stress_result import Stressed
 

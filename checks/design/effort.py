@@ -2,6 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
+
+from checks.design.errors import DesignError
+from checks.design.names import no_such
 
 AUTO, SOLID = "auto", "solid"
 FIDELITIES = (AUTO, "formula", "beam", SOLID)
@@ -37,3 +41,21 @@ class Effort:
 
 
 DEFAULT_EFFORT = Effort()
+
+
+def effort_of(fidelity: str, within: str | None, *, fields: bool = False) -> Effort:
+    """Return the effort that options of the command line ask for; raises DesignError."""
+    here = Path("command line")
+    if fidelity not in FIDELITIES:
+        raise DesignError(here, "--fidelity", no_such("rung", fidelity, FIDELITIES))
+    if within is None:
+        return Effort(fidelity, fields=fields)
+    from checks.design.units import measure
+
+    try:
+        seconds = measure(within, "time").value
+    except ValueError as error:
+        raise DesignError(here, "--within", str(error)) from error
+    if not seconds > 0:
+        raise DesignError(here, "--within", f'must be above 0 s, got "{within}"')
+    return Effort(fidelity, seconds, fields=fields)

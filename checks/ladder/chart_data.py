@@ -18,11 +18,11 @@ from checks.design.data import Design, Part
 from checks.ladder.chart_data_columns import column_data
 from checks.ladder.chart_data_fatigue import fkm_data, haigh_data, life_data
 from checks.ladder.chart_data_meshes import convergence_data
-from checks.models.model import RungLevel
 from checks.part.part_loads import PartLoads
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse
 from checks.strength.part_strength import life_task
 from checks.stress.error_bars import Judged, StaticPeak
+from checks.stress.part_model import RungLevel
 from checks.stress.solid_mesh_level import Level
 from checks.stress.stress_result import Stressed
 

@@ -12,11 +12,11 @@ from checks.models.bands import known_band
 from checks.models.checked import BUCKLING, FATIGUE, STATIC, rung_estimates, rung_level
 from checks.models.estimate import Estimate
 from checks.models.families import family_of
-from checks.models.model import RungLevel, RungModel
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check, RungTried, Status
 from checks.strength.fatigue_assessment import FatigueUse
 from checks.strength.part_strength import fatigue_use
+from checks.stress.part_model import RungLevel, RungModel
 from fem.solvers import SolverError
 from geometry.mesh import MeshError
 from geometry.parts import LeafPack

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from checks.design.data import Design, Part
-from checks.ladder.live_fields import solid_fields
+from checks.ladder.part_fields import solid_fields
 from checks.ladder.solid import Say, first_level
 from checks.part.part_loads import PartLoads
 from checks.result.live_fields import LiveFields

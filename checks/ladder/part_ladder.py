@@ -7,7 +7,6 @@ from math import inf
 from time import perf_counter
 
 import loads
-from checks.derivations.derivations import explained
 from checks.design.data import Design, Part
 from checks.design.effort import DEFAULT_EFFORT as DEFAULT_EFFORT
 from checks.design.effort import SOLID
@@ -19,6 +18,7 @@ from checks.joints.pin_offsets import offset_gates
 from checks.joints.slot_checks import slot_checks
 from checks.ladder.climb import Climb, climb_rungs, start_climb
 from checks.ladder.drawn import undrawn, with_drawn_fields
+from checks.ladder.explained import explained
 from checks.ladder.pinned import climb_pinned
 from checks.ladder.result import cheap_result, solid_result
 from checks.ladder.solid import FIRST

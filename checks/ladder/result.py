@@ -11,16 +11,16 @@ from checks.columns.stability import column_checks, column_facts, column_told
 from checks.ladder.chart_data import charts_of
 from checks.ladder.climb import SOLID, Climb, answered
 from checks.ladder.leaf_checks import leaf_band, with_leaf_checks
-from checks.ladder.live_fields import rung_fields
 from checks.ladder.part_facts import SMALL_DISPLACEMENT, facts_of
+from checks.ladder.part_fields import rung_fields
 from checks.ladder.solid import RESCALED, Asked, Say, check_solid, first_level
 from checks.models.checked import BALANCE, BUCKLING, FATIGUE, STATIC
 from checks.models.estimate import Estimate
-from checks.models.model import RungLevel
 from checks.result.verdict import NOT_MESHED, Check, Gate, PartResult, RungTried, Status, Surface
 from checks.strength.fatigue_facts import fatigue_facts
 from checks.strength.part_strength import endurance_of, life_task
 from checks.strength.sampling import sampled
+from checks.stress.part_model import RungLevel
 from checks.stress.solid_mesh_level import Models
 from fem.near_incompressible import LARGEST_RATIO, MEANING
 from geometry.cad_body import Skin

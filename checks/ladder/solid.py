@@ -7,15 +7,14 @@ from time import perf_counter
 
 import numpy as np
 
-from ballesta import supervised
 from checks.columns.stability import column_checks, column_facts, column_told, eigenvalue_check
 from checks.derivations.buckling import solid_share
 from checks.derivations.solids import of_solid
 from checks.design.data import Design, Part
 from checks.ladder.chart_data import charts_of
 from checks.ladder.hand_calculations import hand_checks
-from checks.ladder.live_fields import solid_fields
 from checks.ladder.part_facts import assumed_of, facts_of, gates_of, mesh_row
+from checks.ladder.part_fields import solid_fields
 from checks.ladder.part_vibration import frequency_facts
 from checks.models.stress_words import fatigue_words, static_words
 from checks.part.part_loads import PartLoads
@@ -33,6 +32,7 @@ from fem.error_estimate import refined_sizes, stress_error
 from fem.unit_solutions import UnitSolutions
 from geometry.mesh import FloatArray, MassProperties, MeshError, TooManyElementsError
 from geometry.meshing import Buildable
+from geometry.progress import expect
 from geometry.sizing import SizeField
 
 FIRST = 0.7  # fineness of the first mesh; where the stress decides, later ones are finer
@@ -99,7 +99,7 @@ def check_solid(
         design, part, loads, models, judged, limit, say, asked, enough
     )
     finest = levels[-1]
-    supervised.expect("judging, buckling, fields", judging_seconds(finest.unknowns))
+    expect("judging, buckling, fields", judging_seconds(finest.unknowns))
     by_hand = hand_checks(part, loads, finest)
     # buckling alone is asked of one mesh, on which a stress has no error bar
     stressed = _stress_checks(

@@ -11,9 +11,9 @@ from checks.models.beam_parts import PartFrame
 from checks.models.beam_pins import pin
 from checks.models.beam_solution import BeamSolution, solve_frame
 from checks.models.beam_toggle import toggle_bar
-from checks.models.model import RungModel
 from checks.models.unit_names import columns_of
 from checks.part.part_loads import PartLoads
+from checks.stress.part_model import RungModel
 from fem.stress_history import StressHistory
 from geometry.mesh import FloatArray
 from geometry.parts import LeafPack, Pin, PlateLink, PrismaticTube, SlottedLever, ToggleBar, TubeRod

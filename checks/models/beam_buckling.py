@@ -15,10 +15,10 @@ from checks.design.data import Part
 from checks.handbook.edge_buckling import pressed_edge_stress
 from checks.handbook.lateral_buckling import plate_stress
 from checks.models.beam_solution import BeamSolution
-from checks.models.model import ElasticLoad
 from checks.part.first_maximum import first_largest
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import Given, Item, Step
+from checks.stress.part_model import ElasticLoad
 from fem.frame_lateral import geometric_forms
 from geometry.mesh import FloatArray
 from geometry.parts import PrismaticTube, ToggleBar

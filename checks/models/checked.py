@@ -9,7 +9,6 @@ from checks.design.data import Design, Part
 from checks.models.bands import Band, NoBand, band_of
 from checks.models.estimate import Estimate
 from checks.models.families import family_of
-from checks.models.model import RungLevel, RungModel
 from checks.models.proportions import proportions_of, unknown_load
 from checks.models.rings import static_values, with_peaks
 from checks.models.stress_words import Words, fatigue_words, static_words
@@ -19,6 +18,7 @@ from checks.result.words import UNKNOWN_BAR
 from checks.strength.fatigue_assessment import FatigueUse
 from checks.strength.part_strength import endurance_of
 from checks.strength.sampling import buckling_rise, fatigue_rise, static_rise, with_sampling
+from checks.stress.part_model import RungLevel, RungModel
 from checks.stress.stress_result import judge
 from fem.stress_history import StressHistory
 from geometry.mesh import FloatArray

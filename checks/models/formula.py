@@ -8,8 +8,8 @@ from checks.models.formula_pins import pin_model
 from checks.models.formula_plates import plate_link_model
 from checks.models.formula_rods import tube_rod_model
 from checks.models.formula_tubes import prismatic_tube_model, toggle_bar_model
-from checks.models.model import RungModel
 from checks.part.part_loads import PartLoads
+from checks.stress.part_model import RungModel
 from geometry.parts import (
     LeafPack,
     Pin,

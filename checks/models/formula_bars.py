@@ -11,10 +11,10 @@ from checks.design.data import Part
 from checks.handbook.bar_forces import BarForces, BarLoads, balanced_bar, deflection
 from checks.handbook.lateral_buckling import column_force, lateral_share
 from checks.models.formula_points import Points, along_x, in_section, sheared
-from checks.models.model import ElasticLoad, PressedColumn, PressedStretch
 from checks.models.unit_names import acceleration_units, wrench_units
 from checks.part.first_maximum import first_largest
 from checks.part.part_loads import PartLoads
+from checks.stress.part_model import ElasticLoad, PressedColumn, PressedStretch
 from geometry.mesh import FloatArray
 
 _STATIONS = 33  # of deflection and lateral buckling

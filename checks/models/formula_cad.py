@@ -16,8 +16,8 @@ from checks.models.formula_bars import (
     most_deflected,
 )
 from checks.models.formula_points import Points, in_section
-from checks.models.model import RungModel
 from checks.part.part_loads import PartLoads
+from checks.stress.part_model import RungModel
 from fem.frame_fibres import Fibres, rectangle_fibres
 from fem.frame_sections import rectangle
 from geometry.mesh import FloatArray

@@ -6,8 +6,8 @@ from checks.design.data import Part
 from checks.handbook.bar_forces import BarLoads, balanced_bar, deflection
 from checks.models.formula_bars import fine_cells, left_over
 from checks.models.formula_points import Points, along_x, in_section, sheared
-from checks.models.model import RungModel
 from checks.part.part_loads import PartLoads
+from checks.stress.part_model import RungModel
 from geometry.mesh import FloatArray
 from geometry.parts import LeafPack
 

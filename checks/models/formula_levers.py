@@ -22,8 +22,8 @@ from checks.models.formula_bars import (
 )
 from checks.models.formula_lugs import add_bore, strip_edges
 from checks.models.formula_points import Points, along_x, in_section
-from checks.models.model import RungModel
 from checks.part.part_loads import PartLoads
+from checks.stress.part_model import RungModel
 from fem.frame_sections import rectangle_torsion
 from geometry.mesh import FloatArray
 from geometry.parts import SlottedLever

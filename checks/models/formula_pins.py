@@ -16,9 +16,9 @@ from checks.models.formula_pin_pressure import (
     pressure_shares,
 )
 from checks.models.formula_points import Points
-from checks.models.model import RungModel
 from checks.models.unit_names import bearing_units, interface_units
 from checks.part.part_loads import PartLoads
+from checks.stress.part_model import RungModel
 from fem.unit_loads import bearing_coefficients
 from geometry.mesh import FloatArray
 from geometry.parts import Pin, Seat

@@ -17,8 +17,8 @@ from checks.models.formula_bars import (
 )
 from checks.models.formula_lugs import add_bore, strip_edges
 from checks.models.formula_points import Points
-from checks.models.model import RungModel
 from checks.part.part_loads import PartLoads
+from checks.stress.part_model import RungModel
 from fem.frame_sections import rectangle_torsion
 from geometry.parts import PlateLink
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from checks.models.model import UnitName
+from checks.stress.part_model import UnitName
 from fem.stress_history import StressHistory
 from geometry.mesh import FloatArray, IntArray
 

@@ -21,8 +21,8 @@ from checks.models.formula_bars import (
 )
 from checks.models.formula_lugs import add_bore
 from checks.models.formula_points import Points, along_x, in_section, sheared
-from checks.models.model import RungModel
 from checks.part.part_loads import PartLoads
+from checks.stress.part_model import RungModel
 from geometry.mesh import FloatArray
 from geometry.parts import TubeRod
 

@@ -23,8 +23,8 @@ from checks.models.formula_bars import (
 )
 from checks.models.formula_lugs import add_bore, strip_edges
 from checks.models.formula_points import XX, XY, Points
-from checks.models.model import RungModel
 from checks.part.part_loads import PartLoads
+from checks.stress.part_model import RungModel
 from geometry.mesh import FloatArray
 from geometry.parts import PrismaticTube, ToggleBar
 from geometry.sections import Section, plate_section, square_tube_section

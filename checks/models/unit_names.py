@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from checks.models.beam_entries import BEARING
-from checks.models.model import UnitName
+from checks.stress.part_model import UnitName
 from fem.unit_loads import ACCELERATIONS
 
 _WRENCH = ("F_x", "F_y", "F_z", "M_x", "M_y", "M_z")

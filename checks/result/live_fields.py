@@ -1,13 +1,11 @@
 """Fields of a part at every node of its surface, at every position of every cycle."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-
-from checks.result.verdict import Check
 
 FloatArray = npt.NDArray[np.float64]
 RealArray = npt.NDArray[np.floating[Any]]
@@ -160,9 +158,23 @@ class LiveFields:
                 )
 
 
-def with_required_safety(live: LiveFields, checks: Sequence[Check]) -> LiveFields:
-    """The fields with the utilisation that a part's checks have: 1 just leaves what is required."""
-    required = next((check.required for check in checks if check.kind == "fatigue"), None)
+@dataclass(frozen=True, eq=False)
+class EncodedPart:
+    """A part as a page carries it.
+
+    head  its entry in the header, without its name and the number of its block
+    text  base64
+    """
+
+    head: Mapping[str, Any]
+    text: str
+
+
+def with_required_safety(live: LiveFields, required: float | None) -> LiveFields:
+    """The fields with the utilisation that a part's checks have: 1 just leaves what is required.
+
+    required  safety against fatigue; None where no check asks for one
+    """
     if required is None or "utilisation" not in live.fatigue:
         return replace(live, judged=False)
     return replace(

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any, Self
 
 if TYPE_CHECKING:
     from checks.result.derivation import Derivation
-    from checks.result.live_fields import LiveFields
+    from checks.result.live_fields import EncodedPart, LiveFields
     from checks.result.motion import Motion
-    from reports.live.encode import EncodedPart
 
 NOT_MESHED = "not meshed"  # the only field on the surface of a part that no stress is known on
 _BARS = ("numerical", "model", "model_below")  # of a check: None in plain data where infinite
@@ -324,6 +323,10 @@ class PartResult:
     mode: Surface | None = None
     rungs: Sequence[RungTried] = ()
     live: "LiveFields | EncodedPart | None" = None
+
+    def required_safety(self, kind: str) -> float | None:
+        """Return the safety that its first check of a kind requires; None without such a check."""
+        return next((check.required for check in self.checks if check.kind == kind), None)
 
     def to_dict(self) -> dict[str, Any]:
         """The result as plain data, without fields on the surface."""

@@ -19,10 +19,10 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from checks.models.model import ElasticLoad, RungModel
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check
 from checks.strength.fatigue_assessment import FatigueUse, LifeUse
+from checks.stress.part_model import ElasticLoad, RungModel
 from checks.stress.stress_result import Stressed
 from fatigue.stress_path import deviatoric_basis
 from fem.stress_history import StressHistory

@@ -4,7 +4,6 @@ from collections.abc import Set
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from ballesta.supervised import expect
 from checks.store.meshes import stored_body, stored_mesh, stored_skin
 from checks.store.store import Store
 from checks.stress.cost import SECOND_MESH, solve_seconds
@@ -12,6 +11,7 @@ from geometry.cad_body import Skin, SolidBody
 from geometry.closed_form import closed_body
 from geometry.mesh import Mesh
 from geometry.meshing import Buildable
+from geometry.progress import expect
 from geometry.sizing import SizeField
 from geometry.symmetry import Half
 

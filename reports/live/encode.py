@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from checks.result.live_fields import FATIGUE, IntArray, LiveFields, von_mises
+from checks.result.live_fields import FATIGUE, EncodedPart, IntArray, LiveFields, von_mises
 from checks.result.words import brief
 from reports.live.accuracy import LENGTH_METRIC, STRESS_METRIC, lost_in_single
 from reports.live.extremes import displacements, scales
@@ -27,18 +27,6 @@ FATIGUE_LEVELS = 4095
 # A shear stress counts thrice in the square of the von Mises stress.
 _STRESS_STEPS = 2**0.5 * np.array([1.0, 1.0, 1.0, 3**-0.5, 3**-0.5, 3**-0.5])
 _ROUND_OFF = 1e-6  # of a cycle's peak
-
-
-@dataclass(frozen=True, eq=False)
-class EncodedPart:
-    """A part as a page carries it.
-
-    head  its entry in the header, without its name and the number of its block
-    text  base64
-    """
-
-    head: Mapping[str, Any]
-    text: str
 
 
 def encode(live: LiveFields, cycles: Sequence[str], tolerance: float = TOLERANCE) -> EncodedPart:

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from checks.result.live_fields import LiveFields, grey, with_required_safety
+from checks.result.live_fields import EncodedPart, LiveFields, grey, with_required_safety
 from checks.result.verdict import DesignResult, PartResult
-from reports.live.encode import TOLERANCE, EncodedPart, encode
+from reports.live.encode import TOLERANCE, encode
 
 FORMAT = "ballesta-live/1"
 
@@ -93,7 +93,7 @@ def has_fields(result: DesignResult) -> bool:
 
 def _fields_of(part: PartResult) -> LiveFields | EncodedPart:
     if isinstance(part.live, LiveFields):
-        return with_required_safety(part.live, part.checks)
+        return with_required_safety(part.live, part.required_safety("fatigue"))
     if part.live is not None:
         return part.live
     why = "its stress over the cycle was not kept when it was checked"

@@ -23,9 +23,10 @@ ROOT = Path(__file__).parents[2]
 HOGS = """
 import ctypes, os, signal, sys
 from ballesta import supervised
+from geometry import progress
 
 def held(*_, **__):
-    supervised.step("held for ever")
+    progress.step("held for ever")
     ctypes.PyDLL(None).sleep(600)
 
 def solid(parent):
@@ -37,7 +38,7 @@ def late(parent):
     import checks.ladder.part_ladder
 
     def held_late(*_, **__):
-        supervised.limit(3.0)
+        progress.limit(3.0)
         held()
 
     checks.ladder.part_ladder.solid_result = held_late

@@ -15,7 +15,8 @@ MODULE = '''
 import os, signal, time
 from hashlib import sha256
 from pathlib import Path
-from ballesta.batch.job import Job, run_plain
+from ballesta.batch.job import run_plain
+from ballesta.batch.outcome import Job
 from ballesta.batch.outcome import WRONG_INPUT, ended
 
 def slowly(job):

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any, Self
 
 from ballesta.batch import run as batch_run
-from ballesta.batch.job import Job
 from ballesta.batch.memory import MIB, Admission
+from ballesta.batch.outcome import Job
 from ballesta.batch.plan import Plan
 from ballesta.batch.pool import Finished, Limits, Pool
 from ballesta.batch.worker import answer
@@ -64,7 +64,7 @@ def forever(job):
 def outcome(job):
     """A whole outcome, as a check of a design would give it; slow where the file says so."""
     from hashlib import sha256
-    from ballesta.batch.job import Job
+    from ballesta.batch.outcome import Job
     from ballesta.batch.outcome import ended, WRONG_INPUT
     file = Path(job["file"])
     text = file.read_text()

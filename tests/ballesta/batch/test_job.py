@@ -6,7 +6,8 @@ from hashlib import sha256
 
 import pytest
 
-from ballesta.batch.job import FolderError, Job, run_job
+from ballesta.batch.job import FolderError, run_job
+from ballesta.batch.outcome import Job
 from checks.design.errors import DesignError, NumericsError
 from geometry.memory import TooLargeError
 

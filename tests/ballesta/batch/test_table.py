@@ -4,8 +4,7 @@ import io
 import pyarrow.parquet as pq
 import pytest
 
-from ballesta.batch.job import Job
-from ballesta.batch.outcome import ended, judged
+from ballesta.batch.outcome import Job, ended, judged
 from ballesta.batch.table import csv_text, parquet_bytes, result_rows, varied_inputs
 
 from ...reports import results

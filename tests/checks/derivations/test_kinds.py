@@ -9,7 +9,6 @@ import pytest
 from ballesta.check import check_design
 from checks.derivations import bars, buckling, contacts
 from checks.derivations.bars import solid_bars
-from checks.derivations.derivations import explained
 from checks.derivations.elastic import share_items
 from checks.derivations.friction import with_friction
 from checks.derivations.pins import pin
@@ -19,10 +18,11 @@ from checks.handbook.lateral_buckling import column_force
 from checks.joints.pin_checks import pin_checks
 from checks.joints.slot_checks import slot_checks
 from checks.ladder import part_ladder
-from checks.models.model import PressedColumn, PressedStretch
+from checks.ladder.explained import explained
 from checks.result.derivation import Bars, Derivation, Given, Section, Step
 from checks.result.verdict import Status
 from checks.stress.error_bars import Bars as SolidBars
+from checks.stress.part_model import PressedColumn, PressedStretch
 from fem.convergence import ErrorBar
 from reports.charts.buckling import column_curves
 

@@ -7,10 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from checks.result.live_fields import grey
+from checks.result.live_fields import EncodedPart, grey
 from checks.result.verdict import Surface
 from reports.live.decode import decode
-from reports.live.encode import EncodedPart
 from reports.live.payload import (
     Budget,
     has_fields,

@@ -9,8 +9,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from ballesta.check import check_design
 from checks.design.effort import Effort
-from checks.ladder import live_fields
-from checks.ladder.live_fields import solid_fields
+from checks.ladder import part_fields
+from checks.ladder.part_fields import solid_fields
 from checks.ladder.solid import EVERYTHING, check_solid, first_level
 from checks.part.part_loads import loads_on
 from checks.result.live_fields import von_mises
@@ -190,7 +190,7 @@ def test_that_some_nodes_have_goodman_s_use_alone_is_said():
     values = np.ones(3)
     for count in (0, 2):
         level = SimpleNamespace(duty=SimpleNamespace(everywhere=NodalUse(*[values] * 3, count)))
-        _, missing, notes = live_fields._fatigue(level, SimpleNamespace())
+        _, missing, notes = part_fields._fatigue(level, SimpleNamespace())
         assert missing == {}
         assert any("Findley's may be higher" in note for note in notes) == (count > 0)
 

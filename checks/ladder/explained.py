@@ -15,10 +15,10 @@ from checks.derivations.pins import pin
 from checks.derivations.proven import BARS, unknown, with_derivation
 from checks.derivations.stresses import fatigue, static
 from checks.ladder.climb import Climb
-from checks.models.model import RungLevel
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import Bars, Derivation, Section
 from checks.result.verdict import Check
+from checks.stress.part_model import RungLevel
 from geometry.cad_body import SolidBody
 from geometry.mesh import Mesh
 
