@@ -1,5 +1,6 @@
 """A linkage's joints as rows of its frame that vanish, and what the forks hold."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ from fem.frame_joints import Motion, PlacedLinks, pin, slide
 from geometry.mesh import FloatArray
 
 _SIDEWAYS, _TILTS, _TURN = 2, (3, 4), 5
+_WHOLE = 1e-6  # rad, short of a whole turn
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,11 +19,13 @@ class JointRows:
     """The joints of one cycle.
 
     slots_hold  whether a slot or guide on a moving body holds sideways also with soft forks
+    shafts      bodies that turn round in the ground: their bearings hold tilts, no fork does
     """
 
     model: LinkModel
     cycle: loads.CycleLoads
     slots_hold: bool = False
+    shafts: frozenset[str] = frozenset()
 
     def motion(self, placed: PlacedLinks, body: str, point: str) -> Motion:
         """How a named point of a body moves."""
@@ -94,6 +98,8 @@ class JointRows:
         joints = [j for j in self.model.linkage.joints if own.name in (j.body_a, j.body_b)]
         if len(own.points) < 2 or len(joints) < 2:  # a lever: nothing but its bearing holds it
             return None
+        if own.name in self.shafts and loads.GROUND in (a, b):
+            return None
         angle = placed.angles[link]
         return np.array([np.cos(angle), np.sin(angle)])
 
@@ -125,3 +131,13 @@ class JointRows:
         link = self.model.number(body)
         start = np.zeros(2) if link is None else self.model.own(link, np.zeros(2))
         return np.asarray(placed.motion(link, start).rows[_TURN])
+
+
+def shafts(cycles: Iterable[loads.CycleLoads]) -> frozenset[str]:
+    """Bodies that make a whole turn in a cycle: cranks, on shafts with bearings of their own."""
+    return frozenset(
+        body.name
+        for run in cycles
+        for body, angles in zip(run.linkage.moving, run.poses[:, 1:, 2].T, strict=True)
+        if np.ptp(angles) > 2 * np.pi - _WHOLE
+    )

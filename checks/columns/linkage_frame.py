@@ -6,7 +6,8 @@ whether its force can keep it there is a question of its own. Out of the plane t
 the forks hold enclose the truth (docs/theory/linkage_frames.md):
 
 soft   where a body is pinned to the ground or to a guided body it may tilt about the axis across
-       itself, not about its own; a body in another's slot is not held sideways by it
+       itself, not about its own, but for cranks that turn round, on shafts; a body in another's
+       slot is not held sideways by it
 stiff  all bodies at a pin share all tilts, bodies in a slot hold each other sideways
 
 The load factor multiplies all forces of the position together, inertia included.
@@ -20,7 +21,7 @@ import numpy as np
 
 import loads
 from checks.columns.link_forces import forces_of
-from checks.columns.link_joints import JointRows
+from checks.columns.link_joints import JointRows, shafts
 from checks.columns.link_model import LinkModel, link_model
 from checks.design.data import Design
 from checks.part.part_loads import shown_of
@@ -208,7 +209,10 @@ class _Search:
         self._design, self._cycles, self.slots_hold = design, cycles, slots_hold
         first = next(iter(cycles.values()))
         self.model: LinkModel = link_model(design, first.linkage, pieces)
-        self._rows = {name: JointRows(self.model, run, slots_hold) for name, run in cycles.items()}
+        turning = shafts(cycles.values())
+        self._rows = {
+            name: JointRows(self.model, run, slots_hold, turning) for name, run in cycles.items()
+        }
         self._forces = {name: forces_of(self.model, rows) for name, rows in self._rows.items()}
         self._acting: dict[_Place, tuple[PlacedLinks, FloatArray]] = {}
 

@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose
 
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import solve_cycles
+from checks.columns.link_joints import JointRows
 from checks.columns.linkage_frame import COARSE, FINE, _Search, linkage_check, worst_mode
 from checks.result.verdict import Status
 from tests.small_machine import machine, solved
@@ -133,7 +134,7 @@ def test_no_position_has_a_lower_factor_than_the_one_that_is_told(tmp_path, turn
     design = machine(
         tmp_path,
         BAR,
-        f'cycles.turn.phases=[{{name="round", to="450 deg", '
+        f'cycles.turn.phases=[{{name="round", to="449 deg", '
         f'forces={{push="{turned}"}}, solve="drive"}}]',
     )
     runs = solved(design)
@@ -213,9 +214,57 @@ def test_a_linkage_that_is_only_pulled_has_no_mode(tmp_path, positions):
     assert worst_mode(design, runs) is None
 
 
+FOUR_BAR = """
+name = "Four-bar"
+points = { A = "0, 0 mm", B = "0, 60 mm", C = "200, 160 mm", D = "200, 0 mm" }
+ground = ["A", "D"]
+bodies.crank = { pins = ["A", "B"], mass = "0.5 kg", centre = "30, 0 mm", inertia = "1e-4 kg m2" }
+bodies.rod = { pins = ["B", "C"] }
+bodies.rocker = { pins = ["C", "D"], mass = "2 kg", centre = "80, 0 mm", inertia = "4e-3 kg m2" }
+forces.motor = { turns = "crank", at = "A" }
+forces.work = { body = "rocker", at = "C", direction = "-1, 0" }
+[cycles.turn]
+coordinate = "crank.angle"
+start = "90 deg"
+positions = 25
+pace = { coordinate = "crank.angle", speed = "60 rpm" }
+phases = [{ name = "turn", to = "450 deg", forces = { work = "2 kN" }, solve = "motor" }]
+[duty]
+cycles = { turn = 1e7 }
+[parts.rod]
+body = "rod"
+shape = "plate_link"
+interfaces = { first = "B", second = "C" }
+material = "S355"
+width = "30 mm"
+thickness = "10 mm"
+hole = "12 mm"
+"""
+
+
+def test_a_crank_that_turns_round_holds_a_four_bar_that_would_swing_about_its_supports(tmp_path):
+    """Crank and rocker stand square to A-D at the start: soft forks at A and D let both swing.
+
+    The shaft holds the crank upright, so the rod is built in at B: with C held by the rocker
+    only along z, it lies between Euler's columns hinged and built in at one end, 223.6 mm.
+    """
+    (tmp_path / "four_bar.toml").write_text(FOUR_BAR, encoding="utf-8")
+    design = read_design(tmp_path / "four_bar.toml")
+    runs = solved(design)
+    search = _Search(design, runs, COARSE)
+    search._rows = {name: JointRows(search.model, run) for name, run in runs.items()}
+    with pytest.raises(ValueError, match="can move without strain"):
+        search.factor("turn", 0, "out of plane")
+    mode = worst_mode(design, runs)
+    assert mode.compression > 1e3
+    assert mode.plane == "out of plane"
+    assert 223.6 / 2 < mode.effective_length < 223.6 * 1.5
+
+
 @pytest.mark.slow
-def test_a_crank_whose_block_nothing_else_holds_sideways_is_held_by_the_slot():
-    """Quick return: the crank is pinned to the ground and to the block only."""
+def test_a_crank_whose_block_nothing_else_holds_sideways_is_held_by_the_slot(monkeypatch):
+    """Quick return, were its crank no shaft: it is pinned to the ground and to the block only."""
+    monkeypatch.setattr("checks.columns.linkage_frame.shafts", lambda _: frozenset())
     design = read_design(DESIGNS / "quick_return.toml")
     cycle = at_positions(design.cycles["at_10_loaded"], 37)
     design = replace(design, cycles={"at_10_loaded": cycle})
