@@ -1,42 +1,62 @@
-"""Put the design file and the commands' real output into README.md.
+"""Put the design files and the commands' real output into README.md and docs/design_files.md.
 
-The first toml block becomes the toggle press; a console block keeps its `$` line and gets what that
-command prints.
+The first toml block of each becomes the design it explains; a console block keeps its `$` line and
+gets what that command prints.
 """
 
 import os
 import re
 import subprocess
 import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
-README = ROOT / "README.md"
+FOUR_BAR = ROOT / "ballesta" / "design" / "templates" / "four_bar.toml"
+SHOWN = {
+    ROOT / "README.md": FOUR_BAR,
+    ROOT / "docs" / "design_files.md": ROOT / "designs" / "toggle_press.toml",
+}
 TOML = re.compile(r"(```toml\n)(.*?)(```\n)", re.DOTALL)
 CONSOLE = re.compile(r"(```console\n\$ ballesta ([^\n]*)\n)(.*?)(```\n)", re.DOTALL)
 
 
-def design_text() -> str:
-    """The design file that the README explains."""
-    return (ROOT / "designs" / "toggle_press.toml").read_text(encoding="utf-8")
+@contextmanager
+def folder() -> Iterator[Path]:
+    """A folder with the machines and the template under the names that the pages use."""
+    with tempfile.TemporaryDirectory() as name:
+        there = Path(name)
+        (there / "designs").symlink_to(ROOT / "designs")
+        (there / FOUR_BAR.name).write_text(FOUR_BAR.read_text(encoding="utf-8"), encoding="utf-8")
+        yield there
+
+
+def printed(arguments: str, where: Path) -> str:
+    """Output of a command, 120 columns wide."""
+    done = subprocess.run(
+        [sys.executable, "-m", "ballesta.cli", *arguments.split()],
+        cwd=where,
+        capture_output=True,
+        text=True,
+        env=os.environ | {"COLUMNS": "120", "PYTHONPATH": str(ROOT)},
+        check=False,
+    )
+    return done.stdout.strip()
 
 
 def main() -> None:
-    """Rewrite README.md."""
-    text = README.read_text(encoding="utf-8")
-    text = TOML.sub(lambda found: found[1] + design_text() + found[3], text, count=1)
-    for found in CONSOLE.findall(text):
-        done = subprocess.run(
-            [sys.executable, "-m", "ballesta.cli", *found[1].split()],
-            cwd=ROOT,
-            capture_output=True,
-            text=True,
-            env=os.environ | {"COLUMNS": "120"},
-            check=False,
-        )
-        head, _, before, tail = found
-        text = text.replace(head + before + tail, f"{head}{done.stdout.strip()}\n{tail}")
-    README.write_text(text, encoding="utf-8")
+    """Rewrite the pages."""
+    with folder() as where:
+        for page, design in SHOWN.items():
+            text = page.read_text(encoding="utf-8")
+            shown = design.read_text(encoding="utf-8")
+            text = TOML.sub(lambda found, shown=shown: found[1] + shown + found[3], text, count=1)
+            for head, arguments, before, tail in CONSOLE.findall(text):
+                new = f"{head}{printed(arguments, where)}\n{tail}"
+                text = text.replace(head + before + tail, new)
+            page.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":
