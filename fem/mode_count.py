@@ -13,16 +13,13 @@ has as many negative eigenvalues as A on C x = 0 has, and one more per row of C.
 """
 
 import numpy as np
-import numpy.typing as npt
 import scipy.linalg
 import scipy.sparse as sp
 
 from fem.end_conditions import SupportedSolid
 from fem.solvers import Factor, SolverError, factorize
 from fem.unit_solutions import rigid_modes
-from geometry.mesh import FloatArray, IntArray
-
-BoolArray = npt.NDArray[np.bool_]
+from geometry.mesh import BoolArray, FloatArray, IntArray
 
 _HELD_NODES = (0, 24, 96)  # far apart, beside what the known modes ask for; tried in turn
 _ZERO = 1e-11  # of the largest: a smaller eigenvalue of S has no certain sign

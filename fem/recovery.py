@@ -11,14 +11,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse as sp
 
 from fem.elements import Elements
 from fem.singularity import pressed_edges
-from geometry.mesh import FloatArray, IntArray, MeshError
-
-BoolArray = npt.NDArray[np.bool_]
+from geometry.mesh import BoolArray, FloatArray, IntArray, MeshError
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
 _TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])

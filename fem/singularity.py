@@ -11,12 +11,9 @@ Where a pressure ends on a smooth surface the stress is finite, but jumps: `pres
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from fem.notch_resolution import facet_normals
-from geometry.mesh import FloatArray, IntArray, Mesh
-
-BoolArray = npt.NDArray[np.bool_]
+from geometry.mesh import BoolArray, FloatArray, IntArray, Mesh
 
 _PRESSED_EVENLY = ("bore", "journal")  # along their length; a clamp presses little
 _SHARP = np.radians(12)  # a turn of the surface beyond what curved facets leave between them

@@ -16,7 +16,7 @@ from math import factorial
 
 import numpy as np
 
-from geometry.mesh import TET_EDGES, FloatArray, IntArray, shape_gradients
+from geometry.mesh import TET_EDGES, BoolArray, FloatArray, IntArray, shape_gradients
 
 ENOUGH = 0.1  # the least coefficient that needs no mending; gmsh's own limit
 _WANTED = 0.25  # up to which it is raised where edges bend
@@ -48,16 +48,26 @@ def bent(nodes: FloatArray, elements: IntArray, inside: IntArray) -> FloatArray:
     elements  (n_elements, 10), VTK order
     inside    indices of the nodes that are on no surface
 
-    Where one is folded, elements that nearly are get better with it. Not every element can be
-    mended so: one with all corners on a fillet has no edge to bend.
+    Where that mends all, elements that nearly fold are bent too, if the worst is no worse for it.
+    Not every element can be mended so: one with all corners on a fillet has no edge to bend.
     """
     least = least_coefficients(nodes, elements)
     if not (least < ENOUGH).any():
         return nodes
+    first = _raised(nodes, elements, inside, least < ENOUGH)
+    least = least_coefficients(first, elements)
+    if (least < ENOUGH).any():
+        return first
+    second = _raised(first, elements, inside, least < _WANTED)
+    return second if least_coefficients(second, elements).min() >= least.min() else first
+
+
+def _raised(nodes: FloatArray, elements: IntArray, inside: IntArray, low: BoolArray) -> FloatArray:
+    """Nodes (n_nodes, 3) with the inner edges of some elements bent, mm; low (n_elements,) bool."""
     moves = np.zeros(len(nodes), dtype=bool)
     moves[inside] = True
     moves[elements[:, :4]] = False
-    moves &= np.isin(np.arange(len(nodes)), elements[least < _WANTED])
+    moves &= np.isin(np.arange(len(nodes)), elements[low])
     moving = np.flatnonzero(moves)
     if not len(moving):
         return nodes

@@ -294,9 +294,8 @@ def extending_force() -> float:
 
 def _cylinder() -> tuple[float, float]:
     key = 'forces.cylinder.available={ bore = "160 mm", rod = "40 mm", pressure = "0.6 MPa" }'
-    limits = design("toggle_press", (key,)).forces["cylinder"].limits
-    assert limits is not None
-    return abs(limits[0]), abs(limits[1])
+    pull, push = design("toggle_press", (key,)).available["cylinder"]
+    return abs(pull), abs(push)
 
 
 def cylinder_areas() -> list[float]:
