@@ -36,6 +36,7 @@ $(PEERS): $(READY)
 demo: $(READY)
 	@$(BIN)/ballesta check designs/toggle_press.toml --out out || test $$? -eq 1
 	@echo "report: out/toggle_press/report.html"
+	@echo "ballesta in this shell: . .venv/bin/activate; then: ballesta new four-bar --file four_bar.toml"
 
 # Each process takes one thread (tests/conftest.py): threads of their own would wait for each other.
 # Neighbouring tests stay in one process, which shares what a module has computed, until another
