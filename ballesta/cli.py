@@ -383,6 +383,35 @@ def show(
 
 
 @app.command()
+def improve(
+    design: OneDesign,
+    verify: Annotated[
+        bool, typer.Option("--verify", help="check every change that is shown by its models")
+    ] = False,
+    apply: Annotated[
+        bool, typer.Option("--apply", help="write the first change that passes into the file")
+    ] = False,
+    fidelity: Annotated[
+        str, typer.Option("--fidelity", metavar="RUNG", help="as of check")
+    ] = "auto",
+    json: Annotated[bool, typer.Option("--json", help="print the changes as JSON")] = False,
+    overrides: Overrides = None,
+) -> None:
+    """Find single changes that make a design pass, or save mass where it does.
+
+    Each dimension of the parts and their materials are tried by formula, set against the models
+    that decided; --verify and --apply check the changes by these models.
+
+    Exit code 0: it passes, or a change makes each open part pass; 1: none does; 2: an input is
+    wrong; 3: the numerics gave up.
+    """
+    from ballesta.commands.improve_command import Wanted, run_improve
+
+    wanted = Wanted(verify or apply, apply, fidelity, json)
+    raise typer.Exit(run_improve(design, wanted, overrides or []))
+
+
+@app.command()
 def plan(design: OneDesign, overrides: Overrides = None) -> None:
     """Say what a check would model, without solving: parts, loads, unknowns, time and memory."""
     from ballesta.commands.plan import plan_text

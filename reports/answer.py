@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from itertools import groupby
 from pathlib import Path
+from shlex import quote
 from shutil import get_terminal_size
 
 from rich.cells import cell_len
@@ -79,6 +80,13 @@ def _headline(result: DesignResult) -> Iterator[tuple[str, str]]:
         yield "why open", open_reason(check)
     if check.status is Status.FAIL:
         yield "why", "the limit is exceeded even at the lower end of the error bars"
+    if any(check.status is not Status.PASS for part in result.parts for check in part.checks):
+        sets = "".join(f" --set {quote(override)}" for override in result.overrides)
+        yield (
+            "to pass",
+            _short(f"ballesta improve {quote(clean(result.file))}{sets}")
+            + (": least single changes"),
+        )
     broken = broken_gates(result)
     for owner, gate in broken[:_MOST_GATES]:
         effect = "NOT VALID" if gate.binding else "not valid"

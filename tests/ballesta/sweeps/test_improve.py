@@ -1,0 +1,84 @@
+"""Single changes that make a plate pass, against what its check says of them."""
+
+import json
+
+import pytest
+
+from ballesta.check import check_file
+from ballesta.cli import main
+from ballesta.sweeps.improve import improve
+from checks.design.effort import Effort
+from checks.result.verdict import Status
+from tests.small_machine import PLATE, machine
+
+FORMULA = Effort("formula")
+NEED = "require={{ static = {0}, fatigue = {0} }}"
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory):
+    """The rod of 30 x 10 mm with a hole of 12 mm, asked for 1.2 times the safety that it has."""
+    folder = tmp_path_factory.mktemp("improve")
+    return machine(folder, PLATE.replace('"8 mm"', '"10 mm"')).file
+
+
+def rod(file, *overrides):
+    (part,) = check_file(file, overrides, effort=FORMULA).parts
+    return min(part.checks, key=lambda check: check.limit / (check.upper * check.required))
+
+
+def test_a_thickness_that_is_found_is_the_least_that_passes(file):
+    """Stress goes with 1/thickness, the rod's own inertia aside: 1.2 times the thickness."""
+    check = rod(file)
+    need = NEED.format(1.2 * check.limit / check.upper)
+    found = improve(file, [need], effort=FORMULA)
+    assert found.result.status is not Status.PASS
+    assert found.open == ("rod",)
+    change = next(change for change in found.changes if change.key == "parts.rod.thickness")
+    thickness = float(change.value.removesuffix(" mm"))
+    assert thickness == pytest.approx(1.2 * 10.0, rel=0.03)
+    assert change.saved < 0
+    after = rod(file, need, change.override)
+    assert after.status is Status.PASS
+    assert after.safety == pytest.approx(change.safety, rel=1e-9)
+    less = f"parts.rod.thickness={thickness - 0.1 * (thickness - 10.0)} mm"
+    assert rod(file, need, less).status is not Status.PASS
+
+
+def test_where_all_pass_the_mass_that_can_be_saved_is_found(file):
+    check = rod(file)
+    need = NEED.format(0.8 * check.limit / check.upper)
+    found = improve(file, [need, "require.buckling=0.01"], effort=FORMULA)
+    assert found.open == ()
+    assert found.exit_code == 0
+    change = next(change for change in found.changes if change.key == "parts.rod.thickness")
+    assert float(change.value.removesuffix(" mm")) == pytest.approx(0.8 * 10.0, rel=0.03)
+    assert change.saved > 0
+    assert rod(file, need, change.override).status is Status.PASS
+
+
+def test_the_command_verifies_a_change_and_writes_it_into_the_file(file, tmp_path, capsys):
+    check = rod(file)
+    need = f"\n[require]\nstatic = {1.2 * check.limit / check.upper}\n"
+    design = tmp_path / "plate.toml"
+    text = file.read_text(encoding="utf-8") + need
+    design.write_text(text, encoding="utf-8")
+    assert rod(design).status is not Status.PASS
+    code = main(["improve", str(design), "--fidelity", "formula", "--apply", "--json"])
+    (best, *_) = json.loads(capsys.readouterr().out)["changes"]
+    assert code == 0
+    assert best["verified"] == "pass"
+    changed = design.read_text(encoding="utf-8")
+    name = best["key"].rpartition(".")[2]
+    assert changed == text.replace(f'{name} = "{best["was"]}"', f'{name} = "{best["value"]}"')
+    assert rod(design).status is Status.PASS
+
+
+def test_a_line_that_the_file_does_not_have_is_not_written(file, capsys):
+    text = file.read_text(encoding="utf-8")
+    need = NEED.format(1.2 * rod(file).limit / rod(file).upper)
+    arguments = ["--fidelity", "formula", "--apply", "--set", need]
+    arguments += ["--set", "parts.rod.thickness=9.9 mm", "--set", "parts.rod.width=29.5 mm"]
+    assert main(["improve", str(file), *arguments]) == 2
+    assert "write it by hand" in capsys.readouterr().err
+    assert file.read_text(encoding="utf-8") == text
