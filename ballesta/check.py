@@ -42,7 +42,7 @@ from checks.columns.linkage_store import stored_mode
 from checks.derivations.buckling import linkage_share
 from checks.derivations.proven import with_derivation
 from checks.design.data import Design
-from checks.design.errors import DesignError
+from checks.design.errors import DesignError, NumericsError
 from checks.ladder.drawn import undrawn_warnings
 from checks.ladder.part_ladder import (
     DEFAULT_EFFORT,
@@ -57,7 +57,7 @@ from checks.result.verdict import Check, DesignResult, PartResult
 from checks.store.store import Store
 from checks.stress.solid_mesh_level import Models
 from fem.allocation import keep_freed_memory
-from fem.solvers import chosen_solver
+from fem.solvers import SolverError, chosen_solver
 from fem.threads import one_thread, policy
 
 Say = Callable[[str], None]
@@ -143,6 +143,12 @@ def check_design(
         timings["loads"] = perf_counter() - start
     except loads.LinkageError as error:
         raise DesignError(design.file, "linkage", str(error)) from error
+    except SolverError as error:
+        raise NumericsError(
+            str(error),
+            f"{design.file}: linkage",
+            "check the sections and lengths of its bars: one may be far stiffer than another",
+        ) from error
 
     frame = DesignResult(
         name=design.name,

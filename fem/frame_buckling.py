@@ -10,7 +10,7 @@ t' is the twist and r^2 = (I_y + I_z) / A (Wagner; Timoshenko and Gere, Theory o
 Every assumed deflection is a possible one, so factors come from above and fall with h^4.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import cast
 
 import numpy as np
@@ -23,6 +23,11 @@ from geometry.mesh import FloatArray, IntArray
 _NONE = 1e-9  # of the largest factor's inverse: below it, round-off
 _BESIDE = 1e-6  # of a factor: how far from it the modes are counted
 _MECHANISM = 1e-13  # of the largest: stiffness below it is none, in unknowns of equal stiffness
+_ROUND_OFF = 4 * np.finfo(float).eps  # of the largest stiffness, in the same unknowns
+
+
+class LooseFrameError(ValueError):
+    """A frame in which something moves without strain, or without any that double precision has."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,11 +37,13 @@ class FrameModes:
     factors    (k,) load factors above 0
     shapes     (n, k) unknowns, without a scale of their own
     reversed   the factor of the loads turned round, > 0, that buckles first; None: none does
+    round_off  of a factor, over it: members of unlike stiffness leave few digits to the softest
     """
 
     factors: FloatArray
     shapes: FloatArray
     reversed: float | None
+    round_off: float = 0.0
 
 
 def integration_matrix() -> FloatArray:
@@ -103,7 +110,7 @@ def frame_buckling(
     )
     shapes = np.zeros((6 * len(frame.nodes), found.shapes.shape[1]))
     shapes[free] = found.shapes
-    return FrameModes(found.factors, shapes, found.reversed)
+    return replace(found, shapes=shapes)
 
 
 def buckling_modes(stiffness: FloatArray, geometric: FloatArray, *, count: int = 1) -> FrameModes:
@@ -111,9 +118,12 @@ def buckling_modes(stiffness: FloatArray, geometric: FloatArray, *, count: int =
 
     The loads' size drops out; those in tension or without load give none. That none was skipped is
     proven by the number of negative eigenvalues of K + f K_s just below the first and just above
-    the last factor (Sylvester). Raises ValueError if something moves without strain.
+    the last factor (Sylvester), as far from them as round-off may move them. Raises LooseFrameError
+    if something moves without strain, SolverError where the counts differ.
     """
-    scaled, scale = _scaled(stiffness)
+    scaled, scale, softest = _scaled(stiffness)
+    round_off = _ROUND_OFF / softest
+    beside = max(_BESIDE, round_off)
     size = float(np.abs(geometric).max(initial=0.0))
     nothing = FrameModes(np.zeros(0), np.zeros((len(stiffness), 0)), None)
     if not size > 0:
@@ -127,10 +137,10 @@ def buckling_modes(stiffness: FloatArray, geometric: FloatArray, *, count: int =
     opposite = 1 / (-values[0] * size) if values[0] < -least else None
     order = np.flatnonzero(values > least)[::-1]
     if not len(order):
-        return FrameModes(nothing.factors, nothing.shapes, opposite)
+        return replace(nothing, reversed=opposite)
     positive = 1 / values[order]
     factors = positive[:count]
-    for factor in (factors[0] * (1 - _BESIDE), factors[-1] * (1 + _BESIDE)):
+    for factor in (factors[0] * (1 - beside), factors[-1] * (1 + beside)):
         wanted = int((positive < factor).sum())
         found = _negative(scaled - factor * load)
         if found != wanted:
@@ -139,12 +149,12 @@ def buckling_modes(stiffness: FloatArray, geometric: FloatArray, *, count: int =
                 f"{wanted} were found"
             )
     shapes = scipy.linalg.solve_triangular(lower.T, vectors[:, order[:count]], lower=False)
-    return FrameModes(factors / size, scale[:, None] * shapes, opposite)
+    return FrameModes(factors / size, scale[:, None] * shapes, opposite, round_off)
 
 
 def whitening(stiffness: FloatArray) -> FloatArray:
-    """Combinations X (n, n) with X' K X = 1; ValueError if something moves without strain."""
-    scaled, scale = _scaled(stiffness)
+    """Combinations X (n, n) with X' K X = 1; LooseFrameError if something moves without strain."""
+    scaled, scale, _ = _scaled(stiffness)
     lower = np.linalg.cholesky(scaled)
     inverse = scipy.linalg.solve_triangular(lower, np.eye(len(lower)), lower=True)
     return np.asarray(scale[:, None] * inverse.T)
@@ -152,21 +162,24 @@ def whitening(stiffness: FloatArray) -> FloatArray:
 
 def modes_below(stiffness: FloatArray, geometric: FloatArray, factor: float) -> int:
     """Number of buckling factors between 0 and `factor`: negative eigenvalues of K + f K_s."""
-    scaled, scale = _scaled(stiffness)
+    scaled, scale, _ = _scaled(stiffness)
     return _negative(scaled + factor * scale[:, None] * geometric * scale)
 
 
-def _scaled(stiffness: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Stiffness scaled to ones on its diagonal, and the factors of the unknowns that do so."""
+def _scaled(stiffness: FloatArray) -> tuple[FloatArray, FloatArray, float]:
+    """Stiffness scaled to ones on its diagonal, the factors of the unknowns that do so.
+
+    And the smallest eigenvalue over the largest.
+    """
     diagonal = np.diag(stiffness)
     if not (diagonal > 0).all():
-        raise ValueError("the frame can move: an unknown has no stiffness")
+        raise LooseFrameError("the frame can move: an unknown has no stiffness")
     scale = 1 / np.sqrt(diagonal)
     scaled = scale[:, None] * stiffness * scale
     values = np.linalg.eigvalsh(scaled)
     if values[0] < _MECHANISM * values[-1]:
-        raise ValueError("the frame can move without strain")
-    return scaled, scale
+        raise LooseFrameError("the frame can move without strain")
+    return scaled, scale, float(values[0] / values[-1])
 
 
 def _negative(matrix: FloatArray) -> int:

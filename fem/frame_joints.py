@@ -12,7 +12,7 @@ as the point goes on by 1/2 t x (t x r). The rows of a pin never hold the turn a
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -238,7 +238,7 @@ class PlacedLinks:
     def unit_motions(self, constraints: FloatArray, plane: Sequence[int]) -> FloatArray:
         """The same motions (n, k), combined so that their stiffness is the unit matrix.
 
-        Raises ValueError if something moves without strain.
+        Raises LooseFrameError if something moves without strain.
         """
         moves = self.free_motions(constraints, plane)
         own = self.unknowns(plane)
@@ -256,13 +256,13 @@ class PlacedLinks:
     ) -> FrameModes:
         """Lowest buckling factors in one plane; shapes (n, k) in the links' own axes.
 
-        Raises ValueError if something moves without strain.
+        Raises LooseFrameError if something moves without strain.
         """
         moves = self.free_motions(constraints, plane)
         found = buckling_modes(
             moves.T @ self.stiffness @ moves, moves.T @ geometric @ moves, count=count
         )
-        return FrameModes(found.factors, moves @ found.shapes, found.reversed)
+        return replace(found, shapes=moves @ found.shapes)
 
 
 def _left_free(rows: FloatArray) -> FloatArray:

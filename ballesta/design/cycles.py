@@ -1,6 +1,7 @@
 """Puts the cycles and the duty of a design together."""
 
 from collections.abc import Mapping, Sequence
+from math import degrees, pi
 
 import loads
 from ballesta.design.coordinates import coordinate_of, dimension_along
@@ -13,6 +14,9 @@ from checks.design.model import DesignFile
 from checks.design.names import no_such
 from checks.design.tables import CycleEntry, PaceEntry
 from checks.design.units import DIMENSIONS, Measured
+
+_MOST_TURNS = 100  # of a body in a cycle: 5 to 7 s of walking
+_MOST_TRAVEL = 1e7  # mm, 10 km
 
 
 def cycles_of(
@@ -71,8 +75,12 @@ def _cycle(
             _check_dimension(f"{key}.{where}", measured, dimension_along(swept), problems)
         return measured.value
 
-    start = along("start", entry.start)
-    ends = [along(f"phases[{i}].to", phase.to) for i, phase in enumerate(entry.phases)]
+    def place(where: str, measured: Measured) -> float:
+        _check_span(f"{key}.{where}", measured, problems)
+        return along(where, measured)
+
+    start = place("start", entry.start)
+    ends = [place(f"phases[{i}].to", phase.to) for i, phase in enumerate(entry.phases)]
     phases = _phases(key, entry, ends, start, file, forces, sources, problems)
     shown, stop, friction = None, None, None
     if entry.shown is not None:
@@ -94,6 +102,22 @@ def _check_dimension(key: str, measured: Measured, dimension: str, problems: Pro
         kinds = DIMENSIONS[dimension], DIMENSIONS[measured.dimension]
         problems.add(
             key, f'must be {kinds[0].title} such as "{kinds[0].example}", got {kinds[1].title}'
+        )
+
+
+def _check_span(key: str, measured: Measured, problems: Problems) -> None:
+    """Note a place that no cycle goes to; the walk to it would take its turns one by one."""
+    if measured.dimension == "angle" and not abs(measured.value) <= _MOST_TURNS * 2 * pi:
+        problems.add(
+            key,
+            f"must be within {360 * _MOST_TURNS} deg of 0, got {degrees(measured.value):g} deg; a "
+            "motion that repeats is stated once, such as from 0 to 360 deg",
+        )
+    if measured.dimension == "length" and not abs(measured.value) <= _MOST_TRAVEL:
+        problems.add(
+            key,
+            f"must be within {_MOST_TRAVEL:g} mm of 0, as any machine's travel, got "
+            f"{measured.value:g} mm; is its unit wrong?",
         )
 
 

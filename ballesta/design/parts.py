@@ -17,6 +17,7 @@ from checks.design.stacks import check_stacks
 from checks.design.strength import FkmStrength, fkm_of
 from checks.result.words import clipped
 from geometry.parameters import GIVEN_BY_DESIGN, GIVEN_BY_LINKAGE, ParameterError
+from geometry.part_sizes import check_sizes, key_of
 from geometry.parts import SHAPES, Pin, Seat
 
 SLIDING = ("contact", "slot")  # interfaces of shapes on which a slot or guide of the linkage runs
@@ -96,6 +97,8 @@ def parts_of(
             continue
         except ParameterError as error:
             field = "stack" + error.field[5:] if error.field.startswith("seats") else error.field
+            if not isinstance(entry, StepPartEntry):
+                field = key_of(SHAPES[entry.shape], field)
             problems.add(f"{key}.{field}", error.problem)
             continue
         stated = sorted(entry.column.model_fields_set)
@@ -307,7 +310,9 @@ def _geometry(entry: Any, bodies: Mapping[str, loads.Body]) -> Any:
             values[parameter.name] = _rounded(math.dist(points[first], points[second]))
     if shape is Pin:
         values["seats"] = tuple(_seat(index, lug) for index, lug in enumerate(entry.stack))
-    return shape(**values)
+    made = shape(**values)
+    check_sizes(made)
+    return made
 
 
 def _rounded(value: Any) -> Any:

@@ -27,6 +27,7 @@ from checks.design.data import Design
 from checks.part.part_loads import shown_of
 from checks.result.verdict import Check
 from checks.strength.sampling import with_sampling
+from fem.frame_buckling import FrameModes, LooseFrameError
 from fem.frame_joints import IN_PLANE, OUT_OF_PLANE, PlacedLinks
 from geometry.mesh import FloatArray, IntArray
 
@@ -35,6 +36,7 @@ _COARSE_ERROR = 0.03  # of a factor, how much higher the coarse frame may be tha
 _RANKED = 40  # positions of a cycle that are asked at first, besides those of largest forces
 _ROUND_OFF = 1e-9  # of a factor
 _NEAR = 0.95  # of the largest share: about which of these all positions are asked
+_APART = 1e6  # how much stiffer one bar is than another where digits of the soft one are lost
 _PLANES = {"in plane": IN_PLANE, "out of plane": OUT_OF_PLANE}
 Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
 
@@ -61,7 +63,8 @@ class LinkageMode:
     factor            load factor, forks soft
     plane             "in plane" or "out of plane"
     stiff_factor      lowest over all positions in either plane, forks stiff; None: none above 0
-    error             of the factor, by its change from 8 to 16 pieces per bar
+    error             of the factor, by its change from 8 to 16 pieces per bar; no less than its
+                      round-off
     rise              of 1/factor, what it may be more between this position and its neighbours
     cycle, index      where it is; `position` is that in words
     other_plane       lowest over all positions in the other plane, forks soft; None: none above 0
@@ -327,23 +330,39 @@ class _Search:
     def _moves(self, placed: PlacedLinks, rows: FloatArray, plane: str) -> FloatArray:
         try:
             return placed.unit_motions(rows, _PLANES[plane])
-        except ValueError as error:
-            raise loads.LinkageError(f"buckling of the linkage, {plane}: {error}") from error
+        except LooseFrameError as error:
+            raise self._loose(plane, error) from error
 
-    def _modes(
-        self, name: str, k: int, plane: str, *, stiff: bool
-    ) -> tuple[float | None, FloatArray]:
+    def _loose(self, plane: str, error: LooseFrameError) -> loads.LinkageError:
+        """What a frame without strain is told as, with the bars whose stiffness is far apart."""
+        stiffness = {
+            self.model.links[n].name: bar.bending_at_middle(plane)
+            / (bar.cuts[bar.main + 1] - bar.cuts[bar.main]) ** 3
+            for n, bar in self.model.bars.items()
+        }
+        stiff, soft = (pick(stiffness, key=stiffness.__getitem__) for pick in (max, min))
+        ratio = stiffness[stiff] / stiffness[soft]
+        apart = ""
+        if ratio > _APART:
+            apart = (
+                f", as far as double precision tells: {stiff} is {ratio:.1g} times as stiff "
+                f"against bending as {soft}; check the sections and lengths of both"
+            )
+        return loads.LinkageError(f"buckling of the linkage, {plane}: {error}{apart}")
+
+    def _modes(self, name: str, k: int, plane: str, *, stiff: bool) -> FrameModes:
         placed = self._placed(name, k)
         rows = self._rows[name].rows(placed, k, stiff=stiff)
         geometric = self._forces[name].geometric(placed, k)
-        found = placed.buckling(rows, geometric, _PLANES[plane])
-        if not len(found.factors):
-            return None, found.shapes
-        return float(found.factors[0]), found.shapes[:, 0]
+        try:
+            return placed.buckling(rows, geometric, _PLANES[plane])
+        except LooseFrameError as error:
+            raise self._loose(plane, error) from error
 
     def factor(self, name: str, k: int, plane: str, *, stiff: bool = False) -> float | None:
         """The lowest factor of a position in a plane, proven to be the lowest; None for none."""
-        return self._modes(name, k, plane, stiff=stiff)[0]
+        factors = self._modes(name, k, plane, stiff=stiff).factors
+        return float(factors[0]) if len(factors) else None
 
     def rise(self, name: str, k: int, plane: str, factor: float) -> float:
         """What 1/factor may be more beside a position than at it, by the parabola's bend there.
@@ -369,8 +388,8 @@ class _Search:
         stiff: float | None,
     ) -> LinkageMode:
         """Everything about the lowest mode of a position."""
-        factor, shape = self._modes(name, k, plane, stiff=False)
-        assert factor is not None
+        modes = self._modes(name, k, plane, stiff=False)
+        factor, shape = float(modes.factors[0]), modes.shapes[:, 0]
         placed, forces = self._placed(name, k), self._forces[name]
         strain = placed.stiffness * shape[:, None] * shape
         parts = {link.name: placed.part(n) for n, link in enumerate(placed.links)}
@@ -394,7 +413,7 @@ class _Search:
             factor=factor,
             plane=plane,
             stiff_factor=stiff,
-            error=error,
+            error=max(error, factor * modes.round_off),
             rise=rise,
             cycle=name,
             index=k,

@@ -39,7 +39,7 @@ def pin(part: Part, shape: Pin) -> PartFrame | None:
     for seat, lower, upper in seated:
         if (seat.diameter or shape.diameter) < shape.diameter and shape.step_fillet:
             marks |= {lower - shape.step_fillet, upper + shape.step_fillet}
-    stretches = _merged(sorted(marks), 1e-6 * shape.diameter)
+    stretches = _merged(sorted(marks), 1e-9 * shape.diameter)
     nodes = np.zeros((len(stretches), 3))
     nodes[:, 2] = stretches
     members = chain(len(nodes))

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+import loads
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import solve_cycles
 from checks.columns.link_joints import JointRows
@@ -359,3 +360,42 @@ def test_a_lever_on_one_pin_is_held_by_its_bearing(tmp_path):
     euler = pi**2 * 210e3 * 30 * 8**3 / 12 / (4 * 200.0**2)
     assert mode.plane == "out of plane"
     assert mode.factor == pytest.approx(euler / 400.0, rel=0.02)
+
+
+STIFF_CRANK = (
+    BAR
+    + """
+[parts.crank]
+body = "crank"
+shape = "plate_link"
+interfaces = { first = "O", second = "A" }
+material = "S275"
+width = "30 mm"
+thickness = "8 mm"
+hole = "12 mm"
+"""
+)
+
+
+def test_a_bar_a_billion_times_as_stiff_as_another_leaves_the_mode_its_digits(tmp_path):
+    """Fuzz: leaves 6 m wide beside a rod of 20 mm ended as a SolverError, no mode below itself.
+
+    A crank that does not bend is a rigid body: the factor tends to that of one, from below.
+    """
+    rigid = machine(tmp_path, BAR)
+    alone = worst_mode(rigid, solved(rigid))
+    design = machine(tmp_path, STIFF_CRANK, "parts.crank.thickness=4000 mm")
+    mode = worst_mode(design, solved(rigid))
+    assert (mode.cycle, mode.index, mode.plane) == (alone.cycle, alone.index, alone.plane)
+    assert_allclose(mode.factor, alone.factor, rtol=2e-3)
+    assert mode.error >= abs(mode.factor - alone.factor)
+
+
+def test_bars_that_double_precision_cannot_hold_together_are_named(tmp_path):
+    design = machine(tmp_path, STIFF_CRANK, "parts.crank.thickness=4e6 mm")
+    with pytest.raises(
+        loads.LinkageError,
+        match=r"as far as double precision tells: crank is \S+ times as stiff against bending as "
+        "rod; check the sections and lengths of both",
+    ):
+        worst_mode(design, solved(machine(tmp_path, BAR)))
