@@ -4,12 +4,12 @@ from collections.abc import Mapping
 from math import degrees, pi
 
 from checks.design.data import Part
+from checks.handbook.pin_loaded_hole import BEYOND_ARCS
 from checks.models.bands import NoBand
 from checks.models.checked import band_around
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import Bars, Given, Item, Step
 from checks.result.verdict import Check
-from checks.stress.error_bars import BEYOND_ARCS
 from checks.stress.error_bars import Bars as SolidBars
 from checks.stress.part_model import RungModel
 from fem.convergence import FINER, LEAST, ORDER, REPEATS, SAFETY, SCATTER
@@ -21,10 +21,13 @@ _OF_ARCS = "model: arcs on which pins may press"
 _CALIBRATED = "docs/theory/error_bars.md"
 
 
-def rung_bars(part: Part, loads: PartLoads, model: RungModel, check: Check, value: str) -> Told:
+def rung_bars(
+    part: Part, loads: PartLoads, model: RungModel, check: Check, value: str, in_bores: float = 0.0
+) -> Told:
     """Of a rung below the solid: its own numerical error, and where solids lie around it.
 
-    value  symbol of the check's value
+    value     symbol of the check's value
+    in_bores  MPa, the largest in bores whose arc is not stated, raised; 0 without such
     """
     items: list[Item] = []
     numerical = ""
@@ -45,13 +48,17 @@ def rung_bars(part: Part, loads: PartLoads, model: RungModel, check: Check, valu
     ):
         said = f"{'upper' if symbol == 'up' else 'lower'} end of where 95 % of solids lie"
         own = f"reach of the solids' own model band {side}"
+        total = f"({formula} + q_{symbol})*{value}"
+        if symbol == "up" and in_bores > check.value:
+            items.append(_in_bores(in_bores))
+            total = f"(p_b/{value}*(max(1, h_up) + q_up) - 1)*{value}"
         items += [
             Given(f"h_{symbol}", f"{said}, over this value: {band.count} compared", edge, "", page),
             Given(f"q_{symbol}", f"{own}, over the value", reach, "", page),
             Step(
                 f"b_{symbol}",
                 f"model band {side}",
-                f"({formula} + q_{symbol})*{value}",
+                total,
                 check.unit,
                 page,
             ),
@@ -123,8 +130,12 @@ def _arcs(by_arc: Mapping[float, float], in_bores: float, items: list[Item]) -> 
     half = names[pi]
     more = ", ".join(f"{name} - {half}" for name in names.values())
     if in_bores:
-        said = f"the largest in the bores under {1 + BEYOND_ARCS:g} of the forces in the plane"
-        items.append(Given("p_b", said, in_bores, "MPa", "docs/validation.md"))
+        items.append(_in_bores(in_bores))
         more += f", p_b - {half}"
     less = ", ".join(f"{half} - {name}" for name in names.values())
     return f"max({more})", f"max({less})"
+
+
+def _in_bores(value: float) -> Given:
+    said = f"the largest in the bores under {1 + BEYOND_ARCS:g} of the forces in the plane"
+    return Given("p_b", said, value, "MPa", "docs/validation.md")

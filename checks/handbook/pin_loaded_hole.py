@@ -38,6 +38,8 @@ PATTERNS = (
     *(f"{wave} {n}" for n in HARMONICS for wave in (("cos", "sin") if n else ("cos",))),
     "couple",
 )
+# of a bore's stress: by how much contacts exceed that of the assumed arcs (docs/validation.md)
+BEYOND_ARCS = 0.07
 THINNEST = 0.85  # hole over outline, nearest to each other: thinner rings are not computed
 _FEWEST = 9  # powers of 1/z, in number; of z less the middle there are about twice as many
 _LEFT = 0.003  # of a power, from the hole's edge to the outline nearest to it

@@ -15,6 +15,7 @@ from checks.derivations.pins import pin
 from checks.derivations.proven import BARS, unknown, with_derivation
 from checks.derivations.stresses import fatigue, static
 from checks.ladder.climb import Climb
+from checks.models.raised_bores import raised_in_bores
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import Bars, Derivation, Section
 from checks.result.verdict import Check
@@ -90,7 +91,11 @@ def _with_rung_bars(
 ) -> Derivation:
     if part_loads.is_nothing:
         return replace(found, bars=Bars(words="nothing loads the part"))
-    bars, items = rung_bars(climb.part, part_loads, level.model, check, found.value)
+    in_bores = 0.0
+    if check.kind != "buckling":
+        use = None if check.kind == "static" else climb.use
+        in_bores = raised_in_bores(climb.part, part_loads, level, use)
+    bars, items = rung_bars(climb.part, part_loads, level.model, check, found.value, in_bores)
     if not isfinite(check.model) and bars.above:
         bars = Bars(bars.numerical, words="no model band: see the note of the check")
         items = [item for item in items if item.symbol in (ERROR, bars.numerical)]

@@ -10,6 +10,7 @@ from checks.models.bands import Band, NoBand, band_of
 from checks.models.estimate import Estimate
 from checks.models.families import family_of
 from checks.models.proportions import proportions_of, unknown_load
+from checks.models.raised_bores import WORDS, raised_in_bores
 from checks.models.rings import static_values, with_peaks
 from checks.models.stress_words import Words, fatigue_words, static_words
 from checks.part.part_loads import PartLoads
@@ -70,7 +71,14 @@ def rung_estimates(
     words = static_words(design, part, loads, level)
     found = {
         STATIC: _stress_estimate(
-            part, loads, level, words, level.peak.value, level.peak.point, static_rise(level, loads)
+            part,
+            loads,
+            level,
+            words,
+            level.peak.value,
+            level.peak.point,
+            static_rise(level, loads),
+            raised_in_bores(part, loads, level),
         )
     }
     if use is not None:
@@ -83,6 +91,7 @@ def rung_estimates(
             use.value(level),
             use.point(level),
             fatigue_rise(level, loads, use),
+            raised_in_bores(part, loads, level, use),
         )
     if level.model.buckling is not None and level.model.buckling.share > 0.0:
         rise = buckling_rise(loads, level.model.buckling, again)
@@ -98,6 +107,7 @@ def _stress_estimate(
     value: float,
     point: int,
     rise: float,
+    in_bores: float,
 ) -> Estimate:
     check = Check(
         part=part.name,
@@ -118,7 +128,7 @@ def _stress_estimate(
     )
     if loads.is_nothing:
         return Estimate(_told(check, 0.0, 0.0, NOTHING))
-    return _with_band(part, loads, level.model, with_sampling(check, rise))
+    return _with_band(part, loads, level.model, with_sampling(check, rise), in_bores)
 
 
 def _buckling_estimate(
@@ -147,8 +157,13 @@ def _buckling_estimate(
     return _with_band(part, loads, model, with_sampling(check, rise))
 
 
-def _with_band(part: Part, loads: PartLoads, model: RungModel, check: Check) -> Estimate:
-    """The check with the band of solids around the rung's value."""
+def _with_band(
+    part: Part, loads: PartLoads, model: RungModel, check: Check, in_bores: float = 0.0
+) -> Estimate:
+    """The check with the band of solids around the rung's value.
+
+    in_bores  MPa, the largest in bores whose arc is not stated, raised; 0 without such
+    """
     band = band_around(part, loads, model, check)
     if isinstance(band, NoBand):
         said = f"{UNKNOWN_BAR}{band.why}"
@@ -156,11 +171,12 @@ def _with_band(part: Part, loads: PartLoads, model: RungModel, check: Check) -> 
     value = check.value
     above = (max(0.0, band.high - 1) + band.above[1]) * value
     below = (max(0.0, 1 - band.low) + band.below[1]) * value
-    return Estimate(
-        _told(check, above, below, _of_solids(band, model)),
-        above - band.above[0] * value,
-        below - band.below[0] * value,
-    )
+    shared, said = band.above[0] * value, _of_solids(band, model)
+    if in_bores > value:  # solids reach as much higher, whatever arc decides theirs
+        above = (in_bores / value * (max(1.0, band.high) + band.above[1]) - 1) * value
+        shared = in_bores * (1 + band.above[0]) - value
+        said = f"{said}; {WORDS}"
+    return Estimate(_told(check, above, below, said), above - shared, below - band.below[0] * value)
 
 
 def band_around(part: Part, loads: PartLoads, model: RungModel, check: Check) -> Band | NoBand:

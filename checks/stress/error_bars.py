@@ -8,6 +8,7 @@ from math import degrees, pi
 import numpy as np
 
 from checks.design.data import Part
+from checks.handbook.pin_loaded_hole import BEYOND_ARCS
 from checks.part.part_loads import PartLoads
 from checks.stress.solid_mesh_level import Level, peak_of
 from checks.stress.stress_result import Stressed
@@ -23,9 +24,6 @@ from fem.recovery import von_mises
 from fem.singularity import singular_exponent
 from geometry.mesh import FloatArray, IntArray
 
-BEYOND_ARCS = (
-    0.07  # of a bore's stress: by how much contacts exceed the assumed arcs' (docs/validation.md)
-)
 _UNRESOLVED = 0.05  # error that elements make in a notch, over the peak
 
 

@@ -1,16 +1,23 @@
 """The model band of bores: arcs on which a pin may press, and what contacts exceed these by."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from ballesta.design.read import read_design
+from ballesta.machine.solved_cycles import solve_cycles
 from checks.derivations.bars import solid_bars
 from checks.handbook.lugs import lug_factor
+from checks.handbook.pin_loaded_hole import BEYOND_ARCS
+from checks.ladder.climb import BUILDERS
 from checks.ladder.solid import Asked, solve_levels
-from checks.part.part_loads import PartLoads
+from checks.models.checked import band_around, rung_estimates, rung_level
+from checks.models.raised_bores import raised_in_bores
+from checks.part.part_loads import PartLoads, loads_on
 from checks.strength.part_strength import endurance_of, fatigue_use
-from checks.stress.error_bars import BEYOND_ARCS, StaticPeak, bars_of
+from checks.stress.error_bars import StaticPeak, bars_of
 from checks.stress.solid_mesh_level import Models
 
 from ..small_machine import machine
@@ -27,10 +34,12 @@ PULLED = PartLoads(
     ("pulled", "pushed"),
     ("turn", "turn"),
 )
+# as solids were compared with the rungs: more pushed than pulled
+PUSHED = replace(PULLED, wrenches={name: w * [[0.5], [1.0]] for name, w in PULLED.wrenches.items()})
 
 
-def bars(folder, share, stated=""):
-    """Static and fatigue checks of a pulled link with holes of a share of its width."""
+def link(folder, share, stated=""):
+    """The design of a link with holes of a share of its width."""
     text = f"""
 [parts.rod]
 body = "rod"
@@ -43,13 +52,16 @@ hole = "{share * WIDTH} mm"
 mesh = {{ fineness = 0.5 }}
 {stated}
 """
-    design = replace(machine(folder, text), accuracy=0.2)
+    return replace(machine(folder, text), accuracy=0.2)
+
+
+def bars(folder, share, stated="", loads=PULLED):
+    """Static and fatigue checks of a pulled link with holes of a share of its width."""
+    design = link(folder, share, stated)
     part = design.parts["rod"]
-    judged = [StaticPeak(PULLED), fatigue_use(design, part, PULLED)]
+    judged = [StaticPeak(loads), fatigue_use(design, part, loads)]
     limit = endurance_of(part).value
-    levels, _, _ = solve_levels(
-        design, part, PULLED, Models(), judged, limit, lambda _: None, ASKED
-    )
+    levels, _, _ = solve_levels(design, part, loads, Models(), judged, limit, lambda _: None, ASKED)
     return [(what.value(levels[-1]), bars_of(what, part, levels, 0.2)) for what in judged]
 
 
@@ -75,3 +87,53 @@ def test_a_bore_whose_arc_is_not_stated_has_more_above_and_its_derivation_says_s
         steps = {item.symbol: item for item in solid_bars(taken, "sigma")[1]}
         assert "p_b - p_1" in steps["b_up"].formula
         assert steps["p_b"].value == taken.in_bores
+
+
+def rung_checks(design, name, loads, rung):
+    """Static and fatigue checks of a part by a rung, and its model."""
+    part = design.parts[name]
+    use = fatigue_use(design, part, loads)
+    level = rung_level(design, part, loads, BUILDERS[rung](part, loads))
+    found = rung_estimates(design, part, loads, level, use, lambda _: None)
+    return [(found[kind], level.model) for kind in ("static", "fatigue")]
+
+
+@pytest.mark.parametrize("rung", ["formula", "beam"])
+def test_a_rungs_bars_reach_as_high_as_those_of_the_solid_that_may_follow(tmp_path, rung):
+    """7 % of where solids lie, once, of which a better model takes nothing away."""
+    taken = rung_checks(link(tmp_path, 0.4), "rod", PUSHED, rung)
+    known = rung_checks(link(tmp_path, 0.4, 'bearing_arc = "90 deg"'), "rod", PUSHED, rung)
+    solids = bars(tmp_path, 0.4, loads=PUSHED)
+    for (wide, model), (narrow, _), (solid, found) in zip(taken, known, solids, strict=True):
+        check = wide.check
+        band = band_around(link(tmp_path, 0.4).parts["rod"], PUSHED, model, check)
+        of_solids = max(1.0, band.high) + band.above[1]
+        more = BEYOND_ARCS * check.value * of_solids
+        assert check.model - narrow.check.model == pytest.approx(more, rel=1e-9)
+        shared = BEYOND_ARCS * (1 + band.above[0]) * check.value
+        assert wide.above == pytest.approx(narrow.above + more - shared, rel=1e-9)
+        assert check.below == narrow.check.below
+        assert "7 % more in bores" in check.note
+        assert check.value + check.model > solid + found.above
+
+
+def test_a_bore_that_carries_less_than_the_peak_widens_nothing():
+    """The lever of the quick return is strained at its slot's end, its bores by a third of that."""
+    design = read_design(Path(__file__).parents[2] / "designs" / "quick_return.toml")
+    part = design.parts["lever"]
+    loads = loads_on(design, part, solve_cycles(design, {}))
+    level = rung_level(design, part, loads, BUILDERS["formula"](part, loads))
+    found = rung_estimates(design, part, loads, level, None, lambda _: None)["static"].check
+    assert 0.0 < raised_in_bores(part, loads, level) < found.value
+    assert "more in bores" not in found.note
+
+
+def test_couples_out_of_the_plane_are_not_raised_in_a_rungs_bores():
+    """As in a solid: lugs were compared under forces in their plane."""
+    design = read_design(Path(__file__).parents[2] / "designs" / "slider_crank.toml")
+    part = design.parts["crank"]
+    loads = loads_on(design, part, solve_cycles(design, {}))
+    level = rung_level(design, part, loads, BUILDERS["formula"](part, loads))
+    assert level.place(level.peak.point).startswith("first (")
+    raised = raised_in_bores(part, loads, level) / level.peak.value
+    assert 1.0 < raised < 1.0 + 0.8 * BEYOND_ARCS

@@ -6,7 +6,7 @@ from scipy.integrate import quad
 from bench.pin_contact import compare, contact, cosine, persson_half_arc, persson_pressure
 from bench.pin_models import EYES, Eye, Grid, box
 from checks.handbook.lugs import lug_factor
-from checks.stress.error_bars import BEYOND_ARCS
+from checks.handbook.pin_loaded_hole import BEYOND_ARCS
 from tests.fem.calculix import needs_calculix
 
 
