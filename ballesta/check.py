@@ -14,6 +14,13 @@ import loads
 from ballesta.design.read import read_design
 from ballesta.design.step_parts import told_of_steps
 from ballesta.machine.balance import balance_gates, measured_loads, not_measured
+from ballesta.machine.drive_speed import (
+    evenness_of,
+    speed_assumptions,
+    speed_doubts,
+    speed_gates,
+    speed_warnings,
+)
 from ballesta.machine.elastic_parts import compliances_of
 from ballesta.machine.motion import motions_of
 from ballesta.machine.quasi_static import (
@@ -52,15 +59,17 @@ from checks.ladder.part_ladder import (
     time_warnings,
     told_of_part,
 )
-from checks.part.part_loads import is_loaded, loads_on, shown_of
+from checks.part.part_loads import Doubt, Runs, is_loaded, loads_on, shown_of
 from checks.result.verdict import Check, DesignResult, PartResult
 from checks.store.store import Store
+from checks.strength.load_doubts import with_doubts
 from checks.stress.solid_mesh_level import Models
 from fem.allocation import keep_freed_memory
 from fem.solvers import SolverError, chosen_solver
 from fem.threads import one_thread, policy
 
 Say = Callable[[str], None]
+_FAR = 0.2  # use of a linkage's buckling load that no doubt about its speed brings to its limit
 _CAD = (".step", ".stp")
 
 NOT_CHECKED = (
@@ -136,10 +145,20 @@ def check_design(
         solved = solve_cycles(design, masses, compliances, store)
         vibration = vibration_of(design, solved)
         shaken = vibration_warnings(design, solved, vibration)
+        evenness = evenness_of(design, solved)
+        uneven = speed_doubts(design, solved, evenness)
         solved = with_dynamics(design, solved, vibration)
         measured = measured_loads(design, masses)
         runs: dict[str, loads.CycleLoads | loads.MeasuredLoads] = {**solved, **measured}
+        doubts = [
+            Doubt(
+                doubt.words,
+                tuple({**with_dynamics(design, end, vibration), **measured} for end in doubt.ends),
+            )
+            for doubt in uneven
+        ]
         mode = stored_mode(store, design, runs) if store else worst_mode(design, runs)
+        linkage = [] if mode is None else [_of_linkage(design, mode, doubts)]
         timings["loads"] = perf_counter() - start
     except loads.LinkageError as error:
         raise DesignError(design.file, "linkage", str(error)) from error
@@ -159,12 +178,18 @@ def check_design(
         cycles=_cycle_data(design, runs),
         gates=[
             *load_gates(design, solved),
+            *speed_gates(evenness),
             *quasi_static_gates(design, vibration),
             *balance_gates(design, measured),
         ],
-        warnings=[*shaken, *design_warnings(design, masses, runs)],
+        warnings=[*shaken, *speed_warnings(evenness), *design_warnings(design, masses, runs)],
         not_checked=(*NOT_CHECKED, *_not_checked_here(design), *not_measured(design)),
-        assumed=(*design.assumed, *_assumed_here(design), *assumptions_of(design, vibration)),
+        assumed=(
+            *design.assumed,
+            *_assumed_here(design),
+            *speed_assumptions(evenness),
+            *assumptions_of(design, vibration),
+        ),
         defaults=design.defaults_used,
         inputs=list(design.inputs),
         source=_all_sources(design),
@@ -178,13 +203,21 @@ def check_design(
             ]
         ),
         timings=timings,
-        linkage=[] if mode is None else [_of_linkage(design, mode)],
+        linkage=linkage,
         assumed_by_design=_assumed_by_design(design),
     )
     start = perf_counter()
     before = sum(models.seconds.values())
     results = check_parts(
-        design, runs, models, effort, begun, say, live=live, finished=_kept(design, frame, keep)
+        design,
+        runs,
+        models,
+        effort,
+        begun,
+        say,
+        live=live,
+        finished=_kept(design, frame, keep),
+        doubts=doubts,
     )
     spent = sum(models.seconds.values()) - before
     timings |= models.seconds
@@ -216,9 +249,17 @@ def _warnings_of_parts(design: Design, results: Sequence[PartResult]) -> list[st
     ]
 
 
-def _of_linkage(design: Design, mode: LinkageMode) -> Check:
+def _of_linkage(design: Design, mode: LinkageMode, doubts: Sequence[Doubt]) -> Check:
     check = linkage_check(design, mode)
+    if check.utilisation > _FAR:
+        ends = {d.words: [_linkage_share(design, end) for end in d.ends] for d in doubts}
+        check = with_doubts(check, ends)
     return with_derivation(check, linkage_share(design, mode, check))
+
+
+def _linkage_share(design: Design, runs: Runs) -> float:
+    mode = worst_mode(design, runs)
+    return 0.0 if mode is None else linkage_check(design, mode).value
 
 
 def _not_checked_here(design: Design) -> list[str]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from math import ceil, isfinite
 
@@ -19,7 +19,7 @@ from loads.joints import Coordinate, Prismatic, Slot
 from loads.laws import Contact, Law, Table
 from loads.linkage import Linkage
 from loads.motion import Geometry, Motion, move
-from loads.pace import Pace
+from loads.pace import Pace, SteadyPace
 from loads.path import Path, trace
 from loads.sampling_error import unresolved
 from loads.timing import Timing
@@ -113,6 +113,35 @@ def run_cycle(linkage: Linkage, cycle: Cycle) -> CycleLoads:
     return _joined(linkage, cycle, run.timing, stretches, tried)
 
 
+def run_at_rates(
+    known: CycleLoads, cycle: Cycle, factor: float, surge: FloatArray | None = None
+) -> CycleLoads:
+    """Return the loads of a cycle that was run before, at the same positions, at other rates.
+
+    factor  of the speed of its pace
+    surge   (n,) 1/s: acceleration of the pace along its way, over its speed; none: as the pace has
+
+    `unresolved` stays what the known loads have. Raises LinkageError as `run_cycle` does, and where
+    the pace is not a steady one.
+    """
+    pace = cycle.pace
+    if not isinstance(pace, SteadyPace):
+        raise LinkageError(f"cycle {cycle.name!r}: its pace is led from rest to rest")
+    faster = replace(
+        cycle,
+        pace=replace(pace, speed=factor * pace.speed, acceleration=factor**2 * pace.acceleration),
+    )
+    run = _begun(known.linkage, faster)
+    stretches = []
+    for k in range(len(cycle.phases)):
+        rows = known.phase_of == k
+        stretches.append(
+            run.solve(k, known.positions[rows], None if surge is None else surge[rows])
+        )
+    again = _joined(known.linkage, faster, run.timing, stretches, [])
+    return replace(again, unresolved=known.unresolved)
+
+
 def try_cycle(linkage: Linkage, cycle: Cycle) -> None:
     """Raise LinkageError where a cycle cannot be, as far as some 200 positions per phase tell.
 
@@ -151,11 +180,11 @@ class _Run:
     cycle: Cycle
     timing: Timing
 
-    def solve(self, k: int, grid: FloatArray) -> _Stretch:
-        """Return phase k at the positions of a grid."""
+    def solve(self, k: int, grid: FloatArray, surge: FloatArray | None = None) -> _Stretch:
+        """Return phase k at the positions of a grid; surge (n,) is more acceleration over speed."""
         phase = self.cycle.phases[k]
         with self._told_of(k):
-            stretch = _Stretch(*solve_laws(self._motion(k, grid), phase.given, phase.solve))
+            stretch = _Stretch(*solve_laws(self._motion(k, grid, surge), phase.given, phase.solve))
             _check_sizes(stretch)
         return stretch
 
@@ -167,10 +196,12 @@ class _Run:
         except LinkageError as error:
             raise CycleError(self.cycle.name, k, self.cycle.phases[k].name, str(error)) from None
 
-    def _motion(self, k: int, grid: FloatArray) -> Motion:
+    def _motion(self, k: int, grid: FloatArray, surge: FloatArray | None = None) -> Motion:
         geometry = self.path.at(grid)
         _check_ends(self.path.kinematics.linkage, geometry)
         speed, acceleration = self.timing.rates(k, geometry)
+        if surge is not None:
+            acceleration = acceleration + surge * speed
         direction = 1 if grid[-1] > grid[0] else -1
         return move(geometry, self.cycle.pace.coordinate, speed, direction, acceleration)
 

@@ -8,6 +8,12 @@ from pathlib import Path
 import loads
 from ballesta.design.read import read_design
 from ballesta.machine.balance import balance_gates, measured_loads, not_measured
+from ballesta.machine.drive_speed import (
+    evenness_of,
+    speed_assumptions,
+    speed_gates,
+    speed_warnings,
+)
 from ballesta.machine.shown_loads import shown_cycle, shown_run
 from ballesta.machine.solved_cycles import (
     part_masses,
@@ -76,8 +82,13 @@ def loads_of_file(
         compliances = _compliances(design, models, say)
         solved = solve_cycles(design, masses, compliances)
         measured = measured_loads(design, masses)
-        gates = [*load_gates(design, solved), *balance_gates(design, measured)]
-        warnings = load_warnings(design, masses, solved)
+        evenness = evenness_of(design, solved)
+        gates = [
+            *load_gates(design, solved),
+            *speed_gates(evenness),
+            *balance_gates(design, measured),
+        ]
+        warnings = [*speed_warnings(evenness), *load_warnings(design, masses, solved)]
     except loads.LinkageError as error:
         raise DesignError(design.file, "linkage", str(error)) from error
     return LoadsResult(
@@ -90,7 +101,10 @@ def loads_of_file(
         warnings=warnings,
         runs=[shown_run(design, run) for run in measured.values()],
         absent=(*(ABSENT if solved else ABSENT_MEASURED), *not_measured(design)),
-        assumed=[pair for pair in design.assumed if not pair[0].startswith("parts.")],
+        assumed=[
+            *(pair for pair in design.assumed if not pair[0].startswith("parts.")),
+            *speed_assumptions(evenness),
+        ],
         command=" ".join(
             [
                 "ballesta loads",

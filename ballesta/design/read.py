@@ -79,6 +79,9 @@ def _assembled(
         for key, reason in model.assumed.items()
         if _is_assumed(key, data, sources, problems)
     }
+    held = [name for name, value in model.drive if value is not None]
+    if len(held) > 1:
+        problems.add("drive", f"states {' and '.join(held)}: how it holds its speed is one of them")
     for name in model.claims:
         if name not in model.parts:
             problems.add(f"claims.{name}", no_such("part", name, model.parts))
@@ -146,7 +149,7 @@ def _assembled(
             for name, entry in model.bodies.items()
             if entry.elastic is not None and entry.elastic.stiffness is not None
         ),
-        irregularity=model.drive.irregularity,
+        drive=model.drive,
         dynamics=model.dynamics,
         cycles=cycles,
         measured=measured,

@@ -12,6 +12,7 @@ from reports.loads_figures import ContactStated, ShownPhase
 from reports.loads_runs import ShownRun
 from reports.loads_summary import ShownCycle
 
+EVEN = 0.1  # irregularity that is assumed of a drive of which nothing is stated
 _FINE = 5  # digits
 
 
@@ -28,7 +29,7 @@ def shown_cycle(design: Design, cycle: loads.CycleLoads) -> ShownCycle:
         duty=design.duty.cycles.get(cycle.name, 0.0),
         phases=_phases(cycle, stated),
         available=design.available,
-        allowed_irregularity=design.irregularity,
+        allowed_irregularity=design.drive.irregularity or EVEN,
         stated=_contacts(cycle.linkage, stated.run),
     )
 

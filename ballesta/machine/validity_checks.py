@@ -33,7 +33,6 @@ def _cycle_gates(design: Design, name: str, cycle: loads.CycleLoads) -> list[Gat
         *_friction(name, cycle),
         *_deflected_shape(name, cycle),
         *_slot_ends(name, cycle),
-        *_irregularity(design, name, cycle),
         *_drive_forces(design, name, cycle),
         *_cycle_time(design, name, cycle),
     ]
@@ -138,27 +137,6 @@ def _slot_ends(name: str, cycle: loads.CycleLoads) -> list[Gate]:
                 f"share of the length between its ends that is used about the middle; "
                 f"{number(margin)} mm are left to the nearer end, beyond the limit play and wear "
                 "let it strike there, which is not in the loads",
-            )
-        )
-    return gates
-
-
-def _irregularity(design: Design, name: str, cycle: loads.CycleLoads) -> list[Gate]:
-    shown = shown_cycle(design, cycle)
-    gates = []
-    for drive in shown.drives:
-        if drive.irregularity is None or shown.role(drive.name) != "solved":
-            continue
-        assert drive.flywheel is not None
-        gates.append(
-            Gate(
-                f"{name}: speed irregularity of {drive.name}",
-                drive.irregularity,
-                drive.allowed,
-                "(fastest - slowest) / mean speed that the uneven torque would give; the loads "
-                "assume constant speed",
-                cure=f"A flywheel of {number(drive.flywheel * 1e-3)} kg m2 in all, reduced to the "
-                f"driver, brings it to {number(drive.allowed)}",
             )
         )
     return gates

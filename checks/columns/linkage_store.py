@@ -30,7 +30,7 @@ def stored_mode(
 
 def unjudged(design: Design) -> Design:
     """The design without its texts and without what only judges parts or meshes them."""
-    left: dict[str, Any] = {"require": None, "duty": None}
+    left: dict[str, Any] = {"require": None, "duty": None, "drive": None}
     return replace(
         design,
         name="",

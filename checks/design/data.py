@@ -9,7 +9,7 @@ import loads
 from checks.design.materials import Material
 from checks.design.model import Column, Requirements, StackEntry
 from checks.design.strength import FkmStrength
-from checks.design.tables import DynamicsEntry
+from checks.design.tables import DriveEntry, DynamicsEntry
 from geometry.parts import Pin, PrismaticTube, ToggleBar
 from loads import MeasuredLoads
 
@@ -147,7 +147,7 @@ class Design:
     friction         by joint of the linkage
     compliance       of bodies and joints
     as_parts         bodies that give way as their meshed parts do
-    irregularity     largest share by which the drive's speed may vary to count as even
+    drive            how the drive holds its speed
     dynamics         how the vibration of the linkage is judged
     defaults_used    (key, value) that the file does not state and ballesta took
     assumed          (key, reason) that the file marks as an assumption
@@ -176,7 +176,7 @@ class Design:
     friction: Mapping[str, loads.Friction]
     compliance: tuple[loads.Compliance, ...]
     as_parts: tuple[str, ...]
-    irregularity: float
+    drive: DriveEntry
     dynamics: DynamicsEntry
     cycles: Mapping[str, Cycle]
     measured: Mapping[str, MeasuredRun]

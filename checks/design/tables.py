@@ -35,6 +35,7 @@ Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
 Coefficient = Annotated[Number, Field(ge=0)]
 Damping = Annotated[Number, Field(gt=0, lt=1)]
+Irregularity = Annotated[Number, Field(gt=0, le=0.5)]
 # by these pydantic names which of several forms a value has; messages leave them out
 TAGS = ("<value>", "<table>", "<contact>")
 Ends = Annotated[list[Length], Field(min_length=2, max_length=2)]
@@ -307,11 +308,22 @@ class CycleEntry(Table):
 
 
 class DriveEntry(Table):
-    """What is asked of the machine's drive."""
+    """How the machine's drive holds its speed; at most one of the three."""
 
-    irregularity: Positive = Field(
-        0.1,
-        description="largest share by which the speed may vary over a turn for it to count as even",
+    control: Literal["constant"] | None = Field(
+        None,
+        description="the drive holds its speed whatever the torque: a servo, or a motor far "
+        "stronger than the machine",
+    )
+    flywheel: Inertia | None = Field(
+        None,
+        description="inertia on the driven coordinate beside that of the stated bodies, for a "
+        "drive of even torque",
+        examples=["1.4 kg m2"],
+    )
+    irregularity: Irregularity | None = Field(
+        None,
+        description="(fastest - slowest) / mean speed over a turn, as the drive keeps it",
     )
 
 

@@ -10,6 +10,7 @@ from checks.design.model import StackEntry
 from checks.part.first_maximum import first_largest
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check
+from checks.strength.load_doubts import doubted
 from checks.strength.sampling import NEAR, finer, sampled, with_sampling
 from geometry.mesh import FloatArray
 from geometry.parts import Pin
@@ -34,7 +35,7 @@ def bush_checks(design: Design, part: Part, part_loads: PartLoads, solved: Solve
             continue
         checks += _pressed(design, part, part_loads, entry)
         if entry.bush.pv is not None:
-            checks += _pv_check(design, part, part_loads, solved, entry)
+            checks += _sliding(design, part, part_loads, solved, entry)
     return checks
 
 
@@ -82,6 +83,19 @@ def _pressure_check(design: Design, part: Part, part_loads: PartLoads, entry: St
         note=f"p = {force:.0f} N / ({diameter:g} x {length:g} mm2)"
         + ("; 50 to 52.5 % of the load in one bush of the pair" if paired else ""),
     )
+
+
+def _sliding(
+    design: Design, part: Part, part_loads: PartLoads, solved: Solved, entry: StackEntry
+) -> list[Check]:
+    """The peak of p v with its load bars: at the ends of a doubt the speeds differ, too."""
+    pairs = [zip(d.ends, d.runs, strict=True) for d in part_loads.doubts]
+    runs = {id(end): run for pair in pairs for end, run in pair}
+
+    def made(some: PartLoads) -> list[Check]:
+        return _pv_check(design, part, some, runs.get(id(some), solved), entry)
+
+    return doubted(made, part_loads, made(part_loads))
 
 
 def _pv_check(

@@ -15,6 +15,7 @@ from checks.models.families import family_of
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check, RungTried, Status
 from checks.strength.fatigue_assessment import FatigueUse
+from checks.strength.load_doubts import load_bars
 from checks.strength.part_strength import fatigue_use
 from checks.stress.part_model import RungLevel, RungModel
 from fem.solvers import SolverError
@@ -86,7 +87,12 @@ class Climb:
             self.skip(rung, f"there is no {rung} of this shape")
             return False
         level = rung_level(self.design, self.part, self.loads, model)
-        band = leaf_band(self.design, self.part, self.loads, self.solved, self._again(rung))
+        leaves = leaf_band(self.design, self.part, self.loads, self.solved, self._again(rung))
+        doubts = load_bars(self.loads, self._values(rung))
+
+        def band(check: Check) -> Check:
+            return doubts(leaves(check))
+
         found = {
             kind: _banded(estimate, band)
             for kind, estimate in rung_estimates(
@@ -100,7 +106,7 @@ class Climb:
             if kind in wanted
         }
         self.levels[rung] = level
-        self.bands[rung] = band
+        self.bands[rung] = leaves
         if model.buckling is not None and not model.buckling.share > 0.0:
             self.unbuckled = True
         for kind, estimate in found.items():
@@ -148,13 +154,32 @@ class Climb:
             else "it has no answer to what is open"
         )
 
-    def _again(self, rung: str) -> Callable[[PartLoads], RungLevel]:
+    def _again(self, rung: str, *, all_round: bool = True) -> Callable[[PartLoads], RungLevel]:
         def level_of(loads: PartLoads) -> RungLevel:
             model = BUILDERS[rung](self.part, loads)
             assert model is not None
-            return rung_level(self.design, self.part, loads, model)
+            return rung_level(self.design, self.part, loads, model, all_round=all_round)
 
         return level_of
+
+    def _values(self, rung: str) -> Callable[[PartLoads], dict[str, float]]:
+        """What gives a rung's values under other loads of the part, by kind of check.
+
+        They are only compared with each other, so a pin's are those at the angles of its points.
+        """
+        level_of = self._again(rung, all_round=False)
+
+        def values_of(loads: PartLoads) -> dict[str, float]:
+            level = level_of(loads)
+            values = {STATIC: level.peak.value}
+            use = fatigue_use(self.design, self.part, loads)
+            if use is not None:
+                values[FATIGUE] = use.value(level)
+            if level.model.buckling is not None:
+                values[BUCKLING] = max(0.0, level.model.buckling.share)
+            return values
+
+        return values_of
 
     def _why(self) -> str:
         """What the estimates so far call for, in words."""

@@ -22,7 +22,7 @@ from checks.ladder.explained import explained
 from checks.ladder.pinned import climb_pinned
 from checks.ladder.result import cheap_result, solid_result
 from checks.ladder.solid import FIRST
-from checks.part.part_loads import check_reach, loads_on
+from checks.part.part_loads import Doubt, check_reach, loads_on
 from checks.part.too_fine import gave_up, told_of_size
 from checks.result.live_fields import LiveFields
 from checks.result.verdict import Check, PartResult
@@ -50,6 +50,7 @@ def check_parts(
     *,
     live: bool = False,
     finished: Finished | None = None,
+    doubts: Sequence[Doubt] = (),
 ) -> list[PartResult]:
     """Check every part of a design; raises DesignError and NumericsError.
 
@@ -57,6 +58,7 @@ def check_parts(
     live      whether a page will show the fields at every position
     finished  is handed each part's result, and what a better model may still settle of it, before
               the models that take longer are begun, and when it is final
+    doubts    what the runs may be instead
 
     The cheap rungs of all parts come first, and of these the cheapest of all parts, so that what
     time there is goes to solids that settle something; under a time limit the ones that are
@@ -86,7 +88,7 @@ def check_parts(
 
     for part in design.parts.values():
         with told_of_part(design, part):
-            part_loads = loads_on(design, part, solved)
+            part_loads = loads_on(design, part, solved, doubts)
             check_reach(design, part, part_loads, models.body(part.geometry).interfaces)
             climb = climbs[part.name] = start_climb(design, part, part_loads, solved)
             rungs = effort.pinned.get(part.name)

@@ -8,6 +8,7 @@ from time import perf_counter
 import numpy as np
 
 from checks.columns.stability import column_checks, column_facts, column_told
+from checks.derivations.proven import with_derivation
 from checks.ladder.chart_data import charts_of
 from checks.ladder.climb import SOLID, Climb, answered
 from checks.ladder.leaf_checks import leaf_band, with_leaf_checks
@@ -18,6 +19,7 @@ from checks.models.checked import BALANCE, BUCKLING, FATIGUE, STATIC
 from checks.models.estimate import Estimate
 from checks.result.verdict import NOT_MESHED, Check, Gate, PartResult, RungTried, Status, Surface
 from checks.strength.fatigue_facts import fatigue_facts
+from checks.strength.load_doubts import load_bars
 from checks.strength.part_strength import endurance_of, life_task
 from checks.strength.sampling import sampled
 from checks.stress.part_model import RungLevel
@@ -137,6 +139,7 @@ def solid_result(
         kinds, asked = pinned, Asked(pinned, modes=False)
     result = check_solid(design, part, loads, models, say, replace(asked, live=live))
     result = with_leaf_checks(design, part, result, loads, climb.solved, models)
+    result = replace(result, checks=[_buckling_doubted(climb, c) for c in result.checks])
     checks = [check for check in result.checks if check.method.startswith(SOLID)]
     solid = RungTried(
         SOLID,
@@ -150,6 +153,20 @@ def solid_result(
             result, checks=_merged(climb, result.checks, kinds, exactly=pinned is not None)
         )
     return replace(result, rungs=[*climb.tried, solid])
+
+
+def _buckling_doubted(climb: Climb, check: Check) -> Check:
+    """A solid's buckling check with its load bars, which are those of the forces on the part.
+
+    Under loads of one pattern it goes with them; an eigenvalue at the ends of each doubt would cost
+    as much as the solid.
+    """
+    if check.kind != BUCKLING or not check.method.startswith(SOLID):
+        return check
+    widened = load_bars(climb.loads, lambda some: {BUCKLING: some.largest_force})(check)
+    if widened is check or check.derivation is None:
+        return widened
+    return with_derivation(widened, check.derivation)
 
 
 def _enough(climb: Climb, models: Models) -> Callable[[Sequence[Check]], str]:

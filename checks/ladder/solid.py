@@ -1,6 +1,6 @@
 """The solid model of one part: meshes until the stress is known well enough, and its checks."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 from time import perf_counter
@@ -21,6 +21,7 @@ from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check, Gate, HandCheck, PartResult, Status, Surface
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse
 from checks.strength.fatigue_facts import fatigue_facts
+from checks.strength.load_doubts import LoadBars, load_bars
 from checks.strength.part_strength import elastic_of, endurance_of, fatigue_use, life_task
 from checks.strength.sampling import fatigue_rise, sampled, static_rise, with_sampling
 from checks.stress.cost import judging_seconds
@@ -91,8 +92,16 @@ def check_solid(
     judged = [what for what in both if (what is static and "static" in asked.kinds)
               or (what is use and "fatigue" in asked.kinds)]  # fmt: skip
 
+    doubts: list[LoadBars] = []
+
+    def widened(levels: Sequence[Level]) -> LoadBars:
+        if not doubts:
+            doubts.append(load_bars(loads, _values(design, part, levels[0])))
+        return doubts[0]
+
     def enough(levels: Sequence[Level]) -> str:
-        return asked.enough(_stress_checks(design, part, loads, levels, judged))
+        bars = widened(levels)
+        return asked.enough(_stress_checks(design, part, loads, levels, judged, bars))
 
     limit = endurance_of(part).value
     levels, sizes, stopped = solve_levels(
@@ -103,7 +112,7 @@ def check_solid(
     by_hand = hand_checks(part, loads, finest)
     # buckling alone is asked of one mesh, on which a stress has no error bar
     stressed = _stress_checks(
-        design, part, loads, levels, both if len(levels) > 1 else judged, by_hand
+        design, part, loads, levels, both if len(levels) > 1 else judged, widened(levels), by_hand
     )
     if stopped:
         stressed = [
@@ -155,17 +164,40 @@ def _stress_checks(
     loads: PartLoads,
     levels: Sequence[Level],
     wanted: Sequence[Judged],
+    doubts: LoadBars,
     by_hand: Sequence[HandCheck] | None = None,
 ) -> list[Check]:
     """Check what is wanted on the last mesh; with derivations where hand checks are given."""
     found = []
     for what in wanted:
         bars = bars_of(what, part, levels, design.accuracy)
-        check = _stress_check(design, part, loads, levels[-1], what, bars)
+        check = doubts(_stress_check(design, part, loads, levels[-1], what, bars))
         if by_hand is not None:
             check = of_solid(part, loads, levels[-1], what, bars, check, by_hand)
         found.append(check)
     return found
+
+
+def _values(design: Design, part: Part, level: Level) -> Callable[[PartLoads], Mapping[str, float]]:
+    """What gives the stress checks' values on one mesh under other loads, by kind."""
+
+    def values_of(loads: PartLoads) -> Mapping[str, float]:
+        other = solve_level(
+            level.solutions,
+            level.fineness,
+            loads,
+            endurance_of(part).value,
+            part.material.ultimate_stress,
+            design.duty.cycles,
+            part.geometry.notch_factors,
+        )
+        values = {"static": other.peak.value}
+        use = fatigue_use(design, part, loads)
+        if use is not None:
+            values["fatigue"] = use.value(other)
+        return values
+
+    return values_of
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,11 +29,16 @@ BALANCE = 1e-6  # of the largest force: what may be left of a part's balance
 NOTHING = "nothing loads the part at any position: no model would find a stress"
 
 
-def rung_level(design: Design, part: Part, loads: PartLoads, model: RungModel) -> RungLevel:
-    """Judge the stress of a rung's model over all cycles of the design."""
+def rung_level(
+    design: Design, part: Part, loads: PartLoads, model: RungModel, *, all_round: bool = True
+) -> RungLevel:
+    """Judge the stress of a rung's model over all cycles of the design.
+
+    all_round  whether the largest around a pin is sought between the angles of its points
+    """
     limit = endurance_of(part).value
     ultimate, cycles = part.material.ultimate_stress, design.duty.cycles
-    if model.ring and not loads.is_nothing:
+    if model.ring and all_round and not loads.is_nothing:
         model = with_peaks(model, static_values)
 
         def used(history: StressHistory, fretting: FloatArray) -> tuple[FloatArray, FloatArray]:

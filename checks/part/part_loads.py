@@ -1,7 +1,7 @@
 """The loads of one part over every cycle of a design, one behind the other, in its own axes."""
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 
@@ -15,6 +15,30 @@ from geometry.mesh import FloatArray, IntArray, Interface
 from geometry.parts import Pin
 
 _LARGEST = 1e33  # N, N mm; squares and cubes of what is larger leave the range of numbers
+
+
+Runs = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
+
+
+@dataclass(frozen=True, eq=False)
+class Doubt:
+    """Something that is not known of the loads, by what the runs are at its ends.
+
+    words  the doubt, for a reader
+    ends   all runs of the design, at the same positions, at each end of the doubt
+    """
+
+    words: str
+    ends: tuple[Runs, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class PartDoubt:
+    """A doubt, by the loads of one part at its ends, and the runs that they are from."""
+
+    words: str
+    ends: tuple["PartLoads", ...]
+    runs: tuple[Runs, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +57,7 @@ class PartLoads:
                    None where every cycle is one stretch
     path           (n,) coordinate along which the positions of cycles lie, mm or rad; NaN in
                    measured runs; None where it is not known
+    doubts         what the loads may be instead
     """
 
     wrenches: Mapping[str, FloatArray]
@@ -45,6 +70,7 @@ class PartLoads:
     tilt_held_at: str | None = None
     stretch_of: IntArray | None = None
     path: FloatArray | None = None
+    doubts: tuple[PartDoubt, ...] = ()
 
     @property
     def steps(self) -> IntArray:
@@ -112,10 +138,10 @@ def is_loaded(part: Part, cycle: loads.CycleLoads | loads.MeasuredLoads) -> bool
     )
 
 
-def loads_on(
-    design: Design, part: Part, solved: Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
-) -> PartLoads:
+def loads_on(design: Design, part: Part, solved: Runs, doubts: Sequence[Doubt] = ()) -> PartLoads:
     """Gather a part's loads over the solved cycles and the measured runs that have any.
+
+    doubts  what the runs may be instead
 
     Raises loads.LinkageError where a force meets the part at no interface, or nothing loads it.
     """
@@ -167,6 +193,10 @@ def loads_on(
         part.tilt_held_at,
         np.concatenate(stretch_of),
         np.concatenate(path),
+        tuple(
+            PartDoubt(doubt.words, tuple(loads_on(design, part, e) for e in doubt.ends), doubt.ends)
+            for doubt in doubts
+        ),
     )
 
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 NOT_MESHED = "not meshed"  # the only field on the surface of a part that no stress is known on
 _BARS = ("numerical", "model", "model_below")  # of a check: None in plain data where infinite
-_NUMBERS = ("value", "limit", "required", "sampling")
+_NUMBERS = ("value", "limit", "required", "sampling", "loads", "loads_below")
 
 
 class Status(StrEnum):
@@ -33,6 +33,7 @@ class Check:
     value             the demand, in `unit`
     numerical         half-width of the numerical error bar, in `unit`; infinite if unknown
     sampling          part of `numerical` for peaks between the positions of the cycle, in `unit`
+    loads, loads_below  parts of `model` and `model_below` for loads that are not known for certain
     model             model band above the value, in `unit`
     model_below       model band below the value; None if the same as above
     limit             largest value that the part can take, in `unit`
@@ -62,6 +63,8 @@ class Check:
     note: str = ""
     model_below: float | None = None
     sampling: float = 0.0
+    loads: float = 0.0
+    loads_below: float = 0.0
     derivation: "Derivation | None" = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:

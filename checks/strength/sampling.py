@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check
 from checks.strength.fatigue_assessment import FatigueUse, LifeUse
+from checks.strength.load_doubts import doubted
 from checks.stress.part_model import ElasticLoad, RungModel
 from checks.stress.stress_result import Stressed
 from fatigue.stress_path import deviatoric_basis
@@ -107,6 +108,7 @@ class Finer:
             reaches={name: found[:, rest + k].copy() for k, name in enumerate(loads.reaches)},
             stretch_of=None if loads.stretch_of is None else loads.stretch_of[self.before],
             path=None,
+            doubts=(),
         )
 
 
@@ -247,7 +249,7 @@ def sampled(make: Callable[[PartLoads], Sequence[Check]], loads: PartLoads) -> l
     checks = list(make(loads))
     places = _that_matter(make, loads, checks) if checks else None
     if places is None:
-        return checks
+        return doubted(make, loads, checks)
     between = _used(make(places.between))
     done = []
     for check in checks:
@@ -256,7 +258,7 @@ def sampled(make: Callable[[PartLoads], Sequence[Check]], loads: PartLoads) -> l
         if other is not None and check.utilisation:
             more = check.value * (other / check.utilisation - 1)
         done.append(with_sampling(check, more))
-    return done
+    return doubted(make, loads, done)
 
 
 def _used(checks: Sequence[Check]) -> dict[tuple[str, str], float]:

@@ -1,0 +1,118 @@
+"""What is not known of the loads: each doubt a pair of load histories, put through the same model.
+
+A check is made again under the loads at the ends of each doubt. Its bars reach to the farther end
+on either side; several doubts add up.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import inf, isfinite
+
+from checks.part.part_loads import PartLoads
+from checks.result.verdict import Check
+
+_ROUND_OFF = 1e-9  # of a value
+
+
+def with_doubts(check: Check, ends: Mapping[str, Sequence[float]]) -> Check:
+    """Return a check with its load bars, which are part of its model band.
+
+    ends  words of a doubt -> the check's value at its ends, in its unit
+    """
+    above = below = 0.0
+    told = []
+    for words, values in ends.items():
+        more = max(0.0, *(value - check.value for value in values))
+        less = max(0.0, *(check.value - value for value in values))
+        if max(more, less) > _ROUND_OFF * check.value:
+            above, below = above + more, below + less
+            told.append(words)
+    if not told:
+        return check
+    note = f"loads not known for certain ({', '.join(told)}): {_sides(check, above, below)}"
+    return replace(
+        check,
+        model=check.model + above,
+        model_below=check.below + below,
+        loads=check.loads + above,
+        loads_below=check.loads_below + below,
+        note="; ".join(text for text in (check.note, note) if text),
+    )
+
+
+def _sides(check: Check, above: float, below: float) -> str:
+    return f"+{above:.3g} -{below:.3g} {check.unit}".rstrip()
+
+
+def doubted(
+    make: Callable[[PartLoads], Sequence[Check]], loads: PartLoads, checks: Sequence[Check]
+) -> list[Check]:
+    """Checks that are formulas of the loads, with what may be otherwise of these in their bars.
+
+    make    makes the checks under other loads of the part
+    checks  under its own
+
+    A check of the same kind and quantity at an end of a doubt counts by its utilisation. One that
+    is only there at an end stands by itself.
+    """
+    found = list(checks)
+    known = {(check.kind, check.quantity) for check in found}
+    ends: dict[tuple[str, str], dict[str, list[float]]] = {name: {} for name in known}
+    only: dict[tuple[str, str], Check] = {}
+    for doubt in loads.doubts:
+        for end in doubt.ends:
+            made = {(check.kind, check.quantity): check for check in make(end)}
+            for name in known:
+                used = made[name].utilisation if name in made else 0.0
+                ends[name].setdefault(doubt.words, []).append(used)
+            for name, check in made.items():
+                if name not in known:
+                    note = "; ".join(
+                        text for text in (check.note, f"only at: {doubt.words}") if text
+                    )
+                    worse = only.get(name)
+                    if worse is None or check.utilisation > worse.utilisation:
+                        only[name] = replace(check, note=note)
+    done = []
+    for check in found:
+        unit = check.limit / check.required
+        values = {w: [unit * u for u in us] for w, us in ends[check.kind, check.quantity].items()}
+        done.append(with_doubts(check, values))
+    return [*done, *only.values()]
+
+
+@dataclass(frozen=True)
+class LoadBars:
+    """What widens the checks of a model: their values at the ends of each doubt, over their own.
+
+    shares  kind of check -> words of a doubt -> value at each end over the value; infinite where
+            nothing loads the part but there
+    """
+
+    shares: Mapping[str, Mapping[str, Sequence[float]]]
+
+    def __call__(self, check: Check) -> Check:
+        """Return a check with its load bars."""
+        shares = self.shares.get(check.kind, {})
+        if not check.value or not isfinite(check.model):
+            return check
+        return with_doubts(check, {w: [s * check.value for s in own] for w, own in shares.items()})
+
+
+def load_bars(loads: PartLoads, values_of: Callable[[PartLoads], Mapping[str, float]]) -> LoadBars:
+    """Return the load bars of a model.
+
+    values_of  the values of its checks, by kind, under some loads of the part
+    """
+    if not loads.doubts:
+        return LoadBars({})
+    own = values_of(loads)
+    shares: dict[str, dict[str, list[float]]] = {kind: {} for kind in own}
+    for doubt in loads.doubts:
+        for end in doubt.ends:
+            other = values_of(end)
+            for kind, value in own.items():
+                here = other.get(kind, 0.0)
+                share = here / value if value else (inf if here else 1.0)
+                shares[kind].setdefault(doubt.words, []).append(share)
+    return LoadBars(shares)
