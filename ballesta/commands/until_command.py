@@ -78,7 +78,7 @@ def run_until(designs: Sequence[Path], sweeps: Sequence[str], wanted: Wanted) ->
                 wanted.overrides,
                 parts=parts,
                 effort=effort,
-                check=stored_check(file, effort, store),
+                check=stored_check(file, store),
                 say=lambda text: step(f"{file.stem}: {text}"),
             )
             if read_design(file, wanted.overrides).sources != before:
@@ -117,12 +117,12 @@ def parts_of(until: str) -> tuple[str, ...]:
 
 
 def stored_check(
-    file: Path, effort: Effort, store: Store | None
-) -> Callable[[tuple[str, ...]], DesignResult]:
+    file: Path, store: Store | None
+) -> Callable[[tuple[str, ...], Effort], DesignResult]:
     """Return a check of a design with overrides that computes nothing twice."""
     from ballesta.check import check_design
 
-    def check(overrides: tuple[str, ...]) -> DesignResult:
+    def check(overrides: tuple[str, ...], effort: Effort) -> DesignResult:
         kept = recalled_result(store, file, overrides, effort)
         if kept is not None:
             return kept.result

@@ -1,7 +1,8 @@
 """The value of one input at which a design begins to pass: `--until pass`."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import inf, isfinite
 from pathlib import Path
 from typing import Any
 
@@ -9,12 +10,15 @@ from ballesta.design.read import read_design
 from ballesta.sweeps.bisection import LARGER, PROBES, TOLERANCE, Search, search_passing
 from ballesta.sweeps.sweep import spread
 from ballesta.sweeps.sweep_text import Sweep, parse_sweep, refusal
-from checks.design.effort import DEFAULT_EFFORT, Effort
+from checks.design.effort import AUTO, DEFAULT_EFFORT, SOLID, Effort
 from checks.design.errors import DesignError
 from checks.design.names import listed, no_such
-from checks.result.verdict import Check, DesignResult, Status, deciding_of, status_of
-from checks.result.words import brief, need_text, number, safety_text
+from checks.result.verdict import Check, DesignResult, Gate, Status, deciding_of, status_of
+from checks.result.words import UNKNOWN_BAR, brief, need_text, number, safety_text
 from reports.terminal import labelled, table_row
+
+_AT_LIMIT = 0.02  # of the need: what is nearer is the limit of strength
+_LIKE = 0.9  # of a safety: what a neighbour has at least, unless the input itself jumps
 
 
 @dataclass(frozen=True)
@@ -25,12 +29,18 @@ class Trial:
     status     of the parts that are judged; None where the design cannot be checked with it
     words      what decides it, or why it cannot be checked
     mass       of all parts, kg; None where it cannot be checked
+    unranged   why a model tells nothing with it, where that alone keeps it from passing; else ""
+    effort     models that it was checked with
+    check      nearest to its limit; None without any
     """
 
     overrides: tuple[str, ...]
     status: Status | None
     words: str
     mass: float | None
+    unranged: str = ""
+    effort: Effort = DEFAULT_EFFORT
+    check: Check | None = None
 
     @property
     def value(self) -> str:
@@ -80,10 +90,32 @@ class UntilResult:
                     "status": None if trial.status is None else str(trial.status),
                     "decided by": trial.words,
                     "mass [kg]": trial.mass,
+                    "fidelity": trial.effort.fidelity,
+                    "range of a model": trial.unranged,
+                    "limits": None if trial.check is None else _plain(trial.check),
                 }
                 for trial in self.trials
             ],
         }
+
+
+def _plain(check: Check) -> dict[str, Any]:
+    """What limits, by which model, and the safety at the value and at the upper end of its bars."""
+    safety, least = check.safety, _least(check)
+    return {
+        "part": check.part,
+        "kind": check.kind,
+        "place": check.place,
+        "method": check.method,
+        "safety": safety if isfinite(safety) else None,
+        "least safety": least if isfinite(least) else None,
+        "needed": check.required,
+    }
+
+
+def _least(check: Check) -> float:
+    """Safety at the upper end of the bars; 0 where a bar has none, infinite without load."""
+    return check.limit / check.upper if check.upper else inf
 
 
 def until_pass(
@@ -94,14 +126,19 @@ def until_pass(
     parts: Sequence[str] = (),
     effort: Effort = DEFAULT_EFFORT,
     probes: int = PROBES,
-    check: Callable[[tuple[str, ...]], DesignResult] | None = None,
+    check: Callable[[tuple[str, ...], Effort], DesignResult] | None = None,
     say: Callable[[str], None] = lambda _: None,
 ) -> UntilResult:
     """Search the smallest value of one input with which a design passes.
 
     sweep  a range (to a thousandth of it), a range with a count or a step, or a list in its order
     parts  that are judged, by the loads' gates and the linkage's checks, too; all without any
-    check  the result of a design with overrides; `ballesta.check.check_file` without one
+    check  the result of a design with overrides, by models; `ballesta.check.check_file` without
+           one
+
+    Where nothing but the range of a model below the solid keeps a value from passing, that value is
+    checked with the next better one (`auto`, then `solid`): what is searched is the limit of the
+    part, not of the model.
 
     A value with which the design cannot be checked as written does not pass. Raises DesignError
     for a wrong sweep or part, and where no value can be checked; NumericsError where a solver gave
@@ -123,8 +160,12 @@ def until_pass(
     def status(value: tuple[str, ...]) -> Status | None:
         every = (*overrides, *value)
         try:
-            result = check(every) if check else _check(path, every, effort)
-            trials[value] = _judged(value, result, parts)
+            for better in _better(effort):
+                result = check(every, better) if check else _check(path, every, better)
+                trials[value] = replace(_judged(value, result, parts), effort=better)
+                if not trials[value].unranged:
+                    break
+                say(f"{trials[value].value}: {trials[value].unranged}; by a better model")
         except DesignError as error:
             errors.append(error)
             trials[value] = Trial(value, None, str(error), None)
@@ -153,6 +194,27 @@ def _check(path: Path, overrides: tuple[str, ...], effort: Effort) -> DesignResu
     return check_file(path, overrides, effort=effort)
 
 
+def _better(effort: Effort) -> list[Effort]:
+    """The models that were asked for, then better ones."""
+    rungs = [effort.fidelity, *(rung for rung in (AUTO, SOLID) if rung != effort.fidelity)]
+    return [effort] if effort.fidelity == SOLID else [replace(effort, fidelity=r) for r in rungs]
+
+
+def _unranged(checks: Sequence[Check], gates: Sequence[Gate]) -> str:
+    """Why models tell nothing, where that alone leaves all that is open so; "" elsewhere."""
+    open_ones = [check for check in checks if check.status is not Status.PASS]
+    if not open_ones or any(gate.binding and not gate.holds for gate in gates):
+        return ""
+    for check in open_ones:
+        if isfinite(check.model) or UNKNOWN_BAR not in check.note:
+            return ""
+        if not isfinite(check.numerical):
+            return ""
+    first = open_ones[0]
+    why = first.note.partition(UNKNOWN_BAR)[2]
+    return f"{first.part} {first.kind} by {first.method} has no bar ({why})"
+
+
 def _judged(value: tuple[str, ...], result: DesignResult, parts: Sequence[str]) -> Trial:
     """The verdict on the parts that are asked for."""
     judged = [part for part in result.parts if not parts or part.name in parts]
@@ -160,18 +222,27 @@ def _judged(value: tuple[str, ...], result: DesignResult, parts: Sequence[str]) 
     gates = [*result.gates, *(gate for part in judged for gate in part.gates)]
     status = status_of(checks, gates)
     broken = [gate.name for gate in gates if gate.binding and not gate.holds]
-    words = _decided(deciding_of(checks)) if checks else "nothing was checked"
+    deciding = deciding_of(checks) if checks else None
+    words = "nothing was checked" if deciding is None else _decided(deciding)
     if broken and status is Status.UNDECIDED:
         words += f"; gates do not hold: {listed(broken)}"
     mass = sum(float(part.facts["mass [kg]"]) for part in result.parts)
-    return Trial(value, status, words, mass)
+    return Trial(value, status, words, mass, _unranged(checks, gates), check=deciding)
 
 
 def _decided(check: Check) -> str:
+    """What decides, and by how much with its bars."""
+    least = safety_text(_least(check), check.required)
     return (
         f"{check.part} {check.kind}, safety {safety_text(check.safety, check.required)}, "
-        f"needs {need_text(check.required)}"
+        f"{least} with its bars, needs {need_text(check.required)}"
     )
+
+
+def _where(check: Check) -> str:
+    """The check, its place and its model."""
+    place = f" at {check.place}" if check.place else ""
+    return f"{check.part} {check.kind}{place}, by {check.method}"
 
 
 def until_text(result: UntilResult, width: int = 100) -> str:
@@ -213,7 +284,30 @@ def _sentence(result: UntilResult) -> str:
     edge = "smallest" if search.safer == LARGER else "largest"
     beyond = search.beyond[0].partition("=")[2]
     why = next(trial for trial in result.trials if trial.overrides == search.beyond)
+    over = why.check is not None and why.check.utilisation > 1.0
+    no_strength = "" if over else why.unranged or _of_bars(found, why)
+    if no_strength:
+        return (
+            f"{found.value} passes, {beyond} does not, but that is NO limit of strength: "
+            f"{no_strength}; {search.safer} is safer.{tail}"
+        )
+    limit = f" {beyond} is limited by {_where(why.check)}." if why.check else ""
     return (
         f"{found.value} is the {edge} that passes, {beyond} does not ({why.status or why.words}); "
-        f"{search.safer} is safer.{tail}"
+        f"{search.safer} is safer.{limit}{tail}"
+    )
+
+
+def _of_bars(found: Trial, beyond: Trial) -> str:
+    """Say that bars grow between two values, where the strength of neither is at its limit."""
+    last, first = found.check, beyond.check
+    if last is None or first is None or first.status is not Status.UNDECIDED:
+        return ""
+    in_hand = _least(last) / last.required
+    if in_hand <= 1 + _AT_LIMIT or first.utilisation > 1.0 or first.safety < _LIKE * last.safety:
+        return ""
+    return (
+        f"{first.part} {first.kind} by {first.method} still has a safety of "
+        f"{safety_text(first.safety, first.required)} there, needs {need_text(first.required)}, "
+        "but its bars are wider"
     )

@@ -1,6 +1,8 @@
 """Where a check begins to pass: the search by itself, and on a design with made-up verdicts."""
 
 import json
+from dataclasses import replace
+from math import inf
 from types import SimpleNamespace
 
 import pytest
@@ -8,6 +10,7 @@ import pytest
 from ballesta.commands.until_command import Wanted, run_until
 from ballesta.sweeps.bisection import greatest, search_passing, smallest_passing
 from ballesta.sweeps.threshold_search import until_pass, until_text
+from checks.design.effort import Effort
 from checks.design.errors import DesignError, NumericsError
 from checks.result.verdict import Check, Gate, Status
 
@@ -158,7 +161,7 @@ def width_of(overrides):
     return float(width.removesuffix(" mm"))
 
 
-def by_width(overrides):
+def by_width(overrides, _effort=None):
     return result_of(rod=3000 / width_of(overrides))
 
 
@@ -177,7 +180,7 @@ def test_the_smallest_width_that_passes_is_told_with_what_was_checked(file):
 def test_further_overrides_reach_every_check(file):
     seen = []
     until_pass(
-        file, SWEEP, ["accuracy=5 %"], check=lambda given: seen.append(given) or by_width(given)
+        file, SWEEP, ["accuracy=5 %"], check=lambda given, _: seen.append(given) or by_width(given)
     )
     assert all(given[0] == "accuracy=5 %" for given in seen)
     with pytest.raises(DesignError, match="set by --set, too"):
@@ -189,7 +192,7 @@ def test_only_the_parts_that_are_named_are_judged_and_the_result_says_so(tmp_pat
     other = '[parts.arm]\nlike = "rod"\nbody = "crank"\ninterfaces = {first = "O", second = "A"}\n'
     path.write_text(MACHINE + PLATE + other, encoding="utf-8")
 
-    def check(given):
+    def check(given, _effort):
         return result_of(rod=3000 / width_of(given), arm=1000.0)
 
     assert until_pass(path, SWEEP, check=check).exit_code == 1
@@ -203,7 +206,7 @@ def test_only_the_parts_that_are_named_are_judged_and_the_result_says_so(tmp_pat
 def test_a_gate_of_the_loads_that_breaks_keeps_a_value_from_passing(file):
     broken = Gate("irregularity", 2.0, 1.0, "speed")
 
-    def check(given):
+    def check(given, _effort):
         return result_of([broken] if width_of(given) < 35 else [], rod=3000 / width_of(given))
 
     result = until_pass(file, SWEEP, check=check)
@@ -214,7 +217,7 @@ def test_a_gate_of_the_loads_that_breaks_keeps_a_value_from_passing(file):
 def test_a_width_that_cannot_be_built_does_not_pass_and_says_why(file):
     """From the design's own door: the hole of 12 mm does not fit in 10 mm."""
 
-    def check(given):
+    def check(given, _effort):
         from ballesta.design.read import read_design
 
         read_design(file, given)
@@ -229,7 +232,7 @@ def test_a_width_that_cannot_be_built_does_not_pass_and_says_why(file):
 
 
 def test_a_solver_that_gives_up_is_no_verdict(file):
-    def check(given):
+    def check(given, _effort):
         raise NumericsError("did not converge", "rod", "try again")
 
     with pytest.raises(NumericsError):
@@ -237,7 +240,7 @@ def test_a_solver_that_gives_up_is_no_verdict(file):
 
 
 def test_no_value_is_exit_code_1_and_tells_every_verdict(file):
-    result = until_pass(file, SWEEP, check=lambda given: result_of(rod=120.0))
+    result = until_pass(file, SWEEP, check=lambda given, _: result_of(rod=120.0))
     assert result.exit_code == 1
     assert "NO VALUE: none of 7 values passes: 20 mm FAIL, " in words_of(result)
 
@@ -252,16 +255,93 @@ def test_a_list_is_searched_in_its_order(file):
     """Of materials, too: here the strong one stands last."""
     strength = {"S275": 110.0, "S355": 90.0, "C45": 80.0}
 
-    def check(given):
+    def check(given, _effort):
         return result_of(rod=strength[given[-1].partition("=")[2]])
 
     found = until_pass(file, "material = S275, S355, C45", check=check)
     assert found.found.value == "S355"
 
 
-def test_the_design_is_really_checked_without_a_check_of_one_s_own(file):
-    from checks.design.effort import Effort
+def banded(model, note="", method="formula", **stresses):
+    """A result whose checks have a model band, such as infinite bars beyond what was compared."""
+    result = result_of(**stresses)
+    for part in result.parts:
+        part.checks = [replace(c, model=model, note=note, method=method) for c in part.checks]
+    return result
 
+
+UNRANGED = "no error bar: width / hole is 2.3, solids were compared from 2.4 to 5"
+
+
+def test_where_a_models_range_ends_a_better_model_searches_on(file):
+    """Safety 2 at 30 mm, where the formula's range ends; the solid finds the limit, 1 at 15 mm."""
+
+    def check(given, effort):
+        width = width_of(given)
+        if effort.fidelity == "solid":
+            return banded(0.0, method="solid (two meshes)", rod=1500 / width)
+        if width < 30:
+            return banded(inf, UNRANGED, rod=1500 / width)
+        return banded(0.0, rod=1500 / width)
+
+    found = until_pass(
+        file, "parts.rod.width = 12..40 mm : step 1 mm", check=check, effort=Effort("formula")
+    )
+    assert found.found.value == "15 mm"
+    text = words_of(found)
+    assert "15 mm is the smallest that passes, 14 mm does not (FAIL)" in text
+    assert "14 mm is limited by rod static, by solid (two meshes)" in text
+    rungs = {trial.value: trial.effort.fidelity for trial in found.trials}
+    assert (rungs["15 mm"], rungs["40 mm"]) == ("solid", "formula")
+    limits = next(t for t in found.to_dict()["trials"] if t["value"] == "15 mm")["limits"]
+    assert (limits["kind"], limits["method"], limits["needed"]) == (
+        "static", "solid (two meshes)", 1.0
+    )  # fmt: skip
+    assert limits["least safety"] == pytest.approx(1.0)
+
+
+def test_where_no_model_tells_more_the_edge_is_named_as_no_limit_of_strength(file):
+    def check(given, _effort):
+        open_ = width_of(given) < 30
+        return banded(inf if open_ else 0.0, UNRANGED if open_ else "", rod=500 / width_of(given))
+
+    found = until_pass(file, SWEEP, check=check)
+    assert found.found.value == "30 mm"
+    text = words_of(found)
+    assert "30 mm passes, 28 mm does not, but that is NO limit of strength" in text
+    assert "is the smallest" not in text
+    assert "width / hole is 2.3" in text
+
+
+def test_bars_that_widen_between_two_values_are_no_limit_of_strength_either(file):
+    """Safety 6 and 5.6 against 1; below 30 mm the bars reach to ten times the value."""
+
+    def check(given, _effort):
+        stress = 500 / width_of(given)
+        return banded(0.1 * stress if width_of(given) >= 30 else 9 * stress, rod=stress)
+
+    text = words_of(until_pass(file, SWEEP, check=check))
+    assert "30 mm passes, 28 mm does not, but that is NO limit of strength" in text
+    assert "still has a safety of 5.60 there, needs 1, but its bars are wider" in text
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("sweep", "more"),
+    [("width = 16..40 mm", "6 kN"), ("thickness = 2..16 mm", "4 kN")],
+)
+def test_what_is_found_has_its_least_safety_at_the_need(file, sweep, more):
+    """By real checks: within 2 % at the upper end of the bars, and beyond it not enough."""
+    text = file.read_text("utf-8").replace('push = "400 N"', f'push = "{more}"')
+    file.write_text(text, encoding="utf-8")
+    options = ["duty.cycles.turn=1", 'drive.control="constant"', "cycles.turn.positions=121"]
+    found = until_pass(file, f"parts.rod.{sweep}", options, effort=Effort("formula"))
+    limit = found.found.check
+    assert limit.limit / limit.upper == pytest.approx(limit.required, rel=0.02)
+    assert limit.limit / limit.upper >= limit.required
+
+
+def test_the_design_is_really_checked_without_a_check_of_one_s_own(file):
     result = until_pass(
         file, "parts.rod.thickness = 1, 8 mm", ["duty.cycles.turn=1"], effort=Effort("formula")
     )
