@@ -1,7 +1,7 @@
 """What the error bars of a stress check are made of."""
 
 from collections.abc import Mapping
-from math import degrees, pi
+from math import degrees, isfinite, pi
 
 from checks.design.data import Part
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
@@ -40,7 +40,7 @@ def rung_bars(
         ]
     band = band_around(part, loads, model, check)
     if isinstance(band, NoBand):
-        return Bars(numerical, words=f"no model band: {band.why}"), items
+        return _unbanded(band, numerical, check, value, items), items
     page = "docs/theory/rungs.md"
     for symbol, side, edge, formula, reach in (
         ("up", "above", band.high, "max(0, h_up - 1)", band.above[1]),
@@ -65,6 +65,28 @@ def rung_bars(
         ]
     words = f"the model band is where 95 % of {band.count} solids lie around such a value"
     return Bars(numerical, "b_up", "b_lo", words), items
+
+
+def _unbanded(band: NoBand, numerical: str, check: Check, value: str, items: list[Item]) -> Bars:
+    """Of a rung without a band: what is plausible at least, and at most if that is known."""
+    page, above, below = "docs/theory/rungs.md", "", ""
+    if isfinite(band.most):
+        above = "b_up"
+        said = (
+            "bound on a part that is only pulled: 10 times the share of what bends it, and 3 times "
+        )
+        said += "its peak stress over E, over the share"
+        items += [
+            Given("h_up", said, band.most, "", page),
+            Step(above, "bound above", f"(h_up - 1)*{value}", check.unit, page),
+        ]
+    if isfinite(band.least):
+        below = "b_lo"
+        items += [
+            Given("h_lo", "least plausible share of a rung's value", band.least, "", page),
+            Step(below, "bound below", f"(1 - h_lo)*{value}", check.unit, page),
+        ]
+    return Bars(numerical, above, below, f"no model band: {band.why}")
 
 
 def solid_bars(bars: SolidBars, value: str, more: float = 0.0) -> Told:

@@ -96,7 +96,7 @@ def _with_rung_bars(
         use = None if check.kind == "static" else climb.use
         in_bores = raised_in_bores(climb.part, part_loads, level, use)
     bars, items = rung_bars(climb.part, part_loads, level.model, check, found.value, in_bores)
-    if not isfinite(check.model) and bars.above:
+    if (bars.above and not isfinite(check.model)) or (bars.below and not isfinite(check.below)):
         bars = Bars(bars.numerical, words="no model band: see the note of the check")
         items = [item for item in items if item.symbol in (ERROR, bars.numerical)]
     found = replace(found, bars=bars, sections=(*found.sections, Section(BARS, tuple(items))))

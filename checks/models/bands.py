@@ -3,8 +3,12 @@
 Converged solids of variations of the machines' parts are compared with each rung
 (`python -m bench.rung_bands`). The band of a check is the prediction interval of solid over rung,
 in which the next solid lies in 95 % of all cases if the logarithm of that ratio scatters normally:
-exp(m -+ t s sqrt(1 + 1/n)) with mean m and deviation s of the n compared. What a part's proportions
-have beyond those compared has no band.
+exp(m -+ t s sqrt(1 + 1/n)) with mean m and deviation s of the n compared.
+
+Beyond the proportions compared a band is wider by exp(g d), with a g for either side: d is the
+distance of the proportions from their ranges, a sum of logarithms, and g what solids drawn out
+there need (beyond.json, `python -m bench.rung_beyond`). Arcs of contact reach as far as on the
+worst of them. Farther out than those there is no band.
 """
 
 import json
@@ -12,11 +16,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
+from math import exp, inf, log
 from typing import Any
 
-from checks.models.proportions import SHARE
+from checks.models.proportions import ARC, SHARE
 
 _BEYOND = 0.1  # of the range that was compared: how far a part's proportions may be outside it
+_BUCKLING = "buckling"
 _OTHER_SHARE = 0.1  # how far a share of the largest force may be outside the range compared
 
 
@@ -28,6 +34,7 @@ class Band:
     count         solids compared
     above, below  how far the model band of the solids reaches (arcs of contact, forks), as shares
                   of the value: least and most of those compared
+    wider         why it is wider than inside the range compared, in words
     """
 
     low: float
@@ -35,6 +42,7 @@ class Band:
     count: int
     above: tuple[float, float]
     below: tuple[float, float]
+    wider: str = ""
 
     @property
     def width(self) -> float:
@@ -42,11 +50,21 @@ class Band:
         return self.high - self.low
 
 
+LEAST = 0.5  # of a formula's stress, beyond the solids compared: these had 0.66 or more of it
+_CLOSE = ("plate_link", "plate_link beside others", "tube_rod", "toggle_bar", "prismatic_tube")
+
+
 @dataclass(frozen=True)
 class NoBand:
-    """Why a rung's value has no band, in words."""
+    """Why a rung's value has no band, in words.
+
+    least  factor on the value below which no solid is plausible; -infinite where none is known
+    most   factor above which none is; infinite where nothing is known
+    """
 
     why: str
+    least: float = -inf
+    most: float = inf
 
 
 @cache
@@ -65,20 +83,97 @@ def known_band(family: str, rung: str, kind: str) -> Band | None:
 
 
 def band_of(family: str, rung: str, kind: str, scales: Mapping[str, float]) -> Band | NoBand:
-    """Band of a rung's check for a part with these proportions."""
+    """Band of a rung's check for a part with these proportions.
+
+    Without one, a bar's stress that is over the limit at `LEAST` of it still is over the limit.
+    """
     band = known_band(family, rung, kind)
     if band is None:
         return NoBand(f"no solids of the family {family!r} were compared with the rung {rung}")
+    beyond = _beyond(family, rung, kind, scales)
+    if isinstance(beyond, NoBand):
+        return beyond
+    if not beyond:
+        return band
+    far = sum(beyond.values())
+    grown = _growth(family, rung, kind)
+    name = max(beyond, key=lambda one: beyond[one])
+    low, high = _data()[family][rung][kind]["scales"][name]
+    told = f"{name} is {scales[name]:.3g}, solids were compared from {low:.3g} to {high:.3g}"
+    if grown is None or far > grown["furthest"] or not _measured(grown, scales, beyond):
+        return NoBand(told, LEAST if kind != _BUCKLING and family in _CLOSE else -inf)
+    lower, wider = (exp(grown[side] * far) for side in ("lower", "higher"))
+    return Band(
+        band.low / lower,
+        band.high * wider,
+        band.count,
+        (band.above[0], max(band.above[1], grown["above"])),
+        (band.below[0], max(band.below[1], grown["below"])),
+        f"{told}: {wider:.2f} times as high and {lower:.2f} times as low, as {grown['count']} "
+        "solids out there need",
+    )
+
+
+def distance_from(family: str, rung: str, kind: str, scales: Mapping[str, float]) -> float | None:
+    """How far proportions lie outside what was compared; None where they cannot be compared."""
+    if known_band(family, rung, kind) is None:
+        return None
+    beyond = _beyond(family, rung, kind, scales)
+    return None if isinstance(beyond, NoBand) else sum(beyond.values())
+
+
+def _beyond(
+    family: str, rung: str, kind: str, scales: Mapping[str, float]
+) -> dict[str, float] | NoBand:
+    """Distance of every proportion that lies outside its range, slack included.
+
+    The logarithm of value over the end of the range, or the difference of a share of the force. An
+    arc of contact that is wider than those compared leaves the pin less room, not more.
+    """
     compared = _data()[family][rung][kind]["scales"]
+    found = {}
     for name, value in scales.items():
         if name not in compared:
             return NoBand(f"no solid with {name} was compared")
         low, high = compared[name]
-        slack = _BEYOND * (high - low) + 1e-9 * abs(high)
-        if name.startswith(SHARE):
+        if name == ARC:
+            high = inf
+        slack = 1e-9 * abs(low) + (_BEYOND * (high - low) if high < inf else 0.0)
+        share = name.startswith(SHARE)
+        if share:
             slack = max(slack, _OTHER_SHARE)
-        if not low - slack <= value <= high + slack:
-            return NoBand(
-                f"{name} is {value:.3g}, solids were compared from {low:.3g} to {high:.3g}"
-            )
-    return band
+        if low - slack <= value <= high + slack:
+            continue
+        if share:
+            found[name] = max(low - value, value - high)
+        elif not value > 0.0 or not low > 0.0:
+            found[name] = inf
+        else:
+            found[name] = log(low / value) if value < low else log(value / high)
+    return found
+
+
+def _measured(
+    grown: Mapping[str, Any], scales: Mapping[str, float], beyond: Mapping[str, float]
+) -> bool:
+    """Whether solids were drawn as far out in each of the proportions that lie outside."""
+    for name in beyond:
+        low, high = grown["scales"].get(name, (inf, -inf))
+        slack = _OTHER_SHARE if name.startswith(SHARE) else 0.0
+        if not low - slack <= scales[name] <= high + slack:
+            return False
+    return True
+
+
+def _growth(family: str, rung: str, kind: str) -> Mapping[str, Any] | None:
+    """Growth, farthest distance and number of the solids out there, reach of their arcs."""
+    if rung != "formula":
+        return None
+    found: Mapping[str, Any] | None = _beyond_data().get(family, {}).get(kind)
+    return found
+
+
+@cache
+def _beyond_data() -> Mapping[str, Any]:
+    text = files("checks.models").joinpath("beyond.json").read_text(encoding="utf-8")
+    return dict(json.loads(text)["families"])

@@ -4,8 +4,9 @@ What solids were compared with tells of a part only if it is like them in all of
 shape's proportions, in how its loads pull, push and bend it, and in the arc on which pins press.
 """
 
+from collections.abc import Mapping
 from itertools import pairwise
-from math import degrees
+from math import degrees, inf
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,14 @@ from geometry.parts import (
 ARC = "arc of contact, deg"
 SHARE = "share of the largest force: "
 _KNOWS_TILT = (PlateLink, SlottedLever, Pin)
+# Proportions up to which no wall buckles by itself below yield under what bends a pulled part or
+# what a pin presses: docs/theory/buckling.md.
+_STOCKY = {
+    "thickness / hole": (0.1, inf),
+    "hole / wall": (0.0, 10.0),
+    "width / wall": (0.0, 16.0),
+    "wall / tube": (0.03, inf),
+}
 _COUPLE = 1e-6  # of force times size: couples out of the plane that are more than round-off
 
 
@@ -55,6 +64,20 @@ def unknown_load(part: Part, loads: PartLoads) -> str:
         return (
             f"couples out of the plane, up to {couple:.3g} N mm, which no rung of {part.shape} has"
         )
+    return ""
+
+
+def proportions_known(part: Part) -> bool:
+    """True for the shapes that are built from dimensions: what comes from CAD tells no walls."""
+    return bool(_of_shape(part.geometry))
+
+
+def thin_wall(proportions: Mapping[str, float]) -> str:
+    """Name a proportion of walls that are so thin that they may buckle by themselves; or ""."""
+    for name, (low, high) in _STOCKY.items():
+        value = proportions.get(name)
+        if value is not None and not low <= value <= high:
+            return f"{name} is {value:.3g}: a wall may buckle by itself"
     return ""
 
 

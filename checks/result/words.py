@@ -220,6 +220,8 @@ def reason(check: Check) -> str:
         return f"{has}{ends} {open_reason(check)}"
     if check.status is Status.FAIL:
         best = safety_text(check.limit / check.lower, check.required)
+        if not isfinite(check.model):
+            return f"{has}; over the limit: {best} at the least plausible value"
         return f"{has}; {best} at the lower end of its error bars"
     if not check.upper:
         return has + _wider(check)

@@ -94,7 +94,7 @@ class LoadBars:
     def __call__(self, check: Check) -> Check:
         """Return a check with its load bars."""
         shares = self.shares.get(check.kind, {})
-        if not check.value or not isfinite(check.model):
+        if not check.value or not (isfinite(check.model) or isfinite(check.below)):
             return check
         return with_doubts(check, {w: [s * check.value for s in own] for w, own in shares.items()})
 

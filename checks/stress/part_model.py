@@ -58,6 +58,7 @@ class ElasticLoad:
     explain   the items of a derivation of the share, whose symbol is `share`, made when asked for
     unproved  why no formula gives the share, in words; "" for one that is a formula's
     bar       what the rung `formula` makes the share of; None of a rung that explains it itself
+    pulled    True if no position presses the part: the share is of what bends it, without the pull
     """
 
     share: float
@@ -66,6 +67,7 @@ class ElasticLoad:
     explain: Callable[[], Sequence[Item]] = field(default=tuple, compare=False, repr=False)
     unproved: str = ""
     bar: PressedColumn | PressedStretch | None = field(default=None, compare=False, repr=False)
+    pulled: bool = False
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

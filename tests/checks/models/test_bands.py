@@ -1,15 +1,21 @@
 """Bars of the rungs: from solids, and only for proportions that were compared."""
 
-from math import exp, sqrt
+import json
+from math import exp, inf, sqrt
+from pathlib import Path
 
 import pytest
 
 from bench import rung_bands
 from bench.rung_bands import Compared
+from bench.rung_beyond import PULLED
 from checks.models import bands
 from checks.models.bands import Band, NoBand, band_of, known_band
-from checks.models.proportions import SHARE
+from checks.models.checked import MOST_PULLED
+from checks.models.proportions import ARC, SHARE
 
+CLOSE = bands._CLOSE
+RUNGS = Path(rung_bands.__file__).parent / "rungs"
 ENTRY = {
     "low": 0.9,
     "high": 1.2,
@@ -23,6 +29,7 @@ ENTRY = {
 @pytest.fixture(autouse=True)
 def one_band(monkeypatch):
     monkeypatch.setattr(bands, "_data", lambda: {"plate_link": {"formula": {"static": ENTRY}}})
+    monkeypatch.setattr(bands, "_beyond_data", dict)
 
 
 def test_a_part_within_the_proportions_compared_has_the_band():
@@ -33,7 +40,8 @@ def test_a_part_within_the_proportions_compared_has_the_band():
 def test_proportions_may_leave_the_range_by_a_tenth_of_it():
     assert isinstance(band_of("plate_link", "formula", "static", {"hole / width": 0.73}), Band)
     beyond = band_of("plate_link", "formula", "static", {"hole / width": 0.75})
-    assert beyond == NoBand("hole / width is 0.75, solids were compared from 0.3 to 0.7")
+    told = "hole / width is 0.75, solids were compared from 0.3 to 0.7"
+    assert beyond == NoBand(told, least=bands.LEAST)
 
 
 def test_a_proportion_that_no_solid_had_has_no_band():
@@ -41,6 +49,96 @@ def test_a_proportion_that_no_solid_had_has_no_band():
     stepped = band_of("plate_link", "formula", "static", {"fillet / neck": 0.03})
     assert stepped == NoBand("no solid with fillet / neck was compared")
     assert isinstance(band_of("plate_link", "formula", "static", {}), Band)
+
+
+BEYOND = {
+    "lower": 0.5,
+    "higher": 1.0,
+    "furthest": 1.0,
+    "count": 12,
+    "above": 0.08,
+    "below": 0.05,
+    "scales": {"hole / width": [0.2, 1.5]},
+}
+
+
+@pytest.fixture
+def grown(monkeypatch):
+    monkeypatch.setattr(bands, "_beyond_data", lambda: {"plate_link": {"static": BEYOND}})
+
+
+@pytest.mark.usefixtures("grown")
+def test_a_band_grows_with_the_logarithm_of_how_far_a_part_is_beyond_the_range():
+    """1.4 is twice the end of the range: d = ln 2, exp(d/2) = sqrt 2 down and exp(d) = 2 up."""
+    band = band_of("plate_link", "formula", "static", {"hole / width": 1.4})
+    assert (band.low, band.high) == pytest.approx((0.9 / sqrt(2), 1.2 * 2), rel=1e-12)
+    assert (band.above, band.below) == ((0.01, 0.08), (0.0, 0.1))
+    assert "2.00 times as high and 1.41 times as low, as 12 solids out there need" in band.wider
+    inside = band_of("plate_link", "formula", "static", {"hole / width": 0.5})
+    assert (inside.low, inside.wider) == (0.9, "")
+
+
+@pytest.mark.usefixtures("grown")
+def test_beyond_what_was_drawn_out_there_there_is_no_band():
+    """Each proportion, the distance in all, and the rung: each has its end."""
+    assert isinstance(band_of("plate_link", "formula", "static", {"hole / width": 1.6}), NoBand)
+    assert isinstance(band_of("plate_link", "formula", "static", {"hole / width": 0.1}), NoBand)
+    nearer = BEYOND | {"furthest": 0.5}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(bands, "_beyond_data", lambda: {"plate_link": {"static": nearer}})
+        far = band_of("plate_link", "formula", "static", {"hole / width": 1.4})
+        near = band_of("plate_link", "formula", "static", {"hole / width": 1.0})
+    assert isinstance(far, NoBand)
+    assert isinstance(near, Band)
+
+
+@pytest.mark.usefixtures("grown")
+def test_a_wider_arc_of_contact_than_was_compared_leaves_the_pin_less_room_and_has_the_band(
+    monkeypatch,
+):
+    entry = ENTRY | {"scales": {ARC: [90.0, 90.0]}}
+    monkeypatch.setattr(bands, "_data", lambda: {"plate_link": {"formula": {"static": entry}}})
+    wider = band_of("plate_link", "formula", "static", {ARC: 150.0})
+    assert (wider.low, wider.high, wider.wider) == (0.9, 1.2, "")
+    assert isinstance(band_of("plate_link", "formula", "static", {ARC: 60.0}), NoBand)
+
+
+def test_without_a_band_a_stress_has_a_least_value_but_buckling_and_uncompared_shapes_have_none(
+    monkeypatch,
+):
+    kinds = {"static": ENTRY, "buckling": ENTRY}
+    monkeypatch.setattr(bands, "_data", lambda: {"plate_link": {"formula": kinds}})
+    far = {"hole / width": 5.0}
+    assert band_of("plate_link", "formula", "static", far).least == bands.LEAST
+    assert band_of("plate_link", "formula", "buckling", far).least == -inf
+    assert band_of("fork", "formula", "static", far).least == -inf
+
+
+def test_the_least_value_holds_for_every_bar_that_was_ever_compared_with_a_formula():
+    """Within the range and beyond it; pins, whose pressed edges no mesh resolves, have none."""
+    ratios = [
+        line["truth"] / line["value"]
+        for line in map(json.loads, (RUNGS / "compared.jsonl").read_text().splitlines())
+        if line["rung"] == "formula" and line["kind"] != "buckling" and line["family"] in CLOSE
+    ]
+    for line in map(json.loads, (RUNGS / "beyond.jsonl").read_text().splitlines()):
+        for kind, family in line.get("families", {}).items():
+            if kind != "buckling" and kind in line["solid"] and family in CLOSE:
+                ratios.append(line["solid"][kind][0] / line["rungs"][kind])
+    assert len(ratios) > 300
+    assert min(ratios) > 1.25 * bands.LEAST
+
+
+def test_solids_that_are_only_pulled_have_less_than_the_bound_on_their_buckling():
+    """Ten times the share of what bends them and three times their peak stress over E."""
+    seen = [
+        (line["solid"]["buckling"][0], line["rungs"][PULLED], line["by stress"])
+        for line in map(json.loads, (RUNGS / "beyond.jsonl").read_text().splitlines())
+        if PULLED in line["rungs"] and "buckling" in line["solid"]
+    ]
+    assert len(seen) >= 5
+    for solid, share, by_stress in seen:
+        assert solid < MOST_PULLED * share + by_stress
 
 
 def test_a_shape_or_check_that_was_not_compared_has_no_band():
