@@ -61,6 +61,7 @@ from checks.ladder.part_ladder import (
 )
 from checks.part.part_loads import Doubt, Runs, is_loaded, loads_on, shown_of
 from checks.result.verdict import Check, DesignResult, PartResult
+from checks.result.ways import ways_out
 from checks.store.store import Store
 from checks.strength.load_doubts import with_doubts
 from checks.stress.solid_mesh_level import Models
@@ -223,6 +224,7 @@ def check_design(
     timings |= models.seconds
     timings["cycle, fatigue, buckling"] = perf_counter() - start - spent
     whole = with_parts(frame, results, _warnings_of_parts(design, results))
+    whole = replace(whole, ways=ways_out(whole))
     return replace(whole, motion=motions_of(design, solved, results) if live else {})
 
 

@@ -9,6 +9,7 @@ from shutil import get_terminal_size
 from rich.cells import cell_len
 
 from checks.result.verdict import Check, DesignResult, PartResult, Status, deciding_of
+from checks.result.ways import way_text
 from checks.result.words import (
     assumptions,
     broken_gates,
@@ -31,6 +32,7 @@ _NARROWEST = (8, 10, 10, 5, 6, 9)  # columns that each keeps
 _RIGHT = {2, 3, 4}
 _MOST_WARNINGS = 4
 _MOST_GATES = 3
+_MOST_WAYS = 3
 _LONGEST = 300  # letters of one sentence, so that no name floods the answer
 
 
@@ -94,6 +96,8 @@ def _headline(result: DesignResult) -> Iterator[tuple[str, str]]:
         yield effect, f"{whose}{_short(gate_sentence(gate))}; {_short(gate.told)}"
     if len(broken) > _MOST_GATES:
         yield "not valid", f"{len(broken) - _MOST_GATES} more validity checks do not hold"
+    for text, command in map(way_text, result.ways[:_MOST_WAYS]):
+        yield "way out", f"{_short(text)}: {clean(command)}" if command else _short(text)
 
 
 def _safety(check: Check) -> str:

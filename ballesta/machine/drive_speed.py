@@ -113,6 +113,7 @@ def speed_gates(found: Mapping[str, Evenness]) -> list[Gate]:
             cure=f"drive.flywheel = {number((even.needed - even.present) * 1e-3)} kg m2 brings it "
             f'to {EVEN:g}; or drive.control = "constant", or drive.irregularity, where the drive '
             "itself holds its speed",
+            key=f'drive.flywheel="{number((even.needed - even.present) * 1e-3)} kg m2"',
         )
         for name, even in found.items()
         if not even.irregularity <= _LARGEST

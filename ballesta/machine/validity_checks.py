@@ -69,13 +69,14 @@ def _positions(name: str, cycle: loads.CycleLoads) -> Gate:
         "how far loads rise between the positions of the cycle, over the largest of their kind, "
         "as the same cycle has them at other positions"
     )
+    cure = key = ""
     if missed.share > _UNRESOLVED:
         enough = ceil(count * sqrt(missed.share / _UNRESOLVED) / 10) * 10
-        meaning += (
-            f": {count} positions are too few, peaks are missed (most: {missed.what}); state "
-            f"positions = {enough} or more, or leave it out"
-        )
-    return Gate(f"{name}: loads between the positions", missed.share, _UNRESOLVED, meaning)
+        meaning += f": {count} positions are too few, peaks are missed (most: {missed.what})"
+        cure = f"State positions = {enough} or more, or leave it out"
+        key = f"cycles.{name}.positions={enough}"
+    gate = f"{name}: loads between the positions"
+    return Gate(gate, missed.share, _UNRESOLVED, meaning, cure=cure, key=key)
 
 
 def _dead_centre(design: Design, name: str, cycle: loads.CycleLoads) -> Gate:

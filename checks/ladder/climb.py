@@ -125,13 +125,14 @@ class Climb:
                 model.unknowns,
                 [estimate.check for estimate in found.values()],
                 self._why(),
+                self.open,
             )
         )
         return True
 
-    def skip(self, rung: str, why: str) -> None:
-        """Note a rung that was passed over."""
-        self.tried.append(RungTried(rung, 0.0, 0, [], why))
+    def skip(self, rung: str, why: str, expected: float = 0.0) -> None:
+        """Note a rung that was passed over, and the seconds that it was expected to take."""
+        self.tried.append(RungTried(rung, 0.0, 0, [], why, self.open, expected))
 
     def worth(self, rung: str) -> str:
         """Why a rung would settle nothing that is open; nothing where it may."""

@@ -177,6 +177,7 @@ def _leave(climb: Climb, cost: float, left: float) -> None:
         SOLID,
         f"no time: about {cost:.0f} s, {max(left, 0.0):.0f} s are left; it may settle "
         f"{', '.join(climb.open)}",
+        cost,
     )
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import inf
+from math import degrees, inf, isfinite, radians
 from time import perf_counter
 
 import numpy as np
@@ -19,6 +19,7 @@ from checks.ladder.part_vibration import frequency_facts
 from checks.models.stress_words import fatigue_words, static_words
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check, Gate, HandCheck, PartResult, Status, Surface
+from checks.result.ways import arc_fact
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse
 from checks.strength.fatigue_facts import fatigue_facts
 from checks.strength.load_doubts import LoadBars, load_bars
@@ -43,6 +44,7 @@ RESCALED = (  # limit and meaning of the gate that proves the safety factor
     1e-6,
     "how far from 1 the fatigue safety is when all loads are multiplied by it and judged again",
 )
+_ARCS = tuple(radians(arc) for arc in range(105, 181, 15))  # that are tried, narrow ones first
 _EXAGGERATED = 0.1  # of the part's size: the largest displacement of a mode as it is drawn
 _FINER = 1.3  # general elements, where a mesh with small ones in places is not usable
 _LEAST_STEP = 1.15  # elements that decide must become smaller by this, or a mesh is not worth it
@@ -121,6 +123,7 @@ def check_solid(
             else check
             for check in stressed
         ]
+    arcs = _arcs_that_pass(design, part, loads, levels, both, stressed, widened(levels))
     buckled = _Buckled()
     if "buckling" in asked.kinds:
         buckled = _judge_buckling(design, part, loads, models, levels, sizes)
@@ -149,7 +152,7 @@ def check_solid(
         gates=gates,
         hand_checks=by_hand,
         meshes=[{"body": "half" if lv.half else "whole", **mesh_row(lv)} for lv in levels],
-        facts=_facts(design, part, loads, levels, use, properties, asked),
+        facts=_facts(design, part, loads, levels, use, properties, asked) | arcs,
         charts=charts_of(design, part, loads, finest, use, levels),
         surface=shown_surface(loads, finest),
         assumed=assumed,
@@ -175,6 +178,35 @@ def _stress_checks(
         if by_hand is not None:
             check = of_solid(part, loads, levels[-1], what, bars, check, by_hand)
         found.append(check)
+    return found
+
+
+def _arcs_that_pass(
+    design: Design,
+    part: Part,
+    loads: PartLoads,
+    levels: Sequence[Level],
+    judged: Sequence[Judged],
+    checks: Sequence[Check],
+    doubts: LoadBars,
+) -> dict[str, float]:
+    """The narrowest arc of contact, deg, from which on an open check passes, as a fact by kind."""
+    found = {}
+    for what in judged:
+        kind = "static" if isinstance(what, StaticPeak) else "fatigue"
+        for check in checks:
+            if check.kind != kind or check.status is not Status.UNDECIDED:
+                continue
+            if check.settled_by_mesh or not isfinite(check.numerical):
+                continue
+            for arc in _ARCS:
+                if arc <= part.bearing_arc:
+                    continue
+                closer = replace(part, bearing_arc=arc, arc_stated=True)
+                (again,) = _stress_checks(design, closer, loads, levels, [what], doubts)
+                if again.status is Status.PASS:
+                    found[arc_fact(check.kind)] = degrees(arc)
+                    break
     return found
 
 

@@ -182,6 +182,7 @@ class Gate:
     meaning  meaning of the number, in words
     binding  True if the verdict depends on it: a drive that is too weak leaves the stresses right
     cure     what makes it hold, a sentence without its full stop; "" where nothing simple does
+    key      override that makes it hold, such as "cycles.turn.positions=720"; "" without one
     """
 
     name: str
@@ -190,6 +191,7 @@ class Gate:
     meaning: str
     binding: bool = True
     cure: str = ""
+    key: str = ""
 
     @property
     def holds(self) -> bool:
@@ -211,7 +213,28 @@ class Gate:
             "meaning": self.meaning,
             "binding": self.binding,
             "cure": self.cure,
+            "key": self.key,
         }
+
+
+@dataclass(frozen=True)
+class Way:
+    """A way out of an open verdict, or that there is none.
+
+    settles  what it settles: a check or a gate, in words
+    text     what is to be done or stated; where nothing settles it, why
+    command  that tries it; "" where there is none
+    seconds  that it is expected to take; None where that is not known
+    """
+
+    settles: str
+    text: str
+    command: str = ""
+    seconds: float | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """The way as plain data."""
+        return {name: getattr(self, name) for name in self.__dataclass_fields__}
 
 
 def status_of(checks: Sequence[Check], gates: Sequence[Gate]) -> Status:
@@ -282,6 +305,8 @@ class RungTried:
     unknowns  that it solved
     checks    its results
     why       why it stopped, went on, or was passed over
+    left      kinds of checks that a better model may still settle after it
+    expected  s that it would have taken, of one for which there was no time; 0 otherwise
     """
 
     rung: str
@@ -289,6 +314,8 @@ class RungTried:
     unknowns: int
     checks: Sequence[Check]
     why: str
+    left: Sequence[str] = ()
+    expected: float = 0.0
 
     def to_dict(self) -> dict[str, Any]:
         """The rung as plain data."""
@@ -298,6 +325,8 @@ class RungTried:
             "unknowns": self.unknowns,
             "checks": [check.to_dict() for check in self.checks],
             "why": self.why,
+            "left": list(self.left),
+            "expected": self.expected,
         }
 
 
@@ -359,6 +388,7 @@ class DesignResult:
     inputs    every input as (key, value); `defaults` those that the file did not state
     motion    cycle -> how the parts move in it; none of a run that was measured
     assumed_by_design  keys of `assumed` that the design itself marks; the others are the tool's
+    ways     out of what is open, the cheapest first (checks/result/ways.py)
     """
 
     name: str
@@ -380,6 +410,7 @@ class DesignResult:
     linkage: Sequence[Check] = ()
     motion: "Mapping[str, Motion]" = field(default_factory=dict)
     assumed_by_design: Sequence[str] = ()
+    ways: Sequence[Way] = ()
 
     @property
     def checks(self) -> list[Check]:
@@ -432,4 +463,5 @@ class DesignResult:
             "versions": dict(self.versions),
             "command": self.command,
             "timings": dict(self.timings),
+            "ways_out": [way.to_dict() for way in self.ways],
         }

@@ -1,5 +1,7 @@
 """The drive's speed: how it is stated, and the bars of the loads where it is not even."""
 
+from math import inf
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -11,8 +13,9 @@ from checks.design.effort import Effort
 from checks.design.errors import DesignError
 from checks.ladder.climb import start_climb
 from checks.part.part_loads import Doubt, loads_on
-from checks.strength.load_doubts import load_bars
+from checks.strength.load_doubts import LoadBars, load_bars
 
+from ...reports.results import check as result_check
 from ...small_machine import machine, solved
 
 ROD = """
@@ -178,3 +181,13 @@ def test_load_bars_stand_in_the_derivations(checked):
     for check in found:
         assert check.derivation.misses(check) == ""
         assert check.derivation.number("e_load") == pytest.approx(check.loads)
+
+
+def test_a_check_without_a_model_band_above_still_has_what_loads_may_lack_below():
+    """What fails at half of an estimate must do so with the least loads, too."""
+    bars = LoadBars({"static": {"speed": [0.8, 1.3]}})
+    check = bars(result_check(value=100.0, model=inf, model_below=50.0))
+    assert check.below == pytest.approx(70.0)
+    assert check.model == inf
+    unknown = result_check(value=100.0, model=inf)
+    assert bars(unknown) == unknown

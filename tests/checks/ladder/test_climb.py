@@ -11,8 +11,10 @@ from checks.ladder.climb import AUTO, climb_cheap, start_climb
 from checks.ladder.part_ladder import Effort, check_parts
 from checks.ladder.result import cheap_result, solid_result
 from checks.models import bands
+from checks.models.proportions import proportions_of
 from checks.part.part_loads import loads_on
 from checks.result.verdict import NOT_MESHED, Status
+from checks.result.words import reason
 from checks.stress.solid_mesh_level import Models
 
 from ...small_machine import PLATE, machine, solved
@@ -101,6 +103,31 @@ def test_proportions_that_no_solid_was_compared_at_climb_to_the_solid(tmp_path, 
     assert climb_cheap(state, AUTO)
     assert state.best["static"].check.model == inf
     assert "no error bar" in state.best["static"].check.note
+
+
+def test_an_estimate_beyond_all_that_was_compared_fails_where_half_of_it_is_over_the_limit(
+    tmp_path, monkeypatch
+):
+    """2.2 times what is allowed is a FAIL, but a better model is asked; 4.5 times needs none."""
+    known = bands_of(formula=0.1)
+    for kind in known["plate_link"]["formula"].values():
+        kind["scales"] = dict.fromkeys(proportions_of(*rod_of(started(tmp_path))), (1e6, 2e6))
+    monkeypatch.setattr(bands, "_data", lambda: known)
+    monkeypatch.setattr(bands, "_beyond_data", dict)
+    first = started(tmp_path)
+    climb_cheap(first, AUTO)
+    for share, status in ((1.9, Status.UNDECIDED), (2.2, Status.FAIL), (4.5, Status.FAIL)):
+        state = started(tmp_path, f"require.static={required_at(first, 'static', share)}")
+        climb_cheap(state, AUTO)
+        check = state.best["static"].check
+        assert (check.status, check.model) == (status, inf)
+        assert state.best["static"].settled is (share == 4.5)
+    assert "over the limit" in reason(check)
+    assert "at the least plausible value" in reason(check)
+
+
+def rod_of(state):
+    return state.part, state.loads
 
 
 def test_fkm_goes_straight_to_the_solid(tmp_path, bars):

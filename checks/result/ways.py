@@ -1,0 +1,186 @@
+"""Ways out of an open verdict: what would settle each open check or gate, the cheapest first.
+
+Each is computed from the result: a key counts only where the check passes or fails without the bar
+that the key takes away, a mesh only where the bar that it leaves would settle the check.
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from math import ceil, floor, inf, isfinite, log10
+from shlex import quote
+
+from checks.result.verdict import Check, DesignResult, Gate, PartResult, RungTried, Status, Way
+from checks.result.words import check_titles, gate_sentence, number, open_reason
+
+SOLID = "solid"
+_FINEST = 0.003  # of a value: a smaller numerical bar is not asked of a mesh
+_MOST_UNKNOWNS = 300_000  # that a design allows where it states nothing
+_TOO_MANY = 3_000_000
+_UNKNOWNS_BY_ERROR = 1.5  # of a bar in h squared, unknowns in h to the power -3: at most so many
+
+
+def arc_fact(kind: str) -> str:
+    """Name of the fact: the narrowest arc of contact from which on a kind of check passes."""
+    return f"{kind}: passes with an arc of contact from [deg]"
+
+
+def ways_out(result: DesignResult) -> list[Way]:
+    """Return the ways of a result, the cheapest first; those whose time is not known come last.
+
+    Where nothing settles a check or a gate, that is said in its place.
+    """
+    found: list[Way] = []
+    for part in result.parts:
+        for check, title in zip(part.checks, check_titles(part.checks), strict=True):
+            found += _of_check(result, check, f"{title} of {part.name}", part)
+        for gate in part.gates:
+            found += _of_gate(result, gate)
+    for check, title in zip(result.linkage, check_titles(result.linkage), strict=True):
+        found += _of_check(result, check, f"{title} of the linkage", None)
+    for gate in result.gates:
+        found += _of_gate(result, gate)
+    return _merged(sorted(found, key=lambda way: (not way.command, way.seconds or inf)))
+
+
+def _merged(ways: Iterable[Way]) -> list[Way]:
+    """Ways of one command as one, in their order."""
+    by_command: dict[tuple[str, str], Way] = {}
+    for way in ways:
+        key = (way.command, "" if way.command else way.settles)
+        known = by_command.get(key)
+        if known is None:
+            by_command[key] = way
+        elif way.settles not in known.settles.split(", "):
+            by_command[key] = replace(known, settles=f"{known.settles}, {way.settles}")
+    return list(by_command.values())
+
+
+def _of_check(
+    result: DesignResult, check: Check, settles: str, part: PartResult | None
+) -> Iterator[Way]:
+    if check.status is not Status.UNDECIDED:
+        return
+    ways = [*_by_drive(result, check, settles)]
+    if part is not None:
+        ways += [
+            *_by_arc(result, check, settles, part),
+            *_by_mesh(result, check, settles, part),
+            *_by_model(result, check, settles, part),
+        ]
+    yield from ways or [Way(settles, f"nothing here settles it: {open_reason(check)}")]
+
+
+def _by_drive(result: DesignResult, check: Check, settles: str) -> Iterator[Way]:
+    """Where the load bars of a drive of which nothing is stated hold the limit."""
+    if not check.loads and not check.loads_below:
+        return
+    if "drive" not in {key for key, _ in result.assumed}:
+        return
+    known = replace(
+        check, model=check.model - check.loads, model_below=check.below - check.loads_below
+    )
+    if known.status is not Status.UNDECIDED:
+        yield Way(
+            settles,
+            f"state how the drive holds its speed: without its bar it is a {known.status}",
+            _with(result, 'drive.control="constant"'),
+            _again(result),
+        )
+
+
+def _by_arc(result: DesignResult, check: Check, settles: str, part: PartResult) -> Iterator[Way]:
+    """Where pins that fit closer press on a wider arc."""
+    arc = part.facts.get(arc_fact(check.kind))
+    if arc is not None:
+        yield Way(
+            settles,
+            f"state the arc on which pins press, by their clearance: it passes from {arc:g} deg",
+            _with(result, f'parts.{part.name}.bearing_arc="{arc:g} deg"'),
+            _again(result),
+        )
+
+
+def _by_mesh(result: DesignResult, check: Check, settles: str, part: PartResult) -> Iterator[Way]:
+    """Where a smaller numerical bar leaves the limit on one side."""
+    if not check.settled_by_mesh or not part.meshes or not check.method.startswith(SOLID):
+        return
+    limit = check.limit / check.required
+    left = max(limit - check.value - check.model, check.value - check.below - limit) / check.value
+    share = _two_digits_down(left)
+    unknowns = float(part.meshes[-1]["unknowns"])
+    more = (check.numerical / (left * check.value)) ** _UNKNOWNS_BY_ERROR
+    if share < _FINEST or unknowns * more > _TOO_MANY:
+        return
+    allowed = [f"mesh.most_unknowns={int(ceil(unknowns * more / 1e4) * 10_000)}"]
+    solid = next((tried for tried in part.rungs if tried.rung == SOLID), None)
+    yield Way(
+        settles,
+        f"ask for a numerical bar of {100 * share:.2g} %",
+        _with(
+            result,
+            f'accuracy="{100 * share:.2g} %"',
+            *(allowed if unknowns * more > _MOST_UNKNOWNS else ()),
+        ),
+        None if solid is None else more * solid.seconds,
+    )
+
+
+def _by_model(result: DesignResult, check: Check, settles: str, part: PartResult) -> Iterator[Way]:
+    """Where a better model may settle it."""
+    tried: Sequence[RungTried] = part.rungs
+    if not tried or check.kind not in tried[-1].left or check.method.startswith(SOLID):
+        return
+    expected = tried[-1].expected
+    if any(one.rung == SOLID and not one.expected for one in tried):
+        return  # the solid gave up
+    fidelity = "" if expected or _asked(result) else f" --fidelity {SOLID}"
+    yield Way(
+        settles,
+        "let a solid judge it"
+        + ("" if expected else f"; ballesta plan {quote(result.file)} tells its time"),
+        _bare(result) + fidelity,
+        expected + _again(result) if expected else None,
+    )
+
+
+def _of_gate(result: DesignResult, gate: Gate) -> Iterator[Way]:
+    if gate.holds or not gate.binding:
+        return
+    if gate.key:
+        yield Way(gate.name, gate.cure, _with(result, gate.key), _again(result))
+    else:
+        said = gate.cure or f"nothing here settles it: {gate_sentence(gate)}"
+        yield Way(gate.name, said)
+
+
+def _again(result: DesignResult) -> float:
+    """Time, s, of such a check once more."""
+    return sum(result.timings.values())
+
+
+def _with(result: DesignResult, *overrides: str) -> str:
+    return " ".join([result.command, *(f"--set {quote(one)}" for one in overrides)])
+
+
+def _asked(result: DesignResult) -> bool:
+    """True if the command asks for a model below the one that `auto` would climb to."""
+    return "--fidelity" in result.command
+
+
+def _bare(result: DesignResult) -> str:
+    """The command without its limit of time and its model."""
+    return re.sub(r" --(?:within|fidelity)[ =]\S+", "", result.command)
+
+
+def _two_digits_down(value: float) -> float:
+    if not value > 0.0 or not isfinite(value):
+        return 0.0
+    step = 10.0 ** (floor(log10(value)) - 1)
+    return floor(value / step + 1e-9) * step
+
+
+def way_text(way: Way) -> tuple[str, str]:
+    """What to do with its time, and the command that does it."""
+    time = "" if way.seconds is None else f" (about {number(way.seconds, 2)} s)"
+    return f"{way.settles}: {way.text}{time}", way.command

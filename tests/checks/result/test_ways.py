@@ -1,0 +1,139 @@
+"""Ways out of an open verdict: each settles what it names, the cheapest comes first."""
+
+from dataclasses import replace
+from math import inf
+
+import pytest
+
+from ballesta.check import check_design
+from checks.design.effort import Effort
+from checks.models import bands
+from checks.result.verdict import Gate, RungTried, Status
+from checks.result.ways import arc_fact, way_text, ways_out
+
+from ...reports.results import check, design, part
+from ...small_machine import PLATE, machine
+from ..models.wide_bands import bands_of
+
+SOLID = RungTried("solid", 12.0, 40_000, [], "stopped")
+# allowed: 355 / 1.5 = 236.7 MPa
+BY_MESH = check(value=225.0, numerical=15.0, model=2.0, method="solid (two meshes)")
+BY_MODEL = check(value=225.0, numerical=1.0, model=20.0, method="solid (two meshes)")
+
+
+def only(result):
+    (way,) = ways_out(result)
+    return way
+
+
+def test_a_verdict_that_is_settled_needs_no_way_out():
+    assert ways_out(design()) == []
+
+
+def test_a_mesh_is_asked_for_the_bar_that_settles_the_check():
+    """Left are 236.7 - 225 - 2 = 9.67 MPa, 4.29 %; (15 / 9.67)^1.5 = 1.93 times the unknowns."""
+    way = only(design(part(checks=[BY_MESH], rungs=[SOLID])))
+    assert way.settles == "static of bar_upper"
+    assert way.command == "ballesta check toggle_press.toml --set 'accuracy=\"4.2 %\"'"
+    assert way.seconds == pytest.approx(12.0 * (15.0 / 9.667) ** 1.5, rel=1e-3)
+    assert replace(BY_MESH, numerical=0.042 * 225.0).status is Status.PASS
+
+
+def test_a_mesh_that_would_have_to_be_too_fine_is_no_way():
+    near = replace(BY_MESH, value=234.6)
+    assert near.settled_by_mesh
+    assert "nothing here settles it" in only(design(part(checks=[near]))).text
+
+
+def test_a_check_that_nothing_settles_says_so_with_its_reason():
+    way = only(design(part(checks=[BY_MODEL], rungs=[SOLID])))
+    assert (way.command, way.seconds) == ("", None)
+    assert way.text.startswith("nothing here settles it: the model's own bar holds the limit")
+    singular = only(design(part(checks=[replace(BY_MODEL, numerical=inf)])))
+    assert "nothing here settles it: its numerical error bar is infinite" in singular.text
+
+
+def test_an_arc_from_which_it_passes_is_a_key_of_the_part():
+    facts = {"mass [kg]": 4.1, arc_fact("static"): 135.0}
+    way = only(design(part(checks=[BY_MODEL], facts=facts)))
+    assert "it passes from 135 deg" in way.text
+    assert way.command.endswith("--set 'parts.bar_upper.bearing_arc=\"135 deg\"'")
+    assert way.seconds == 25.25  # as this check took
+
+
+def test_a_drive_counts_where_its_load_bar_alone_holds_the_limit():
+    loads = replace(BY_MODEL, loads=15.0, loads_below=15.0, model_below=20.0)
+    silent = design(part(checks=[loads]), assumed=[("drive", "none is stated")])
+    way = only(silent)
+    assert way.text.endswith("without its bar it is a pass")
+    assert way.command.endswith("--set 'drive.control=\"constant\"'")
+    little = design(part(checks=[replace(loads, loads=2.0)]), assumed=silent.assumed)
+    assert not only(little).command
+    assert not only(design(part(checks=[loads]))).command  # the drive is stated
+
+
+def test_a_better_model_is_a_way_only_for_what_it_may_settle():
+    by_formula = replace(BY_MODEL, method="formula")
+    told = RungTried("formula", 0.1, 0, [], "goes on", ["static"])
+    command = "ballesta check toggle_press.toml --fidelity formula --set 'a=1'"
+    way = only(design(part(checks=[by_formula], rungs=[told]), command=command))
+    assert way.command == "ballesta check toggle_press.toml --set 'a=1'"
+    assert "ballesta plan toggle_press.toml tells its time" in way.text
+    late = [told, RungTried("solid", 0.0, 0, [], "no time", ["static"], 40.0)]
+    hurried = "ballesta check toggle_press.toml --within 5s"
+    way = only(design(part(checks=[by_formula], rungs=late), command=hurried))
+    assert (way.command, way.seconds) == ("ballesta check toggle_press.toml", 65.25)
+    for_good = replace(told, left=[])
+    assert not only(design(part(checks=[by_formula], rungs=[for_good]))).command
+
+
+def test_a_broken_gate_has_its_key_or_says_what_to_do():
+    key = Gate("turn: loads between the positions", 0.1, 0.01, "rise", cure="State more",
+               key="cycles.turn.positions=720")  # fmt: skip
+    way = only(design(gates=[key]))
+    assert way.command.endswith("--set cycles.turn.positions=720")
+    assert only(design(gates=[replace(key, key="", cure="")])).text.startswith(
+        "nothing here settles it: turn: loads between the positions: 0.1"
+    )
+    assert ways_out(design(gates=[replace(key, binding=False)])) == []
+
+
+def test_the_cheapest_way_comes_first_and_one_command_stands_once():
+    facts = {"mass [kg]": 4.1, arc_fact("static"): 135.0}
+    arc = part(checks=[BY_MODEL], facts=facts)
+    mesh = part("pin", checks=[replace(BY_MESH, part="pin")], rungs=[replace(SOLID, seconds=1.0)])
+    nothing = part("rod", checks=[BY_MODEL], rungs=[SOLID])
+    found = ways_out(design(nothing, arc, mesh))
+    assert [way.settles.split()[-1] for way in found] == ["pin", "bar_upper", "rod"]
+    two = [replace(BY_MESH, quantity="a"), replace(BY_MESH, quantity="b")]
+    way = only(design(part(checks=two, rungs=[SOLID])))
+    assert way.settles == "static (a) of bar_upper, static (b) of bar_upper"
+    text, command = way_text(way)
+    assert text.endswith("ask for a numerical bar of 4.2 % (about 23 s)")
+    assert command == way.command
+
+
+def test_the_arc_that_is_named_passes_and_the_next_narrower_one_does_not(tmp_path, monkeypatch):
+    """A plate whose bearing band of 90 to 180 deg holds the limit, by solids."""
+    monkeypatch.setattr(bands, "_data", lambda: bands_of(formula=0.1))
+    given = ("duty.cycles.turn=1", 'drive.control="constant"')
+    solid = Effort("solid")
+
+    def static(*more):
+        result = check_design(machine(tmp_path, PLATE, *given, *more), effort=solid)
+        (one,) = result.parts
+        return result, next(check for check in one.checks if check.kind == "static")
+
+    _, first = static()
+    middle = first.value + first.numerical + 0.5 * first.model
+    need = f"require.static={first.limit / middle}"
+    result, open_ = static(need)
+    assert open_.status is Status.UNDECIDED
+    way = next(way for way in result.ways if "arc" in way.text)
+    arc = float(way.text.rpartition("from ")[2].removesuffix(" deg"))
+    assert 90 < arc < 180
+    _, wide = static(need, f'parts.rod.bearing_arc="{arc:g} deg"')
+    _, narrow = static(need, f'parts.rod.bearing_arc="{arc - 15:g} deg"')
+    assert wide.status is Status.PASS
+    assert narrow.status is Status.UNDECIDED
+    assert result.to_dict()["ways_out"][0]["command"] == result.ways[0].command
