@@ -72,10 +72,8 @@ def _unbanded(band: NoBand, numerical: str, check: Check, value: str, items: lis
     page, above, below = "docs/theory/rungs.md", "", ""
     if isfinite(band.most):
         above = "b_up"
-        said = (
-            "bound on a part that is only pulled: 10 times the share of what bends it, and 3 times "
-        )
-        said += "its peak stress over E, over the share"
+        said = "bound on a part that is only pulled: 10 times the share of what bends it, and 12 "
+        said += "times its peak stress over E, over the share"
         items += [
             Given("h_up", said, band.most, "", page),
             Step(above, "bound above", f"(h_up - 1)*{value}", check.unit, page),

@@ -130,7 +130,7 @@ def test_the_least_value_holds_for_every_bar_that_was_ever_compared_with_a_formu
 
 
 def test_solids_that_are_only_pulled_have_less_than_the_bound_on_their_buckling():
-    """Ten times the share of what bends them and three times their peak stress over E."""
+    """Ten times the share of what bends them and twelve times their peak stress over E."""
     seen = [
         (line["solid"]["buckling"][0], line["rungs"][PULLED], line["by stress"])
         for line in map(json.loads, (RUNGS / "beyond.jsonl").read_text().splitlines())
