@@ -36,6 +36,7 @@ from ballesta.machine.solved_cycles import (
     try_cycles,
     without_unknown_contacts,
 )
+from ballesta.machine.stop_doubts import stop_doubts
 from ballesta.machine.validity_checks import load_gates
 from ballesta.machine.warnings_of import (
     claim_warnings,
@@ -148,15 +149,18 @@ def check_design(
         shaken = vibration_warnings(design, solved, vibration)
         evenness = evenness_of(design, solved)
         uneven = speed_doubts(design, solved, evenness)
+        at_stops = stop_doubts(design, solved)
         solved = with_dynamics(design, solved, vibration)
         measured = measured_loads(design, masses)
         runs: dict[str, loads.CycleLoads | loads.MeasuredLoads] = {**solved, **measured}
+        told = [(doubt.words, doubt.ends) for doubt in uneven]
+        told += [(doubt.words, doubt.ends) for doubt in at_stops]
         doubts = [
             Doubt(
-                doubt.words,
-                tuple({**with_dynamics(design, end, vibration), **measured} for end in doubt.ends),
+                words,
+                tuple({**with_dynamics(design, end, vibration), **measured} for end in ends),
             )
-            for doubt in uneven
+            for words, ends in told
         ]
         mode = stored_mode(store, design, runs) if store else worst_mode(design, runs)
         linkage = [] if mode is None else [_of_linkage(design, mode, doubts)]
@@ -178,7 +182,7 @@ def check_design(
         parts=(),
         cycles=_cycle_data(design, runs),
         gates=[
-            *load_gates(design, solved),
+            *load_gates(design, solved, {doubt.cycle for doubt in at_stops}),
             *speed_gates(evenness),
             *quasi_static_gates(design, vibration),
             *balance_gates(design, measured),

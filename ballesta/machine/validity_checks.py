@@ -1,6 +1,6 @@
 """What must hold for the loads of a cycle to count, and what their drive must be able to do."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from math import ceil, sqrt
 
 import loads
@@ -20,16 +20,30 @@ _FRICTION_SHARE = 0.3  # a coefficient is known to a third at best: the efforts 
 _USED_TRAVEL = 0.98  # of a slot's length: closer than 1 % of it to an end, play lets it strike
 
 
-def load_gates(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list[Gate]:
-    """Every gate of the loads, cycle by cycle."""
-    return [gate for name, cycle in solved.items() for gate in _cycle_gates(design, name, cycle)]
+def load_gates(
+    design: Design, solved: Mapping[str, loads.CycleLoads], doubted: Collection[str] = ()
+) -> list[Gate]:
+    """Every gate of the loads, cycle by cycle.
+
+    doubted  cycles whose end of travel beside a dead centre is in the bars (stop_doubts.py)
+    """
+    return [
+        gate
+        for name, cycle in solved.items()
+        for gate in _cycle_gates(design, name, cycle, name in doubted)
+    ]
 
 
-def _cycle_gates(design: Design, name: str, cycle: loads.CycleLoads) -> list[Gate]:
+def is_near_dead_centre(cycle: loads.CycleLoads) -> bool:
+    """True where the loads depend on the geometry next to a dead centre more than on anything."""
+    return float(cycle.conditioning.min()) < _CONDITIONING
+
+
+def _cycle_gates(design: Design, name: str, cycle: loads.CycleLoads, doubted: bool) -> list[Gate]:
     return [
         *_numerical(name, cycle),
         _positions(name, cycle),
-        _dead_centre(design, name, cycle),
+        _dead_centre(design, name, cycle, doubted),
         *_friction(name, cycle),
         *_deflected_shape(name, cycle),
         *_slot_ends(name, cycle),
@@ -79,7 +93,7 @@ def _positions(name: str, cycle: loads.CycleLoads) -> Gate:
     return Gate(gate, missed.share, _UNRESOLVED, meaning, cure=cure, key=key)
 
 
-def _dead_centre(design: Design, name: str, cycle: loads.CycleLoads) -> Gate:
+def _dead_centre(design: Design, name: str, cycle: loads.CycleLoads, doubted: bool) -> Gate:
     stated = design.cycles[name]
     worst = int(cycle.conditioning.argmin())
     shown, unit = shown_name(stated)
@@ -91,7 +105,13 @@ def _dead_centre(design: Design, name: str, cycle: loads.CycleLoads) -> Gate:
         "1 where the solved force sees the whole motion, growing without bound towards a dead "
         f"centre, where it sees none of it; nearest at {shown} = {at:.4g} {unit}. Beyond the limit "
         "the loads are those of rigid bodies next to a dead centre and depend strongly on the "
-        "geometry there",
+        "geometry there"
+        + (": those at both ends of the stop's tolerance are in the bars" if doubted else ""),
+        binding=not doubted,
+        cure=""
+        if doubted or not is_near_dead_centre(cycle)
+        else f"End the travel farther from it, or state cycles.{name}.stop.tolerance, so that the "
+        "loads at both ends of it are in the bars, where that does not reach the dead centre",
     )
 
 

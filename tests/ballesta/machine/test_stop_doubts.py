@@ -1,0 +1,91 @@
+"""Travels that end beside a dead centre: the loads at both ends of the stop's tolerance."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ballesta.check import check_design
+from ballesta.design.read import read_design
+from ballesta.machine.solved_cycles import solve_cycles
+from ballesta.machine.stop_doubts import stop_doubts
+from ballesta.machine.validity_checks import load_gates
+from checks.design.effort import Effort
+
+PRESS = Path(__file__).parents[3] / "designs" / "toggle_press.toml"
+BAR = (4.14134e-3, (125.0, 0.0), 21.56947917)
+FEW = "cycles.press.positions=61"
+
+
+def press(x, tolerance="0.05 mm"):
+    """The press with the end of its stroke at x mm from straight bars, without the capacity."""
+    given = (f'cycles.press.phases[1].to="{500 - x} mm"',
+             f'cycles.press.stop.tolerance="{tolerance}"', FEW)  # fmt: skip
+    design = read_design(PRESS, given)
+    solved = solve_cycles(design, dict.fromkeys(("lower", "upper"), BAR))
+    return design, {"press": solved["press"]}
+
+
+def dead_centre(design, solved, doubted=()):
+    (gate,) = [g for g in load_gates(design, solved, doubted) if "dead centre" in g.name]
+    return gate
+
+
+def largest(cycle):
+    return float(np.abs(cycle.efforts["process"]).max())
+
+
+@pytest.fixture(scope="module")
+def near():
+    return press(0.2)
+
+
+def test_a_dead_centre_beside_a_stop_of_known_tolerance_is_a_pair_of_load_histories(near):
+    """The process force of a toggle goes with 1/sqrt(x): 0.15 and 0.25 mm instead of 0.2 mm."""
+    design, solved = near
+    (doubt,) = stop_doubts(design, solved)
+    assert doubt.words == "press: end of its travel off by up to 0.05 mm"
+    low, high = (largest(end["press"]) for end in doubt.ends)
+    here = largest(solved["press"])
+    assert low / here == pytest.approx((0.2 / 0.25) ** 0.5, rel=0.01)
+    assert high / here == pytest.approx((0.2 / 0.15) ** 0.5, rel=0.01)
+    written = press(0.15)[1]["press"]
+    assert high == pytest.approx(largest(written), rel=1e-9)
+
+
+def test_its_gate_does_not_bind_then_and_without_the_pair_says_what_to_state(near):
+    design, solved = near
+    gate = dead_centre(design, solved, {"press"})
+    assert not gate.holds
+    assert not gate.binding
+    assert "at both ends of the stop's tolerance are in the bars" in gate.told
+    alone = dead_centre(design, solved)
+    assert alone.binding
+    assert "state cycles.press.stop.tolerance" in alone.cure
+
+
+def test_a_tolerance_that_reaches_the_dead_centre_leaves_the_gate_binding():
+    assert stop_doubts(*press(0.2, tolerance="0.2 mm")) == []
+    assert stop_doubts(*press(0.2, tolerance="0.195 mm")) == []
+
+
+def test_a_travel_that_ends_far_from_it_has_no_such_doubt():
+    design, solved = press(2.0)
+    assert dead_centre(design, solved).holds
+    assert stop_doubts(design, solved) == []
+
+
+@pytest.mark.slow
+def test_the_bars_of_a_whole_check_reach_to_both_ends():
+    """Between both written designs' own values, by formula."""
+    given = (FEW, "cycles.capacity.positions=31", 'cycles.press.stop.tolerance="0.05 mm"')
+
+    def static(x):
+        to = (f'cycles.press.phases[1].to="{500 - x} mm"',)
+        result = check_design(read_design(PRESS, (*given, *to)), effort=Effort("formula"))
+        (bar,) = [part for part in result.parts if part.name == "bar_upper"]
+        return next(check for check in bar.checks if check.kind == "fatigue")
+
+    middle, low, high = (static(x) for x in (0.2, 0.25, 0.15))
+    assert middle.value + middle.loads == pytest.approx(high.value, rel=0.01)
+    assert middle.value - middle.loads_below == pytest.approx(low.value, rel=0.01)
