@@ -44,10 +44,10 @@ def ways_out(result: DesignResult) -> list[Way]:
 
 
 def _merged(ways: Iterable[Way]) -> list[Way]:
-    """Ways of one command as one, in their order."""
+    """Ways of one command, or of one text without any, as one, in their order."""
     by_command: dict[tuple[str, str], Way] = {}
     for way in ways:
-        key = (way.command, "" if way.command else way.settles)
+        key = (way.command, "" if way.command else way.text)
         known = by_command.get(key)
         if known is None:
             by_command[key] = way

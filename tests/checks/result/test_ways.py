@@ -108,6 +108,8 @@ def test_the_cheapest_way_comes_first_and_one_command_stands_once():
     two = [replace(BY_MESH, quantity="a"), replace(BY_MESH, quantity="b")]
     way = only(design(part(checks=two, rungs=[SOLID])))
     assert way.settles == "static (a) of bar_upper, static (b) of bar_upper"
+    open_ = design(nothing, part("arm", checks=[BY_MODEL], rungs=[SOLID]))
+    assert only(open_).settles == "static of rod, static of arm"
     text, command = way_text(way)
     assert text.endswith("ask for a numerical bar of 4.2 % (about 23 s)")
     assert command == way.command
