@@ -10,6 +10,7 @@ from checks.models.bands import Band, NoBand, band_of
 from checks.models.estimate import Estimate
 from checks.models.families import family_of
 from checks.models.proportions import (
+    SHARE,
     proportions_known,
     proportions_of,
     thin_wall,
@@ -223,14 +224,17 @@ def band_around(part: Part, loads: PartLoads, model: RungModel, check: Check) ->
 def _of_pulled(
     part: Part, model: RungModel, check: Check, proportions: Mapping[str, float]
 ) -> NoBand:
-    """Bound on what bends a part that is never pressed, unless a wall may buckle by itself."""
+    """Bound on the buckling of a part that is hardly pressed, where no wall buckles by itself."""
     thin = thin_wall(proportions)
+    pushed = proportions.get(f"{SHARE}pushed", 0.0)
+    owner = f"the part is hardly pressed, by {pushed:.2g} of its largest force"
+    told = owner if pushed > 0.0 else ONLY_PULLED
     if thin or not proportions_known(part):
-        return NoBand(f"{ONLY_PULLED}, but {thin or 'its walls are not known'}")
+        return NoBand(f"{told}, but {thin or 'its walls are not known'}")
     most = MOST_PULLED + stress_share(part, model) / check.value
     return NoBand(
-        f"{ONLY_PULLED}; {MOST_PULLED:g} times the share of what bends it, the pull left out, and "
-        f"{BY_STRESS:g} times its peak stress over E bound how it could give way",
+        f"{told}; {MOST_PULLED:g} times the share of what bends or presses it, the pull left out, "
+        f"and {BY_STRESS:g} times its peak stress over E bound how it could give way",
         least=0.0,
         most=most,
     )

@@ -20,6 +20,7 @@ from geometry.mesh import FloatArray
 _STATIONS = 33  # of deflection and lateral buckling
 _IN_PLANE = "in plane: Euler's column"
 _SIDEWAYS = "out of plane: Euler's column and lateral buckling of the bent bar"
+HARDLY = 0.05  # of the largest force: what presses a part that is nearly always pulled
 _NO_MOMENT = 1e-9  # of the largest force times the length: round-off
 _PULLED = "only pulled: lateral buckling of the bent bar, without the pull that stiffens it"
 _KINDS = {
@@ -204,22 +205,26 @@ def elastic_load(
 
     In the plane Euler's of a hinged column with the part's steps; out of it the same, with ends
     free to tilt, together with the lateral buckling of the bent bar. A part that is pulled at every
-    position is no column; what bends it may buckle it sideways, and the pull counts as nothing.
+    position is no column; what bends it may buckle it sideways, and the pull counts as nothing, as
+    it does for one that is hardly ever pressed.
 
     local  1/N, share that 1 N of compression is of the load under which a stretch of the part
            buckles by itself
     """
     force = axial_compression(part, loads)
-    pulled = bool(force.max() <= 0.0)
+    largest = loads.largest_force
+    only_pulled = bool(force.max() <= 0.0)
+    pulled = bool(force.max() <= HARDLY * largest)
+    if pulled:
+        force = np.maximum(force, 0.0)
     places = np.linspace(0.0, length, _STATIONS)
     young, ratio = part.material.youngs_modulus, part.material.poisson_ratio
     flat, across = (young * mass.at(i, places) for i in (mass.inertia_z, mass.inertia_y))
     racking = np.inf if mass.racking is None else young * mass.at(mass.racking, places)
     twisting = young / (2 * (1 + ratio)) * mass.at(mass.torsion, places)
     moment = bar.at(places).moment_z
-    if pulled:
-        force = np.zeros(len(force))
-        least = _NO_MOMENT * loads.largest_force * length
+    if only_pulled:
+        least = _NO_MOMENT * largest * length
         moment = np.where(np.abs(moment) > least, moment, 0.0)
     shares = {
         _IN_PLANE: force / column_force(flat, np.inf, length),
@@ -228,7 +233,7 @@ def elastic_load(
         ),
         "a stretch by itself: plates and columns": force * local,
     }
-    words = _SIDEWAYS if pulled else max(shares, key=lambda name: float(shares[name].max()))
+    words = _SIDEWAYS if only_pulled else max(shares, key=lambda name: float(shares[name].max()))
     share = np.maximum(shares[words], 0.0)
     (position,) = first_largest(share)
     pressed = float(force[position])
@@ -241,5 +246,5 @@ def elastic_load(
         made_of = PressedColumn(pressed, across, racking, length, alone)
     else:
         made_of = PressedStretch(pressed, local)
-    told = _PULLED if pulled else words
+    told = _PULLED if only_pulled else words
     return ElasticLoad(float(share[position]), position, told, bar=made_of, pulled=pulled)

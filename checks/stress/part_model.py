@@ -58,7 +58,7 @@ class ElasticLoad:
     explain   the items of a derivation of the share, whose symbol is `share`, made when asked for
     unproved  why no formula gives the share, in words; "" for one that is a formula's
     bar       what the rung `formula` makes the share of; None of a rung that explains it itself
-    pulled    True if no position presses the part: the share is of what bends it, without the pull
+    pulled    True if no position presses the part, or hardly: the share is without what pulls
     """
 
     share: float

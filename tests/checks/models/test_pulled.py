@@ -119,3 +119,33 @@ def test_a_plate_so_thin_that_its_pin_may_dish_it_has_no_bound(design):
     stout = link_loads(part, PULL, 0.01)
     own = band_around(part, stout, model_of(part, stout), buckling.check)
     assert isfinite(own.most)
+
+
+def test_a_part_that_is_hardly_ever_pressed_has_its_push_in_the_bound_and_no_credit_for_its_pull(
+    design,
+):
+    """4 % of the pull as a push at one of two positions: the same as under that push alone."""
+    part = design.parts["crank"]
+    both = both_ways(part, PULL, 0.04 * PULL)
+    model, buckling = estimated(design, part, both)
+    alone = model_of(part, link_loads(part, -0.04 * PULL, 0.0))
+    assert model.buckling.pulled
+    assert model.buckling.share == pytest.approx(alone.buckling.share, rel=1e-9)
+    assert "the part is hardly pressed, by 0.04 of its largest force" in buckling.check.note
+    assert buckling.check.status is Status.PASS
+    assert not model_of(part, both_ways(part, PULL, 0.06 * PULL)).buckling.pulled
+
+
+def both_ways(part, pull, push):
+    first, second = (
+        np.concatenate(ends) for ends in zip(loads_of(pull, 0.0), loads_of(-push, 0.0), strict=True)
+    )
+    one = link_loads(part, pull, 0.0)
+    return replace(
+        one,
+        wrenches={"first": first, "second": second},
+        accelerations=np.zeros((2, 4)),
+        cycles={"turn": slice(0, 2)},
+        labels=("k = 0", "k = 1"),
+        cycle_names=("turn", "turn"),
+    )
