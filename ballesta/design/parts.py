@@ -151,6 +151,7 @@ def _part(
 ) -> Part:
     is_body = isinstance(entry, BodyPartEntry)
     stack = () if is_body else tuple(entry.stack)
+    beside = _beside(entry, file) if is_body else {}
     return Part(
         name=name,
         shape=entry.shape.step if isinstance(entry, StepPartEntry) else entry.shape,
@@ -163,7 +164,7 @@ def _part(
         else {lug.body or lug.force: entry.joint for lug in stack},
         fixed_to=None if is_body else entry.fixed_to,
         offsets=dict(entry.offsets) if is_body else {lug.body or lug.force: 0.0 for lug in stack},
-        tilt_held_at=_tilt_held_at(entry, file),
+        tilt_held_at=_tilt_held_at(entry, beside, file),
         stack=stack,
         surface=entry.surface,
         bearing_arc=entry.bearing_arc,
@@ -174,10 +175,25 @@ def _part(
         contacts=rollers,
         fkm=fkm,
         arc_stated="bearing_arc" in entry.model_fields_set,
+        beside=beside,
     )
 
 
-def _tilt_held_at(entry: Any, file: DesignFile) -> str:
+def _beside(entry: Any, file: DesignFile) -> dict[str, dict[str, float]]:
+    """Interface without an offset -> lugs of the pin that is fixed there -> mm beside the part."""
+    found = {}
+    for pin in file.parts.values():
+        if isinstance(pin, BodyPartEntry) or pin.fixed_to != entry.body:
+            continue
+        heights = {lug.body or lug.force: lug.at if lug.single else 0.0 for lug in pin.stack}
+        arms = {name: at - heights.get(entry.body, 0.0) for name, at in heights.items()}
+        for interface, point in entry.interfaces.items():
+            if point == pin.joint and interface not in entry.offsets and any(arms.values()):
+                found[interface] = arms
+    return found
+
+
+def _tilt_held_at(entry: Any, beside: Mapping[str, Any], file: DesignFile) -> str:
     """The interface that takes the couples out of the linkage's plane that the others leave.
 
     Where it is not stated: one without an offset, whose couple would have no effect there, on the
@@ -191,7 +207,8 @@ def _tilt_held_at(entry: Any, file: DesignFile) -> str:
 
     def rank(interface: str) -> tuple[bool, bool, int]:
         point = entry.interfaces[interface]
-        return bool(entry.offsets.get(interface)), point not in file.ground, pins.index(point)
+        offset = bool(entry.offsets.get(interface)) or interface in beside
+        return offset, point not in file.ground, pins.index(point)
 
     return min((name for name in entry.interfaces if name not in SLIDING), key=rank)
 

@@ -59,7 +59,7 @@ def body_compliance(design: Design, part: Part, solutions: UnitSolutions) -> loa
     part's middle plane, or a contact does not run along its x axis.
     """
     assert part.body is not None
-    if any(part.offsets.values()) or any(interface_heights(part).values()):
+    if part.beside or any(part.offsets.values()) or any(interface_heights(part).values()):
         raise loads.LinkageError(
             'stiffness = "fem" needs forces in the part\'s middle plane: beside it they also twist '
             "and bend it out of the plane, which the linkage does not know; state bending or axial"

@@ -23,7 +23,6 @@ from ballesta.machine.solved_cycles import linkage_of, part_masses, told_of_cycl
 from checks.columns.stability import column_checks
 from checks.design.data import Design, Part
 from checks.design.errors import DesignError, NumericsError
-from checks.joints.pin_offsets import offset_gates
 from checks.ladder.climb import answered, climb_cheap, start_climb
 from checks.ladder.part_ladder import formula_checks, told_of_part
 from checks.ladder.result import reported_level, rung_gates
@@ -213,5 +212,4 @@ def _check_part(
         gates += rung_gates(climb, reported_level(climb), body.size)
     checks += column_checks(design, part, part_loads)
     checks += formula_checks(climb, runs, known.models, body)
-    gates += offset_gates(design, part, runs)
     return why

@@ -124,6 +124,8 @@ class Part:
     contacts: Mapping[str, Roller] = field(default_factory=dict)  # by sliding interface
     fkm: FkmStrength | None = None  # None: Marin's chain
     arc_stated: bool = False  # whether the file states `bearing_arc`, so knows the clearance
+    # interface without an offset -> lugs of the pin that is fixed there -> mm beside the part
+    beside: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -194,7 +194,7 @@ class BodyPartEntry(PartEntry):
     offsets: dict[str, Length] = Field(
         default_factory=dict,
         description="interface = how far above the part's middle plane its force acts: plates side "
-        "by side",
+        "by side; where a pin is fixed in the part, its stack says so without",
     )
     contacts: dict[str, ContactEntry] = Field(
         default_factory=dict,

@@ -83,13 +83,20 @@ def _hole_field(part: Part, interface: str) -> str:
 
 
 def _check_offset(pin: Part, part: Part, interface: str, problems: Problems) -> None:
-    """Where one height of all other lugs tells the offset, whatever forces act."""
+    """One height of all other lugs tells the offset; of several no offset has the couple."""
     assert isinstance(pin.geometry, Pin)
     heights = {seat.name: seat.at if seat.single else 0.0 for seat in pin.geometry.seats}
     own = heights.pop(str(part.body))
     # a pin hands the couple of its other lugs to the one that it is fixed in; in the rest it turns
     arms = {height - own if pin.fixed_to == part.body else 0.0 for height in heights.values()}
-    if len(arms) != 1:
+    key = f"parts.{part.name}.offsets.{interface}"
+    if len(arms) > 1:
+        beside = " and ".join(f"{arm:g}" for arm in sorted(arms))
+        problems.add(
+            key,
+            f"is one place for forces that parts.{pin.name}.stack has {beside} mm beside the "
+            "part's middle plane; leave it out: their couple is then taken from the stack",
+        )
         return
     (wanted,) = arms
     offset = part.offsets[interface]
@@ -97,7 +104,7 @@ def _check_offset(pin: Part, part: Part, interface: str, problems: Problems) -> 
         return
     turns = "" if pin.fixed_to == part.body else f", as {pin.name} turns in {part.body}"
     problems.add(
-        f"parts.{part.name}.offsets.{interface}",
+        key,
         f"is {offset:g} mm, but by parts.{pin.name}.stack the force acts {wanted:g} mm beside the "
-        f"part's middle plane{turns}; state one of them otherwise",
+        f"part's middle plane{turns}; leave it out, or state one of them otherwise",
     )

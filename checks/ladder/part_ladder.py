@@ -14,7 +14,6 @@ from checks.design.effort import Effort as Effort
 from checks.joints.bushes import bush_checks, bushes_not_checked
 from checks.joints.lug_checks import lug_checks
 from checks.joints.pin_checks import pin_checks
-from checks.joints.pin_offsets import offset_gates
 from checks.joints.slot_checks import slot_checks
 from checks.ladder.climb import Climb, climb_rungs, start_climb
 from checks.ladder.drawn import undrawn, with_drawn_fields
@@ -193,13 +192,12 @@ def time_warnings(results: Sequence[PartResult]) -> list[str]:
 
 def _with_formulas(climb: Climb, result: PartResult, solved: Solved, models: Models) -> PartResult:
     """Add the checks that are formulas on every rung."""
-    design, part = climb.design, climb.part
+    part = climb.part
     body = models.body(part.geometry)
     checks = [*result.checks, *formula_checks(climb, solved, models, body)]
     return replace(
         result,
         checks=explained(climb, checks, solved, _with_ligaments(climb, models, body), body),
-        gates=[*result.gates, *offset_gates(design, part, solved)],
         assumed=[*result.assumed, *bushes_not_checked(part, solved)],
     )
 

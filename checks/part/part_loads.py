@@ -10,7 +10,7 @@ import numpy as np
 import loads
 from checks.design.data import Cycle, Design, Part
 from checks.design.errors import DesignError
-from checks.part.placing import part_placing
+from checks.part.placing import Placing, part_placing
 from geometry.mesh import FloatArray, IntArray, Interface
 from geometry.parts import Pin
 
@@ -148,6 +148,7 @@ def loads_on(design: Design, part: Part, solved: Runs, doubts: Sequence[Doubt] =
     placing = part_placing(design, part)
     wrenches: dict[str, list[FloatArray]] = {}
     reaches: dict[str, list[FloatArray]] = {}
+    handed: dict[str, list[FloatArray]] = {}
     labels: list[str] = []
     accelerations, names, stretch_of, path = [], [], [], []
     slices, start = {}, 0
@@ -156,6 +157,8 @@ def loads_on(design: Design, part: Part, solved: Runs, doubts: Sequence[Doubt] =
             continue
         history = _history(part, cycle_loads)
         part_wrenches, part_accelerations = placing.to_part(history)
+        for interface in part.beside:
+            handed.setdefault(interface, []).append(_handed(part, interface, placing, cycle_loads))
         for interface, wrench in part_wrenches.items():
             wrenches.setdefault(interface, []).append(wrench)
         for interface, reach in placing.reaches(history).items():
@@ -189,7 +192,7 @@ def loads_on(design: Design, part: Part, solved: Runs, doubts: Sequence[Doubt] =
         tuple(labels),
         tuple(names),
         {name: np.concatenate(parts) for name, parts in reaches.items()},
-        _tilt(part, together),
+        _tilt(part, together, {name: np.concatenate(parts) for name, parts in handed.items()}),
         part.tilt_held_at,
         np.concatenate(stretch_of),
         np.concatenate(path),
@@ -252,14 +255,39 @@ def check_reach(
         )
 
 
-def _tilt(part: Part, wrenches: Mapping[str, FloatArray]) -> float:
+def _handed(
+    part: Part,
+    interface: str,
+    placing: Placing,
+    cycle_loads: loads.CycleLoads | loads.MeasuredLoads,
+) -> FloatArray:
+    """Couples (n, 2) about x and y, N mm, that a pin fixed in a part hands it of the other lugs.
+
+    A lug's force F on the pin at z above the part's middle plane has the couple z x F.
+    """
+    lugs = part.beside[interface]
+    seats = {name: name for name in lugs}
+    history = cycle_loads.pin_history(part.interfaces[interface], seats, str(part.body))
+    forces, _ = Placing((0.0, 0.0), placing.angle).to_part(history)
+    couples = [
+        z * np.stack([-f[:, 1], f[:, 0]], axis=1)
+        for f, z in ((forces[name], height) for name, height in lugs.items())
+    ]
+    return np.asarray(np.sum(couples, axis=0))
+
+
+def _tilt(
+    part: Part, wrenches: Mapping[str, FloatArray], handed: Mapping[str, FloatArray]
+) -> float:
     """Add the couples of forces that act beside the part's middle plane, and what balances them.
 
     Returns the largest couple, N mm, that the interface which holds the part against tilting takes.
     A force F at height z has the couple z x F: (-z F_y, z F_x) about x and y.
+
+    handed  interface -> (n, 2) N mm, couples of a pin that is fixed there
     """
     heights = interface_heights(part)
-    if not any(part.offsets.values()) and not any(heights.values()):
+    if not handed and not any(part.offsets.values()) and not any(heights.values()):
         return 0.0
     left = np.zeros((len(next(iter(wrenches.values()))), 2))
     for name, wrench in wrenches.items():
@@ -267,6 +295,9 @@ def _tilt(part: Part, wrenches: Mapping[str, FloatArray]) -> float:
         for height, couple in ((acts - centre, wrench[:, 3:5]), (acts, left)):
             couple[:, 0] -= height * wrench[:, 1]
             couple[:, 1] += height * wrench[:, 0]
+    for name, couple in handed.items():
+        wrenches[name][:, 3:5] += couple
+        left += couple
     wrenches[part.tilt_held_at][:, 3:5] -= left
     return float(np.hypot(left[:, 0], left[:, 1]).max())
 
