@@ -140,6 +140,15 @@ def test_checks_by_solid_do_not_change_where_the_mesh_is_the_same(relation, tmp_
     assert_same(numbers(checked(tmp_path, SAME[relation](data), "solid")), expected)
 
 
+@pytest.mark.slow
+def test_a_pin_by_solid_is_the_same_in_a_machine_that_is_drawn_turned(tmp_path):
+    """It moved by 0.3 % and more: other axes of the pin, or the last digit of a dimension."""
+    data = stated("spring_hammer", ["at_10"])
+    data["parts"] = {"pin_R": data["parts"]["pin_R"]}
+    expected = numbers(checked(tmp_path, data, "solid"))
+    assert_same(numbers(checked(tmp_path, turned(data, 37), "solid")), expected)
+
+
 @pytest.mark.parametrize("machine", BY_FORMULA)
 def test_names_decide_no_number(machine, tmp_path):
     other, names = renamed(stated(machine, CYCLES[machine]))
