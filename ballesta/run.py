@@ -16,6 +16,7 @@ from checks.design.errors import DesignError, NumericsError
 from geometry import progress as telling
 
 if TYPE_CHECKING:
+    from ballesta.unfinished import Keep
     from checks.design.effort import Effort
     from checks.result.verdict import DesignResult
     from checks.store.results import KeptResult
@@ -214,7 +215,7 @@ def check_to_folder(
             store=store,
             live=True,
             begun=begun,
-            keep=_kept if telling.is_supervised() else None,
+            keep=_kept() if telling.is_supervised() else None,
         )
         with drawing(shown) as pictures, _told_of_folder(folder):
             say("encoding the fields of the live view")
@@ -227,14 +228,22 @@ def check_to_folder(
     return result
 
 
-def _kept(name: str, value: Any) -> None:
-    """Hand over what is finished, and have charted what can be of it."""
-    from ballesta.unfinished import FRAME
-    from reports.pictures import chart_ahead
+def _kept() -> "Keep":
+    """Return what hands over what is finished, and has drawn what can be of it."""
+    from ballesta.unfinished import FRAME, PART
+    from reports.pictures import draw_ahead
 
-    telling.keep(name, value)
-    if name == FRAME:
-        chart_ahead(value[0])
+    frames: list[DesignResult] = []
+
+    def kept(name: str, value: Any) -> None:
+        telling.keep(name, value)
+        if name == FRAME:
+            frames.append(value[0])
+            draw_ahead(frames[-1])
+        elif name.startswith(PART) and not value.left:
+            draw_ahead(replace(frames[-1], parts=[value.result]))
+
+    return kept
 
 
 def write_folder(

@@ -3,6 +3,7 @@
 import atexit
 import json
 import pickle
+import shutil
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -10,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import TemporaryDirectory, mkdtemp
 from typing import Any
 
 import numpy as np
@@ -56,17 +57,20 @@ def prepare_drawing(worker: Sequence[str] = _WORKER, *, stress: bool = True) -> 
         process.prepare()
 
 
-_ahead: list[TemporaryDirectory[str]] = []  # removed by the process that draws, or at our end
+_ahead: list[Path] = []  # removed by the process that draws, or at our end
 
 
-def chart_ahead(result: DesignResult, worker: Sequence[str] = _WORKER) -> None:
-    """Have the process chart the loads of a result whose parts are still to be checked."""
-    while _ahead:
-        _ahead.pop().cleanup()
-    folder = TemporaryDirectory(prefix="ballesta-", ignore_cleanup_errors=True)
+def draw_ahead(result: DesignResult, worker: Sequence[str] = _WORKER) -> None:
+    """Have the process draw what is known of a result before all of it is.
+
+    Without parts, which are still to be checked, these are charts of the loads; else charts and
+    stills of those that it has. They are not drawn again for the whole result.
+    """
+    folder = Path(mkdtemp(prefix="ballesta-"))
     _ahead.append(folder)
-    (Path(folder.name) / AHEAD).write_bytes(pickle.dumps(_to_chart(result)))
-    _standing(worker).hand(Path(folder.name))
+    _asked(result.parts, folder)
+    (folder / AHEAD).write_bytes(pickle.dumps(_to_chart(result)))
+    _standing(worker).hand(folder)
 
 
 @contextmanager
@@ -157,7 +161,7 @@ def _end_all() -> None:
     for command in list(_running):
         _end(command)
     for folder in _ahead:
-        folder.cleanup()
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def _asked(parts: Sequence[PartResult], folder: Path) -> list[tuple[str, int, Sequence[str]]]:

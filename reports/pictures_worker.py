@@ -5,8 +5,8 @@ An empty line has it load the graphics libraries, which it else does when a stil
 A folder holds jobs.json (field, views) and part_<i>.npz (nodes, triangles, values, peak), and
 receives part_<i>_<view>.png: "peak" from near, any other view of the whole surface, "plain" without
 colours, colour bar and marker. Where it holds result.pickle it receives charts.pickle, too. One
-that holds ahead.pickle is removed, and not answered: the loads of that result are charted beside
-other work, and those charts taken from memory when the same loads come again.
+that holds ahead.pickle is removed, and not answered: the loads of that result, or its parts once
+they are there, are drawn beside other work, and taken from memory when the same come again.
 """
 
 import json
@@ -15,6 +15,7 @@ import pickle
 import shutil
 import signal
 import sys
+from hashlib import sha256
 from io import BytesIO
 from itertools import product
 from pathlib import Path
@@ -24,8 +25,8 @@ import numpy as np
 import numpy.typing as npt
 from PIL import PngImagePlugin  # noqa: F401 (each still needs it: loaded beside other work)
 
-from reports.charts import cycle_charts, design_charts
-from reports.charts.cycles import Known
+from reports.charts import cycle_charts, design_charts, part_charts
+from reports.charts.chart import Known
 from reports.plain_still import plain_still
 from reports.surface_style import FACES, LIGHTING, LINES, MARK, sharp_edges
 from reports.svg import draw
@@ -52,21 +53,31 @@ def main() -> None:
             continue
         folder = Path(os.fsdecode(line.rstrip(b"\n")))
         if (folder / AHEAD).is_file():
-            chart_ahead(folder)
+            draw_ahead(folder)
             continue
         draw_folder(folder)
         answers.write(line)
 
 
 _known: Known = {}
+_stills: dict[bytes, bytes] = {}
 
 
-def chart_ahead(folder: Path) -> None:
-    """Chart the loads of a folder's result, and keep these charts for what comes next."""
+def draw_ahead(folder: Path) -> None:
+    """Draw what is known of a folder's result, and keep it for what comes next."""
     result = pickle.loads((folder / AHEAD).read_bytes())
+    if not result.parts:  # another design, of which the loads are known
+        _known.clear()
+        _stills.clear()
+        cycle_charts(result, _known)
+    for part in result.parts:
+        part_charts(part, result, _known)
+    for index, job in enumerate(_jobs(folder)):
+        data, digest = _data(folder, index)
+        for view in job["views"]:
+            key = f"{job['field']} {view} ".encode() + digest
+            _stills[key] = still(data, job["field"], view)
     shutil.rmtree(folder, ignore_errors=True)
-    _known.clear()
-    cycle_charts(result, _known)
 
 
 def draw_folder(folder: Path) -> None:
@@ -74,11 +85,24 @@ def draw_folder(folder: Path) -> None:
     if (folder / RESULT).is_file():
         charts = design_charts(pickle.loads((folder / RESULT).read_bytes()), _known)
         _write(folder / CHARTS, pickle.dumps(charts))
-    for index, job in enumerate(json.loads((folder / "jobs.json").read_text(encoding="utf-8"))):
-        with np.load(folder / f"part_{index}.npz", allow_pickle=False) as arrays:
-            data = {name: arrays[name] for name in arrays.files}
+    for index, job in enumerate(_jobs(folder)):
+        data, digest = _data(folder, index)
         for view in job["views"]:
-            _write(folder / f"part_{index}_{view}.png", still(data, job["field"], view))
+            drawn = _stills.get(f"{job['field']} {view} ".encode() + digest)
+            picture = drawn or still(data, job["field"], view)
+            _write(folder / f"part_{index}_{view}.png", picture)
+
+
+def _jobs(folder: Path) -> list[dict[str, Any]]:
+    jobs: list[dict[str, Any]] = json.loads((folder / "jobs.json").read_text(encoding="utf-8"))
+    return jobs
+
+
+def _data(folder: Path, index: int) -> tuple[dict[str, Any], bytes]:
+    """The arrays of a job, and a digest of them."""
+    content = (folder / f"part_{index}.npz").read_bytes()
+    with np.load(BytesIO(content), allow_pickle=False) as arrays:
+        return {name: arrays[name] for name in arrays.files}, sha256(content).digest()
 
 
 def _write(file: Path, content: bytes) -> None:

@@ -87,6 +87,30 @@ def gathered(makers: Sequence[Callable[[], Chart | Missing]]) -> Charts:
     )
 
 
+Known = dict[bytes, Chart | Missing]
+"""Charts by all that they are made of."""
+
+
+def once(
+    known: Known | None, key: bytes, make: Callable[[], Chart | Missing]
+) -> Callable[[], Chart | Missing]:
+    """Return a maker that takes a chart from the known ones, which a new one joins."""
+
+    def maker() -> Chart | Missing:
+        if known is None:
+            return make()
+        if key not in known:
+            known[key] = make()
+        return known[key]
+
+    return maker
+
+
+def without_peaks(cycle: Mapping[str, Any]) -> dict[str, Any]:
+    """A cycle as it is before any part is checked."""
+    return {key: value for key, value in cycle.items() if key != "peaks"}
+
+
 def stroke(index: int) -> dict[str, Any]:
     """Colour and dashes of a series, told apart without colour too."""
     return {

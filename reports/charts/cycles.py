@@ -1,7 +1,7 @@
 """Charts over a cycle: loads of the interfaces, efforts and powers, peak stress of every part."""
 
 import pickle
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from math import isfinite
 from typing import Any
 
@@ -9,7 +9,16 @@ import numpy as np
 
 from checks.result.verdict import Check, DesignResult, PartResult
 from checks.result.words import brief, need_text, number, quantity_unit
-from reports.charts.chart import Chart, Charts, Missing, gathered, plain
+from reports.charts.chart import (
+    Chart,
+    Charts,
+    Known,
+    Missing,
+    gathered,
+    once,
+    plain,
+    without_peaks,
+)
 from reports.charts.cycle_axis import CycleAxis, cycle_axis
 from reports.charts.numbers import FloatArray, largest, numbers, power_unit, work_text
 from reports.charts.over_cycle import Bar, Curve, Limit, Panel, cycle_table, over_cycle
@@ -24,9 +33,6 @@ _SAME = 1e-6  # of a value: a curve's peak and a check that tell of the same
 _NOTHING = 1e-4  # of the work turned over: a work below it is about 0
 _CLOSE = 0.001  # %, below which an agreement is not told more exactly
 _NOTES = 4  # remarks on single parts in a caption
-
-
-Known = dict[bytes, Chart | Missing]
 
 
 def cycle_charts(result: DesignResult, known: Known | None = None) -> list[tuple[str, Charts]]:
@@ -47,21 +53,12 @@ def _of_cycle(
     if axis is None:
         why = "the cycle has no positions"
         return Charts((), tuple(Missing(key, title, why) for key, title in _TITLES.items()))
-    own = {key: value for key, value in cycle.items() if key != "peaks"}
-
-    def once(chart: Callable[..., Chart | Missing]) -> Chart | Missing:
-        """A chart of what a cycle has before any part is checked."""
-        if known is None:
-            return chart(name, axis, own)
-        key = pickle.dumps((chart.__name__, index, name, own))
-        if key not in known:
-            known[key] = chart(name, axis, own)
-        return known[key]
-
+    own = without_peaks(cycle)
+    given = b"" if known is None else pickle.dumps((index, name, own))
     return gathered(
         [
-            lambda: once(loads_chart),
-            lambda: once(drive_chart),
+            once(known, b"loads" + given, lambda: loads_chart(name, axis, own)),
+            once(known, b"drive" + given, lambda: drive_chart(name, axis, own)),
             lambda: peaks_chart(name, axis, cycle, result.parts),
         ]
     )

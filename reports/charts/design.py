@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from checks.result.verdict import DesignResult
-from reports.charts.chart import Charts
-from reports.charts.cycles import Known, cycle_charts
+from reports.charts.chart import Charts, Known
+from reports.charts.cycles import cycle_charts
 from reports.charts.parts import part_charts
 
 
@@ -18,6 +18,6 @@ class DesignCharts:
 
 
 def design_charts(result: DesignResult, known: Known | None = None) -> DesignCharts:
-    """Draw all charts of a result; `known` as in `cycle_charts`."""
-    parts = [part_charts(part, result) for part in result.parts]
+    """Draw all charts of a result; `known` as in `cycle_charts` and `part_charts`."""
+    parts = [part_charts(part, result, known) for part in result.parts]
     return DesignCharts(parts, cycle_charts(result, known))

@@ -3,7 +3,6 @@ import subprocess
 import sys
 from dataclasses import replace
 from io import BytesIO
-from pathlib import Path
 from time import monotonic, sleep
 
 import numpy as np
@@ -12,19 +11,19 @@ import pytest
 from PIL import Image
 
 from checks.result.verdict import NOT_MESHED
-from reports import report_html
+from reports import pictures_worker, report_html, svg
 from reports.charts import cycle_charts, design_charts
 from reports.charts.over_cycle import over_cycle
 from reports.pictures import (
     _ahead,
-    chart_ahead,
+    draw_ahead,
     drawing,
     prepare_drawing,
     render_stills,
     stress_field,
 )
 from reports.pictures_worker import SIZE, corner_view, view_of
-from reports.worker import StandingWorker
+from reports.worker import Ended, StandingWorker
 
 from . import chart_results, results
 
@@ -135,10 +134,52 @@ def test_loads_that_are_charted_ahead_are_not_charted_again(monkeypatch):
     assert drawn
     assert all(label.startswith("Peak stress") for label in drawn)
     assert found == cycle_charts(result)
-    chart_ahead(frame)
+    draw_ahead(frame)
     with drawing(result) as pictures:
         assert pictures().charts == design_charts(result)
-    assert not any(Path(folder.name).exists() for folder in _ahead)
+    assert not any(folder.exists() for folder in _ahead)
+
+
+def test_a_part_that_is_drawn_ahead_is_not_drawn_again(monkeypatch):
+    """Neither its charts nor its still; only the peaks over the cycle have waited for it."""
+
+    class Here:
+        """Draws in this process."""
+
+        runs = True
+
+        def hand(self, folder):
+            ahead = (folder / pictures_worker.AHEAD).is_file()
+            (pictures_worker.draw_ahead if ahead else pictures_worker.draw_folder)(folder)
+
+        def answer(self, folder, timeout):
+            return Ended(0, "")
+
+    result = chart_results.design()
+    bare = {name: {**cycle, "peaks": {}} for name, cycle in result.cycles.items()}
+    frame = replace(result, parts=(), cycles=bare, warnings=())
+    monkeypatch.setattr("reports.pictures._standing", lambda _: Here())
+    made = []
+    for name, function, users in (
+        ("draw", svg.draw, ("charts.over_cycle", "charts.plane")),
+        ("still", pictures_worker.still, ("pictures_worker",)),
+    ):
+        for user in users:
+            monkeypatch.setattr(
+                f"reports.{user}.{name}",
+                lambda *given, _all=function, **more: made.append(given) or _all(*given, **more),
+            )
+    draw_ahead(frame)
+    draw_ahead(replace(frame, parts=result.parts))
+    before = len(made)
+    with drawing(result) as pictures:
+        found = pictures()
+    again = [some for some in made[before:] if not str(some[2]).startswith("Peak stress")]
+    assert found.reason == ""
+    assert found.charts == design_charts(result)
+    assert set(found.images[result.parts[0].name]) == {"whole", "peak"}
+    assert before > 5
+    assert again == []
 
 
 def test_one_process_draws_for_design_after_design(monkeypatch):
