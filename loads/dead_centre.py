@@ -23,7 +23,9 @@ from loads.path import Path, trace
 _POSITIONS = 400
 _DOUBLINGS = 200
 _TOGETHER = 34  # places between which a sign changes, asked together
-_STEP = 0.02  # of the size of the linkage, the first way looked ahead
+_HALVINGS = 200
+_CLOSE = 1e-10  # of a force, or of a stiffness
+_STEP = 0.1  # of the size of the linkage, the first way looked ahead
 
 
 @dataclass(frozen=True)
@@ -78,30 +80,58 @@ def pull_through(
     sense = _sense(path, resisting, start, dead_centre)
 
     def hardest(stiffness: float) -> tuple[float, int]:
+        """What the drive needs at most, less the pull, and at which position."""
         forces: dict[str, float | FloatArray] = {**(given or {})}
         forces[process] = sense * stiffness * depth
         needed = np.sign(pull) * solve_forces(motion, forces, drive).efforts[drive]
         k = int(np.argmax(needed))
-        return _peak(needed, k), k
+        return _peak(needed, k) - abs(pull), k
 
     if depth.max() <= 1e-12 * path.kinematics.coordinate_scale(resisting.coordinate):
         return None
     low, high = 0.0, abs(pull) / float(depth.max())
-    if hardest(low)[0] >= abs(pull):
-        return PullThrough(0.0, 0.0, dead_centre, float(grid[hardest(low)[1]]))
+    below, k = hardest(low)
+    if below >= 0.0:
+        return PullThrough(0.0, 0.0, dead_centre, float(grid[k]))
     for _ in range(_DOUBLINGS):
-        if hardest(high)[0] >= abs(pull):
+        above, k = hardest(high)
+        if above >= 0.0:
             break
-        low, high = high, 2.0 * high
+        low, below, high = high, above, 2.0 * high
     else:
         return None  # nothing that is touched asks the drive for anything
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if hardest(middle)[0] < abs(pull) else (low, middle)
-        if high - low <= 1e-10 * high:
-            break
+    stiffness, k = _zero(hardest, (low, high), (below, above))
     deepest = abs(float(_process_value(path, resisting, dead_centre)) - touch)
-    return PullThrough(low, low * deepest, dead_centre, float(grid[hardest(low)[1]]))
+    return PullThrough(stiffness, stiffness * deepest, dead_centre, float(grid[k]))
+
+
+def _zero(
+    function: Callable[[float], tuple[float, int]],
+    ends: tuple[float, float],
+    values: tuple[float, float],
+) -> tuple[float, int]:
+    """Return where a function that rises from below 0 to above comes to 0, and what else it gives.
+
+    By false position; an end that stays for a second time counts half (Illinois), so that both
+    come near.
+    """
+    (low, high), (below, above) = ends, values
+    close = _CLOSE * (above - below)
+    stayed = 0
+    for _ in range(_HALVINGS):
+        middle = low + (high - low) * (below / (below - above))
+        value, more = function(middle)
+        if abs(value) <= close or high - low <= _CLOSE * high:
+            return middle, more
+        if value < 0.0:
+            low, below = middle, value
+            above *= 0.5 if stayed > 0 else 1.0
+            stayed = 1
+        else:
+            high, above = middle, value
+            below *= 0.5 if stayed < 0 else 1.0
+            stayed = -1
+    return middle, more  # where it jumps over 0
 
 
 def _peak(values: FloatArray, k: int) -> float:
@@ -130,7 +160,7 @@ def _to_dead_centre(
                 return None, 0.0
             continue
         last += way * step
-        step *= 1.5
+        step *= 3.0
         share = _process_share(path, resisting, path.values)
         turned = np.flatnonzero(share[1:] * share[:-1] <= 0.0)
         if len(turned):
