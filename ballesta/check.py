@@ -140,6 +140,8 @@ def check_design(
         # what cannot move or does not balance is told before anything is meshed
         try_cycles(without_unknown_contacts(design))
         measured_loads(design, {})
+        if not effort.shows_stress:  # no mesh has a better surface
+            models.begin_skins(part.geometry for part in design.parts.values())
         masses = part_masses(design, models, say)
         compliances = compliances_of(design, models, say)
         start = perf_counter()

@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from threading import RLock
 from typing import Any, Protocol
 
 import numpy as np
@@ -28,6 +29,7 @@ from geometry.sizing import SizeField
 from geometry.stacks import split_bodies, ties_of
 
 # Every option that changes a mesh is set here, so that the same part gives the same mesh.
+_ALONE = RLock()  # gmsh has one model at a time
 _OPTIONS = {
     "General.Terminal": 0,
     "General.NumThreads": 1,  # two threads gave three different meshes in three runs
@@ -103,7 +105,7 @@ class Buildable(Protocol):
 
 @contextmanager
 def gmsh_session() -> Iterator[Any]:
-    """Open a gmsh session with pinned options, closed whatever happens.
+    """Open a gmsh session with pinned options, closed whatever happens; one at a time.
 
     Raises MeshError that names the system library if gmsh cannot be loaded.
     """
@@ -113,14 +115,15 @@ def gmsh_session() -> Iterator[Any]:
         raise MeshError(
             f"gmsh cannot be loaded ({error}); on Debian and Ubuntu: {INSTALL}"
         ) from error
-    gmsh.initialize(readConfigFiles=False, interruptible=False)
-    try:
-        for name, value in _OPTIONS.items():
-            gmsh.option.setNumber(name, value)
-        gmsh.model.add("part")
-        yield gmsh
-    finally:
-        gmsh.finalize()
+    with _ALONE:
+        gmsh.initialize(readConfigFiles=False, interruptible=False)
+        try:
+            for name, value in _OPTIONS.items():
+                gmsh.option.setNumber(name, value)
+            gmsh.model.add("part")
+            yield gmsh
+        finally:
+            gmsh.finalize()
 
 
 def mesh_shape(shape: Buildable, *, fineness: float = 1.0, sizes: SizeField | None = None) -> Mesh:

@@ -1,6 +1,7 @@
 """Meshes and unit solutions of a run; nothing that solves is imported before it is needed."""
 
-from collections.abc import Set
+from collections.abc import Iterable, Set
+from concurrent.futures import Future, ThreadPoolExecutor
 from time import perf_counter
 from typing import TYPE_CHECKING
 
@@ -33,6 +34,7 @@ class Models:
         ] = {}
         self._bodies: dict[Buildable, SolidBody] = {}
         self._skins: dict[Buildable, Skin] = {}
+        self._begun: dict[Buildable, Future[Skin]] = {}
         self._mesh_seconds: dict[Buildable, float] = {}  # expected of a finer mesh
         self.seconds: dict[str, float] = {"mesh": 0.0, "solve": 0.0}
 
@@ -51,9 +53,22 @@ class Models:
         """Return a coarse surface of a shape, to draw it; raises MeshError."""
         if shape not in self._skins:
             start = perf_counter()
-            self._skins[shape] = stored_skin(self.store, shape)
+            begun = self._begun.pop(shape, None)
+            self._skins[shape] = begun.result() if begun else stored_skin(self.store, shape)
             self.seconds["mesh"] += perf_counter() - start
         return self._skins[shape]
+
+    def begin_skins(self, shapes: Iterable[Buildable]) -> None:
+        """Have the surfaces of shapes known in closed form made beside other work, but for a store.
+
+        gmsh holds no lock of Python's, so a thread of its own is enough.
+        """
+        if self.store is not None:
+            return
+        closed = [shape for shape in dict.fromkeys(shapes) if closed_body(shape)]
+        with_gmsh = ThreadPoolExecutor(max_workers=1)
+        self._begun |= {shape: with_gmsh.submit(stored_skin, None, shape) for shape in closed}
+        with_gmsh.shutdown(wait=False)
 
     def mesh(self, shape: Buildable, fineness: float, sizes: SizeField | None = None) -> Mesh:
         """Return the mesh of a shape; `sizes` asks for smaller elements in places."""
