@@ -2,7 +2,6 @@
 
 import json
 import os
-import re
 import secrets
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -15,8 +14,7 @@ import numpy as np
 from checks.result.verdict import DesignResult, PartResult
 
 FORMAT = "ballesta-result/1"
-# a list of numbers as json spreads it over lines; no line ends inside of a string
-_NUMBERS = re.compile(r"\[\n\s+([^\[\]{}\"\n]+(?:\n\s+[^\[\]{}\"\n]+)*)\n\s*\]")
+_on_a_line = json.JSONEncoder(allow_nan=False, ensure_ascii=False).encode
 
 
 @contextmanager
@@ -57,10 +55,21 @@ def write_json(result: DesignResult, path: str | Path) -> None:
 
     A list of numbers stands on one line.
     """
-    text = json.dumps(plain(result.to_dict()), allow_nan=False, ensure_ascii=False, indent=1)
-    text = _NUMBERS.sub(lambda found: "[" + re.sub(r"\s+", " ", found[1]) + "]", text)
+    text = _over_lines(plain(result.to_dict()))
     with replacing(path) as temporary:
         temporary.write_text(text + "\n", encoding="utf-8", newline="\n")
+
+
+def _over_lines(data: Any, start: str = "\n") -> str:
+    """JSON with a line for each value: `json.dumps` does that in Python, number by number."""
+    within = f"{start} "
+    if isinstance(data, dict) and data:
+        lines = [f"{_on_a_line(key)}: {_over_lines(item, within)}" for key, item in data.items()]
+        return f"{{{within}{f',{within}'.join(lines)}{start}}}"
+    if isinstance(data, list) and any(isinstance(item, str | list | dict) for item in data):
+        lines = [_over_lines(item, within) for item in data]
+        return f"[{within}{f',{within}'.join(lines)}{start}]"
+    return _on_a_line(data)
 
 
 def read_json(path: str | Path) -> dict[str, Any]:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from reports import read_json, replacing, write_json, write_vtu
-from reports.files import plain
+from reports.files import _over_lines, plain
 
 from . import results
 
@@ -50,6 +50,11 @@ def test_a_list_of_numbers_stands_on_one_line(tmp_path):
     write_json(result, tmp_path / "result.json")
     assert '"pin_B": [1.5, null, -2e-09]' in (tmp_path / "result.json").read_text()
     assert read_json(tmp_path / "result.json")["warnings"] == list(result.warnings)
+
+
+def test_all_else_stands_on_lines_as_json_sets_them():
+    data = {"a": {"b": [], "c": {}, "d": [{"é": None}, "x", 2]}, "e": [[], [[], "y"]], "f": -0.0}
+    assert _over_lines(data) == json.dumps(data, indent=1, ensure_ascii=False)
 
 
 def test_hostile_names_survive_json(tmp_path):
