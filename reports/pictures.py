@@ -20,9 +20,8 @@ from checks.result.verdict import DesignResult, PartResult, Surface
 from checks.result.words import clean
 from geometry.graphics import INSTALL
 from reports.charts import DesignCharts
-from reports.pictures_worker import AHEAD, CHARTS, RESULT
-from reports.pictures_worker import PLAIN as PLAIN
-from reports.worker import StandingWorker
+from reports.worker import AHEAD, CHARTS, RESULT, StandingWorker
+from reports.worker import PLAIN as PLAIN
 
 VIEWS = ("whole", "peak")
 MODE = "mode"

@@ -30,12 +30,11 @@ from reports.charts.chart import Known
 from reports.plain_still import plain_still
 from reports.surface_style import FACES, LIGHTING, LINES, MARK, sharp_edges
 from reports.svg import draw
+from reports.worker import AHEAD, CHARTS, PLAIN, RESULT
 
 FloatArray = npt.NDArray[np.float64]
 
 SIZE = (900, 600)
-PLAIN = "plain"
-RESULT, CHARTS, AHEAD = "result.pickle", "charts.pickle", "ahead.pickle"
 _ISOMETRIC = np.array([1.0, -1.3, 0.9]) / np.linalg.norm([1.0, -1.3, 0.9])
 _SCENE = 0.83  # of the width, the rest is the scalar bar's
 _CLOSE = 0.14  # of the part's diagonal: half the height of the view of the peak

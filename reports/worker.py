@@ -15,6 +15,9 @@ from typing import IO
 from checks.result.words import clean
 from fem.threads import ONE_THREAD
 
+PLAIN = "plain"  # a view
+RESULT, CHARTS, AHEAD = "result.pickle", "charts.pickle", "ahead.pickle"  # files of a folder
+
 
 @dataclass(frozen=True)
 class Ended:

@@ -97,23 +97,24 @@ def check_parts(
             else:
                 climbing[part.name] = climb_rungs(climb, effort.fidelity, say)
     while True:
-        for name, rungs_of in list(climbing.items()):
-            with told_of_part(design, climbs[name].part):
-                try:
-                    next(rungs_of)
-                except StopIteration as stop:
-                    wanted[name] = stop.value
-                    del climbing[name]
         for name, climb in climbs.items():
             with told_of_part(design, climb.part):
-                if wanted.get(name, True):  # what follows may take long
-                    long_ago = perf_counter() - told_at.get(name, -inf) > _TELL_EVERY
-                    if finished is not None and climb.levels and long_ago:
-                        told(name, cheap_result(climb, models, live=live), climb.open)
-                elif name not in results:
+                if name in climbing:
+                    try:
+                        next(climbing[name])
+                    except StopIteration as stop:
+                        wanted[name] = stop.value
+                        del climbing[name]
+                if not wanted.get(name, True) and name not in results:
                     results[name] = cheap_result(climb, models, live=live)
                     settled.append(name)
                     told(name, results[name])
+        for name, climb in climbs.items():
+            if wanted.get(name, True):  # what follows may take long
+                with told_of_part(design, climb.part):
+                    long_ago = perf_counter() - told_at.get(name, -inf) > _TELL_EVERY
+                    if finished is not None and climb.levels and long_ago:
+                        told(name, cheap_result(climb, models, live=live), climb.open)
         if not climbing:
             break
     waiting = [name for name in design.parts if wanted[name]]

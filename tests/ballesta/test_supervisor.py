@@ -164,10 +164,11 @@ def test_whatever_was_handed_over_makes_a_result_and_a_page(tmp_path):
     text = PLATE + PLATE.replace("[parts.rod]", "[parts.crank]").replace(
         'body = "rod"', 'body = "crank"'
     ).replace('first = "A", second = "B"', 'first = "O", second = "A"')
-    kept, seen = {}, []
+    kept, seen, told = {}, [], []
 
     def keep(name, value):
         kept[name] = value
+        told.append(name)
         result = unfinished(kept.get, "stopped")
         if result is None:
             seen.append((name, None))
@@ -175,7 +176,12 @@ def test_whatever_was_handed_over_makes_a_result_and_a_page(tmp_path):
         assert "stopped" in report_html(result)
         seen.append((name, str(result.status)))
 
-    whole = check_design(machine(tmp_path, text), effort=Effort("formula"), keep=keep, live=True)
+    by_formula = Effort("formula")
+    whole = check_design(
+        machine(tmp_path, text), effort=by_formula, keep=keep, say=told.append, live=True
+    )
+    # a part that is decided is drawn beside the model of the next
+    assert told.index(f"{PART}rod") < told.index("crank: formula")
     assert seen == [
         (FRAME, None),
         (f"{PART}rod", "UNDECIDED"),

@@ -23,7 +23,7 @@ from reports.pictures import (
     stress_field,
 )
 from reports.pictures_worker import SIZE, corner_view, view_of
-from reports.worker import Ended, StandingWorker
+from reports.worker import AHEAD, Ended, StandingWorker
 
 from . import chart_results, results
 
@@ -118,6 +118,15 @@ def test_charts_that_are_drawn_beside_are_those_that_the_page_draws():
     assert report_html(result, drawn) == report_html(result, replace(drawn, charts=None))
 
 
+def test_who_asks_for_pictures_loads_nothing_that_draws():
+    code = (
+        "import sys, reports.page, reports.pictures\n"
+        "print({'PIL', 'matplotlib', 'pyvista'} & set(sys.modules))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "set()"
+
+
 def test_loads_that_are_charted_ahead_are_not_charted_again(monkeypatch):
     """Of the parts' results only the peaks go into a cycle's charts."""
     result = chart_results.design()
@@ -149,7 +158,7 @@ def test_a_part_that_is_drawn_ahead_is_not_drawn_again(monkeypatch):
         runs = True
 
         def hand(self, folder):
-            ahead = (folder / pictures_worker.AHEAD).is_file()
+            ahead = (folder / AHEAD).is_file()
             (pictures_worker.draw_ahead if ahead else pictures_worker.draw_folder)(folder)
 
         def answer(self, folder, timeout):
