@@ -4,7 +4,8 @@ python -m bench.main_job installed [PAIRS]   as installed over OMP_THREAD_LIMIT=
                                              OPENBLAS_NUM_THREADS=1, idle and beside four busy loops
 python -m bench.main_job peer [PAIRS]        verdict and all files over one static step of CalculiX
                                              on 170 000 unknowns, one thread each
-python -m bench.main_job short [RUNS]        formula check, loads and import, s
+python -m bench.main_job short [RUNS]        formula check, loads and import, s, and over an import
+                                             of the libraries, by the clock and of processors
 python -m bench.main_job batch N [ROUNDS]    a batch of N workers over N independent runs
 
 Prints a line of JSON: medians, and the ratio of each pair, whose runs follow each other at once.
@@ -17,7 +18,7 @@ import statistics
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from time import perf_counter
@@ -28,6 +29,7 @@ PRESS = ROOT / "designs" / "toggle_press.toml"
 BALLESTA = (sys.executable, "-m", "ballesta.cli")
 BOUND = {"OMP_THREAD_LIMIT": "1", "OPENBLAS_NUM_THREADS": "1"}
 ONE = {**BOUND, "OMP_NUM_THREADS": "1"}
+_LIBRARIES = "import scipy.interpolate, scipy.optimize, gmsh, jinja2, meshio, matplotlib.figure"
 _TOLD_AFTER = ("encoding the fields", "writing the report")  # the verdict is there
 
 
@@ -132,26 +134,52 @@ def peer(pairs: int) -> dict[str, Any]:
 
 
 def short(runs: int) -> dict[str, Any]:
-    """Seconds of what must answer at once; the least is the work, the median what a user has."""
+    """Seconds of what must answer at once, by the clock and of processors, as installed.
+
+    The least is the work, the median what a user has; all over the import of the libraries that a
+    formula check and its charts cannot do without, in turns.
+    """
     with tempfile.TemporaryDirectory() as out:
+        ours = (sys.executable, "-m", "ballesta")
         commands = {
             "check --fidelity formula": (
-                *BALLESTA, "check", str(PRESS), "--fidelity", "formula", "--out", out,
+                *ours, "check", str(PRESS), "--fidelity", "formula", "--out", out,
             ),
-            "loads": (*BALLESTA, "loads", str(PRESS)),
+            "loads": (*ours, "loads", str(PRESS)),
             "import ballesta": (sys.executable, "-c", "import ballesta"),
-            "python": (sys.executable, "-c", "pass"),
+            "libraries": (sys.executable, "-c", _LIBRARIES),
         }  # fmt: skip
-        times: dict[str, list[float]] = {name: [] for name in commands}
+        times: dict[str, list[tuple[float, float]]] = {name: [] for name in commands}
         for _ in range(runs + 1):
             for name, command in commands.items():
-                start = perf_counter()
+                start, before = perf_counter(), _processor_seconds()
                 subprocess.run(command, cwd=ROOT, env=environment(), capture_output=True)
-                times[name].append(perf_counter() - start)
+                times[name].append((perf_counter() - start, _processor_seconds() - before))
     return {
-        name: {"least": round(min(row[1:]), 3), "median": round(statistics.median(row[1:]), 3)}
+        name: {
+            "least": _each(min, row[1:]),
+            "median": _each(statistics.median, row[1:]),
+            "over libraries": _each(
+                statistics.median,
+                [
+                    (one[0] / other[0], one[1] / other[1])
+                    for one, other in zip(row[1:], times["libraries"][1:], strict=True)
+                ],
+            ),
+        }
         for name, row in times.items()
     }
+
+
+def _processor_seconds() -> float:
+    """What ended children have taken of all processors; a process that was killed counts too."""
+    spent = os.times()
+    return spent.children_user + spent.children_system
+
+
+def _each(of: Callable[[list[float]], float], rows: Sequence[tuple[float, float]]) -> list[float]:
+    """By the clock and of processors."""
+    return [round(of(list(column)), 3) for column in zip(*rows, strict=True)]
 
 
 def batch(workers: int, rounds: int) -> dict[str, Any]:

@@ -258,6 +258,7 @@ def page(rows: dict[str, dict[str, Any]]) -> str:
         "",
         *(buckling_lines(rows) if "buckling: unknowns" in rows else []),
         *(fatigue_lines(rows) if "fatigue: surface points" in rows else []),
+        *short_lines(rows),
         *main_job_lines(rows),
         "## A whole check",
         "",
@@ -268,6 +269,36 @@ def page(rows: dict[str, dict[str, Any]]) -> str:
         "",
     ]
     return "\n".join(lines)
+
+
+def short_lines(rows: dict[str, dict[str, Any]]) -> list[str]:
+    """The section on commands that must answer at once."""
+    found = [name for name, row in rows.items() if name.startswith("short: ") and row["target"]]
+    if not found:
+        return []
+    lines = [
+        "## Short commands",
+        "",
+        paragraph(
+            "Whole processes on the toggle press, as installed, files and charts included, in "
+            "turns with an import of the libraries that a formula check and its charts need "
+            "(scipy.interpolate, scipy.optimize, gmsh, jinja2, meshio, matplotlib.figure). Seconds "
+            "are the least of seven runs, by the clock and of processors, all processes together: "
+            "other work on the machine lengthens both. The ratio is the median of "
+            f"processor times of pairs. Machine: {rows[found[0]]['machine']}."
+        ),
+        "",
+        "| Command | s | Target | | s of processors | over the libraries |",
+        "| --- | --- | --- | --- | --- | --- |",
+    ]
+    for name in found:
+        row, spent = rows[name], f"{name}, of processors"
+        lines.append(
+            f"| `{name.partition(': ')[2]}` | {row['value']:.2f} | {row['target']:g} | "
+            f"{'holds' if row['holds'] else '**missed**'} | {rows[spent]['value']:.2f} | "
+            f"{rows[f'{spent} over libraries']['value']:.2f} |"
+        )
+    return [*lines, ""]
 
 
 def main_job_lines(rows: dict[str, dict[str, Any]]) -> list[str]:
@@ -288,7 +319,7 @@ def main_job_lines(rows: dict[str, dict[str, Any]]) -> list[str]:
         paragraph(
             "Whole processes of `ballesta check designs/toggle_press.toml` in turns, as installed "
             "over `OMP_THREAD_LIMIT=1 OPENBLAS_NUM_THREADS=1`, and over one static step of "
-            "CalculiX on 170 000 unknowns with one thread each; seconds of short commands. "
+            "CalculiX on 170 000 unknowns with one thread each. "
             f"Machine: {machine}."
         ),
         "",
