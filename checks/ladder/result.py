@@ -14,7 +14,7 @@ from checks.ladder.climb import SOLID, Climb, answered
 from checks.ladder.leaf_checks import leaf_band, with_leaf_checks
 from checks.ladder.part_facts import SMALL_DISPLACEMENT, facts_of
 from checks.ladder.part_fields import rung_fields
-from checks.ladder.solid import RESCALED, Asked, Say, check_solid, first_level
+from checks.ladder.solid import RESCALED, Asked, Say, check_solid, first_level, first_of
 from checks.models.checked import BALANCE, BUCKLING, FATIGUE, STATIC
 from checks.models.estimate import Estimate
 from checks.result.verdict import NOT_MESHED, Check, Gate, PartResult, RungTried, Status, Surface
@@ -133,7 +133,11 @@ def solid_result(
     start = perf_counter()
     kinds = frozenset(climb.asked if everything else climb.open)
     asked = Asked(kinds | frozenset([STATIC, FATIGUE, BUCKLING])) if everything else Asked(
-        kinds, modes=False, enough=_enough(climb, models), deadline=deadline
+        kinds,
+        modes=False,
+        first=first_of(design.accuracy, kinds),
+        enough=_enough(climb, models),
+        deadline=deadline,
     )  # fmt: skip
     if pinned is not None:
         kinds, asked = pinned, Asked(pinned, modes=False)
