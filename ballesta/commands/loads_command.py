@@ -19,6 +19,7 @@ from ballesta.machine.solved_cycles import (
     part_masses,
     parts_that_give,
     solve_cycles,
+    try_cycles,
     without_unknown_contacts,
 )
 from ballesta.machine.validity_checks import load_gates
@@ -75,7 +76,7 @@ def loads_of_file(
     design = _with_cycles(read_design(path, overrides), cycles)
     try:
         # what cannot move or does not balance is told before anything is meshed
-        solve_cycles(without_unknown_contacts(design), {})
+        try_cycles(without_unknown_contacts(design))
         measured_loads(design, {})
         models = Models()
         masses = _masses(design, models, say)

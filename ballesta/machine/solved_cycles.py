@@ -15,6 +15,7 @@ from checks.part.too_fine import gave_up, told_of_size
 from checks.store.loads import stored_loads
 from checks.store.store import Store
 from checks.stress.kept_models import Models
+from geometry.closed_form import closed_body
 from geometry.mesh import MeshError, TooManyElementsError
 from geometry.parts.step_part import StepPart
 from geometry.progress import expect
@@ -112,7 +113,13 @@ def solve_cycles(
 
 
 def try_cycles(design: Design) -> None:
-    """Raise what `solve_cycles` would, as far as a few positions without masses tell."""
+    """Raise what `solve_cycles` would, as far as a few positions without masses tell.
+
+    Nothing is tried where masses and compliances take no mesh: the cycles are solved as soon.
+    """
+    shapes = [part.geometry for part in design.parts.values() if part.body is not None]
+    if not design.as_parts and all(closed_body(shape) for shape in shapes):
+        return
     for name, cycle in design.cycles.items():
         linkage = linkage_of(design, {}, cycle)
         with told_of_cycle(design, name):

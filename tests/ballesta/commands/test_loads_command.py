@@ -16,6 +16,7 @@ from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import solve_cycles
 from ballesta.machine.validity_checks import load_gates
 from checks.design.errors import DesignError
+from checks.store.loads import stored_loads
 
 ROOT = Path(__file__).parents[3]
 PRESS = "designs/toggle_press.toml"
@@ -196,6 +197,21 @@ def test_a_slot_end_that_is_near_breaks_its_gate():
 def test_an_unknown_cycle_names_the_nearest():
     with pytest.raises(DesignError, match="did you mean capacity"):
         loads_of_file(ROOT / PRESS, cycles=["capcity"])
+
+
+def test_each_cycle_of_rigid_parts_is_solved_once(monkeypatch):
+    """Masses in closed form leave nothing to try before a mesh."""
+    solved = []
+
+    def noted(store, linkage, cycle):
+        solved.append(cycle.name)
+        return stored_loads(store, linkage, cycle)
+
+    monkeypatch.setattr("ballesta.machine.solved_cycles.stored_loads", noted)
+    monkeypatch.setattr("loads.try_cycle", lambda *_: solved.append("tried"))
+    found = loads_of_file(ROOT / PRESS)
+    assert len(solved) == len(found.cycles) == len(set(solved)) > 1
+    assert "tried" not in solved
 
 
 def test_loads_of_rigid_parts_import_nothing_that_meshes_or_solves():
