@@ -304,9 +304,12 @@ def buckling_rise(
 ) -> float:
     """How far a rung's share of the elastic buckling load rises beside the worst position.
 
+    The positions are among the loads, too: whether a part counts as pulled, so that its pull
+    stiffens nothing, hangs on all of them.
+
     again  builds the rung's model under other loads
     """
-    places = beside(loads, load.position)
+    places = finer(loads, np.arange(len(loads.labels)) == load.position)
     if places is None:
         return 0.0
     model = again(places.between)
