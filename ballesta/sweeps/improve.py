@@ -2,7 +2,7 @@
 
 Every dimension of a part, and its material, is varied by formula (`ballesta.sweeps.screen`). A
 change multiplies the demand that the deciding model has found, and its upper end, by the ratio of
-the formula's demands after and before; where the formula decided, its own upper end counts. With
+the formula's demands after and before; where the formula decided, by that of its upper ends. With
 the reserve r, the least of limit over (upper demand times required safety) of a part's checks, and
 a dimension x, r ~ x^p locally: p from two steps of 3 %, then three secant steps on log r over log
 x, rounded to the safe side. A change is an estimate until a check by the deciding model has
@@ -198,11 +198,13 @@ class _Search:
         )
         (self.base,) = screen(design, [{}])
         known = {_name(check): check for part in result.parts for check in part.checks}
-        self._ratios: dict[tuple[str, str, str], tuple[float, float]] = {}
+        self._ratios: dict[tuple[str, str, str], tuple[float, float, bool]] = {}
         for check in self.base.checks:
             better = known.get(_name(check))
-            if better is not None and better.method != check.method and check.value > 0:
-                ratios = better.value / check.value, better.upper / check.value
+            if better is not None and check.value > 0:
+                same = better.method == check.method
+                reach = better.upper / check.upper if same else better.upper / check.value
+                ratios = better.value / check.value, reach, same
                 self._ratios[_name(check)] = ratios
 
     def dimensions(self, wanted: tuple[str, ...], say: Callable[[str], None]) -> list[Change]:
@@ -268,8 +270,9 @@ class _Search:
         for check in one.checks:
             if check.part not in parts or not check.value:
                 continue
-            value, upper = self._ratios.get(_name(check), (1.0, check.upper / check.value))
-            safety, least = (check.limit / (check.value * ratio) for ratio in (value, upper))
+            ratio, reach, same = self._ratios.get(_name(check), (1.0, 1.0, True))
+            safety = check.limit / (check.value * ratio)
+            least = check.limit / ((check.upper if same else check.value) * reach)
             found.append((least / check.required, safety, least, check))
         return found
 

@@ -50,7 +50,7 @@ def test_a_result_is_told_without_computing_anything(result, capsys, computes_no
     told = capsys.readouterr().out
     assert told.startswith("rod static: peak von Mises stress")
     assert "S_y = 275 MPa" in told
-    assert told.count("\n") <= 14
+    assert told.count("\n") <= 17  # two of them tell the load bar of an unstated drive
 
 
 def test_a_folder_with_one_result_stands_for_it(place, result, capsys, computes_nothing):

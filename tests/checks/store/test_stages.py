@@ -36,7 +36,7 @@ SOLID, FORMULA = Effort("solid"), Effort("formula")
 def numbers(result):
     """Everything that a result says but for times and what it was asked, and its surfaces."""
     plain = result.to_dict()
-    for asked in ("timings", "command", "overrides", "inputs", "sha256"):
+    for asked in ("timings", "command", "overrides", "inputs", "sha256", "ways_out"):
         del plain[asked]
     for part in plain["parts"]:
         for rung in part["rungs"]:
