@@ -29,7 +29,7 @@ class Trial:
     status     of the parts that are judged; None where the design cannot be checked with it
     words      what decides it, or why it cannot be checked
     mass       of all parts, kg; None where it cannot be checked
-    unranged   why a model tells nothing with it, where that alone keeps it from passing; else ""
+    unranged   why a model tells nothing of a check with it, where nothing fails; else ""
     effort     models that it was checked with
     check      nearest to its limit; None without any
     """
@@ -136,7 +136,7 @@ def until_pass(
     check  the result of a design with overrides, by models; `ballesta.check.check_file` without
            one
 
-    Where nothing but the range of a model below the solid keeps a value from passing, that value is
+    Where a check lies out of the range of a model below the solid, and nothing fails, the value is
     checked with the next better one (`auto`, then `solid`): what is searched is the limit of the
     part, not of the model.
 
@@ -201,18 +201,17 @@ def _better(effort: Effort) -> list[Effort]:
 
 
 def _unranged(checks: Sequence[Check], gates: Sequence[Gate]) -> str:
-    """Why models tell nothing, where that alone leaves all that is open so; "" elsewhere."""
+    """Why models tell nothing of a check, where nothing fails and the loads hold; "" elsewhere."""
     open_ones = [check for check in checks if check.status is not Status.PASS]
-    if not open_ones or any(gate.binding and not gate.holds for gate in gates):
+    if any(check.status is Status.FAIL for check in open_ones):
+        return ""
+    if any(gate.binding and not gate.holds for gate in gates):
         return ""
     for check in open_ones:
-        if isfinite(check.model) or UNKNOWN_BAR not in check.note:
-            return ""
-        if not isfinite(check.numerical):
-            return ""
-    first = open_ones[0]
-    why = first.note.partition(UNKNOWN_BAR)[2]
-    return f"{first.part} {first.kind} by {first.method} has no bar ({why})"
+        if not isfinite(check.model) and isfinite(check.numerical) and UNKNOWN_BAR in check.note:
+            why = check.note.partition(UNKNOWN_BAR)[2]
+            return f"{check.part} {check.kind} by {check.method} has no bar ({why})"
+    return ""
 
 
 def _judged(value: tuple[str, ...], result: DesignResult, parts: Sequence[str]) -> Trial:
