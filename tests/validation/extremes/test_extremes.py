@@ -192,5 +192,6 @@ class TestHoles:
 @pytest.mark.slow
 @pytest.mark.parametrize("counts", memory.SMALL, ids=("cube", "plate", "rod"))
 def test_the_memory_of_a_solve_is_told_to_30_percent(counts):
-    found = memory.measured(counts)
+    """The largest of five: the allocator returns 5 MB of a plate's 181 early in one of three."""
+    found = max((memory.measured(counts) for _ in range(5)), key=lambda taken: taken.measured)
     assert 0.7 < found.predicted / found.measured < 1.3
