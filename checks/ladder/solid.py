@@ -202,7 +202,16 @@ def _arcs_that_pass(
     checks: Sequence[Check],
     doubts: LoadBars,
 ) -> dict[str, float]:
-    """The narrowest arc of contact, deg, from which on an open check passes, as a fact by kind."""
+    """The narrowest arc of contact, deg, from which on an open check passes, as a fact by kind.
+
+    A band over arcs begins at the half circle: a check that is open there is open on every arc.
+    """
+
+    def passes(what: Judged, arc: float) -> bool:
+        closer = replace(part, bearing_arc=arc, arc_stated=True)
+        (again,) = _stress_checks(design, closer, loads, levels, [what], doubts)
+        return again.status is Status.PASS
+
     found = {}
     for what in judged:
         kind = "static" if isinstance(what, StaticPeak) else "fatigue"
@@ -211,14 +220,9 @@ def _arcs_that_pass(
                 continue
             if check.settled_by_mesh or not isfinite(check.numerical):
                 continue
-            for arc in _ARCS:
-                if arc <= part.bearing_arc:
-                    continue
-                closer = replace(part, bearing_arc=arc, arc_stated=True)
-                (again,) = _stress_checks(design, closer, loads, levels, [what], doubts)
-                if again.status is Status.PASS:
-                    found[arc_fact(check.kind)] = degrees(arc)
-                    break
+            wider = [arc for arc in _ARCS if arc > part.bearing_arc]
+            if wider and passes(what, wider[-1]):
+                found[arc_fact(kind)] = degrees(next(arc for arc in wider if passes(what, arc)))
     return found
 
 

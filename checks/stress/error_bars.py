@@ -216,15 +216,17 @@ def direct_under(
 ) -> FloatArray:
     """Surface stress (n, 6, n_arcs) at a position under bearing pressures as they are, MPa.
 
-    All arcs (rad) are solved together, and once per level for positions with the same loads.
+    Arcs (rad) that are new are solved together, each once per level for positions with the same
+    loads.
     """
-    key = level.coefficients[:, position].tobytes(), tuple(arcs)
-    if key not in level.direct_stresses:
+    state = level.coefficients[:, position]
+    known = level.direct_stresses.setdefault(state.tobytes(), {})
+    missing = [arc for arc in arcs if arc not in known]
+    if missing:
         wrenches = {name: wrench[position] for name, wrench in loads.wrenches.items()}
-        level.direct_stresses[key] = direct_stress(
-            level.solutions, wrenches, level.coefficients[:, position], arcs
-        )
-    return level.direct_stresses[key]
+        found = direct_stress(level.solutions, wrenches, state, missing)
+        known.update(zip(missing, np.moveaxis(found, -1, 0), strict=True))
+    return np.stack([known[arc] for arc in arcs], axis=-1)
 
 
 def raised_in_bores(

@@ -53,8 +53,8 @@ class Level(Stressed):
         return np.searchsorted(self.history.nodes, found.nodes), found.angles
 
     @cached_property
-    def direct_stresses(self) -> dict[tuple[bytes, tuple[float, ...]], FloatArray]:
-        """Stress (n, 6, n_arcs) that was solved besides the basis, by loads and arcs, MPa."""
+    def direct_stresses(self) -> dict[bytes, dict[float, FloatArray]]:
+        """Stress (n, 6) that was solved besides the basis, by loads and arc in rad, MPa."""
         return {}
 
     @cached_property

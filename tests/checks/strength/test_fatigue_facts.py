@@ -140,12 +140,12 @@ def test_one_per_cent_of_all_stresses_is_one_per_cent_of_what_is_judged(monkeypa
     assert use.direct(level, [np.pi]) == pytest.approx([1.01 * value], rel=1e-6)
 
 
-def test_positions_of_equal_loads_share_one_solve(monkeypatch):
+def test_positions_of_equal_loads_share_one_solve_of_every_arc(monkeypatch):
     """The closed cycle comes back to its first loads; a third position has others."""
     asked = []
 
     def solved(solutions, wrenches, coefficients, arcs):
-        asked.append(coefficients.tolist())
+        asked.append((coefficients.tolist(), list(arcs)))
         return np.full((1, 6, len(arcs)), coefficients[0])
 
     monkeypatch.setattr(error_bars, "direct_stress", solved)
@@ -154,7 +154,9 @@ def test_positions_of_equal_loads_share_one_solve(monkeypatch):
     loads = SimpleNamespace(wrenches={"pin": np.zeros((3, 6))})
     found = [direct_under(loads, level, k, [np.pi, 2.0])[0, 0, 0] for k in (0, 1, 2, 0)]
     assert found == [1.0, 2.0, 1.0, 1.0]
-    assert asked == [[1.0], [2.0]]
+    assert asked == [([1.0], [np.pi, 2.0]), ([2.0], [np.pi, 2.0])]
+    direct_under(loads, level, 2, [np.pi, 2.0, 1.5])
+    assert asked[2:] == [([1.0], [1.5])]
 
 
 def test_findley_judges_a_circle_higher_than_the_chord_it_rests_on():
