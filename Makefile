@@ -7,6 +7,7 @@
 # make documents  compares the documents' published values, writes docs/documents.md, docs/hammer_leaf.md
 # make fuzz   checks 10 000 mutated designs, an hour at most, writes bench/fuzz.json
 # make screens  checks all machines, writes the pictures of their reports in docs/screens
+# make docs   builds the documentation as a site, build/site/index.html, without a network; seconds
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
@@ -14,7 +15,7 @@ READY := $(VENV)/ready
 PEERS := $(VENV)/peers
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: demo test slow lint wheels fuzz bench trade documents screens setup clean
+.PHONY: demo test slow lint docs wheels fuzz bench trade documents screens setup clean
 .DEFAULT_GOAL := demo
 
 setup: $(READY)
@@ -55,6 +56,10 @@ lint: $(READY)
 	@$(BIN)/mypy
 	@$(BIN)/mypy --platform win32 --cache-dir .mypy_cache/win32
 	@$(BIN)/lint-imports
+
+# A link that leads nowhere, a page outside of the navigation or one that loads from the network ends it.
+docs: $(READY)
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
 wheels: $(READY)
 	@$(BIN)/python tools/wheels.py

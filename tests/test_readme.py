@@ -1,7 +1,8 @@
-"""README and docs/design_files.md are true: designs, output and Python are the product's own."""
+"""README and the pages that go on from it are true: designs, output and Python are real."""
 
 import os
 import re
+import shlex
 import subprocess
 import sys
 import tomllib
@@ -18,8 +19,11 @@ from .geometry.step_files import write_step
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-DESIGN_FILES = (ROOT / "docs" / "design_files.md").read_text(encoding="utf-8")
-TEXT = README + DESIGN_FILES
+DESIGN_FILES, LINKAGE_LOADS, FROM_CAD, TUTORIAL = (
+    (ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8")
+    for name in ("design_files", "linkage_loads", "parts_from_cad", "tutorial")
+)
+TEXT = README + DESIGN_FILES + LINKAGE_LOADS + FROM_CAD
 
 
 def blocks(text, language):
@@ -51,7 +55,7 @@ def test_the_designs_that_are_shown_are_those_that_are_there():
 
 def test_the_part_from_cad_in_the_docs_is_read(tmp_path):
     """In place of the press' lower bar, with a plate of 250 mm between its holes."""
-    press, shown = blocks(DESIGN_FILES, "toml")
+    (press,), (shown,) = blocks(DESIGN_FILES, "toml"), blocks(FROM_CAD, "toml")
     bracket = tomllib.loads(shown)["parts"]["bracket"]
     plate = PlateLink(length=250.0, width=90.0, thickness=20.0, hole=44.0, second_hole=40.0)
     write_step(tmp_path / bracket["shape"]["step"], plate.build)
@@ -115,7 +119,7 @@ def test_the_loads_in_the_docs_are_what_the_command_prints():
         plain = [re.sub(r"\d\.?\d*e-1\d", "round-off", line) for line in lines]
         return [" ".join(line.split()) for line in plain]
 
-    command, output = console(DESIGN_FILES, 2)
+    command, output = console(LINKAGE_LOADS, 0)
     assert comparable(output) == comparable(printed(command, ROOT))
 
 
@@ -126,6 +130,26 @@ def test_the_errors_and_bars_of_the_models_in_the_readme_are_those_of_the_trade(
             "|"
         )
         assert f"|{error}|{bar}|" in re.search(rf"^\| `{model}` \|.*$", README, re.MULTILINE)[0]
+
+
+@pytest.mark.slow
+def test_the_commands_of_the_tutorial_say_what_it_shows(tmp_path):
+    """Those up to the batch, in their order; what follows pytest is not of this machine."""
+    steps = re.findall(r"```\n(ballesta .*?)```\n(?:\n```text\n(.*?)```\n)?", TUTORIAL, re.DOTALL)
+    assert len(steps) == 7
+    for command, shown in steps:
+        (line,) = command.strip().splitlines()
+        done = subprocess.run(
+            [sys.executable, "-m", "ballesta.cli", *shlex.split(line)[1:]],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            env=os.environ | {"COLUMNS": "120", "PYTHONPATH": str(ROOT)},
+            check=False,
+        )
+        assert done.returncode in (0, 1), done.stderr
+        for text in shown.splitlines():
+            assert text.strip() in done.stdout, line
 
 
 @pytest.mark.slow

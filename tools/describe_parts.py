@@ -1,12 +1,10 @@
-"""Write docs/parts.md and its pictures: every shape of geometry.parts, described by its own code.
+"""Every shape of geometry.parts as a page, described by its own code, and its pictures.
 
-`--check` writes nothing and exits 1 if the page's text would change.
+`python tools/describe_parts.py` draws the pictures, `python tools/reference.py` writes the page.
 """
 
-import argparse
 import dataclasses
 import inspect
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -81,7 +79,7 @@ WHO = {GIVEN_BY_DESIGN: "design file", GIVEN_BY_LINKAGE: "linkage"}
 HEAD = """\
 # The parts
 
-Written by `python tools/describe_parts.py` from `geometry/parts/`; do not edit.
+Written by `python tools/reference.py` from `geometry/parts/`; do not edit.
 
 A part of a design file has one of the shapes below. Parameters are lengths with a unit, such as
 `"6.3 mm"`, numbers, or whole numbers; what the linkage gives must not be stated. A part that is a
@@ -167,21 +165,12 @@ def _default(value: object, dimension: str) -> str:
     return f"{value:g} mm" if dimension == "length" else f"{value:g}"
 
 
-def main() -> int:
-    """Write the page and the pictures, or check the page."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--check", action="store_true", help="write nothing; 1 if it would change")
-    text = page()
-    if parser.parse_args().check:
-        same = PAGE.exists() and PAGE.read_text(encoding="utf-8") == text
-        print(f"{PAGE.relative_to(ROOT)} is {'up to date' if same else 'not up to date'}")
-        return 0 if same else 1
+def main() -> None:
+    """Draw the pictures."""
     PICTURES.mkdir(exist_ok=True)
     for name, (shape, fineness) in DRAWN.items():
         parts_pictures.draw(mesh_shape(shape, fineness=fineness), PICTURES / f"{name}.svg")
-    PAGE.write_text(text, encoding="utf-8")
-    return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

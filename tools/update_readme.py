@@ -1,7 +1,7 @@
-"""Put the design files and the commands' real output into README.md and docs/design_files.md.
+"""Put the design files and the commands' real output into README.md and two pages of docs.
 
-The first toml block of each becomes the design it explains; a console block keeps its `$` line and
-gets what that command prints.
+The first toml block of a page becomes the design it explains, if it explains one; a console block
+keeps its `$` line and gets what that command prints.
 """
 
 import os
@@ -18,6 +18,7 @@ FOUR_BAR = ROOT / "ballesta" / "design" / "templates" / "four_bar.toml"
 SHOWN = {
     ROOT / "README.md": FOUR_BAR,
     ROOT / "docs" / "design_files.md": ROOT / "designs" / "toggle_press.toml",
+    ROOT / "docs" / "linkage_loads.md": None,
 }
 TOML = re.compile(r"(```toml\n)(.*?)(```\n)", re.DOTALL)
 CONSOLE = re.compile(r"(```console\n\$ ballesta ([^\n]*)\n)(.*?)(```\n)", re.DOTALL)
@@ -51,8 +52,9 @@ def main() -> None:
     with folder() as where:
         for page, design in SHOWN.items():
             text = page.read_text(encoding="utf-8")
-            shown = design.read_text(encoding="utf-8")
-            text = TOML.sub(lambda found, shown=shown: found[1] + shown + found[3], text, count=1)
+            if design is not None:
+                shown = design.read_text(encoding="utf-8")
+                text = TOML.sub(lambda found, shown=shown: found[1] + shown + found[3], text, 1)
             for head, arguments, before, tail in CONSOLE.findall(text):
                 new = f"{head}{printed(arguments, where)}\n{tail}"
                 text = text.replace(head + before + tail, new)

@@ -7,7 +7,7 @@ and describe themselves in its JSON schema.
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from operator import ge, gt, le, lt
@@ -56,6 +56,8 @@ DIMENSIONS = {
     "angular acceleration": Dimension("an angular acceleration", "rad/s2", "2 rad/s2"),
     "roughness": Dimension("a roughness Rz", "mm", "25 um"),
 }
+# examples of pairs, by their dimension; "" is a direction
+PAIRS = {"length": "200, 150 mm", "acceleration": "0, -9.81 m/s2", "": "0, 1"}
 # only to name what was found where another dimension was expected
 _OTHER_TITLES = {
     "mm2": "an area", "mm3": "a volume", "K": "a temperature", "W": "a power",
@@ -222,7 +224,7 @@ def measure(value: object, *accepted: str) -> Measured:
 def measure_pair(value: object, dimension: str) -> Pair:
     """Convert text such as "200, 150 mm" to two numbers in ballesta's units."""
     unit = DIMENSIONS[dimension].unit if dimension else ""
-    example = {"length": "200, 150 mm", "acceleration": "0, -9.81 m/s2", "": "0, 1"}[dimension]
+    example = PAIRS[dimension]
     what = f"two numbers with a unit, such as {example!r}" if unit else f"such as {example!r}"
     must_be = f"must be {what}, got {_shown(value)}".replace("'", '"')
     parts = value.split(",") if isinstance(value, str) else []
@@ -267,17 +269,27 @@ class Quantity:
         """Return the number in ballesta's units, or raise ValueError."""
         measured = measure(value, *self.dimensions)
         number = measured.value
+        for word, bound, breaks in self._bounds():
+            if breaks(number, bound):
+                limit = _limit(bound, measured.dimension)
+                hint = f"; {self.if_negative}" if self.if_negative and number < 0.0 else ""
+                raise ValueError(f"must be {word} {limit}, got {_shown(value)}{hint}")
+        return measured if self.keep_dimension else measured.value
+
+    def bounds(self) -> list[str]:
+        """The bounds in words, such as "above 0 mm", in units of the first dimension."""
+        return [f"{word} {_limit(bound, self.dimensions[0])}" for word, bound, _ in self._bounds()]
+
+    def _bounds(self) -> Iterator[tuple[str, float, Callable[[float, float], bool]]]:
+        """Word, bound and the comparison that breaks it."""
         for word, bound, breaks in (
             ("above", self.above, le),
             ("at least", self.at_least, lt),
             ("below", self.below, ge),
             ("at most", self.at_most, gt),
         ):
-            if bound is not None and breaks(number, bound):
-                limit = _limit(bound, measured.dimension)
-                hint = f"; {self.if_negative}" if self.if_negative and number < 0.0 else ""
-                raise ValueError(f"must be {word} {limit}, got {_shown(value)}{hint}")
-        return measured if self.keep_dimension else measured.value
+            if bound is not None:
+                yield word, bound, breaks
 
     def __get_pydantic_core_schema__(
         self, source: Any, handler: GetCoreSchemaHandler
@@ -331,11 +343,10 @@ class Vector:
         self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
         unit = r"\s*[A-Za-zµμ°].*" if self.dimension else r"\s*"
-        example = {"length": "200, 150 mm", "acceleration": "0, -9.81 m/s2", "": "0, 1"}
         return {
             "type": "string",
             "pattern": rf"^\s*{_NUMBER}[^,]*,\s*{_NUMBER}{unit}$",
-            "examples": [example[self.dimension]],
+            "examples": [PAIRS[self.dimension]],
         }
 
 

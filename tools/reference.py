@@ -1,0 +1,171 @@
+"""Write docs/reference and docs/parts.md from the code that they describe.
+
+`--check` writes nothing and exits 1 if a page would change. The pictures of the shapes are drawn by
+`python tools/describe_parts.py`.
+"""
+
+import argparse
+import inspect
+import sys
+import tomllib
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import describe_parts
+from reference_keys import anchor, design_file_page
+from typer.main import get_group
+
+from ballesta.cli import app
+from checks.design.materials import known_materials
+from checks.design.model import Requirements
+
+ROOT = Path(__file__).parent.parent
+REFERENCE = ROOT / "docs" / "reference"
+MATERIALS = """\
+# Materials
+
+Written by `python tools/reference.py` from `checks/design/materials.toml`; do not edit.
+
+`material = "NAME"` in a part takes one of these. Values are the standard's minimum for the state
+and thickness that the source names; a thicker part has less. Another material stands under
+`[materials.NAME]` in the design file, with [these keys](design_file.md#{anchor}).
+
+| Name | E, GPa | ν | ρ, kg/m3 | Yield, MPa | Tensile, MPa | S_e/S_u | FKM group | Source |
+| --- | --- | --- | --- | --- | --- | --- | --- | --- |
+{rows}
+
+E is Young's modulus, ν Poisson's ratio, ρ the density, S_e/S_u the endurance limit of a polished
+bar over the tensile strength; a material that is not steel must state it. A brittle material has
+none: neither von Mises nor Goodman can judge it, and the result says so.
+"""
+CHECKS = """\
+# Checks
+
+Written by `python tools/reference.py` from `tools/reference_checks.toml`; do not edit.
+
+A check compares a demand with a limit. It passes when the upper end of the demand's error bars,
+times the required safety, stays within the limit. `require.KEY` in the design file sets that
+safety; the number in brackets is its default.
+
+| Kind | Demand | Limit | Required safety | Source |
+| --- | --- | --- | --- | --- |
+{rows}
+
+[How a part is judged](../judgement.md) says which checks a part gets, and which of them decides.
+"""
+COMMANDS = """\
+# Commands and exit codes
+
+Written by `python tools/reference.py` from `ballesta/cli.py`; do not edit.
+
+| Exit code | Meaning |
+| --- | --- |
+| 0 | every part passes |
+| 1 | a part fails or stays UNDECIDED |
+| 2 | an input is wrong: the message names file, key, what was found and what was expected |
+| 3 | the numerics gave up |
+| 130 | stopped by Ctrl-C; what was finished is written |
+
+Of several designs the highest code counts, and a bad file costs that file alone. Commands that
+judge nothing, such as `why` and `diff`, end with 0 whatever the verdict.
+
+"""
+
+
+def materials_page() -> str:
+    """Every material that ballesta knows, with its values and their source."""
+    rows = []
+    for one in known_materials().values():
+        ratio = one.endurance_ratio or (0.5 if one.ductile else None)
+        cells = (
+            f"`{one.name}`",
+            f"{one.youngs_modulus / 1e3:g}",
+            f"{one.poisson_ratio:g}",
+            f"{one.density * 1e12:g}",
+            f"{one.yield_stress:g}",
+            f"{one.ultimate_stress:g}",
+            f"{ratio:g}" if ratio else "brittle",
+            one.fkm_group or "none",
+            one.source,
+        )
+        rows.append(row(*cells))
+    return MATERIALS.format(anchor=anchor("materials.NAME"), rows="\n".join(rows))
+
+
+def checks_page() -> str:
+    """Every check with its demand, limit, required safety and source."""
+    rows = []
+    for check in known_checks():
+        key = check["require"]
+        safety = f"`require.{key}` ({Requirements.model_fields[key].default:g})"
+        kind = check["name"].partition(":")[0]
+        rows.append(row(kind, check["demand"], check["limit"], safety, check["source"]))
+    return CHECKS.format(rows="\n".join(rows))
+
+
+def known_checks() -> list[dict[str, str]]:
+    """The entries of tools/reference_checks.toml."""
+    text = (ROOT / "tools" / "reference_checks.toml").read_text(encoding="utf-8")
+    checks: list[dict[str, str]] = tomllib.loads(text)["check"]
+    return checks
+
+
+def commands_page() -> str:
+    """Every command with its arguments and options, and the exit codes."""
+    lines = []
+    for name, command in get_group(app).commands.items():
+        lines += [f"## ballesta {name}", "", inspect.cleandoc(command.help or ""), ""]
+        if command.params:
+            lines += [row("Argument", "Meaning", "Default"), row("---", "---", "---")]
+            lines += [*map(_parameter, command.params), ""]
+    return COMMANDS + "\n".join(lines)
+
+
+def _parameter(parameter: Any) -> str:
+    name = parameter.metavar or parameter.name.upper()
+    if parameter.param_type_name == "argument":
+        words = [name]
+    else:
+        value = "" if parameter.is_flag else f" {name}"
+        words = [f"{option}{value}" for option in (*parameter.opts, *parameter.secondary_opts)]
+    default = "" if parameter.default in (None, False, True, "") else f"`{parameter.default}`"
+    variable = getattr(parameter, "envvar", None)
+    meaning = f"{parameter.help}; environment: `{variable}`" if variable else parameter.help
+    words_shown = ", ".join(f"`{word}`" for word in words)
+    return row(words_shown, meaning, "must be stated" if parameter.required else default)
+
+
+def row(*cells: str) -> str:
+    """A row of a table in Markdown."""
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+
+PAGES: Mapping[Path, Callable[[], str]] = {
+    REFERENCE / "design_file.md": design_file_page,
+    REFERENCE / "materials.md": materials_page,
+    REFERENCE / "checks.md": checks_page,
+    REFERENCE / "commands.md": commands_page,
+    describe_parts.PAGE: describe_parts.page,
+}
+
+
+def main() -> int:
+    """Write the pages, or say which would change."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--check", action="store_true", help="write nothing; 1 if one would change")
+    check = parser.parse_args().check
+    stale = 0
+    for file, page in PAGES.items():
+        text = page()
+        if not check:
+            file.parent.mkdir(exist_ok=True)
+            file.write_text(text, encoding="utf-8")
+        elif not file.exists() or file.read_text(encoding="utf-8") != text:
+            stale = 1
+            print(f"{file.relative_to(ROOT)} is out of date: run this tool", file=sys.stderr)
+    return stale
+
+
+if __name__ == "__main__":
+    sys.exit(main())
