@@ -6,6 +6,9 @@ the file is read again: the parts must not notice.
 
 # ruff: noqa: E501 - one refusal a line: what is wrong, then the wording
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -21,6 +24,7 @@ from checks.stress.solid_mesh_level import Models
 from loads import LinkageError
 from loads.kinematics import rotated, turned_left
 
+ROOT = Path(__file__).parent.parent.parent
 SOLID = Effort("solid")
 MACHINE = """
 name = "Slider-crank"
@@ -321,6 +325,17 @@ def test_a_part_is_loaded_by_the_file_as_by_the_solved_cycle(with_part):
     limit = 1e-9 * np.abs(solved.accelerations).max(axis=0)
     assert np.all(np.abs(read.accelerations - solved.accelerations) <= limit)
     assert read.labels[0] == "crank angle = 0 deg"
+
+
+def test_the_design_of_the_docs_is_loaded_by_the_file_as_well(with_part):
+    """The rod of docs/measured_loads.md is this one; its loads balance, and load its part."""
+    folder, design, masses, cycles = with_part
+    page = (ROOT / "docs" / "measured_loads.md").read_text(encoding="utf-8")
+    (shown,) = re.findall(r"```toml\n(.*?)```\n", page, re.DOTALL)
+    read = read_design(written(folder, shown, "docs.toml"))
+    on_it = loads_on(read, read.parts["rod_tube"], measured_loads(read, masses))
+    solved = loads_on(design, design.parts["rod_tube"], cycles)
+    assert on_it.largest_force == pytest.approx(solved.largest_force, rel=1e-9)
 
 
 @pytest.mark.slow
