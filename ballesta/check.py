@@ -235,7 +235,7 @@ def check_design(
 
 
 def _kept(design: Design, frame: DesignResult, keep: Keep | None) -> Finished | None:
-    """What hands over a part's result as soon as it is there."""
+    """The function that hands over a part's result as soon as it is there; None without `keep`."""
     if keep is None:
         return None
     keep(FRAME, (frame, list(design.parts)))

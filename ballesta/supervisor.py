@@ -28,7 +28,7 @@ _WIDTH = 100  # characters of a line of progress
 
 
 def is_long(argv: Sequence[str]) -> bool:
-    """Whether a command line is one that may take long."""
+    """True for a command line that may take long."""
     if not argv or "--help" in argv:
         return False
     searches = any(word.split("=")[0] == "--until" for word in argv)
@@ -100,7 +100,7 @@ class _Run:
         return STOPPED
 
     def _told(self) -> bool:
-        """Whether a successor has anything to tell of."""
+        """True if a finished part or result was kept for a successor to report."""
         return any(name.startswith(("part ", "done")) for name in self._kept)
 
     def kill(self) -> None:

@@ -12,7 +12,7 @@ Keep = Callable[[str, Any], None]
 
 @dataclass(frozen=True, eq=False)
 class KeptPart:
-    """What is known of a part.
+    """Result of a part so far.
 
     left      kinds of checks that a better model may still settle; none of a final result
     warnings  that belong to it

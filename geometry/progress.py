@@ -16,13 +16,13 @@ from geometry.child import Parent
 
 @dataclass(frozen=True)
 class Order:
-    """What a child is started for.
+    """The work that a child process is started for.
 
     argv   of the command line
     began  when the user gave it, on the clock of `monotonic`
     kept   what an ended predecessor had handed over, pickled, by name
     ended  why that one was ended, in words; "" where there was none
-    stop   whether to end once what was kept is told
+    stop   true if it reports what was kept, then ends
     """
 
     argv: Sequence[str]
@@ -78,7 +78,7 @@ def expect(text: str, seconds: float) -> None:
 
 
 def is_supervised() -> bool:
-    """Whether somebody takes what is kept."""
+    """True if a supervisor takes what is kept."""
     return _parent is not None
 
 
@@ -95,7 +95,7 @@ def forget(prefix: str) -> None:
 
 
 def recovered(name: str) -> Any:
-    """What an ended predecessor had handed over; None for nothing."""
+    """The value that an ended predecessor has handed over under a name; None for none."""
     return pickle.loads(_order.kept[name]) if name in _order.kept else None
 
 
@@ -105,7 +105,7 @@ def ended() -> str:
 
 
 def stops() -> bool:
-    """Whether to end once what was recovered is told."""
+    """True if this process reports what was recovered, then ends."""
     return _order.stop
 
 

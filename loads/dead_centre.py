@@ -80,7 +80,7 @@ def pull_through(
     sense = _sense(path, resisting, start, dead_centre)
 
     def hardest(stiffness: float) -> tuple[float, int]:
-        """What the drive needs at most, less the pull, and at which position."""
+        """Largest force of the drive, less the pull, N, and its position's index."""
         forces: dict[str, float | FloatArray] = {**(given or {})}
         forces[process] = sense * stiffness * depth
         needed = np.sign(pull) * solve_forces(motion, forces, drive).efforts[drive]

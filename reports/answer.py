@@ -63,7 +63,7 @@ def answer_text(
 
 
 def _headline(result: DesignResult) -> Iterator[tuple[str, str]]:
-    """What decides: how far, where, when, and why it is open."""
+    """The deciding check: its safety, place and moment, and why it is open."""
     if not result.checks:
         yield "why", "nothing was checked"
         return

@@ -81,7 +81,7 @@ class Cluster:
     address  of the scheduler, as `scheduler_of` returns it
     seconds, memory  that a job may take, as in `executor.Settings`
     out      folder of the batch, which the workers see, too
-    say      who is told when there are no workers
+    say      takes a text when there are no workers
     tls      folder of certificates, as `security_of` reads it; None for dask's own configuration
 
     Whatever keeps the batch from being run as asked is a DesignError of --executor.
@@ -215,7 +215,7 @@ class Cluster:
         self._client.close(timeout=_CLOSE)
 
     def _taken(self, place: int, reply: Any) -> Finished:
-        """What came of a job, from a reply or from what dask says instead of one."""
+        """Outcome of a job, from its reply or from dask's own words in place of one."""
         from distributed import CancelledError
 
         if isinstance(reply, str):
@@ -276,7 +276,7 @@ class Cluster:
 
 
 def _dask_gave_up(reply: Any) -> bool:
-    """Whether a job was not ended because the workers that had it died, one after the other."""
+    """True if dask gave a job up since the workers that had it died, one after the other."""
     from distributed import KilledWorker
 
     return isinstance(reply, tuple) and isinstance(reply[1], KilledWorker)

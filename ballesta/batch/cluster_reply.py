@@ -1,4 +1,4 @@
-"""What may come from a cluster: plain text of a known form, and nothing that names code to run.
+"""Replies of a cluster's workers: plain text of a known form, which names no code to run.
 
 A pickle can name any function and have it called when it is read; so whoever can speak as a dask
 worker could run commands where the batch was started. Replies are JSON here, of which every field
@@ -28,7 +28,7 @@ _STRICT = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False)
 
 @dataclass(frozen=True)
 class Reply:
-    """What came of a job on a dask worker.
+    """Outcome of a job on a dask worker.
 
     worker    its address
     refused   why the job was not run or not ended; "" if it was

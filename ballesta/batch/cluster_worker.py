@@ -1,4 +1,4 @@
-"""What a dask worker does with a job of a batch: run it in a process of its own, as local ones are.
+"""A dask worker's part of a batch: each job runs in a process of its own, as local ones do.
 
 Each thread of a dask worker keeps one such process, for as long as jobs of the same batch come.
 """
@@ -155,7 +155,7 @@ def _is_gone(file: Path) -> bool:
 
 
 def _kept_for(site: Site) -> _Kept:
-    """The pool of this thread for a batch; that of another batch is ended."""
+    """The pool of this thread for a batch; one for another batch is ended first."""
     thread = threading.get_ident()
     kept = _kept.get(thread)
     if kept is not None and kept.site != site:

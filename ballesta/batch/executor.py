@@ -63,10 +63,10 @@ class Executor(Protocol):
 def executor_of(
     jobs: Sequence[Job], settings: Settings, function: str, out: Path, say: Callable[[str], None]
 ) -> Executor:
-    """Who runs some jobs by a function "module:function".
+    """The executor that runs some jobs by a function "module:function".
 
     out  folder of the batch
-    say  who is told what the user should know
+    say  takes what the user should know
     """
     if settings.scheduler is not None:
         seconds, memory = settings.seconds, settings.memory

@@ -29,10 +29,10 @@ class FolderError(Exception):
 
 
 def run_job(job: Job) -> dict[str, Any]:
-    """Check a design and write its folder; returns what came of it as plain data (`outcome`).
+    """Check a design and write its folder; returns the outcome as plain data (`outcome`).
 
-    Raises FolderError where the output folder takes no files. Whatever else goes wrong with the
-    design is told in the outcome; a bug of ours is raised.
+    Raises FolderError where the output folder takes no files. The outcome names
+    whatever else is wrong with the design; a bug of ours is raised.
     """
     start = perf_counter()
     told, sources = _Told(sys.stderr), dict[str, str]()
@@ -154,7 +154,7 @@ def _raise_if_folder_fails(error: Exception) -> None:
 
 
 class _Told(TextIOBase):
-    """Passes text on; remembers what is being done, and what the user is told beside that."""
+    """Passes text on; remembers the step that runs, and messages to the user beside it."""
 
     def __init__(self, stream: TextIO) -> None:
         self._stream, self.step = stream, ""

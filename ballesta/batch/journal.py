@@ -1,4 +1,4 @@
-"""What a batch has done: a file of JSON lines that is only ever added to.
+"""Journal of a batch: a file of JSON lines, one per finished job, to which lines are only added.
 
 Every line carries the sha256 of what it says. A line that was cut short by a kill is cut away, one
 that has been damaged is left aside, and their designs are checked again.

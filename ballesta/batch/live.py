@@ -1,4 +1,4 @@
-"""What a batch tells while it runs: a line per finished design, and a bar on a terminal."""
+"""Progress of a batch: a line per finished design, and a bar on a terminal."""
 
 import sys
 from collections import Counter
@@ -96,7 +96,7 @@ class Bar(Lines):
 
 @contextmanager
 def live() -> Iterator[Lines]:
-    """Yield who is told: with a bar where standard error is a terminal."""
+    """Yield a display of the progress, with a bar where standard error is a terminal."""
     if not sys.stderr.isatty():
         yield Lines()
         return

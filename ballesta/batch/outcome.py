@@ -1,4 +1,4 @@
-"""What came of a design of a batch, as plain data: judged, or ended without a verdict and why."""
+"""Outcome of one design of a batch as plain data: judged, or ended without a verdict, and why."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -116,7 +116,7 @@ def governing(outcome: Mapping[str, Any]) -> dict[str, Any] | None:
 
 
 def sentence(outcome: Mapping[str, Any]) -> str:
-    """What decides an outcome, in a line."""
+    """The deciding check of an outcome, or the reason of its end, in a line."""
     from checks.result.words import brief, need_text, safety_text
 
     check = governing(outcome)
@@ -135,7 +135,7 @@ def sentence(outcome: Mapping[str, Any]) -> str:
 
 
 def folder_error(folder: Path, error: OSError) -> DesignError:
-    """What to tell of an output folder that takes no files."""
+    """The error of an output folder that takes no files."""
     return DesignError(
         folder,
         "--out",

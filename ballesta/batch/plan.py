@@ -22,7 +22,7 @@ _OWN = ("batch.json", "batch.lock", "journal.jsonl", "index.html", "results.csv"
 
 @dataclass(frozen=True)
 class Request:
-    """What a batch was asked for; another request is another batch.
+    """Request of a batch: designs, variations, options. Another request is another batch.
 
     designs    files and folders, as given
     overrides  that every job has
@@ -151,7 +151,7 @@ def design_files(given: Sequence[str]) -> tuple[list[Path], set[Path]]:
 
 
 def _notes(files: Sequence[Path], twice: set[Path]) -> list[str]:
-    """What is to be told of every file: that it is there twice, by name or by content."""
+    """A note for every file that is there twice, by name or by content."""
     notes, seen = [], dict[str, Path]()
     for file in files:
         found = ["given more than once, checked once"] if file in twice else []

@@ -32,7 +32,7 @@ class PoolError(Exception):
 
 @dataclass(frozen=True)
 class Limits:
-    """What one job may take.
+    """Time and memory that one job may take.
 
     seconds  of time; None for any
     beside   bytes, while others run beside it
@@ -271,7 +271,7 @@ class Pool:
 
 
 def fatal_words(said: Sequence[str]) -> str:
-    """What a dying worker said of its reason, if it said one; "" otherwise."""
+    """The reason that a dying worker printed; "" if it printed none."""
     with suppress(StopIteration):
         return next(line.strip() for line in said if line.startswith("Fatal Python error"))
     return ""

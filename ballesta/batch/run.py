@@ -28,7 +28,7 @@ from checks.store.results import BY_THE_DAY
 
 
 class Live(Protocol):
-    """Who is told of what happens."""
+    """Receiver of a batch's progress."""
 
     def say(self, text: str) -> None:
         """Anything else that the user should know."""
@@ -150,7 +150,7 @@ def key_of(job: Job) -> str:
 
 
 def _still_holds(entry: Entry, job: Job, out: Path, seen: dict[str, str | None]) -> bool:
-    """Whether a finished job need not be done again.
+    """True if a finished job need not be done again.
 
     What was stopped by circumstances is tried again, and so is what cannot be read.
     """

@@ -39,7 +39,7 @@ def main() -> None:
 
 
 def answer(function: Callable[[Any], Any], job: Any) -> dict[str, Any]:
-    """What a job's function returned, or how it failed."""
+    """Return value of a job's function, or its error, as the worker sends it."""
     try:
         outcome = function(job)
         json.dumps(outcome, allow_nan=False)

@@ -39,7 +39,7 @@ Runs = dict[str, loads.CycleLoads | loads.MeasuredLoads]
 
 @dataclass(frozen=True)
 class Exported:
-    """What a deck holds, and what ballesta finds for it.
+    """A written deck, and ballesta's own results for it.
 
     file        the deck
     position    in words
@@ -58,7 +58,7 @@ class Exported:
     unknowns: int
 
     def text(self) -> str:
-        """What was written, for people."""
+        """The deck in words: file, position, resultants and the peak to compare with."""
         lines = [
             f"{self.part} at {self.position}: {self.file}",
             f"  {self.unknowns} unknowns; mm, N, MPa, t; stress stays free of the supports",
@@ -249,7 +249,7 @@ class _Shown:
         return np.flatnonzero(self.history.phase_of == self.history.phases.index(phase))
 
     def example(self) -> str:
-        """What can be asked for."""
+        """An example of a position that can be asked for, with their range and phases."""
         low, high = float(self.values.min()), float(self.values.max())
         return (
             f"such as {self.values[len(self.values) // 2] + 0.0:.4g}, in {self.unit}, from "

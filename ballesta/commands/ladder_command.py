@@ -45,7 +45,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Wanted:
-    """What a user asks of `ballesta ladder`; no part for all of them."""
+    """Options of `ballesta ladder`; no part stands for all of them."""
 
     part: str | None = None
     out: Path = Path("out")
@@ -218,13 +218,13 @@ def _auto(climb: Climb, models: PricedModels, say: Say) -> tuple[list[RungTried]
 
 
 def _by_a_model(check: Check, climb: Climb) -> bool:
-    """Whether a rung decides a check, and not a formula that stands on every rung."""
+    """True if a rung's own model decides a check, not a formula that stands on every rung."""
     own = [estimate.check for estimate in climb.best.values()]
     return check.method.startswith(SOLID) or any(check is other for other in own)
 
 
 def _alone(climb: Climb, rung: str, models: PricedModels, say: Say) -> RungTried:
-    """What a rung below the solid says by itself."""
+    """Verdict of a rung below the solid, taken by itself."""
     say(f"{climb.part.name}: {rung}")
     if climb.part.fkm is None:
         climb.take(rung)

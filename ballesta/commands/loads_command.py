@@ -51,7 +51,7 @@ ABSENT_MEASURED = ("what the measurement did not see", "forces out of the plane"
 
 @dataclass(frozen=True)
 class Wanted:
-    """What a user asks of `ballesta loads`; csv is a file or "-", no cycles (or runs) for all."""
+    """Options of `ballesta loads`; csv is a file or "-", no cycles (or runs) for all."""
 
     csv: str | None = None
     plot: bool = False

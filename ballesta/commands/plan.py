@@ -1,4 +1,4 @@
-"""What a check would model, before it is paid for."""
+"""Models, loads, time and memory of a check, before it is paid for."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -23,7 +23,7 @@ _FIELDLESS = ("formula", "beam")  # rungs without a mesh
 
 @dataclass(frozen=True)
 class Wanted:
-    """What a user asks of `ballesta show`; picture: a file to draw in place of a window."""
+    """Options of `ballesta show`; picture: a file to draw in place of a window."""
 
     part: str | None = None
     picture: Path | None = None

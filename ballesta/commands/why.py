@@ -1,4 +1,4 @@
-"""How the number of a check comes about: `ballesta why DESIGN|RESULT [PART] [KIND...]`."""
+"""Derivation of a check's number: `ballesta why DESIGN|RESULT [PART] [KIND...]`."""
 
 import json
 from collections.abc import Sequence
@@ -30,7 +30,7 @@ _LISTED = 20  # results of a folder of many
 
 @dataclass(frozen=True)
 class Wanted:
-    """Which checks are meant, and how much of each is told.
+    """Options of `ballesta why`: which checks, and how much of each.
 
     part     whose; "" for the one that decides the design
     kinds    such as "fatigue", or words of what is checked, such as "crooked"; none for all
@@ -170,7 +170,7 @@ def _one_result(target: Path) -> Path:
 
 
 def _beside(target: Path) -> DesignError:
-    """What to give in place of a page or a drawing that a check has written."""
+    """The error of a page or drawing that was named, with the result to name instead."""
     result = target.with_name(RESULT)
     advice = "name a design file (.toml) or a result"
     if result.is_file():

@@ -48,7 +48,7 @@ class Sources:
         self.overridden.add(key)
 
     def replaces(self, older: str, key: str) -> bool:
-        """Whether a key, or what would hold it, was stated after an older key, or set."""
+        """True if a key, or the table that would hold it, was stated after an older key, or set."""
         by_set = any(
             key == other or key.startswith((f"{other}.", f"{other}[")) for other in self.overridden
         )

@@ -171,7 +171,7 @@ class _Reader:
         )
 
     def _angle(self, body: loads.Body, entry: MeasuredBodyEntry) -> FloatArray:
-        """The stated angle; that of the assembled body where a guide holds it."""
+        """The stated angle (n,), rad; the assembled body's own where none is stated."""
         key, n, stated = f"bodies.{body.name}.angle", len(self.columns.rows), entry.angle
         if stated is None:
             frames = [at.force.frame for at in entry.at.values() if at.force is not None]

@@ -118,7 +118,7 @@ def parts_of(
 def _rollers(
     key: str, entry: Any, materials: Mapping[str, Material], problems: Problems
 ) -> dict[str, Roller]:
-    """What presses on the part's sliding contacts, where it is round."""
+    """Pins and rollers on the part's sliding contacts; flat blocks are left out."""
     sliding = [name for name in entry.interfaces if name in SLIDING]
     rollers = {}
     for name, contact in entry.contacts.items():

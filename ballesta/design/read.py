@@ -185,7 +185,7 @@ def _stated(value: Any, way: tuple[str | int, ...]) -> Iterator[tuple[str, str]]
 
 
 def _is_assumed(key: str, data: Mapping[str, Any], sources: Sources, problems: Problems) -> bool:
-    """Whether the design has a key that is marked as assumed; if it never had it, a problem.
+    """True if the design has a key that is marked as assumed; if it never had it, a problem.
 
     A reason lapses with its key where a later file or an override has replaced what held the key.
     """

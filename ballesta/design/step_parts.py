@@ -36,7 +36,7 @@ def step_geometry(
 
 
 def told_of_steps(parts: Mapping[str, Part]) -> Iterator[tuple[str, str]]:
-    """What was made of each part's STEP file, (key, in words)."""
+    """Reading of each part's STEP file: its key, and solid, unit and holes in words."""
     for name, part in parts.items():
         shape: object = part.geometry
         if isinstance(shape, StepPart):

@@ -1,1 +1,1 @@
-"""What differs between two designs or two results."""
+"""Differences between two designs or two results."""

@@ -1,6 +1,7 @@
-"""Two results as plain data, thing by thing: what `ballesta diff` tells.
+"""Comparison of two results as plain data, thing by thing, for `ballesta diff`.
 
-Results may come from another version of the tool: what one of them lacks is told and left out.
+Results may come from another version of the tool: a value that one of them lacks is named
+and left out.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -151,7 +152,7 @@ def _amount(text: str) -> tuple[str, float | tuple[float, float]] | None:
 
 
 def _alike(before: str, after: str) -> bool:
-    """Whether two texts measure the same, such as 10 mm and 1 cm."""
+    """True if two texts measure the same, such as 10 mm and 1 cm."""
     old, new = _amount(before), _amount(after)
     if old is None or new is None or old[0] != new[0]:
         return False

@@ -1,4 +1,4 @@
-"""What changed between two designs or two runs: `ballesta diff A B`."""
+"""Changes between two designs or two runs: `ballesta diff A B`."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -29,7 +29,7 @@ _MOST_RESULT = 256 * MEBIBYTE
 
 @dataclass(frozen=True)
 class Wanted:
-    """What a user asks of `ballesta diff`; fidelity and within for design files, which are checked.
+    """Options of `ballesta diff`; fidelity and within for design files, which are checked.
 
     html  file for the page; None for none
     """
@@ -107,7 +107,7 @@ def result_files(folder: Path) -> list[Path]:
 
 
 def results_at(path: Path, effort: "Effort | None", say: Say) -> dict[str, Callable[[], Found]]:
-    """What reads or makes each of the results behind a path, by name; raises DesignError."""
+    """Functions that read or compute the results behind a path, by name; raises DesignError."""
     if path.is_dir():
         files = result_files(path)
         if not files:

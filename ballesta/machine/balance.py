@@ -1,4 +1,4 @@
-"""Whether measured loads balance: on every body, and between the bodies on a pin."""
+"""Equilibrium of measured loads: on every body, and between the bodies on a pin."""
 
 from collections.abc import Iterator, Mapping
 
@@ -37,7 +37,7 @@ def measured_loads(design: Design, masses: Masses) -> dict[str, loads.MeasuredLo
 
 
 def _taken_as_zero(run: MeasuredRun, key: str) -> str:
-    """What of a body's motion enters its balance as 0 because the design does not state it."""
+    """Accelerations that enter a body's balance as 0 since the design states none, in words."""
     assumed = {stated for stated, _ in run.assumed}
     said = ""
     if f"{key}.acceleration" in assumed:
@@ -97,7 +97,7 @@ def pin_residual(part: Part, run: loads.MeasuredLoads) -> tuple[int, float, floa
 
 
 def balance_gates(design: Design, measured: Mapping[str, loads.MeasuredLoads]) -> list[Gate]:
-    """What the measured loads leave unbalanced, run by run."""
+    """Gates for the forces that the measured loads leave unbalanced, run by run."""
     gates = []
     for name, run in measured.items():
         limit = design.measured[name].tolerance
@@ -139,7 +139,7 @@ def balance_gates(design: Design, measured: Mapping[str, loads.MeasuredLoads]) -
 
 
 def not_measured(design: Design) -> list[str]:
-    """What the measured runs leave out, in words."""
+    """Parts on which a measured run has no load, in words."""
     return [
         f"{part.name} in {name}: {run.file} has no load on it"
         for name, run in design.measured.items()

@@ -1,4 +1,4 @@
-"""What ends a travel that nothing mechanical ends, and what a drive pulls through."""
+"""Warnings of assumed stops, and of dead centres that a drive pulls through."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -85,7 +85,7 @@ def _pulled_through(cycle: Cycle, phase: loads.Phase, run: loads.CycleLoads) -> 
 
 
 def dead_centre_warnings(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list[str]:
-    """Whether a cylinder pulls the linkage through the dead centre of a contact, or jams before.
+    """Warnings of cylinders that pull a linkage through a contact's dead centre, or jam before.
 
     A crank is meant to pass its dead centres; of a drive without a stated limit nothing is known.
     """

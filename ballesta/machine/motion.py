@@ -1,4 +1,4 @@
-"""How the parts of a design move through its solved cycles, thinned for pictures."""
+"""Motion of a design's parts through its solved cycles, thinned for pictures."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
@@ -100,7 +100,7 @@ def _carrier(part: Part) -> str:
 def _pins(
     design: Design, part: Part, cycle: loads.CycleLoads, frame: FloatArray, layer: float
 ) -> dict[str, PinForce]:
-    """What acts on a part at each of its interfaces, in the machine's frame."""
+    """Force on a part at each of its interfaces, in the machine's frame."""
     found = {}
     part_loads = loads_on(design, part, {cycle.name: cycle})
     heights = interface_heights(part)

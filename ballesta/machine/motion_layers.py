@@ -160,7 +160,7 @@ def _raised(spans: Spans, height: float) -> Spans:
 
 
 def _meet(pair: tuple[Spans, Spans], shift: float) -> bool:
-    """Whether two parts stand in each other when the first is moved."""
+    """True if two parts overlap when the first is moved."""
     mine, others = pair
     return any(
         low + shift < other_top and other_low < top + shift

@@ -1,4 +1,4 @@
-"""Whether the linkage may be taken as moving slowly: its vibration against the machine's speed."""
+"""Quasi-static loads: the linkage's natural frequencies against the harmonics of its loads."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -24,7 +24,7 @@ _ON_AXIS = 1e-2  # of a body's length
 
 @dataclass(frozen=True, eq=False)
 class Vibration:
-    """What is known of a cycle's vibration.
+    """Natural frequencies of a cycle and its response to the loads.
 
     positions    (m,)    as shown, of the frequencies told; unit and name as shown
     frequencies  (m, 3)  Hz, the lowest ones, the drive held; infinite where there are fewer
@@ -175,7 +175,7 @@ def _stiffness(part: Part) -> tuple[float, float, str] | None:
 
 
 def _beam_like(linkage: loads.Linkage, name: str) -> bool:
-    """Whether all that acts on a body acts on its x axis, at stated points."""
+    """True if all that acts on a body acts on its x axis, at stated points."""
     body = linkage.body(name)
     points, directions = [], []
     for joint in linkage.joints:
@@ -271,7 +271,7 @@ def _harmonic(one: Harmonic) -> str:
 
 
 def assumptions_of(design: Design, found: Mapping[str, Vibration]) -> list[tuple[str, str]]:
-    """What is assumed of the vibration, told in every result."""
+    """Assumptions on the vibration, which every result lists."""
     result: dict[tuple[str, str], None] = {}
     for name, vibration in found.items():
         for body, section in vibration.sections:
@@ -294,7 +294,7 @@ def assumptions_of(design: Design, found: Mapping[str, Vibration]) -> list[tuple
 def vibration_warnings(
     design: Design, solved: Mapping[str, loads.CycleLoads], found: Mapping[str, Vibration]
 ) -> list[str]:
-    """Whether vibration is on the loads of each cycle, where the design asks for it.
+    """Warnings that name the cycles with and without vibration, where the design asks for it.
 
     solved  the cycles without vibration
     """

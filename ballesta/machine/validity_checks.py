@@ -1,4 +1,4 @@
-"""What must hold for the loads of a cycle to count, and what their drive must be able to do."""
+"""Validity checks of a cycle's loads, and the capacity of its drive."""
 
 from collections.abc import Collection, Mapping
 from math import ceil, sqrt
@@ -77,7 +77,7 @@ def _numerical(name: str, cycle: loads.CycleLoads) -> list[Gate]:
 
 
 def _positions(name: str, cycle: loads.CycleLoads) -> Gate:
-    """What is missed of a smooth peak between positions falls with the square of their number."""
+    """Gate for peaks between the positions: the part missed falls with their number squared."""
     missed, count = cycle.unresolved, len(cycle.positions)
     meaning = (
         "how far loads rise between the positions of the cycle, over the largest of their kind, "

@@ -63,7 +63,7 @@ def load_warnings(
     masses: Mapping[str, tuple[float, tuple[float, float], float]],
     solved: Mapping[str, loads.CycleLoads],
 ) -> list[str]:
-    """What the loads alone call for beyond their gates: small reserves, assumed stops."""
+    """Warnings of the loads alone, beside their gates: small reserves, assumed stops."""
     return [
         *_assembly_gap(design, masses),
         *_drives(design, solved),

@@ -1,4 +1,4 @@
-"""How far a number may move before its test fails: what repetition leaves, not its accuracy."""
+"""Bands: how far a number may move before its test fails, by its repeatability."""
 
 import json
 from collections.abc import Iterable, Mapping
@@ -85,13 +85,13 @@ def largest_bar(rung: str, kind: str, accuracy: float) -> float | None:
 
 
 def is_bounded(rung: str, kind: str, numerical: float | None, accuracy: float) -> bool:
-    """Whether a numerical error bar, as a share, is one that re-mesh noise is measured for."""
+    """True if re-mesh noise is measured for a numerical error bar, given as a share."""
     largest = largest_bar(rung, kind, accuracy)
     return largest is None or (numerical is not None and numerical <= largest)
 
 
 def _measured_band(part: str, rung: str, kind: str, accuracy: float) -> Band:
-    """The band of measured re-mesh noise; that of a finer accuracy counts for a coarser one."""
+    """Band of measured re-mesh noise; a finer accuracy's band counts for a coarser one."""
     known = sorted(
         (entry["accuracy"], band_width(entry["worst"]))
         for entry in _noise()

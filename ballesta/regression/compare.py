@@ -1,4 +1,4 @@
-"""What has left a baseline, by how much, and what is likely to have moved it."""
+"""Numbers that have left a baseline, by how much, and what is likely to have moved them."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -57,7 +57,7 @@ class Comparison:
 
     @property
     def holds(self) -> bool:
-        """Whether all is as the baseline has it."""
+        """True if every number is as the baseline has it."""
         return not self.left and not self.bandless
 
     def text(self) -> str:
@@ -191,13 +191,13 @@ def _design_verdict(
 
 
 def _same_design(before: Mapping[str, str], now: Mapping[str, str]) -> bool:
-    """Whether two records are of one design, be it by other code or libraries."""
+    """True if two records are of one design, be it by other code or libraries."""
     stages = (set(before) | set(now)) - {"code", "libraries"}
     return all(before.get(stage) == now.get(stage) for stage in stages)
 
 
 def causes(before: Mapping[str, str], now: Mapping[str, str]) -> list[str]:
-    """What differs between what two records were made from, the design's own first."""
+    """Differences between the inputs of two records, the design's own first."""
     changed = [stage for stage in _names(before, now) if before.get(stage) != now.get(stage)]
     of_parts: dict[str, list[str]] = {}
     for stage in changed:

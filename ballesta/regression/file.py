@@ -73,7 +73,7 @@ def read_baseline(path: Path) -> Baseline:
 
 
 def is_old(path: Path) -> bool:
-    """Whether a file is a baseline of an earlier format, which stated no bands or rungs."""
+    """True for a baseline of an earlier format, which stated no bands or rungs."""
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):

@@ -79,7 +79,7 @@ def _record(code: int, answer: str, said: str) -> dict[str, Any]:
 
 
 def _isolation() -> list[str]:
-    """What shuts the user's modules out; packages of the user's own site stay, if we are there."""
+    """Options of Python that shut the user's modules out, but for the site that holds us."""
     here = site.getusersitepackages()
     return ["-E", "-P"] if WORKER.is_relative_to(Path(here).resolve()) else ["-I"]
 

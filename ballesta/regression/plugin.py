@@ -70,14 +70,14 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> "DesignFil
 
 
 def _is_baseline(path: Path) -> bool:
-    """Whether a file is a baseline of ours, also where it is broken or its design is gone."""
+    """True for a baseline of ours, also where it is broken or its design is gone."""
     if not path.name.endswith(SUFFIX):
         return False
     return _is_design(design_path(path)) or "ballesta-baseline" in _start(path)
 
 
 def _is_wanted(path: Path, parent: pytest.Collector) -> bool:
-    """Whether a file is a design that is named, or that is to get its first baseline."""
+    """True for a design that is named, or that is to get its first baseline."""
     if path.suffix != ".toml":
         return False
     updates = parent.config.getoption("update_baselines")
@@ -95,7 +95,7 @@ def _start(path: Path) -> str:
 
 
 def _is_design(path: Path) -> bool:
-    """Whether a TOML file looks like a design, read as text: it may be broken."""
+    """True if a TOML file looks like a design, read as text: it may be broken."""
     try:
         text = path.read_text(encoding="utf-8", errors="replace")
     except OSError:
@@ -197,7 +197,7 @@ class DesignItem(pytest.Item):
 
 
 def _to_review(name: str, before: Baseline, now: dict[str, object], is_new: bool) -> str:
-    """What was written, and what is to be reviewed."""
+    """Message on a written baseline: what to review in it."""
     found = compare(before, now)
     end = f"review {name} and commit it; run without {_UPDATE} after that"
     if is_new:

@@ -1,4 +1,4 @@
-"""What of a result a baseline keeps: plain data, with the rung that decided each check."""
+"""Record of a result for its baseline: plain data, with the rung that decided each check."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -58,7 +58,7 @@ def rungs_of(part: Mapping[str, Any]) -> dict[str, str]:
 def has_new_solid(
     rungs: Mapping[str, Mapping[str, str]], found: Mapping[str, Mapping[str, str]]
 ) -> bool:
-    """Whether a solid decided what was not pinned to it: pinned, it is refined otherwise."""
+    """True if a solid decided a kind that was not pinned to it: pinned, it is refined otherwise."""
     return any(
         "solid" in kinds.values() and dict(rungs.get(part, {})) != dict(kinds)
         for part, kinds in found.items()

@@ -1,4 +1,4 @@
-"""Whether a verdict has changed, or a check so near its limit that another mesh turns it."""
+"""Changed verdicts, and checks so near their limit that another mesh turns them."""
 
 from collections.abc import Iterable, Mapping
 from math import inf
@@ -12,7 +12,7 @@ _ORDER = ("pass", "UNDECIDED", "FAIL")
 def is_mesh_noise(
     before: str, now: Mapping[str, Any], kind: str, accuracy: float, band: Band
 ) -> bool:
-    """Whether a verdict would be as before with a number that re-meshing gives as well.
+    """True if a verdict would be as before with a number that re-meshing gives as well.
 
     before  the verdict so far
     now     the check as a record has it, with its bars

@@ -1,4 +1,4 @@
-"""What the isolated process does: check a design by given rungs and tell what was found."""
+"""Work of the isolated process: check a design by given rungs and return the record."""
 
 import argparse
 import json

@@ -20,7 +20,7 @@ LARGER, SMALLER = "larger", "smaller"
 
 @dataclass(frozen=True)
 class Search(Generic[T]):
-    """What a search for the value that just passes has found.
+    """Result of a search for the value that just passes.
 
     tried    every value that was checked and its status (None: it cannot be checked), in the order
              of the values

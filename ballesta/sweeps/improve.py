@@ -2,10 +2,10 @@
 
 Every dimension of a part, and its material, is varied by formula (`ballesta.sweeps.screen`). A
 change multiplies the demand that the deciding model has found, and its upper end, by the ratio of
-the formula's demands after and before; where the formula decided, by that of its upper ends. With
-the reserve r, the least of limit over (upper demand times required safety) of a part's checks, and
-a dimension x, r ~ x^p locally: p from two steps of 3 %, then three secant steps on log r over log
-x, rounded to the safe side. A change is an estimate until a check by the deciding model has
+the formula's demands after and before; where the formula decided, by the ratio of its upper ends.
+With the reserve r, the least of limit over (upper demand times required safety) of a part's checks,
+and a dimension x, r ~ x^p locally: p from two steps of 3 %, then three secant steps on log r over
+log x, rounded to the safe side. A change is an estimate until a check by the deciding model has
 verified it.
 """
 
@@ -187,7 +187,7 @@ def _reserve(check: Check) -> float:
 
 
 class _Search:
-    """What formulas say of a design's variations, set against its result."""
+    """Formula estimates of a design's variations, set against its result."""
 
     def __init__(self, design: Design, result: DesignResult) -> None:
         self.design, self.result = design, result
@@ -357,7 +357,7 @@ def _name(check: Check) -> tuple[str, str, str]:
 
 
 def _dimension(key: str, value: str) -> tuple[float, str] | None:
-    """Number and unit of an input that is a dimension of a part; a hole is that of its pin."""
+    """Number and unit of an input that is a dimension of a part; its pin sets a hole's."""
     match = _DIMENSION.match(value)
     if not match or not re.match(r"parts\.\w+\.\w+(?<!hole)$", key) or not float(match[1]):
         return None

@@ -46,7 +46,7 @@ Masses = Mapping[str, tuple[float, tuple[float, float], float]]
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Screened:
-    """What formulas say of one variation of a design.
+    """Formula estimate of one variation of a design.
 
     overrides  what it changes, each as "key=value"
     checks     of all parts, with their bars
@@ -93,7 +93,7 @@ def screen(
                 as "key=value"
     processes   that share the variations; each solves the design's own cycles first
 
-    What is wrong with a variation is told in its `problem`. Raises DesignError and NumericsError
+    A variation's `problem` says what is wrong with it. Raises DesignError and NumericsError
     for the design itself. What a whole check asks besides is `NOT_ASKED`.
     """
     wanted = [_overrides(variation) for variation in variations]

@@ -1,4 +1,4 @@
-"""What a sweep says: keys of a design and the values that they take, written with their unit."""
+"""Text of a sweep: keys of a design and the values that they take, written with their unit."""
 
 import csv
 import math
@@ -38,7 +38,7 @@ class Interval:
 
 @dataclass(frozen=True)
 class Sweep:
-    """What is varied: keys, and the values that they take together.
+    """A sweep: keys, and the values that they take together.
 
     text      as the user wrote it
     keys      dotted keys of the design

@@ -50,7 +50,7 @@ class Trial:
 
 @dataclass(frozen=True)
 class UntilResult:
-    """What `--until pass` has found; without parts all of the design is judged."""
+    """Result of `--until pass`; without parts all of the design is judged."""
 
     file: str
     sweep: str
@@ -100,7 +100,7 @@ class UntilResult:
 
 
 def _plain(check: Check) -> dict[str, Any]:
-    """What limits, by which model, and the safety at the value and at the upper end of its bars."""
+    """A check as plain data: place, model, safety, and safety at the upper end of its bars."""
     safety, least = check.safety, _least(check)
     return {
         "part": check.part,
@@ -230,7 +230,7 @@ def _judged(value: tuple[str, ...], result: DesignResult, parts: Sequence[str]) 
 
 
 def _decided(check: Check) -> str:
-    """What decides, and by how much with its bars."""
+    """The deciding check in a line: its safety, also at the upper end of its bars."""
     least = safety_text(_least(check), check.required)
     return (
         f"{check.part} {check.kind}, safety {safety_text(check.safety, check.required)}, "
