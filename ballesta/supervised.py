@@ -3,13 +3,17 @@
 import gc
 import sys
 
-from ballesta.cli import main
 from geometry.child import Parent
 from geometry.progress import begin
+
+_ALLOCATIONS = 50_000  # between looks for cycles: libraries as they load make 500 000 that stay
 
 
 def run(parent: Parent) -> None:
     """Run the command line for a supervisor."""
+    gc.set_threshold(_ALLOCATIONS)
+    from ballesta.cli import main
+
     order = parent.receive()
     if order is None:  # only to be ready: imports are what takes the time
         import reports.terminal  # noqa: F401
