@@ -230,18 +230,13 @@ def check_to_folder(
 
 def _kept() -> "Keep":
     """Return what hands over what is finished, and has drawn what can be of it."""
-    from ballesta.unfinished import FRAME, PART
+    from ballesta.unfinished import PART
     from reports.pictures import draw_ahead
-
-    frames: list[DesignResult] = []
 
     def kept(name: str, value: Any) -> None:
         telling.keep(name, value)
-        if name == FRAME:
-            frames.append(value[0])
-            draw_ahead(frames[-1])
-        elif name.startswith(PART) and not value.left:
-            draw_ahead(replace(frames[-1], parts=[value.result]))
+        if name.startswith(PART) and not value.left:
+            draw_ahead(value.result)
 
     return kept
 
@@ -251,7 +246,7 @@ def write_folder(
 ) -> dict[str, bytes]:
     """Write report.html, result.json and a .vtu per part; raises OSError.
 
-    pictures  waits for stills and charts
+    pictures  waits for stills
 
     Returns what was written, by name; nothing if pictures are missing that may be there next time.
     """

@@ -17,9 +17,6 @@ def run(parent: Parent) -> None:
     order = parent.receive()
     if order is None:  # only to be ready: imports are what takes the time
         import reports.terminal  # noqa: F401
-        from reports.svg import draw
-
-        draw(lambda _: None, (1.0, 1.0), "")  # fonts
 
         order = parent.receive()
     begin(parent, order)

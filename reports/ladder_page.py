@@ -19,10 +19,11 @@ from reports.ladder_words import (
     value_and_bar,
     whole_bar,
 )
-from reports.svg import SERIES, colour, colour_variables, draw
+from reports.svg import SERIES, Drawing, colour, colour_variables, draw
 from reports.templating import environment
 
 _MARKERS = "os^Dv<>P"
+_LEFT, _WIDE, _HIGH, _PITCH = 50.0, 450.0, 110.0, 165.0  # points of a panel, and to the next one
 _SHORTEST = 1e-4  # s: a logarithm needs more than 0
 
 
@@ -82,17 +83,16 @@ def ladder_chart(part: LadderPart) -> str:
         return ""
     names = [rung.rung for rung in part.rungs] + [AUTO]
 
-    def plot(figure: Any) -> None:
-        grid = figure.subplots(len(panels), 1, squeeze=False)[:, 0]
-        for axes, (kind, points) in zip(grid, panels, strict=True):
-            _panel(axes, kind, points, names)
+    def plot(figure: Drawing) -> None:
+        for row, (kind, points) in enumerate(panels):
+            _panel(figure, 20.0 + row * _PITCH, kind, points, names)
         shown = [name for name in names if any(name == at[0] for _, p in panels for at in p)]
-        handles = [grid[0].plot([], [], **_style(names.index(n), n), label=brief(n, 24))[0]
-                   for n in shown]  # fmt: skip
-        handles.append(grid[0].plot([], [], color=colour("fail"), label="allowed")[0])
-        figure.legend(handles=handles, loc="outside right upper")
+        entries = [(brief(n, 24), _style(names.index(n), n)) for n in shown]
+        entries.append(("allowed", {"color": colour("fail")}))
+        for row, entry in enumerate(entries):
+            figure.legend([entry], (_LEFT + _WIDE + 12, 20.0 + 15 * row, 0.0))
 
-    size = (9, 0.6 + 2.3 * len(panels))
+    size = (_LEFT + _WIDE + 150, _PITCH * len(panels))
     return draw(plot, size, f"Ladder of {brief(part.name, 40)}")
 
 
@@ -103,32 +103,35 @@ def _points(part: LadderPart, kind: str) -> list[tuple[str, float, Check]]:
     return [(name, max(seconds, _SHORTEST), check) for name, seconds, check in rungs if check]
 
 
-def _panel(axes: Any, kind: str, points: list[tuple[str, float, Check]], names: list[str]) -> None:
-    axes.set_xscale("log")
-    axes.xaxis.set_major_formatter(lambda seconds, _: f"{seconds:g}")
+def _panel(
+    figure: Drawing, top: float, kind: str, points: list[tuple[str, float, Check]], names: list[str]
+) -> None:
     allowed = [needed(check) for _, _, check in points]
+    times = [seconds for _, seconds, _ in points]
+    across, up = (min(times) / 2, max(times) * 2), (0.0, _top(points, allowed))
+    axes = figure.frame((_LEFT, top, _WIDE, _HIGH), across, up, logarithmic="x")
     if max(allowed) - min(allowed) <= 1e-9 * max(allowed):
-        axes.axhline(allowed[0], color=colour("fail"), linewidth=1.6)
+        axes.line([[end, allowed[0]] for end in across], color=colour("fail"), linewidth=1.6)
     else:  # points on different places of the part may take differently much
-        axes.plot([at for _, at, _ in points], allowed, "_", color=colour("fail"), markersize=16)
+        marks = list(zip(times, allowed, strict=True))
+        axes.line(marks, linestyle="", marker="_", color=colour("fail"), markersize=16)
     for name, seconds, check in points:
         above, below = whole_bar(check)
         style = _style(names.index(name), name)
-        axes.plot([seconds], [check.value], **style)
+        axes.line([[seconds, check.value]], **style)
         if above < inf and below < inf:
             low, high = max(0.0, check.value - below), check.value + above
-            axes.plot([seconds, seconds], [low, high], color=style["color"], marker="_")
+            axes.line([[seconds, low], [seconds, high]], color=style["color"], marker="_")
         else:
-            axes.axvline(seconds, color=style["color"], linewidth=1.2, linestyle=":")
-    axes.set_ylim(0, _top(points, allowed))
-    times = [seconds for _, seconds, _ in points]
-    axes.set_xlim(min(times) / 2, max(times) * 2)
+            axes.line([[seconds, up[0]], [seconds, up[1]]], color=style["color"], linewidth=1.2,
+                      linestyle=":")  # fmt: skip
     unit = points[0][2].unit
     least, most = number(min(allowed)), number(max(allowed))
     told = most if least == most else f"{least} to {most}"
-    axes.set_title(f"{brief(kind, 40)}, allowed {told} {brief(unit, 8)}".strip())
-    axes.set_xlabel("time [s]")
-    axes.set_ylabel(f"{brief(points[0][2].quantity, 30)} [{brief(unit, 8) or '–'}]")
+    title = f"{brief(kind, 40)}, allowed {told} {brief(unit, 8)}".strip()
+    quantity = f"{brief(points[0][2].quantity, 30)} [{brief(unit, 8) or '–'}]"
+    figure.text(_LEFT, top - 6, f"{title}: {quantity}", anchor="start", weight="bold")
+    figure.text(_LEFT + _WIDE / 2, top + _HIGH + 27, "time [s]", size=9)
 
 
 def _top(points: list[tuple[str, float, Check]], allowed: list[float]) -> float:

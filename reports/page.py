@@ -80,10 +80,10 @@ def report_html(
     rows = check_rows(result)
     live = live_section(result, mechanism=mechanism_panel(result))
     template = _template()
+    charts = design_charts(result)
     if callable(pictures):
         pictures = pictures()
     pictures = pictures or Pictures(reason="no pictures were asked for")
-    charts = pictures.charts or design_charts(result)
     parts = part_views(result, rows, pictures, charts)
     linkage = worst_first([row for row in rows if any(row.check is c for c in result.linkage)])
     said, doubts = page_headline(result)

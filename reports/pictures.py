@@ -1,13 +1,12 @@
-"""Stills and charts, drawn by a process of its own: VTK kills it where GL is missing."""
+"""Stills, drawn by a process of its own: VTK kills it where GL is missing."""
 
 import atexit
 import json
-import pickle
 import shutil
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
@@ -19,8 +18,7 @@ import numpy as np
 from checks.result.verdict import DesignResult, PartResult, Surface
 from checks.result.words import clean
 from geometry.graphics import INSTALL
-from reports.charts import DesignCharts
-from reports.worker import AHEAD, CHARTS, RESULT, StandingWorker
+from reports.worker import AHEAD, StandingWorker
 from reports.worker import PLAIN as PLAIN
 
 VIEWS = ("whole", "peak")
@@ -33,7 +31,6 @@ _LONGEST = 180.0  # s, to draw the stills of a design
 class Pictures:
     """Pictures that could be drawn, and why the rest could not.
 
-    charts  None where the page is to draw them
     images  part name -> view ("whole", "peak", and "mode" where one was found; "plain" alone of a
             part that was not meshed) -> PNG
     reason  what went wrong and its cure; "" when everything was drawn
@@ -41,7 +38,6 @@ class Pictures:
 
     images: Mapping[str, Mapping[str, bytes]] = field(default_factory=dict)
     reason: str = ""
-    charts: DesignCharts | None = None
 
 
 def prepare_drawing(worker: Sequence[str] = _WORKER, *, stress: bool = True) -> None:
@@ -59,26 +55,25 @@ def prepare_drawing(worker: Sequence[str] = _WORKER, *, stress: bool = True) -> 
 _ahead: list[Path] = []  # removed by the process that draws, or at our end
 
 
-def draw_ahead(result: DesignResult, worker: Sequence[str] = _WORKER) -> None:
-    """Have the process draw what is known of a result before all of it is.
+def draw_ahead(part: PartResult, worker: Sequence[str] = _WORKER) -> None:
+    """Have the process draw the stills of a part before the whole result is there.
 
-    Without parts, which are still to be checked, these are charts of the loads; else charts and
-    stills of those that it has. They are not drawn again for the whole result.
+    They are not drawn again for it.
     """
     folder = Path(mkdtemp(prefix="ballesta-"))
     _ahead.append(folder)
-    _asked(result.parts, folder)
-    (folder / AHEAD).write_bytes(pickle.dumps(_to_chart(result)))
+    _asked([part], folder)
+    (folder / AHEAD).touch()
     _standing(worker).hand(folder)
 
 
 @contextmanager
 def drawing(result: DesignResult) -> Iterator[Callable[[], Pictures]]:
-    """Have a process draw the stills and charts of a result beside other work.
+    """Have a process draw the stills of a result beside other work.
 
     Yields what waits for them.
     """
-    with _drawing(result.parts, result, _LONGEST, _WORKER) as pictures:
+    with _drawing(result.parts, _LONGEST, _WORKER) as pictures:
         yield pictures
 
 
@@ -93,16 +88,13 @@ def render_stills(
     One process draws them all, for at most `timeout` seconds of waiting. Its failure is a reason in
     the result, never an exception, and what it had drawn until then is kept.
     """
-    with _drawing(parts, None, timeout, worker) as pictures:
+    with _drawing(parts, timeout, worker) as pictures:
         return pictures()
 
 
 @contextmanager
 def _drawing(
-    parts: Sequence[PartResult],
-    result: DesignResult | None,
-    timeout: float,
-    worker: Sequence[str],
+    parts: Sequence[PartResult], timeout: float, worker: Sequence[str]
 ) -> Iterator[Callable[[], Pictures]]:
     if not parts:
         yield Pictures
@@ -110,8 +102,6 @@ def _drawing(
     with TemporaryDirectory(prefix="ballesta-", ignore_cleanup_errors=True) as name:
         folder = Path(name)
         views = _asked(parts, folder)
-        if result is not None:
-            (folder / RESULT).write_bytes(pickle.dumps(_to_chart(result)))
         process = _standing(worker)
         process.hand(folder)
 
@@ -123,15 +113,14 @@ def _drawing(
             images: dict[str, dict[str, bytes]] = {part.name: {} for part in parts}
             for part, job, shown in views:
                 images[part] |= _collected(folder, job, shown)
-            charts = _charts(folder / CHARTS)
             asked = sum(len(shown) for _, _, shown in views)
             missing = asked - sum(len(made) for made in images.values())
             if missing == 0 and not ended.words:
-                return Pictures(images, charts=charts)
+                return Pictures(images)
             problem = ended.words or "the worker ended well but left pictures out"
             lack = f"{missing} of {asked} pictures are missing"
             cure = f"Where GL libraries are missing: {INSTALL}"
-            return Pictures(images, f"{lack}: {problem}. {cure}", charts)
+            return Pictures(images, f"{lack}: {problem}. {cure}")
 
         yield drawn
 
@@ -188,22 +177,6 @@ def _asked(parts: Sequence[PartResult], folder: Path) -> list[tuple[str, int, Se
             asked.append((part.name, number, views))
     (folder / "jobs.json").write_text(json.dumps(jobs), encoding="utf-8")
     return asked
-
-
-def _to_chart(result: DesignResult) -> DesignResult:
-    """Result without the data that no chart needs."""
-    bare = Surface(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64), {}, 0)
-    parts = [replace(part, surface=bare, mode=None, live=None) for part in result.parts]
-    return replace(result, parts=parts, motion={})
-
-
-def _charts(file: Path) -> DesignCharts | None:
-    """Charts that the process has drawn; None where it did not come to that."""
-    if not file.is_file():
-        return None
-    charts = pickle.loads(file.read_bytes())
-    assert isinstance(charts, DesignCharts)
-    return charts
 
 
 def stress_field(surface: Surface) -> str:

@@ -4,14 +4,13 @@ An empty line has it load the graphics libraries, which it else does when a stil
 
 A folder holds jobs.json (field, views) and part_<i>.npz (nodes, triangles, values, peak), and
 receives part_<i>_<view>.png: "peak" from near, any other view of the whole surface, "plain" without
-colours, colour bar and marker. Where it holds result.pickle it receives charts.pickle, too. One
-that holds ahead.pickle is removed, and not answered: the loads of that result, or its parts once
-they are there, are drawn beside other work, and taken from memory when the same come again.
+colours, colour bar and marker. One that holds a file "ahead" is removed, and not answered: the
+parts of a result are drawn beside other work once they are there, and taken from memory when the
+same come again.
 """
 
 import json
 import os
-import pickle
 import shutil
 import signal
 import sys
@@ -25,12 +24,9 @@ import numpy as np
 import numpy.typing as npt
 from PIL import PngImagePlugin  # noqa: F401 (each still needs it: loaded beside other work)
 
-from reports.charts import cycle_charts, design_charts, part_charts
-from reports.charts.chart import Known
 from reports.plain_still import plain_still
 from reports.surface_style import FACES, LIGHTING, LINES, MARK, sharp_edges
-from reports.svg import draw
-from reports.worker import AHEAD, CHARTS, PLAIN, RESULT
+from reports.worker import AHEAD, PLAIN
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -45,7 +41,6 @@ def main() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent: it ends our input
     answers = os.fdopen(os.dup(1), "wb", buffering=0)
     os.dup2(2, 1)  # what a library prints is no answer
-    draw(lambda figure: None, (1.0, 1.0), "")  # what is drawn first takes three times as long
     for line in sys.stdin.buffer:
         if not line.strip():
             _draw_a_tetrahedron()
@@ -58,38 +53,31 @@ def main() -> None:
         answers.write(line)
 
 
-_known: Known = {}
-_stills: dict[bytes, bytes] = {}
+_stills: dict[bytes, bytes] = {}  # of a design's parts
 
 
 def draw_ahead(folder: Path) -> None:
-    """Draw what is known of a folder's result, and keep it for what comes next."""
-    result = pickle.loads((folder / AHEAD).read_bytes())
-    if not result.parts:  # another design, of which the loads are known
-        _known.clear()
-        _stills.clear()
-        cycle_charts(result, _known)
-    for part in result.parts:
-        part_charts(part, result, _known)
+    """Draw the stills of a folder, and keep them for what comes next."""
     for index, job in enumerate(_jobs(folder)):
         data, digest = _data(folder, index)
         for view in job["views"]:
-            key = f"{job['field']} {view} ".encode() + digest
-            _stills[key] = still(data, job["field"], view)
+            _stills[_key(job, view, digest)] = still(data, job["field"], view)
     shutil.rmtree(folder, ignore_errors=True)
 
 
 def draw_folder(folder: Path) -> None:
-    """Draw the charts of a folder, then its stills: these may end the process."""
-    if (folder / RESULT).is_file():
-        charts = design_charts(pickle.loads((folder / RESULT).read_bytes()), _known)
-        _write(folder / CHARTS, pickle.dumps(charts))
+    """Draw the stills of a folder, the last one of its design: these may end the process."""
     for index, job in enumerate(_jobs(folder)):
         data, digest = _data(folder, index)
         for view in job["views"]:
-            drawn = _stills.get(f"{job['field']} {view} ".encode() + digest)
+            drawn = _stills.get(_key(job, view, digest))
             picture = drawn or still(data, job["field"], view)
             _write(folder / f"part_{index}_{view}.png", picture)
+    _stills.clear()
+
+
+def _key(job: dict[str, Any], view: str, digest: bytes) -> bytes:
+    return f"{job['field']} {view} ".encode() + digest
 
 
 def _jobs(folder: Path) -> list[dict[str, Any]]:

@@ -16,7 +16,7 @@ from checks.result.words import clean
 from fem.threads import ONE_THREAD
 
 PLAIN = "plain"  # a view
-RESULT, CHARTS, AHEAD = "result.pickle", "charts.pickle", "ahead.pickle"  # files of a folder
+AHEAD = "ahead"  # a file of a folder that is not waited for
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from reports.charts.numbers import FloatArray, decimals_of, fixed, numbers
 from reports.charts.over_cycle import cursor_text
 from reports.charts.plane import Plane, drawing, ink
 from reports.charts.thin import thinned
-from reports.svg import SERIES, Marks, colour
+from reports.svg import SERIES, Drawing, colour
 
 _TITLE = "Buckling: column curves"
 _N = 161
@@ -46,7 +46,7 @@ def buckling_chart(part: PartResult, result: DesignResult) -> Chart | Missing:
         if name in data["force"]
     }
 
-    def plot(figure: Any) -> Any:
+    def plot(figure: Drawing) -> dict[str, str]:
         plane = _plane(figure, data)
         _curves(plane, data)
         allowed = [float(one["limit"]) / float(data["required"]) for one in planes]
@@ -55,9 +55,9 @@ def buckling_chart(part: PartResult, result: DesignResult) -> Chart | Missing:
         plane.avoid([[one["slenderness"], v] for one, v in zip(planes, allowed, strict=True)])
         for k, one in enumerate(planes):
             _point(plane, one, data, k)
-        return lambda: _marks(plane, planes, forces)
+        return _marks(plane, planes, forces)
 
-    svg = drawing(plot, f"Column curves of {brief(part.name, 40)}", 3.4)
+    svg = drawing(plot, f"Column curves of {brief(part.name, 40)}", 245.0)
     columns, rows = _table(data)
     return Chart("buckling", _TITLE, _caption(data), svg, columns, rows, series)
 
@@ -105,7 +105,7 @@ def _etas(data: Mapping[str, Any]) -> dict[str, Curve]:
     }
 
 
-def _plane(figure: Any, data: Mapping[str, Any]) -> Plane:
+def _plane(figure: Drawing, data: Mapping[str, Any]) -> Plane:
     transition = transition_slenderness(float(data["yield"]), float(data["youngs_modulus"]))
     own = max(float(p["slenderness"]) for p in data["planes"])
     top = max(float(data["yield"]), *(float(p["stress"]) for p in data["planes"]))
@@ -115,9 +115,9 @@ def _plane(figure: Any, data: Mapping[str, Any]) -> Plane:
 
 
 def _curves(plane: Plane, data: Mapping[str, Any]) -> None:
-    strength, (_, top) = float(data["yield"]), plane.axes.get_ylim()
+    strength, (_, top) = float(data["yield"]), plane.frame.up
     transition = transition_slenderness(strength, float(data["youngs_modulus"]))
-    across = np.linspace(1e-3 * plane.axes.get_xlim()[1], plane.axes.get_xlim()[1], _N)
+    across = np.linspace(1e-3 * plane.frame.across[1], plane.frame.across[1], _N)
     across = np.unique(np.append(across, transition))
     judged = "Eurocode 3 " + str(data["curve"]) if data["curve"] else ""
     styles: dict[str, dict[str, Any]] = {
@@ -163,10 +163,7 @@ def _eurocode_names(plane: Plane, curves: list[tuple[str, FloatArray, str]]) -> 
         return
     for k, (name, points, tint) in enumerate(curves):
         at = points[int(len(points) * (0.30 + 0.035 * k))]
-        plane.axes.annotate(
-            name.split()[-1], at, ha="center", va="center", size=8, color=tint, weight="bold",
-            bbox={"boxstyle": "round,pad=0.12", "fc": colour("ground"), "ec": "none"},
-        )  # fmt: skip
+        plane.write(name.split()[-1], plane.at([at])[0], size=8, color=tint, weight="bold")
         plane.avoid([at], 6.0)
     name, points, tint = curves[-1]
     plane.name("Eurocode 3, curves a0 to d", points, tint, prefer=0.2, weight="bold")
@@ -190,22 +187,23 @@ def _point(plane: Plane, one: Mapping[str, Any], data: Mapping[str, Any], index:
 
 def _marks(
     plane: Plane, planes: list[Mapping[str, Any]], forces: Mapping[int, FloatArray]
-) -> Marks:
+) -> dict[str, str]:
     rows: list[dict[str, Any]] = []
-    top = plane.axes.get_ylim()[1]
+    top = plane.frame.up[1]
     for cycle, force in forces.items():
         same: dict[float, int] = {}  # area -> row of its numbers
         for row, one in enumerate(planes):
-            (x, bottom), (_, upper) = plane.drawn([[one["slenderness"], v] for v in (0.0, top)])
-            scale = [0.0, round(bottom, 1), round(top, 6), round(upper, 1)]
-            made: dict[str, Any] = {"row": row, "x": round(x, 1)}
+            ends = [[one["slenderness"], v] for v in (0.0, top)]
+            (x, bottom), (_, upper) = plane.frame.places(ends).round(1).tolist()
+            scale = [0.0, bottom, round(top, 6), upper]
+            made: dict[str, Any] = {"row": row, "x": x}
             if one["area"] in same:
                 made["as"] = same[one["area"]]
             else:
                 same[one["area"]] = len(rows)
                 made |= {"cycle": cycle, "scale": scale, **_stresses(force, one)}
             rows.append(made)
-    return {"": {"data-cursor": cursor_text({"rows": rows})}} if rows else {}
+    return {"data-cursor": cursor_text({"rows": rows})} if rows else {}
 
 
 def _stresses(force: FloatArray, one: Mapping[str, Any]) -> dict[str, list[float]]:

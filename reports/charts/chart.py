@@ -1,12 +1,12 @@
 """A chart as the page takes it: a picture, what it says in words, and the table behind it."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from reports.svg import COLOURS, SERIES
+from reports.svg import SERIES
 
-SIZE = (6.4, 3.1)  # inches of a chart: text of 10 points stays readable on a phone
+SIZE = (460.8, 223.2)  # points of a chart: text of 10 points stays readable on a phone
 _DASHES = ("-", (0, (6, 2)), (0, (1.5, 1.5)), (0, (7, 2, 1.5, 2)), (0, (3, 1.5)), (0, (10, 3)))
 
 
@@ -78,37 +78,12 @@ class Charts:
         return list(found.items())
 
 
-def gathered(makers: Sequence[Callable[[], Chart | Missing]]) -> Charts:
-    """Return the charts that some makers make, and the missing ones."""
-    made = [make() for make in makers]
+def gathered(made: Sequence[Chart | Missing]) -> Charts:
+    """Return the charts, and the missing ones."""
     return Charts(
         tuple(item for item in made if isinstance(item, Chart)),
         tuple(item for item in made if isinstance(item, Missing)),
     )
-
-
-Known = dict[bytes, Chart | Missing]
-"""Charts by all that they are made of."""
-
-
-def once(
-    known: Known | None, key: bytes, make: Callable[[], Chart | Missing]
-) -> Callable[[], Chart | Missing]:
-    """Return a maker that takes a chart from the known ones, which a new one joins."""
-
-    def maker() -> Chart | Missing:
-        if known is None:
-            return make()
-        if key not in known:
-            known[key] = make()
-        return known[key]
-
-    return maker
-
-
-def without_peaks(cycle: Mapping[str, Any]) -> dict[str, Any]:
-    """A cycle as it is before any part is checked."""
-    return {key: value for key, value in cycle.items() if key != "peaks"}
 
 
 def stroke(index: int) -> dict[str, Any]:
@@ -122,15 +97,13 @@ def stroke(index: int) -> dict[str, Any]:
 
 def swatch(index: int) -> str:
     """A piece of a series' stroke as SVG."""
-    name = f"series{index % len(SERIES)}"
-    dashes = _DASHES[index % len(_DASHES)]
+    tint, dashes = SERIES[index % len(SERIES)], _DASHES[index % len(_DASHES)]
     gaps = ""
     if dashes != "-":
         gaps = f";stroke-dasharray:{' '.join(f'{1.7 * float(d):g}' for d in dashes[1])}"
     return (
         '<svg class="swatch" viewBox="0 0 34 8" width="34" height="8" aria-hidden="true">'
-        f'<path d="M1 4H33" style="stroke:var(--chart-{name},{COLOURS[name][1]});'
-        f'stroke-width:2.4{gaps}"/></svg>'
+        f'<path d="M1 4H33" style="stroke:{tint};stroke-width:2.4{gaps}"/></svg>'
     )
 
 

@@ -9,7 +9,7 @@ from checks.result.words import brief, number
 from reports.charts.chart import Chart, Missing
 from reports.charts.numbers import decimals_of, fixed
 from reports.charts.plane import Plane, drawing, ink
-from reports.svg import SERIES, colour
+from reports.svg import SERIES, Drawing, colour
 
 _TITLE = "Convergence of the governing stress"
 _WORDS = {"static": "peak von Mises stress", "fatigue": "equivalent amplitude"}
@@ -29,7 +29,7 @@ def convergence_chart(part: PartResult) -> Chart | Missing:
     def plot(figure: Any) -> None:
         _draw(figure, kind, entries, _bars(entries, check), check)
 
-    svg = drawing(plot, f"Convergence of the {kind} stress of {brief(part.name, 40)}", 2.8)
+    svg = drawing(plot, f"Convergence of the {kind} stress of {brief(part.name, 40)}", 202.0)
     columns = [
         "check",
         "mesh of",
@@ -84,7 +84,7 @@ def _bars(entries: Sequence[Mapping[str, Any]], check: Check | None) -> list[flo
 
 
 def _draw(
-    figure: Any, kind: str, entries: Sequence[Mapping[str, Any]], bars: list[float | None],
+    figure: Drawing, kind: str, entries: Sequence[Mapping[str, Any]], bars: list[float | None],
     check: Check | None,
 ) -> None:  # fmt: skip
     unknowns = [float(entry["unknowns"]) for entry in entries]
@@ -100,14 +100,11 @@ def _draw(
     of_all = f", of {_WHOLE[True]}" if all(halves) else ""
     plane.titles(f"unknowns of the mesh{of_all} [–]", f"{_WORDS.get(kind, kind)} [MPa]")
     ticks = sorted({unknowns[0], unknowns[-1]}) if len(unknowns) < 4 else unknowns[::2]
-    plane.axes.set_xticks(ticks, [f"{tick:,.0f}".replace(",", "\u2009") for tick in ticks])
-    plane.axes.ticklabel_format(axis="y", useOffset=False, style="plain")
+    plane.frame.x_ticks = [(tick, f"{tick:,.0f}".replace(",", "\u2009")) for tick in ticks]
     final = finite[-1]
     if final:
-        plane.axes.fill_between(
-            [unknowns[-1], last], values[-1] - final, values[-1] + final, color=SERIES[0],
-            alpha=0.22, linewidth=0,
-        )  # fmt: skip
+        band = (values[-1] - final, values[-1] + final)
+        plane.frame.area((unknowns[-1], last), band, SERIES[0], 0.22)
         plane.name(f"± {number(final, 2)} MPa", [[unknowns[-1] * 1.15, values[-1] + final],
                    [last, values[-1] + final]], SERIES[0], prefer=0.6)  # fmt: skip
     plane.line([[unknowns[-1], values[-1]], [last, values[-1]]], color=SERIES[0], linewidth=1.4,
@@ -123,7 +120,7 @@ def _draw(
         told = f", {_WHOLE[True]}" if half and not all(halves) else ""
         plane.name(f"{number(value, 4)}{told}", [[x, value]], SERIES[0], weight="bold")
     allowed = None if check is None else check.limit / check.required
-    if allowed is not None and plane.axes.get_ylim()[0] < allowed < plane.axes.get_ylim()[1]:
+    if allowed is not None and plane.frame.up[0] < allowed < plane.frame.up[1]:
         line = plane.line([[first, allowed], [last, allowed]], color=colour("fail"), linewidth=1.5)
         plane.name(f"allowed {number(allowed)} MPa", line, colour("fail"), prefer=0.1)
 

@@ -15,6 +15,7 @@ import numpy as np
 from checks.result.words import brief, place_text
 from reports.charts.numbers import FloatArray, numbers
 from reports.charts.thin import IntArray, thinned
+from reports.svg import round_steps
 
 _LEAST = 0.08  # of the width, that a phase has at least
 _SLIP = 1e-9  # of the way, by which a position may go back by rounding
@@ -153,20 +154,6 @@ def _round_values(low: float, high: float, unit: str, most: int) -> list[float]:
         if (high - low) / step <= most + 1 and high - low >= step:
             return [float(v) for v in np.arange(np.ceil(low / step), high / step + 1e-9) * step]
     return round_steps(low, high, most)
-
-
-def round_steps(low: float, high: float, most: int) -> list[float]:
-    """At most so many round numbers, or one more, that cover a range evenly.
-
-    >>> round_steps(2.0, 200.0, 4)
-    [50.0, 100.0, 150.0, 200.0]
-    """
-    rough = (high - low) / max(most, 1)
-    power = 10.0 ** np.floor(np.log10(rough))
-    step = float(power * next(k for k in (1.0, 2.0, 2.5, 5.0, 10.0) if k * power >= rough * 0.999))
-    first = int(np.ceil(low / step - 1e-9))
-    last = int(np.floor(high / step + 1e-9))
-    return [k * step for k in range(first, last + 1)]
 
 
 def _apart(phases: list[list[tuple[float, float]]]) -> tuple[tuple[float, str], ...]:

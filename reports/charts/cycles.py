@@ -1,6 +1,5 @@
 """Charts over a cycle: loads of the interfaces, efforts and powers, peak stress of every part."""
 
-import pickle
 from collections.abc import Mapping, Sequence
 from math import isfinite
 from typing import Any
@@ -9,16 +8,7 @@ import numpy as np
 
 from checks.result.verdict import Check, DesignResult, PartResult
 from checks.result.words import brief, need_text, number, quantity_unit
-from reports.charts.chart import (
-    Chart,
-    Charts,
-    Known,
-    Missing,
-    gathered,
-    once,
-    plain,
-    without_peaks,
-)
+from reports.charts.chart import Chart, Charts, Missing, gathered, plain
 from reports.charts.cycle_axis import CycleAxis, cycle_axis
 from reports.charts.numbers import FloatArray, largest, numbers, power_unit, work_text
 from reports.charts.over_cycle import Bar, Curve, Limit, Panel, cycle_table, over_cycle
@@ -35,31 +25,24 @@ _CLOSE = 0.001  # %, below which an agreement is not told more exactly
 _NOTES = 4  # remarks on single parts in a caption
 
 
-def cycle_charts(result: DesignResult, known: Known | None = None) -> list[tuple[str, Charts]]:
-    """The charts of every cycle of a result, in their order: (name, charts).
-
-    known  charts of loads and drives that were drawn before; those that were not join them
-    """
+def cycle_charts(result: DesignResult) -> list[tuple[str, Charts]]:
+    """The charts of every cycle of a result, in their order: (name, charts)."""
     return [
-        (name, _of_cycle(result, index, name, cycle, known))
+        (name, _of_cycle(result, index, name, cycle))
         for index, (name, cycle) in enumerate(result.cycles.items())
     ]
 
 
-def _of_cycle(
-    result: DesignResult, index: int, name: str, cycle: Mapping[str, Any], known: Known | None
-) -> Charts:
+def _of_cycle(result: DesignResult, index: int, name: str, cycle: Mapping[str, Any]) -> Charts:
     axis = cycle_axis(index, cycle)
     if axis is None:
         why = "the cycle has no positions"
         return Charts((), tuple(Missing(key, title, why) for key, title in _TITLES.items()))
-    own = without_peaks(cycle)
-    given = b"" if known is None else pickle.dumps((index, name, own))
     return gathered(
         [
-            once(known, b"loads" + given, lambda: loads_chart(name, axis, own)),
-            once(known, b"drive" + given, lambda: drive_chart(name, axis, own)),
-            lambda: peaks_chart(name, axis, cycle, result.parts),
+            loads_chart(name, axis, cycle),
+            drive_chart(name, axis, cycle),
+            peaks_chart(name, axis, cycle, result.parts),
         ]
     )
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from checks.result.verdict import DesignResult
-from reports.charts.chart import Charts, Known
+from reports.charts.chart import Charts
 from reports.charts.cycles import cycle_charts
 from reports.charts.parts import part_charts
 
@@ -17,7 +17,6 @@ class DesignCharts:
     cycles: Sequence[tuple[str, Charts]]
 
 
-def design_charts(result: DesignResult, known: Known | None = None) -> DesignCharts:
-    """Draw all charts of a result; `known` as in `cycle_charts` and `part_charts`."""
-    parts = [part_charts(part, result, known) for part in result.parts]
-    return DesignCharts(parts, cycle_charts(result, known))
+def design_charts(result: DesignResult) -> DesignCharts:
+    """Draw all charts of a result."""
+    return DesignCharts([part_charts(part, result) for part in result.parts], cycle_charts(result))

@@ -14,7 +14,7 @@ from reports.charts.numbers import FloatArray, decimals_of, fixed, numbers
 from reports.charts.over_cycle import cursor_text
 from reports.charts.plane import Plane, drawing, ink, upper
 from reports.charts.thin import thinned
-from reports.svg import SERIES, Marks
+from reports.svg import SERIES, Drawing
 
 _TITLE = "Haigh diagram"
 _ROWS = 13
@@ -45,14 +45,14 @@ def haigh_chart(part: PartResult, result: DesignResult) -> Chart | Missing:
         Series(f"its utilisation by {rule}, without safety", "", decimals=3),
     ]
 
-    def plot(figure: Any) -> Any:
+    def plot(figure: Drawing) -> dict[str, str]:
         plane = _plane(figure, data, limit, point)
         _lines(plane, data, limit, rule, check)
         _points(plane, data, point, _safety_told(data, used, check), list(paths.values()))
-        return lambda: _marks(plane, data, paths)
+        return _marks(plane, data, paths)
 
     label = f"Haigh diagram of {brief(part.name, 40)}"
-    svg = drawing(plot, label, 3.4)
+    svg = drawing(plot, label, 245.0)
     columns, rows = _table(data, point, used, result)
     caption = _caption(data, check, rule, used)
     return Chart("haigh", _TITLE, caption, svg, columns, rows, series if paths else ())
@@ -94,7 +94,7 @@ def path_of(data: Mapping[str, Any], cycle: str) -> FloatArray | None:
     return np.stack([numbers(path["mean"]), numbers(path["amplitude"])], axis=1)
 
 
-def _plane(figure: Any, data: Mapping[str, Any], limit: FloatArray, point: FloatArray) -> Plane:
+def _plane(figure: Drawing, data: Mapping[str, Any], limit: FloatArray, point: FloatArray) -> Plane:
     cloud = _cloud(data)
     across = max(float(data["yield"]), float(point[0]), *cloud[:, 0].tolist(), 0.0)
     if not data.get("line"):
@@ -166,7 +166,9 @@ def _points(
         plane.name("ray of all loads", [point, point / used], ink(), prefer=0.6)
 
 
-def _marks(plane: Plane, data: Mapping[str, Any], paths: Mapping[int, FloatArray]) -> Marks:
+def _marks(
+    plane: Plane, data: Mapping[str, Any], paths: Mapping[int, FloatArray]
+) -> dict[str, str]:
     dots: list[dict[str, Any]] = []
     rows: list[dict[str, Any]] = []
     for cycle, path in paths.items():
@@ -175,10 +177,10 @@ def _marks(plane: Plane, data: Mapping[str, Any], paths: Mapping[int, FloatArray
         keep |= set(thinned(path[:, 1], 1e-3 * size).tolist())
         at = sorted(keep)
         kept = path[at]
-        places = plane.drawn(kept)
+        places = plane.frame.places(kept)
         dots.append({
             "cycle": cycle, "at": at,
-            "x": [round(x, 1) for x, _ in places], "y": [round(y, 1) for _, y in places],
+            "x": np.round(places[:, 0], 1).tolist(), "y": np.round(places[:, 1], 1).tolist(),
         })  # fmt: skip
         for values, digits in (
             (kept[:, 1], 2), (kept[:, 0], 2), (utilisation(data, kept), 4),
@@ -187,7 +189,7 @@ def _marks(plane: Plane, data: Mapping[str, Any], paths: Mapping[int, FloatArray
             rows.append({"cycle": cycle, "row": len(rows) % 3, "at": at, "value": shown})
     if not dots:
         return {}
-    return {"": {"data-cursor": cursor_text({"dots": dots, "rows": rows})}}
+    return {"data-cursor": cursor_text({"dots": dots, "rows": rows})}
 
 
 def _caption(data: Mapping[str, Any], check: Check | None, rule: str, used: float) -> str:

@@ -2,15 +2,14 @@
 
 from collections.abc import Sequence
 from math import inf, isfinite
-from typing import Any
 
 from checks.result.verdict import Check, PartResult, RungTried
 from checks.result.words import brief, check_titles, number
 from reports.charts.chart import Chart, Missing
 from reports.charts.numbers import decimals_of, fixed
-from reports.charts.plane import LABEL, Plane, drawing, ink
+from reports.charts.plane import Plane, drawing, ink
 from reports.ladder_words import needed, seconds_text, value_and_bar, whole_bar
-from reports.svg import SERIES, colour
+from reports.svg import SERIES, Drawing, colour
 
 _TITLE = "Ladder of models"
 _MARKERS = "os^Dv<>P"
@@ -25,15 +24,15 @@ def ladder_chart(part: PartResult) -> Chart | Missing:
         return Missing("ladder", _TITLE, "no model was tried for this part")
     kinds = list(dict.fromkeys(check.kind for rung in tried for check in rung.checks))
 
-    def plot(figure: Any) -> None:
+    def plot(figure: Drawing) -> None:
         _draw(figure, part, tried, kinds)
 
-    svg = drawing(plot, f"Ladder of models of {brief(part.name, 40)}", 3.0)
+    svg = drawing(plot, f"Ladder of models of {brief(part.name, 40)}", 216.0)
     columns, rows = _table(part)
     return Chart("ladder", _TITLE, _caption(part, tried), svg, columns, rows)
 
 
-def _draw(figure: Any, part: PartResult, tried: Sequence[RungTried], kinds: list[str]) -> None:
+def _draw(figure: Drawing, part: PartResult, tried: Sequence[RungTried], kinds: list[str]) -> None:
     times = [max(rung.seconds, _SHORTEST) for rung in tried]
     low, high = min(times) / 3, max(times) * 3
     if high / low < 100:
@@ -43,7 +42,7 @@ def _draw(figure: Any, part: PartResult, tried: Sequence[RungTried], kinds: list
     plane = Plane(figure, (low, high), (0.0, top), logarithmic="x")
     plane.titles("time [s]", "utilisation, with its whole error bar [–]")
     tens = [10.0**k for k in range(-5, 7) if low <= 10.0**k <= high]
-    plane.axes.set_xticks(tens, [f"{ten:g}" for ten in tens])
+    plane.frame.x_ticks = [(ten, f"{ten:g}") for ten in tens]
     plane.line([[low, 1.0], [high, 1.0]], color=colour("fail"), linewidth=1.6)
     plane.name("limit", [[low, 1.0], [high, 1.0]], colour("fail"), prefer=0.02)
     for rung, seconds in zip(tried, times, strict=True):
@@ -51,11 +50,7 @@ def _draw(figure: Any, part: PartResult, tried: Sequence[RungTried], kinds: list
         text = f"{brief(rung.rung, 16)} {seconds_text(rung.seconds)}"
         place = plane.room.put(text, plane.at([[seconds, top * 0.93], [seconds, top * 0.97]]))
         if place is not None:
-            plane.axes.annotate(
-                text, (place[0] / plane.room.width, place[1] / plane.room.height),
-                xycoords="axes fraction", ha="center", va="center", size=LABEL, color=ink(),
-                weight="bold",
-            )  # fmt: skip
+            plane.write(text, place, weight="bold")
         shift = 9.0
         for check in rung.checks:
             k = kinds.index(check.kind)
@@ -71,7 +66,7 @@ def _draw(figure: Any, part: PartResult, tried: Sequence[RungTried], kinds: list
 
 def _moved(plane: Plane, seconds: float, points: float) -> float:
     """A time some points further right, so that kinds do not stand on each other."""
-    first, last = plane.axes.get_xlim()
+    first, last = plane.frame.across
     return float(seconds * (last / first) ** (points / plane.room.width))
 
 
@@ -81,7 +76,7 @@ def _one(
     """A check of a rung: its value, its bar, and a ring if the verdict takes it."""
     tint = SERIES[k % len(SERIES)]
     x = _moved(plane, seconds, across - float(plane.at([[seconds, 0.0]])[0][0]))
-    top = plane.axes.get_ylim()[1]
+    top = plane.frame.up[1]
     low, high = _ends(check)
     if isfinite(high):
         plane.line([[x, low], [x, min(high, top)]], color=tint, marker="_", markersize=7,

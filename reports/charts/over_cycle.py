@@ -13,9 +13,10 @@ from reports.charts.cycle_axis import CycleAxis
 from reports.charts.labels import Room, cut, dense
 from reports.charts.numbers import FloatArray, decimals_of, fixed, table_rows
 from reports.charts.thin import gapless, thinned
-from reports.svg import Marks, colour, draw, place
+from reports.svg import INK, Drawing, Frame, colour, draw
 
 _LEFT, _RIGHT, _TOP, _BOTTOM, _PANEL, _BETWEEN = 44.0, 12.0, 18.0, 44.0, 122.0, 26.0  # points
+_WIDE = SIZE[0] - _LEFT - _RIGHT
 _TOLERANCE = 1e-3  # of a panel's height: what a thinned curve may miss
 _LABEL = 9.0  # points
 
@@ -84,23 +85,23 @@ def over_cycle(label: str, axis: CycleAxis, panels: Sequence[Panel]) -> tuple[st
     """
     if not panels or not all(panel.curves for panel in panels):
         raise ValueError("a chart over a cycle needs curves in every panel")
-    width, height = SIZE[0] * 72.0, _TOP + _BOTTOM + len(panels) * (_PANEL + _BETWEEN) - _BETWEEN
+    height = _TOP + _BOTTOM + len(panels) * (_PANEL + _BETWEEN) - _BETWEEN
     strokes = _strokes(panels)
 
-    def plot(figure: Any) -> Any:
+    def plot(figure: Drawing) -> dict[str, str]:
         drawn = []
         for row, panel in enumerate(panels):
             top = _TOP + row * (_PANEL + _BETWEEN)
-            bottom = 1.0 - (top + _PANEL) / height
-            across = (width - _LEFT - _RIGHT) / width
-            axes = figure.add_axes((_LEFT / width, bottom, across, _PANEL / height))
+            axes = figure.frame((_LEFT, top, _WIDE, _PANEL), (0.0, 1.0), panel.span, grid="y")
+            figure.text(0.0, top - 8, f"{panel.quantity} [{panel.unit}]", size=_LABEL + 0.5,
+                        anchor="start", weight="bold")  # fmt: skip
             last = row == len(panels) - 1
-            _frame(axes, axis, panel, ticked=last)
-            kept = _panel(axes, axis, panel, strokes[row], width - _LEFT - _RIGHT)
-            drawn.append((axes, kept))
-        return lambda: _marks(axis, panels, drawn, width)
+            _stretches(axes, axis, ticked=last)
+            drawn.append((axes, _panel(axes, axis, panel, strokes[row])))
+        _below(figure, axis, height - _BOTTOM)
+        return _marks(axis, panels, drawn)
 
-    svg = draw(plot, (width / 72.0, height / 72.0), label, layout=None)
+    svg = draw(plot, (SIZE[0], height), label)
     return svg, [
         _series(axis, panel, curve, strokes[row][k])
         for row, panel in enumerate(panels)
@@ -120,49 +121,34 @@ def _strokes(panels: Sequence[Panel]) -> list[list[int]]:
     return found
 
 
-def _frame(axes: Any, axis: CycleAxis, panel: Panel, *, ticked: bool) -> None:
-    axes.set_xlim(0, 1)
-    axes.set_ylim(*panel.span)
-    axes.margins(0)
-    axes.locator_params(axis="y", nbins=5)
-    axes.ticklabel_format(axis="y", useOffset=False, style="plain")
-    axes.tick_params(length=0, pad=3)
-    axes.tick_params(axis="x", pad=7)
-    axes.grid(visible=False, axis="x")
-    axes.text(
-        -_LEFT / (SIZE[0] * 72 - _LEFT - _RIGHT), 1.0 + 6 / _PANEL,
-        f"{panel.quantity} [{panel.unit}]", transform=axes.transAxes, va="bottom", weight="bold",
-        size=_LABEL + 0.5,
-    )  # fmt: skip
+def _stretches(axes: Frame, axis: CycleAxis, *, ticked: bool) -> None:
+    """Bands where one phase ends and the next begins, and numbers if they are wanted."""
     for run in axis.runs[:-1]:
-        edge = float(axis.across[run[-1]])
-        after = float(axis.across[run[-1] + 1])
-        axes.axvspan(edge, after, color=colour("faint"), alpha=0.55, linewidth=0)
-    axes.set_xticks([share for share, _ in axis.ticks], [text for _, text in axis.ticks])
-    if not ticked:
-        axes.tick_params(labelbottom=False)
-        return
-    below = -30 / _PANEL
+        ends = (float(axis.across[run[-1]]), float(axis.across[run[-1] + 1]))
+        axes.area(ends, axes.up, colour("faint"), 0.55)
+    axes.x_ticks = axis.ticks if ticked else ()
+
+
+def _below(figure: Drawing, axis: CycleAxis, bottom: float) -> None:
+    """Names of the phases and of the axis."""
     if len(axis.runs) > 1:
-        room = SIZE[0] * 72 - _LEFT - _RIGHT
         for run, name in zip(axis.runs, axis.phases, strict=True):
             first, last = float(axis.across[run[0]]), float(axis.across[run[-1]])
-            letters = int((last - first) * room / 4.8)
+            letters = int((last - first) * _WIDE / 4.8)
             if letters >= 3:
-                axes.text((first + last) / 2, below, brief(name, letters),
-                          transform=axes.transAxes, ha="center", size=_LABEL,
-                          style="italic")  # fmt: skip
-        below = -42 / _PANEL
-    axes.text(0.5, below, axis.label, transform=axes.transAxes, ha="center", size=_LABEL)
+                figure.text(_LEFT + _WIDE * (first + last) / 2, bottom + 30, brief(name, letters),
+                            size=_LABEL, slant="italic")  # fmt: skip
+    under = 42 if len(axis.runs) > 1 else 30
+    figure.text(_LEFT + _WIDE / 2, bottom + under, axis.label, size=_LABEL)
 
 
 def _panel(
-    axes: Any, axis: CycleAxis, panel: Panel, strokes: list[int], room: float
+    axes: Frame, axis: CycleAxis, panel: Panel, strokes: list[int]
 ) -> list[list[np.ndarray[Any, Any]]]:
     """Draw the curves; returns the positions of each that were drawn, piece by piece."""
     low, high = panel.span
     scale = _PANEL / (high - low)
-    space = Room(room, _PANEL)
+    space = Room(_WIDE, _PANEL)
     kept, own = [], []
     for curve in panel.curves:
         pieces = [
@@ -172,20 +158,20 @@ def _panel(
         ]
         kept.append(pieces)
         first = len(space.lines)
-        space.lines += [dense(_points(axis, curve, piece, room, low, scale)) for piece in pieces]
+        space.lines += [dense(_points(axis, curve, piece, low, scale)) for piece in pieces]
         own.append(range(first, len(space.lines)))
     _limits(axes, panel, space, low, high, scale)
     if low < 0:
-        axes.axhline(0, color=colour("ink"), linewidth=0.8)
+        axes.line([[0.0, 0.0], [1.0, 0.0]], color=INK, linewidth=0.8)
     for k, (curve, pieces) in enumerate(zip(panel.curves, kept, strict=True)):
         style = stroke(strokes[k])
         for piece in pieces:
-            axes.plot(axis.across[piece], curve.values[piece], **style,
+            axes.line(np.stack([axis.across[piece], curve.values[piece]], axis=1), **style,
                       marker="." if len(piece) == 1 else "")  # fmt: skip
     for bar in panel.bars:
-        value = float(panel.curves[bar.curve].values[bar.index])
-        axes.errorbar(axis.across[bar.index], value, [[bar.below], [bar.above]],
-                      color=colour("ink"), capsize=3.5, linewidth=1.2)  # fmt: skip
+        at, value = axis.across[bar.index], float(panel.curves[bar.curve].values[bar.index])
+        axes.line([[at, value - bar.below], [at, value + bar.above]], color=INK, linewidth=1.2,
+                  marker="_", markersize=7.0)  # fmt: skip
     order = sorted(range(len(kept)), key=lambda k: -_size(panel.curves[k].values))
     for k in order:
         _name(axes, axis, panel.curves[k], kept[k], space, own[k], strokes[k], low, scale)
@@ -196,59 +182,61 @@ def _size(values: FloatArray) -> float:
     return float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
 
 
-def _points(
-    axis: CycleAxis, curve: Curve, piece: Any, room: float, low: float, scale: float
-) -> FloatArray:
-    return np.stack([axis.across[piece] * room, (curve.values[piece] - low) * scale], axis=1)
+def _points(axis: CycleAxis, curve: Curve, piece: Any, low: float, scale: float) -> FloatArray:
+    return np.stack([axis.across[piece] * _WIDE, (curve.values[piece] - low) * scale], axis=1)
 
 
-def _limits(axes: Any, panel: Panel, space: Room, low: float, high: float, scale: float) -> None:
+def _limits(axes: Frame, panel: Panel, space: Room, low: float, high: float, scale: float) -> None:
     for limit in panel.limits:
         if limit.value > high:
             continue
         level = (limit.value - low) * scale
         line = np.array([[0.0, level], [space.width, level]])
-        axes.axhline(limit.value, color=colour("fail"), linewidth=1.5)
+        axes.line([[0.0, limit.value], [1.0, limit.value]], color=colour("fail"), linewidth=1.5)
         at = space.put(limit.text, line, _LABEL, prefer=0.02)
         space.lines.append(dense(line))
         if at:
-            axes.text(at[0] / space.width, low + at[1] / scale, limit.text, color=colour("fail"),
-                      ha="center", va="center", size=_LABEL)  # fmt: skip
+            _write(axes, limit.text, at, color=colour("fail"))
 
 
 def _name(
-    axes: Any, axis: CycleAxis, curve: Curve, pieces: Any, space: Room, own: range, index: int,
+    axes: Frame, axis: CycleAxis, curve: Curve, pieces: Any, space: Room, own: range, index: int,
     low: float, scale: float,
 ) -> None:  # fmt: skip
     text = brief(curve.short or curve.name, 26)
     longest = max(pieces, key=lambda p: (_size(curve.values[p]), len(p)), default=None)
     if longest is None:
         return
-    line = _points(axis, curve, longest, space.width, low, scale)
+    line = _points(axis, curve, longest, low, scale)
     inside = cut(line, space.width, _PANEL)
     at = space.put(text, inside[0], _LABEL, prefer=0.4, pull=0.8, own=own) if inside else None
     if at:
-        axes.text(at[0] / space.width, low + at[1] / scale, text, ha="center", va="center",
-                  size=_LABEL, color=stroke(index)["color"], weight="bold")  # fmt: skip
+        _write(axes, text, at, color=stroke(index)["color"], weight="bold")
+
+
+def _write(axes: Frame, text: str, at: tuple[float, float], **style: Any) -> None:
+    """Write a text centred at a place from the lower left corner of the frame."""
+    left, top, _, height = axes.box
+    axes.text(left + at[0], top + height - at[1], text, size=_LABEL, **style)
 
 
 def _marks(
-    axis: CycleAxis, panels: Sequence[Panel], drawn: list[tuple[Any, Any]], width: float
-) -> Marks:
+    axis: CycleAxis, panels: Sequence[Panel], drawn: list[tuple[Frame, Any]]
+) -> dict[str, str]:
     """Data for the cursor: where positions are, each curve's values, where these are."""
     rows = []
     for panel, (axes, kept) in zip(panels, drawn, strict=True):
         low, high = panel.span
-        bottom, top = place(axes, 0, low)[1], place(axes, 0, high)[1]
+        _, top, _, height = axes.box
         for curve, pieces in zip(panel.curves, kept, strict=True):
             at, values = _followed(curve.values, pieces)
-            scale = [_short(v) for v in (low, bottom, high, top)]
+            scale = [_short(v) for v in (low, top + height, high, top)]
             rows.append({"cycle": axis.cycle, "at": at, "value": values, "scale": scale})
-    top = place(drawn[0][0], 0, panels[0].span[1])[1]
-    bottom = place(drawn[-1][0], 0, panels[-1].span[0])[1]
-    track = {"cycle": axis.cycle, **axis.track(width - _LEFT - _RIGHT, _LEFT)}
+    top, last = drawn[0][0].box[1], drawn[-1][0].box
+    bottom = last[1] + last[3]
+    track = {"cycle": axis.cycle, **axis.track(_WIDE, _LEFT)}
     data = {"line": track, "from": _short(top), "to": _short(bottom), "rows": rows}
-    return {"": {"data-cycle": str(axis.cycle), "data-cursor": cursor_text(data)}}
+    return {"data-cycle": str(axis.cycle), "data-cursor": cursor_text(data)}
 
 
 def cursor_text(data: Mapping[str, Any]) -> str:

@@ -8,10 +8,11 @@ import numpy as np
 import numpy.typing as npt
 
 from checks.result.words import brief
-from reports.svg import SERIES, colour, draw
+from reports.svg import INK, SERIES, Drawing, draw
 
 FloatArray = npt.NDArray[np.float64]
 
+_WIDTH, _LEFT, _BETWEEN, _PANEL = 720.0, 50.0, 46.0, 130.0  # points
 _DASHES = ["-", "--", ":", "-."]
 _ENLARGE_BELOW = 0.4  # of the stroke: a phase shorter than this is drawn again, enlarged
 
@@ -32,50 +33,57 @@ def curves_chart(
     if short is not None:
         windows.append(short)
 
-    def plot(figure: Any) -> None:
-        grid = figure.subplots(len(panels), len(windows), squeeze=False)
-        for row, (title, unit, curves) in enumerate(panels):
-            for column, window in enumerate(windows):
-                axes = grid[row, column]
-                _curves(axes, position, phases, curves, window, legend=column == 0)
-                phase = brief(phases[int(np.argmax(window))], 24)
-                axes.set_title(title if column == 0 else f"{title}: phase “{phase}”")
-                axes.set_xlabel(axis)
-                axes.set_ylabel(unit)
-        order = list(dict.fromkeys(phases))
-        if len(order) > 1:
-            handles = [
-                grid[0, 0].plot(
-                    [], [], color=colour("ink"), linestyle=_dash(i), label=brief(p, 24)
-                )[0]
-                for i, p in enumerate(order)
-            ]
-            figure.legend(handles=handles, loc="outside lower center", ncols=min(4, len(order)))
-
-    return draw(plot, (10, 0.6 + 2.7 * len(panels)), label)
-
-
-def _curves(
-    axes: Any,
-    position: FloatArray,
-    phases: Sequence[str],
-    curves: Mapping[str, FloatArray],
-    window: npt.NDArray[np.bool_],
-    legend: bool,
-) -> None:
-    """Each curve in its colour, each phase in its dashes; nothing joins across phases."""
     order = list(dict.fromkeys(phases))
-    for number_of, (key, values) in enumerate(curves.items()):
-        tint = SERIES[number_of % len(SERIES)]
-        for phase, run in _runs(phases):
-            inside = run[window[run]]
-            dash = _dash(order.index(phase))
-            mark = "." if len(inside) == 1 else ""
-            axes.plot(position[inside], values[inside], color=tint, linestyle=dash, marker=mark)
-        if legend:
-            axes.plot([], [], color=tint, label=brief(key, 28))
-    if legend:
-        axes.legend(fontsize=8, loc="best")
+    wide = (_WIDTH - _LEFT) / len(windows)
+
+    def plot(figure: Drawing) -> None:
+        top = 0.0
+        for title, unit, curves in panels:
+            tints = {key: SERIES[k % len(SERIES)] for k, key in enumerate(curves)}
+            names = [(brief(key, 28), {"color": tint}) for key, tint in tints.items()]
+            high = figure.legend(names, (_LEFT, top + 20, _WIDTH - _LEFT))
+            for column, window in enumerate(windows):
+                left = _LEFT + column * wide
+                phase = brief(phases[int(np.argmax(window))], 24)
+                told = title if column == 0 else f"{title}: phase “{phase}”"
+                figure.text(left, top + 13, told, anchor="start", weight="bold")
+                shown = {key: values[window] for key, values in curves.items()}
+                box = (left, top + 36 + high, wide - _BETWEEN, _PANEL)
+                axes = figure.frame(box, *_ends(position[window], shown))
+                figure.text(left - 44, box[1] - 7, unit, anchor="start", size=9)
+                middle, below = left + (wide - _BETWEEN) / 2, box[1] + _PANEL + 27
+                figure.text(middle, below, axis, size=9)
+                for key, values in curves.items():
+                    for phase, run in _runs(phases):
+                        inside = run[window[run]]
+                        axes.line(
+                            np.stack([position[inside], values[inside]], axis=1), color=tints[key],
+                            linestyle=_dash(order.index(phase)),
+                            marker="." if len(inside) == 1 else "",
+                        )  # fmt: skip
+            top += 36 + high + _PANEL + 36
+        if len(order) > 1:
+            dashes = [
+                (brief(p, 24), {"color": INK, "linestyle": _dash(i)}) for i, p in enumerate(order)
+            ]
+            top += figure.legend(dashes, (_LEFT, top, _WIDTH - _LEFT))
+        figure.height = top + 4
+
+    return draw(plot, (_WIDTH, 0.0), label)
+
+
+def _ends(
+    position: FloatArray, curves: Mapping[str, FloatArray]
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """What the axes run over: all that is known, and some room."""
+    return _with_room(position), _with_room(np.concatenate([np.zeros(0), *curves.values()]))
+
+
+def _with_room(values: FloatArray) -> tuple[float, float]:
+    known = values[np.isfinite(values)]
+    low, high = (float(known.min()), float(known.max())) if len(known) else (0.0, 0.0)
+    room = 0.05 * (high - low) or 0.05 * abs(high) or 1.0
+    return low - room, high + room
 
 
 def _dash(index: int) -> str:

@@ -13,9 +13,9 @@ from reports.charts.chart import Chart, Missing, Series
 from reports.charts.haigh import LOWERED, SWING, limit_told, path_of, utilisation
 from reports.charts.numbers import FloatArray, decimals_of, fixed, numbers
 from reports.charts.over_cycle import cursor_text
-from reports.charts.plane import LABEL, Plane, drawing, ink
+from reports.charts.plane import Plane, drawing, ink
 from reports.charts.thin import thinned
-from reports.svg import SERIES, Marks
+from reports.svg import SERIES, Drawing
 
 _TITLE = "S-N line and duty"
 _LEAST = 0.08  # of the endurance limit: smaller cycles are below the chart
@@ -37,13 +37,13 @@ def sn_chart(part: PartResult, result: DesignResult) -> Chart | Missing:
     series = [Series(f"fully reversed amplitude of {SWING}", "MPa", decimals=1)]
     paths = _paths(haigh, data, result)
 
-    def plot(figure: Any) -> Any:
+    def plot(figure: Drawing) -> dict[str, str]:
         plane = _plane(figure, data, cycles)
         _lines(plane, data)
         _duty(plane, data, cycles)
-        return lambda: _marks(plane, paths)
+        return _marks(plane, paths)
 
-    svg = drawing(plot, f"S-N line of {brief(part.name, 40)} and its duty", 3.2)
+    svg = drawing(plot, f"S-N line of {brief(part.name, 40)} and its duty", 230.0)
     columns, rows = _table(data, cycles)
     caption = _caption(data, cycles, check)
     return Chart("sn", _TITLE, caption, svg, columns, rows, series if paths else ())
@@ -89,7 +89,7 @@ def reversed_amplitude(
     return equivalent_amplitude(path[:, 1], path[:, 0], material)
 
 
-def _plane(figure: Any, data: Mapping[str, Any], cycles: FloatArray) -> Plane:
+def _plane(figure: Drawing, data: Mapping[str, Any], cycles: FloatArray) -> Plane:
     limit = float(data["limit"])
     tops = [limit, *(amplitude for _, amplitude in data["line"])]
     shown = cycles[cycles[:, 1] >= _LEAST * limit]
@@ -102,10 +102,10 @@ def _plane(figure: Any, data: Mapping[str, Any], cycles: FloatArray) -> Plane:
     plane = Plane(figure, (max(first, 0.5), last), (low, high), logarithmic="xy")
     plane.titles("cycles in the life [–]", "fully reversed stress amplitude [MPa]")
     ticks = _log_ticks(low, high)
-    plane.axes.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
-    tens = range(int(np.ceil(np.log10(plane.axes.get_xlim()[0]))), int(np.log10(last)) + 1)
+    plane.frame.y_ticks = [(tick, f"{tick:g}") for tick in ticks]
+    tens = range(int(np.ceil(np.log10(plane.frame.across[0]))), int(np.log10(last)) + 1)
     shown_tens = [k for k in tens if k % (2 if len(tens) > 9 else 1) == 0]
-    plane.axes.set_xticks([10.0**k for k in shown_tens], [_ten(k) for k in shown_tens])
+    plane.frame.x_ticks = [(10.0**k, _ten(k)) for k in shown_tens]
     return plane
 
 
@@ -135,10 +135,10 @@ def _log_ticks(low: float, high: float) -> list[float]:
 
 
 def _lines(plane: Plane, data: Mapping[str, Any]) -> None:
-    limit, (_, last) = float(data["limit"]), plane.axes.get_xlim()
+    limit, (_, last) = float(data["limit"]), plane.frame.across
     strong: dict[str, Any] = {"color": SERIES[0], "linewidth": 1.8}
     line = data["line"]
-    start = line[-1][0] if line else plane.axes.get_xlim()[0]
+    start = line[-1][0] if line else plane.frame.across[0]
     endless = bool(data["endless"])
     if line:
         upper = plane.line(line, **strong)
@@ -164,7 +164,7 @@ def _limit_name(data: Mapping[str, Any]) -> str:
 
 def _duty(plane: Plane, data: Mapping[str, Any], cycles: FloatArray) -> None:
     """Every kind of cycle as a point, and above it how high the required safety lifts it."""
-    low, high = plane.axes.get_ylim()
+    low, high = plane.frame.up
     shown = cycles[(cycles[:, 1] >= low) & (cycles[:, 1] <= high)]
     damage = float(data["damage"] or 0.0)
     most = _MARKED * damage if isfinite(damage) else np.finfo(float).max
@@ -180,7 +180,6 @@ def _duty(plane: Plane, data: Mapping[str, Any], cycles: FloatArray) -> None:
                        linestyle="", markerfacecolor="none" if mark == "o" else tint,
                        markeredgewidth=1.5)  # fmt: skip
             plane.avoid(points[:, :2], 5.0)
-    plane.axes.tick_params(labelsize=LABEL)
     if not len(cycles):
         return
     _name_worst(plane, data, shown if len(shown) else cycles, below=not len(shown))
@@ -194,7 +193,7 @@ def _name_worst(plane: Plane, data: Mapping[str, Any], cycles: FloatArray, *, be
         text += f", damage {_damage(float(worst[2]))}"
     at = [float(worst[0]), float(worst[1])]
     if below:
-        at[1] = plane.axes.get_ylim()[0] * 1.04
+        at[1] = plane.frame.up[0] * 1.04
         plane.line([at], crossed=True, color=ink(), marker="v", markersize=6)
         text += ", below the chart"
     elif data["required"] != 1 and np.isfinite(worst[3]):
@@ -210,21 +209,21 @@ def _damage(value: float) -> str:
     return number(value) if value >= _NOTHING or not value else "below 10⁻⁹"
 
 
-def _marks(plane: Plane, paths: Mapping[int, tuple[float, FloatArray]]) -> Marks:
+def _marks(plane: Plane, paths: Mapping[int, tuple[float, FloatArray]]) -> dict[str, str]:
     dots, rows = [], []
-    low, high = plane.axes.get_ylim()
+    low, high = plane.frame.up
     for cycle, (count, amplitude) in paths.items():
         finite = np.where(np.isfinite(amplitude), amplitude, high)
         at = thinned(finite, 1e-3 * (float(finite.max()) or 1.0))
         kept = finite[at]
-        places = plane.drawn([[count, float(np.clip(value, low, high))] for value in kept])
+        places = plane.frame.places([[count, np.clip(value, low, high)] for value in kept])
         dots.append({
             "cycle": cycle, "at": at.tolist(),
-            "x": [round(x, 1) for x, _ in places], "y": [round(y, 1) for _, y in places],
+            "x": np.round(places[:, 0], 1).tolist(), "y": np.round(places[:, 1], 1).tolist(),
         })  # fmt: skip
         shown = [round(float(v), 2) for v in kept]
         rows.append({"cycle": cycle, "row": 0, "at": at.tolist(), "value": shown})
-    return {"": {"data-cursor": cursor_text({"dots": dots, "rows": rows})}} if dots else {}
+    return {"data-cursor": cursor_text({"dots": dots, "rows": rows})} if dots else {}
 
 
 def _caption(data: Mapping[str, Any], cycles: FloatArray, check: Check | None) -> str:

@@ -1,4 +1,4 @@
-"""Stills and charts are drawn by a process that stands ready, beside the work of a check."""
+"""Stills are drawn by a process that stands ready, beside the work of a check."""
 
 from contextlib import nullcontext
 from pathlib import Path

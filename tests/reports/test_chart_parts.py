@@ -1,18 +1,19 @@
 """What charts are made of: thinning, axes over a cycle, places for names, small SVG."""
 
+import re
 import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.testing import assert_allclose
 
 from reports.charts.chart import Chart, swatch
 from reports.charts.cycle_axis import cycle_axis
 from reports.charts.labels import Room, dense
 from reports.charts.thin import gapless, thinned
-from reports.svg import draw, place
-from reports.svg_compact import compact, short_path
+from reports.svg import draw, round_ticks
 
 
 @settings(max_examples=60, deadline=None)
@@ -81,51 +82,97 @@ def test_a_name_without_room_is_left_out():
     assert room.taken
 
 
-def test_places_in_the_drawing_are_where_the_line_is():
-    found = {}
+def drawing(*lines, logarithmic=""):
+    """A drawing whose frame, 200 by 100 at (20, 10), goes from 1 to 100 both ways."""
 
-    def plot(figure):
-        axes = figure.add_subplot()
-        axes.set_xlim(0, 2)
-        axes.set_ylim(0, 10)
-        axes.plot([0.5, 1.5], [2, 8], color="red", gid="mine")
+    def plot(made):
+        frame = made.frame((20, 10, 200, 100), (1, 100), (1, 100), logarithmic=logarithmic)
+        for line, style in lines:
+            frame.line(line, color="red", **style)
+        return {"data-cycle": "3"}
 
-        def marks():
-            found["ends"] = [place(axes, 0.5, 2), place(axes, 1.5, 8)]
-            return {"mine": {"class": "mine"}, "": {"data-cycle": "3"}}
-
-        return marks
-
-    root = ET.fromstring(draw(plot, (4, 3), "A line"))
-    assert root.get("data-cycle") == "3"
-    group = next(node for node in root.iter() if node.get("class") == "mine")
-    drawn = next(node.get("d") for node in group.iter() if node.tag.endswith("path"))
-    (x0, y0), (x1, y1) = found["ends"]
-    assert drawn == short_path(f"M {x0} {y0} L {x1} {y1}")
+    return ET.fromstring(draw(plot, (240, 140), "A line"))
 
 
-def test_a_drawing_that_is_no_xml_is_refused():
-    with pytest.raises(ValueError, match="not well-formed"):
-        compact("<svg><g></svg>", {}, {})
+def paths(root, words):
+    return [node for node in root if node.get("d") and words in node.get("style")]
+
+
+def test_lines_are_where_the_axes_put_them():
+    """Of a linear axis 50.5 is its middle, of a logarithmic one 10."""
+    linear = drawing(([[1, 1], [50.5, 100], [50.5, 100], [100, 50.5]], {}))
+    assert [path.get("d") for path in paths(linear, "red")] == ["M20 110L120 10 220 60"]
+    assert linear.get("data-cycle") == "3"
+    assert linear.get("viewBox") == "0 0 240 140"
+    both = drawing(([[1, 1], [10, 10], [100, 100]], {}), logarithmic="xy")
+    assert [path.get("d") for path in paths(both, "red")] == ["M20 110L120 60 220 10"]
+
+
+def test_a_line_with_a_gap_goes_on_behind_it():
+    root = drawing(([[1, 1], [50.5, 1], [60, np.nan], [50.5, 100], [100, 100]], {}))
+    assert [path.get("d") for path in paths(root, "red")] == ["M20 110L120 110M120 10L220 10"]
+
+
+@pytest.mark.parametrize("marker", [*"osD^v<>Px_|."])
+def test_marks_stand_about_their_places_and_have_their_size(marker):
+    [mark] = paths(drawing(([[50.5, 50.5]], {"marker": marker, "markersize": 10})), "red")
+    if marker in "o.":
+        left, wide = re.findall(r"^M([\d.]+) 60a[\d. ]+ 0 1 0 ([\d.]+) 0", mark.get("d"))[0]
+        places = np.array([[float(left), 60], [float(left) + float(wide), 60]])
+    else:
+        places = np.array(re.findall(r"([\d.]+) ([\d.]+)", mark.get("d")), dtype=float)
+    middle = (places.min(axis=0) + places.max(axis=0)) / 2
+    assert_allclose(middle, (120, 60), atol=0.01)
+    wanted = 5 if marker == "." else 14 if marker == "D" else 10
+    assert np.ptp(places, axis=0).max() == pytest.approx(wanted)
 
 
 def test_a_line_beyond_its_frame_stays_clipped_and_one_inside_is_not():
-    def plot(figure):
-        axes = figure.add_subplot()
-        axes.set_xlim(0, 1)
-        axes.set_ylim(0, 1)
-        axes.grid(visible=False)
-        axes.plot([0.1, 0.9], [0.2, 0.3], color="red", gid="inside")
-        axes.plot([0.1, 0.9], [0.2, 5.0], color="red", gid="beyond")
-        return lambda: {name: {"class": name} for name in ("inside", "beyond")}
+    """By the frame's own box, which no other drawing has."""
+    root = drawing(([[1, 2], [90, 30]], {}), ([[1, 2], [90, 500]], {"linewidth": 3}))
+    inside, beyond = (path.get("clip-path") for path in paths(root, "red"))
+    assert inside is None
+    [clip] = [node for node in root.iter() if node.tag.endswith("clipPath")]
+    assert beyond == f"url(#{clip.get('id')})"
+    assert [clip[0].get(key) for key in ("x", "y", "width", "height")] == ["20", "10", "200", "100"]
+    other = drawing(([[1, 2], [90, 400]], {}))
+    [another] = [node for node in other.iter() if node.tag.endswith("clipPath")]
+    assert another.get("id") != clip.get("id")
 
-    root = ET.fromstring(draw(plot, (4, 3), "Two lines"))
-    clipped = {
-        node.get("class"): any(inner.get("clip-path") for inner in node.iter())
+
+def test_numbers_stand_beside_their_places_on_the_axes():
+    root = drawing(([[1, 1], [100, 100]], {}))
+    numbers = {
+        node.text: (float(node.get("x")), float(node.get("y")))
         for node in root.iter()
-        if node.get("class")
+        if node.tag.endswith("text") and float(node.get("y")) > 115
     }
-    assert clipped == {"inside": False, "beyond": True}
+    assert set(numbers) == {"20", "40", "60", "80", "100"}
+    for text, (x, _) in numbers.items():
+        assert x == pytest.approx(20 + 200 * (float(text) - 1) / 99, abs=0.01)
+    decades = drawing(([[1, 1], [100, 100]], {}), logarithmic="x")
+    below = [n for n in decades.iter() if n.tag.endswith("text") and float(n.get("y")) > 115]
+    assert [(n.text, n.get("x")) for n in below] == [("1", "20"), ("10", "120"), ("100", "220")]
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "told"),
+    [
+        (-1500, 1200, ["−1000", "0", "1000"]),
+        (0, 0.6, ["0.0", "0.2", "0.4", "0.6"]),
+        (0, 1.2, ["0.00", "0.25", "0.50", "0.75", "1.00"]),
+        (199.0, 199.4, ["199.0", "199.1", "199.2", "199.3", "199.4"]),
+    ],
+)
+def test_round_numbers_have_the_digits_that_tell_them_apart(low, high, told):
+    assert [text for _, text in round_ticks(low, high)] == told
+
+
+def test_texts_are_written_as_text():
+    root = ET.fromstring(draw(lambda made: made.text(1, 2, "<b> & \0 #"), (9, 9), '"a" & <b>'))
+    told = [node.text for node in root if node.tag.endswith("text")]
+    assert told[0].startswith("<b> & ")
+    assert root.get("aria-label") == '"a" & <b>'
 
 
 def test_a_table_of_uneven_rows_is_refused():

@@ -1,4 +1,3 @@
-import pickle
 import subprocess
 import sys
 from dataclasses import replace
@@ -11,9 +10,7 @@ import pytest
 from PIL import Image
 
 from checks.result.verdict import NOT_MESHED
-from reports import pictures_worker, report_html, svg
-from reports.charts import cycle_charts, design_charts
-from reports.charts.over_cycle import over_cycle
+from reports import pictures_worker, report_html
 from reports.pictures import (
     _ahead,
     draw_ahead,
@@ -108,49 +105,17 @@ def test_surfaces_that_are_alike_are_drawn_once():
     assert "2 of 4 pictures are missing" in render_stills([part, other], worker=one).reason
 
 
-def test_charts_that_are_drawn_beside_are_those_that_the_page_draws():
-    result = chart_results.design()
-    with drawing(result) as pictures:
-        drawn = pictures()
-    assert drawn.reason == ""
-    assert drawn.charts is not None
-    assert drawn.charts == design_charts(result)
-    assert report_html(result, drawn) == report_html(result, replace(drawn, charts=None))
-
-
 def test_who_asks_for_pictures_loads_nothing_that_draws():
     code = (
-        "import sys, reports.page, reports.pictures\n"
+        "import sys, reports.page, reports.pictures, reports.charts\n"
         "print({'PIL', 'matplotlib', 'pyvista'} & set(sys.modules))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "set()"
 
 
-def test_loads_that_are_charted_ahead_are_not_charted_again(monkeypatch):
-    """Of the parts' results only the peaks go into a cycle's charts."""
-    result = chart_results.design()
-    bare = {name: {**cycle, "peaks": {}} for name, cycle in result.cycles.items()}
-    frame = replace(result, parts=(), cycles=bare)
-    known = {}
-    cycle_charts(pickle.loads(pickle.dumps(frame)), known)
-    drawn = []
-    monkeypatch.setattr(
-        "reports.charts.cycles.over_cycle",
-        lambda label, *rest: drawn.append(label) or over_cycle(label, *rest),
-    )
-    found = cycle_charts(pickle.loads(pickle.dumps(result)), known)
-    assert drawn
-    assert all(label.startswith("Peak stress") for label in drawn)
-    assert found == cycle_charts(result)
-    draw_ahead(frame)
-    with drawing(result) as pictures:
-        assert pictures().charts == design_charts(result)
-    assert not any(folder.exists() for folder in _ahead)
-
-
 def test_a_part_that_is_drawn_ahead_is_not_drawn_again(monkeypatch):
-    """Neither its charts nor its still; only the peaks over the cycle have waited for it."""
+    """Another design's parts are: nothing of a design is kept beyond it."""
 
     class Here:
         """Draws in this process."""
@@ -165,30 +130,24 @@ def test_a_part_that_is_drawn_ahead_is_not_drawn_again(monkeypatch):
             return Ended(0, "")
 
     result = chart_results.design()
-    bare = {name: {**cycle, "peaks": {}} for name, cycle in result.cycles.items()}
-    frame = replace(result, parts=(), cycles=bare, warnings=())
     monkeypatch.setattr("reports.pictures._standing", lambda _: Here())
     made = []
-    for name, function, users in (
-        ("draw", svg.draw, ("charts.over_cycle", "charts.plane")),
-        ("still", pictures_worker.still, ("pictures_worker",)),
-    ):
-        for user in users:
-            monkeypatch.setattr(
-                f"reports.{user}.{name}",
-                lambda *given, _all=function, **more: made.append(given) or _all(*given, **more),
-            )
-    draw_ahead(frame)
-    draw_ahead(replace(frame, parts=result.parts))
+    still = pictures_worker.still
+    monkeypatch.setattr(
+        pictures_worker, "still", lambda *given: made.append(given) or still(*given)
+    )
+    draw_ahead(result.parts[0])
     before = len(made)
-    with drawing(result) as pictures:
+    assert before > 0
+    with drawing(replace(result, parts=result.parts[:1])) as pictures:
         found = pictures()
-    again = [some for some in made[before:] if not str(some[2]).startswith("Peak stress")]
+    assert len(made) == before
     assert found.reason == ""
-    assert found.charts == design_charts(result)
     assert set(found.images[result.parts[0].name]) == {"whole", "peak"}
-    assert before > 5
-    assert again == []
+    with drawing(replace(result, parts=result.parts[:1])) as pictures:
+        assert pictures().images == found.images
+    assert len(made) == 2 * before
+    assert not any(folder.exists() for folder in _ahead)
 
 
 def test_one_process_draws_for_design_after_design(monkeypatch):
