@@ -22,7 +22,7 @@ from bench.rung_variations import SCENES, Machines, Variation
 from checks.ladder.climb import BUILDERS
 from checks.models.checked import BUCKLING, FATIGUE, STATIC, rung_level
 from checks.models.families import family_of
-from checks.models.proportions import proportions_of
+from checks.models.proportions import of_buckling, proportions_of
 from checks.strength.part_strength import fatigue_use
 from fem.solvers import SolverError
 from geometry.mesh import MeshError
@@ -156,7 +156,8 @@ def band_of(rows: Sequence[Compared]) -> dict[str, Any]:
     arcs = {side: [shares[0], shares[-1]] for side, shares in bands.items()}
     told: dict[str, list[float]] = defaultdict(list)
     for row in rows:
-        for name, value in row.scales.items():
+        scales = of_buckling(row.scales) if row.kind == BUCKLING else row.scales
+        for name, value in scales.items():
             told[name].append(value)
     return {
         "low": low,

@@ -31,7 +31,7 @@ from checks.ladder.solid import Asked, check_solid
 from checks.models.bands import distance_from, known_band
 from checks.models.checked import BUCKLING, FATIGUE, STATIC, rung_level, stress_share
 from checks.models.families import family_of
-from checks.models.proportions import proportions_of
+from checks.models.proportions import of_buckling, proportions_of
 from checks.part.part_loads import PartLoads, check_reach
 from checks.strength.part_strength import fatigue_use
 from checks.stress.solid_mesh_level import Models
@@ -215,12 +215,13 @@ def outside(lines: Mapping[str, Mapping[str, Any]]) -> dict[str, dict[str, list[
             far = distance_from(family, "formula", kind, line["scales"])
             if band is None or not far:
                 continue
+            scales = of_buckling(line["scales"]) if kind == BUCKLING else line["scales"]
             ratio = value / rung
             most = max(ratio - line.get("by stress", 0.0) / rung, band.high)
             lower = max(0.0, log(band.low / ratio)) / far
             higher = log(most / band.high) / far
             found[family][kind].append(
-                Beyond(far, lower, higher, above / rung, below / rung, line["scales"])
+                Beyond(far, lower, higher, above / rung, below / rung, scales)
             )
     return found
 

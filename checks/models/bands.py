@@ -9,6 +9,8 @@ Beyond the proportions compared a band is wider by exp(g d), with a g for either
 distance of the proportions from their ranges, a sum of logarithms, and g what solids drawn out
 there need (beyond.json, `python -m bench.rung_beyond`). Arcs of contact reach as far as on the
 worst of them. Farther out than those there is no band.
+
+A bar's buckling load is the theory's the better the longer it is, so its length has no end there.
 """
 
 import json
@@ -19,10 +21,11 @@ from importlib.resources import files
 from math import exp, inf, log
 from typing import Any
 
-from checks.models.proportions import ARC, SHARE
+from checks.models.proportions import ARC, SHARE, of_buckling
 
 _BEYOND = 0.1  # of the range that was compared: how far a part's proportions may be outside it
 _BUCKLING = "buckling"
+_LENGTH = "length / "
 _OTHER_SHARE = 0.1  # how far a share of the largest force may be outside the range compared
 
 
@@ -90,6 +93,7 @@ def band_of(family: str, rung: str, kind: str, scales: Mapping[str, float]) -> B
     band = known_band(family, rung, kind)
     if band is None:
         return NoBand(f"no solids of the family {family!r} were compared with the rung {rung}")
+    scales = of_buckling(scales) if kind == _BUCKLING else scales
     beyond = _beyond(family, rung, kind, scales)
     if isinstance(beyond, NoBand):
         return beyond
@@ -118,6 +122,7 @@ def distance_from(family: str, rung: str, kind: str, scales: Mapping[str, float]
     """How far proportions lie outside what was compared; None where they cannot be compared."""
     if known_band(family, rung, kind) is None:
         return None
+    scales = of_buckling(scales) if kind == _BUCKLING else scales
     beyond = _beyond(family, rung, kind, scales)
     return None if isinstance(beyond, NoBand) else sum(beyond.values())
 
@@ -128,7 +133,8 @@ def _beyond(
     """Distance of every proportion that lies outside its range, slack included.
 
     The logarithm of value over the end of the range, or the difference of a share of the force. An
-    arc of contact that is wider than those compared leaves the pin less room, not more.
+    arc of contact that is wider than those compared leaves the pin less room, not more, and a
+    longer bar buckles more like the theory's.
     """
     compared = _data()[family][rung][kind]["scales"]
     found = {}
@@ -136,7 +142,7 @@ def _beyond(
         if name not in compared:
             return NoBand(f"no solid with {name} was compared")
         low, high = compared[name]
-        if name == ARC:
+        if name == ARC or (kind == _BUCKLING and name.startswith(_LENGTH)):
             high = inf
         slack = 1e-9 * abs(low) + (_BEYOND * (high - low) if high < inf else 0.0)
         share = name.startswith(SHARE)
@@ -156,11 +162,14 @@ def _beyond(
 def _measured(
     grown: Mapping[str, Any], scales: Mapping[str, float], beyond: Mapping[str, float]
 ) -> bool:
-    """Whether solids were drawn as far out in each of the proportions that lie outside."""
+    """Whether solids were drawn as far out, to a tenth, in each proportion that lies outside."""
     for name in beyond:
         low, high = grown["scales"].get(name, (inf, -inf))
-        slack = _OTHER_SHARE if name.startswith(SHARE) else 0.0
-        if not low - slack <= scales[name] <= high + slack:
+        if name.startswith(SHARE):
+            low, high = low - _OTHER_SHARE, high + _OTHER_SHARE
+        else:
+            low, high = low / (1 + _BEYOND), high * (1 + _BEYOND)
+        if not low <= scales[name] <= high:
             return False
     return True
 

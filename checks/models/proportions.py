@@ -25,6 +25,7 @@ from geometry.parts import (
 
 ARC = "arc of contact, deg"
 SHARE = "share of the largest force: "
+PULLED = SHARE + "pulled"
 _KNOWS_TILT = (PlateLink, SlottedLever, Pin)
 # Proportions up to which no wall buckles by itself below yield under what bends a pulled part or
 # what a pin presses: docs/theory/buckling.md.
@@ -45,6 +46,18 @@ def proportions_of(part: Part, loads: PartLoads) -> dict[str, float]:
         **_of_loads(part, loads),
         **_of_tilt(part, loads),
     }
+
+
+def of_buckling(proportions: Mapping[str, float]) -> dict[str, float]:
+    """The proportions that a buckling load depends on: loads over the largest that can buckle.
+
+    A pull buckles nothing, however large it is beside them. A part that is only pulled has none.
+    """
+    shares = {name: one for name, one in proportions.items() if name.startswith(SHARE)}
+    shares.pop(PULLED, None)
+    largest = max(shares.values(), default=0.0)
+    shape = {name: one for name, one in proportions.items() if not name.startswith(SHARE)}
+    return shape | {name: one / largest for name, one in shares.items() if largest}
 
 
 def tilting_couple(part: Part, loads: PartLoads) -> float:
@@ -187,7 +200,7 @@ def _of_loads(part: Part, loads: PartLoads) -> dict[str, float]:
         for row in (1, 5)
     )
     return {
-        SHARE + "pulled": max(float(second[:, 0].max()), 0.0) / largest,
+        PULLED: max(float(second[:, 0].max()), 0.0) / largest,
         SHARE + "pushed": max(float(-second[:, 0].min()), 0.0) / largest,
         SHARE + "across": across / largest,
         SHARE + "couple over its size": turned / (largest * part.geometry.length),

@@ -12,9 +12,10 @@ from bench.rung_beyond import PULLED
 from checks.models import bands
 from checks.models.bands import Band, NoBand, band_of, known_band
 from checks.models.checked import MOST_PULLED
-from checks.models.proportions import ARC, SHARE
+from checks.models.proportions import ARC, SHARE, of_buckling
 
 CLOSE = bands._CLOSE
+DATA = bands._data()
 RUNGS = Path(rung_bands.__file__).parent / "rungs"
 ENTRY = {
     "low": 0.9,
@@ -80,8 +81,9 @@ def test_a_band_grows_with_the_logarithm_of_how_far_a_part_is_beyond_the_range()
 
 @pytest.mark.usefixtures("grown")
 def test_beyond_what_was_drawn_out_there_there_is_no_band():
-    """Each proportion, the distance in all, and the rung: each has its end."""
-    assert isinstance(band_of("plate_link", "formula", "static", {"hole / width": 1.6}), NoBand)
+    """Each proportion, to a tenth, the distance in all, and the rung: each has its end."""
+    assert isinstance(band_of("plate_link", "formula", "static", {"hole / width": 1.6}), Band)
+    assert isinstance(band_of("plate_link", "formula", "static", {"hole / width": 1.7}), NoBand)
     assert isinstance(band_of("plate_link", "formula", "static", {"hole / width": 0.1}), NoBand)
     nearer = BEYOND | {"furthest": 0.5}
     with pytest.MonkeyPatch.context() as patch:
@@ -101,6 +103,54 @@ def test_a_wider_arc_of_contact_than_was_compared_leaves_the_pin_less_room_and_h
     wider = band_of("plate_link", "formula", "static", {ARC: 150.0})
     assert (wider.low, wider.high, wider.wider) == (0.9, 1.2, "")
     assert isinstance(band_of("plate_link", "formula", "static", {ARC: 60.0}), NoBand)
+
+
+def test_a_longer_bar_than_was_compared_buckles_as_these_did_and_a_shorter_one_has_no_band(
+    monkeypatch,
+):
+    entry = ENTRY | {"scales": {"length / width": [2.0, 8.0]}}
+    kinds = {"static": entry, "buckling": entry}
+    monkeypatch.setattr(bands, "_data", lambda: {"plate_link": {"formula": kinds}})
+
+    def found(kind, length):
+        return band_of("plate_link", "formula", kind, {"length / width": length})
+
+    assert found("buckling", 80.0) == found("buckling", 5.0) == found("static", 5.0)
+    assert isinstance(found("buckling", 1.0), NoBand)
+    assert isinstance(found("static", 80.0), NoBand)
+
+
+def test_buckling_depends_on_loads_over_the_largest_that_can_buckle(monkeypatch):
+    """A rod pulled by twice its push is as those compared under the push alone."""
+    pushed, across, pulled = SHARE + "pushed", SHARE + "across", SHARE + "pulled"
+    entry = ENTRY | {"scales": {pushed: [1.0, 1.0], across: [0.0, 0.05]}}
+    kinds = {"static": entry, "buckling": entry}
+    monkeypatch.setattr(bands, "_data", lambda: {"plate_link": {"formula": kinds}})
+
+    def found(kind, **loads):
+        scales = {SHARE + name: value for name, value in loads.items()}
+        return band_of("plate_link", "formula", kind, scales)
+
+    assert isinstance(found("buckling", pushed=0.5, across=0.02, pulled=1.0), Band)
+    assert isinstance(found("static", pushed=0.5, across=0.02), NoBand)
+    assert isinstance(found("buckling", pushed=0.1, across=0.05, pulled=1.0), NoBand)
+    assert of_buckling({pulled: 1.0, pushed: 0.0, across: 0.0}) == {}
+
+
+def test_long_bars_beyond_the_range_lie_inside_the_band_of_those_within():
+    """13 solids of up to twice the length compared, none of them part of the band."""
+    held = []
+    for line in map(json.loads, (RUNGS / "beyond.jsonl").read_text().splitlines()):
+        solid, rung = line["solid"].get("buckling"), line["rungs"].get("buckling")
+        if solid and rung and len(line["families"]) and line["families"].get("buckling"):
+            band = DATA[line["families"]["buckling"]]["formula"]["buckling"]
+            held += [
+                band["low"] <= solid[0] / rung <= band["high"]
+                for name, value in of_buckling(line["scales"]).items()
+                if name.startswith("length / ") and value > band["scales"][name][1]
+            ]
+    assert len(held) >= 13
+    assert all(held)
 
 
 def test_without_a_band_a_stress_has_a_least_value_but_buckling_and_uncompared_shapes_have_none(
