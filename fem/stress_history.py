@@ -99,6 +99,17 @@ class StressHistory:
                 where[block] = points[top]
         return np.sqrt(best), where
 
+    def peaks_by_point(self) -> FloatArray:
+        """Largest von Mises stress (n_points,) of each point over the positions."""
+        vectors = np.ascontiguousarray(_DEVIATOR @ self.basis)
+        found = np.zeros(len(self.nodes))
+        batch = max(1, _NUMBERS // (5 * max(len(self.nodes), 1)))
+        for first in range(0, self.coefficients.shape[1], batch):
+            paths = _product(vectors, self.coefficients[:, first : first + batch])
+            paths *= paths
+            np.maximum(found, paths.sum(axis=1).max(axis=1), out=found)
+        return np.sqrt(found)
+
 
 def _product(vectors: FloatArray, coefficients: FloatArray) -> FloatArray:
     """Paths (n, 5, k) of vectors (n, 5, m) and coefficients (m, k), in one product of all rows."""

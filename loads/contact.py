@@ -119,7 +119,7 @@ class _Approach:
         force = kinematics.linkage.force(name)
         self._given, self._solve, self._name = given, solve, name
         self.motion, self.sense = motion, contact.side * force.sign
-        self._unit = LoadState(unit_forces(motion, name, self.sense, solve), None)
+        self._unit = LoadState(unit_forces(motion, [name], self.sense, solve)[0], None)
         softness = deflection(kinematics, poses, self._unit, self._unit)
         self.soft = 0.0 if contact.stiffness is None else 1.0 / contact.stiffness
         self.slope = softness + self.soft

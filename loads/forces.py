@@ -10,7 +10,7 @@ from nothing to its full size, with Newton's method at every step, which follows
 that belongs to the frictionless linkage; where that solution ends, the linkage locks itself.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -88,16 +88,21 @@ def solve_forces(
     return _unpacked(motion, solve, vector, efforts, frictions, share)
 
 
-def unit_forces(motion: Motion, name: str, size: float, solve: str) -> ForceSolution:
-    """Return the forces of one given force alone: no weight, no inertia, no friction."""
+def unit_forces(
+    motion: Motion, names: Sequence[str], size: float, solve: str
+) -> list[ForceSolution]:
+    """Return the forces of each given force alone: no weight, no inertia, no friction."""
     linkage, n = motion.kinematics.linkage, len(motion.values)
     effort = linkage.force(solve)
-    share = _share(motion, effort)
-    right = -size * _generalised(motion, linkage.force(name))
-    vector = np.asarray(np.linalg.solve(_matrix(motion, effort), right[..., None])[..., 0])
-    efforts = {force.name: np.zeros(n) for force in linkage.forces}
-    efforts[name] = np.full(n, float(size))
-    return _unpacked(motion, solve, vector, efforts, [], share)
+    share, matrix = _share(motion, effort), _matrix(motion, effort)
+    found = []
+    for name in names:
+        right = -size * _generalised(motion, linkage.force(name))
+        vector = np.asarray(np.linalg.solve(matrix, right[..., None])[..., 0])
+        efforts = {force.name: np.zeros(n) for force in linkage.forces}
+        efforts[name] = np.full(n, float(size))
+        found.append(_unpacked(motion, solve, vector, efforts, [], share))
+    return found
 
 
 def _share(motion: Motion, effort: Force) -> FloatArray:

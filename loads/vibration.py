@@ -80,6 +80,7 @@ def linkage_modes(motion: Motion, hold: Coordinate) -> LinkageModes:
         raise LinkageError("no body of the linkage has mass: it has no natural frequencies")
     kinematics = Kinematics(bare)
     pushed = _rebased(motion, Kinematics(_pushed(bare)), hold)
+    pushes = _unit_pushes(pushed, lumps, holder)
     poses = motion.poses
     wrenches = lumps.wrenches(poses[:, :, 2])
     strains: FloatArray | None = None
@@ -88,7 +89,7 @@ def linkage_modes(motion: Motion, hold: Coordinate) -> LinkageModes:
         if not len(own):
             continue
         for k, what in enumerate(_PUSH):
-            solution = unit_forces(pushed, _name(body.name, what), 1.0, holder)
+            solution = pushes[_name(body.name, what)]
             if strains is None:
                 strains = lump_strains(kinematics, poses, solution, lumps)
             found = joint_strains(kinematics, poses, solution, lumps)
@@ -103,9 +104,10 @@ def linkage_modes(motion: Motion, hold: Coordinate) -> LinkageModes:
     return LinkageModes(kinematics, motion, lumps, holder, frequencies, shapes, left, strains)
 
 
-def cycle_modes(cycle: CycleLoads) -> LinkageModes:
-    """Return the modes at every position of a solved cycle, its pace held."""
-    return linkage_modes(motion_of(cycle), cycle.pace)
+def cycle_modes(cycle: CycleLoads, positions: IntArray | None = None) -> LinkageModes:
+    """Return the modes at some positions of a solved cycle, or all of them, its pace held."""
+    motion = motion_of(cycle)
+    return linkage_modes(motion if positions is None else _motion_at(motion, positions), cycle.pace)
 
 
 def motion_of(cycle: CycleLoads) -> Motion:
@@ -194,6 +196,7 @@ def with_body_loads(modes: LinkageModes, cycle: CycleLoads, lumped: FloatArray) 
         )
     linkage = cycle.linkage
     pushed = _rebased(modes.motion, Kinematics(_pushed(modes.kinematics.linkage)), cycle.pace)
+    pushes = _unit_pushes(pushed, modes.lumps, modes.holder)
     wrenches = modes.lumps.wrenches(cycle.poses[:, :, 2])
     reactions = dict(cycle.reactions)
     efforts = dict(cycle.efforts)
@@ -209,7 +212,7 @@ def with_body_loads(modes: LinkageModes, cycle: CycleLoads, lumped: FloatArray) 
         accelerations[:, row, :2] += shift - turn[:, None] * turned_left(arm)
         accelerations[:, row, 2] += turn
         for k, what in enumerate(_PUSH):
-            solution = unit_forces(pushed, _name(body.name, what), 1.0, modes.holder)
+            solution = pushes[_name(body.name, what)]
             efforts[modes.holder] = (
                 efforts[modes.holder] + solution.efforts[modes.holder] * total[:, k]
             )
@@ -271,6 +274,14 @@ def _pushed(linkage: Linkage) -> Linkage:
             Force(_name(body.name, what), way) for what, way in zip(_PUSH, ways, strict=True)
         ]
     return replace(linkage, bodies=tuple(bodies), forces=tuple(forces))
+
+
+def _unit_pushes(pushed: Motion, lumps: Lumps, holder: str) -> dict[str, ForceSolution]:
+    """Return the forces of each push alone of the bodies that have lumps, by its name."""
+    moving = pushed.kinematics.linkage.moving
+    bodies = [body.name for row, body in enumerate(moving, start=1) if len(lumps.of(row))]
+    names = [_name(body, what) for body in bodies for what in _PUSH]
+    return dict(zip(names, unit_forces(pushed, names, 1.0, holder), strict=True))
 
 
 def _rebased(motion: Motion, kinematics: Kinematics, hold: Coordinate) -> Motion:

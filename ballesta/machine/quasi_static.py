@@ -100,9 +100,12 @@ def _vibration(
     sections: tuple[tuple[str, str], ...],
     rigid: tuple[str, ...],
 ) -> Vibration:
-    modes = cycle_modes(cycle)
+    even = np.linspace(cycle.times[0], cycle.times[-1], _PLACES + 1)[:_PLACES]
+    chosen = np.unique(np.searchsorted(cycle.times, even))
     response, unasked = None, ""
     if closes(cycle):
+        modes = cycle_modes(cycle)
+        lowest = modes.frequencies[chosen, :3]
         dynamics = design.dynamics
         try:
             response = cycle_response(cycle, dynamics.damping, dynamics.rise, modes)
@@ -110,11 +113,9 @@ def _vibration(
             unasked = f"{error}; more positions may help"
     else:
         unasked = "it does not end where it starts, so it has no speed to compare with"
-    even = np.linspace(cycle.times[0], cycle.times[-1], _PLACES + 1)[:_PLACES]
-    chosen = np.unique(np.searchsorted(cycle.times, even))
+        lowest = cycle_modes(cycle, chosen).frequencies[:, :3]
     stated = design.cycles[name]
     found = np.full((len(chosen), 3), np.inf)
-    lowest = modes.frequencies[chosen, :3]
     found[:, : lowest.shape[1]] = lowest
     return Vibration(
         name,

@@ -25,6 +25,7 @@ from checks.result.words import UNKNOWN_BAR
 from checks.strength.fatigue_assessment import FatigueUse
 from checks.strength.part_strength import endurance_of
 from checks.strength.sampling import buckling_rise, fatigue_rise, static_rise, with_sampling
+from checks.stress.duty_verdict import duty_runs, most_used
 from checks.stress.part_model import RungLevel, RungModel
 from checks.stress.stress_result import judge
 from fem.stress_history import StressHistory
@@ -49,13 +50,12 @@ def rung_level(
     ultimate, cycles = part.material.ultimate_stress, design.duty.cycles
     if model.ring and all_round and not loads.is_nothing:
         model = with_peaks(model, static_values)
+        runs = duty_runs(loads.cycles, cycles)
 
         def used(history: StressHistory, fretting: FloatArray) -> tuple[FloatArray, FloatArray]:
-            found = judge(history, limit / fretting, limit, ultimate, loads, cycles).duty
-            assert found is not None
-            return found.known, found.bound
+            return most_used(history.basis, history.coefficients, limit / fretting, ultimate, runs)
 
-        if any(name in loads.cycles for name in cycles):
+        if runs:
             model = with_peaks(model, used)
     limits = limit / model.fretting
     judged = judge(model.history, limits, limit, ultimate, loads, cycles)

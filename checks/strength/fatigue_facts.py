@@ -12,7 +12,7 @@ import numpy as np
 import fatigue
 from checks.design.data import Part
 from checks.strength.finite_life import LifeTask, lives_of, why_no_curve
-from checks.stress.duty_verdict import JOINED, FatiguePeak
+from checks.stress.duty_verdict import FatiguePeak, widest
 from checks.stress.stress_result import Stressed
 from fatigue.marin import reliability_factor
 from fatigue.proportionality import PROPORTIONAL
@@ -36,7 +36,7 @@ def path_of(level: Stressed, peak: FatiguePeak) -> IntArray:
     runs = level.duty.runs
     if peak.cycle in runs:
         return runs[peak.cycle]
-    return runs.get(JOINED, next(iter(runs.values())))
+    return runs[widest(runs)]
 
 
 def deciding_pair(level: Stressed, peak: FatiguePeak) -> tuple[int, int]:

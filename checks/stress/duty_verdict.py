@@ -171,6 +171,31 @@ def duty_runs(cycles: Mapping[str, slice], duty: Iterable[str]) -> dict[str, Int
     return runs
 
 
+def widest(runs: Mapping[str, IntArray]) -> str:
+    """The path that holds all the others."""
+    return JOINED if JOINED in runs else next(iter(runs))
+
+
+def most_used(
+    basis: FloatArray,
+    coefficients: FloatArray,
+    limits: FloatArray,
+    ultimate: float,
+    runs: Mapping[str, IntArray],
+) -> tuple[FloatArray, FloatArray]:
+    """`DutyVerdict.known` and `DutyVerdict.bound` (n_points,), without which path decides.
+
+    By Findley no plane is used more on a path than on one that holds it, so only the widest is
+    asked; Goodman's longest chord may have less of a mean than a shorter one, so all are.
+    """
+    paths = {name: np.ascontiguousarray(coefficients[:, run]) for name, run in runs.items()}
+    path = paths.pop(widest(runs))
+    verdict = ductile_verdict(basis, path, limits, ultimate, every_point=False)
+    others = [goodman(basis, path, limits, ultimate).utilisation for path in paths.values()]
+    known = np.max([verdict.utilisation, *others], axis=0)
+    return known, np.max([verdict.highest_utilisation, *others], axis=0)
+
+
 def duty_verdict(
     basis: FloatArray,
     coefficients: FloatArray,

@@ -32,6 +32,14 @@ def test_peaks_by_position_are_those_of_the_stress_written_out(monkeypatch, numb
         assert_allclose(peaks[k], stress.max(), rtol=1e-14)
 
 
+@pytest.mark.parametrize("numbers", [100_000, 600, 1])
+def test_peaks_by_point_are_those_of_the_stress_written_out(monkeypatch, numbers):
+    monkeypatch.setattr("fem.stress_history._NUMBERS", numbers)
+    history = random_history(37, 41)
+    stresses = [von_mises(history.at(k)) for k in range(41)]
+    assert_allclose(history.peaks_by_point(), np.max(stresses, axis=0), rtol=1e-14)
+
+
 def test_of_equal_peaks_the_first_point_is_named(monkeypatch):
     history = random_history(3, 4)
     twice = StressHistory(

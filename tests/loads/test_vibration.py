@@ -159,7 +159,7 @@ def test_deformations_give_the_same_work_as_virtual_forces_do():
     motion = move(path.at(np.radians([50.0, 65.0, 80.0])), hold, 1.0, 1)
     modes = linkage_modes(motion, hold)
     pushed = replace(motion, kinematics=type(motion.kinematics)(_pushed(linkage)))
-    state = LoadState(unit_forces(pushed, "push y of mould", 1.0, "cylinder"), None)
+    state = LoadState(unit_forces(pushed, ["push y of mould"], 1.0, "cylinder")[0], None)
     expected = deflection(motion.kinematics, motion.poses, state, state)
     way = int(np.flatnonzero(modes.lumps.way == 1)[0])
     found = np.sum(modes.unit_strains[:, :, way] ** 2, axis=1)
@@ -243,6 +243,15 @@ def test_deformations_of_a_cycles_loads_are_the_deflection_of_its_contact():
     assert modes.lumps.way[ram] == 1
     found = np.einsum("nr,nr->n", modes.unit_strains[:, :, ram], load_strains(modes, cycle))
     assert_allclose(found, cycle.contacts["work"].deflection, rtol=1e-9, atol=1e-12)
+
+
+def test_modes_at_some_positions_are_those_of_the_whole_cycle_there():
+    cycle = forged()
+    some = np.array([0, 7, 3])
+    alone, there = cycle_modes(cycle, some), cycle_modes(cycle).at(some)
+    assert len(alone.frequencies) == 3
+    assert_allclose(alone.frequencies, there.frequencies, rtol=1e-12)
+    assert_allclose(alone.unit_strains, there.unit_strains, rtol=1e-9, atol=1e-15)
 
 
 def test_a_linkage_without_elasticity_or_without_mass_is_refused():

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from checks.design.materials import known_materials
 from checks.strength.finite_life import LifeTask, life_curve, lives_of, shortest_life
-from checks.stress.duty_verdict import JOINED, duty_runs, duty_verdict
+from checks.stress.duty_verdict import JOINED, duty_runs, duty_verdict, most_used
 from fatigue import goodman
 
 STEEL = known_materials()["S355"]
@@ -42,6 +42,36 @@ def test_the_range_between_two_cycles_of_a_duty_decides():
     assert peak.cycle == JOINED
     assert peak.pair == (0, 3)
     assert_allclose(peak.value, LIMIT * (150 / LIMIT + 150 / 470))
+
+
+@pytest.mark.parametrize("scale", [1.0, 0.2])
+@pytest.mark.parametrize("seed", range(4))
+def test_how_much_points_are_used_is_what_the_verdict_has(seed, scale):
+    """Without the verdict's name of the path. With small stresses no mean counts: Findley decides.
+
+    Each value known of one is within the bound of the other, and the worst is the same.
+    """
+    basis, coefficients = out_of_phase(seed)
+    basis = scale * basis
+    runs = duty_runs({"a": slice(0, 9), "b": slice(9, 24)}, {"a": 1.0, "b": 1.0})
+    limits = np.linspace(0.9, 1.1, 60) * LIMIT
+    verdict = duty_verdict(basis, coefficients, limits, LIMIT, 470.0, runs)
+    known, bound = most_used(basis, coefficients, limits, 470.0, runs)
+    assert_allclose(known.max(), verdict.known.max(), rtol=1e-9)
+    assert known.argmax() == verdict.known.argmax()
+    assert (known <= bound * (1 + 1e-12)).all()
+    assert (known <= verdict.bound * (1 + 1e-9)).all()
+    assert (verdict.known <= bound * (1 + 1e-9)).all()
+
+
+def test_a_cycle_with_a_larger_mean_is_used_more_than_the_path_that_holds_it():
+    """0 to 300 MPa beside -310 to -5: their longest chord, from -310 to 300, has a mean below 0."""
+    basis, coefficients, cycles = uniaxial([0.0, 300.0], [-310.0, -5.0])
+    runs = duty_runs(cycles, dict.fromkeys(cycles, 1.0))
+    known, _ = most_used(basis, coefficients, np.array([LIMIT]), 310.0, runs)
+    assert_allclose(known, max(305 / LIMIT, 150 / LIMIT + 150 / 310))
+    low, _ = most_used(basis, coefficients, np.array([1e4]), 310.0, runs)
+    assert_allclose(low, 150 / 1e4 + 150 / 310)
 
 
 def test_a_duty_of_one_cycle_is_that_cycle():
