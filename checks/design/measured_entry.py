@@ -54,7 +54,7 @@ TwoColumns = Annotated[list[str], Field(min_length=2, max_length=2)]
 
 
 class PositionColumn(Table):
-    """What the run goes through."""
+    """The column that the run goes through, such as an angle or the time."""
 
     column: str = Field(description="name of the column")
     unit: PositionUnit = Field(description="of its numbers")

@@ -1,4 +1,4 @@
-"""What a design file may contain: the pydantic models its tables are read with.
+"""Tables and keys of a design file: the pydantic models that read it.
 
 The tables of the linkage and its cycles are in `design_tables`. The parts' parameters are described
 by the dataclasses in `geometry.parts`, and their models are made from those.
@@ -81,7 +81,7 @@ class DutyEntry(Table):
 
 
 class Column(Table):
-    """What is known of the part as a column; lengths where they are not the pins' distance."""
+    """The part as a column; lengths where they are not the pins' distance."""
 
     in_plane: PositiveLength | None = Field(
         None, description="effective length in the plane of the linkage"
@@ -145,7 +145,7 @@ class StackEntry(Table):
 
 
 class PartEntry(Table):
-    """What every part states, whatever its shape."""
+    """Keys of every part, whatever its shape."""
 
     material: str = Field(description="name of a material", examples=["S355"])
     surface: Literal["ground", "machined", "cold_drawn", "hot_rolled", "as_forged"] = Field(
@@ -175,7 +175,7 @@ class PartEntry(Table):
 
 
 class ContactEntry(Table):
-    """What slides or rolls on a part at one of its sliding contacts."""
+    """A pin or roller on one of a part's sliding contacts."""
 
     radius: PositiveLength = Field(description="of the pin or roller that presses there")
     material: str | None = Field(

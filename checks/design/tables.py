@@ -111,7 +111,7 @@ class JointEntry(Table):
 
 
 class Available(Table):
-    """What a drive between two points can give: push and pull, or a cylinder and its pressure."""
+    """Capacity of a drive between two points: push and pull, or a cylinder and its pressure."""
 
     push: PositiveForce | None = Field(None, description="apart")
     pull: PositiveForce | None = Field(None, description="together")
@@ -190,7 +190,7 @@ class FrictionEntry(Table):
 
 
 class ElasticJoints(Table):
-    """What gives way besides the bodies."""
+    """Elastic joints; bodies state their own stiffness."""
 
     joints: dict[str, PositiveStiffness] = Field(
         default_factory=dict, description="stiffness of a pin joint by its point, others by name"
@@ -222,7 +222,7 @@ class ShownEntry(Table):
 
 
 class StopEntry(Table):
-    """What ends the travel."""
+    """The stop at the end of the travel."""
 
     basis: Literal["assumed", "mechanical"] = Field(
         description="assumed: nothing mechanical stops the travel there"
