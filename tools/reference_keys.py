@@ -168,7 +168,7 @@ class Value:
 
 
 def _value(kind: Any, metadata: Any = ()) -> Value:
-    """What a type of the models takes, in words."""
+    """A type of the models in words."""
     marks = [
         mark
         for one in metadata
