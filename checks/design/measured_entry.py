@@ -73,7 +73,9 @@ class AngleColumn(Table):
 
     column: str | None = Field(None, description="name of the column")
     unit: AngleUnit | None = Field(None, description="of its numbers")
-    constant: Angle | None = Field(None, description="instead of a column: it does not turn")
+    constant: Angle | None = Field(
+        None, description="instead of a column, for a body that does not turn"
+    )
 
 
 class SpinColumn(Table):
@@ -141,6 +143,6 @@ class MeasuredEntry(Table):
     tolerance: Fraction = Field(
         "1 %",
         validate_default=True,
-        description="what may be left of the balance of a body, of the largest force on it",
+        description="largest unbalanced load of a body, over the largest force on it",
     )
     bodies: dict[Name, MeasuredBodyEntry] = Field(min_length=1)
