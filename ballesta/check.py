@@ -131,7 +131,7 @@ def check_design(
         begun = perf_counter() - reading
     if not design.parts:
         raise DesignError(
-            design.file, "parts", "nothing to check: there are none; ballesta loads tells the loads"
+            design.file, "parts", "there are none to check; ballesta loads solves the loads alone"
         )
     keep_freed_memory()
     models = Models(store)

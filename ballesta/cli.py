@@ -28,7 +28,7 @@ OneDesign = Annotated[Path, typer.Argument(metavar="DESIGN", help="a design file
 Fields = Annotated[
     bool,
     typer.Option(
-        "--fields", help="mesh also the parts whose checks need no mesh, to look at their stress"
+        "--fields", help="mesh every part, also where no check needs it, to show its stress"
     ),
 ]
 Overrides = Annotated[
@@ -46,7 +46,7 @@ def check(
     accuracy: Annotated[
         str | None,
         typer.Option(
-            "--accuracy", help="numerical error to refine to, such as 5%; else the file's"
+            "--accuracy", help="numerical error to refine meshes to, such as 5%; else the file's"
         ),
     ] = None,
     fidelity: Annotated[
@@ -60,7 +60,9 @@ def check(
     within: Annotated[
         str | None,
         typer.Option(
-            "--within", metavar="TIME", help="end by then with what is finished, e.g. 60s"
+            "--within",
+            metavar="TIME",
+            help="time limit, e.g. 60s; ends with the models finished by then",
         ),
     ] = None,
     fields: Fields = False,
@@ -74,11 +76,11 @@ def check(
             "--store",
             metavar="DIR",
             envvar="BALLESTA_STORE",
-            help="keep loads, meshes and solutions there, and take them from there",
+            help="folder that keeps loads, meshes and solutions for later checks",
         ),
     ] = None,
     no_store: Annotated[
-        bool, typer.Option("--no-store", help="compute everything, whatever BALLESTA_STORE says")
+        bool, typer.Option("--no-store", help="use no store, even if BALLESTA_STORE names one")
     ] = False,
     verbose: Annotated[
         bool, typer.Option("--verbose", "-v", help="print all checks, warnings and assumptions")
@@ -116,40 +118,43 @@ def batch(
     ],
     out: Annotated[Path, typer.Option("--out", help="folder of the batch; resumed if it is one")],
     jobs: Annotated[
-        int | None, typer.Option("--jobs", metavar="N", help="at a time; else one per core")
+        int | None, typer.Option("--jobs", metavar="N", help="designs at a time; else one per core")
     ] = None,
     sweeps: Annotated[
         list[str] | None,
         typer.Option(
-            "--sweep", help="vary a value: 'parts.bar.wall = 4..8 mm : 9'; again for more"
+            "--sweep", help="vary a value: 'parts.bar.wall = 4..8 mm : 9'; may be given again"
         ),
     ] = None,
     sample: Annotated[
-        int | None, typer.Option("--sample", metavar="N", help="points of the sweeps, not a grid")
+        int | None,
+        typer.Option("--sample", metavar="N", help="sample N points of the sweeps, not their grid"),
     ] = None,
     sobol: Annotated[
-        bool, typer.Option("--sobol", help="a Sobol sequence, the only kind of sample there is")
+        bool, typer.Option("--sobol", help="sample by a Sobol sequence, the only way so far")
     ] = True,
-    seed: Annotated[int, typer.Option("--seed", help="of the sample")] = 0,
+    seed: Annotated[int, typer.Option("--seed", help="seed of the sample")] = 0,
     until: Annotated[
         str | None,
         typer.Option(
             "--until",
             metavar="pass",
-            help="find the value of one --sweep that just passes: pass, or 'pass of PART, PART'",
+            help="search one --sweep for the value that just passes: pass, or 'pass of PART, PART'",
         ),
     ] = None,
     fidelity: Annotated[
-        str, typer.Option("--fidelity", metavar="RUNG", help="as of check; else auto")
+        str, typer.Option("--fidelity", metavar="RUNG", help="models, as for check")
     ] = "auto",
     within: Annotated[
-        str | None, typer.Option("--within", metavar="TIME", help="as of check, of each design")
+        str | None,
+        typer.Option("--within", metavar="TIME", help="time limit of each design, as for check"),
     ] = None,
     accuracy: Annotated[
-        str | None, typer.Option("--accuracy", help="as of check, of each design")
+        str | None, typer.Option("--accuracy", help="accuracy of each design, as for check")
     ] = None,
     time_limit: Annotated[
-        str, typer.Option("--time-limit", metavar="TIME", help="stop a design after it; or none")
+        str,
+        typer.Option("--time-limit", metavar="TIME", help="stop a design after it; none: never"),
     ] = "600s",
     memory: Annotated[
         str | None,
@@ -158,15 +163,19 @@ def batch(
     overrides: Overrides = None,
     reports: Annotated[
         bool | None,
-        typer.Option("--reports/--no-reports", help="report.html of each; else up to 50 designs"),
+        typer.Option(
+            "--reports/--no-reports", help="a report.html each; else for up to 50 designs"
+        ),
     ] = None,
     store: Annotated[
         Path | None,
         typer.Option(
-            "--store", metavar="DIR", envvar="BALLESTA_STORE", help="as of check; else OUT/store"
+            "--store", metavar="DIR", envvar="BALLESTA_STORE", help="as for check; else OUT/store"
         ),
     ] = None,
-    no_store: Annotated[bool, typer.Option("--no-store", help="share no stages")] = False,
+    no_store: Annotated[
+        bool, typer.Option("--no-store", help="use no store: nothing is shared")
+    ] = False,
     executor: Annotated[
         str,
         typer.Option(
@@ -175,13 +184,15 @@ def batch(
     ] = "local",
     tls: Annotated[
         Path | None,
-        typer.Option("--tls", metavar="DIR", help="certificates for --executor tls://HOST:PORT"),
+        typer.Option(
+            "--tls", metavar="DIR", help="folder of certificates for --executor tls://HOST:PORT"
+        ),
     ] = None,
 ) -> None:
     """Check many designs and their variations side by side; write index.html and tables.
 
-    A batch that was stopped or killed goes on with the same command. Every design is a line when it
-    is finished, and costs nobody else anything when it crashes, hangs or takes too much memory.
+    The same command resumes a batch that was stopped or killed. Each finished design is one
+    line; one that crashes, hangs or takes too much memory harms no other.
 
     Exit code: the highest of the designs; 0 pass, 1 FAIL or UNDECIDED, 2 wrong input, 3 gave up,
     crashed, out of time or memory; 130 stopped.
@@ -247,9 +258,9 @@ def loads(
 ) -> None:
     """Solve the cycles of a design: reactions, efforts, drive and contacts, and their validity.
 
-    Of a measured run it tells what acts on each body, and whether that balances.
+    For a measured run, report the loads on each body and their balance.
 
-    Exit code 0: the loads are computed, also where a gate does not hold; 2: an input is wrong;
+    Exit code 0: the loads are computed, even if a validity check fails; 2: an input is wrong;
     3: the numerics gave up.
     """
     from ballesta.commands.loads_command import Wanted, run_loads
@@ -272,7 +283,7 @@ def ladder(
 
     Writes OUT/DESIGN/ladder.html with a chart of every part.
 
-    Exit code 0: told, whatever the checks say; 2: an input is wrong; 3: the numerics gave up.
+    Exit code 0: finished, whatever the checks say; 2: an input is wrong; 3: the numerics gave up.
     """
     from ballesta.commands.ladder_command import Wanted, run_ladder
 
@@ -284,20 +295,20 @@ def diff(
     before: Annotated[
         Path, typer.Argument(metavar="A", help="a design file, a result.json or a folder of a run")
     ],
-    after: Annotated[Path, typer.Argument(metavar="B", help="what to compare it with")],
+    after: Annotated[Path, typer.Argument(metavar="B", help="the other one, of the same kinds")],
     html: Annotated[
         Path | None, typer.Option("--html", metavar="FILE", help="write every change as a page")
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="print the result as JSON")] = False,
     fidelity: Annotated[
-        str, typer.Option("--fidelity", metavar="RUNG", help="of the checks of design files")
+        str, typer.Option("--fidelity", metavar="RUNG", help="models that check design files")
     ] = "auto",
     within: Annotated[
         str | None,
-        typer.Option("--within", metavar="TIME", help="begin no solid that would take longer"),
+        typer.Option("--within", metavar="TIME", help="time limit of each check, e.g. 60s"),
     ] = None,
 ) -> None:
-    """Tell what changed from A to B: verdicts, then inputs, loads, stresses, safety, masses.
+    """Compare A with B: verdicts, then inputs, loads, stresses, safety, masses.
 
     Design files are checked first; of the folders of two runs all results are compared.
 
@@ -314,32 +325,39 @@ def why(
         Path,
         typer.Argument(metavar="DESIGN", help="a design file, a result.json or a folder of a run"),
     ],
-    part: Annotated[str, typer.Argument(metavar="PART", help="else what decides")] = "",
+    part: Annotated[
+        str, typer.Argument(metavar="PART", help="a part; else the deciding check")
+    ] = "",
     kinds: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[KIND...]", help="of its checks: static, fatigue, buckling, ..."),
+        typer.Argument(
+            metavar="[KIND...]", help="kinds of its checks: static, fatigue, buckling, ..."
+        ),
     ] = None,
     every: Annotated[
-        bool, typer.Option("--all", help="every check that is meant, not the nearest to its limit")
+        bool,
+        typer.Option(
+            "--all", help="all checks of these kinds, not only the one nearest to its limit"
+        ),
     ] = False,
     verbose: Annotated[
-        bool, typer.Option("--verbose", "-v", help="every symbol, formula and unit load")
+        bool, typer.Option("--verbose", "-v", help="print every symbol, formula and unit load")
     ] = False,
     json: Annotated[bool, typer.Option("--json", help="print the checks as a JSON list")] = False,
     overrides: Overrides = None,
     fidelity: Annotated[
-        str | None, typer.Option("--fidelity", metavar="RUNG", help="as of check; else auto")
+        str | None, typer.Option("--fidelity", metavar="RUNG", help="models, as for check")
     ] = None,
     store: Annotated[
         Path | None,
-        typer.Option("--store", metavar="DIR", envvar="BALLESTA_STORE", help="as of check"),
+        typer.Option("--store", metavar="DIR", envvar="BALLESTA_STORE", help="as for check"),
     ] = None,
 ) -> None:
-    """Tell how the number of a check comes about: forces, stresses, formulas, limit, verdict.
+    """Explain the number of a check: forces, stresses, formulas, limit, verdict.
 
-    A design file is checked first; of a result that is there nothing is computed again.
+    A design file is checked first; an existing result is only read.
 
-    Exit code 0: told, whatever the verdict; 2: an input is wrong; 3: the numerics gave up.
+    Exit code 0: explained, whatever the verdict; 2: an input is wrong; 3: the numerics gave up.
     """
     from ballesta.commands.why import Wanted, run_why
 
@@ -358,18 +376,18 @@ def show(
         typer.Option("--off-screen", metavar="FILE", help="write a PNG instead of a window"),
     ] = None,
     fidelity: Annotated[
-        str, typer.Option("--fidelity", metavar="RUNG", help="as of check")
+        str, typer.Option("--fidelity", metavar="RUNG", help="as for check")
     ] = "auto",
     within: Annotated[
-        str | None, typer.Option("--within", metavar="TIME", help="as of check")
+        str | None, typer.Option("--within", metavar="TIME", help="as for check")
     ] = None,
     fields: Fields = False,
     overrides: Overrides = None,
     store: Annotated[
         Path | None,
-        typer.Option("--store", metavar="DIR", envvar="BALLESTA_STORE", help="as of check"),
+        typer.Option("--store", metavar="DIR", envvar="BALLESTA_STORE", help="as for check"),
     ] = None,
-    no_store: Annotated[bool, typer.Option("--no-store", help="as of check")] = False,
+    no_store: Annotated[bool, typer.Option("--no-store", help="as for check")] = False,
 ) -> None:
     """Check a design and open a window with the stress of its parts at every position.
 
@@ -386,13 +404,13 @@ def show(
 def improve(
     design: OneDesign,
     verify: Annotated[
-        bool, typer.Option("--verify", help="check every change that is shown by its models")
+        bool, typer.Option("--verify", help="check each listed change by the models that decided")
     ] = False,
     apply: Annotated[
         bool, typer.Option("--apply", help="write the first change that passes into the file")
     ] = False,
     fidelity: Annotated[
-        str, typer.Option("--fidelity", metavar="RUNG", help="as of check")
+        str, typer.Option("--fidelity", metavar="RUNG", help="as for check")
     ] = "auto",
     json: Annotated[bool, typer.Option("--json", help="print the changes as JSON")] = False,
     overrides: Overrides = None,
@@ -413,7 +431,7 @@ def improve(
 
 @app.command()
 def plan(design: OneDesign, overrides: Overrides = None) -> None:
-    """Say what a check would model, without solving: parts, loads, unknowns, time and memory."""
+    """Preview a check without solving it: parts, loads, unknowns, time and memory."""
     from ballesta.commands.plan import plan_text
     from ballesta.run import guarded
 
@@ -428,7 +446,7 @@ def export(
         str, typer.Option("--at", metavar="POSITION", help="worst, or a position as shown")
     ] = "worst",
     inp: Annotated[
-        bool, typer.Option("--inp", help="as an input deck of CalculiX, the only kind there is")
+        bool, typer.Option("--inp", help="write an input deck of CalculiX, the only format so far")
     ] = True,
     cycle: Annotated[
         str | None, typer.Option("--cycle", metavar="NAME", help="the cycle of the position")

@@ -1,4 +1,4 @@
-"""What `auto` costs over the four machines, as a share of `--fidelity solid` in the same run.
+"""Cost of `auto` over the four machines, as a share of `--fidelity solid` in the same run.
 
 python -m bench.auto_cost   prints JSON; a design in turn by both, fresh models each
 """

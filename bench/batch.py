@@ -1,4 +1,4 @@
-"""What the machinery of a batch costs, and how much faster two workers are than one.
+"""Cost of a batch's machinery, and the speed of two workers over one.
 
 python -m bench.batch overhead          100 jobs of 50 ms that do nothing: seconds
 python -m bench.batch press [N]         N = 100 variants of the toggle press by solids: hours

@@ -1,4 +1,4 @@
-"""What a cluster costs beside processes of this machine: a scheduler and two workers on it.
+"""Cost of a cluster beside processes of this machine: a scheduler and two workers on it.
 
 python -m bench.cluster [ROUNDS]    3 rounds of both in turns: ten minutes on two quiet cores
 
@@ -60,7 +60,7 @@ def busiest(folder: Path, settings: Settings, scheduler: psutil.Process) -> dict
 
 
 def designs(folder: Path, settings: Settings) -> tuple[float, Watch]:
-    """Seconds from the end of the first formula designs of the press to that of the last."""
+    """Seconds from the end of the press' first formula designs to the end of the last."""
     sweep = f"parts.bar_upper.wall = 5..7 mm : {DESIGNS}"
     plan = planned(Request((str(PRESS),), (), (sweep,), fidelity="formula"), folder, False)
     watch, _ = run(plan, folder, settings, "bench.cluster:checked")

@@ -1,4 +1,4 @@
-"""How well the error bars are calibrated: every catalogued reading against its reference.
+"""Calibration of the error bars: every catalogued reading against its reference.
 
 ``python -m bench.error_bars`` prints the table; with ``--write`` it becomes docs/validation.md,
 together with the multiaxial criteria of bench/multiaxial.py. ``python -m bench.error_bars 0.5 0.8``
@@ -45,7 +45,7 @@ class BarReading:
 
     @property
     def inside(self) -> bool:
-        """Whether the reference lies inside the bar, as well as it is known."""
+        """True if the reference lies inside the bar, as well as it is known."""
         return self.error <= self.bar + self.uncertainty
 
 

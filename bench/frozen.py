@@ -4,7 +4,7 @@
     python -m bench.frozen compare [DESIGN ...] [--fidelity RUNG] [--folder DIR] [--tolerance SHARE]
 
 Without names: every design in designs/. Without a fidelity: formula, beam and auto; solid takes
-minutes a design. Each result is that of `result.json`, without what differs from run to run (times,
+minutes a design. Each result is `result.json` without what differs from run to run (times,
 versions, paths of reports), as DIR/DESIGN.RUNG.json.gz; DIR is out/frozen if nothing else is said,
 and not tracked. Numbers are compared bit for bit, which holds on one machine with one thread;
 elsewhere a tolerance such as 1e-9 is needed. Ends with 1 where something differs.

@@ -154,7 +154,7 @@ def run_one(job: Mapping[str, Any]) -> dict[str, Any]:
 
 @dataclass
 class Found:
-    """What came of some mutants: how many ended how, and what must not be."""
+    """Outcomes of some mutants: how many ended how, and those that must not be."""
 
     counts: Counter[str] = field(default_factory=Counter)
     findings: list[dict[str, Any]] = field(default_factory=list)

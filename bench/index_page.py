@@ -1,4 +1,4 @@
-"""What the index of a large batch takes in a browser without a GPU.
+"""Time and memory of a large batch's index in a browser without a GPU.
 
 python -m bench.index_page   prints JSON, exits with 1 if a limit is broken; some seconds
 

@@ -53,7 +53,7 @@ def _statuses(found: list[Screened]) -> Mapping[str, int]:
 def _timed(
     design: Design, wanted: list[Mapping[str, str]], cores: int
 ) -> tuple[list[Screened], float, float, float]:
-    """What is found; s by the clock and of the processor in one process; s by the clock in all."""
+    """The result; s by the clock and of the processor in one process; s by the clock in all."""
     start, busy = perf_counter(), process_time()
     found = screen(design, wanted)
     alone, alone_busy = perf_counter() - start, process_time() - busy

@@ -1,4 +1,4 @@
-"""What a whole report with its live view takes in a browser without a GPU.
+"""Time and memory of a whole report with its live view in a browser without a GPU.
 
 python -m bench.live_page   prints JSON, exits with 1 if a limit is broken; about half a minute
 python -m bench.live_page out/toggle_press/report.html ...   the same of reports that are there
@@ -100,7 +100,7 @@ async def browsed(file: Path) -> dict[str, Any]:
 
 
 def measured(file: Path) -> dict[str, Any]:
-    """What a report takes, and the limits that it breaks."""
+    """Measurements of a report, and the limits that it breaks."""
     found = asyncio.run(browsed(file))
     broken = [name for name, limit in LIMITS.items() if found[name] > limit]
     return {"page, MB": file.stat().st_size / 1e6, **found, "broken": broken}

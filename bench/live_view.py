@@ -1,4 +1,4 @@
-"""What the live view costs: its size, its encoder, and its steps in a browser without a GPU.
+"""Cost of the live view: its size, its encoder, and its steps in a browser without a GPU.
 
 python -m bench.live_view   prints JSON, exits with 1 if a limit is broken; about a minute
 
@@ -118,7 +118,7 @@ def encoded(parts: list[LiveFields]) -> tuple[list[EncodedPart], float]:
 
 
 async def browsed(part: EncodedPart, positions: list[int]) -> dict[str, Any]:
-    """What decoding and stepping take in Chromium, best of three pages, and the peaks it finds."""
+    """Times of decoding and stepping in Chromium, best of three pages, and the peaks it finds."""
     from playwright.async_api import async_playwright
 
     script = "".join((_FOLDER / f"{name}.js").read_text() for name in _SCRIPTS)

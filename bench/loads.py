@@ -1,6 +1,6 @@
 """Loads of four machines over a cycle, against solving each position by itself; a line of JSON.
 
-The other way is that of a script written for one linkage: for every position scipy's ``root``
+The other way is a script written for one linkage: for every position scipy's ``root``
 (hybr) closes the joints from the position before, then one dense solve each gives velocities,
 accelerations and forces. Same coordinates (poses of all bodies), constraints and balance on both
 sides; the answers are compared before anything is timed. Run by bench/run.py from the repository.

@@ -172,7 +172,7 @@ def short(runs: int) -> dict[str, Any]:
 
 
 def _processor_seconds() -> float:
-    """What ended children have taken of all processors; a process that was killed counts too."""
+    """Processor seconds of ended children; a process that was killed counts, too."""
     spent = os.times()
     return spent.children_user + spent.children_system
 

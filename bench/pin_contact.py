@@ -62,7 +62,7 @@ def persson_pressure(half_arc: float, angle: float = 0.0) -> float:
 
 @dataclass(frozen=True)
 class Reading:
-    """What a pin does to the edge of a hole: MPa and degrees from the force.
+    """Effect of a pin on the edge of a hole: MPa and degrees from the force.
 
     arc      that the pin touches, up to 1 % of the largest pressure
     mises    largest von Mises stress of the edge, and where
@@ -133,7 +133,7 @@ def cosine(grid: Grid, arc: float) -> Reading:
 
 
 def contact(grid: Grid) -> Reading:
-    """CalculiX's contact; the stress of its displacements is recovered as that of `cosine`."""
+    """CalculiX's contact; the stress of its displacements is recovered as for `cosine`."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "pin.inp")
         path.write_text(deck(grid), encoding="ascii")

@@ -1,4 +1,4 @@
-"""How far numbers move when a part is meshed again with slightly other sizes.
+"""Re-mesh noise: how far numbers move when a part is meshed again with slightly other sizes.
 
     python -m bench.remesh_noise [DESIGN ...] [--part NAME] [--accuracy 5%]
 
@@ -150,7 +150,7 @@ def _largest(bars: list[float | None]) -> float | None:
 
 
 def read_measured() -> list[Entry]:
-    """What is known so far."""
+    """The noise measured so far."""
     entries: list[Entry] = json.loads(NOISE.read_text(encoding="utf-8"))["measured"]
     return entries
 
@@ -202,7 +202,7 @@ def worst_of(entries: Iterable[Mapping[str, Any]]) -> list[Entry]:
 
 
 def _is_complete(entry: Mapping[str, Any], count: int) -> bool:
-    """Whether a part was meshed again often enough, or the solid gave up."""
+    """True if a part was meshed again often enough, or the solid gave up."""
     return entry["scatter"] is None or bool(entry["remeshes"] + entry["gave up"] >= count)
 
 

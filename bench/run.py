@@ -21,7 +21,7 @@ PRESS = HERE.parent / "designs" / "toggle_press.toml"
 
 
 def machine() -> str:
-    """What the numbers were measured on."""
+    """The machine that the numbers were measured on."""
     model = ""
     cpuinfo = Path("/proc/cpuinfo")
     if cpuinfo.exists():
@@ -60,7 +60,7 @@ def help_time() -> list[dict[str, Any]]:
 
 
 def measured_by(module: str, *arguments: str) -> dict[str, Any]:
-    """What a benchmark of its own process prints as its last line, JSON."""
+    """Last line, JSON, that a benchmark of its own process prints."""
     done = subprocess.run(
         [sys.executable, "-m", module, *arguments],
         check=True,
@@ -259,7 +259,7 @@ def main_job() -> list[dict[str, Any]]:
 
 
 def short_commands() -> list[dict[str, Any]]:
-    """What must answer at once, whole processes in turns with an import of the libraries."""
+    """Commands that must answer at once, as processes in turns with an import of the libraries."""
     measured = measured_by("bench.main_job", "short")
     rows = []
     for name, limit in (

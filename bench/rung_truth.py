@@ -1,4 +1,4 @@
-"""What converged solids say of the variations that the rungs are calibrated on.
+"""Converged solids of the variations that the rungs are calibrated on.
 
     python -m bench.rung_truth [--scene design/part]...   resumes; writes bench/rungs/truth.jsonl
 

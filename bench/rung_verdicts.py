@@ -1,4 +1,4 @@
-"""Whether `auto` comes to the verdict of the finest solid, on the variations of truth.jsonl.
+"""Verdicts of `auto` against the finest solid's, on the variations of truth.jsonl.
 
     python -m bench.rung_verdicts [--scene design/part]...   resumes; writes
                                                              bench/rungs/verdicts.jsonl
@@ -70,7 +70,7 @@ def truth_checks(line: Mapping[str, Any], variation: Variation, factor: float) -
 
 
 def auto_of(variation: Variation, factor: float, models: Models) -> tuple[PartResult, float]:
-    """What `auto` finds under loads multiplied by a factor, and the seconds it took."""
+    """Verdict of `auto` under loads multiplied by a factor, and the seconds it took."""
     start = perf_counter()
     loads = scaled(variation.loads, factor)
     climb = start_climb(variation.design, variation.part, loads, {})

@@ -32,7 +32,7 @@ def rows_of(name: str) -> list[dict[str, Any]]:
 
 
 def compared() -> list[Compared]:
-    """What the rungs say of every variation."""
+    """Values of the rungs for every variation, beside the solid's."""
     return [Compared(**row) for row in rows_of("compared.jsonl")]
 
 
@@ -138,7 +138,7 @@ def coverage(rows: Sequence[Compared]) -> dict[str, tuple[int, int, float, float
 
 
 def verdicts() -> list[str]:
-    """Whether `auto` came to the solid's verdict."""
+    """Verdicts of `auto` against the solid's, as lines of the page."""
     rows = rows_of("verdicts.jsonl")
     near = {row["variation"] for row in rows if row["drawn"] == "near"}
     all_of_them = {(row["variation"], row["drawn"]) for row in rows}
@@ -174,7 +174,7 @@ def verdicts() -> list[str]:
 
 
 def cost() -> list[str]:
-    """What `auto` costs over the machines."""
+    """Cost of `auto` over the machines."""
     data = json.loads((HERE / "cost.json").read_text())
     rows = [
         [

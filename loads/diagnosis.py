@@ -217,7 +217,7 @@ def percent(share: float) -> str:
 def _what_is_left(body: MeasuredBody, gravity: Vector, size: float, tolerance: float) -> str:
     """Return a sentence on loads that no slip explains: noise, or direction and place."""
     left = body.residual(gravity)
-    said = "no slip of sign, axes, frame or unit closes it, nor do two together"
+    said = "no single error of sign, axes, frame or unit explains it, nor do two together"
     if _like_noise(left, size):
         return (
             f"{said}; what is left jumps from row to row like noise: smooth the data, or state "
@@ -264,7 +264,7 @@ def _gains(body: MeasuredBody, gravity: Vector, size: float, tolerance: float) -
     for load in body.loads:
         share, gain = _gain(body, partial(_with_gain, body, load.point), gravity, size)
         if share <= tolerance:
-            found.append((share, f"is gone with {gain:.3g} times the force at {load.point}"))
+            found.append((share, f"vanishes with {gain:.3g} times the force at {load.point}"))
     return [min(found)[1]] if found else []
 
 
@@ -287,7 +287,7 @@ def _mass_gains(
     for name, change in (("mass", with_mass), ("inertia", with_inertia)):
         share, gain = _gain(body, change, gravity, size)
         if share <= tolerance:
-            found.append((share, f"is gone with {gain:.3g} times the {name}"))
+            found.append((share, f"vanishes with {gain:.3g} times the {name}"))
     return found
 
 

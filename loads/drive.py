@@ -55,8 +55,8 @@ class DriveFigures:
             return None
         if self.mean_reduced_mass <= 0.0:
             raise LinkageError(
-                f"force {self.force!r}: nothing that it drives has a mass, the speed that its "
-                "ripple leaves cannot be told; state the masses"
+                f"force {self.force!r}: nothing that it drives has a mass, so the ripple of "
+                "its speed is unknown; state the masses"
             )
         return self.energy_ripple / (self.mean_reduced_mass * self.speed**2)
 

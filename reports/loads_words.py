@@ -72,7 +72,7 @@ def flywheel_sentence(drive: DriveSummary) -> str:
     if drive.ripple is None or drive.reduced_inertia is None:
         return ""
     if drive.irregularity is None or drive.flywheel is None:
-        return "nothing that it drives has a mass: how evenly it would run cannot be told"
+        return "nothing that it drives has a mass: the ripple of its speed is unknown"
     return (
         f"reduced inertia {number(drive.reduced_inertia * 1e-3)} kg m2 in the mean; the torque's "
         f"ripple of {number(drive.ripple * 1e-3)} J would make the speed irregular by "

@@ -44,6 +44,12 @@ def test_every_key_of_the_schema_is_on_the_page():
     assert {key for key in keys if f"| `{key}` |" not in page} == set()
 
 
+def test_no_text_of_the_pages_is_taken_for_a_tag():
+    for file in (ROOT / "docs" / "reference").glob("*.md"):
+        plain = re.sub(r"`[^`\n]*`", "", file.read_text(encoding="utf-8"))
+        assert re.findall(r"<\w+>", plain) == [], file.name
+
+
 def matching(quantity):
     return [one for one in TOOL.known_checks() if re.fullmatch(one["name"], quantity)]
 

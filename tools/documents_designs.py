@@ -1,4 +1,4 @@
-"""What the tools for docs/documents.md ask of ballesta: designs, their motion and their loads."""
+"""Designs, their motion and their loads, for the tools that write docs/documents.md."""
 
 from functools import cache
 from pathlib import Path

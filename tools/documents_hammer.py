@@ -116,7 +116,7 @@ def law_force(speed: int, work: float, leaves: int = 3) -> float:
 
 
 def law_mean_torque(speed: int, work: float, leaves: int = 3) -> float:
-    """Return the mean drive torque with (6.8) on ballesta's motion [N m]: that of its work."""
+    """Return the mean drive torque with (6.8) on ballesta's motion [N m], by its work."""
     turn = run("spring_hammer", f"at_{speed}", FINE)
     place = turn.point("ram", "D")
     span = np.hypot(place[:, 0] - R[0], place[:, 1] - R[1])

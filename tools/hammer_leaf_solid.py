@@ -63,7 +63,7 @@ def level(fineness: float = FINENESS) -> Level:
 
 @dataclass(frozen=True, eq=False)
 class Bending:
-    """What bends the leaves in a section left of R, MPa (n,), upper face in tension positive.
+    """Bending stress of the leaves in a section left of R, MPa (n,), > 0: upper face in tension.
 
     ram      the ram's force on its lever arm to the section
     weight   of the leaves' own arm

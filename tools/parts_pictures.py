@@ -28,7 +28,7 @@ class View:
     normals: FloatArray
 
     def visible(self, places: FloatArray, clearance: float) -> FloatArray:
-        """Whether no facet stands in front of each place by more than the clearance, (p,)."""
+        """True (p,) where no facet stands in front of a place by more than the clearance."""
         corners = self.points[self.facets[:, _QUARTERS].reshape(-1, 3)]
         a, b, c = (corners[:, k] for k in range(3))
         area = _cross(b - a, c - a)

@@ -133,7 +133,7 @@ def _row(heading: str, name: str, field: FieldInfo) -> str:
     )
     meaning = field.description or (described.model.__doc__ if described.model else "") or ""
     cells = (f"`{name}`", described.words, example, default, _paragraph(meaning).rstrip("."))
-    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+    return "| " + " | ".join(cell.replace("|", "\\|").replace("<", "&lt;") for cell in cells) + " |"
 
 
 def _default(field: FieldInfo) -> str:
@@ -168,7 +168,7 @@ class Value:
 
 
 def _value(kind: Any, metadata: Any = ()) -> Value:
-    """What a type of the models takes, in words."""
+    """A type of the models in words."""
     marks = [
         mark
         for one in metadata

@@ -152,7 +152,7 @@ def small(png: bytes) -> bytes:
 
 
 def filled(text: str, folder: str, known: Sequence[Screen]) -> str:
-    """The text with its places filled; `folder` is that of the screens as the text sees it.
+    """The text with its places filled; `folder` holds the screens as the text sees it.
 
     Raises SystemExit for a place that names a screen that there is not.
     """

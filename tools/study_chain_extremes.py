@@ -96,7 +96,7 @@ def positions() -> Iterator[str]:
 
 
 def machines() -> Iterator[str]:
-    """What two machines' cycles miss by their count."""
+    """Peaks that two machines' cycles miss, by their number of positions."""
     import loads
     from ballesta.check import part_masses, solve_cycles
     from ballesta.design.read import read_design
@@ -195,7 +195,7 @@ def sizes() -> Iterator[str]:
 
 
 def draw_positions(curves: Mapping[str, Mapping[int, tuple[float, float]]], path: Path) -> None:
-    """Errors and what is told of them over the count."""
+    """Errors and their estimates over the number of positions."""
 
     def plot(axes: Any) -> None:
         for k, (name, found) in enumerate(curves.items()):

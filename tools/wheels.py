@@ -1,4 +1,4 @@
-"""Whether ballesta's needs can be installed without a compiler, for each system and Python.
+"""Wheels of all that ballesta needs, for each system and Python: an install without a compiler.
 
 python tools/wheels.py    (make wheels)
 
@@ -25,7 +25,7 @@ SYSTEMS = {
 
 
 def needs(extra: str | None) -> list[str]:
-    """What pip is asked for."""
+    """Requirements that pip is asked for."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     return project["dependencies"] + (project["optional-dependencies"][extra] if extra else [])
 

@@ -251,8 +251,8 @@ class Cluster:
         for file, digest in (reply.texts or {}).items():
             if text_digest(Path(file)) != digest:
                 raise _error(
-                    f"{file} reads otherwise on worker {brief(reply.worker)} than here: it has to "
-                    f"be on a shared file system, or was edited just now{_GOES_ON}"
+                    f"{file} differs between worker {brief(reply.worker)} and here: it must be on "
+                    f"a shared file system, or it was edited just now{_GOES_ON}"
                 )
         return reply.finished
 

@@ -149,7 +149,7 @@ def nothing_unpickled() -> Iterator[None]:
         try:
             return plain(exception)
         except AssertionError:
-            return plain("a worker tells a failure that is no exception")
+            return plain("a worker reports a failure that is no exception")
 
     kept = client.pickle, protocol.pickle, client.clean_exception
     client.pickle = protocol.pickle = _Pickle()

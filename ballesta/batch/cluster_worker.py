@@ -85,7 +85,7 @@ def run_there(index: int, job: Mapping[str, Any], site: Site) -> str:
             raise
         if finished is None:
             kept.end()
-            refused = "was told that the batch has ended, or its folder is gone"
+            refused = "found the batch ended, or its folder gone"
             return to_text(Reply(worker, refused))
     file = os.path.realpath(Path(site.folder, job["file"]))
     sources: Mapping[str, str] = (finished.outcome or {}).get("sources", {})

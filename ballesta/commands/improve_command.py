@@ -80,7 +80,11 @@ def _text(found: Improved, width: int = 100) -> str:
     aim = f"for {listed(found.open)} to pass" if found.open else "to save mass"
     lines = labelled("", f"{result.name} ({result.file}): {result.status}; {aim}", width)
     if not found.changes:
-        none = "no single dimension or material does it" if found.open else "nothing to save"
+        none = (
+            "no single change of a dimension or material makes it pass"
+            if found.open
+            else "nothing to save"
+        )
         return "\n".join([*lines, f"{none} within a factor of {MOST:g}"]) + "\n"
     rows = [["change", "safety", "with bars", "needed", "mass, kg", "of", "verdict"]]
     for change in found.changes:

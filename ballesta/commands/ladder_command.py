@@ -167,7 +167,7 @@ def _write(result: LadderResult, page: Path, out: Path) -> None:
 
 def _parts(design: Design, name: str | None) -> list[Part]:
     if not design.parts:
-        raise DesignError(design.file, "parts", "nothing to check: there are none")
+        raise DesignError(design.file, "parts", "there are none to check")
     if name is None:
         return list(design.parts.values())
     if name not in design.parts:

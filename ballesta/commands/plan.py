@@ -111,7 +111,7 @@ def plan_text(path: str | Path, overrides: Sequence[str] = ()) -> str:
     planned = plan(design)
     so_far = perf_counter() - start  # a check takes it, too
     if not planned:
-        lines += ["no parts: nothing to check; ballesta loads tells the forces"]
+        lines += ["no parts to check; ballesta loads solves the loads alone"]
         return "\n".join(lines)
     lines += ["parts"]
     for entry in planned:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from checks.design.effort import Effort
     from checks.store.store import Store
 
-_UNTOLD = "cannot be told"
+_UNTOLD = "cannot be explained"
 _HERE = Path("command line")
 _WRITTEN = (".html", ".vtu")  # files that a check writes beside its result
 _LISTED = 20  # results of a folder of many
@@ -61,7 +61,7 @@ def run_why(
         checks = checks_behind(target, overrides, fidelity, store, step, part=wanted.part)
         found = wanted_checks(target, checks, wanted)
         if all(check.derivation is None for check, _ in found):
-            said = "has no derivation of that: it is of another version, check the design again"
+            said = "has no derivation, as another version wrote it: check the design again"
             raise DesignError(target, _UNTOLD, said)
         found = [(_told_again(target, check), title) for check, title in found]
         if wanted.as_json:

@@ -81,7 +81,9 @@ def _assembled(
     }
     held = [name for name, value in model.drive if value is not None]
     if len(held) > 1:
-        problems.add("drive", f"states {' and '.join(held)}: how it holds its speed is one of them")
+        problems.add(
+            "drive", f"states {' and '.join(held)}; one of them says how it holds its speed"
+        )
     for name in model.claims:
         if name not in model.parts:
             problems.add(f"claims.{name}", no_such("part", name, model.parts))

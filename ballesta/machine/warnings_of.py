@@ -32,7 +32,7 @@ def design_warnings(
         *(
             []
             if design.duty.cycles
-            else ["no cycle stands in the duty: fatigue was not checked, a PASS says nothing of it"]
+            else ["no cycle stands in the duty: fatigue was not checked, and a PASS leaves it open"]
         ),
         *load_warnings(design, masses, computed),
         *_assembly(design, solved),
@@ -108,10 +108,10 @@ def claim_warnings(design: Design, results: Sequence[PartResult]) -> list[str]:
 
 
 def unloaded_warnings(results: Sequence[PartResult]) -> list[str]:
-    """Parts that pass because nothing was asked of them."""
+    """Warnings of parts that pass because no load acts on them."""
     return [
-        f"{result.name}: nothing loads it in any cycle; that it passes says nothing of what it "
-        "could carry: is a force or a mass of 0 meant, or a column of the wrong unit?"
+        f"{result.name}: nothing loads it in any cycle, so a pass says nothing about its "
+        "strength: is a force or a mass of 0 meant, or a column of the wrong unit?"
         for result in results
         if result.checks and not any(check.value for check in result.checks)
     ]
@@ -163,8 +163,8 @@ def _drives(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list[str]
 def _open_cycles(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list[str]:
     """Cycles of the duty that cannot follow one another as they are stated."""
     return [
-        f"{name}: stands in the duty but is not closed: it ends in another pose than it starts "
-        "from; the way back is in no load, nor in fatigue, unless another cycle has it"
+        f"{name}: stands in the duty but is not closed, it ends in another pose than it starts "
+        "from; loads and fatigue of the way back are not checked, unless another cycle has them"
         for name, cycle in solved.items()
         if name in design.duty.cycles and not shown_cycle(design, cycle).closed
     ]

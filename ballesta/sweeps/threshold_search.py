@@ -153,7 +153,7 @@ def until_pass(
     if {value.partition("=")[0] for value in values[0]} & {
         override.partition("=")[0].strip() for override in overrides
     }:
-        raise refusal(sweep, "what is searched is set by --set, too")
+        raise refusal(sweep, "the key that is searched is set by --set, too")
     trials: dict[tuple[str, ...], Trial] = {}
     errors: list[DesignError] = []
 

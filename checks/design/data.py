@@ -35,7 +35,7 @@ class Shown:
 
 @dataclass(frozen=True)
 class Stop:
-    """What ends the travel, "assumed" or "mechanical", within +- tolerance (mm or rad)."""
+    """The stop of the travel, "assumed" or "mechanical", within +- tolerance (mm or rad)."""
 
     basis: str
     tolerance: float

@@ -29,7 +29,7 @@ class Effort:
 
     @property
     def shows_stress(self) -> bool:
-        """Whether fields of stress are likely: closed formulas and beams have none."""
+        """True if fields of stress are likely: closed formulas and beams have none."""
         return self.fields or self.fidelity not in ("formula", "beam")
 
     @property

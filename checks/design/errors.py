@@ -60,7 +60,7 @@ class Problems:
         return len(self._found)
 
     def add(self, key: str, problem: str) -> None:
-        """Note a problem; the same one found twice is told once."""
+        """Note a problem; the same one found twice counts once."""
         file = self.file if self._file_of is None else self._file_of(key)
         self._found.setdefault((key, problem), DesignError(file, key, problem))
 

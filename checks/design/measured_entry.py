@@ -54,7 +54,7 @@ TwoColumns = Annotated[list[str], Field(min_length=2, max_length=2)]
 
 
 class PositionColumn(Table):
-    """What the run goes through."""
+    """The column that the run goes through, such as an angle or the time."""
 
     column: str = Field(description="name of the column")
     unit: PositionUnit = Field(description="of its numbers")
@@ -73,7 +73,9 @@ class AngleColumn(Table):
 
     column: str | None = Field(None, description="name of the column")
     unit: AngleUnit | None = Field(None, description="of its numbers")
-    constant: Angle | None = Field(None, description="instead of a column: it does not turn")
+    constant: Angle | None = Field(
+        None, description="instead of a column, for a body that does not turn"
+    )
 
 
 class SpinColumn(Table):
@@ -141,6 +143,6 @@ class MeasuredEntry(Table):
     tolerance: Fraction = Field(
         "1 %",
         validate_default=True,
-        description="what may be left of the balance of a body, of the largest force on it",
+        description="largest unbalanced load of a body, over the largest force on it",
     )
     bodies: dict[Name, MeasuredBodyEntry] = Field(min_length=1)

@@ -1,4 +1,4 @@
-"""What a design file may contain: the pydantic models its tables are read with.
+"""Tables and keys of a design file: the pydantic models that read it.
 
 The tables of the linkage and its cycles are in `design_tables`. The parts' parameters are described
 by the dataclasses in `geometry.parts`, and their models are made from those.
@@ -45,7 +45,7 @@ from geometry.parts import SHAPES, Pin
 
 
 class Claim(Table):
-    """A safety that somebody has claimed for a part, to be told beside the one that was found."""
+    """A safety claimed for a part, which results compare with the one that is found."""
 
     safety: Positive = Field(description="the claimed safety")
     source: str = Field(description="who claims it, and where")
@@ -54,10 +54,10 @@ class Claim(Table):
 class Requirements(Table):
     """The safety each kind of check must show."""
 
-    static: Positive = Field(1.5, description="against yield")
-    buckling: Positive = Field(3.0, description="against buckling")
-    fatigue: Positive = Field(1.3, description="against fatigue")
-    bush: Positive = Field(1.0, description="against the bushes' allowable pressure")
+    static: Positive = Field(1.5, description="safety against yield")
+    buckling: Positive = Field(3.0, description="safety against buckling")
+    fatigue: Positive = Field(1.3, description="safety against fatigue")
+    bush: Positive = Field(1.0, description="safety against the bushes' allowable pressure")
 
 
 class DutyEntry(Table):
@@ -66,22 +66,22 @@ class DutyEntry(Table):
     cycles: dict[str, Positive] = Field(
         default_factory=dict, description="number of runs by the cycle's name"
     )
-    rate: Rate | None = Field(None, description="runs per time the machine is to reach")
+    rate: Rate | None = Field(None, description="required number of runs per time")
     life: Literal["infinite", "finite"] = Field(
         "infinite",
-        description="infinite: no cycle exceeds the endurance limit; finite: Miner's sum of these "
-        "runs is allowed",
+        description="infinite: no cycle may exceed the endurance limit; finite: Miner's sum of all "
+        "runs may reach allowed_damage",
     )
     allowed_damage: Positive = Field(
         0.3, description="Miner's sum at failure: 0.3 is the FKM guideline's least, 1 Miner's own"
     )
     damage_so_far: Annotated[float, Field(strict=True, ge=0, allow_inf_nan=False)] = Field(
-        0.0, description="what of it earlier use has taken"
+        0.0, description="Miner's sum of earlier use"
     )
 
 
 class Column(Table):
-    """What is known of the part as a column; lengths where they are not the pins' distance."""
+    """The part as a column; lengths where they are not the pins' distance."""
 
     in_plane: PositiveLength | None = Field(
         None, description="effective length in the plane of the linkage"
@@ -91,8 +91,8 @@ class Column(Table):
     )
     fork_stiffness: PositiveTurning | None = Field(
         None,
-        description="of each end's fork against tilting out of the plane; without it the ends "
-        "count as hinged",
+        description="stiffness of each end's fork against tilting out of the plane; without it the "
+        "ends count as hinged",
     )
     curve: Literal["a0", "a", "b", "c", "d"] | None = Field(
         None,
@@ -106,8 +106,8 @@ class Column(Table):
     eccentricity: OffsetLength = Field(
         "0 mm",
         validate_default=True,
-        description="by how much the force may pass beside the middle of both ends, such as half "
-        "the clearance of the pins",
+        description="largest distance of the force from the middle of both ends, such as half the "
+        "clearance of the pins",
     )
 
 
@@ -116,7 +116,8 @@ class MeshEntry(Table):
 
     fineness: Positive = Field(1.0, description="2 halves the size of the elements")
     most_unknowns: Annotated[int, Field(strict=True, gt=0)] = Field(
-        300_000, description="where a finer mesh would have more, it stops short of the accuracy"
+        300_000,
+        description="largest number of unknowns; refinement stops there, short of the accuracy",
     )
 
 
@@ -124,9 +125,9 @@ class Bush(Table):
     """A plain bush between pin and lug."""
 
     length: PositiveLength = Field(description="bearing length in one lug")
-    allowable: PositiveStress = Field(description="mean pressure that the bush bears")
+    allowable: PositiveStress = Field(description="allowable mean pressure")
     pv: PositivePressureSpeed | None = Field(
-        None, description="mean pressure times sliding speed that the bush bears, if it is stated"
+        None, description="allowable mean pressure times sliding speed"
     )
 
 
@@ -137,15 +138,15 @@ class StackEntry(Table):
     force: str | None = Field(None, description="the force that acts through this eye")
     at: Length = Field(description="distance of the lug's mid-plane from the pin's")
     single: bool = Field(
-        False, description="this lug alone stands at `at`, which may then be below 0"
+        False, description="one lug at `at`, which may then be below 0; no second one at -`at`"
     )
     width: PositiveLength = Field(description="width of the lug on the pin")
-    diameter: PositiveLength | None = Field(None, description="of the pin in this lug, if stepped")
+    diameter: PositiveLength | None = Field(None, description="the pin's in this lug, if stepped")
     bush: Bush | None = None
 
 
 class PartEntry(Table):
-    """What every part states, whatever its shape."""
+    """Keys of every part, whatever its shape."""
 
     material: str = Field(description="name of a material", examples=["S355"])
     surface: Literal["ground", "machined", "cold_drawn", "hot_rolled", "as_forged"] = Field(
@@ -168,16 +169,16 @@ class PartEntry(Table):
         "guideline with the support of the stress gradient; never both",
     )
     roughness: Roughness | None = Field(
-        None, description="Rz, of FKM's chain only; without it that of the surface"
+        None, description="roughness Rz, for FKM's chain only; without it the surface finish's"
     )
     column: Column = Field(default=Column.model_validate({}))
     mesh: MeshEntry = Field(default=MeshEntry.model_validate({}))
 
 
 class ContactEntry(Table):
-    """What slides or rolls on a part at one of its sliding contacts."""
+    """A pin or roller on one of a part's sliding contacts."""
 
-    radius: PositiveLength = Field(description="of the pin or roller that presses there")
+    radius: PositiveLength = Field(description="radius of the pin or roller that presses there")
     material: str | None = Field(
         None, description="name of its material; without it steel that is as strong as the part"
     )
@@ -215,7 +216,7 @@ class StepPartEntry(BodyPartEntry):
     hole_tolerance: PositiveLength = Field(
         "0.05 mm",
         validate_default=True,
-        description="of the holes' diameters and places, in the file and in the linkage",
+        description="largest difference of diameters and places between file and linkage",
     )
     section: Section2 | None = Field(
         None,
@@ -296,11 +297,11 @@ def _flat(value: object) -> object:
 class DesignFile(Table):
     """A machine to be checked: its linkage, its cycles, its duty and its parts."""
 
-    name: str = Field(description="what the machine is called")
+    name: str = Field(description="name of the machine")
     accuracy: Fraction = Field(
         "3 %",
         validate_default=True,
-        description="numerical error to which meshes are refined, over the stress that is judged",
+        description="numerical error of the judged stress to which meshes are refined",
     )
     require: Requirements = Field(default=Requirements.model_validate({}))
     gravity: Acceleration2 = Field(
@@ -334,9 +335,9 @@ class DesignFile(Table):
     parts: dict[Name, _union()] = Field(default_factory=dict)  # type: ignore[valid-type]
     claims: dict[Name, dict[Literal["static", "buckling", "fatigue", "bush"], Claim]] = Field(
         default_factory=dict,
-        description="by part and kind of check: a claimed safety; told beside what is found",
+        description="claimed safety by part and kind of check; reported beside the safety found",
     )
     assumed: Annotated[dict[str, str], BeforeValidator(_flat)] = Field(
         default_factory=dict,
-        description="dotted key of this file = why it is assumed; told in every result",
+        description="dotted key of this file = why it is assumed; every result lists it",
     )

@@ -1,4 +1,4 @@
-"""What a design states twice, of a pin and of the parts on it: both must say the same."""
+"""Dimensions that a pin and the parts on it both state: they must agree."""
 
 import math
 from collections.abc import Iterator, Mapping

@@ -86,7 +86,7 @@ class StepFile(Table):
 class HoleEntry(Table):
     """A hole of the file in which a pin sits, or a journal in a lug."""
 
-    diameter: PositiveLength = Field(description="of the hole in the file")
+    diameter: PositiveLength = Field(description="diameter of the hole in the file")
     at: Annotated[Triple, Point()] | None = Field(
         None,
         description="a point on its axis in the file's own frame, where several have the diameter",

@@ -37,7 +37,7 @@ _MARIN_ONLY = {
 
 @dataclass(frozen=True)
 class FkmStrength:
-    """What the guideline's chain needs to know of a part.
+    """Data of a part for the chain of the FKM guideline.
 
     material   as the guideline sees it
     roughness  micrometres, Rz
@@ -61,7 +61,7 @@ class FkmStrength:
 
     @cached_property
     def plain(self) -> fatigue.ComponentLimit:
-        """sigma_WK without support: that of an even stress."""
+        """sigma_WK without support, as for an even stress."""
         return fatigue.component_limit(self.material, roughness=self.roughness)
 
     @property
@@ -75,7 +75,7 @@ class FkmStrength:
 
     @property
     def reference(self) -> float:
-        """What an even, fully reversed stress may have as amplitude for ever, MPa."""
+        """Endurable amplitude of an even, fully reversed stress, MPa."""
         return float(self.plain.limit) * self.endurance_share
 
     def utilisation(

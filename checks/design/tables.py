@@ -111,13 +111,13 @@ class JointEntry(Table):
 
 
 class Available(Table):
-    """What a drive between two points can give: push and pull, or a cylinder and its pressure."""
+    """Capacity of a drive between two points: push and pull, or a cylinder and its pressure."""
 
-    push: PositiveForce | None = Field(None, description="apart")
-    pull: PositiveForce | None = Field(None, description="together")
+    push: PositiveForce | None = Field(None, description="largest force that pushes them apart")
+    pull: PositiveForce | None = Field(None, description="largest force that pulls them together")
     bore: PositiveLength | None = Field(None, description="diameter of the cylinder's piston")
     rod: OffsetLength | None = Field(None, description="diameter of its rod, on the pulling side")
-    pressure: PositiveStress | None = Field(None, description="of the fluid")
+    pressure: PositiveStress | None = Field(None, description="pressure of the fluid")
 
 
 def _one_value_or_table(value: object) -> str:
@@ -145,7 +145,7 @@ class ForceEntry(Table):
         description="the point of the body at which the force acts, or where a torque enters it",
     )
     direction: Direction2 | None = Field(
-        None, description="of the force on the body, in the ground frame"
+        None, description="direction of the force on the body, in the ground frame"
     )
     turns: str | None = Field(
         None, description="the body that a torque turns; positive turns it counter-clockwise"
@@ -162,7 +162,7 @@ class PinFriction(Table):
     """Coulomb friction in a pin joint."""
 
     coefficient: Coefficient = Field(description="coefficient of friction")
-    diameter: PositiveLength = Field(description="of the pin")
+    diameter: PositiveLength = Field(description="diameter of the pin")
 
 
 class SlidingFriction(Table):
@@ -175,7 +175,9 @@ class JointFriction(Table):
     """Coulomb friction of one joint."""
 
     coefficient: Coefficient = Field(description="coefficient of friction")
-    diameter: PositiveLength | None = Field(None, description="of the pin; a pin joint needs it")
+    diameter: PositiveLength | None = Field(
+        None, description="diameter of the pin; a pin joint needs it"
+    )
 
 
 class FrictionEntry(Table):
@@ -190,7 +192,7 @@ class FrictionEntry(Table):
 
 
 class ElasticJoints(Table):
-    """What gives way besides the bodies."""
+    """Elastic joints; bodies state their own stiffness."""
 
     joints: dict[str, PositiveStiffness] = Field(
         default_factory=dict, description="stiffness of a pin joint by its point, others by name"
@@ -200,34 +202,36 @@ class ElasticJoints(Table):
 class PaceEntry(Table):
     """How fast the cycle runs: the speed of one coordinate, or a law of motion for each stroke."""
 
-    coordinate: str = Field(description="such as cylinder.length", examples=["cylinder.length"])
+    coordinate: str = Field(
+        description="the coordinate that sets the pace", examples=["cylinder.length"]
+    )
     speed: SweepSpeed | None = Field(
         None, description="magnitude of the coordinate's rate; its direction follows the phase"
     )
     acceleration: SweepAcceleration | None = Field(
-        None, description="of the coordinate along its way; above 0 the speed rises"
+        None, description="acceleration of the coordinate along its way; above 0 the speed rises"
     )
     law: Literal["harmonic", "cycloidal", "polynomial"] | None = Field(
         None, description="instead of speed: every stroke goes from rest to rest by this law"
     )
-    time: PositiveTime | None = Field(None, description="with law: of each stroke")
+    time: PositiveTime | None = Field(None, description="with law: duration of each stroke")
 
 
 class ShownEntry(Table):
     """The position as reports show it: sign * (coordinate - zero)."""
 
-    name: str = Field(description="what the displayed position is called")
+    name: str = Field(description="name of the displayed position")
     zero: LengthOrAngle = Field(description="the coordinate where the displayed position is 0")
     sign: Literal[1, -1] = Field(1, description="-1 counts the other way")
 
 
 class StopEntry(Table):
-    """What ends the travel."""
+    """The stop at the end of the travel."""
 
     basis: Literal["assumed", "mechanical"] = Field(
-        description="assumed: nothing mechanical stops the travel there"
+        description="mechanical: a stop ends the travel there; assumed: nothing does"
     )
-    tolerance: LengthOrAngle = Field(description="the travel ends within +- this")
+    tolerance: LengthOrAngle = Field(description="+- deviation of the travel's end")
 
 
 class TableLaw(Table):
@@ -250,13 +254,15 @@ class ContactLaw(Table):
     touches: str = Field(description="the coordinate along which it pushes", examples=["D.y"])
     at: LengthOrAngle = Field(description="the coordinate at first touch")
     stiffness: PositiveStiffness | None = Field(
-        None, description="of what is touched; rigid without it, then the linkage must be elastic"
+        None,
+        description="stiffness of the workpiece or stop; without it rigid, and the linkage must be "
+        "elastic",
     )
     stops: bool | None = Field(
         None,
         strict=True,
-        description="whether the body stands still along the force while it touches; true unless "
-        "stated for a force on a body",
+        description="true, the default for a force on a body: the body stands still along the "
+        "force while it touches",
     )
 
 
@@ -291,13 +297,13 @@ class CycleEntry(Table):
     """A cycle of the machine, swept in one coordinate, phase after phase."""
 
     coordinate: str = Field(
-        description="what is swept: <point>.x, <point>.y, <body>.angle or <force>.length",
+        description="the swept coordinate: <point>.x, <point>.y, <body>.angle or <force>.length",
         examples=["A.y"],
     )
     start: LengthOrAngle = Field(description="where the coordinate starts")
     pace: PaceEntry
     positions: Annotated[int, Field(strict=True, ge=2, le=20_000)] = Field(
-        361, description="at least, over all phases"
+        361, description="least number of positions over all phases"
     )
     shown: ShownEntry | None = None
     stop: StopEntry | None = None
@@ -317,8 +323,8 @@ class DriveEntry(Table):
     )
     flywheel: Inertia | None = Field(
         None,
-        description="inertia on the driven coordinate beside that of the stated bodies, for a "
-        "drive of even torque",
+        description="inertia about the driven coordinate besides the bodies' own; with it the "
+        "drive's torque is even",
         examples=["1.4 kg m2"],
     )
     irregularity: Irregularity | None = Field(
@@ -335,10 +341,8 @@ class DynamicsEntry(Table):
     )
     rise: PositiveTime | None = Field(
         None,
-        description="time in which loads really rise that jump from one phase to the next; without "
+        description="rise time of loads that jump from one phase to the next; without "
         "it four periods of the mode, a tenth of the time between jumps or 5 % of the cycle, "
         "whichever is least",
     )
-    apply: bool = Field(
-        False, strict=True, description="whether what vibration adds is put on the loads"
-    )
+    apply: bool = Field(False, strict=True, description="true: the loads include the vibration")

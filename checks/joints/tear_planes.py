@@ -16,7 +16,7 @@ _SPLIT = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]]  # a six-node facet, in fo
 
 @dataclass(frozen=True, eq=False)
 class _Outline:
-    """What a plane z = const cuts of the body's surface: m straight pieces.
+    """Section of the body's surface by a plane z = const: m straight pieces.
 
     starts, ends  (m, 2) mm, from the hole's axis
     outward       (m, 2) normals, not of unit length
@@ -93,7 +93,7 @@ def _outline(mesh: Mesh, name: str, level: float) -> _Outline:
 
 
 def _of_other_bores(mesh: Mesh, name: str, facets: IntArray) -> npt.NDArray[np.bool_]:
-    """Whether facets (n, 6) belong to a bore besides the named one."""
+    """True (n,) for facets (n, 6) of a bore besides the named one."""
     others = [
         mesh.surfaces[other]
         for other, interface in mesh.interfaces.items()

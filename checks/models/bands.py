@@ -1,4 +1,4 @@
-"""How far solids lie from a rung's numbers: the error bars of the rungs, from bands.json.
+"""Error bars of the rungs below the solid: how far solids lie from their numbers (bands.json).
 
 Converged solids of variations of the machines' parts are compared with each rung
 (`python -m bench.rung_bands`). The band of a check is the prediction interval of solid over rung,
@@ -162,7 +162,7 @@ def _beyond(
 def _measured(
     grown: Mapping[str, Any], scales: Mapping[str, float], beyond: Mapping[str, float]
 ) -> bool:
-    """Whether solids were drawn as far out, to a tenth, in each proportion that lies outside."""
+    """True if solids were drawn as far out, to a tenth, in each proportion that lies outside."""
     for name in beyond:
         low, high = grown["scales"].get(name, (inf, -inf))
         if name.startswith(SHARE):

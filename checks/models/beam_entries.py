@@ -1,4 +1,4 @@
-"""How the wrenches of a part's interfaces come into its frame, column by column."""
+"""Wrenches of a part's interfaces as loads on its frame, column by column."""
 
 from collections.abc import Callable, Iterable
 

@@ -95,7 +95,7 @@ def _sites(part: Part, shape: Pin, frame: Frame) -> list[Site]:
 def _pressure(shape: Pin, seat: Seat, place: float, fibres: Fibres) -> FloatArray:
     """Stress (f, 6, columns) of a lug's own pressure: half a cosine, and growing along z.
 
-    Where the lug ends the pressure jumps, and a section's stress is that of the mean of both sides.
+    Where the lug ends the pressure jumps; a section's stress there is the mean of both sides.
     The fibres stand at local y = y and z = -x (fem/frame.py, members along z).
     """
     angles = np.arctan2(fibres.places[:, 0], -fibres.places[:, 1])

@@ -12,7 +12,7 @@ _ARCS = 8  # of half a bore's rim
 
 
 def chord(x: FloatArray, holes: Sequence[tuple[float, float]]) -> FloatArray:
-    """What holes (centre, radius) take from the height at places x, mm."""
+    """Height (mm) that holes (centre, radius) take away at places x, mm."""
     taken = np.zeros(np.shape(x))
     for centre, radius in holes:
         taken += 2 * np.sqrt(np.maximum(radius**2 - (x - centre) ** 2, 0.0))

@@ -55,9 +55,9 @@ class BeamSolution:
         return np.ascontiguousarray(result)
 
     def residual(self, loads: PartLoads, coefficients: FloatArray) -> float:
-        """What the frame's support carries and what did not come into it, over the largest force.
+        """Force on the frame's support, or force that did not enter it, over the largest force.
 
-        Couples over the part's size.
+        The larger of both counts. Couples over the part's size.
         """
         largest = loads.largest_force
         if not largest:

@@ -30,14 +30,14 @@ class Estimate:
 
     @property
     def settled(self) -> bool:
-        """Whether a better model cannot be expected to change the verdict, guard included."""
+        """True if a better model cannot be expected to change the verdict, guard included."""
         if self.check.status is Status.UNDECIDED:
             return False
         return self._widened(self.guard).status is self.check.status
 
     @property
     def open_for_good(self) -> bool:
-        """Whether no better model would settle it: what all models share leaves it open."""
+        """True if no better model would settle it: the bars that all models share leave it open."""
         if self.check.status is not Status.UNDECIDED:
             return False
         low = self._moved(-self.below - self.check.numerical)
@@ -45,7 +45,7 @@ class Estimate:
         return low is Status.UNDECIDED and high is Status.UNDECIDED
 
     def agrees(self, other: "Estimate") -> bool:
-        """Whether the bars of two models of one check have anything in common."""
+        """True if the bars of two models of one check overlap."""
         (low, high), (lowest, highest) = self._ends, other._ends
         return low <= highest and lowest <= high
 
@@ -59,7 +59,7 @@ class Estimate:
         )
 
     def would_settle(self, low: float, high: float) -> bool:
-        """Whether a model whose band is from `low` to `high` times its value may settle it."""
+        """True if a model whose band is from `low` to `high` times its value may settle it."""
         value = self.check.value
         other = Estimate(
             replace(

@@ -57,7 +57,7 @@ class Stretches:
         return (self.cuts[1:] + self.cuts[:-1]) / 2
 
     def at(self, values: FloatArray, places: FloatArray) -> FloatArray:
-        """What the cells have at places."""
+        """Values of the cells that hold some places, mm."""
         cell = np.clip(np.searchsorted(self.cuts, places) - 1, 0, len(values) - 1)
         return np.asarray(values[cell])
 

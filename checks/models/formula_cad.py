@@ -33,8 +33,8 @@ def step_part_model(part: Part, shape: StepPart, loads: PartLoads) -> RungModel 
     """A straight bar of the stated section along the line of the holes, as heavy as the solid.
 
     None without a stated section, where the holes do not stand on one line along x with their
-    middles in one plane, and for contacts that slide. The buckling load is that of two holes; a
-    force at a third one changes the compression along the bar.
+    middles in one plane, and for contacts that slide. The buckling load takes the force at two
+    holes; a force at a third one changes the compression along the bar.
     """
     centres = {name: shape.centre(name) for name in shape.interfaces}
     along = np.sort([centre[0] for centre in centres.values()])

@@ -1,4 +1,4 @@
-"""How lugs press on a pin in the rung `formula`: along it, around it and below their edges."""
+"""Pressure of lugs on a pin in the rung `formula`: along it, around it and below their edges."""
 
 from dataclasses import dataclass
 

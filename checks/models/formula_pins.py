@@ -136,7 +136,7 @@ def _sections(shape: Pin, diagram: PinDiagram) -> list[PinSection]:
 
 
 def _ends(seat: Seat, middle: float, place: float) -> bool:
-    """Whether a place is at an edge of a lug."""
+    """True if a place is at an edge of a lug."""
     return abs(abs(place - middle) - seat.width / 2) < 1e-6 * seat.width
 
 

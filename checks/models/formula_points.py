@@ -73,7 +73,7 @@ class Points:
 
     @property
     def places(self) -> list[str]:
-        """What stands at each point."""
+        """Name of the place at each point."""
         return self._places
 
     @property

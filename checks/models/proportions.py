@@ -69,7 +69,7 @@ def tilting_couple(part: Part, loads: PartLoads) -> float:
 
 
 def unknown_load(part: Part, loads: PartLoads) -> str:
-    """What acts on a part that no rung of its shape knows, in words; nothing if there is none."""
+    """Load on a part that no rung of its shape knows, in words; "" if there is none."""
     if isinstance(part.geometry, _KNOWS_TILT):
         return ""
     couple = tilting_couple(part, loads)

@@ -181,6 +181,6 @@ def _two_digits_down(value: float) -> float:
 
 
 def way_text(way: Way) -> tuple[str, str]:
-    """What to do with its time, and the command that does it."""
+    """A way in words, with its expected time, and its command."""
     time = "" if way.seconds is None else f" (about {number(way.seconds, 2)} s)"
     return f"{way.settles}: {way.text}{time}", way.command

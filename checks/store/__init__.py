@@ -1,1 +1,1 @@
-"""What was computed before, kept in files: loads, bodies, meshes, solutions, whole results."""
+"""Store of computed stages in files: loads, bodies, meshes, solutions, whole results."""

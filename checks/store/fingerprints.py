@@ -156,7 +156,7 @@ def library_digest() -> str:
 
 @cache
 def libraries() -> Mapping[str, str]:
-    """What numbers depend on besides our code, by name: libraries, Python, processor, threads."""
+    """Versions that numbers depend on besides our code: libraries, Python, processor, threads."""
     return {
         **{name: _version(name) for name in _LIBRARIES},
         "python": f"{platform.python_implementation()} {platform.python_version()}",

@@ -160,7 +160,7 @@ _READERS: Mapping[str, Callable[..., Any]] = {
 
 
 def packed(piece: Piece) -> tuple[dict[str, Any], Any]:
-    """What a reader must know of a piece, and its bytes as a buffer.
+    """Description of a piece for its reader, and its bytes as a buffer.
 
     The order of an array's axes in memory is kept where they are dense, for sums depend on it.
     """
@@ -199,7 +199,7 @@ def _content(stream: BinaryIO, form: Mapping[str, Any]) -> bytes:
 
 
 def _shrinks(piece: Piece) -> bool:
-    """Whether packing is worth its time: texts, whole numbers, and arrays that are mostly zero."""
+    """True if packing is worth its time: texts, whole numbers, and arrays that are mostly zero."""
     if isinstance(piece, bytes):
         return len(piece) > _SMALL
     if piece.nbytes <= _SMALL:

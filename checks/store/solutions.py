@@ -33,7 +33,7 @@ class KeptInterface:
 
 @dataclass(frozen=True, eq=False)
 class KeptSolutions:
-    """What of unit solutions is kept: all that takes time, but the factor.
+    """Kept part of unit solutions: all that takes time, but the factor.
 
     solver          that gave them, in the words of `Factor`
     loads, displacement, basis, held, residual   as in `UnitSolutions`

@@ -188,7 +188,7 @@ class Key:
 
     @property
     def stated(self) -> dict[str, str]:
-        """What the file says of itself."""
+        """Kind, inputs and version as the file's head states them."""
         return {"kind": self.kind, "inputs": self.inputs, "version": self.version}
 
 
@@ -237,7 +237,7 @@ def _read_entry(stream: BinaryIO, key: Key) -> Any:
 
 
 def _worth(entry: tuple[float, int, Path]) -> tuple[bool, float]:
-    """What is removed first has the least: stages, then whole results, by when they were used."""
+    """Sort key of removal, the least first: stages, then whole results, by their last use."""
     used, _, file = entry
     return file.parent.parent.name == _LAST, used
 

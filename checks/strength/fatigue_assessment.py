@@ -1,4 +1,4 @@
-"""How a part's fatigue is judged: Goodman and Findley, a finite life, or the FKM guideline."""
+"""Fatigue assessment of a part: Goodman and Findley, a finite life, or the FKM guideline."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""What is told of a part's fatigue beside the verdict: other rules, other survivals, its life.
+"""Facts on a part's fatigue beside the verdict: other rules, other survivals, its life.
 
 None of it decides: Goodman (and Findley where the path is not proportional) is the verdict, and
 these numbers say what other rules and another survival would have said of the same point.
@@ -120,7 +120,7 @@ def fatigue_facts(
 
 
 def _mean_stress_material(part: Part) -> fatigue.MeanStressMaterial:
-    """What the rules need: of steels also Morrow's and Walker's numbers.
+    """Material data of the mean stress rules: for steels also Morrow's and Walker's numbers.
 
     s_f' = S_u + 345 MPa (Shigley, 9th ed., eq. 6-10) and gamma = 0.8818 - 0.0002 S_u (Dowling,
     Mechanical Behavior of Materials, 4th ed., eq. 9.20) hold for steels.

@@ -80,7 +80,7 @@ class DutyLife:
 
 @dataclass(frozen=True, eq=False)
 class LifeTask:
-    """What a life is asked of: how often the cycles run, and what the S-N curve needs to know.
+    """Data of a finite life: how often the cycles run, and the material of the S-N curve.
 
     counts          of a life, by the duty's cycles
     axial           whether the whole section is stressed alike
@@ -96,7 +96,7 @@ class LifeTask:
 
     @property
     def endless(self) -> bool:
-        """Whether a life without a cycle above the endurance limit is infinite."""
+        """True if a life without a cycle above the endurance limit is infinite."""
         return not self.begun and self.material.endurance_ratio is None
 
 
@@ -251,7 +251,7 @@ def _raised(verdict: DutyVerdict) -> FloatArray:
 
 
 def _least_share(curve: SNCurve, most_cycles: float, allowed_damage: float) -> float:
-    """What a point's safety times its bound is at least; the flattest curve gives the least."""
+    """Least product of a point's safety and its bound; the flattest curve gives it."""
     slope = float(np.min(curve.slope_below))
     at_limit = allowed_damage * float(np.min(curve.knee_cycles)) / most_cycles
     return float(min(1.0, at_limit ** (1.0 / slope)))

@@ -4,7 +4,7 @@ At a surface point and along a closed path of stress, the positions of a cycle:
 
     sigma_a   half the longest chord, von Mises, and
     sigma_m   largest principal stress of its middle, not below 0: both as `fatigue.goodman` has
-              them; what compression would help, as the guideline credits it, is told beside
+              them; the guideline's credit for compression stands among the facts
     G         related gradient of the chord along the inward normal, of its principal stress of
               largest size
     n         Stieler's support number of G
@@ -69,7 +69,7 @@ class FkmPoints:
 
 @dataclass(frozen=True, eq=False)
 class FkmJudgement:
-    """FKM's utilisation of a part over its duty: that of its worst point.
+    """FKM's utilisation of a part over its duty, at its worst point.
 
     strength     of the part
     point        surface point
@@ -133,7 +133,7 @@ class FkmJudgement:
         return self.strength.utilisation(swing, middle, self.limit)
 
     def facts(self) -> dict[str, float | str]:
-        """What the report tells of the point, by name."""
+        """Numbers of the deciding point for the report, by name."""
         own, limit = self.strength, self.limit
         said: dict[str, float | str] = {
             "fatigue amplitude [MPa]": self.amplitude,

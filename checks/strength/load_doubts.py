@@ -1,4 +1,4 @@
-"""What is not known of the loads: each doubt a pair of load histories, put through the same model.
+"""Doubts about the loads: each a pair of load histories, put through the same model.
 
 A check is made again under the loads at the ends of each doubt. Its bars reach to the farther end
 on either side; several doubts add up.
@@ -83,7 +83,7 @@ def doubted(
 
 @dataclass(frozen=True)
 class LoadBars:
-    """What widens the checks of a model: their values at the ends of each doubt, over their own.
+    """Widening of a model's checks: their values at the ends of each doubt, over their own.
 
     shares  kind of check -> words of a doubt -> value at each end over the value; infinite where
             nothing loads the part but there

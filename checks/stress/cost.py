@@ -1,4 +1,4 @@
-"""What a part's solids are expected to take, before they are paid for."""
+"""Expected time and memory of a part's solids, before they are paid for."""
 
 from functools import cache
 from time import perf_counter
@@ -67,7 +67,7 @@ def slowness() -> float:
 
 
 def _trial() -> float:
-    """Time, s, of work like that of a solid: dense products, gathering, sorting."""
+    """Time, s, of work such as a solid takes: dense products, gathering, sorting."""
     random = np.random.default_rng(0)
     dense, places = random.random((200, 200)), random.integers(0, 20_000, 50_000)
     values = random.random(20_000)

@@ -83,7 +83,7 @@ class DutyVerdict:
 
     @property
     def peak(self) -> FatiguePeak:
-        """What decides."""
+        """The deciding peak of fatigue."""
         name, verdict = self.worst_run, self.worst
         first, second = (int(self.runs[name][k]) for k in verdict.pair)
         used = float(verdict.utilisation[verdict.critical])

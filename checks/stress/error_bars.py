@@ -1,4 +1,4 @@
-"""What is judged at the worst point of a part, and its error bars from one mesh to the next."""
+"""Stress at the worst point of a part, and its error bars from one mesh to the next."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
@@ -187,7 +187,7 @@ def mesh_bar(judged: Judged, levels: Sequence[Level]) -> float:
 def _truncation(
     judged: Judged, levels: Sequence[Level], direct: float, sizes: Sequence[float]
 ) -> float:
-    """What the bearing series leaves out, and what its measure may still change by.
+    """Truncation error of the bearing series, with what its measure may still change by.
 
     A half cosine ends with a kink: what it differs by from its series converges with order 1.
     """

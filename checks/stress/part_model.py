@@ -1,4 +1,4 @@
-"""What every rung below the solid says of a part: its stress over the cycle, by the same history.
+"""Stress of a part over the cycle by a rung below the solid, in the same history as a solid's.
 
 A rung's points are the places where such a part can be stressed most: bores all round, fibres of
 its sections, fillets. Its basis need not be one of unit loads of an elastic body: coefficients may

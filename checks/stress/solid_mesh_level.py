@@ -38,7 +38,7 @@ class Level(Stressed):
 
     @property
     def half(self) -> bool:
-        """Whether the mesh is half of the part."""
+        """True if the mesh is half of the part."""
         return self.solutions.mesh.half
 
     @property

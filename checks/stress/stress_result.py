@@ -48,7 +48,7 @@ class Stressed(ABC):
 
     @cached_property
     def fatigue(self) -> FatiguePeak | None:
-        """What decides fatigue over the duty; None without one."""
+        """The deciding peak of fatigue over the duty; None without a duty."""
         return None if self.duty is None else self.duty.peak
 
     @abstractmethod
@@ -58,7 +58,7 @@ class Stressed(ABC):
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
-    """What a history says of a part, as in `Stressed`."""
+    """Judgement of a part's stress history, as in `Stressed`."""
 
     peak: Peak
     peaks_by_position: FloatArray

@@ -39,7 +39,7 @@ def half_of(part: Part, loads: PartLoads) -> Half | None:
 def shown_surface(loads: PartLoads, level: Level) -> Surface:
     """Stress at the worst position and utilisation, on six-node facets split in four.
 
-    The utilisation is that of an endless life by Goodman and Findley, over all cycles of the duty.
+    The utilisation is for an endless life by Goodman and Findley, over all cycles of the duty.
     Of the whole part, also where a half was solved.
     """
     nodes = level.history.nodes

@@ -75,7 +75,7 @@ def curves_chart(
 def _ends(
     position: FloatArray, curves: Mapping[str, FloatArray]
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """What the axes run over: all that is known, and some room."""
+    """Ends of both axes: all that is known, and some room."""
     return _with_room(position), _with_room(np.concatenate([np.zeros(0), *curves.values()]))
 
 

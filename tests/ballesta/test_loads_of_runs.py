@@ -153,7 +153,7 @@ def test_an_acceleration_that_is_not_stated_is_told_in_the_diagnosis(folder):
 
 @pytest.mark.parametrize("loads", [MEASURED, SOLVED])
 def test_a_check_without_parts_says_that_there_is_nothing_to_check(folder, loads):
-    with pytest.raises(DesignError, match=r"crank\.toml: parts: nothing to check"):
+    with pytest.raises(DesignError, match=r"crank\.toml: parts: there are none to check"):
         check_file(written(folder, MACHINE + loads))
 
 

@@ -209,10 +209,10 @@ def without(point):
 NONE = {
     "a force is missing": (without("A"), "rod", r"acts through A \(is a force missing"),
     "another is missing": (without("B"), "rod", r"acts through B \(is a force missing"),
-    "the drive's side is missing": (without("O"), "crank", "no slip of sign"),
+    "the drive's side is missing": (without("O"), "crank", "no single error of sign"),
     "a constant force more": (at("A", lambda load: replace(load, force=load.force + np.array([0.0, 200.0]))), "rod", r"points along \(-?0\.00, 1\.00\) in the ground's axes, acts through A "),
-    "a wrong calibration": (at("B", scaled(1.3, 1.3)), "rod", "is gone with 0.769 times the force at B"),
-    "no acceleration": (motion(acceleration=lambda a: 0 * a), "rod", "no slip of sign"),
+    "a wrong calibration": (at("B", scaled(1.3, 1.3)), "rod", "vanishes with 0.769 times the force at B"),
+    "no acceleration": (motion(acceleration=lambda a: 0 * a), "rod", "no single error of sign"),
     "a delay": (at("B", lambda load: replace(load, force=np.roll(load.force, 10, axis=0))), "rod", "acts through B "),
     "noise": (lambda run, body: noisy(run, body, 0.2), "rod", "jumps from row to row like noise"),
 }  # fmt: skip
@@ -238,16 +238,16 @@ def faster(factor):
 
 
 NO_SLIPS = {
-    "a constant moment": ("fast", "rod", more_moment(3000.0), TOLERANCE, "no slip"),
-    "a large constant moment": ("slow", "rod", more_moment(3000.0), 3 * TOLERANCE, "no slip"),
-    "a moment on the crank": ("slow", "crank", more_moment(500.0), TOLERANCE, "no slip"),
+    "a constant moment": ("fast", "rod", more_moment(3000.0), TOLERANCE, "no single error"),
+    "a large constant moment": ("slow", "rod", more_moment(3000.0), 3 * TOLERANCE, "no single error"),
+    "a moment on the crank": ("slow", "crank", more_moment(500.0), TOLERANCE, "no single error"),
     "a lower speed": ("fast", "crank", faster(0.8), TOLERANCE, "times the mass"),
-    "a higher speed": ("slow", "crank", faster(1.2), TOLERANCE, "no slip"),
-    "half the mass": ("fast", "crank", masses(0.5), TOLERANCE, "is gone with 2 times the mass"),
-    "half the mass, slow": ("slow", "crank", masses(0.5), TOLERANCE, "is gone with 2 times the mass"),
-    "half the rod's mass": ("fast", "rod", masses(0.5), 3 * TOLERANCE, "is gone with 2 times the mass"),
-    "twice the inertia": ("fast", "rod", masses(1.0, 2.0), TOLERANCE, "is gone with 0.5 times the inertia"),
-    "four times the inertia": ("slow", "rod", masses(1.0, 4.0), 3 * TOLERANCE, "is gone with 0.25 times the inertia"),
+    "a higher speed": ("slow", "crank", faster(1.2), TOLERANCE, "no single error"),
+    "half the mass": ("fast", "crank", masses(0.5), TOLERANCE, "vanishes with 2 times the mass"),
+    "half the mass, slow": ("slow", "crank", masses(0.5), TOLERANCE, "vanishes with 2 times the mass"),
+    "half the rod's mass": ("fast", "rod", masses(0.5), 3 * TOLERANCE, "vanishes with 2 times the mass"),
+    "twice the inertia": ("fast", "rod", masses(1.0, 2.0), TOLERANCE, "vanishes with 0.5 times the inertia"),
+    "four times the inertia": ("slow", "rod", masses(1.0, 4.0), 3 * TOLERANCE, "vanishes with 0.25 times the inertia"),
     "a gauge turned": ("slow", "rod", at("A", lambda load: replace(load, force=rotated(load.force, np.full(len(load.force), 0.035)))), TOLERANCE, "acts through A"),
 }  # fmt: skip
 

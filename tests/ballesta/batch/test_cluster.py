@@ -187,7 +187,7 @@ def test_numbers_of_another_version_do_not_slip_in(
 @installed
 def test_a_design_that_reads_otherwise_on_a_worker_is_refused(tmp_path, machines):
     """As it is where each machine has a disk of its own; here it is edited while it is checked."""
-    with pytest.raises(DesignError, match=r"a\.txt reads otherwise on worker tcp://127\.0\.0\.1:"):
+    with pytest.raises(DesignError, match=r"a\.txt differs between worker tcp://127\.0\.0\.1:"):
         fates(tmp_path, machines, {"a": "edit"})
 
 

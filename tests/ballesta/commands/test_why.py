@@ -147,7 +147,7 @@ def test_a_folder_of_several_results_asks_for_one(result, tmp_path):
     for name in ("a", "b"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "result.json").write_text(result.read_text("utf-8"), "utf-8")
-    named = re.escape(f"{tmp_path}: cannot be told: has 2 results, name one of them: ")
+    named = re.escape(f"{tmp_path}: cannot be explained: has 2 results, name one of them: ")
     with pytest.raises(DesignError, match=f"{named}{tmp_path / 'a'}, {tmp_path / 'b'}$"):
         checks_behind(tmp_path)
 
@@ -167,7 +167,7 @@ def test_of_a_folder_of_very_many_results_some_are_named_whole_and_the_others_co
 def test_a_folder_without_a_result_is_told_with_what_to_give(tmp_path, capsys):
     assert run_why(tmp_path, Wanted()) == 2
     said = capsys.readouterr().err
-    assert "cannot be told: there is no result.json in the folder; ballesta check FILE" in said
+    assert "cannot be explained: there is no result.json in the folder; ballesta check FILE" in said
     (tmp_path / "press.toml").write_text("", "utf-8")
     assert run_why(tmp_path, Wanted()) == 2
     assert f"ballesta why {tmp_path / 'press.toml'} tells of a design" in capsys.readouterr().err
@@ -219,7 +219,7 @@ def test_of_json_that_is_no_result_it_is_told_what_it_is(tmp_path, capsys, data,
     path.write_text(json.dumps(data), encoding="utf-8")
     assert run_why(path, Wanted()) == 2
     told = capsys.readouterr().err
-    assert "cannot be told: must be a result.json that ballesta check wrote" in told
+    assert "cannot be explained: must be a result.json that ballesta check wrote" in told
     assert said in told
     assert "compared" not in told
     assert len(told) < 400

@@ -1,0 +1,45 @@
+"""Docstrings begin with the name of a thing, as a textbook's index would."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+FOLDERS = ("geometry", "loads", "fatigue", "fem", "reports", "ballesta", "bench", "tools")
+BEGINNINGS = ("What", "Whether")
+SAID = ("is told", "that of")
+
+
+def docstrings(folder):
+    """Place and text of every docstring in a folder."""
+    for file in sorted((ROOT / folder).rglob("*.py")):
+        tree = ast.parse(file.read_text(encoding="utf-8"))
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+                text = ast.get_docstring(node)
+                if text:
+                    yield f"{file.relative_to(ROOT)}:{getattr(node, 'lineno', 1)}", node, text
+
+
+@pytest.mark.parametrize("folder", FOLDERS)
+def test_no_docstring_begins_with_a_question(folder):
+    """A module's does not begin with How, either: it names its subject."""
+    found = list(docstrings(folder))
+    assert len(found) > 20
+    asked = [
+        place
+        for place, node, text in found
+        if text.split()[0] in (*BEGINNINGS, *(("How",) if isinstance(node, ast.Module) else ()))
+    ]
+    assert asked == []
+
+
+@pytest.mark.parametrize("folder", FOLDERS)
+def test_no_docstring_says_that_something_is_told_or_is_that_of_another(folder):
+    said = [
+        place
+        for place, _, text in docstrings(folder)
+        if any(words in " ".join(text.split()) for words in SAID)
+    ]
+    assert said == []
