@@ -86,8 +86,9 @@ def check_all(
                     begun=begun,
                 )
                 telling.limit(None)
-            results.append(result.to_dict() | {"report": str(folder / "report.html")})
-            if not as_json:
+            if as_json:
+                results.append(result.to_dict() | {"report": str(folder / "report.html")})
+            else:
                 print(_printed(result, folder / "report.html", verbose=verbose), flush=True)
             return result.exit_code
 

@@ -6,7 +6,7 @@ import sys
 from geometry.child import Parent
 from geometry.progress import begin
 
-_ALLOCATIONS = 50_000  # between looks for cycles: libraries as they load make 500 000 that stay
+_ALLOCATIONS = 200_000  # between looks for cycles: libraries make about as many that stay
 
 
 def run(parent: Parent) -> None:

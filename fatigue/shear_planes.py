@@ -24,7 +24,7 @@ mistaken for the global one.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from math import isfinite, sqrt
 
 import numpy as np
@@ -74,26 +74,52 @@ def findley_criterion(torsion_ratio: float = DUCTILE) -> FindleyCriterion:
 class CriticalPlane:
     """The worst plane of one stress path.
 
-    value            MPa, tau_a + k sigma_n
-    bound            MPa, proven: no plane of any direction has more
-    normal           (3,)  unit vector
-    shear_amplitude  MPa, tau_a
-    normal_stress    MPa, sigma_n as the criterion counts it
-    largest_normal   MPa, largest normal stress of the cycle, also where it is below sigma_n
-    pair             two positions that the circle rests on, the farthest apart of these
-    angle_error      rad, edge of the last triangles of the search
-    n_planes         planes evaluated
+    value          MPa, tau_a + k sigma_n
+    bound          MPa, proven: no plane of any direction has more
+    normal         (3,)  unit vector
+    normal_stress  MPa, sigma_n as the criterion counts it
+    shear          (2, n_positions)  MPa, along two axes of the plane
+    stress         (6, n_positions)  MPa, the path
+    angle_error    rad, edge of the last triangles of the search
+    n_planes       planes evaluated
+
+    Of most planes nothing but the value is asked, so the rest is found when it is.
     """
 
     value: float
     bound: float
     normal: FloatArray
-    shear_amplitude: float
     normal_stress: float
-    largest_normal: float
-    pair: tuple[int, int]
+    shear: FloatArray
+    stress: FloatArray
     angle_error: float
     n_planes: int
+
+    @cached_property
+    def _circle(self) -> tuple[float, IntArray]:
+        """Radius of the smallest circle around the shear, and the positions that it rests on."""
+        _, radius, carriers = smallest_circles(self.shear[None])
+        return float(radius[0]), carriers[0]
+
+    @property
+    def shear_amplitude(self) -> float:
+        """tau_a, MPa."""
+        return self._circle[0]
+
+    @property
+    def largest_normal(self) -> float:
+        """Largest normal stress of the cycle, MPa, also where it is below sigma_n."""
+        return float((_component(self.normal, self.normal) @ self.stress).max())
+
+    @property
+    def pair(self) -> tuple[int, int]:
+        """Two positions that the circle rests on, the farthest apart of these."""
+        three = self._circle[1]
+        corners = self.shear[:, three]
+        apart = ((corners[:, :, None] - corners[:, None, :]) ** 2).sum(axis=0)
+        first, second = np.unravel_index(apart.argmax(), apart.shape)
+        ends = sorted((int(three[first]), int(three[second])))
+        return ends[0], ends[1]
 
 
 def critical_plane(
@@ -137,12 +163,11 @@ class _Search:
         self.best, self.best_at = -np.inf, 0
 
     def result(self) -> CriticalPlane:
-        normals, cells, rows = _start()
+        normals, cells, rows, edges = _start()
         self._add(normals, rows)
         ceiling = -np.inf
         while True:
             self._sharpen(np.array([self.upper.argmax()]))
-            edges = longest_edges(self.normals, cells)
             slack = self.scale * edges**2  # M e^2/4
             tops = self.upper[cells].max(axis=1) + slack
             hopeful = tops > max(self.floor, self.best)
@@ -159,6 +184,7 @@ class _Search:
             if not len(cells) or settled or len(cells) > _MOST_CELLS:
                 break
             cells = self._divide(cells)
+            edges = longest_edges(self.normals, cells)
         bound = max(self.best, top, ceiling)
         finest = float(edges.max())
         if self.best > self.floor and len(cells):
@@ -216,21 +242,13 @@ class _Search:
     def _plane(self, bound: float, finest: float) -> CriticalPlane:
         normal = self.normals[self.best_at]
         shear, counted = self._resolved(self.rows[self.best_at : self.best_at + 1])
-        _, radius, carriers = smallest_circles(shear)
-        three = carriers[0]
-        corners = shear[0][:, three]
-        apart = ((corners[:, :, None] - corners[:, None, :]) ** 2).sum(axis=0)
-        first, second = np.unravel_index(apart.argmax(), apart.shape)
-        pair = sorted((int(three[first]), int(three[second])))
-        largest = float((_component(normal, normal) @ self.stress).max())
         return CriticalPlane(
             value=self.best,
             bound=bound,
             normal=normal,
-            shear_amplitude=float(radius[0]),
             normal_stress=float(counted[0]),
-            largest_normal=largest,
-            pair=(pair[0], pair[1]),
+            shear=shear[0],
+            stress=self.stress,
             angle_error=finest,
             n_planes=len(self.normals),
         )
@@ -243,10 +261,10 @@ def resolved_shear(normals: FloatArray, stress: FloatArray) -> FloatArray:
 
 
 @cache
-def _start() -> tuple[FloatArray, IntArray, FloatArray]:
-    """Normals, triangles and rows of the grid that every search begins with."""
+def _start() -> tuple[FloatArray, IntArray, FloatArray, FloatArray]:
+    """Normals, triangles, rows and edges of the grid that every search begins with."""
     normals, cells = half_sphere(_START)
-    return normals, cells, _plane_rows(normals)
+    return normals, cells, _plane_rows(normals), longest_edges(normals, cells)
 
 
 def _plane_rows(normals: FloatArray) -> FloatArray:

@@ -154,10 +154,23 @@ def buckling_modes(stiffness: FloatArray, geometric: FloatArray, *, count: int =
 
 def whitening(stiffness: FloatArray) -> FloatArray:
     """Combinations X (n, n) with X' K X = 1; LooseFrameError if something moves without strain."""
-    scaled, scale, _ = _scaled(stiffness)
-    lower = np.linalg.cholesky(scaled)
-    inverse = scipy.linalg.solve_triangular(lower, np.eye(len(lower)), lower=True)
+    scaled, scale = _unit_diagonal(stiffness)
+    try:
+        inverse = _lower_inverse(scaled)
+        # the smallest eigenvalue is above 1/|inverse|^2, the largest below the trace
+        proven = (inverse**2).sum() * len(scaled) * _MECHANISM < 1
+    except np.linalg.LinAlgError:
+        proven = False
+    if not proven:
+        _softest(scaled)
+        inverse = _lower_inverse(scaled)
     return np.asarray(scale[:, None] * inverse.T)
+
+
+def _lower_inverse(matrix: FloatArray) -> FloatArray:
+    """Inverse of the lower triangle that makes a matrix, LinAlgError where there is none."""
+    lower = np.linalg.cholesky(matrix)
+    return np.asarray(scipy.linalg.solve_triangular(lower, np.eye(len(lower)), lower=True))
 
 
 def modes_below(stiffness: FloatArray, geometric: FloatArray, factor: float) -> int:
@@ -171,15 +184,24 @@ def _scaled(stiffness: FloatArray) -> tuple[FloatArray, FloatArray, float]:
 
     And the smallest eigenvalue over the largest.
     """
+    scaled, scale = _unit_diagonal(stiffness)
+    return scaled, scale, _softest(scaled)
+
+
+def _unit_diagonal(stiffness: FloatArray) -> tuple[FloatArray, FloatArray]:
     diagonal = np.diag(stiffness)
     if not (diagonal > 0).all():
         raise LooseFrameError("the frame can move: an unknown has no stiffness")
     scale = 1 / np.sqrt(diagonal)
-    scaled = scale[:, None] * stiffness * scale
+    return scale[:, None] * stiffness * scale, scale
+
+
+def _softest(scaled: FloatArray) -> float:
+    """The smallest eigenvalue over the largest."""
     values = np.linalg.eigvalsh(scaled)
     if values[0] < _MECHANISM * values[-1]:
         raise LooseFrameError("the frame can move without strain")
-    return scaled, scale, float(values[0] / values[-1])
+    return float(values[0] / values[-1])
 
 
 def _negative(matrix: FloatArray) -> int:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -88,7 +89,7 @@ class JointRows:
 
     def _soft_axis(self, placed: PlacedLinks, joint: loads.Revolute) -> FloatArray | None:
         """The axis about which a soft fork still holds: of the body at ground or guide."""
-        supports = self._supports()
+        supports = self._supports
         a, b = joint.body_a, joint.body_b
         if (a in supports) == (b in supports):
             return None
@@ -103,6 +104,7 @@ class JointRows:
         angle = placed.angles[link]
         return np.array([np.cos(angle), np.sin(angle)])
 
+    @cached_property
     def _supports(self) -> set[str]:
         """The ground and what is guided on it or welded to it."""
         found = {loads.GROUND}

@@ -94,7 +94,7 @@ class Material:
 class MaterialEntry(BaseModel):
     """A material as a file states it."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
     youngs_modulus: Stress = Field(description="Young's modulus")
     poisson_ratio: Annotated[float, Field(strict=True, allow_inf_nan=False)] = Field(

@@ -44,7 +44,7 @@ Ends = Annotated[list[Length], Field(min_length=2, max_length=2)]
 class Table(BaseModel):
     """A table of the file: unknown keys are refused, what was read stays as it was."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
 
 class Guide(Table):

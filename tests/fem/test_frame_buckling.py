@@ -9,11 +9,13 @@ from numpy.testing import assert_allclose
 
 from fem.frame import Frame, gauss_points
 from fem.frame_buckling import (
+    LooseFrameError,
     buckling_modes,
     frame_buckling,
     geometric_stiffness,
     integration_matrix,
     modes_below,
+    whitening,
 )
 from fem.frame_joints import (
     IN_PLANE,
@@ -354,3 +356,24 @@ def test_links_off_their_axis_and_out_of_order_are_refused():
         Link("bar", Frame(-frame.nodes, frame.members, UP, frame.sections, STEEL))
     with pytest.raises(ValueError, match="'bar': its members must join"):
         Link("bar", Frame(frame.nodes, frame.members[::-1], UP, frame.sections, STEEL))
+
+
+@pytest.mark.parametrize("softest", [1.0, 1e-8, 3e-13])
+def test_whitened_motions_have_the_unit_matrix_as_their_stiffness(softest):
+    """Down to what counts as a mechanism; round-off grows with the root of the conditioning."""
+    stiffness = with_values(np.append(softest, np.linspace(0.5, 2.0, 11)))
+    motions = whitening(stiffness)
+    error = np.abs(motions.T @ stiffness @ motions - np.eye(12)).max()
+    assert error < 1e-12 / softest**0.5 / softest**0.25
+
+
+@pytest.mark.parametrize("softest", [1e-15, 0.0, -1e-15])
+def test_what_moves_without_strain_is_not_whitened(softest):
+    with pytest.raises(LooseFrameError, match="without strain"):
+        whitening(with_values(np.append(softest, np.linspace(0.5, 2.0, 11))))
+
+
+def with_values(values):
+    """A matrix with these eigenvalues, in directions that are none of its axes."""
+    directions, _ = np.linalg.qr(np.random.default_rng(3).normal(size=(len(values),) * 2))
+    return directions @ (values[:, None] * directions.T)
