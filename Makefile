@@ -14,6 +14,8 @@ BIN := $(VENV)/bin
 READY := $(VENV)/ready
 PEERS := $(VENV)/peers
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
+# Where nothing compiled is kept every process of the tests compiles everything anew.
+export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: demo test slow lint docs wheels fuzz bench trade documents screens setup clean
 .DEFAULT_GOAL := demo
@@ -40,15 +42,16 @@ demo: $(READY)
 	@echo "ballesta in this shell: . .venv/bin/activate; then: ballesta new four-bar --file four_bar.toml"
 
 # Each process takes one thread (tests/conftest.py): threads of their own would wait for each other.
-# Neighbouring tests stay in one process, which shares what a module has computed, until another
-# process has nothing left to do and takes half of them.
-SHARED := --numprocesses auto --maxprocesses 4 --dist worksteal --durations 15 --durations-min 5
+# The tests of a file stay in one process, which shares what a module has computed; the files that
+# last longest begin first (tests/longest_first.py). Slow tests are each as long as a file.
+SHARED := --numprocesses auto --maxprocesses 4 --durations 15 --durations-min 5
+FILES := --dist loadfile --no-loadscope-reorder
 
 test: $(PEERS)
-	@$(BIN)/python -m pytest -m "not slow" $(SHARED)
+	@$(BIN)/python -m pytest -m "not slow" $(SHARED) $(FILES)
 
 slow: $(PEERS)
-	@$(BIN)/python -m pytest -m "slow or ballesta" $(SHARED) tests designs
+	@$(BIN)/python -m pytest -m "slow or ballesta" $(SHARED) --dist worksteal tests designs
 
 lint: $(READY)
 	@$(BIN)/ruff check .

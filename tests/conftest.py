@@ -17,7 +17,7 @@ import pytest
 from ballesta.cli import main
 from fem.threads import ONE_THREAD
 
-from . import processor_budget
+from . import longest_first, processor_budget
 
 os.environ.update(ONE_THREAD)  # before any test loads a library that has threads of its own
 ROOT = Path(__file__).parent.parent
@@ -26,9 +26,10 @@ AS_A_USER = {"COLUMNS": "120", "PYTHONPATH": str(ROOT)}
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Give every test a budget of processor time."""
-    if not config.pluginmanager.is_registered(processor_budget):
-        config.pluginmanager.register(processor_budget)
+    """Give every test a budget of processor time, and files that last long the first turn."""
+    for plugin in (processor_budget, longest_first):
+        if not config.pluginmanager.is_registered(plugin):
+            config.pluginmanager.register(plugin)
 
 
 @dataclass(frozen=True)

@@ -39,14 +39,15 @@ UNITS = {
 }
 
 
-def stated(machine, cycles, positions=73):
+def stated(machine, cycles, positions=73, duty=None):
     """The data of a shipped design without its `like`s, some of its cycles, and no reasons.
 
-    cycles  those that stay, all of them in the duty
+    cycles  those that stay
+    duty    those in the duty; None for all of them
     """
     data = flattened(machine)
     data["cycles"] = {name: data["cycles"][name] | {"positions": positions} for name in cycles}
-    data["duty"]["cycles"] = dict.fromkeys(cycles, 1e7)
+    data["duty"]["cycles"] = dict.fromkeys(duty or cycles, 1e7)
     data.pop("assumed", None)
     parts = {
         name: {"overhang": "5 mm"} | part if part.get("shape") == "pin" else part

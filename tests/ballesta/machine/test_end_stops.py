@@ -57,10 +57,11 @@ def test_a_stop_close_to_the_dead_centre_still_gets_its_warning(end):
         "toggle_press.toml",
         f"cycles.press.phases[1].to={end}",
         f"cycles.capacity.phases[0].to={end}",
+        "cycles.press.positions=91",
     )
     assert any("cannot be: the loads grow" in text for text in warnings)
 
 
 def test_a_crank_may_pass_the_dead_centre_of_what_it_forges():
     """A hammer's lowest position is its purpose, not a danger."""
-    assert not told("spring_hammer.toml")
+    assert not told("spring_hammer.toml", "cycles.at_5.positions=91")

@@ -11,7 +11,7 @@ import ballesta.check
 import reports.pictures
 from ballesta.design.read import read_design
 from ballesta.run import check_all, check_to_folder, store_at
-from checks.design.effort import Effort
+from checks.design.effort import DEFAULT_EFFORT, Effort
 from checks.design.errors import DesignError
 from checks.store.fingerprints import code_digest, digest
 from checks.store.results import keep_result, recalled_result
@@ -35,14 +35,23 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
+@pytest.fixture(scope="module")
+def known():
+    """Results of what was checked, by all that a check is told of."""
+    return {}
+
+
 @pytest.fixture
-def checks(monkeypatch):
-    """What was checked."""
+def checks(monkeypatch, known):
+    """What was checked; what was checked before is counted and not computed again."""
     done, work = [], ballesta.check.check_design
 
-    def counted(design, **options):
+    def counted(design, *, effort=DEFAULT_EFFORT, live=False, **options):
         done.append(design.name)
-        return work(design, **options)
+        asked = digest(design, repr(effort), live)
+        if asked not in known:
+            known[asked] = work(design, effort=effort, live=live, **options)
+        return known[asked]
 
     monkeypatch.setattr(ballesta.check, "check_design", counted)
     return done

@@ -137,7 +137,7 @@ def test_a_changed_thickness_is_meshed_and_solved(filled, calls):
 
 def test_formulas_have_the_same_numbers_out_of_a_store(tmp_path):
     store = Store(tmp_path)
-    design = read_design(PRESS)
+    design = read_design(PRESS, ["cycles.press.positions=31"])
     plain = numbers(check_design(design, effort=FORMULA))
     assert numbers(check_design(design, effort=FORMULA, store=store)) == plain
     assert (store.hits, store.misses) == ({}, {"skin": 2, "loads": 2, "linkage_mode": 1})
