@@ -17,7 +17,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # Where nothing compiled is kept every process of the tests compiles everything anew.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: demo test slow lint docs wheels fuzz bench trade documents screens setup clean
+.PHONY: demo test slow lint style types windows_types imports docs wheels fuzz bench trade documents screens setup clean
 .DEFAULT_GOAL := demo
 
 setup: $(READY)
@@ -42,22 +42,32 @@ demo: $(READY)
 	@echo "ballesta in this shell: . .venv/bin/activate; then: ballesta new four-bar --file four_bar.toml"
 
 # Each process takes one thread (tests/conftest.py): threads of their own would wait for each other.
-# The tests of a file stay in one process, which shares what a module has computed; the files that
-# last longest begin first (tests/longest_first.py). Slow tests are each as long as a file.
-SHARED := --numprocesses auto --maxprocesses 4 --durations 15 --durations-min 5
-FILES := --dist loadfile --no-loadscope-reorder
+# The tests of a file stay in one process, which shares what a module has computed; slow tests, each
+# as long as a file, are shared out one by one. What lasts longest begins (tests/longest_first.py).
+SHARED := --numprocesses auto --maxprocesses 4 --no-loadscope-reorder --durations 15 --durations-min 5
 
 test: $(PEERS)
-	@$(BIN)/python -m pytest -m "not slow" $(SHARED) $(FILES)
+	@$(BIN)/python -m pytest -m "not slow" $(SHARED) --dist loadfile
 
 slow: $(PEERS)
-	@$(BIN)/python -m pytest -m "slow or ballesta" $(SHARED) --dist worksteal tests designs
+	@$(BIN)/python -m pytest -m "slow or ballesta" $(SHARED) --dist loadgroup tests designs
 
 lint: $(READY)
+	@$(MAKE) --no-print-directory --jobs 4 --output-sync=target style types windows_types imports
+
+style types windows_types imports: $(READY)
+
+style:
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
+
+types:
 	@$(BIN)/mypy
+
+windows_types:
 	@$(BIN)/mypy --platform win32 --cache-dir .mypy_cache/win32
+
+imports:
 	@$(BIN)/lint-imports
 
 # A link that leads nowhere, a page outside of the navigation or one that loads from the network ends it.
