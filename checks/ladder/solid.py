@@ -475,7 +475,7 @@ def _stress_check(
         required=said.required,
         cycle=said.cycle,
         position=said.position,
-        place=level.place(judged.point(level)),
+        place=level.place_in_words(judged.point(level), part.geometry.placed_interfaces),
         method="solid",
         basis=said.basis,
         note=". ".join(text for text in (said.note, why, bars.note) if text),

@@ -135,7 +135,7 @@ def _stress_estimate(
         required=words.required,
         cycle=words.cycle,
         position=words.position,
-        place=level.place(point),
+        place=level.place_in_words(point, part.geometry.placed_interfaces),
         method=level.model.rung,
         basis=words.basis,
         note=words.note,

@@ -168,8 +168,10 @@ def check_titles(checks: Sequence[Check]) -> list[str]:
 
 
 def moment(check: Check) -> str:
-    """Where in the cycle."""
-    return ": ".join(text for text in (check.cycle, check.position) if text)
+    """Where in the cycle; of a fatigue check the two ends of the swing that decides it."""
+    swing = check.kind == "fatigue" and " to " in check.position
+    position = f"swing from {check.position}" if swing else check.position
+    return ": ".join(text for text in (check.cycle, position) if text)
 
 
 def where(check: Check) -> str:

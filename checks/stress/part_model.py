@@ -117,12 +117,10 @@ class RungLevel(Stressed):
 
     model: RungModel = field()
 
-    def place(self, point: int) -> str:
-        """Where a point is, in words."""
-        x, y, z = self.history.points[point]
-        return f"{self.model.places[point]} ({_tenth(x)}, {_tenth(y)}, {_tenth(z)})"
+    def named(self, point: int) -> str:
+        """What stands at a point."""
+        return self.model.places[point]
 
-
-def _tenth(value: float) -> str:
-    """A coordinate to a tenth, without a negative zero."""
-    return f"{round(float(value), 1) + 0.0:.1f}"
+    def depth(self, point: int) -> tuple[float, float] | None:
+        """None: a rung's points are on lines, not on surfaces."""
+        return None

@@ -8,6 +8,7 @@ import numpy as np
 
 from checks.part.part_loads import PartLoads
 from checks.stress.kept_models import Models as Models
+from checks.stress.place_words import depth_of
 from checks.stress.stress_result import Stressed, judge
 from fem.convergence import ORDER
 from fem.gradient import inward_normals
@@ -98,16 +99,26 @@ class Level(Stressed):
             self._notch_errors[point] = notch_error(self.size_at(point), curvature)
         return self._notch_errors[point]
 
-    def place(self, point: int) -> str:
-        """Where a point is, in words."""
+    def named(self, point: int) -> str:
+        """Names of the surfaces that meet at a point."""
+        return "/".join(self._surfaces_at(point)) or "surface"
+
+    def depth(self, point: int) -> tuple[float, float] | None:
+        """Least and largest |z| of its first named surface on the point's side, mm."""
+        names = self._surfaces_at(point)
+        if not names:
+            return None
+        mesh = self.solutions.mesh
+        heights = mesh.nodes[np.unique(mesh.surfaces[names[0]]), 2]
+        return depth_of(heights, float(self.history.points[point, 2]))
+
+    def _surfaces_at(self, point: int) -> list[str]:
         node = self.history.nodes[point]
-        names = [
+        return [
             name
             for name, facets in self.solutions.mesh.surfaces.items()
             if name != SYMMETRY and np.any(facets == node)
         ]
-        x, y, z = self.history.points[point]
-        return f"{'/'.join(names) or 'surface'} ({_tenth(x)}, {_tenth(y)}, {_tenth(z)})"
 
     def load_residual(self, loads: PartLoads) -> float:
         """Force and moment that reached the mesh less those asked for, over the largest force.
@@ -225,11 +236,6 @@ def solve_level(
         peaks_by_position=judged.peaks_by_position,
         duty=judged.duty,
     )
-
-
-def _tenth(value: float) -> str:
-    """A coordinate to a tenth, without a negative zero."""
-    return f"{round(value, 1) + 0.0:.1f}"
 
 
 def peak_of(stress: FloatArray) -> float:

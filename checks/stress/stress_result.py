@@ -5,15 +5,16 @@ points x unit loads, and the coefficients of these over the positions.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
 from checks.part.first_maximum import first_largest
 from checks.part.part_loads import PartLoads
 from checks.stress.duty_verdict import DutyVerdict, FatiguePeak, duty_runs, duty_verdict
+from checks.stress.place_words import coordinates, place_words
 from fem.stress_history import StressHistory
-from geometry.mesh import FloatArray
+from geometry.mesh import FloatArray, Interface
 
 
 @dataclass(frozen=True)
@@ -52,8 +53,22 @@ class Stressed(ABC):
         return None if self.duty is None else self.duty.peak
 
     @abstractmethod
+    def named(self, point: int) -> str:
+        """Name of the surface or section that a point is on."""
+
+    @abstractmethod
+    def depth(self, point: int) -> tuple[float, float] | None:
+        """Least and largest |z| of that surface on the point's side, mm; None if not known."""
+
     def place(self, point: int) -> str:
-        """Where a point is, in words."""
+        """Name of the surface that a point is on, and its x, y, z in mm, to tenths."""
+        return f"{self.named(point)} {coordinates(self.history.points[point])}"
+
+    def place_in_words(self, point: int, interfaces: Iterable[Interface]) -> str:
+        """Where a point is on a part with these interfaces, in words, then x, y, z in mm."""
+        at = self.history.points[point]
+        words = place_words(self.named(point), at, self.depth(point), interfaces)
+        return f"{words} {coordinates(at)}"
 
 
 @dataclass(frozen=True, eq=False)

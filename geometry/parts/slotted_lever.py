@@ -171,6 +171,26 @@ class SlottedLever:
         """None: the mesh has every notch."""
         return {}
 
+    @property
+    def placed_interfaces(self) -> list[Interface]:
+        """Where other parts press on it."""
+        depths = {"pivot": self.thickness, "tip": self.thickness + 2 * self.boss_height}
+        bores = [
+            Interface(
+                name, "bore", np.array([x, 0.0, 0.0]), self.hole / 2, depths[name], tilts=True
+            )
+            for name, x in (("pivot", 0.0), ("tip", self.length))
+        ]
+        slot = Interface(
+            "slot",
+            "slide",
+            np.zeros(3),
+            length=self.thickness,
+            travel=self._travel,
+            patch=self._patch,
+        )
+        return [*bores, slot]
+
     def build(self, gmsh: Any) -> Body:
         """Build the lever in gmsh's current model."""
         occ = gmsh.model.occ
@@ -228,31 +248,10 @@ class SlottedLever:
             ),
         )
         feet = faces_where(gmsh, lambda _, kind: kind == "Torus")
-        depths = {"pivot": self.thickness, "tip": self.thickness + 2 * self.boss_height}
         fine = [(2, tag) for tags in (*bores.values(), ends) for tag in tags]
         return Body(
             surfaces={**bores, **flanks},
-            interfaces=[
-                *(
-                    Interface(
-                        name,
-                        "bore",
-                        np.array([x, 0.0, 0.0]),
-                        self.hole / 2,
-                        depths[name],
-                        tilts=True,
-                    )
-                    for name, x in (("pivot", 0.0), ("tip", self.length))
-                ),
-                Interface(
-                    "slot",
-                    "slide",
-                    np.zeros(3),
-                    length=self.thickness,
-                    travel=self._travel,
-                    patch=self._patch,
-                ),
-            ],
+            interfaces=self.placed_interfaces,
             size=min(self.thickness / 2, (self.width - self.slot_width) / 4),
             regions=[
                 Region(fine, pi * min(self.hole, self.slot_width) / 40, self.hole / 2),

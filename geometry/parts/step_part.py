@@ -318,10 +318,15 @@ class StepPart:
         occ.synchronize()
         return Body(
             surfaces={name: hole.faces for name, hole in self.found.items()},
-            interfaces=[self._interface(name) for name in self.interfaces],
+            interfaces=self.placed_interfaces,
             size=self.solid.wall,
             regions=[*self._hole_regions(), *self._fillet_regions()],
         )
+
+    @property
+    def placed_interfaces(self) -> list[Interface]:
+        """Where other parts press on it."""
+        return [self._interface(name) for name in self.interfaces]
 
     def _interface(self, name: str) -> Interface:
         hole = self.found[name]

@@ -142,20 +142,28 @@ class TubeRod:
         outline.arc_to(0.0, self.length - start, (0.0, self.length - start - radius))
         return outline
 
+    @property
+    def placed_interfaces(self) -> list[Interface]:
+        """Where other parts press on it."""
+        return [
+            Interface(name, "bore", np.array([x, 0.0, 0.0]), self.hole / 2, self.eye_width)
+            for name, x in self._places.items()
+        ]
+
+    @property
+    def _places(self) -> Mapping[str, float]:
+        return {"first": 0.0, "second": self.length}
+
     def named(self, gmsh: Any) -> Body:
         """Return the body of the model, of the whole part or its half at z >= 0."""
-        places = {"first": 0.0, "second": self.length}
-        bores = {name: bore_at(gmsh, x, self.hole) for name, x in places.items()}
+        bores = {name: bore_at(gmsh, x, self.hole) for name, x in self._places.items()}
         fillets = faces_where(gmsh, lambda _, kind: kind == "Torus")
         holes = [(2, tag) for tags in bores.values() for tag in tags]
         around = [(2, tag) for tag in fillets]
         fine = min(self.fillet / 1.5, self.tube_diameter / 6)
         return Body(
             surfaces={**bores, **({"fillet": fillets} if fillets else {})},
-            interfaces=[
-                Interface(name, "bore", np.array([x, 0.0, 0.0]), self.hole / 2, self.eye_width)
-                for name, x in places.items()
-            ],
+            interfaces=self.placed_interfaces,
             size=self.tube_diameter / (4 if self._bore else 3),
             regions=[
                 Region(holes, self.hole / 14, self.hole / 2),

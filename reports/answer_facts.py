@@ -1,0 +1,285 @@
+"""The answer as data: what decides, how far, where, when, why, and what would make it pass.
+
+The terminal (reports/answer.py) and the first screen of the page write the same facts.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from math import isfinite
+from shlex import quote
+
+from checks.result.verdict import Check, DesignResult, PartResult, Status, deciding_of
+from checks.result.ways import way_text
+from checks.result.words import (
+    assumptions,
+    broken_gates,
+    check_titles,
+    clean,
+    clipped,
+    gate_sentence,
+    moment,
+    need_text,
+    number,
+    open_reason,
+    range_text,
+    safety_text,
+    value_and_bars,
+)
+
+_MOST_WARNINGS = 4
+_MOST_GATES = 3
+_MOST_WAYS = 3
+_LONGEST = 300  # letters of one sentence, so that no name floods the answer
+
+
+@dataclass(frozen=True)
+class Fact:
+    """A label and what there is to say, with the command that does it, if there is one.
+
+    grave  True if the result does not hold without it
+    """
+
+    label: str
+    text: str
+    command: str = ""
+    grave: bool = False
+
+    @property
+    def line(self) -> str:
+        """Text and command in one."""
+        return f"{self.text}: {self.command}" if self.command else self.text
+
+
+@dataclass(frozen=True)
+class PartRow:
+    """Parts of one outcome and their governing check, each cell as text.
+
+    check    of the first of the `count` parts
+    decides  True if one of their checks decides the verdict
+    """
+
+    parts: str
+    title: str
+    value: str
+    limit: str
+    safety: str
+    verdict: str
+    check: Check
+    count: int
+    decides: bool
+
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """The cells in the order of `HEADINGS`."""
+        return self.parts, self.title, self.value, self.limit, self.safety, self.verdict
+
+
+HEADINGS = ("part", "governing check", "value", "limit", "safety (needed)", "verdict")
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What the first lines and the first screen say.
+
+    name, file, status  of the design; overrides as `--set` took them
+    outcome    number of checks of each outcome, in words
+    check      that decides; None where nothing was checked. title: its kind
+    safety     its safety, in words; required: what it must show
+    within     the range of its safety by its error bars, in words; "" without bars
+    headline   what decides, where, when, why, what to do, what is not valid
+    rows       one for each part's governing check; others: the rest in one line
+    beside     mass, assumptions, what is not checked, warnings
+    """
+
+    name: str
+    file: str
+    status: Status
+    overrides: Sequence[str]
+    outcome: str
+    check: Check | None
+    title: str
+    safety: str
+    required: str
+    within: str
+    headline: Sequence[Fact]
+    rows: Sequence[PartRow]
+    others: str
+    beside: Sequence[Fact]
+
+
+def answer_of(result: DesignResult) -> Answer:
+    """Return the answer of a result."""
+    check = result.deciding if result.checks else None
+    titles = dict(zip(map(id, result.checks), check_titles(result.checks), strict=True))
+    rows = _rows(result)
+    return Answer(
+        name=_short(result.name),
+        file=clean(result.file),
+        status=result.status,
+        overrides=[_short(override) for override in result.overrides],
+        outcome=_outcome(result),
+        check=check,
+        title=_short(titles[id(check)]) if check else "",
+        safety=_safety(check) if check else "",
+        required=need_text(check.required) if check else "",
+        within=range_text(check) if check and check.value else "",
+        headline=list(_headline(result, titles)),
+        rows=rows,
+        others=_others(result, rows),
+        beside=list(_beside(result)),
+    )
+
+
+def _outcome(result: DesignResult) -> str:
+    """Number of checks of each outcome: "2 of 23 checks open, 21 pass"."""
+    count = len(result.checks)
+    if not count:
+        return "nothing was checked"
+    outcomes = [check.status for check in result.checks]
+    failed, open_ = outcomes.count(Status.FAIL), outcomes.count(Status.UNDECIDED)
+    passed = count - failed - open_
+    if passed == count:
+        return f"all {count} checks pass" if count > 1 else "the one check passes"
+    said = [f"{failed} fail{'s' if failed == 1 else ''}"] if failed else []
+    said += [f"{open_} open"] if open_ else []
+    said += [f"{passed} pass{'es' if passed == 1 else ''}"] if passed else []
+    return f"of {count} check{'s' if count > 1 else ''} {', '.join(said)}"
+
+
+def _headline(result: DesignResult, titles: dict[int, str]) -> Iterator[Fact]:
+    """What decides: where, when, why it is open, and what to do."""
+    if not result.checks:
+        yield Fact("why", "nothing was checked")
+        return
+    check = result.deciding
+    yield Fact("decided by", f"{_short(titles[id(check)])} of {_short(check.part)}")
+    yield Fact("where", clean(check.place) or "whole part")
+    if when := clean(moment(check)):
+        yield Fact("when", when)
+    if check.status is Status.UNDECIDED:
+        yield Fact("why open", open_reason(check))
+    if check.status is Status.FAIL:
+        yield Fact("why", "the limit is exceeded even at the lower end of the error bars")
+    yield _change(result)
+    broken = broken_gates(result)
+    for owner, gate in broken[:_MOST_GATES]:
+        label = "NOT VALID" if gate.binding else "not valid"
+        whose = "" if owner == "loads" else f"{_short(owner)}: "
+        said = f"{whose}{_short(gate_sentence(gate))}; {_short(gate.told)}"
+        yield Fact(label, said, grave=gate.binding)
+    if len(broken) > _MOST_GATES:
+        yield Fact("not valid", f"{len(broken) - _MOST_GATES} more validity checks do not hold")
+    for text, command in map(way_text, result.ways[:_MOST_WAYS]):
+        yield Fact("way out", _short(text), clean(command))
+
+
+def _change(result: DesignResult) -> Fact:
+    """What would make it pass, or save mass."""
+    sets = "".join(f" --set {quote(override)}" for override in result.overrides)
+    command = _short(f"ballesta improve {quote(clean(result.file))}{sets}")
+    if all(check.status is Status.PASS for check in result.checks):
+        return Fact("to save", "least mass by single changes", command)
+    check, said = result.deciding, "least single changes"
+    if check.upper * check.required > check.limit and isfinite(check.upper):
+        less = 100.0 * (1.0 - check.limit / (check.upper * check.required))
+        said = f"its value must be {number(less, 2)} % lower, error bars included; {said}"
+    return Fact("to pass", said, command)
+
+
+def _safety(check: Check) -> str:
+    return safety_text(check.safety, check.required)
+
+
+def _rows(result: DesignResult) -> list[PartRow]:
+    """One row for each part's governing check; parts that differ in their name alone share it."""
+    owners: list[tuple[str, list[Check]]] = [(p.name, list(p.checks)) for p in result.parts]
+    owners.append(("linkage", list(result.linkage)))
+    found = []
+    for name, checks in owners:
+        if checks:
+            check = deciding_of(checks)
+            title = check_titles(checks)[next(k for k, c in enumerate(checks) if c is check)]
+            found.append((name, check, _row(check, title)))
+    found.sort(key=lambda row: row[2])
+    merged = [list(group) for _, group in groupby(found, key=lambda row: row[2])]
+    order = {name: k for k, (name, _) in enumerate(owners)}
+    merged.sort(key=lambda group: min(order[name] for name, _, _ in group))
+    return [
+        PartRow(
+            ", ".join(_short(name) for name, _, _ in group),
+            *group[0][2],
+            check=group[0][1],
+            count=len(group),
+            decides=any(check is result.deciding for _, check, _ in group),
+        )
+        for group in merged
+    ]
+
+
+def _others(result: DesignResult, rows: Sequence[PartRow]) -> str:
+    """The checks that have no row, in one line; "" without any."""
+    rest = len(result.checks) - sum(row.count for row in rows)
+    if not rest:
+        return ""
+    open_ = sum(c.status is not Status.PASS for c in result.checks) - sum(
+        row.count for row in rows if row.check.status is not Status.PASS
+    )
+    if rest == 1:
+        return f"and 1 other check, it {'is open or fails' if open_ else 'passes'}"
+    return f"and {rest} other checks, {f'{open_} of them open or failed' if open_ else 'all pass'}"
+
+
+def _row(check: Check, title: str) -> tuple[str, str, str, str, str]:
+    value, numerical, model = value_and_bars(check)
+    bars = " ".join(bar for bar in (numerical, model) if bar != "±0")
+    status = "pass" if check.status is Status.PASS else str(check.status)
+    return (
+        _short(title),
+        " ".join(filter(None, (value, bars, clean(check.unit)))),
+        number(check.limit),
+        f"{_safety(check)} ({need_text(check.required)})",
+        status,
+    )
+
+
+def _beside(result: DesignResult) -> Iterator[Fact]:
+    """Mass, assumptions, subjects that no check covers, and warnings."""
+    if mass := _mass(result.parts):
+        yield Fact("mass", mass)
+    assumed, defaults = assumptions(result), len(result.defaults)
+    counts = [f"{len(assumed)} assumption{'' if len(assumed) == 1 else 's'}"] if assumed else []
+    counts += [f"{defaults} default value{'' if defaults == 1 else 's'}"] if defaults else []
+    if counts:
+        own = [part for part in result.parts if result.checks and part.name == result.deciding.part]
+        first = [
+            f"of {_short(part.name)}: {_first(part.assumed[0])}" for part in own if part.assumed
+        ]
+        yield Fact("assumed", "; ".join([" and ".join(counts), *first]))
+    if result.not_checked:
+        subjects = ", ".join(dict.fromkeys(_first(s).partition(",")[0] for s in result.not_checked))
+        yield Fact("not checked", f"{subjects} and what belongs to them")
+    for warning in result.warnings[:_MOST_WARNINGS]:
+        yield Fact("warning", _short(clean(warning).partition(". ")[0]))
+    if len(result.warnings) > _MOST_WARNINGS:
+        yield Fact("warning", f"and {len(result.warnings) - _MOST_WARNINGS} more")
+
+
+def _mass(parts: Sequence[PartResult]) -> str:
+    key = "mass [kg]"
+    masses = [(part.name, float(part.facts[key])) for part in parts if key in part.facts]
+    if not masses:
+        return ""
+    one_by_one = ", ".join(f"{_short(name)} {number(mass)}" for name, mass in masses[:6])
+    more = f" and {len(masses) - 6} more" if len(masses) > 6 else ""
+    total = number(sum(mass for _, mass in masses))
+    return f"{total} kg ({one_by_one}{more})" if len(masses) > 1 else f"{total} kg"
+
+
+def _first(text: str) -> str:
+    """A text up to its first semicolon."""
+    return _short(clean(text).partition(";")[0])
+
+
+def _short(text: object) -> str:
+    return clipped(text, _LONGEST)
