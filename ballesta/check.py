@@ -5,6 +5,7 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from datetime import date
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from time import perf_counter
@@ -212,6 +213,7 @@ def check_design(
         timings=timings,
         linkage=linkage,
         assumed_by_design=_assumed_by_design(design),
+        date=date.today().isoformat(),
     )
     start = perf_counter()
     before = sum(models.seconds.values())

@@ -25,7 +25,7 @@ from fem.threads import ONE_THREAD
 ROOT = Path(__file__).parents[1]
 RUNGS = ("formula", "beam", "auto")
 ALL_RUNGS = (*RUNGS, "solid")
-CHANGING = frozenset({"timings", "seconds", "versions", "report", "command"})
+CHANGING = frozenset({"date", "timings", "seconds", "versions", "report", "command"})
 MOST_TOLD = 20
 # The child's code: a process of its own for each result, so that none depends on those before it.
 _CHECK = """

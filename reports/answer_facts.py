@@ -13,11 +13,9 @@ from checks.result.verdict import Check, DesignResult, PartResult, Status, decid
 from checks.result.ways import way_text
 from checks.result.words import (
     assumptions,
-    broken_gates,
     check_titles,
     clean,
     clipped,
-    gate_sentence,
     moment,
     need_text,
     number,
@@ -26,10 +24,12 @@ from checks.result.words import (
     safety_text,
     value_and_bars,
 )
+from reports.loads_words import broken_of
 
 _MOST_WARNINGS = 4
 _MOST_GATES = 3
 _MOST_WAYS = 3
+_LONGEST_MEANING = 160  # letters of what a validity check measures, told beside its number
 _LONGEST = 300  # letters of one sentence, so that no name floods the answer
 
 
@@ -139,12 +139,14 @@ def _outcome(result: DesignResult) -> str:
     outcomes = [check.status for check in result.checks]
     failed, open_ = outcomes.count(Status.FAIL), outcomes.count(Status.UNDECIDED)
     passed = count - failed - open_
+    doubted = any(gate.binding and not gate.holds for gate in result.gates)
+    proven = "; no pass is proven" if doubted and passed else ""
     if passed == count:
-        return f"all {count} checks pass" if count > 1 else "the one check passes"
+        return f"all {count} checks pass{proven}" if count > 1 else f"the one check passes{proven}"
     said = [f"{failed} fail{'s' if failed == 1 else ''}"] if failed else []
     said += [f"{open_} open"] if open_ else []
     said += [f"{passed} pass{'es' if passed == 1 else ''}"] if passed else []
-    return f"of {count} check{'s' if count > 1 else ''} {', '.join(said)}"
+    return f"of {count} check{'s' if count > 1 else ''} {', '.join(said)}{proven}"
 
 
 def _headline(result: DesignResult, titles: dict[int, str]) -> Iterator[Fact]:
@@ -162,15 +164,20 @@ def _headline(result: DesignResult, titles: dict[int, str]) -> Iterator[Fact]:
     if check.status is Status.FAIL:
         yield Fact("why", "the limit is exceeded even at the lower end of the error bars")
     yield _change(result)
-    broken = broken_gates(result)
-    for owner, gate in broken[:_MOST_GATES]:
-        label = "NOT VALID" if gate.binding else "not valid"
-        whose = "" if owner == "loads" else f"{_short(owner)}: "
-        said = f"{whose}{_short(gate_sentence(gate))}; {_short(gate.told)}"
-        yield Fact(label, said, grave=gate.binding)
+    broken = broken_of(result)
+    for gates in broken[:_MOST_GATES]:
+        label = "NOT VALID" if gates.binding else "not valid"
+        told = gates.told if len(gates.told) <= _LONGEST_MEANING else gates.cure
+        yield Fact(
+            label, _short("; ".join(filter(None, (gates.sentence, told)))), "", gates.binding
+        )
     if len(broken) > _MOST_GATES:
-        yield Fact("not valid", f"{len(broken) - _MOST_GATES} more validity checks do not hold")
-    for text, command in map(way_text, result.ways[:_MOST_WAYS]):
+        yield Fact("not valid", f"{len(broken) - _MOST_GATES} more kinds of validity checks")
+    if result.all_gates and not broken:
+        yield Fact("validity", f"all {len(result.all_gates)} validity checks hold")
+    known = check.status is Status.UNDECIDED and open_reason(check)  # it stands above
+    ways = [way for way in result.ways if way.command or not known or known not in way.text]
+    for text, command in map(way_text, ways[:_MOST_WAYS]):
         yield Fact("way out", _short(text), clean(command))
 
 

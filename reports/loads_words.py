@@ -1,10 +1,10 @@
 """Drives, contacts and gates of the loads in sentences, for the terminal and the page alike."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 
-from checks.result.verdict import Gate
+from checks.result.verdict import DesignResult, Gate, PartResult
 from checks.result.words import brief, gate_sentence, number, place_text, quantity_unit
 from reports.loads_figures import ContactSpan, ContactSummary, Direction, DriveSummary
 from reports.loads_summary import LoadsResult, ShownCycle
@@ -190,3 +190,16 @@ def broken_by_kind(gates: Sequence[Gate]) -> list[BrokenGates]:
         meaning = gate.meaning if alike else f"The worst, {worst}: {gate.meaning}"
         result.append(BrokenGates(binding, f"{kind}: {each}{limit}", meaning, gate.cure))
     return result
+
+
+def broken_of(result: DesignResult) -> list[BrokenGates]:
+    """Gates that do not hold, those that the verdict depends on first, each kind once."""
+    owned = [*result.gates, *(_named(gate, part) for part in result.parts for gate in part.gates)]
+    return sorted(broken_by_kind(owned), key=lambda gates: not gates.binding)
+
+
+def _named(gate: Gate, part: PartResult) -> Gate:
+    """A gate of a part with the part in its name."""
+    if gate.name.startswith(f"{part.name}: "):
+        return gate
+    return replace(gate, name=f"{part.name}: {gate.name}")

@@ -1,6 +1,6 @@
 """The report: one HTML page that stands alone, with a script of its own, nothing from outside."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -8,30 +8,31 @@ from typing import Any
 from markupsafe import Markup
 
 from checks.result.verdict import DesignResult
-from checks.result.words import verdict_sentence
+from reports.answer_facts import answer_of
 from reports.charts import design_charts
 from reports.files import replacing
-from reports.gauge import limit_share
+from reports.loads_words import broken_of
 from reports.page_inputs import sorted_assumptions, sorted_inputs
 from reports.page_parts import (
-    broken_of,
+    Row,
+    by_label,
     check_rows,
-    counts,
     cycle_views,
     part_views,
     tiles,
     worst_first,
 )
 from reports.page_words import (
+    capitalise,
     has_place,
     mirrored,
     page_bars,
-    page_headline,
     reach_words,
     rungs_beside,
     swings,
 )
 from reports.pictures import Pictures
+from reports.safety_scale import safety_scale
 from reports.svg import colour_variables
 from reports.templating import environment
 
@@ -40,11 +41,14 @@ _WORDS = {
     "reach": reach_words,
     "mirrored": mirrored,
     "rungs_beside": rungs_beside,
+    "capitalise": capitalise,
 }
 
 _INCLUDED = (
     "tables",
     "charts",
+    "answer_below",
+    "answer_card",
     "checks",
     "derivation",
     "ladder_tables",
@@ -78,25 +82,19 @@ def report_html(
     from reports.page_script import script_hash, script_text
 
     rows = check_rows(result)
-    live = live_section(result, mechanism=mechanism_panel(result))
-    template = _template()
+    card, below = _answer(result, rows)
+    live = live_section(result, mechanism=mechanism_panel(result), answer=card, below=below)
+    template = _template("report")
     charts = design_charts(result)
     if callable(pictures):
         pictures = pictures()
     pictures = pictures or Pictures(reason="no pictures were asked for")
     parts = part_views(result, rows, pictures, charts)
     linkage = worst_first([row for row in rows if any(row.check is c for c in result.linkage)])
-    said, doubts = page_headline(result)
     text: str = template.render(
         result=result,
         status=str(result.status),
-        headline=said,
-        doubts=doubts,
-        sentence=verdict_sentence(result),
-        deciding=next((row for row in rows if row.decides), None),
         rows=worst_first(rows),
-        counts=counts(result.checks),
-        tiles=tiles(parts, linkage),
         broken=broken_of(result),
         assumed=sorted_assumptions(result),
         inputs=sorted_inputs(result),
@@ -105,7 +103,6 @@ def report_html(
         cycles=cycle_views(result, charts),
         live=live,
         pictures_reason=pictures.reason,
-        limit_share=limit_share(),
         script=Markup(script_text()),
         script_hash=Markup(script_hash()),
         light=Markup(colour_variables(dark=False)),
@@ -114,8 +111,32 @@ def report_html(
     return text
 
 
+def _answer(result: DesignResult, rows: Sequence[Row]) -> tuple[Markup, Markup]:
+    """The answer beside the picture, and what stands under it."""
+    answer = answer_of(result)
+    deciding = next((row for row in rows if row.decides), None)
+    scale = safety_scale(answer.check) if answer.check else None
+    card = _template("answer_card").render(
+        answer=answer,
+        scale=scale,
+        shown=deciding.shown if deciding and deciding.place else "",
+        why=f"why-{deciding.number}" if deciding and deciding.check.derivation else "",
+    )
+    below = _template("answer_below").render(
+        answer=answer,
+        tiles=tiles(answer, result, rows),
+        beside=by_label(answer.beside, len(result.warnings)),
+    )
+    return Markup(card), Markup(below)
+
+
 @cache
-def _template() -> Any:
+def _template(name: str) -> Any:
+    return _environment().get_template(f"{name}.html.j2")
+
+
+@cache
+def _environment() -> Any:
     from reports.derivation_view import FILTERS
 
     found = environment()
@@ -123,4 +144,4 @@ def _template() -> Any:
     found.tests |= {"with_place": has_place, "swinging": swings}
     for name in _INCLUDED:  # else they are compiled when the pictures have been waited for
         found.get_template(f"{name}.html.j2")
-    return found.get_template("report.html.j2")
+    return found

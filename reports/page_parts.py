@@ -1,9 +1,9 @@
 """Data of the report's templates: checks as rows, parts, cycles, what to know first."""
 
+import json
 from base64 import b64encode
-from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import isfinite
 
 from markupsafe import Markup
@@ -11,21 +11,21 @@ from markupsafe import Markup
 from checks.result.verdict import (
     Check,
     DesignResult,
-    Gate,
     HandCheck,
     PartResult,
     Status,
     deciding_of,
 )
 from checks.result.words import brief, check_titles, number
+from reports.answer_facts import Answer, Fact, PartRow
 from reports.charts import Charts, DesignCharts
 from reports.gauge import gauge
-from reports.loads_words import BrokenGates, broken_by_kind
 from reports.page_words import doubt_of
 from reports.pictures import PLAIN, Pictures
-from reports.places import Place, place_of
+from reports.places import Place, place_of, shown_of
 
 ORDER = (Status.FAIL, Status.UNDECIDED, Status.PASS)  # worst first
+_TOLD = 2  # warnings on the first screen
 _OPEN_CYCLES = 3  # so many stand open at first; of more only the one that decides
 
 # What a picture shows: before and after the part's name for who cannot see it, and below it.
@@ -53,6 +53,7 @@ class Row:
     decides  True if it decides the verdict; leads: True if it is the worst of its part
     gauge    its utilisation as a picture
     place    (cycle, position, part) by their numbers, to be shown in the live view; None if unknown
+    shown    JSON of what the live view shows of it (reports/places.py)
     doubt    what a pass rests on that does not hold, in a few words
     part     whose check it is; None for the linkage
     """
@@ -64,6 +65,7 @@ class Row:
     leads: bool
     gauge: Markup
     place: Place | None
+    shown: str
     doubt: str = ""
     part: PartResult | None = None
 
@@ -123,6 +125,7 @@ def check_rows(result: DesignResult) -> list[Row]:
             leads=any(check is lead for lead in leading),
             gauge=gauge(check),
             place=place_of(check, result),
+            shown=json.dumps(shown_of(check, result)),
             doubt=doubt_of(check, result),
             part=next((part for part in result.parts if part.name == check.part), None),
         )
@@ -203,29 +206,28 @@ def cycle_views(result: DesignResult, charts: DesignCharts) -> list[CycleView]:
     ]
 
 
-def tiles(parts: Sequence[PartView], linkage: Sequence[Row]) -> list[tuple[str, str, Row]]:
-    """Worst check of each part and of the linkage, worst first: (id of its section, name, row)."""
-    found = [(f"part-{n}", view.part.name, view.rows[0]) for n, view in enumerate(parts, 1)
-             if view.rows]  # fmt: skip
-    found += [("linkage", "linkage", row) for row in linkage[:1]]
-    order = {id(row): k for k, row in enumerate(worst_first([row for _, _, row in found]))}
-    return sorted(found, key=lambda tile: order[id(tile[2])])
+def tiles(
+    answer: Answer, result: DesignResult, rows: Sequence[Row]
+) -> list[tuple[PartRow, str, Markup, str]]:
+    """Governing check of each part and of the linkage: (its row, doubt, gauge, id of its section).
+
+    Those nearest to their limit come first.
+    """
+    sections = {part.name: f"part-{n}" for n, part in enumerate(result.parts, 1)}
+    own = {id(row.check): row for row in rows}
+    found = [(row, own[id(row.check)]) for row in answer.rows]
+    order = {id(row): k for k, row in enumerate(worst_first([row for _, row in found]))}
+    return [
+        (part, row.doubt, row.gauge, sections.get(row.check.part, "linkage"))
+        for part, row in sorted(found, key=lambda pair: order[id(pair[1])])
+    ]
 
 
-def counts(checks: Sequence[Check]) -> list[tuple[Status, int]]:
-    """Number of checks of each status, worst first, without the statuses that none has."""
-    found = Counter(check.status for check in checks)
-    return [(status, found[status]) for status in ORDER if found[status]]
-
-
-def broken_of(result: DesignResult) -> list[BrokenGates]:
-    """Gates that do not hold, those that the verdict depends on first, each kind once."""
-    owned = [*result.gates, *(_named(gate, part) for part in result.parts for gate in part.gates)]
-    return sorted(broken_by_kind(owned), key=lambda gates: not gates.binding)
-
-
-def _named(gate: Gate, part: PartResult) -> Gate:
-    """A gate of a part with the part in its name."""
-    if gate.name.startswith(f"{part.name}: "):
-        return gate
-    return replace(gate, name=f"{part.name}: {gate.name}")
+def by_label(facts: Sequence[Fact], warnings: int) -> list[tuple[str, list[str]]]:
+    """Texts of facts under their labels, each once; of so many warnings two."""
+    found: dict[str, list[str]] = {}
+    for fact in facts:
+        found.setdefault(fact.label, []).append(fact.line)
+    for texts in found.values():
+        texts[_TOLD:] = [f"and {warnings - _TOLD} more"] if len(texts) > _TOLD else []
+    return list(found.items())

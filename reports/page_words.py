@@ -8,9 +8,6 @@ from math import isfinite
 from checks.result.verdict import Check, DesignResult, Gate, PartResult, Status
 from checks.result.words import (
     bar_words,
-    brief,
-    check_titles,
-    headline,
     number,
     utilisation_text,
     value_and_bars,
@@ -19,7 +16,6 @@ from checks.result.words import (
 LOADS_IN_DOUBT = "loads not valid"
 PART_IN_DOUBT = "a gate of the part is broken"
 NO_BAR = "no error bar stated"
-_NAMED = 3  # failing checks in the headline
 _NOISE = 1e-3  # of the value: a bar that reaches less far is not written
 _PLACE = re.compile(r"\(-?[\d.]+, -?[\d.]+, (-?[\d.]+)\)")
 
@@ -97,56 +93,9 @@ def _binding(gates: Sequence[Gate]) -> list[Gate]:
     return [gate for gate in gates if gate.binding and not gate.holds]
 
 
-def page_headline(result: DesignResult) -> tuple[str, str]:
-    """The headline, and what it leaves out: what fails, or may; passes in doubt."""
-    over, more = _over(result), []
-    failing = _failing(result)
-    if len(failing) > 1:  # of one alone the card tells everything
-        more.append(f"Failing: {', '.join(failing)}.")
-    elif over is not None and not failing:
-        check, title = over
-        share = 100.0 * (check.utilisation - 1.0)
-        by = f"{share:{'.0f' if share >= 10 else '.2g'}} %" if share >= 0.1 else "up to 0.1 %"
-        named = f"{brief(check.part, 40)} {brief(title, 40)}"
-        more.append(
-            f"The best estimate of {named} is {by} over what is allowed; within its error bars it "
-            "may hold."
-        )
-    broken = _binding(result.gates)
-    if broken and any(check.status is Status.PASS for check in result.checks):
-        more.append(f"A pass below is not proven: the loads are not valid ({_kinds(broken)}).")
-    return headline(result, doubted=over is not None), " ".join(more)
-
-
-def _failing(result: DesignResult) -> list[str]:
-    """The checks that fail, the worst first, with their utilisation; three and how many more."""
-    titled = zip(result.checks, check_titles(result.checks), strict=True)
-    failed = [(check, title) for check, title in titled if check.status is Status.FAIL]
-    failed.sort(key=lambda pair: -pair[0].utilisation)
-    told = [
-        f"{brief(check.part, 40)} {brief(title, 40)} at {utilisation_text(check.utilisation)}"
-        for check, title in failed[:_NAMED]
-    ]
-    left = len(failed) - len(told)
-    return [*told, f"{left} more"] if left else told
-
-
-def _over(result: DesignResult) -> tuple[Check, str] | None:
-    """The undecided check whose estimate is furthest over what is allowed, with its title."""
-    titled = zip(result.checks, check_titles(result.checks), strict=True)
-    open_ = [
-        (check, title)
-        for check, title in titled
-        if check.status is Status.UNDECIDED and check.utilisation > 1.0
-    ]
-    return max(open_, key=lambda pair: pair[0].utilisation, default=None)
-
-
-def _kinds(gates: Sequence[Gate]) -> str:
-    """Quantities that the gates measure, each kind once, without the cycle."""
-    kinds = dict.fromkeys(gate.name.partition(": ")[2] or gate.name for gate in gates)
-    shown = [brief(kind, 50) for kind in list(kinds)[:3]]
-    return ", ".join([*shown, *(["more"] if len(kinds) > len(shown) else [])])
+def capitalise(text: str) -> str:
+    """A text with a capital at its beginning."""
+    return text[:1].upper() + text[1:]
 
 
 def mirrored(check: Check, part: PartResult | None) -> str:

@@ -389,6 +389,7 @@ class DesignResult:
     motion    cycle -> how the parts move in it; none of a run that was measured
     assumed_by_design  keys of `assumed` that the design itself marks; the others are the tool's
     ways     out of what is open, the cheapest first (checks/result/ways.py)
+    date     of the check, as 2026-11-23; "" if not known
     """
 
     name: str
@@ -411,6 +412,7 @@ class DesignResult:
     motion: "Mapping[str, Motion]" = field(default_factory=dict)
     assumed_by_design: Sequence[str] = ()
     ways: Sequence[Way] = ()
+    date: str = ""
 
     @property
     def checks(self) -> list[Check]:
@@ -444,6 +446,7 @@ class DesignResult:
             "name": self.name,
             "file": self.file,
             "sha256": self.sha256,
+            "date": self.date,
             "overrides": list(self.overrides),
             "status": str(self.status),
             "exit_code": self.exit_code,

@@ -280,39 +280,6 @@ def _wider(check: Check) -> str:
     return ""
 
 
-def headline(result: DesignResult, *, doubted: bool = False) -> str:
-    """Verdict in one sentence: number of checks of each status.
-
-    doubted  True if the best estimate of an undecided check is over what is allowed
-    """
-    count = len(result.checks)
-    if not count:
-        return "Nothing was checked."
-    outcomes = [check.status for check in result.checks]
-    failed, open_ = outcomes.count(Status.FAIL), outcomes.count(Status.UNDECIDED)
-    gates = sum(1 for _, gate in broken_gates(result) if gate.binding)
-    doubt = f"{gates} validity gate{'s are' if gates > 1 else ' is'} broken"
-    if failed:
-        also = f"; {open_} more {_are(open_)} undecided" if open_ else ""
-        one, whose = ("s", "end of its") if failed == 1 else ("", "ends of their")
-        said = f"{failed} of {count} checks fail{one}, even at the lower {whose} error bars{also}"
-    elif open_:
-        said = (
-            f"No check fails{' for certain' if doubted else ''}, but {open_} of {count} "
-            f"{_are(open_)} undecided: the limit lies within the error bars"
-        )
-    elif gates:
-        return f"Every check passes, but {doubt}: the numbers may not be trusted in that respect."
-    else:
-        checks = f"All {count} checks pass" if count > 1 else "The one check passes"
-        return f"{checks}, error bars included."
-    return f"{said}. Also, {doubt}." if gates else f"{said}."
-
-
-def _are(count: int) -> str:
-    return "is" if count == 1 else "are"
-
-
 def verdict_sentence(result: DesignResult) -> str:
     """Verdict, what decides it, and why."""
     status = str(result.status).upper()

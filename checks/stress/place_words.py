@@ -8,6 +8,7 @@ import numpy as np
 from geometry.mesh import FloatArray, Interface
 
 _AT_END = 0.02  # of a surface's depth: how near its end counts as its edge
+_NEAR = 0.005  # of the way between two interfaces: a place as near as that is at one
 _ALONG = 30.0  # deg from a line, within which a side of a bore faces along it
 _OUTER_EDGE = " edge"  # ends the name of a lug's outer edge by the rung `formula`
 _ON_THE_PIN = " on the pin"  # ends the name of a seat by the rung `formula`
@@ -85,7 +86,7 @@ def _between(at: FloatArray, others: list[Interface]) -> list[str]:
     line = second.centre - first.centre
     length = float(line @ line)
     share = float((at - first.centre) @ line) / length if length else -1.0
-    if not 0.0 <= share <= 1.0:
+    if not _NEAR <= share <= 1.0 - _NEAR:
         return []
     return [f"{100 * share:.0f} % of the way from {first.name} to {second.name}"]
 

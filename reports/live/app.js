@@ -48,17 +48,17 @@ const liveView = (root) => {
   const { parts: heads } = jsonOf("live-header"), section = jsonOf("live-section");
   const motionText = document.getElementById("live-motion")?.textContent;
   const bodies = new Map(); // index of a part -> promise of its body
-  let frame = 0, motion = null, opened = Promise.resolve();
+  let frame = 0, motion = null, opened = Promise.resolve(), pickTab = () => {};
   const view = {
     root, find, section, canvas: find("canvas"), camera: new Camera(), scene: null,
     tables: Object.fromEntries(
       Object.entries(section.maps).map(([name, text]) => [name, bytesOf(text)])),
-    shown: { // what the reader chose
-      tab: section.first, field: "mises", map: "viridis", bands: false, own: false,
+    shown: { // what the reader chose; map "": the field's own
+      tab: section.first, field: section.shown?.field ?? "mises", map: "", bands: false, own: false,
       deformed: false, forces: true, factor: 0,
     },
     drawn: [], field: null, range: null, worst: null, held: null, pointer: null, empty: "",
-    marker: null, probe: null, unmoved: "", // why there is no motion though the page has one
+    marker: null, probe: null, told: "", unmoved: "", // why there is no motion though the page has one
     isReady: () => page.dataset.live === "ready",
     isLinkage: () => view.shown.tab === LINKAGE,
     cycle: () => positions.current?.cycle ?? 0,
@@ -128,7 +128,7 @@ const liveView = (root) => {
   const open = (tab) => (opened = openTab(tab));
   const openTab = async (tab) => {
     const first = page.dataset.live === undefined;
-    Object.assign(view, { held: null, pointer: null, drawn: [], empty: "Reading…" });
+    Object.assign(view, { held: null, pointer: null, drawn: [], empty: "Reading…", told: "" });
     view.shown.tab = tab;
     positions.setPart(tab === LINKAGE ? null : section.full_names[tab]);
     track.ask();
@@ -148,8 +148,43 @@ const liveView = (root) => {
     if (first) page.dataset.live = "ready"; // only now the canvas has a size
     chooseField();
     update();
+    if (first && tab === section.shown?.part) point(section.shown);
     picture.frame(view.isLinkage() ? VIEWS.front : "first");
     picture.paint();
+  };
+
+  // Tell of a check, and hold its place where that is not the peak of what is shown.
+  const point = ({ at, told }) => {
+    view.told = told;
+    const [body] = view.drawn;
+    if (at && body && !view.isLinkage()) {
+      const places = body.part.positions, size = Math.hypot(
+        ...[0, 1, 2].map((k) => body.bounds[1][k] - body.bounds[0][k]));
+      const far = (node) => Math.hypot(...at.map((v, k) => v - places[3 * node + k]));
+      let near = 0;
+      for (let node = 1; node < body.part.n; node++) if (far(node) < far(near)) near = node;
+      const peak = Math.abs(body.found?.peak ?? NaN);
+      if (Math.abs(body.nodal[near]) > 0.998 * peak) body.found.node = near; // one of two equal ones
+      else if (!(far(body.found?.node ?? near) < 0.01 * size)) view.hold(body, near);
+    }
+    view.readings.tell();
+  };
+  // Show what a check means: its part, position, field and place.
+  const show = async (wanted) => {
+    const { part, position, field } = wanted;
+    view.shown.field = field;
+    if (position) positions.setPosition(...position);
+    if (part !== view.shown.tab) {
+      pickTab(part);
+      await open(part);
+    } else {
+      view.hold(null);
+      chooseField();
+      update();
+    }
+    if (view.shown.tab !== part) return; // the reader went on
+    point(wanted);
+    picture.frame(view.isLinkage() ? VIEWS.front : "first");
   };
 
   // The field that was asked for where the parts have it, else the first that they have.
@@ -178,7 +213,7 @@ const liveView = (root) => {
         view.worst = body;
     }
     view.range = rangeOf(view, view.unit());
-    showMap(find("map"), mapOf(view), SIGNED.includes(view.field));
+    showMap(find("map"), mapOf(view), view.field, hasLimit(view));
     view.readings.tell();
     view.ask();
   };
@@ -209,14 +244,17 @@ const liveView = (root) => {
 
   const choose = (name) => (value) => {
     view.shown[name] = value;
-    if (name === "field") chooseField();
+    if (name === "field") {
+      view.told = "";
+      chooseField();
+    }
     if (name === "factor") find("factor").value = String(value);
     update();
   };
   const on = {
     ...Object.fromEntries(["field", "bands", "own", "deformed", "forces", "factor"]
       .map((name) => [name, choose(name)])),
-    map: (value) => choose("map")(value === "signed" ? "viridis" : value),
+    map: (value) => choose("map")(["signed", "use"].includes(value) ? "" : value),
     orbit: (dx, dy) => picture.moved((camera) => camera.orbit(dx, dy)),
     pan: (dx, dy) => picture.moved((camera) => camera.pan(dx, dy)),
     zoom: (factor, x, y) => picture.moved((camera) => camera.zoom(factor, x, y)),
@@ -283,7 +321,8 @@ const liveView = (root) => {
     }
     try {
       view.scene = new Scene(find("scene"), graphics);
-      bindTabs(root.querySelector("[role=tablist]"), open)(view.shown.tab);
+      pickTab = bindTabs(root.querySelector("[role=tablist]"), open);
+      pickTab(view.shown.tab);
       await open(view.shown.tab);
     } catch (error) {
       page.dataset.live = "failed";
@@ -298,14 +337,16 @@ const liveView = (root) => {
     chooseField();
     update();
   };
-  return { view, picture, start, opened: () => opened };
+  const shows = (wanted) => (opened = show(wanted));
+  return { view, picture, start, shows, opened: () => opened };
 };
 
 {
   const root = document.getElementById("live");
   if (root) {
-    const { view, picture, start, opened } = liveView(root);
-    globalThis.ballesta.live = { // for tests and benches
+    const { view, picture, start, shows, opened } = liveView(root);
+    globalThis.ballesta.live = { // for the page's links, tests and benches
+      show: (wanted) => (view.isReady() ? shows(wanted) : undefined),
       get tab() { return view.shown.tab; },
       get field() { return view.field; },
       get peak() {

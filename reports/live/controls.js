@@ -51,11 +51,14 @@ const bindTools = (find, on) => {
   find("factor-auto").addEventListener("click", () => on.factor(0));
 };
 
-// Show the map in use; that of fields with two signs and those of the others are never both open.
-const showMap = (select, used, signed) => {
-  for (const option of select.options) {
-    const other = signed
-      ? ["viridis", "cividis"].includes(option.value) : option.value === "signed";
+// Show the map in use; those of fields with two signs, of utilisations and of the others are open
+// for these alone.
+const showMap = (select, used, field, utilised) => {
+  const signed = SIGNED.includes(field);
+  for (const { value } of select.options) {
+    const other = value === "signed" ? !signed : value === "use" ? !utilised
+      : signed && value !== "turbo";
+    const option = select.querySelector(`option[value=${value}]`);
     option.hidden = option.disabled = other;
   }
   select.value = used;

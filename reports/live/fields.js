@@ -2,13 +2,15 @@
 //
 // A field over the cycle ("mises", "principal", "displacement") is a sum of the part's fields times
 // weights (viewer.js says which); one over the duty ("utilisation", "amplitude", "mean") stands in
-// the page as it is. Positions are those of the whole cycle and may lie between two.
+// the page as it is. "static" is "mises" over what the static check allows. Positions are those of the whole cycle and may lie between two.
 
 const {
   FIELDS, isConstant, hasField, whyNot, fieldValues,
   displacementAt, stressAt, misesOf, principalsOf,
 } = (() => {
-  const FIELDS = ["mises", "principal", "utilisation", "amplitude", "mean", "displacement"];
+  const FIELDS = [
+    "mises", "principal", "utilisation", "static", "amplitude", "mean", "displacement",
+  ];
   const OVER_DUTY = new Set(["utilisation", "amplitude", "mean"]);
   const ALIKE = 1 - 1e-6; // of sizes that differ by round-off the one in tension is told
   const THIRD_TURN = (2 * Math.PI) / 3;
@@ -19,7 +21,8 @@ const {
 
   function hasField(part, field) {
     if (isConstant(field)) return field in part.over;
-    return groupOf(part, field) !== undefined;
+    return groupOf(part, field) !== undefined &&
+      (field !== "static" || part.head.limits?.allowed > 0);
   }
 
   // Why a part has not a field, in words; "" if it has.
@@ -42,7 +45,7 @@ const {
     } else {
       sums = superposed(part, groupOf(part, field), cycle, index);
       if (sums === null) return emptied(out);
-      MEASURES[field](sums, out);
+      MEASURES[field](sums, out, part.head.limits);
     }
     const { from, to } = part.head.scale[field];
     return { ...extremes(out), from, to };
@@ -106,6 +109,10 @@ const {
         const shear = xy[i] * xy[i] + yz[i] * yz[i] + zx[i] * zx[i];
         out[i] = Math.sqrt((a * a + b * b + c * c) / 2 + 3 * shear);
       }
+    },
+    static(sums, out, { allowed }) { // the von Mises stress over what the static check allows
+      MEASURES.mises(sums, out);
+      for (let i = 0; i < out.length; i += 1) out[i] /= allowed;
     },
     // The principal stress of the largest size, with its sign.
     principal([xx, yy, zz, xy, yz, zx], out) {

@@ -54,7 +54,7 @@ def live_payload(result: DesignResult, budget: Budget = BUDGET) -> LivePayload:
         head = dict(part.live.head)
         block = f"live-part-{number}"
         head["limits"] = {**_limits(part), **head["limits"]}
-        parts.append({"name": part.name, "block": block, **head})
+        parts.append({"name": part.name, "block": block, **_with_static(head)})
         blocks.append((block, part.live.text))
     return LivePayload({"format": FORMAT, "parts": parts}, blocks)
 
@@ -137,6 +137,21 @@ def _bare(part: PartResult, encoded: Sequence[EncodedPart], budget: Budget) -> L
     )
     surface = part.live if isinstance(part.live, LiveFields) else part.surface
     return grey(np.asarray(surface.nodes), np.asarray(surface.triangles), why)
+
+
+def _with_static(head: dict[str, Any]) -> dict[str, Any]:
+    """The head with the field "static": the von Mises stress over what the static check allows."""
+    allowed, mises = head["limits"]["allowed"], head["scale"].get("mises")
+    if not allowed or mises is None:
+        return head
+    scale = {"from": mises["from"] / allowed, "to": mises["to"] / allowed, "unit": ""}
+    accuracy = head["accuracy"]
+    off = [error and error / allowed for error in accuracy["mises"]]
+    return {
+        **head,
+        "scale": {**head["scale"], "static": scale},
+        "accuracy": {**accuracy, "static": off},
+    }
 
 
 def _limits(part: PartResult) -> dict[str, float | None]:

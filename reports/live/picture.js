@@ -4,9 +4,34 @@
 const SIGNED = ["principal", "mean"]; // fields whose zero stands in the middle of the colours
 const BANDS = 10;
 
-// The colour map in use: a field of two signs has its own, unless turbo is chosen.
-const mapOf = ({ field, shown }) =>
-  (SIGNED.includes(field) && shown.map !== "turbo" ? "signed" : shown.map);
+// The colour map in use: a field of two signs has its own unless turbo is chosen, a utilisation
+// with a limit its own until another is chosen.
+const mapOf = (view) => {
+  const { field, shown } = view;
+  if (SIGNED.includes(field)) return shown.map === "turbo" ? "turbo" : "signed";
+  return shown.map || (hasLimit(view) ? "use" : "viridis");
+};
+// Whether 1 is the limit of the field that is shown: a finite life is counted otherwise.
+const hasLimit = ({ field, drawn }) => field === "static" || (field === "utilisation" &&
+  drawn.every(({ part }) => !hasField(part, field) || part.head.limits.fatigue));
+
+// Light grey where little is used, blue towards 1, and one hard change there, to red. The picture
+// rounds a share of the range to one of 256 colours: `to` is such that the change is at 1.
+const useTable = (most) => {
+  const LOW = [[236, 238, 241], [176, 205, 226], [84, 150, 196], [23, 78, 128]];
+  const HIGH = [[222, 45, 38], [110, 0, 18]];
+  let last = 200; // colour of the largest utilisation that is allowed
+  while (last > 8 && 255 / (last + 0.5) < most) last -= 1;
+  const table = new Uint8Array(768);
+  for (let k = 0; k < 256; k++) {
+    const stops = k <= last ? LOW : HIGH;
+    const share = k <= last ? k / last : (k - last - 1) / (254 - last || 1);
+    const at = share * (stops.length - 1), low = Math.min(Math.floor(at), stops.length - 2);
+    for (let c = 0; c < 3; c++)
+      table[3 * k + c] = Math.round(stops[low][c] + (at - low) * (stops[low + 1][c] - stops[low][c]));
+  }
+  return { table, to: 255 / (last + 0.5) };
+};
 
 // Which values the colours stand for: {from, to, table, bands, title}, or null without a field.
 const rangeOf = ({ drawn, field, shown, section, tables }, unit) => {
@@ -21,9 +46,11 @@ const rangeOf = ({ drawn, field, shown, section, tables }, unit) => {
     from = -to;
   } else from = Math.min(0, from);
   if (!(to > from)) to = from + 1;
-  const name = mapOf({ field, shown });
+  const name = mapOf({ drawn, field, shown });
   const title = `${section.titles[field]}${unit ? ` [${unit}]` : ""}`;
-  return { from, to, table: tables[name], bands: shown.bands ? BANDS : 0, title };
+  const bands = shown.bands && name !== "use" ? BANDS : 0; // no band goes across the limit
+  if (name === "use") return { from: 0, ...useTable(to), bands, title };
+  return { from, to, table: tables[name], bands, title };
 };
 
 const pictureOf = (view) => {
@@ -41,7 +68,7 @@ const pictureOf = (view) => {
   };
 
   // Show all of what is drawn, wherever it moves, as one of the views turns it; without a turn as
-  // it stands, with "first" so that the peak is seen.
+  // it stands, with "first" so that the place is seen: the peak, or what is held.
   const frame = (turn) => {
     measure();
     const motion = view.motionNow(), [body] = view.drawn;
@@ -50,11 +77,13 @@ const pictureOf = (view) => {
     const points = view.isLinkage() && motion
       ? cornersOver(motion, view.drawn) : body.part.positions;
     if (turn === "first") {
+      const place = view.held ??
+        (view.worst && { body: view.worst, node: view.worst.found.node });
       const shows = (each) => {
         camera.turn = each;
-        return !spotOf(view.worst, view.worst.found.node).hidden;
+        return !spotOf(place.body, place.node).hidden;
       };
-      camera.turn = (view.worst && FIRST_VIEWS.find(shows)) ?? VIEWS.iso;
+      camera.turn = (place && FIRST_VIEWS.find(shows)) ?? VIEWS.iso;
     } else if (turn) camera.turn = turn;
     camera.fit(points);
     fitted = true;
@@ -151,6 +180,7 @@ const pictureOf = (view) => {
       return known.length ? [{ value: Math.min(...known), label }] : [];
     };
     if (view.field === "utilisation") return least("fatigue", "limit");
+    if (view.field === "static") return [{ value: 1, label: "limit" }];
     return view.field === "mises"
       ? [...least("allowed", "allowed"), ...least("yield", "yield")] : [];
   };

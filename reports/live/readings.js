@@ -21,6 +21,9 @@ const readingsOf = (view) => {
     find(role).replaceChildren(...parts);
   };
 
+  const titleOf = (field) => (field ? `Colours: ${section.long_titles[field].replace(/^\w(?=[a-z])/, (a) => a.toLowerCase())}` +
+    `${hasLimit(view) ? " (limit: 1)" : ""}.` : "");
+
   // All of it, at every change of position, field or part.
   const tell = () => {
     const { worst, field, range, drawn } = view, over = field && isConstant(field);
@@ -47,6 +50,7 @@ const readingsOf = (view) => {
         : section.gaps[positions.current?.cycleName] ?? ""]
       : [field === "mises" && head?.accuracy?.words, ...(head?.notes ?? []), view.unmoved];
     find("told").textContent = told.filter(Boolean).map(sentence).join(" ");
+    find("caption").textContent = view.told ? `${view.told}. ${titleOf(field)}` : titleOf(field);
     find("factor-box").hidden = !view.isDeformed();
     if (view.isDeformed())
       find("factor-told").textContent = `× ${figures(view.factorOf(drawn[0]), 2)}`;

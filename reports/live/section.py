@@ -17,7 +17,7 @@ from checks.result.words import brief, clean
 from reports.live.linkage import motion_text
 from reports.live.payload import LivePayload, live_payload
 from reports.live.words import peak_tables
-from reports.places import deciding_place
+from reports.places import deciding_place, shown_of
 from reports.templating import environment, json_markup
 
 # name of a colour map -> (its name in matplotlib, what it is called)
@@ -28,11 +28,14 @@ MAPS = {
     # for fields with two signs, unless turbo is chosen
     "signed": ("RdBu_r", "Blue to red, white at 0"),
 }
+USED = "use"  # the map of utilisations, which the script makes: its change of colour is at 1
+MAP_NAMES = {USED: "Grey to blue, red over 1"} | {key: shown for key, (_, shown) in MAPS.items()}
 # field -> (its name, what the colour bar says)
 FIELDS = {
     "mises": ("von Mises stress", "von Mises"),
     "principal": ("Principal stress of largest size, signed", "principal, signed"),
-    "utilisation": ("Fatigue utilisation over the duty, required safety included", "utilisation"),
+    "utilisation": ("Fatigue utilisation over the duty", "utilisation"),
+    "static": ("Static utilisation: von Mises stress over allowed", "utilisation"),
     "amplitude": ("Stress amplitude that counts for fatigue", "amplitude"),
     "mean": ("Mean stress as Goodman takes it (tension only)", "mean"),
     "displacement": ("Displacement", "displacement"),
@@ -48,22 +51,30 @@ class LiveSection:
     style: str
 
 
-def live_section(result: DesignResult, mechanism: Markup | None = None) -> LiveSection:
-    """Live view of a result.
+def live_section(
+    result: DesignResult,
+    mechanism: Markup | None = None,
+    answer: Markup | None = None,
+    below: Markup | None = None,
+) -> LiveSection:
+    """Live view of a result; the scripts that run it are those of the page.
 
-    `mechanism` stands beside the picture, on narrow screens under the slider. The scripts that run
-    it are those of the page.
+    answer     stands beside the picture, on narrow screens above it
+    below      stands under the slider
+    mechanism  stands with the readings
     """
     payload = live_payload(result)
     body = _template().render(
         parts=[_part(k, part, result, payload) for k, part in enumerate(result.parts)],
         linked=bool(result.motion) and any(head["block"] for head in payload.header["parts"]),
         fields=FIELDS,
-        maps={key: shown for key, (_, shown) in MAPS.items()},
+        maps=MAP_NAMES,
         meshed=any(part.meshes for part in result.parts),
         stressed=any(head["fields"] for head in payload.header["parts"]),
         cycles=result.cycles,
         mechanism=mechanism,
+        answer=answer,
+        below=below,
         data={
             "live-cycles": json_markup(cycles_data(result)),
             "live-section": json_markup(_section_data(result, payload)),
@@ -110,10 +121,12 @@ def _section_data(result: DesignResult, payload: LivePayload) -> dict[str, Any]:
     return {
         "maps": {key: table_text(name) for key, (name, _) in MAPS.items()},
         "titles": {key: short for key, (_, short) in FIELDS.items()},
+        "long_titles": {key: long for key, (long, _) in FIELDS.items()},
         "names": [brief(part.name, 60) for part in result.parts],
         "full_names": [clean(part.name) for part in result.parts],
         "first": first,
         "start": _start(result, heads, first),
+        "shown": shown_of(result.deciding, result) if result.checks else None,
         "curves": [
             [_curve(part, cycle) for cycle in result.cycles.values()] for part in result.parts
         ],

@@ -3,13 +3,16 @@
 {
   const all = (choice) => [...document.querySelectorAll(choice)];
 
-  // "show": the position that decides a check, or "- -" for none, and the part's tab.
+  // "show": what a check means in the live view, or a part's tab alone.
   for (const link of all("a[data-show]"))
     link.addEventListener("click", () => {
-      const [cycle, index, part] = link.dataset.show.split(" ").map(Number);
-      document.getElementById(`live-tab-${part}`)?.click();
-      if (Number.isInteger(cycle)) globalThis.ballesta?.setPosition(cycle, index);
+      const wanted = JSON.parse(link.dataset.show);
+      if (globalThis.ballesta?.live?.show(wanted)) return;
+      if (wanted.position) globalThis.ballesta?.setPosition(...wanted.position);
     });
+  for (const link of all("a[data-part]"))
+    link.addEventListener("click", () =>
+      document.getElementById(`live-tab-${link.dataset.part}`)?.click());
 
   const openTo = (id) => { // a link into a fold opens it
     let place = id ? document.getElementById(id) : null;
@@ -40,6 +43,10 @@
     for (const [target, stops] of wide) target.tabIndex = stops ? 0 : -1;
   });
   for (const region of all(".scroll[tabindex]")) widths.observe(region);
+
+  const paper = document.getElementById("print");
+  paper.hidden = false;
+  paper.addEventListener("click", () => print());
 
   const button = document.getElementById("copy"), command = document.getElementById("command");
   button.hidden = false;

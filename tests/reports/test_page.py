@@ -126,13 +126,13 @@ def test_tables_have_captions_and_scopes():
 
 def test_the_verdict_comes_first_with_what_decides_it_and_why():
     text = parsed(results.mixed()).text
-    assert "FAIL (under 2 assumptions); decided by bar_upper fatigue, safety 0.833" in text
     order = [
-        "1 of 5 checks fails, even at the lower end of its error bars; 2 more are undecided.",
-        "bar_upper fatigue decides, error bars included: Goodman", "allowed 115 MPa", "decided by",
-        "Know this first",
+        "FAIL", "of 5 checks 1 fails, 2 open, 2 pass", "0.833 safety factor, 1.3 required",
+        "Decided by fatigue of bar_upper", "Where", "When press", "Why the limit is exceeded",
+        "To pass its value must be", "ballesta improve toggle_press.toml", "Validity all 3",
+        "Assumed 2 assumptions", "Live view", "Know this",
         "Warning", "All 3 validity gates hold", "Not checked", "Assumed by ballesta",
-        "All checks, worst first", "Live view", "Checks of bar_upper", "By hand", "Checks of pin_B",
+        "All checks, worst first", "Checks of bar_upper", "By hand", "Checks of pin_B",
         "Cycles", "Stated by the design file", "Set on the command line", "Not stated",
         "The design file", "This command makes it again", "Versions",
     ]  # fmt: skip
@@ -162,7 +162,7 @@ def test_links_lead_to_places_of_the_page():
 
 def test_checks_stand_worst_first_with_the_governing_one_marked():
     page = report_html(results.mixed())
-    table = page[page.index('<section id="checks">') : page.index('<section id="live"')]
+    table = page[page.index('<section id="checks">') : page.index('<section id="part-1"')]
     names = re.findall(r'<th role="rowheader".*?<a href="#check-(\d)">(.*?)</a>', table, re.DOTALL)
     assert [name for _, name in names] == [
         "bar_upper fatigue", "bar_upper static (von Mises stress)", "pin_B edge",
@@ -206,7 +206,7 @@ def test_assumptions_of_the_design_and_of_the_tool_are_kept_apart():
     text = parsed(result).text
     design, tool = text.index("Assumed by the design file"), text.index("Assumed by ballesta")
     assert design < text.index("nothing mechanical ends the stroke") < tool
-    assert tool < text.index("bearing arc 120 deg") < text.index("All checks")
+    assert tool < text.index("bearing arc 120 deg", tool) < text.index("All checks")
 
 
 def test_gates_of_a_kind_are_told_as_one_with_the_worst():
@@ -214,13 +214,13 @@ def test_gates_of_a_kind_are_told_as_one_with_the_worst():
              for name, value in (("slow", 0.5), ("fast", 7.0), ("even", 0.05))]  # fmt: skip
     text = parsed(results.design(gates=gates)).text
     assert "Gate broken uneven: slow 0.500, fast 7.00, limit 0.100 The worst, fast: of fast" in text
-    assert "2 of 4 validity gates hold" in text
 
 
 def test_gates_that_the_verdict_depends_on_come_before_those_that_it_does_not():
     gates = [Gate("slow", 2.0, 1.0, "late", binding=False), Gate("gap", 2.0, 1.0, "open")]
     text = parsed(results.design(gates=gates)).text
-    assert text.index("Gate broken gap") < text.index("Does not hold slow") < text.index("Warning")
+    first = text.index("Gate broken gap")
+    assert first < text.index("Does not hold slow") < text.index("Warning", first)
 
 
 def test_missing_pictures_are_explained_in_words():
@@ -236,7 +236,7 @@ def test_broken_gates_come_before_the_checks_with_their_owner():
     assert text.index("Gate broken bar_upper: reaction residual: 0.500 > 1e-06") < text.index(
         "All checks"
     )
-    assert "1 of 2 validity gates hold" in text
+    assert "NOT VALID" in text
     assert "All 2 validity gates hold" in parsed(results.design()).text
 
 
@@ -246,7 +246,7 @@ def test_an_empty_design_has_a_page():
         cycles={}, gates=[], warnings=[], not_checked=[], assumed=[], defaults=[], inputs=[],
         timings={}, versions={},
     )  # fmt: skip
-    assert "UNDECIDED: nothing was checked" in Page(report_html(empty)).text
+    assert "UNDECIDED nothing was checked" in Page(report_html(empty)).text
 
 
 def test_the_file_holds_the_page_and_nothing_is_left_beside_it(tmp_path):
@@ -269,23 +269,19 @@ def test_a_hand_check_of_zero_has_no_ratio():
     assert ratio(HandCheck("moment", 0.0, 1.0, "N mm", "0")) == "–"
 
 
-HEADLINES = {
-    "All 2 checks pass, error bars included.": ([results.PASSING] * 2, []),
-    "The one check passes, error bars included.": ([results.PASSING], []),
-    "Every check passes, but 1 validity gate is broken: the numbers may not be trusted in that "
-    "respect.": ([results.PASSING], [Gate("gap", 2.0, 1.0, "")]),
-    "No check fails, but 1 of 2 is undecided: the limit lies within the error bars. Also, 2 "
-    "validity gates are broken.": (
-        [results.PASSING, results.UNDECIDED], [Gate("gap", 2.0, 1.0, "")] * 2),
-    "2 of 2 checks fail, even at the lower ends of their error bars.": (
-        [results.FAILING] * 2, []),
+OUTCOMES = {
+    "all 2 checks pass": [results.PASSING] * 2,
+    "the one check passes": [results.PASSING],
+    "of 2 checks 1 open, 1 passes": [results.PASSING, results.UNDECIDED],
+    "of 2 checks 2 fail": [results.FAILING] * 2,
+    "of 3 checks 1 fails, 1 open, 1 passes": [
+        results.PASSING, results.UNDECIDED, results.FAILING],
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(("words", "case"), HEADLINES.items(), ids=range(len(HEADLINES)))
-def test_the_headline_says_how_many_checks_stand_how(words, case):
-    checks, gates = case
-    result = results.design(results.part(checks=[replace(check) for check in checks]), gates=gates)
+@pytest.mark.parametrize(("words", "checks"), OUTCOMES.items(), ids=range(len(OUTCOMES)))
+def test_the_card_says_how_many_checks_stand_how(words, checks):
+    result = results.design(results.part(checks=[replace(check) for check in checks]))
     assert words in parsed(result).text
 
 

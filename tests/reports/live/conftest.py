@@ -24,10 +24,18 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def viewed(opened: Callable[..., Any], written: Path) -> Callable[..., Any]:
     """Return what opens that page, or another one, and waits until it is ready."""
 
-    def view(path: Path | None = None, *, state: str = "ready", **how: Any) -> Any:
+    def view(
+        path: Path | None = None, *, state: str = "ready", field: str = "mises", **how: Any
+    ) -> Any:
         found = opened(path or written, **{"width": 900, "height": 900} | how)
         found.page.locator(f"html[data-live={state}]").wait_for(state="attached")
         settle(found.page)
+        if state == "ready":
+            found.page.evaluate("document.querySelector('.live-colours').open = true")
+            wanted = role(found.page, "field").locator(f"option[value={field}]")
+            if role(found.page, "field").is_enabled() and wanted.is_enabled():
+                role(found.page, "field").select_option(field)
+                settle(found.page)
         return found
 
     return view

@@ -153,25 +153,25 @@ def test_two_fingers_zoom_about_their_middle_and_move(viewed):
     assert page.evaluate("scrollY") == 0
 
 
-def test_the_mechanism_stands_beside_the_picture_and_on_a_phone_below_the_slider(tmp_path, viewed):
+def test_the_mechanism_stands_beside_the_readings_and_on_a_phone_below_them(tmp_path, viewed):
     figure = Markup('<figure style="margin:0"><svg viewBox="0 0 4 3"></svg></figure>')
     path = written_as(tmp_path, sections.design(), mechanism=figure)
     page = viewed(path, width=1280).page
-    places = ("picture", ".live-frame"), ("mechanism", ".live-mechanism svg"), (
-        "slider", ".live-transport")  # fmt: skip
+    places = {
+        "picture": ".live-frame", "slider": ".live-transport", "readings": ".live-readings",
+        "mechanism": ".live-mechanism svg",
+    }  # fmt: skip
 
     def boxes():
-        return {name: page.locator(selector).bounding_box() for name, selector in places}
+        return {name: page.locator(selector).bounding_box() for name, selector in places.items()}
 
     wide = boxes()
-    assert wide["mechanism"]["x"] > wide["picture"]["x"] + wide["picture"]["width"]
-    assert 0.6 < wide["picture"]["width"] / wide["slider"]["width"] < 0.75
-    bottom = wide["slider"]["y"] + wide["slider"]["height"]
-    assert wide["mechanism"]["y"] + wide["mechanism"]["height"] < wide["slider"]["y"] < bottom < 900
+    assert wide["mechanism"]["x"] > wide["readings"]["x"] + wide["readings"]["width"]
+    assert wide["picture"]["y"] < wide["slider"]["y"] < wide["mechanism"]["y"]
     page.set_viewport_size({"width": 360, "height": 700})
     narrow = boxes()
     order = sorted(narrow, key=lambda name: narrow[name]["y"])
-    assert order == ["picture", "slider", "mechanism"]
+    assert order == ["picture", "slider", "readings", "mechanism"]
 
 
 def test_the_slider_stays_in_sight_while_the_tables_are_read(viewed):
@@ -324,7 +324,7 @@ def test_a_sheet_is_seen_from_both_sides(tmp_path, viewed):
     page = viewed(written_as(tmp_path, replace(made, parts=[flat], cycles=cycles))).page
     for turn in ([1, 0, 0, 0], [0, 0, 1, 0]):  # from before and from behind
         page.evaluate("(turn) => { ballesta.live.camera.turn = turn; ballesta.live.draw(); }", turn)
-        assert (np.ptp(pixels(page), axis=2) > 60).mean() > 0.2
+        assert (np.ptp(pixels(page), axis=2) > 60).mean() > 0.1
 
 
 @pytest.mark.parametrize("empty", ["parts", "cycles"])

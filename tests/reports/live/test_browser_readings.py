@@ -231,6 +231,6 @@ def test_nothing_is_told_twice_and_the_bound_of_a_field_only_with_it(viewed):
     page.locator("#live-tab-2").click()
     settle(page)
     page.get_by_text("decided by a formula").first.wait_for()
-    below = page.locator(".live-below > .live-viewer")
+    below = page.locator(".live-top > .live-viewer")
     words = below.locator("[data-role=told], [data-role=missing]").all_inner_texts()
     assert " ".join(words).count("decided by a formula") == 1

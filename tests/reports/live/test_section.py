@@ -203,8 +203,8 @@ def test_the_scripts_are_there_and_name_every_field():
     folder = files("reports.live")
     texts = {name: folder.joinpath(f"{name}.js").read_text(encoding="utf-8") for name in LIVE}
     assert all(texts.values())
-    told = re.search(r"FIELDS = (\[.*?\])", texts["fields"])[1]
-    assert json.loads(told) == list(FIELDS)
+    told = re.search(r"FIELDS = (\[.*?\])", texts["fields"], re.DOTALL)[1]
+    assert re.findall(r'"(\w+)"', told) == list(FIELDS)
     for text in texts.values():
         assert not re.search(r"innerHTML|eval\(|https?:|setAttribute\(.on", text)
 
@@ -212,7 +212,7 @@ def test_the_scripts_are_there_and_name_every_field():
 def test_fields_over_the_life_are_called_what_they_are():
     body = live_section(sections.design()).body
     assert "Mean stress as Goodman takes it (tension only)" in body
-    assert "Fatigue utilisation over the duty, required safety included" in body
+    assert "Fatigue utilisation over the duty" in body
     assert "Mean stress over the cycle" not in body
 
 
@@ -228,8 +228,11 @@ def test_the_lead_promises_stress_only_where_a_part_has_a_field(meshes, command)
 
 
 @pytest.mark.parametrize("marked", [True, False])
-def test_the_mechanism_stands_with_the_picture_and_before_the_slider(marked):
+def test_the_mechanism_stands_with_the_readings(marked):
     figure = Markup('<figure id="mechanism"></figure>') if marked else None
     body = live_section(sections.design(), mechanism=figure).body
-    places = [body.find(f'id="{name}"') for name in ("live-panel", "mechanism", "live-transport")]
+    places = [
+        body.find(f'id="{name}"')
+        for name in ("live-panel", "live-transport", "live-more", "mechanism")
+    ]
     assert (places == sorted(places) and min(places) > 0) is marked
