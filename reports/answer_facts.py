@@ -80,7 +80,7 @@ HEADINGS = ("part", "governing check", "value", "limit", "safety (needed)", "ver
 
 @dataclass(frozen=True)
 class Answer:
-    """What the first lines and the first screen say.
+    """Content of the first lines and of the first screen.
 
     name, file, status  of the design; overrides as `--set` took them
     outcome    number of checks of each outcome, in words
@@ -150,7 +150,7 @@ def _outcome(result: DesignResult) -> str:
 
 
 def _headline(result: DesignResult, titles: dict[int, str]) -> Iterator[Fact]:
-    """What decides: where, when, why it is open, and what to do."""
+    """The deciding check: place, moment, why it is open, and what to do."""
     if not result.checks:
         yield Fact("why", "nothing was checked")
         return
@@ -182,7 +182,7 @@ def _headline(result: DesignResult, titles: dict[int, str]) -> Iterator[Fact]:
 
 
 def _change(result: DesignResult) -> Fact:
-    """What would make it pass, or save mass."""
+    """Changes that would make it pass, or save mass."""
     sets = "".join(f" --set {quote(override)}" for override in result.overrides)
     command = _short(f"ballesta improve {quote(clean(result.file))}{sets}")
     if all(check.status is Status.PASS for check in result.checks):

@@ -15,7 +15,7 @@ _AT = re.compile(r"\((-?[\d.]+), (-?[\d.]+), (-?[\d.]+)\)$")
 
 
 def shown_of(check: Check, result: DesignResult) -> dict[str, Any]:
-    """What the live view shows of a check, as the page's script takes it.
+    """The view of a check: part, field and place, as the page's script takes it.
 
     part      number of its part, -1: the whole linkage
     position  [cycle, position in it], None where it is not known
