@@ -136,8 +136,8 @@ def peer(pairs: int) -> dict[str, Any]:
 def short(runs: int) -> dict[str, Any]:
     """Seconds of what must answer at once, by the clock and of processors, as installed.
 
-    The least is the work, the median what a user has; all over the import of the libraries that a
-    formula check and its charts cannot do without, in turns.
+    The least is the work, the median what a user has; all over an import of some libraries, in
+    turns, which tells how fast the machine is.
     """
     with tempfile.TemporaryDirectory() as out:
         ours = (sys.executable, "-m", "ballesta")

@@ -281,7 +281,7 @@ def short_lines(rows: dict[str, dict[str, Any]]) -> list[str]:
         "",
         paragraph(
             "Whole processes on the toggle press, as installed, files and charts included, in "
-            "turns with an import of the libraries that a formula check and its charts need "
+            "turns with an import of some libraries, which tells how fast the machine is "
             "(scipy.interpolate, scipy.optimize, gmsh, jinja2, meshio, matplotlib.figure). Seconds "
             "are the least of seven runs, by the clock and of processors, all processes together: "
             "other work on the machine lengthens both. The ratio is the median of "

@@ -119,7 +119,7 @@ class Drawing:
         """The element, with its name for who cannot see it, and further attributes."""
         framed = [part for frame in self._frames for part in frame.drawn()]
         inside = "".join([*framed, *self._texts])
-        mark = "c" + sha256(f"{inside}{attributes}".encode()).hexdigest()[:8]
+        mark = "c" + sha256(f"{label}{inside}{attributes}".encode()).hexdigest()[:8]
         whole = {
             "viewBox": f"0 0 {_short(self.width)} {_short(self.height)}", "role": "img",
             "aria-label": clean(label), **(attributes or {}), "style": _STYLE,

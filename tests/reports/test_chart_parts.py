@@ -82,7 +82,7 @@ def test_a_name_without_room_is_left_out():
     assert room.taken
 
 
-def drawing(*lines, logarithmic=""):
+def drawing(*lines, logarithmic="", label="A line"):
     """A drawing whose frame, 200 by 100 at (20, 10), goes from 1 to 100 both ways."""
 
     def plot(made):
@@ -91,7 +91,7 @@ def drawing(*lines, logarithmic=""):
             frame.line(line, color="red", **style)
         return {"data-cycle": "3"}
 
-    return ET.fromstring(draw(plot, (240, 140), "A line"))
+    return ET.fromstring(draw(plot, (240, 140), label))
 
 
 def paths(root, words):
@@ -135,7 +135,9 @@ def test_a_line_beyond_its_frame_stays_clipped_and_one_inside_is_not():
     [clip] = [node for node in root.iter() if node.tag.endswith("clipPath")]
     assert beyond == f"url(#{clip.get('id')})"
     assert [clip[0].get(key) for key in ("x", "y", "width", "height")] == ["20", "10", "200", "100"]
-    other = drawing(([[1, 2], [90, 400]], {}))
+    other = drawing(
+        ([[1, 2], [90, 30]], {}), ([[1, 2], [90, 500]], {"linewidth": 3}), label="Alike"
+    )
     [another] = [node for node in other.iter() if node.tag.endswith("clipPath")]
     assert another.get("id") != clip.get("id")
 
