@@ -10,6 +10,8 @@ from ballesta.design.overrides import resolve_like
 from ballesta.design.read import read_design
 from checks.ladder.part_ladder import Effort
 
+from ..lighter import without_fatigue
+
 DESIGNS = Path(__file__).parents[2] / "designs"
 MACHINES = ("slider_crank", "quick_return", "spring_hammer", "toggle_press")
 _NUMBER = r"[+-]?\d+\.?\d*(?:e[+-]?\d+)?"
@@ -64,9 +66,11 @@ def flattened(machine):
     return data
 
 
-def checked(folder, data, fidelity="formula"):
+def checked(folder, data, fidelity="formula", fatigue=True):
     """The result of a design that is given as data."""
-    return check_design(designed(folder, data), effort=Effort(fidelity=fidelity))
+    design = designed(folder, data)
+    design = design if fatigue else without_fatigue(design)
+    return check_design(design, effort=Effort(fidelity=fidelity))
 
 
 def designed(folder, data):
