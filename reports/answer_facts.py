@@ -10,7 +10,7 @@ from math import isfinite
 from shlex import quote
 
 from checks.result.verdict import Check, DesignResult, PartResult, Status, deciding_of
-from checks.result.ways import way_text
+from checks.result.ways import NOTHING, way_text
 from checks.result.words import (
     assumptions,
     check_titles,
@@ -168,15 +168,12 @@ def _headline(result: DesignResult, titles: dict[int, str]) -> Iterator[Fact]:
     for gates in broken[:_MOST_GATES]:
         label = "NOT VALID" if gates.binding else "not valid"
         told = gates.told if len(gates.told) <= _LONGEST_MEANING else gates.cure
-        yield Fact(
-            label, _short("; ".join(filter(None, (gates.sentence, told)))), "", gates.binding
-        )
+        yield Fact(label, _short("; ".join(filter(None, (gates.short, told)))), "", gates.binding)
     if len(broken) > _MOST_GATES:
         yield Fact("not valid", f"{len(broken) - _MOST_GATES} more kinds of validity checks")
     if result.all_gates and not broken:
         yield Fact("validity", f"all {len(result.all_gates)} validity checks hold")
-    known = check.status is Status.UNDECIDED and open_reason(check)  # it stands above
-    ways = [way for way in result.ways if way.command or not known or known not in way.text]
+    ways = [way for way in result.ways if not way.text.startswith(NOTHING)]  # why stands above
     for text, command in map(way_text, ways[:_MOST_WAYS]):
         yield Fact("way out", _short(text), clean(command))
 

@@ -146,15 +146,20 @@ def _span(span: ContactSpan, cycle: ShownCycle, length: str) -> str:
     return f"{said} (met at {number(span.approach_speed)} {length}/s{lost})"
 
 
+_FEW = 3  # cycles of one kind of gate that are told one by one in short
+
+
 @dataclass(frozen=True)
 class BrokenGates:
     """Gates of one kind that do not hold, of one cycle or several, in a sentence.
 
+    short          of many cycles their number and the worst alone
     meaning, cure  of the worst of them, as the gate has them
     """
 
     binding: bool
     sentence: str
+    short: str
     meaning: str
     cure: str = ""
 
@@ -180,7 +185,8 @@ def broken_by_kind(gates: Sequence[Gate]) -> list[BrokenGates]:
     for (kind, binding), found in kinds.items():
         if len(found) == 1:
             ((_, gate),) = found
-            result.append(BrokenGates(binding, gate_sentence(gate), gate.meaning, gate.cure))
+            said = gate_sentence(gate)
+            result.append(BrokenGates(binding, said, said, gate.meaning, gate.cure))
             continue
         each = ", ".join(f"{cycle} {number(gate.value)}" for cycle, gate in found)
         limits = {number(gate.limit) for _, gate in found}
@@ -188,7 +194,10 @@ def broken_by_kind(gates: Sequence[Gate]) -> list[BrokenGates]:
         worst, gate = max(found, key=lambda entry: _excess(entry[1]))
         alike = len({gate.told for _, gate in found}) == 1
         meaning = gate.meaning if alike else f"The worst, {worst}: {gate.meaning}"
-        result.append(BrokenGates(binding, f"{kind}: {each}{limit}", meaning, gate.cure))
+        said = short = f"{kind}: {each}{limit}"
+        if len(found) > _FEW:
+            short = f"{kind}: {len(found)} cycles, {worst} {number(gate.value)} the worst{limit}"
+        result.append(BrokenGates(binding, said, short, meaning, gate.cure))
     return result
 
 

@@ -8,8 +8,8 @@ from checks.result.words import brief, check_titles, need_text, safety_text
 
 Place = tuple[int, int, int]  # cycle, position in it, part: by their numbers in the result
 
-# Field of the live view that a kind of check is judged by; of others the stress beside it.
-_FIELDS = {"fatigue": "utilisation", "buckling": "principal"}
+# Field of the live view that a check is judged by, by its kind and unit; of others the stress.
+_FIELDS = {("fatigue", "MPa"): "utilisation", ("buckling", "MPa"): "column"}
 _STRESS = "static"
 _AT = re.compile(r"\((-?[\d.]+), (-?[\d.]+), (-?[\d.]+)\)$")
 
@@ -21,19 +21,21 @@ def shown_of(check: Check, result: DesignResult) -> dict[str, Any]:
     position  [cycle, position in it], None where it is not known
     field     of the live view
     at        [x, y, z] mm in the part's own axes, None where the place has no coordinates
-    told      the check with its safety, in words
+    told      the check with its safety, in words; short: without its part
     """
     place = place_of(check, result)
     found = _AT.search(check.place)
     titles = dict(zip(map(id, result.checks), check_titles(result.checks), strict=True))
     part = _part(check, result)
+    needed = need_text(check.required)
+    safety = f"safety {safety_text(check.safety, check.required)}, {needed} required"
     return {
         "part": -1 if part is None else part,
         "position": None if place is None else list(place[:2]),
-        "field": _FIELDS.get(check.kind, _STRESS),
+        "field": _FIELDS.get((check.kind, check.unit), _STRESS),
         "at": None if found is None else [float(value) for value in found.groups()],
-        "told": f"{brief(check.part, 40)} {brief(titles[id(check)], 60)}: safety "
-        f"{safety_text(check.safety, check.required)}, {need_text(check.required)} needed",
+        "told": f"{brief(check.part, 40)} {brief(titles[id(check)], 60)}: {safety}",
+        "short": f"{brief(check.kind, 40)}: {safety}",
     }
 
 

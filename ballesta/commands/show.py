@@ -57,8 +57,8 @@ def run_show(path: Path, wanted: Wanted, overrides: Sequence[str] = ()) -> int:
             return _told(trouble)
         if wanted.fidelity in _FIELDLESS and not wanted.fields:
             print(
-                f"ballesta: show: --fidelity {wanted.fidelity} makes no mesh, so no part will have "
-                "a field: all are shown grey; --fields gives each a mesh to look at",
+                f"ballesta: show: --fidelity {wanted.fidelity} makes no mesh: stress is estimated "
+                "from section forces; --fields gives each part a mesh to look at",
                 file=sys.stderr,
             )
         from ballesta.check import check_design  # the solvers, which a trial does not need
@@ -70,6 +70,8 @@ def run_show(path: Path, wanted: Wanted, overrides: Sequence[str] = ()) -> int:
         print(verdict_sentence(result), flush=True)
         scene = _advising(scene_of(result))
         for part in scene.parts:
+            if part.live.estimated:
+                print(f"{brief(part.name, 40)}: {part.live.notes[0]}", file=sys.stderr)
             if not part.live.n_fields:
                 why = part.live.missing.get("mises", "nothing loads it")
                 print(

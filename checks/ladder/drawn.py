@@ -20,7 +20,7 @@ from fem.solvers import SolverError
 from geometry.mesh import MeshError, TooManyElementsError
 
 TO_LOOK_AT = ", to look at"  # ends the names of its fields
-_UNDRAWN = "no stress to look at: "
+_UNDRAWN = "no mesh to look at: "
 
 
 def with_drawn_fields(
@@ -39,7 +39,7 @@ def with_drawn_fields(
     A part that cannot be meshed or solved stays as it is, and the page says why.
     """
     live = result.live
-    if not isinstance(live, LiveFields) or live.n_fields:
+    if not isinstance(live, LiveFields) or (live.n_fields and not live.estimated):
         return result
     say(f"{part.name}: meshing, to draw its stress")
     try:
@@ -59,9 +59,9 @@ def with_drawn_fields(
 
 
 def undrawn(live: LiveFields, why: str) -> LiveFields:
-    """The bare surface of a part, and why it cannot be drawn with its stress."""
+    """The fields that a part has without a mesh, and why there is none."""
     told = _UNDRAWN + why
-    return replace(live, missing=dict.fromkeys(live.missing, told), notes=(told,))
+    return replace(live, missing=dict.fromkeys(live.missing, told), notes=(told, *live.notes))
 
 
 def undrawn_warnings(results: Sequence[PartResult]) -> list[str]:

@@ -3,8 +3,7 @@
 import numpy as np
 
 from checks.part.part_loads import PartLoads
-from checks.result.live_fields import FATIGUE, LiveFields, LivePeak, grey
-from checks.result.verdict import Surface
+from checks.result.live_fields import FATIGUE, LiveFields, LivePeak
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse, LifeUse
 from checks.strength.fkm_strength import fkm_points, slopes_of
 from checks.stress.duty_verdict import DutyVerdict, NodalUse
@@ -16,7 +15,7 @@ from geometry.mesh import FloatArray, IntArray
 
 _IMAGE = np.array([1.0, 1.0, 1.0, 1.0, -1.0, -1.0])  # of xx, yy, zz, xy, yz, zx, mirrored at z = 0
 _UNJUDGED = "fatigue was not judged: no cycle of the duty loads this part"
-_ENDLESS = (
+ENDLESS = (
     "the utilisation that is drawn is that of endless life; the verdict counts a finite life "
     "(Miner's sum) at the worst point, so that 1 is no limit here"
 )
@@ -59,16 +58,6 @@ def solid_fields(loads: PartLoads, level: Level, use: FatigueUse | None) -> Live
     )
 
 
-def rung_fields(rung: str, surface: Surface) -> LiveFields:
-    """Return the bare surface of a part that no solid was needed for, with the reason."""
-    return grey(
-        surface.nodes,
-        surface.triangles,
-        f"decided by {rung}, without a mesh: its stress is known at the places "
-        "that decide, not all over its surface; ballesta check --fields meshes it, to look at",
-    )
-
-
 def _by_cycle(loads: PartLoads, values: FloatArray) -> dict[str, FloatArray]:
     """Values (..., n) of all positions, by the cycle that these belong to."""
     return {name: values[..., columns] for name, columns in loads.cycles.items()}
@@ -101,7 +90,7 @@ def _fatigue(
         return {}, dict.fromkeys(FATIGUE, _UNJUDGED), ()
     found = _by_fkm(level, use, duty) if isinstance(use, FkmUse) else duty.everywhere
     fields = (found.utilisation, found.amplitude, found.mean)
-    notes = [_ENDLESS] if isinstance(use, LifeUse) else []
+    notes = [ENDLESS] if isinstance(use, LifeUse) else []
     if found.goodman_only:
         notes.append(_BY_CHORDS)
     return dict(zip(FATIGUE, fields, strict=True)), {}, tuple(notes)

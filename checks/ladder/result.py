@@ -13,7 +13,7 @@ from checks.ladder.chart_data import charts_of
 from checks.ladder.climb import SOLID, Climb, answered
 from checks.ladder.leaf_checks import leaf_band, with_leaf_checks
 from checks.ladder.part_facts import SMALL_DISPLACEMENT, facts_of
-from checks.ladder.part_fields import rung_fields
+from checks.ladder.section_fields import section_fields
 from checks.ladder.solid import RESCALED, Asked, Say, check_solid, first_level, first_of
 from checks.models.checked import BALANCE, BUCKLING, FATIGUE, STATIC
 from checks.models.estimate import Estimate
@@ -49,7 +49,7 @@ def cheap_result(climb: Climb, models: Models, *, live: bool = False) -> PartRes
         gates.append(Gate(f"{part.name}: fatigue safety", missed, *RESCALED))
     told = column_told(part, loads)
     assumed = [f"{climb.tried[-1].rung}: {level.model.neglects}"]
-    surface = _unstressed(models.skin(part.geometry))
+    skin = models.skin(part.geometry)
     return PartResult(
         name=part.name,
         shape=part.shape,
@@ -63,10 +63,10 @@ def cheap_result(climb: Climb, models: Models, *, live: bool = False) -> PartRes
         meshes=[],
         facts=facts,
         charts=charts_of(design, part, loads, level, climb.use),
-        surface=surface,
+        surface=_unstressed(skin),
         assumed=[*assumed, told] if told else assumed,
         rungs=climb.tried,
-        live=rung_fields(level.model.rung, surface) if live else None,
+        live=section_fields(design, part, loads, skin, climb.use) if live else None,
     )
 
 

@@ -21,7 +21,7 @@ def leaf_pack_model(part: Part, shape: LeafPack, loads: PartLoads) -> RungModel:
 
     Pivot and rod hold them by a pressure that is even over their clamps, as on the solid.
     """
-    bar = _bar(part, shape, loads)
+    bar = leaf_bar(part, shape, loads)
     points = Points(len(loads.accelerations))
     half, rod = shape.clamp_length / 2, shape.rod_length / 2
     near = shape.length - rod
@@ -48,7 +48,8 @@ def leaf_pack_model(part: Part, shape: LeafPack, loads: PartLoads) -> RungModel:
     )
 
 
-def _bar(part: Part, shape: LeafPack, loads: PartLoads) -> BarLoads:
+def leaf_bar(part: Part, shape: LeafPack, loads: PartLoads) -> BarLoads:
+    """All loads of a leaf pack along its axis: contact, clamps, its own inertia."""
     area = shape.leaves * shape.thickness * shape.width
     ends = np.array([-shape.arm, 0.0, shape.length + shape.overhang])
     cuts = fine_cells(ends, 192)

@@ -14,6 +14,7 @@ from checks.result.verdict import Check, DesignResult, Gate, PartResult, RungTri
 from checks.result.words import check_titles, gate_sentence, number, open_reason
 
 SOLID = "solid"
+NOTHING = "nothing here settles it"  # begins the text of a way that is none
 _FINEST = 0.003  # of a value: a smaller numerical bar is not asked of a mesh
 _MOST_UNKNOWNS = 300_000  # that a design allows where it states nothing
 _TOO_MANY = 3_000_000
@@ -68,7 +69,7 @@ def _of_check(
             *_by_mesh(result, check, settles, part),
             *_by_model(result, check, settles, part),
         ]
-    yield from ways or [Way(settles, f"nothing here settles it: {open_reason(check)}")]
+    yield from ways or [Way(settles, f"{NOTHING}: {open_reason(check)}")]
 
 
 def _by_drive(result: DesignResult, check: Check, settles: str) -> Iterator[Way]:
@@ -150,7 +151,7 @@ def _of_gate(result: DesignResult, gate: Gate) -> Iterator[Way]:
     if gate.key:
         yield Way(gate.name, gate.cure, _with(result, gate.key), _again(result))
     else:
-        said = gate.cure or f"nothing here settles it: {gate_sentence(gate)}"
+        said = gate.cure or f"{NOTHING}: {gate_sentence(gate)}"
         yield Way(gate.name, said)
 
 

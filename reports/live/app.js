@@ -84,8 +84,9 @@ const liveView = (root) => {
       const fit = most > 0 ? roundStep(0.05 * size / most, 1) : 0;
       return Number((fit * 10 ** (view.shown.factor / 100)).toPrecision(2));
     },
-    hold: (body, node, go = false) => {
-      view.held = body && { body, node };
+    isEstimate: () => view.drawn.some(({ part }) => part.head.estimated),
+    hold: (body, node, go = false, words = "") => {
+      view.held = body && { body, node, words };
       if (body && go) picture.goTo(body, node);
       view.readings.held();
       view.ask();
@@ -154,7 +155,7 @@ const liveView = (root) => {
   };
 
   // Tell of a check, and hold its place where that is not the peak of what is shown.
-  const point = ({ at, told }) => {
+  const point = ({ at, told, short }) => {
     view.told = told;
     const [body] = view.drawn;
     if (at && body && !view.isLinkage()) {
@@ -164,8 +165,10 @@ const liveView = (root) => {
       let near = 0;
       for (let node = 1; node < body.part.n; node++) if (far(node) < far(near)) near = node;
       const peak = Math.abs(body.found?.peak ?? NaN);
-      if (Math.abs(body.nodal[near]) > 0.998 * peak) body.found.node = near; // one of two equal ones
-      else if (!(far(body.found?.node ?? near) < 0.01 * size)) view.hold(body, near);
+      if (view.isEstimate() || !body.found) view.hold(body, near, false, short);
+      else if (Math.abs(body.nodal[near]) > 0.998 * peak)
+        body.found.node = near; // one of two equal ones
+      else if (!(far(body.found.node) < 0.01 * size)) view.hold(body, near);
     }
     view.readings.tell();
   };

@@ -59,6 +59,7 @@ def encode(live: LiveFields, cycles: Sequence[str], tolerance: float = TOLERANCE
         "cycles": [None] * len(cycles),
         "scale": {},
         "decides": live.decides,
+        "estimated": live.estimated,
         "missing": dict(live.missing),
         "notes": list(live.notes),
         "peak": None,

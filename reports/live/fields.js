@@ -2,15 +2,17 @@
 //
 // A field over the cycle ("mises", "principal", "displacement") is a sum of the part's fields times
 // weights (viewer.js says which); one over the duty ("utilisation", "amplitude", "mean") stands in
-// the page as it is. "static" is "mises" over what the static check allows. Positions are those of the whole cycle and may lie between two.
+// the page as it is. "static" and "column" are "mises" over what these checks allow. Positions are
+// those of the whole cycle and may lie between two.
 
 const {
-  FIELDS, isConstant, hasField, whyNot, fieldValues,
+  FIELDS, SHARES, isConstant, hasField, whyNot, fieldValues,
   displacementAt, stressAt, misesOf, principalsOf,
 } = (() => {
   const FIELDS = [
-    "mises", "principal", "utilisation", "static", "amplitude", "mean", "displacement",
+    "mises", "principal", "utilisation", "static", "column", "amplitude", "mean", "displacement",
   ];
+  const SHARES = { static: "allowed", column: "column" }; // of "mises" over a limit
   const OVER_DUTY = new Set(["utilisation", "amplitude", "mean"]);
   const ALIKE = 1 - 1e-6; // of sizes that differ by round-off the one in tension is told
   const THIRD_TURN = (2 * Math.PI) / 3;
@@ -22,7 +24,7 @@ const {
   function hasField(part, field) {
     if (isConstant(field)) return field in part.over;
     return groupOf(part, field) !== undefined &&
-      (field !== "static" || part.head.limits?.allowed > 0);
+      (!(field in SHARES) || part.head.limits?.[SHARES[field]] > 0);
   }
 
   // Why a part has not a field, in words; "" if it has.
@@ -45,7 +47,11 @@ const {
     } else {
       sums = superposed(part, groupOf(part, field), cycle, index);
       if (sums === null) return emptied(out);
-      MEASURES[field](sums, out, part.head.limits);
+      if (field in SHARES) {
+        const allowed = part.head.limits[SHARES[field]];
+        MEASURES.mises(sums, out);
+        for (let i = 0; i < out.length; i += 1) out[i] /= allowed;
+      } else MEASURES[field](sums, out);
     }
     const { from, to } = part.head.scale[field];
     return { ...extremes(out), from, to };
@@ -109,10 +115,6 @@ const {
         const shear = xy[i] * xy[i] + yz[i] * yz[i] + zx[i] * zx[i];
         out[i] = Math.sqrt((a * a + b * b + c * c) / 2 + 3 * shear);
       }
-    },
-    static(sums, out, { allowed }) { // the von Mises stress over what the static check allows
-      MEASURES.mises(sums, out);
-      for (let i = 0; i < out.length; i += 1) out[i] /= allowed;
     },
     // The principal stress of the largest size, with its sign.
     principal([xx, yy, zz, xy, yz, zx], out) {
@@ -207,7 +209,7 @@ const {
   }
 
   return {
-    FIELDS, isConstant, hasField, whyNot, fieldValues,
+    FIELDS, SHARES, isConstant, hasField, whyNot, fieldValues,
     displacementAt, stressAt, misesOf, principalsOf,
   };
 })();

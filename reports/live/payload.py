@@ -11,6 +11,7 @@ from checks.result.verdict import DesignResult, PartResult
 from reports.live.encode import TOLERANCE, encode
 
 FORMAT = "ballesta-live/1"
+SHARES = {"static": "allowed", "column": "column"}  # field -> limit that it is a share of
 
 
 @dataclass(frozen=True)
@@ -54,7 +55,7 @@ def live_payload(result: DesignResult, budget: Budget = BUDGET) -> LivePayload:
         head = dict(part.live.head)
         block = f"live-part-{number}"
         head["limits"] = {**_limits(part), **head["limits"]}
-        parts.append({"name": part.name, "block": block, **_with_static(head)})
+        parts.append({"name": part.name, "block": block, **_with_shares(head)})
         blocks.append((block, part.live.text))
     return LivePayload({"format": FORMAT, "parts": parts}, blocks)
 
@@ -139,29 +140,32 @@ def _bare(part: PartResult, encoded: Sequence[EncodedPart], budget: Budget) -> L
     return grey(np.asarray(surface.nodes), np.asarray(surface.triangles), why)
 
 
-def _with_static(head: dict[str, Any]) -> dict[str, Any]:
-    """The head with the field "static": the von Mises stress over what the static check allows."""
-    allowed, mises = head["limits"]["allowed"], head["scale"].get("mises")
-    if not allowed or mises is None:
+def _with_shares(head: dict[str, Any]) -> dict[str, Any]:
+    """The head with the fields that are the von Mises stress over what a check allows."""
+    mises = head["scale"].get("mises")
+    known = {field: head["limits"][limit] for field, limit in SHARES.items()}
+    if mises is None or not any(known.values()):
         return head
-    scale = {"from": mises["from"] / allowed, "to": mises["to"] / allowed, "unit": ""}
-    accuracy = head["accuracy"]
-    off = [error and error / allowed for error in accuracy["mises"]]
-    return {
-        **head,
-        "scale": {**head["scale"], "static": scale},
-        "accuracy": {**accuracy, "static": off},
-    }
+    scale, accuracy = dict(head["scale"]), dict(head["accuracy"])
+    for field, allowed in known.items():
+        if allowed:
+            scale[field] = {"from": 0.0, "to": mises["to"] / allowed, "unit": ""}
+            accuracy[field] = [error and error / allowed for error in accuracy["mises"]]
+    return {**head, "scale": scale, "accuracy": accuracy}
 
 
 def _limits(part: PartResult) -> dict[str, float | None]:
-    """Limits of the stress: of the first static check, where there is one.
+    """Limits of the stress: of the first static check, and of the column check used most.
 
     yield    MPa, what the part can take
     allowed  MPa, over the safety that must be shown
+    column   MPa, that buckling as a column allows
     """
     static = next((check for check in part.checks if check.kind == "static"), None)
+    columns = [c for c in part.checks if (c.kind, c.unit) == ("buckling", "MPa")]
+    column = max(columns, key=lambda check: check.utilisation, default=None)
     return {
         "yield": static.limit if static else None,
         "allowed": static.limit / static.required if static else None,
+        "column": column.limit / column.required if column else None,
     }

@@ -12,7 +12,7 @@ const mapOf = (view) => {
   return shown.map || (hasLimit(view) ? "use" : "viridis");
 };
 // Whether 1 is the limit of the field that is shown: a finite life is counted otherwise.
-const hasLimit = ({ field, drawn }) => field === "static" || (field === "utilisation" &&
+const hasLimit = ({ field, drawn }) => field in SHARES || (field === "utilisation" &&
   drawn.every(({ part }) => !hasField(part, field) || part.head.limits.fatigue));
 
 // Light grey where little is used, blue towards 1, and one hard change there, to red. The picture
@@ -157,14 +157,15 @@ const pictureOf = (view) => {
       const spot = spotOf(worst, worst.found.node);
       const of = view.isLinkage() ? `${section.names[worst.index]}: ` : "";
       const value = view.text(worst.found.peak, 3, worst);
-      const words = `${of}peak ${value}${spot.hidden ? ", hidden" : ""}`;
+      const named = worst.part.head.estimated ? "estimate" : "peak";
+      const words = `${of}${named} ${value}${spot.hidden ? ", hidden" : ""}`;
       overlay.marker(spot.x, spot.y, words, spot);
       view.marker = { ...spot, words };
     }
     if (held) {
       const spot = spotOf(held.body, held.node);
-      const words = held.body.found
-        ? view.text(held.body.nodal[held.node], 3, held.body) : "held point";
+      const words = held.words || (held.body.found
+        ? view.text(held.body.nodal[held.node], 3, held.body) : "held point");
       const near = view.marker && Math.abs(view.marker.y - spot.y) < 24 &&
         Math.abs(view.marker.x - spot.x) < 160;
       overlay.marker(spot.x, spot.y, words, { ...spot, square: true, below: near });
@@ -180,7 +181,7 @@ const pictureOf = (view) => {
       return known.length ? [{ value: Math.min(...known), label }] : [];
     };
     if (view.field === "utilisation") return least("fatigue", "limit");
-    if (view.field === "static") return [{ value: 1, label: "limit" }];
+    if (view.field in SHARES) return [{ value: 1, label: "limit" }];
     return view.field === "mises"
       ? [...least("allowed", "allowed"), ...least("yield", "yield")] : [];
   };

@@ -22,7 +22,8 @@ const readingsOf = (view) => {
   };
 
   const titleOf = (field) => (field ? `Colours: ${section.long_titles[field].replace(/^\w(?=[a-z])/, (a) => a.toLowerCase())}` +
-    `${hasLimit(view) ? " (limit: 1)" : ""}.` : "");
+    `${hasLimit(view) ? " (limit: 1)" : ""}` +
+    `${view.isEstimate() ? ", an estimate from section forces" : ""}.` : "");
 
   // All of it, at every change of position, field or part.
   const tell = () => {

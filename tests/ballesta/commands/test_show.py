@@ -40,7 +40,7 @@ def test_a_design_is_checked_and_its_parts_shown_with_their_motion(design, shown
     assert scene.moves
     said = capsys.readouterr()
     assert "decided by rod" in said.out or "nearest to its limit is rod" in said.out
-    assert "rod is shown without stress: decided by formula" in said.err
+    assert "rod: estimate: stress of the section forces" in said.err
 
 
 def test_a_part_that_is_not_there_is_told_before_anything_is_checked(design, shown, capsys):
@@ -140,7 +140,7 @@ def test_a_result_is_refused_with_what_is_needed(tmp_path, monkeypatch, capsys):
 
 def test_its_words_advise_its_own_option(design, shown, capsys):
     assert run_show(design, Wanted("rod", **FORMULA)) == 0
-    assert "ballesta show --fields meshes it" in capsys.readouterr().err
+    assert "ballesta show --fields meshes the part" in capsys.readouterr().err
     ((scene, _),) = shown
     (live,) = (part.live for part in scene.parts)
     told = [*scene.told(scene.first_view()), *live.missing.values(), *live.notes]
@@ -165,9 +165,7 @@ def test_only_a_png_is_drawn_in_place_of_a_window(design, monkeypatch, capsys, n
     assert f'--off-screen: must be named .png, got "{name}"' in capsys.readouterr().err
 
 
-def test_that_no_part_will_have_a_field_is_told_before_the_check(
-    design, shown, monkeypatch, capsys
-):
+def test_that_no_part_is_meshed_is_told_before_the_check(design, shown, monkeypatch, capsys):
     def stopped(*_, **__):
         raise DesignError(design, "part", "stopped here")
 
@@ -176,7 +174,7 @@ def test_that_no_part_will_have_a_field_is_told_before_the_check(
         assert run_show(design, Wanted(fidelity=fidelity)) == 2
         said = capsys.readouterr().err
         assert "stopped here" in said
-        assert ("no part will have a field" in said) == (fidelity != "solid")
+        assert ("makes no mesh" in said) == (fidelity != "solid")
     assert shown == []
 
 

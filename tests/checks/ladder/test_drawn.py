@@ -42,9 +42,9 @@ def drawn(result):
     return part
 
 
-def test_without_the_option_the_part_is_grey_and_names_it(bare):
-    assert bare.live.n_fields == 0
-    assert "--fields" in bare.live.missing["mises"]
+def test_without_the_option_the_part_is_estimated_and_names_it(bare):
+    assert bare.live.estimated
+    assert "--fields" in bare.live.notes[0]
 
 
 def test_the_checks_are_those_of_the_formula_to_the_last_bit(bare, drawn):
@@ -125,21 +125,21 @@ def test_the_page_is_told_that_it_decides_nothing(result):
     )
 
 
-def test_a_part_that_cannot_be_meshed_stays_grey_with_its_checks_and_the_reason(tmp_path, bare):
+def test_a_part_that_cannot_be_meshed_keeps_its_estimate_and_says_why(tmp_path, bare):
     few = "parts.rod.mesh.most_unknowns=1000"
     (part,) = checked(tmp_path, DRAWN, few).parts
-    assert part.live.n_fields == 0
-    assert "mesh.most_unknowns is 1000" in part.live.missing["mises"]
-    (note,) = part.live.notes  # no advice to ask for what was asked for
-    assert note.startswith("no stress to look at: ")
+    assert part.live.estimated
+    note = part.live.notes[0]
+    assert note.startswith("no mesh to look at: ")
+    assert "mesh.most_unknowns is 1000" in note
     assert undrawn_warnings([part]) == [f"rod: {note}"]
     assert [check.value for check in part.checks] == [check.value for check in bare.checks]
 
 
 def test_no_mesh_is_begun_that_there_is_no_time_for(tmp_path):
     (part,) = checked(tmp_path, replace(DRAWN, within=1e-3)).parts
-    assert part.live.n_fields == 0
-    assert "s are left" in part.live.missing["mises"]
+    assert part.live.estimated
+    assert "s are left" in part.live.notes[0]
 
 
 def test_nothing_is_meshed_where_nobody_looks(tmp_path, monkeypatch):

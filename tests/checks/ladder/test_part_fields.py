@@ -208,10 +208,12 @@ def test_fields_are_made_when_a_page_asks_for_them(tmp_path):
         (part,) = check_design(design, effort=effort).parts
         assert part.live is None
         (part,) = check_design(design, effort=effort, live=True).parts
-        assert bool(part.live.n_fields) == drawn
+        assert part.live.decides == drawn
+        assert part.live.estimated != drawn
 
 
-def test_a_part_without_a_mesh_is_its_bare_surface_with_the_reason(tmp_path):
+def test_a_part_without_a_mesh_is_estimated_on_its_bare_surface(tmp_path):
     (part,) = check_design(machine(tmp_path, PLATE), effort=Effort("formula"), live=True).parts
     assert_array_equal(part.live.nodes, part.surface.nodes)
-    assert part.live.missing["mises"].startswith("decided by formula, without a mesh")
+    assert part.surface.is_bare
+    assert part.live.estimated

@@ -55,9 +55,15 @@ def test_the_limits_of_the_checks_stand_beside_the_fields(fields):
     check = replace(made.parts[0].checks[0], kind="static", limit=300.0, required=1.5)
     part = replace(made.parts[0], checks=[check])
     [head] = live_payload(replace(made, parts=[part])).header["parts"]
-    assert head["limits"] == {"yield": 300.0, "allowed": 200.0, "fatigue": None}
+    assert head["limits"] == {"yield": 300.0, "allowed": 200.0, "column": None, "fatigue": None}
+    assert head["scale"]["static"]["to"] == pytest.approx(head["scale"]["mises"]["to"] / 200)
+    assert "column" not in head["scale"]
+    column = replace(check, kind="buckling", limit=120.0, required=3.0, unit="MPa")
+    part = replace(part, checks=[check, column])
+    [head] = live_payload(replace(made, parts=[part])).header["parts"]
+    assert head["scale"]["column"]["to"] == pytest.approx(head["scale"]["mises"]["to"] / 40)
     [head] = live_payload(replace(made, parts=[replace(part, checks=[])])).header["parts"]
-    assert head["limits"] == {"yield": None, "allowed": None, "fatigue": None}
+    assert head["limits"] == {"yield": None, "allowed": None, "column": None, "fatigue": None}
 
 
 @pytest.mark.parametrize(("judged", "limit"), [(True, 1.0), (False, None)])

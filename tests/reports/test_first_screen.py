@@ -1,0 +1,90 @@
+"""The ten questions of a designer, answered without scrolling and in the first 25 lines."""
+
+from pathlib import Path
+
+import pytest
+
+from ballesta.check import check_design
+from ballesta.design.read import read_design
+from checks.design.effort import Effort
+from checks.result.verdict import Status
+from checks.result.words import clean, moment, need_text, number, safety_text
+from reports import write_report
+from reports.answer import answer_text
+
+DESIGNS = Path(__file__).parents[2] / "designs"
+ALL = sorted([*DESIGNS.glob("*.toml"), *DESIGNS.glob("gallery/*.toml")])
+FAST = "toggle_press_30x30"
+
+# Text that is seen without scrolling, each piece of it whole.
+SEEN = """() => {
+  const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  const seen = [], range = document.createRange();
+  while (walker.nextNode()) {
+    const node = walker.currentNode;
+    if (!node.data.trim() || !node.parentElement.checkVisibility()) continue;
+    if (node.parentElement.closest("script, style, noscript, option")) continue;
+    range.selectNodeContents(node);
+    const box = range.getBoundingClientRect();
+    if (box.width && box.top >= 0 && box.bottom <= innerHeight) seen.push(node.data);
+  }
+  return seen.join(" ");
+}"""
+
+
+def words(text):
+    return " ".join(text.split()).lower()
+
+
+def questions(result):
+    """What stands in an answer to each of them, every piece as it must be read."""
+    check, keys = result.deciding, "mass [kg]"
+    masses = [float(part.facts[keys]) for part in result.parts if keys in part.facts]
+    passes = all(one.status is Status.PASS for one in result.checks)
+    broken = [gate for gate in result.all_gates if not gate.holds]
+    return {
+        "does it survive?": [str(result.status)],
+        "which part?": [f"{check.kind}", f"of {check.part}"],
+        "where?": [clean(check.place) or "whole part"],
+        "when?": [clean(moment(check))],
+        "by how much?": [safety_text(check.safety, check.required), need_text(check.required)],
+        "of what mass?": [f"{number(sum(masses))} kg"],
+        "why is it open?": [] if check.status is Status.PASS else [
+            "why open" if check.status is Status.UNDECIDED else "even at the lower end"],
+        "what to change?": ["to save" if passes else "to pass", "ballesta improve"],
+        "what is assumed?": ["assumed", "assumption"],
+        "what was not checked?": ["not checked", "impact"],
+        "is it valid?": ["not valid" if broken else "validity checks hold"],
+    }  # fmt: skip
+
+
+def unanswered(result, text):
+    return [
+        (question, piece)
+        for question, pieces in questions(result).items()
+        for piece in pieces
+        if words(piece) not in words(text)
+    ]
+
+
+@pytest.mark.parametrize(
+    "design",
+    [
+        pytest.param(path, id=path.stem, marks=() if path.stem == FAST else pytest.mark.slow)
+        for path in ALL
+    ],
+)
+def test_page_and_terminal_answer_ten_questions_at_once(design, tmp_path, opened):
+    """By formula, so that no design costs a solid: page and terminal are written the same way."""
+    result = check_design(read_design(design, ()), effort=Effort("formula"), live=True)
+    lines = answer_text(result, 100).splitlines()
+    assert unanswered(result, "\n".join(lines[:25])) == []
+    page = tmp_path / "report.html"
+    write_report(result, None, page)
+    found = opened(page, width=1440, height=900)
+    found.page.locator("html[data-live=ready]").wait_for(state="attached")
+    assert unanswered(result, found.page.evaluate(SEEN)) == []
+    frame = found.page.locator(".live-frame").bounding_box()
+    assert frame["y"] + frame["height"] <= 900
+    assert found.page.evaluate("ballesta.live.field") is not None  # never a grey part
+    found.assert_quiet()
