@@ -14,30 +14,11 @@ from typing import Any
 import loads
 from ballesta.design.read import read_design
 from ballesta.design.step_parts import told_of_steps
-from ballesta.machine.balance import balance_gates, measured_loads, not_measured
-from ballesta.machine.drive_speed import (
-    evenness_of,
-    speed_assumptions,
-    speed_doubts,
-    speed_gates,
-    speed_warnings,
-)
-from ballesta.machine.elastic_parts import compliances_of
+from ballesta.machine.balance import balance_gates, not_measured
+from ballesta.machine.drive_speed import speed_assumptions, speed_gates, speed_warnings
 from ballesta.machine.motion import motions_of
-from ballesta.machine.quasi_static import (
-    assumptions_of,
-    quasi_static_gates,
-    vibration_of,
-    vibration_warnings,
-    with_dynamics,
-)
-from ballesta.machine.solved_cycles import (
-    part_masses,
-    solve_cycles,
-    try_cycles,
-    without_unknown_contacts,
-)
-from ballesta.machine.stop_doubts import stop_doubts
+from ballesta.machine.quasi_static import assumptions_of, quasi_static_gates
+from ballesta.machine.runs import MachineDoubts, MachineRuns, doubts_of, run_machine
 from ballesta.machine.validity_checks import load_gates
 from ballesta.machine.warnings_of import (
     claim_warnings,
@@ -57,7 +38,7 @@ from checks.ladder.part_ladder import (
     DEFAULT_EFFORT,
     Effort,
     Finished,
-    check_parts,
+    Ladder,
     time_warnings,
     told_of_part,
 )
@@ -138,36 +119,13 @@ def check_design(
     models = Models(store)
     timings = {"read": reading}
     try:
-        # what cannot move or does not balance is told before anything is meshed
-        try_cycles(without_unknown_contacts(design))
-        measured_loads(design, {})
-        if not effort.shows_stress:  # no mesh has a better surface
-            models.begin_skins(part.geometry for part in design.parts.values())
-        masses = part_masses(design, models, say)
-        compliances = compliances_of(design, models, say)
         start = perf_counter()
-        say("loads: solving the cycles")
-        solved = solve_cycles(design, masses, compliances, store)
-        vibration = vibration_of(design, solved)
-        shaken = vibration_warnings(design, solved, vibration)
-        evenness = evenness_of(design, solved)
-        uneven = speed_doubts(design, solved, evenness)
-        at_stops = stop_doubts(design, solved)
-        solved = with_dynamics(design, solved, vibration)
-        measured = measured_loads(design, masses)
-        runs: dict[str, loads.CycleLoads | loads.MeasuredLoads] = {**solved, **measured}
-        told = [(doubt.words, doubt.ends) for doubt in uneven]
-        told += [(doubt.words, doubt.ends) for doubt in at_stops]
-        doubts = [
-            Doubt(
-                words,
-                tuple({**with_dynamics(design, end, vibration), **measured} for end in ends),
-            )
-            for words, ends in told
-        ]
+        # where stress is shown, a mesh has a better surface
+        machine = run_machine(design, models, say, store, skins=not effort.shows_stress)
+        runs, doubts = machine.all, doubts_of(design, machine)
         mode = stored_mode(store, design, runs) if store else worst_mode(design, runs)
-        linkage = [] if mode is None else [_of_linkage(design, mode, doubts)]
-        timings["loads"] = perf_counter() - start
+        linkage = [] if mode is None else [_of_linkage(design, mode, doubts.all)]
+        timings["loads"] = perf_counter() - start - sum(models.seconds.values())
     except loads.LinkageError as error:
         raise DesignError(design.file, "linkage", str(error)) from error
     except SolverError as error:
@@ -176,26 +134,52 @@ def check_design(
             f"{design.file}: linkage",
             "check the sections and lengths of its bars: one may be far stiffer than another",
         ) from error
+    frame = _frame(design, machine, doubts, linkage, effort, timings)
+    start = perf_counter()
+    before = sum(models.seconds.values())
+    ladder = Ladder(design, models, effort, begun, say, live, _kept(design, frame, keep))
+    results = ladder.check(runs, doubts.all)
+    spent = sum(models.seconds.values()) - before
+    timings |= models.seconds
+    timings["cycle, fatigue, buckling"] = perf_counter() - start - spent
+    whole = with_parts(frame, results, _warnings_of_parts(design, results))
+    whole = replace(whole, ways=ways_out(whole))
+    return replace(whole, motion=motions_of(design, machine.solved, results) if live else {})
 
-    frame = DesignResult(
+
+def _frame(
+    design: Design,
+    machine: MachineRuns,
+    doubts: MachineDoubts,
+    linkage: Sequence[Check],
+    effort: Effort,
+    timings: dict[str, float],
+) -> DesignResult:
+    """The result of a design before any of its parts is checked."""
+    vibration = machine.vibration
+    return DesignResult(
         name=design.name,
         file=str(design.file),
         sha256=design.sha256,
         overrides=design.overrides,
         parts=(),
-        cycles=_cycle_data(design, runs),
+        cycles=_cycle_data(design, machine.all),
         gates=[
-            *load_gates(design, solved, {doubt.cycle for doubt in at_stops}),
-            *speed_gates(evenness),
+            *load_gates(design, machine.solved, doubts.stops),
+            *speed_gates(doubts.evenness),
             *quasi_static_gates(design, vibration),
-            *balance_gates(design, measured),
+            *balance_gates(design, machine.measured),
         ],
-        warnings=[*shaken, *speed_warnings(evenness), *design_warnings(design, masses, runs)],
+        warnings=[
+            *machine.warnings,
+            *speed_warnings(doubts.evenness),
+            *design_warnings(design, machine.masses, machine.all),
+        ],
         not_checked=(*NOT_CHECKED, *_not_checked_here(design), *not_measured(design)),
         assumed=(
             *design.assumed,
             *_assumed_here(design),
-            *speed_assumptions(evenness),
+            *speed_assumptions(doubts.evenness),
             *assumptions_of(design, vibration),
         ),
         defaults=design.defaults_used,
@@ -215,25 +199,6 @@ def check_design(
         assumed_by_design=_assumed_by_design(design),
         date=date.today().isoformat(),
     )
-    start = perf_counter()
-    before = sum(models.seconds.values())
-    results = check_parts(
-        design,
-        runs,
-        models,
-        effort,
-        begun,
-        say,
-        live=live,
-        finished=_kept(design, frame, keep),
-        doubts=doubts,
-    )
-    spent = sum(models.seconds.values()) - before
-    timings |= models.seconds
-    timings["cycle, fatigue, buckling"] = perf_counter() - start - spent
-    whole = with_parts(frame, results, _warnings_of_parts(design, results))
-    whole = replace(whole, ways=ways_out(whole))
-    return replace(whole, motion=motions_of(design, solved, results) if live else {})
 
 
 def _kept(design: Design, frame: DesignResult, keep: Keep | None) -> Finished | None:

@@ -13,6 +13,7 @@ from dataclasses import replace
 
 from bench.rung_variations import SCENES, Machines, Variation
 from checks.ladder.solid import COARSE, FIRST, LOOSE, Asked, solve_levels
+from checks.part.loaded_part import LoadedPart
 from checks.strength.part_strength import endurance_of, fatigue_use
 from checks.stress.error_bars import Judged, StaticPeak, bars_of
 from checks.stress.solid_mesh_level import Models
@@ -25,12 +26,11 @@ _PARTS = ("bar_upper", "crank")
 def peaks(of: Variation, first: float, accuracy: float) -> list[tuple[float, float]]:
     """Value and numerical bar of what is judged, MPa: on two meshes, or as many as it takes."""
     design, part, loads = replace(of.design, accuracy=accuracy), of.part, of.loads
-    use = fatigue_use(design, part, loads)
+    loaded = LoadedPart(design, part, loads)
+    use = fatigue_use(loaded)
     judged: list[Judged] = [StaticPeak(loads)] if use is None else [StaticPeak(loads), use]
     levels, _, _ = solve_levels(
-        design,
-        part,
-        loads,
+        loaded,
         Models(),
         judged,
         endurance_of(part).value,

@@ -19,11 +19,11 @@ from typing import Any
 
 import numpy as np
 
-from ballesta.check import part_masses, solve_cycles
 from ballesta.design.read import read_design
 from ballesta.machine.balance import measured_loads
 from ballesta.machine.elastic_parts import compliances_of
 from ballesta.machine.quasi_static import vibration_of, with_dynamics
+from ballesta.machine.solved_cycles import part_masses, solve_cycles
 from ballesta.regression.bands import LARGEST, NOISE, band_width, is_bounded, percent
 from ballesta.regression.baseline import rungs_of
 from checks.design.data import Design, Part
@@ -31,6 +31,7 @@ from checks.design.errors import DesignError, NumericsError
 from checks.ladder.climb import start_climb
 from checks.ladder.pinned import climb_pinned
 from checks.ladder.result import solid_result
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
 from checks.stress.solid_mesh_level import Models
 from fem.solvers import SolverError
@@ -128,7 +129,7 @@ def measured(design: Design, part: Part, runs: Any, count: int) -> Iterator[Entr
 def _checks(design: Design, part: Part, runs: Any, factor: float) -> list[Entry]:
     """The checks that a solid decides, its elements made smaller by a factor."""
     part = replace(part, fineness=part.fineness * factor)
-    climb = start_climb(design, part, loads_on(design, part, runs), runs)
+    climb = start_climb(LoadedPart(design, part, loads_on(design, part, runs), runs))
     solids = climb_pinned(climb, dict.fromkeys(climb.asked, _RUNG), lambda _: None)
     result = solid_result(climb, Models(), lambda _: None, everything=False, pinned=solids)
     plain = result.to_dict()

@@ -23,6 +23,7 @@ from checks.ladder.climb import BUILDERS
 from checks.models.checked import BUCKLING, FATIGUE, STATIC, rung_level
 from checks.models.families import family_of
 from checks.models.proportions import of_buckling, proportions_of
+from checks.part.loaded_part import LoadedPart
 from checks.strength.part_strength import fatigue_use
 from fem.solvers import SolverError
 from geometry.mesh import MeshError
@@ -78,7 +79,7 @@ def of_solid(line: Mapping[str, Any], kind: str) -> Mapping[str, Any] | None:
 def rungs_of(variation: Variation, line: Mapping[str, Any]) -> Iterable[Compared]:
     """Every rung's checks of a variation beside the solid's."""
     part, loads, design = variation.part, variation.loads, variation.design
-    use = fatigue_use(design, part, loads)
+    use = fatigue_use(LoadedPart(design, part, loads))
     for rung, build in BUILDERS.items():
         start = perf_counter()
         try:
@@ -88,7 +89,7 @@ def rungs_of(variation: Variation, line: Mapping[str, Any]) -> Iterable[Compared
             continue
         if model is None:
             continue
-        level = rung_level(design, part, loads, model)
+        level = rung_level(LoadedPart(design, part, loads), model)
         values = {STATIC: level.peak.value}
         if use is not None:
             values[FATIGUE] = use.value(level)

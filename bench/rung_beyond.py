@@ -32,7 +32,8 @@ from checks.models.bands import distance_from, known_band
 from checks.models.checked import BUCKLING, FATIGUE, STATIC, rung_level, stress_share
 from checks.models.families import family_of
 from checks.models.proportions import of_buckling, proportions_of
-from checks.part.part_loads import PartLoads, check_reach
+from checks.part.loaded_part import LoadedPart, check_reach
+from checks.part.part_loads import PartLoads
 from checks.strength.part_strength import fatigue_use
 from checks.stress.solid_mesh_level import Models
 from fem.solvers import SolverError
@@ -108,7 +109,8 @@ def drawn(machines: Machines, scene: Scene) -> Iterator[Drawn]:
             changed = replace(part, geometry=shape)
             if some is None:
                 continue
-            check_reach(design, changed, some, cad_body(changed.geometry).interfaces)
+            interfaces = cad_body(changed.geometry).interfaces
+            check_reach(LoadedPart(design, changed, some), interfaces)
         except (ParameterError, MeshError, DesignError):
             continue
         far = distance_from(
@@ -145,8 +147,9 @@ def line_of(
         line["rungs"] = {PULLED if load.pulled else BUCKLING: load.share}
         line["by stress"] = stress_share(part, model)
     else:
-        use = fatigue_use(design, part, loads)
-        level = rung_level(design, part, loads, model)
+        loaded_part = LoadedPart(design, part, loads)
+        use = fatigue_use(loaded_part)
+        level = rung_level(loaded_part, model)
         line["rungs"] = {STATIC: level.peak.value}
         if use is not None:
             line["rungs"][FATIGUE] = use.value(level)
@@ -156,13 +159,15 @@ def line_of(
     line["scales"] = proportions_of(part, loads)
     try:
         found = check_solid(
-            replace(design, accuracy=_SETTINGS["accuracy"]),
-            replace(
-                part,
-                most_unknowns=_BUCKLED_UNKNOWNS if buckling else int(_SETTINGS["most_unknowns"]),
-                fineness=_SETTINGS["fineness"],
+            LoadedPart(
+                replace(design, accuracy=_SETTINGS["accuracy"]),
+                replace(
+                    part,
+                    most_unknowns=_BUCKLED_UNKNOWNS if buckling else _SETTINGS["most_unknowns"],
+                    fineness=_SETTINGS["fineness"],
+                ),
+                loads,
             ),
-            loads,
             Models(),
             asked=Asked(frozenset({BUCKLING} if buckling else {STATIC, FATIGUE}), modes=False),
         )

@@ -16,6 +16,7 @@ from typing import Any
 
 from bench.rung_variations import SCENES, Machines, Variation
 from checks.ladder.solid import Asked, check_solid
+from checks.part.loaded_part import LoadedPart
 from checks.stress.solid_mesh_level import Models
 from fem.solvers import SolverError
 from geometry.mesh import MeshError
@@ -44,7 +45,9 @@ def truth_of(variation: Variation) -> dict[str, Any]:
     start = perf_counter()
     line: dict[str, Any] = {"variation": variation.name, "factors": variation.factors}
     try:
-        result = check_solid(design, part, variation.loads, Models(), asked=_asked(variation))
+        result = check_solid(
+            LoadedPart(design, part, variation.loads), Models(), asked=_asked(variation)
+        )
     except (MeshError, SolverError) as error:
         return line | {"gave up": str(error), "seconds": perf_counter() - start}
     checks = [check for check in result.checks if check.method.startswith("solid")]

@@ -14,12 +14,13 @@ from typing import Any
 import numpy as np
 from scipy.stats import qmc
 
-from ballesta.check import part_masses, solve_cycles
 from ballesta.design.read import read_design
 from ballesta.machine.elastic_parts import compliances_of
+from ballesta.machine.solved_cycles import part_masses, solve_cycles
 from checks.design.data import Design, Part
 from checks.design.errors import DesignError
-from checks.part.part_loads import PartLoads, check_reach, loads_on
+from checks.part.loaded_part import LoadedPart, check_reach
+from checks.part.part_loads import PartLoads, loads_on
 from checks.stress.solid_mesh_level import Models
 from geometry.cad_body import cad_body
 from geometry.mesh import MeshError
@@ -178,7 +179,9 @@ class Machines:
                 return
             try:
                 changed = replace(part, geometry=varied(part.geometry, factors))
-                check_reach(design, changed, loads, cad_body(changed.geometry).interfaces)
+                check_reach(
+                    LoadedPart(design, changed, loads), cad_body(changed.geometry).interfaces
+                )
             except (ParameterError, MeshError, DesignError):
                 continue
             made += 1

@@ -24,6 +24,7 @@ from bench.rung_variations import SCENES, SEED, Machines, Variation
 from checks.ladder.climb import AUTO, climb_cheap, start_climb
 from checks.ladder.result import cheap_result, solid_result
 from checks.models.checked import BUCKLING
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check, PartResult, Status
 from checks.stress.solid_mesh_level import Models
@@ -73,7 +74,7 @@ def auto_of(variation: Variation, factor: float, models: Models) -> tuple[PartRe
     """Verdict of `auto` under loads multiplied by a factor, and the seconds it took."""
     start = perf_counter()
     loads = scaled(variation.loads, factor)
-    climb = start_climb(variation.design, variation.part, loads, {})
+    climb = start_climb(LoadedPart(variation.design, variation.part, loads))
     if climb_cheap(climb, AUTO):
         result = solid_result(climb, models, lambda _: None, everything=False)
     else:

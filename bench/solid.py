@@ -77,8 +77,8 @@ def bar() -> Any:
 
 def press_loads() -> tuple[dict[str, Any], Any]:
     """Wrenches (720, 6) on the bar's interfaces over the press' cycle, and accelerations."""
-    from ballesta.check import part_masses, solve_cycles
     from ballesta.design.read import read_design
+    from ballesta.machine.solved_cycles import part_masses, solve_cycles
     from checks.part.part_loads import loads_on
     from checks.stress.solid_mesh_level import Models
 

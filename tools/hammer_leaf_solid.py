@@ -26,6 +26,7 @@ from hammer_leaf import (
 import fatigue
 from checks.ladder.leaf_checks import with_leaf_checks
 from checks.ladder.solid import check_solid
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads, loads_on
 from checks.result.verdict import Check
 from checks.strength.part_strength import elastic_of, endurance_of
@@ -161,8 +162,8 @@ def check(condition: Condition, material: str) -> dict[str, Check]:
     leaves = stated.parts["leaves"]
     cycles = {condition.cycle: run(DESIGN, condition.cycle)}
     loads = loads_on(stated, leaves, cycles)
-    result = check_solid(stated, leaves, loads, MODELS)
-    result = with_leaf_checks(stated, leaves, result, loads, cycles, MODELS)
+    result = check_solid(LoadedPart(stated, leaves, loads), MODELS)
+    result = with_leaf_checks(LoadedPart(stated, leaves, loads, cycles), result, MODELS)
     return {found.kind: found for found in result.checks if found.kind in ("static", "fatigue")}
 
 

@@ -98,8 +98,8 @@ def positions() -> Iterator[str]:
 def machines() -> Iterator[str]:
     """Peaks that two machines' cycles miss, by their number of positions."""
     import loads
-    from ballesta.check import part_masses, solve_cycles
     from ballesta.design.read import read_design
+    from ballesta.machine.solved_cycles import part_masses, solve_cycles
     from checks.stress.solid_mesh_level import Models
 
     chain = study("chain")

@@ -9,14 +9,12 @@ import numpy as np
 
 import loads
 from ballesta.design.read import read_design
-from ballesta.machine.balance import measured_loads
-from ballesta.machine.elastic_parts import compliances_of
-from ballesta.machine.solved_cycles import part_masses, solve_cycles, without_unknown_contacts
+from ballesta.machine.runs import run_machine
 from ballesta.run import Say, guarded
 from checks.design.data import Design, Part
 from checks.design.errors import DesignError, NumericsError
 from checks.design.names import no_such
-from checks.part.part_loads import PartLoads, loads_on, shown_of
+from checks.part.part_loads import PartLoads, Runs, loads_on, shown_of
 from checks.part.too_fine import told_of_size
 from checks.strength.part_strength import elastic_of
 from checks.stress.solid_mesh_level import Level, Models, solve_level
@@ -33,8 +31,6 @@ _POSITION = re.compile(
     r"(?:(?P<name>[^=]*[^=\s])\s*=\s*)?"
     r"(?P<value>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(?P<words>.*)"
 )
-
-Runs = dict[str, loads.CycleLoads | loads.MeasuredLoads]
 
 
 @dataclass(frozen=True)
@@ -154,13 +150,7 @@ def run_export(
 def _solved(design: Design, models: Models, say: Say) -> Runs:
     """Solve the cycles of a design and balance its measured runs, as a check does."""
     try:
-        # what cannot move or does not balance is told before anything is meshed
-        solve_cycles(without_unknown_contacts(design), {})
-        measured_loads(design, {})
-        masses = part_masses(design, models, say)
-        compliances = compliances_of(design, models, say)
-        solved = solve_cycles(design, masses, compliances)
-        return {**solved, **measured_loads(design, masses)}
+        return run_machine(design, models, say).all
     except loads.LinkageError as error:
         raise DesignError(design.file, "linkage", str(error)) from error
 

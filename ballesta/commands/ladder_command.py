@@ -9,10 +9,7 @@ from typing import TypeVar
 
 import loads
 from ballesta.design.read import read_design
-from ballesta.machine.balance import measured_loads
-from ballesta.machine.elastic_parts import compliances_of
-from ballesta.machine.quasi_static import vibration_of, with_dynamics
-from ballesta.machine.solved_cycles import part_masses, solve_cycles, without_unknown_contacts
+from ballesta.machine.runs import run_machine
 from ballesta.run import Say, guarded
 from checks.design.data import Design, Part
 from checks.design.errors import DesignError
@@ -21,7 +18,7 @@ from checks.ladder.climb import AUTO, BUILDERS, SOLID, Climb, answered, climb_ch
 from checks.ladder.leaf_checks import Solved
 from checks.ladder.part_ladder import told_of_part
 from checks.ladder.result import solid_result
-from checks.part.part_loads import PartLoads, check_reach, loads_on
+from checks.part.loaded_part import LoadedPart
 from checks.result.verdict import Check, RungTried
 from checks.stress.solid_mesh_level import Models
 from fem.allocation import keep_freed_memory
@@ -178,13 +175,7 @@ def _parts(design: Design, name: str | None) -> list[Part]:
 def _solved(design: Design, models: Models, say: Say) -> Solved:
     """Solve the cycles of a design and balance its measured runs, as a check does."""
     try:
-        # what cannot move or does not balance is told before anything is meshed
-        solve_cycles(without_unknown_contacts(design), {})
-        measured_loads(design, {})
-        masses = part_masses(design, models, say)
-        solved = solve_cycles(design, masses, compliances_of(design, models, say))
-        solved = with_dynamics(design, solved, vibration_of(design, solved))
-        return {**solved, **measured_loads(design, masses)}
+        return run_machine(design, models, say).all
     except loads.LinkageError as error:
         raise DesignError(design.file, "linkage", str(error)) from error
 
@@ -192,15 +183,11 @@ def _solved(design: Design, models: Models, say: Say) -> Solved:
 def _ladder(
     design: Design, part: Part, solved: Solved, models: PricedModels, say: Say
 ) -> LadderPart:
-    part_loads = loads_on(design, part, solved)
-    check_reach(design, part, part_loads, models.body(part.geometry).interfaces)
-    auto = start_climb(design, part, part_loads, solved)
+    loaded = LoadedPart.of(design, part, solved, models.body(part.geometry).interfaces)
+    auto = start_climb(loaded)
     tried, chosen = _auto(auto, models, say)
-    rungs = [
-        _alone(start_climb(design, part, part_loads, solved), rung, models, say)
-        for rung in BUILDERS
-    ]
-    rungs += [_solid(design, part, part_loads, solved, models, say, share) for share in SOLIDS]
+    rungs = [_alone(start_climb(loaded), rung, models, say) for rung in BUILDERS]
+    rungs += [_solid(loaded, models, say, share) for share in SOLIDS]
     return LadderPart(part.name, part.shape, part.material.name, auto.asked, rungs, tried, chosen)
 
 
@@ -233,22 +220,14 @@ def _alone(climb: Climb, rung: str, models: PricedModels, say: Say) -> RungTried
     return climb.tried[-1]
 
 
-def _solid(
-    design: Design,
-    part: Part,
-    part_loads: PartLoads,
-    solved: Solved,
-    models: PricedModels,
-    say: Say,
-    share: float,
-) -> RungTried:
+def _solid(loaded: LoadedPart, models: PricedModels, say: Say, share: float) -> RungTried:
     """The solid of a part with a share of its fineness; one that is coarser may be refused."""
+    design, part = loaded.design, loaded.part
     fineness, accuracy = _settings(design, part, share)
     name = f"{SOLID} {fineness:g}"
     say(f"{part.name}: {name}")
-    climb = start_climb(
-        replace(design, accuracy=accuracy), replace(part, fineness=fineness), part_loads, solved
-    )
+    coarser = replace(part, fineness=fineness)
+    climb = start_climb(replace(loaded, design=replace(design, accuracy=accuracy), part=coarser))
     spared = models.spared
     try:
         tried = solid_result(climb, models, say, everything=True).rungs[-1]

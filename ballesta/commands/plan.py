@@ -8,13 +8,11 @@ from time import perf_counter
 import loads
 from ballesta.commands.sketch import joints_in_words, sketch
 from ballesta.design.read import read_design
-from ballesta.machine.balance import measured_loads
-from ballesta.machine.elastic_parts import compliances_of
-from ballesta.machine.solved_cycles import part_masses, solve_cycles
+from ballesta.machine.runs import run_machine
 from checks.design.data import Design, Part
 from checks.design.errors import DesignError, NumericsError
 from checks.ladder.solid import FIRST, check_first_mesh
-from checks.part.part_loads import check_reach, loads_on
+from checks.part.loaded_part import LoadedPart
 from checks.stress.cost import (
     SECOND_MESH,
     mesh_seconds,
@@ -50,19 +48,15 @@ def plan(design: Design) -> list[PlannedPart]:
     """
     models = Models()
     try:
-        masses = part_masses(design, models)
-        solved: dict[str, loads.CycleLoads | loads.MeasuredLoads] = {
-            **solve_cycles(design, masses, compliances_of(design, models)),
-            **measured_loads(design, masses),
-        }
+        runs = run_machine(design, models).all
         planned = []
         for part in design.parts.values():
             first = 3 * len(models.mesh(part.geometry, FIRST * part.fineness).nodes)
-            part_loads = loads_on(design, part, solved)
+            loaded = LoadedPart.of(design, part, runs, models.body(part.geometry).interfaces)
+            part_loads = loaded.loads
             halved = half_of(part, part_loads) is not None
             second = int(SECOND_MESH * first / (2 if halved else 1))
             check_first_mesh(part, first)
-            check_reach(design, part, part_loads, models.body(part.geometry).interfaces)
             unknowns = (first, min(second, part.most_unknowns))
             seconds = solid_seconds(*unknowns)
             planned.append(

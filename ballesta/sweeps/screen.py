@@ -21,12 +21,12 @@ from ballesta.machine.elastic_parts import compliances_of
 from ballesta.machine.quasi_static import vibration_of, with_dynamics
 from ballesta.machine.solved_cycles import linkage_of, part_masses, told_of_cycle
 from checks.columns.stability import column_checks
-from checks.design.data import Design, Part
+from checks.design.data import Design
 from checks.design.errors import DesignError, NumericsError
 from checks.ladder.climb import answered, climb_cheap, start_climb
 from checks.ladder.part_ladder import formula_checks, told_of_part
 from checks.ladder.result import reported_level, rung_gates
-from checks.part.part_loads import check_reach, loads_on
+from checks.part.loaded_part import LoadedPart
 from checks.result.verdict import Check, Gate, Status, deciding_of, status_of
 from checks.stress.solid_mesh_level import Models
 from geometry.cad_body import SolidBody
@@ -183,7 +183,8 @@ def _checked(known: _Known, design: Design, overrides: tuple[str, ...]) -> Scree
         with told_of_part(design, part):
             body = known.models.body(part.geometry)
             weights[part.name] = body.mass_properties(part.material.density).mass
-            why = _check_part(known, design, part, body, runs, checks, gates)
+            loaded = LoadedPart.of(design, part, runs, body.interfaces)
+            why = _check_part(loaded, body, known.models, checks, gates)
         if why:
             left[part.name] = why
     return Screened(
@@ -192,24 +193,20 @@ def _checked(known: _Known, design: Design, overrides: tuple[str, ...]) -> Scree
 
 
 def _check_part(
-    known: _Known,
-    design: Design,
-    part: Part,
+    loaded: LoadedPart,
     body: SolidBody,
-    runs: Mapping[str, loads.CycleLoads | loads.MeasuredLoads],
+    models: Models,
     checks: list[Check],
     gates: list[Gate],
 ) -> str:
     """Add a part's checks and gates; returns why its stress is not judged, if it is not."""
-    part_loads = loads_on(design, part, runs)
-    check_reach(design, part, part_loads, body.interfaces)
-    climb = start_climb(design, part, part_loads, runs)
+    climb = start_climb(loaded)
     why = ""
     if climb_cheap(climb, _RUNG):
         why = "; ".join(tried.why for tried in climb.tried)
     else:
         checks += answered(climb)
         gates += rung_gates(climb, reported_level(climb), body.size)
-    checks += column_checks(design, part, part_loads)
-    checks += formula_checks(climb, runs, known.models, body)
+    checks += column_checks(loaded)
+    checks += formula_checks(loaded, models, body)
     return why

@@ -21,9 +21,10 @@ import numpy as np
 
 from checks.columns.column_first_order import GRID, FirstOrder, first_order
 from checks.columns.column_limits import Plane, planes_of, whole_force
-from checks.design.data import Design, Part
+from checks.design.data import Part
 from checks.handbook.column_curves import BOW
 from checks.part.first_maximum import first_largest
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check
 from geometry.mesh import FloatArray, IntArray
@@ -250,15 +251,16 @@ def crookedness(part: Part, plane: Plane) -> float:
     return plane.length / (STRAIGHTNESS if column.curve is None else BOW[column.curve])
 
 
-def crooked_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
+def crooked_checks(loaded: LoadedPart) -> list[Check]:
     """Return a check per plane of the crooked column's edge against yield, over all positions.
 
     The value is the yield stress over the load factor, so that the safety is the load factor.
     """
+    part, loads = loaded.part, loaded.loads
     if not part.geometry.sections or not axial_compression(part, loads).max() > 0:
         return []
-    planes = planes_of(design, part)
-    mass = design.stated_mass(part).mass
+    planes = planes_of(loaded.design, part)
+    mass = loaded.stated.mass
     checks = []
     pressed = _pressed(part, loads, planes[0].own, mass)
     for plane, other in (planes, planes[::-1]):
@@ -283,7 +285,7 @@ def crooked_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
                 numerical=0.0,
                 model=0.0,
                 limit=strength,
-                required=design.require.static,
+                required=loaded.required.static,
                 cycle=loads.cycle_names[position],
                 position=loads.labels[position],
                 place=f"{sections[place].name} at {plane.own * column.places[place]:.4g} mm",

@@ -9,8 +9,9 @@ import numpy as np
 from checks.columns.column_limits import UNKNOWN_CURVE, ColumnCase, Plane, cases_of, planes_of
 from checks.columns.column_moments import axial_compression as axial_compression
 from checks.columns.column_moments import crooked_checks
-from checks.design.data import Design, Part
+from checks.design.data import Part
 from checks.part.first_maximum import first_largest
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check, Status
 from checks.store.solutions import remembered
@@ -30,18 +31,19 @@ _SAME = 1e-9  # of a safety
 _FAR = 3.0  # times the required safety: beyond it the stiffer fork's bound is not computed
 
 
-def column_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
+def column_checks(loaded: LoadedPart) -> list[Check]:
     """Return a check per plane of the section with the least safety, and the crooked column's.
 
     What decides is the least of yield, Johnson and Euler, or the Eurocode 3 curve that the part's
     column states, over all positions; the other limits stand in the note. The required safety is
     that of buckling either way: no partial factor is mixed into it.
     """
+    part, loads = loaded.part, loaded.loads
     worst = worst_compression(part, loads)
     if worst is None:
         return []
     checks = []
-    for plane in planes_of(design, part):
+    for plane in planes_of(loaded.design, part):
         judged = judged_columns(part, plane, float(axial_compression(part, loads)[worst]))
         case, stress, safety = judged.deciding
         limit = safety * stress
@@ -56,7 +58,7 @@ def column_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
                 model=0.0,
                 model_below=stress * (1 - safety / judged.stiffest) if judged.between else 0.0,
                 limit=limit,
-                required=design.require.buckling,
+                required=loaded.required.buckling,
                 cycle=loads.cycle_names[worst],
                 position=loads.labels[worst],
                 place=case.section.name,
@@ -66,7 +68,7 @@ def column_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
                 note=judged.told(part),
             )
         )
-    return [*checks, *crooked_checks(design, part, loads)]
+    return [*checks, *crooked_checks(loaded)]
 
 
 def column_quantity(plane: Plane) -> str:
@@ -74,11 +76,12 @@ def column_quantity(plane: Plane) -> str:
     return f"column {plane.name}"
 
 
-def column_facts(design: Design, part: Part, loads: PartLoads) -> dict[str, float | str]:
+def column_facts(loaded: LoadedPart) -> dict[str, float | str]:
     """All column limits of a part side by side: safeties by section and plane, effective lengths.
 
     Empty for a part that is never compressed or has no sections.
     """
+    part, loads = loaded.part, loaded.loads
     worst = worst_compression(part, loads)
     if worst is None:
         return {}
@@ -88,7 +91,7 @@ def column_facts(design: Design, part: Part, loads: PartLoads) -> dict[str, floa
         "largest compression [N]": force,
         "largest compression at": where,
     }
-    for plane in planes_of(design, part):
+    for plane in planes_of(loaded.design, part):
         for case in cases_of(part, plane):
             safeties = case.safeties(force / case.section.area, part.material.yield_stress)
             name = f"column {plane.name}, {case.section.name}{'' if case.whole else ', by itself'}"
@@ -190,9 +193,7 @@ def _length(case: ColumnCase) -> str:
 
 
 def eigenvalue_check(
-    design: Design,
-    part: Part,
-    loads: PartLoads,
+    loaded: LoadedPart,
     levels: Sequence[tuple[UnitSolutions, FloatArray]],
     peak: int,
 ) -> tuple[Check, BucklingMode] | None:
@@ -205,6 +206,7 @@ def eigenvalue_check(
     bent may buckle sideways while it is pulled. Forks that hold the ends against tilting are the
     model band. None for pins and stacks, and where nothing buckles.
     """
+    part, loads = loaded.part, loaded.loads
     solutions, coefficients = levels[0]
     if part.body is None or solutions.ties is not None or len(solutions.interfaces) < 2:
         return None
@@ -221,7 +223,7 @@ def eigenvalue_check(
     modes = buckling.modes
     stiff: float | None = None
     forks = "not asked"
-    if modes[0].factor < _FAR * design.require.buckling:
+    if modes[0].factor < _FAR * loaded.required.buckling:
         held = _buckling_at(solutions, coefficients[:, worst], tilt_held=True).modes
         stiff = held[0].factor if held else np.inf
         forks = f"{stiff:.3g}" if held else "none"
@@ -247,7 +249,7 @@ def eigenvalue_check(
             model=0.0,
             model_below=below,
             limit=1.0,
-            required=design.require.buckling,
+            required=loaded.required.buckling,
             cycle=loads.cycle_names[worst],
             position=loads.labels[worst],
             place=f"{mode.plane} mode",

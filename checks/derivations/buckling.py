@@ -5,8 +5,8 @@ from checks.derivations.columns import euler_alone
 from checks.derivations.common import load_case, position_of
 from checks.derivations.elastic import share_items
 from checks.derivations.proven import BARS
-from checks.design.data import Design, Part
-from checks.part.part_loads import PartLoads
+from checks.design.data import Design
+from checks.part.loaded_part import LoadedPart
 from checks.result.derivation import (
     Bars,
     Comparison,
@@ -26,11 +26,11 @@ from geometry.parts import LeafPack, PlateLink, PrismaticTube, ToggleBar, TubeRo
 _ONE = Given("one", "the load itself", 1.0, "", "at 1 it buckles", main=True)
 
 
-def elastic_share(design: Design, part: Part, loads: PartLoads, load: ElasticLoad) -> Derivation:
+def elastic_share(loaded: LoadedPart, load: ElasticLoad) -> Derivation:
     """Of the share of the elastic buckling load by a rung below the solid."""
     items = load.explain() if load.bar is None else share_items(load.bar)
     return Derivation(
-        cases=(load_case(part, loads, load.position),),
+        cases=(load_case(loaded.part, loaded.loads, load.position),),
         sections=(
             Section(f"Demand: {load.words}", tuple(items)),
             Section("Limit", (_ONE,)),
@@ -38,22 +38,21 @@ def elastic_share(design: Design, part: Part, loads: PartLoads, load: ElasticLoa
         value="share",
         limit="one",
         unproved=load.unproved,
-        compared=tuple(euler_alone(design, part, loads, load.position, load.share)),
+        compared=tuple(euler_alone(loaded, load.position, load.share)),
     )
 
 
 def solid_share(
-    design: Design,
-    part: Part,
-    loads: PartLoads,
+    loaded: LoadedPart,
     check: Check,
     mode: BucklingMode,
     unknowns: int,
 ) -> Derivation:
     """Of the share of the elastic buckling load of a solid."""
+    loads = loaded.loads
     position = position_of(loads, check)
     return Derivation(
-        cases=(load_case(part, loads, position),),
+        cases=(load_case(loaded.part, loads, position),),
         sections=(
             Section("Demand", tuple(_factor(mode.factor, f"{mode.plane} mode", "buckling.md"))),
             Section("Limit", (_ONE,)),
@@ -62,7 +61,7 @@ def solid_share(
         limit="one",
         unproved=f"the factor is the lowest eigenvalue of {unknowns} unknowns, K x = −λ K_G x with "
         "the stress of this position in K_G: no formula gives it",
-        compared=tuple(euler_alone(design, part, loads, position, check.value)),
+        compared=tuple(euler_alone(loaded, position, check.value)),
         bars=Bars(words="how far the factor moves from mesh to mesh, and what a count of all "
                   "lower ones leaves; below, forks that hold the ends"),
     )  # fmt: skip

@@ -9,9 +9,9 @@ from checks.columns.stability import (
 )
 from checks.derivations.common import load_case, yield_stress, young
 from checks.derivations.proven import BARS
-from checks.design.data import Design, Part
+from checks.design.data import Part
 from checks.handbook.column_curves import IMPERFECTION, ROBERTSON
-from checks.part.part_loads import PartLoads
+from checks.part.loaded_part import LoadedPart
 from checks.result.derivation import Bars, Comparison, Derivation, Given, Item, Section, Step
 from checks.result.formulas import number_text
 
@@ -22,14 +22,15 @@ _PERRY = "Ayrton and Perry 1886, Robertson 1925"
 _EUROCODE = "EN 1993-1-1:2005, 6.3.1.2"
 
 
-def columns(design: Design, part: Part, loads: PartLoads) -> dict[str, Derivation]:
+def columns(loaded: LoadedPart) -> dict[str, Derivation]:
     """Of the columns in both planes, by the quantity of their checks."""
+    part, loads = loaded.part, loaded.loads
     worst = worst_compression(part, loads)
     if worst is None:
         return {}
     force = float(axial_compression(part, loads)[worst])
     found = {}
-    for plane in planes_of(design, part):
+    for plane in planes_of(loaded.design, part):
         judged = judged_columns(part, plane, force)
         case, _, safety = judged.deciding
         bars, items = Bars(words="a formula has no mesh"), list[Item]()
@@ -145,17 +146,16 @@ def _others(part: Part, plane: Plane, case: ColumnCase) -> list[Item]:
     return found
 
 
-def euler_alone(
-    design: Design, part: Part, loads: PartLoads, position: int, share: float
-) -> list[Comparison]:
+def euler_alone(loaded: LoadedPart, position: int, share: float) -> list[Comparison]:
     """The share that the compression is of Euler's force of the part as a column, by hand."""
+    part = loaded.part
     if not part.geometry.sections:
         return []
-    force = float(axial_compression(part, loads)[position])
+    force = float(axial_compression(part, loaded.loads)[position])
     if not force > 0:
         return []
     found = []
-    for plane in planes_of(design, part):
+    for plane in planes_of(loaded.design, part):
         case = judged_columns(part, plane, force).deciding[0]
         critical = case.strength.euler * case.section.area
         found.append(

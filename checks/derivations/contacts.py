@@ -7,7 +7,7 @@ import numpy as np
 import loads
 from checks.derivations.common import load_case, shear_yield, yield_stress
 from checks.derivations.proven import BARS
-from checks.design.data import Design, Part, Roller
+from checks.design.data import Part, Roller
 from checks.design.model import StackEntry
 from checks.joints.bushes import (
     SHARE_BAND,
@@ -30,6 +30,7 @@ from checks.joints.slot_checks import (
     softer_of,
 )
 from checks.part.first_maximum import first_largest
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import Bars, Derivation, Given, Item, Section, Step
 from checks.result.verdict import Check
@@ -43,13 +44,12 @@ _SHAPE, _LOADS, _DESIGN = "the part's shape", "the loads", "the design"
 _FITS = "docs/theory/fits.md"
 
 
-def lugs(
-    design: Design, part: Part, part_loads: PartLoads, body: Mesh | SolidBody
-) -> dict[str, Derivation]:
+def lugs(loaded: LoadedPart, body: Mesh | SolidBody) -> dict[str, Derivation]:
     """Of the pressure in the holes and the shear behind them, by the kind of their checks."""
+    part, part_loads = loaded.part, loaded.loads
     if isinstance(part.geometry, Pin):
         return {}
-    holes = lugs_of(design, part, body)
+    holes = lugs_of(loaded.design, part, body)
     if not holes:
         return {}
     found = {"bearing": _pressed(part, part_loads, pressed_lugs(part_loads, holes)[0])}
@@ -112,8 +112,9 @@ def _torn(part: Part, part_loads: PartLoads, torn: Torn) -> Derivation:
     )  # fmt: skip
 
 
-def bush(part: Part, part_loads: PartLoads, solved: Solved, check: Check) -> Derivation | None:
+def bush(loaded: LoadedPart, check: Check) -> Derivation | None:
     """Of the pressure of a bush, or its pressure times speed; None for one that is not found."""
+    part, part_loads = loaded.part, loaded.loads
     entries = [one for one in part.stack if one.bush is not None]
     pressed = next((one for one in entries if check.quantity == pressed_quantity(one)), None)
     slid = next((one for one in entries if check.quantity == sliding_quantity(one)), None)
@@ -123,7 +124,7 @@ def bush(part: Part, part_loads: PartLoads, solved: Solved, check: Check) -> Der
     speed = entry is slid
     turn = 0.0
     if speed:
-        position, turn = _fastest(part_loads, solved, part, entry, check.cycle)
+        position, turn = _fastest(loaded, entry, check.cycle)
     else:
         (position,) = first_largest(part_loads.resultant(bush_name(entry)))
     name, count = bush_name(entry), bush_count(entry)
@@ -168,14 +169,12 @@ def bush(part: Part, part_loads: PartLoads, solved: Solved, check: Check) -> Der
     )
 
 
-def _fastest(
-    part_loads: PartLoads, solved: Solved, part: Part, entry: StackEntry, name: str
-) -> tuple[int, float]:
+def _fastest(loaded: LoadedPart, entry: StackEntry, name: str) -> tuple[int, float]:
     """Position of the largest p v in a computed cycle, as labels may repeat; the speed, rad/s."""
-    cycle = solved[name]
+    part_loads, cycle = loaded.loads, loaded.runs[name]
     assert isinstance(cycle, loads.CycleLoads)
     columns = part_loads.cycles[name]
-    speed = np.abs(turning(cycle, part, entry))
+    speed = np.abs(turning(cycle, loaded.part, entry))
     (at,) = first_largest(part_loads.resultant(bush_name(entry))[columns] * speed)
     return int(columns.start) + at, float(speed[at])
 

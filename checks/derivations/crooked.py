@@ -7,8 +7,7 @@ from checks.columns.column_limits import Plane, planes_of
 from checks.columns.column_moments import CrookedColumn, crooked_column
 from checks.columns.stability import worst_compression
 from checks.derivations.common import load_case, numbers, yield_stress
-from checks.design.data import Design, Part
-from checks.part.part_loads import PartLoads
+from checks.part.loaded_part import LoadedPart
 from checks.result.derivation import Bars, Column, Derivation, Given, Item, Section, Step, Sum
 
 _THEORY = "docs/theory/columns.md"
@@ -16,12 +15,13 @@ _BENT = "Timoshenko and Gere, Theory of Elastic Stability, 2nd ed., 1.11"
 _ALMOST = 1 - 1e-9  # of a critical force: a root that is sought ends there
 
 
-def crooked(design: Design, part: Part, loads: PartLoads) -> dict[str, Derivation]:
+def crooked(loaded: LoadedPart) -> dict[str, Derivation]:
     """Of the crooked columns in both planes, by the quantity of their checks."""
+    part, loads = loaded.part, loaded.loads
     if worst_compression(part, loads) is None:
         return {}
-    planes = planes_of(design, part)
-    mass = design.stated_mass(part).mass
+    planes = planes_of(loaded.design, part)
+    mass = loaded.stated.mass
     found = {}
     for plane, other in (planes, planes[::-1]):
         column, sections, positions = crooked_column(part, loads, plane, other, mass)

@@ -1,13 +1,15 @@
 """Bushes of a pin: mean pressure, and pressure times speed, against what the bush may take."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
 import loads
-from checks.design.data import Design, Part
+from checks.design.data import Part
 from checks.design.model import StackEntry
 from checks.part.first_maximum import first_largest
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check
 from checks.strength.load_doubts import doubted
@@ -21,42 +23,44 @@ SHARE_BAND = 0.05
 Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
 
 
-def bush_checks(design: Design, part: Part, part_loads: PartLoads, solved: Solved) -> list[Check]:
+def bush_checks(loaded: LoadedPart) -> list[Check]:
     """Pressure of every bush in a pin's stack; p v of those that state what they bear of it.
 
     p = F / (d L) on the projected area, v = |relative angular speed of pin and lug| d / 2. The
     speed is known over computed cycles; measured runs have none.
     """
+    part = loaded.part
     if not isinstance(part.geometry, Pin):
         return []
     checks = []
     for entry in part.stack:
         if entry.bush is None:
             continue
-        checks += _pressed(design, part, part_loads, entry)
+        checks += _pressed(loaded, entry)
         if entry.bush.pv is not None:
-            checks += _sliding(design, part, part_loads, solved, entry)
+            checks += _sliding(loaded, entry)
     return checks
 
 
-def bushes_not_checked(part: Part, solved: Solved) -> list[str]:
+def bushes_not_checked(loaded: LoadedPart) -> list[str]:
     """What of the bushes could not be checked, in words."""
-    runs = [name for name, cycle in solved.items() if not isinstance(cycle, loads.CycleLoads)]
+    runs = [name for name, cycle in loaded.runs.items() if not isinstance(cycle, loads.CycleLoads)]
     if not runs:
         return []
     return [
         f"NOT CHECKED: {sliding_quantity(entry)} in {', '.join(runs)}: measured loads "
         "tell no relative speeds"
-        for entry in part.stack
+        for entry in loaded.part.stack
         if entry.bush is not None and entry.bush.pv is not None
     ]
 
 
-def _pressed(design: Design, part: Part, part_loads: PartLoads, entry: StackEntry) -> list[Check]:
-    return sampled(lambda some: [_pressure_check(design, part, some, entry)], part_loads)
+def _pressed(loaded: LoadedPart, entry: StackEntry) -> list[Check]:
+    return sampled(lambda some: [_pressure_check(loaded.under(some), entry)], loaded.loads)
 
 
-def _pressure_check(design: Design, part: Part, part_loads: PartLoads, entry: StackEntry) -> Check:
+def _pressure_check(loaded: LoadedPart, entry: StackEntry) -> Check:
+    part, part_loads = loaded.part, loaded.loads
     assert entry.bush is not None
     pressure = _pressure(part, part_loads, entry)
     (worst,) = first_largest(pressure)
@@ -73,7 +77,7 @@ def _pressure_check(design: Design, part: Part, part_loads: PartLoads, entry: St
         numerical=0.0,
         model=SHARE_BAND * value if paired else 0.0,
         limit=entry.bush.allowable,
-        required=design.require.bush,
+        required=loaded.required.bush,
         cycle=part_loads.cycle_names[worst],
         position=part_loads.labels[worst],
         place=f"mean pressure on {diameter:g} x {length:g} mm",
@@ -85,29 +89,26 @@ def _pressure_check(design: Design, part: Part, part_loads: PartLoads, entry: St
     )
 
 
-def _sliding(
-    design: Design, part: Part, part_loads: PartLoads, solved: Solved, entry: StackEntry
-) -> list[Check]:
+def _sliding(loaded: LoadedPart, entry: StackEntry) -> list[Check]:
     """The peak of p v with its load bars: at the ends of a doubt the speeds differ, too."""
-    pairs = [zip(d.ends, d.runs, strict=True) for d in part_loads.doubts]
+    pairs = [zip(d.ends, d.runs, strict=True) for d in loaded.loads.doubts]
     runs = {id(end): run for pair in pairs for end, run in pair}
 
     def made(some: PartLoads) -> list[Check]:
-        return _pv_check(design, part, some, runs.get(id(some), solved), entry)
+        return _pv_check(replace(loaded, loads=some, runs=runs.get(id(some), loaded.runs)), entry)
 
-    return doubted(made, part_loads, made(part_loads))
+    return doubted(made, loaded.loads, made(loaded.loads))
 
 
-def _pv_check(
-    design: Design, part: Part, part_loads: PartLoads, solved: Solved, entry: StackEntry
-) -> list[Check]:
+def _pv_check(loaded: LoadedPart, entry: StackEntry) -> list[Check]:
     """Check the peak of p v over all computed cycles; the mean of each cycle is told."""
+    part, part_loads = loaded.part, loaded.loads
     assert entry.bush is not None
     assert entry.bush.pv is not None
     pressure, diameter = _pressure(part, part_loads, entry), bush_diameter(part, entry)
     found = []
     turned = np.zeros(len(pressure))  # rad/s
-    for name, cycle in solved.items():
+    for name, cycle in loaded.runs.items():
         if not isinstance(cycle, loads.CycleLoads) or name not in part_loads.cycles:
             continue
         columns = part_loads.cycles[name]
@@ -138,7 +139,7 @@ def _pv_check(
         numerical=0.0,
         model=SHARE_BAND * value / 1e3 if paired else 0.0,
         limit=entry.bush.pv / 1e3,
-        required=design.require.bush,
+        required=loaded.required.bush,
         cycle=part_loads.cycle_names[worst],
         position=part_loads.labels[worst],
         place=f"sliding on {diameter:g} mm",

@@ -11,6 +11,7 @@ from checks.design.model import StackEntry
 from checks.handbook.lugs import ball_ligament, bearing_pressure, shear_out
 from checks.joints.tear_planes import tear_lengths
 from checks.part.first_maximum import first_largest
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check
 from geometry.cad_body import SolidBody
@@ -51,15 +52,16 @@ class Lug:
     note: str
 
 
-def lug_checks(design: Design, part: Part, loads: PartLoads, body: Mesh | SolidBody) -> list[Check]:
+def lug_checks(loaded: LoadedPart, body: Mesh | SolidBody) -> list[Check]:
     """Pressure in the holes of a part and shear behind them, each where it is worst."""
+    part = loaded.part
     if isinstance(part.geometry, Pin):
         return []
-    lugs = lugs_of(design, part, body)
+    lugs = lugs_of(loaded.design, part, body)
     if not lugs:
         return []
-    torn = _shear_out(design, part, loads, body, lugs)
-    return [_bearing(design, part, loads, lugs), *([torn] if torn else [])]
+    torn = _shear_out(loaded, body, lugs)
+    return [_bearing(loaded, lugs), *([torn] if torn else [])]
 
 
 def lugs_of(design: Design, part: Part, body: Mesh | SolidBody) -> list[Lug]:
@@ -129,13 +131,14 @@ def pressed_lugs(loads: PartLoads, lugs: Sequence[Lug]) -> list[Pressed]:
     return [found[row], *(one for k, one in enumerate(found) if k != row)]
 
 
-def _bearing(design: Design, part: Part, loads: PartLoads, lugs: Sequence[Lug]) -> Check:
+def _bearing(loaded: LoadedPart, lugs: Sequence[Lug]) -> Check:
     """Check the hole whose pressure is the largest share of what the softer of both may bear."""
+    loads = loaded.loads
     most, *less = pressed_lugs(loads, lugs)
     lug, worst = most.lug, most.position
     others = ", ".join(f"{one.lug.interface} {one.pressure:.3g}" for one in less)
     return Check(
-        part=part.name,
+        part=loaded.part.name,
         kind="bearing",
         quantity="mean pressure of the pin F/(d t)",
         value=most.pressure,
@@ -143,7 +146,7 @@ def _bearing(design: Design, part: Part, loads: PartLoads, lugs: Sequence[Lug]) 
         numerical=0.0,
         model=0.0,
         limit=lug.softer.yield_stress,
-        required=design.require.static,
+        required=loaded.required.static,
         cycle=loads.cycle_names[worst],
         position=loads.labels[worst],
         place=f"{lug.interface}, {lug.diameter:g} x {lug.width:g} mm",
@@ -196,10 +199,9 @@ def torn_most(
     return found[row]
 
 
-def _shear_out(
-    design: Design, part: Part, loads: PartLoads, body: Mesh | SolidBody, lugs: Sequence[Lug]
-) -> Check | None:
+def _shear_out(loaded: LoadedPart, body: Mesh | SolidBody, lugs: Sequence[Lug]) -> Check | None:
     """Check the ligament that is sheared most; None where no pin pulls at one."""
+    part, loads = loaded.part, loaded.loads
     torn = torn_most(part, loads, body, lugs)
     if torn is None:
         return None
@@ -213,7 +215,7 @@ def _shear_out(
         numerical=0.0,
         model=0.0,
         limit=part.material.yield_stress / float(np.sqrt(3)),
-        required=design.require.static,
+        required=loaded.required.static,
         cycle=loads.cycle_names[worst],
         position=loads.labels[worst],
         place=f"{lug.interface}, towards {torn.ligament.until}",

@@ -6,10 +6,10 @@ press evenly over their widths give (`checks.joints.pin_diagrams`).
 
 import numpy as np
 
-from checks.design.data import Design, Part
 from checks.joints.pin_diagrams import PinDiagram as PinDiagram
 from checks.joints.pin_diagrams import pin_diagram as pin_diagram
 from checks.part.first_maximum import first_largest
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check
 from geometry.mesh import FloatArray
@@ -23,8 +23,9 @@ _COUNTS = 1.01  # times bending or shear alone, from which their sum is a check 
 _ROUND_OFF = 1e-12  # of a stress
 
 
-def pin_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
+def pin_checks(loaded: LoadedPart) -> list[Check]:
     """Nominal bending and shear of a pin over its stack; their sum where it is more than either."""
+    part, loads = loaded.part, loaded.loads
     if not isinstance(part.geometry, Pin):
         return []
     wrenches = dict(loads.wrenches)
@@ -32,9 +33,7 @@ def pin_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
     pressed = pin_diagram(part.geometry, wrenches, spread=True, ends_only=True)
     pressures = _pressures(part.geometry, loads)
     bending = _check(
-        design,
-        part,
-        loads,
+        loaded,
         pushed.bending_stress,
         pressed.most_bent,
         pushed,
@@ -43,9 +42,7 @@ def pin_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
         pressures,
     )
     shear = _check(
-        design,
-        part,
-        loads,
+        loaded,
         pushed.shear_stress,
         pressed.most_sheared,
         pushed,
@@ -58,14 +55,12 @@ def pin_checks(design: Design, part: Part, loads: PartLoads) -> list[Check]:
     if both.max() <= _COUNTS * alone:
         return [bending, shear]
     even = float(pressed.equivalent_peaks.max())
-    more = _check(design, part, loads, both, even, pushed, "pin bending", TOGETHER, "")
+    more = _check(loaded, both, even, pushed, "pin bending", TOGETHER, "")
     return [bending, shear, more]
 
 
 def _check(
-    design: Design,
-    part: Part,
-    loads: PartLoads,
+    loaded: LoadedPart,
     stress: FloatArray,
     even: float,
     diagram: PinDiagram,
@@ -74,6 +69,7 @@ def _check(
     more: str,
 ) -> Check:
     """Check the worst section; the model band reaches to what lugs with even pressure give."""
+    part, loads = loaded.part, loaded.loads
     position, section = first_largest(stress)
     value = float(stress[position, section])
     if abs(even - value) <= _ROUND_OFF * value:
@@ -104,7 +100,7 @@ def _check(
         model=max(0.0, even - value),
         model_below=max(0.0, value - even),
         limit=float(limit),
-        required=design.require.static,
+        required=loaded.required.static,
         cycle=loads.cycle_names[position],
         position=loads.labels[position],
         place=f"z = {round(float(diagram.places[section]), 2) + 0.0:g} mm",

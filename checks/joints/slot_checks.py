@@ -6,11 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from checks.design.data import Design, Part, Roller
+from checks.design.data import Part, Roller
 from checks.design.errors import DesignError
 from checks.design.materials import Material
 from checks.handbook.hertz import HertzBody, HertzError, line_contact
 from checks.part.first_maximum import first_largest
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check
 from geometry.mesh import FloatArray, Interface
@@ -56,9 +57,7 @@ def flat_quantity(name: str) -> str:
 
 
 def slot_checks(
-    design: Design,
-    part: Part,
-    loads: PartLoads,
+    loaded: LoadedPart,
     interfaces: Mapping[str, Interface],
     *,
     solved: bool = True,
@@ -68,34 +67,34 @@ def slot_checks(
     solved  whether the loads are the solved positions': between them forces and reach have a spline
             each, so that a roller seems to take a couple, which is then none to refuse
     """
+    part = loaded.part
     checks = []
     for name, interface in interfaces.items():
         if interface.kind != "slide":
             continue
         roller = part.contacts.get(name)
         if roller is None:
-            checks.append(_flat(design, part, loads, interface))
+            checks.append(_flat(loaded, interface))
             continue
         try:
-            check = _round(design, part, loads, interface, roller, solved=solved)
+            check = _round(loaded, interface, roller, solved=solved)
         except HertzError as error:
             key = f"parts.{part.name}.contacts.{name}.radius"
-            raise DesignError(design.file, key, str(error)) from error
+            raise DesignError(loaded.design.file, key, str(error)) from error
         if check is not None:
             checks.append(check)
     return checks
 
 
 def _round(
-    design: Design,
-    part: Part,
-    loads: PartLoads,
+    loaded: LoadedPart,
     interface: Interface,
     roller: Roller,
     *,
     solved: bool,
 ) -> Check | None:
     """Check a pin or roller on the flat flank; None where nothing ever presses."""
+    part, loads = loaded.part, loaded.loads
     force = force_across(loads, interface)
     (worst,) = first_largest(force)
     if not force[worst] > 0:
@@ -104,7 +103,7 @@ def _round(
     if solved and most > _TURNED * force[worst] * 2 * roller.radius:
         key = f"parts.{part.name}.contacts.{interface.name}.radius"
         raise DesignError(
-            design.file,
+            loaded.design.file,
             key,
             f"a pin or roller takes no couple, but up to {most / 1e3:.3g} N m act here: the block "
             "turns with this part; leave the radius out, or make the joint a slot",
@@ -125,7 +124,7 @@ def _round(
         numerical=0.0,
         model=0.0,
         limit=FIRST_YIELD * softer.yield_stress,
-        required=design.require.static,
+        required=loaded.required.static,
         cycle=loads.cycle_names[worst],
         position=loads.labels[worst],
         place=f"{interface.name}, radius {roller.radius:g} mm on a flat {interface.length:g} mm "
@@ -139,8 +138,9 @@ def _round(
     )
 
 
-def _flat(design: Design, part: Part, loads: PartLoads, interface: Interface) -> Check:
+def _flat(loaded: LoadedPart, interface: Interface) -> Check:
     """Check a flat block: mean pressure, and what a couple on the block adds at its end."""
+    part, loads = loaded.part, loaded.loads
     force, couple = force_across(loads, interface), couple_on(loads, interface)
     length, width = 2 * interface.patch, interface.length
     pressure = flat_pressure(loads, interface)
@@ -155,7 +155,7 @@ def _flat(design: Design, part: Part, loads: PartLoads, interface: Interface) ->
         numerical=0.0,
         model=0.0,
         limit=part.material.yield_stress,
-        required=design.require.static,
+        required=loaded.required.static,
         cycle=loads.cycle_names[worst],
         position=loads.labels[worst],
         place=f"{interface.name}, block of {length:g} x {width:g} mm",

@@ -14,10 +14,10 @@ Keys without data are left out; the pages say why.
 from collections.abc import Sequence
 from typing import Any
 
-from checks.design.data import Design, Part
 from checks.ladder.chart_data_columns import column_data
 from checks.ladder.chart_data_fatigue import fkm_data, haigh_data, life_data
 from checks.ladder.chart_data_meshes import convergence_data
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse
 from checks.strength.part_strength import life_task
@@ -30,9 +30,7 @@ SOLID = "solid"
 
 
 def charts_of(
-    design: Design,
-    part: Part,
-    loads: PartLoads,
+    loaded: LoadedPart,
     level: Stressed,
     use: FatigueUse | None,
     levels: Sequence[Level] = (),
@@ -43,6 +41,7 @@ def charts_of(
     use     how its fatigue is judged, None without a cycle of the duty
     levels  of its meshes, coarse to fine; none of a part that was not meshed
     """
+    part, loads = loaded.part, loaded.loads
     charts: dict[str, Any] = {
         "peaks": {
             name: level.peaks_by_position[columns].tolist()
@@ -51,12 +50,12 @@ def charts_of(
         "by": level.model.rung if isinstance(level, RungLevel) else SOLID,
     }
     if isinstance(use, FkmUse):
-        charts["fkm"], charts["sn"] = fkm_data(design, part, level, use)
+        charts["fkm"], charts["sn"] = fkm_data(loaded, level, use)
     elif use is not None:
         peak = use.worst(level)
         charts["haigh"] = haigh_data(part, level, peak)
-        charts["sn"] = life_data(level, peak, life_task(design, part), design)
-    column = column_data(design, part, loads)
+        charts["sn"] = life_data(loaded, level, peak, life_task(part, loaded.duty))
+    column = column_data(loaded)
     if column is not None:
         charts["column"] = column
     if len(levels) > 1:

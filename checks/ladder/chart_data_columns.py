@@ -4,11 +4,11 @@ from typing import Any
 
 from checks.columns.column_limits import Plane, planes_of
 from checks.columns.stability import axial_compression, judged_columns, worst_compression
-from checks.design.data import Design, Part
-from checks.part.part_loads import PartLoads
+from checks.design.data import Part
+from checks.part.loaded_part import LoadedPart
 
 
-def column_data(design: Design, part: Part, loads: PartLoads) -> dict[str, Any] | None:
+def column_data(loaded: LoadedPart) -> dict[str, Any] | None:
     """The column of least safety in each plane, under the largest compression of all positions.
 
     youngs_modulus, yield  MPa
@@ -22,6 +22,7 @@ def column_data(design: Design, part: Part, loads: PartLoads) -> dict[str, Any] 
 
     None for a part that has no sections or is never compressed.
     """
+    part, loads = loaded.part, loaded.loads
     worst = worst_compression(part, loads)
     if worst is None:
         return None
@@ -29,13 +30,14 @@ def column_data(design: Design, part: Part, loads: PartLoads) -> dict[str, Any] 
     return {
         "youngs_modulus": part.material.youngs_modulus,
         "yield": part.material.yield_stress,
-        "required": design.require.buckling,
+        "required": loaded.required.buckling,
         "curve": part.column.curve,
         "cycle": loads.cycle_names[worst],
         "position": loads.labels[worst],
         "force": {name: force[columns].tolist() for name, columns in loads.cycles.items()},
         "planes": [
-            _plane_data(part, plane, float(force[worst])) for plane in planes_of(design, part)
+            _plane_data(part, plane, float(force[worst]))
+            for plane in planes_of(loaded.design, part)
         ],
     }
 

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 import fatigue
-from checks.design.data import Design, Part
+from checks.design.data import Part
+from checks.part.loaded_part import LoadedPart
 from checks.strength.equivalent_stress_history import counted, cycles_of, readings_of
 from checks.strength.fatigue_assessment import FkmUse
 from checks.strength.fatigue_facts import deciding_pair, haigh_of
@@ -72,7 +73,9 @@ def _swings(stress: FloatArray, least: FloatArray) -> dict[str, list[float]]:
     return {"mean": mean.tolist(), "amplitude": amplitude.tolist()}
 
 
-def life_data(level: Stressed, peak: FatiguePeak, task: LifeTask, design: Design) -> dict[str, Any]:
+def life_data(
+    loaded: LoadedPart, level: Stressed, peak: FatiguePeak, task: LifeTask
+) -> dict[str, Any]:
     """The S-N line of the critical point and the duty's cycles on it.
 
     asked            what the design asks for, "infinite" or "finite" life
@@ -88,12 +91,12 @@ def life_data(level: Stressed, peak: FatiguePeak, task: LifeTask, design: Design
     state            "beyond the curve" where a cycle reaches the ultimate strength: no finite
                      number of them does the damage, and those that do have None for it; else ""
     """
-    duty, point, required = level.duty, peak.point, design.require.fatigue
+    duty, point, required = level.duty, peak.point, loaded.required.fatigue
     assert duty is not None
     limit = float(level.limits[point])
     why = why_no_curve(task.material, limit, axial=task.axial) or ""
     data: dict[str, Any] = {
-        "asked": design.duty.life, "required": required, "chain": "Marin", "why": why,
+        "asked": loaded.duty.life, "required": required, "chain": "Marin", "why": why,
         "limit": limit, "away": float(duty.limit), "line": [], "below": [],
         "ultimate": task.material.ultimate_stress, "endless": task.endless,
         "allowed": task.allowed_damage, "damage": None, "state": "",
@@ -175,7 +178,7 @@ def _finite(value: float) -> float | None:
 
 
 def fkm_data(
-    design: Design, part: Part, level: Stressed, use: FkmUse
+    loaded: LoadedPart, level: Stressed, use: FkmUse
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """FKM's diagram of the critical point, and its S-N line with one cycle per run of the duty.
 
@@ -204,27 +207,27 @@ def fkm_data(
         "amplitude": found.amplitude,
         "endurance": limit,
         "sensitivity": found.limit.sensitivity,
-        "ultimate": part.material.ultimate_stress,
-        "yield": part.material.yield_stress,
+        "ultimate": loaded.part.material.ultimate_stress,
+        "yield": loaded.part.material.yield_stress,
         "line": np.stack([_RAYS * factor * limit, factor * limit], axis=1).tolist(),
         "cloud": cloud.tolist(),
         "paths": _paths(level, found.pair, peak),
     }
-    return haigh, _fkm_life(design, level, use, limit)
+    return haigh, _fkm_life(loaded, level, use, limit)
 
 
-def _fkm_life(design: Design, level: Level, use: FkmUse, limit: float) -> dict[str, Any]:
+def _fkm_life(loaded: LoadedPart, level: Level, use: FkmUse, limit: float) -> dict[str, Any]:
     """The guideline's S-N line and the longest chord of every cycle of the duty."""
     found, duty = use.found(level), level.duty
     assert duty is not None
     slopes = slopes_of(level.solutions)
-    curve, required = fatigue.fkm_curve(found.limit), design.require.fatigue
+    curve, required = fatigue.fkm_curve(found.limit), loaded.required.fatigue
     cycles = []
     for name, run in cycles_of(duty).items():
         path = np.ascontiguousarray(duty.coefficients[:, run])
         one = fkm_points(found.strength, duty.basis, path, np.array([found.point]), slopes)
         used = float(one.utilisation[0]) if len(one.points) else 0.0
-        cycles.append([design.duty.cycles[name], used * limit, 0.0, required * used * limit])
+        cycles.append([loaded.duty.cycles[name], used * limit, 0.0, required * used * limit])
     at_knee = float(found.limit.limit)
     return {
         "asked": "infinite", "required": required, "chain": "FKM", "why": "", "limit": limit,

@@ -5,13 +5,14 @@ from dataclasses import dataclass, field, replace
 from math import inf
 from time import perf_counter
 
-from checks.design.data import Design, Part
-from checks.ladder.leaf_checks import LeafBand, Solved, leaf_band
+from checks.design.data import Part
+from checks.ladder.leaf_checks import LeafBand, leaf_band
 from checks.models import beam, formula
 from checks.models.bands import known_band
 from checks.models.checked import BUCKLING, FATIGUE, STATIC, rung_estimates, rung_level
 from checks.models.estimate import Estimate
 from checks.models.families import family_of
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check, RungTried, Status
 from checks.strength.fatigue_assessment import FatigueUse
@@ -48,10 +49,7 @@ class Climb:
     doubted    kinds of which two rungs' bars have nothing in common: only a solid settles them
     """
 
-    design: Design
-    part: Part
-    loads: PartLoads
-    solved: Solved
+    loaded: LoadedPart
     use: FatigueUse | None
     asked: tuple[str, ...]
     best: dict[str, Estimate] = field(default_factory=dict)
@@ -60,6 +58,16 @@ class Climb:
     tried: list[RungTried] = field(default_factory=list)
     unbuckled: bool = False
     doubted: set[str] = field(default_factory=set)
+
+    @property
+    def part(self) -> Part:
+        """The part itself."""
+        return self.loaded.part
+
+    @property
+    def loads(self) -> PartLoads:
+        """Its loads at all positions."""
+        return self.loaded.loads
 
     @property
     def open(self) -> list[str]:
@@ -86,8 +94,8 @@ class Climb:
         if model is None:
             self.skip(rung, f"there is no {rung} of this shape")
             return False
-        level = rung_level(self.design, self.part, self.loads, model)
-        leaves = leaf_band(self.design, self.part, self.loads, self.solved, self._again(rung))
+        level = rung_level(self.loaded, model)
+        leaves = leaf_band(self.loaded, self._again(rung))
         doubts = load_bars(self.loads, self._values(rung))
 
         def band(check: Check) -> Check:
@@ -96,9 +104,7 @@ class Climb:
         found = {
             kind: _banded(estimate, band)
             for kind, estimate in rung_estimates(
-                self.design,
-                self.part,
-                self.loads,
+                self.loaded,
                 level,
                 self.use,
                 lambda some: BUILDERS[rung](self.part, some),
@@ -159,7 +165,7 @@ class Climb:
         def level_of(loads: PartLoads) -> RungLevel:
             model = BUILDERS[rung](self.part, loads)
             assert model is not None
-            return rung_level(self.design, self.part, loads, model, all_round=all_round)
+            return rung_level(self.loaded.under(loads), model, all_round=all_round)
 
         return level_of
 
@@ -173,7 +179,7 @@ class Climb:
         def values_of(loads: PartLoads) -> dict[str, float]:
             level = level_of(loads)
             values = {STATIC: level.peak.value}
-            use = fatigue_use(self.design, self.part, loads)
+            use = fatigue_use(self.loaded.under(loads))
             if use is not None:
                 values[FATIGUE] = use.value(level)
             if level.model.buckling is not None:
@@ -221,9 +227,10 @@ def _open_words(estimate: Estimate | None) -> str:
     return f"has its limit within {estimate.guard:g} times its bars"
 
 
-def start_climb(design: Design, part: Part, loads: PartLoads, solved: Solved) -> Climb:
+def start_climb(loaded: LoadedPart) -> Climb:
     """A climb at the foot of the ladder."""
-    use = fatigue_use(design, part, loads)
+    part, loads = loaded.part, loaded.loads
+    use = fatigue_use(loaded)
     asked = [STATIC]
     if use is not None:
         asked.append(FATIGUE)
@@ -233,7 +240,7 @@ def start_climb(design: Design, part: Part, loads: PartLoads, solved: Solved) ->
         and len(loads.wrenches) > 1
     ):
         asked.append(BUCKLING)
-    return Climb(design, part, loads, solved, use, tuple(asked))
+    return Climb(loaded, use, tuple(asked))
 
 
 def climb_cheap(climb: Climb, fidelity: str, say: Say = lambda _: None) -> bool:

@@ -7,10 +7,9 @@ settled its verdict. One mesh is enough for that; it has no error bar, and the p
 from collections.abc import Sequence
 from dataclasses import replace
 
-from checks.design.data import Design, Part
 from checks.ladder.part_fields import solid_fields
 from checks.ladder.solid import Say, first_level
-from checks.part.part_loads import PartLoads
+from checks.part.loaded_part import LoadedPart
 from checks.result.live_fields import LiveFields
 from checks.result.verdict import PartResult
 from checks.strength.fatigue_assessment import FatigueUse
@@ -24,9 +23,7 @@ _UNDRAWN = "no mesh to look at: "
 
 
 def with_drawn_fields(
-    design: Design,
-    part: Part,
-    loads: PartLoads,
+    loaded: LoadedPart,
     use: FatigueUse | None,
     result: PartResult,
     models: Models,
@@ -38,12 +35,13 @@ def with_drawn_fields(
 
     A part that cannot be meshed or solved stays as it is, and the page says why.
     """
+    loads = loaded.loads
     live = result.live
     if not isinstance(live, LiveFields) or (live.n_fields and not live.estimated):
         return result
-    say(f"{part.name}: meshing, to draw its stress")
+    say(f"{loaded.part.name}: meshing, to draw its stress")
     try:
-        level = first_level(design, part, loads, models)
+        level = first_level(loaded, models)
     except (MeshError, SolverError, TooManyElementsError) as error:
         return replace(result, live=undrawn(live, str(error)))
     methods = ", ".join(dict.fromkeys(check.method for check in result.checks))

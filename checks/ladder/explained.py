@@ -29,7 +29,6 @@ Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
 def explained(
     climb: Climb,
     checks: Sequence[Check],
-    solved: Solved,
     lugged: Mesh | SolidBody,
     body: SolidBody,
 ) -> list[Check]:
@@ -40,9 +39,9 @@ def explained(
     Those of a solid have theirs already (`checks.derivations.solids`): its mesh is gone by now. A
     check that nothing here knows gets one that says so (`checks.derivations.proven.unknown`).
     """
-    design, part, part_loads = climb.design, climb.part, climb.loads
-    by_quantity = columns(design, part, part_loads) | crooked(design, part, part_loads)
-    by_kind = lugs(design, part, part_loads, lugged)
+    loaded, part, part_loads = climb.loaded, climb.part, climb.loads
+    by_quantity = columns(loaded) | crooked(loaded)
+    by_kind = lugs(loaded, lugged)
     of_kind: Mapping[str, Callable[[Check], Derivation | None]] = {
         "static": lambda check: _of_rung(climb, check),
         "fatigue": lambda check: _of_rung(climb, check),
@@ -55,7 +54,7 @@ def explained(
         "shear-out": lambda check: by_kind.get(check.kind),
         "pin bending": lambda check: pin(part, part_loads, check),
         "pin shear": lambda check: pin(part, part_loads, check),
-        "bush": lambda check: bush(part, part_loads, solved, check),
+        "bush": lambda check: bush(loaded, check),
         "contact": lambda check: contact(part, part_loads, body.interfaces, check),
     }
     done = []
@@ -71,12 +70,12 @@ def _of_rung(climb: Climb, check: Check) -> Derivation | None:
     level = climb.levels.get(check.method)
     if level is None:
         return None
-    design, part, part_loads = climb.design, climb.part, climb.loads
+    part, part_loads = climb.part, climb.loads
     if check.kind == "buckling":
         load = level.model.buckling
         if load is None:
             return None
-        found = elastic_share(design, part, part_loads, load)
+        found = elastic_share(climb.loaded, load)
     elif check.kind == "static":
         found = static(part, part_loads, level)
     else:

@@ -14,8 +14,9 @@ import numpy as np
 
 import loads
 from checks.derivations.friction import with_friction
-from checks.design.data import Design, Part
+from checks.design.data import Part
 from checks.ladder.solid import first_level
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads, loads_on
 from checks.result.derivation import Derivation
 from checks.result.verdict import Check, Gate, PartResult
@@ -70,21 +71,17 @@ class LeafBand:
 
 
 def with_leaf_checks(
-    design: Design,
-    part: Part,
+    loaded: LoadedPart,
     result: PartResult,
-    part_loads: PartLoads,
-    solved: Solved,
     models: Models,
 ) -> PartResult:
     """Return a pack's result with its gaps' gate and the model bands of bonded leaves."""
+    part = loaded.part
     shape = part.geometry
     if not isinstance(shape, LeafPack) or shape.leaves == 1:
         return result
-    free = first_level(design, part, part_loads, models)
-    band = leaf_band(
-        design, part, part_loads, solved, lambda other: first_level(design, part, other, models)
-    )
+    free = first_level(loaded, models)
+    band = leaf_band(loaded, lambda other: first_level(loaded.under(other), models))
     return replace(
         result,
         checks=[_told(band, check, band(check)) for check in result.checks],
@@ -93,20 +90,17 @@ def with_leaf_checks(
 
 
 def leaf_band(
-    design: Design,
-    part: Part,
-    part_loads: PartLoads,
-    solved: Solved,
+    loaded: LoadedPart,
     level_of: Callable[[PartLoads], Stressed],
 ) -> LeafBand:
     """What widens a pack's stress checks to what friction between its leaves can make of them.
 
     level_of  the stress of leaves that slide freely under some loads, by any model
     """
-    shape = part.geometry
+    shape = loaded.part.geometry
     if not isinstance(shape, LeafPack) or shape.leaves == 1:
         return LeafBand(None)
-    return LeafBand(_stiffer(design, part, shape, part_loads, solved, level_of))
+    return LeafBand(_stiffer(loaded, shape, level_of))
 
 
 def _told(band: LeafBand, free: Check, widened: Check) -> Check:
@@ -148,11 +142,8 @@ def gap_gate(part: Part, shape: LeafPack, level: Level) -> Gate:
 
 
 def _stiffer(
-    design: Design,
-    part: Part,
+    loaded: LoadedPart,
     shape: LeafPack,
-    part_loads: PartLoads,
-    solved: Solved,
     level_of: Callable[[PartLoads], Stressed],
 ) -> _Stiffer:
     """Stress of a bonded pack under its own loads, and the least of any pack between.
@@ -160,10 +151,11 @@ def _stiffer(
     With friction every position's stress is between both packs'. Some fall and some grow, so the
     least is that of a history made of the smaller one at every position.
     """
+    part, part_loads = loaded.part, loaded.loads
     count = shape.leaves
     stiffer = [
         name
-        for name, cycle in solved.items()
+        for name, cycle in loaded.runs.items()
         if isinstance(cycle, loads.CycleLoads) and _gives(part, cycle)
     ]
     relieved = (1 / count, 1 / count)
@@ -171,10 +163,8 @@ def _stiffer(
         words = f"forces are imposed on it, so a bonded pack has 1/{count} of the stress"
         return _Stiffer(relieved, relieved, words)
     try:
-        other = dict(solved) | {
-            name: _stiffened(design, part, solved[name], count**2) for name in stiffer
-        }
-        other_loads = loads_on(design, part, other)
+        other = dict(loaded.runs) | {name: _stiffened(loaded, name, count**2) for name in stiffer}
+        other_loads = loads_on(loaded.design, part, other)
         free, again = level_of(part_loads), level_of(other_loads)
     except loads.LinkageError as error:
         words = f"a bonded pack's loads cannot be found: {error}"
@@ -184,7 +174,7 @@ def _stiffer(
         own, bonded = free.peaks_by_position[columns], again.peaks_by_position
         bonded = bonded[other_loads.cycles[name]] / count
         if name in stiffer:
-            times, other_times = solved[name].times, other[name].times
+            times, other_times = loaded.runs[name].times, other[name].times
             assert times is not None
             assert other_times is not None
             bonded = np.interp(times, other_times, bonded)
@@ -223,14 +213,13 @@ def _gives(part: Part, cycle: loads.CycleLoads) -> bool:
     )
 
 
-def _stiffened(
-    design: Design, part: Part, cycle: loads.CycleLoads | loads.MeasuredLoads, factor: float
-) -> loads.CycleLoads:
+def _stiffened(loaded: LoadedPart, name: str, factor: float) -> loads.CycleLoads:
     """Solve a cycle again with a body that bends `factor` times less."""
+    cycle = loaded.runs[name]
     assert isinstance(cycle, loads.CycleLoads)
 
     def stiffer(entry: _Compliance) -> _Compliance:
-        if isinstance(entry, loads.JointCompliance) or entry.body != part.body:
+        if isinstance(entry, loads.JointCompliance) or entry.body != loaded.part.body:
             return entry
         if isinstance(entry, loads.MatrixCompliance):
             return replace(entry, matrix=entry.matrix / factor)
@@ -240,7 +229,7 @@ def _stiffened(
     linkage = replace(
         cycle.linkage, compliance=tuple(stiffer(entry) for entry in cycle.linkage.compliance)
     )
-    return loads.run_cycle(linkage, design.cycles[cycle.name].run)
+    return loads.run_cycle(linkage, loaded.design.cycles[name].run)
 
 
 def _banded(check: Check, stiffer: _Stiffer) -> Check:

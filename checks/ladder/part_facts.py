@@ -6,7 +6,8 @@ from math import degrees
 import numpy as np
 
 import fatigue
-from checks.design.data import Design, Part
+from checks.design.data import Part
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Gate
 from checks.stress.solid_mesh_level import Level
@@ -28,9 +29,7 @@ SMALL_DISPLACEMENT = 0.03
 
 
 def gates_of(
-    design: Design,
-    part: Part,
-    loads: PartLoads,
+    loaded: LoadedPart,
     levels: Sequence[Level],
     properties: MassProperties,
 ) -> list[Gate]:
@@ -38,12 +37,13 @@ def gates_of(
 
     properties  of the part, with which the linkage was solved
     """
+    part, loads = loaded.part, loaded.loads
     level = levels[-1]
     solutions = level.solutions
     slender = np.abs(solutions.displacement @ level.coefficients[:, level.peak.position]).max()
     size = float(np.ptp(solutions.mesh.nodes, axis=0).max())
     gates = []
-    if not _stated_mass(design, part):
+    if not _stated_mass(loaded):
         driving = levels[0]  # the whole part
         gates.append(
             Gate(
@@ -146,13 +146,13 @@ def facts_of(
     return facts
 
 
-def assumed_of(design: Design, part: Part, level: Level) -> list[str]:
+def assumed_of(loaded: LoadedPart, level: Level) -> list[str]:
     """What the model assumes, in words."""
     said = []
     if has_bearings(level.solutions):
         said.append(
             "pins press with a cosine pressure, even along their length, on "
-            f"{degrees(part.bearing_arc):.0f} to 180 deg"
+            f"{degrees(loaded.part.bearing_arc):.0f} to 180 deg"
             + ("; both cheeks carry the same share" if _has_cheeks(level.solutions.mesh) else "")
         )
     if _has_couples(level):
@@ -160,7 +160,7 @@ def assumed_of(design: Design, part: Part, level: Level) -> list[str]:
             "a couple about a bore's axis enters as an even tangential traction; keys, splines and "
             "press fits are not modelled"
         )
-    stated = _stated_mass(design, part)
+    stated = _stated_mass(loaded)
     if stated:
         added = np.abs(level.added).max(axis=0)
         said.append(
@@ -209,7 +209,7 @@ def _has_couples(level: Level) -> bool:
     return max(couples) > _NO_COUPLE * max(forces) * size
 
 
-def _stated_mass(design: Design, part: Part) -> str:
-    """Which mass properties the part's body states itself."""
-    stated = design.stated_mass(part)._asdict()
+def _stated_mass(loaded: LoadedPart) -> str:
+    """Mass properties that the part's body states itself, in words."""
+    stated = loaded.stated._asdict()
     return ", ".join(name for name, value in stated.items() if value is not None)

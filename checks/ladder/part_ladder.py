@@ -1,8 +1,8 @@
 """All parts of a design, each by the cheapest models that settle its verdict."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from math import inf
 from time import perf_counter
 
@@ -21,7 +21,8 @@ from checks.ladder.explained import explained
 from checks.ladder.pinned import climb_pinned
 from checks.ladder.result import cheap_result, solid_result
 from checks.ladder.solid import FIRST
-from checks.part.part_loads import Doubt, check_reach, loads_on
+from checks.part.loaded_part import LoadedPart
+from checks.part.part_loads import Doubt, PartLoads, Runs
 from checks.part.too_fine import gave_up, told_of_size
 from checks.result.live_fields import LiveFields
 from checks.result.verdict import Check, PartResult
@@ -34,24 +35,13 @@ from geometry.mesh import Mesh, MeshError, TooManyElementsError
 from geometry.parts.step_part import StepPart
 
 Say = Callable[[str], None]
-Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
 _TELL_EVERY = 5.0  # s, what is known of a part by cheap models; it takes 0.1 s
 Finished = Callable[[PartResult, Sequence[str]], None]
 
 
-def check_parts(
-    design: Design,
-    solved: Solved,
-    models: Models,
-    effort: Effort,
-    begun: float,
-    say: Say,
-    *,
-    live: bool = False,
-    finished: Finished | None = None,
-    doubts: Sequence[Doubt] = (),
-) -> list[PartResult]:
-    """Check every part of a design; raises DesignError and NumericsError.
+@dataclass(eq=False)
+class Ladder:
+    """All parts of a design on the ladder of models.
 
     begun     when the check began, on the clock of `perf_counter`
     live      whether a page will show the fields at every position
@@ -63,122 +53,153 @@ def check_parts(
     time there is goes to solids that settle something; under a time limit the ones that are
     expected to be quickest come first.
     """
-    deadline = (
-        inf if effort.within is None else begun + effort.within - report_seconds(len(design.parts))
-    )
-    climbs: dict[str, Climb] = {}
-    climbing: dict[str, Iterator[None]] = {}
-    wanted: dict[str, bool] = {}  # whether a part's solid is
-    settled: list[str] = []  # without a mesh
-    solids: dict[str, frozenset[str]] = {}
-    results: dict[str, PartResult] = {}
-    told_at: dict[str, float] = {}
-    complete: dict[str, tuple[PartResult, PartResult]] = {}  # a result without and with formulas
 
-    def completed(name: str, result: PartResult) -> PartResult:
-        if name not in complete or complete[name][0] is not result:
-            complete[name] = result, _with_formulas(climbs[name], result, solved, models)
-        return complete[name][1]
+    design: Design
+    models: Models
+    effort: Effort
+    begun: float
+    say: Say
+    live: bool = False
+    finished: Finished | None = None
+    climbs: dict[str, Climb] = field(default_factory=dict)
+    results: dict[str, PartResult] = field(default_factory=dict)
+    _climbing: dict[str, Iterator[None]] = field(default_factory=dict)
+    _wanted: dict[str, bool] = field(default_factory=dict)  # whether a part's solid is
+    _settled: list[str] = field(default_factory=list)  # without a mesh
+    _pinned: dict[str, frozenset[str]] = field(default_factory=dict)  # kinds that are the solid's
+    _told_at: dict[str, float] = field(default_factory=dict)
+    # a result without and with the checks that are formulas
+    _complete: dict[str, tuple[PartResult, PartResult]] = field(default_factory=dict)
 
-    def told(name: str, result: PartResult, left: Sequence[str] = ()) -> None:
-        if finished is not None:
-            told_at[name] = perf_counter()
-            finished(completed(name, result), left)
+    def check(self, runs: Runs, doubts: Sequence[Doubt] = ()) -> list[PartResult]:
+        """Check every part under the loads of some runs; raises DesignError and NumericsError.
 
-    for part in design.parts.values():
-        with told_of_part(design, part):
-            part_loads = loads_on(design, part, solved, doubts)
-            check_reach(design, part, part_loads, models.body(part.geometry).interfaces)
-            climb = climbs[part.name] = start_climb(design, part, part_loads, solved)
-            rungs = effort.pinned.get(part.name)
-            if rungs:
-                solids[part.name] = climb_pinned(climb, rungs, say)
-                wanted[part.name] = bool(solids[part.name])
-            else:
-                climbing[part.name] = climb_rungs(climb, effort.fidelity, say)
-    while True:
-        for name, climb in climbs.items():
-            with told_of_part(design, climb.part):
-                if name in climbing:
+        doubts  what the runs may be instead
+        """
+        for part in self.design.parts.values():
+            with told_of_part(self.design, part):
+                interfaces = self.models.body(part.geometry).interfaces
+                self._begin(LoadedPart.of(self.design, part, runs, interfaces, doubts))
+        self._climb_cheap()
+        waiting = [name for name in self.design.parts if self._wanted[name]]
+        costs = self._costs(waiting)
+        waiting.sort(key=lambda name: costs.get(name, 0.0))
+        for done, name in enumerate(waiting):
+            self._solve(name, costs.get(name, 0.0))
+            left = waiting[done + 1 :]
+            self.models.keep_only({self.climbs[other].part.geometry for other in left})
+        for name in self._settled if self.live and self.effort.fields else []:
+            self.results[name] = self._drawn(name)
+            self._tell(name)
+            self.models.keep_only(set())
+        return [self._completed(name, self.results[name]) for name in self.design.parts]
+
+    @property
+    def deadline(self) -> float:
+        """When the last model must be done, on the clock of `perf_counter`."""
+        if self.effort.within is None:
+            return inf
+        return self.begun + self.effort.within - report_seconds(len(self.design.parts))
+
+    def _begin(self, loaded: LoadedPart) -> None:
+        name = loaded.name
+        climb = self.climbs[name] = start_climb(loaded)
+        rungs = self.effort.pinned.get(name)
+        if rungs:
+            self._pinned[name] = climb_pinned(climb, rungs, self.say)
+            self._wanted[name] = bool(self._pinned[name])
+        else:
+            self._climbing[name] = climb_rungs(climb, self.effort.fidelity, self.say)
+
+    def _climb_cheap(self) -> None:
+        """Climb the rungs below the solid, one rung of all parts after the other."""
+        while True:
+            for name, rungs in list(self._climbing.items()):
+                with told_of_part(self.design, self.climbs[name].part):
                     try:
-                        next(climbing[name])
+                        next(rungs)
                     except StopIteration as stop:
-                        wanted[name] = stop.value
-                        del climbing[name]
-                if not wanted.get(name, True) and name not in results:
-                    results[name] = cheap_result(climb, models, live=live)
-                    settled.append(name)
-                    told(name, results[name])
-        for name, climb in climbs.items():
-            if wanted.get(name, True):  # what follows may take long
-                with told_of_part(design, climb.part):
-                    long_ago = perf_counter() - told_at.get(name, -inf) > _TELL_EVERY
-                    if finished is not None and climb.levels and long_ago:
-                        told(name, cheap_result(climb, models, live=live), climb.open)
-        if not climbing:
-            break
-    waiting = [name for name in design.parts if wanted[name]]
-    if effort.within is not None:
-        if waiting:
-            say(f"meshing {', '.join(waiting)}, to tell the time of their solids")
-        costs = {name: _cost(design, climbs[name], models) for name in waiting}
-        waiting.sort(key=lambda name: costs[name])
-    for done, name in enumerate(waiting):
-        climb = climbs[name]
-        with told_of_part(design, climb.part):
-            if climb.levels and deadline < inf and perf_counter() + costs[name] > deadline:
-                _leave(climb, costs[name], deadline - perf_counter())
-                results[name] = cheap_result(climb, models, live=live)
-                settled.append(name)
-            else:
-                say(f"{name}: solving")
-                pinned = solids.get(name)
-                everything = effort.fidelity == SOLID and pinned is None
-                results[name] = solid_result(
-                    climb,
-                    models,
-                    say,
-                    everything=everything,
-                    deadline=deadline,
-                    pinned=pinned,
-                    live=live,
+                        self._wanted[name] = stop.value
+                        del self._climbing[name]
+            for name, climb in self.climbs.items():
+                with told_of_part(self.design, climb.part):
+                    if self._wanted.get(name, True):  # what follows may take long
+                        long_ago = perf_counter() - self._told_at.get(name, -inf) > _TELL_EVERY
+                        if self.finished is not None and climb.levels and long_ago:
+                            known = cheap_result(climb, self.models, live=self.live)
+                            self._tell(name, known, climb.open)
+                    elif name not in self.results:
+                        self._settle(name)
+            if not self._climbing:
+                return
+
+    def _settle(self, name: str) -> None:
+        """Take what the rungs below the solid know as a part's result."""
+        self.results[name] = cheap_result(self.climbs[name], self.models, live=self.live)
+        self._settled.append(name)
+        self._tell(name)
+
+    def _solve(self, name: str, cost: float) -> None:
+        """Check a part as a solid, if there is time for one."""
+        climb, left = self.climbs[name], self.deadline - perf_counter()
+        with told_of_part(self.design, climb.part):
+            if climb.levels and cost > left:
+                climb.skip(
+                    SOLID,
+                    f"no time: about {cost:.0f} s, {max(left, 0.0):.0f} s are left; it may settle "
+                    f"{', '.join(climb.open)}",
                 )
-            told(name, results[name])
-        models.keep_only({climbs[other].part.geometry for other in waiting[done + 1 :]})
-    for name in settled if live and effort.fields else []:
-        results[name] = _drawn(design, climbs[name], results[name], models, deadline, say)
-        told(name, results[name])
-        models.keep_only(set())
-    return [completed(name, results[name]) for name in design.parts]
+                self._settle(name)
+                return
+            self.say(f"{name}: solving")
+            pinned = self._pinned.get(name)
+            self.results[name] = solid_result(
+                climb,
+                self.models,
+                self.say,
+                everything=self.effort.fidelity == SOLID and pinned is None,
+                deadline=self.deadline,
+                pinned=pinned,
+                live=self.live,
+            )
+            self._tell(name)
 
+    def _costs(self, names: Sequence[str]) -> dict[str, float]:
+        """Expected times of solids, s; none without a time limit."""
+        if self.effort.within is None:
+            return {}
+        if names:
+            self.say(f"meshing {', '.join(names)}, to tell the time of their solids")
+        return {name: self._cost(name) for name in names}
 
-def _drawn(
-    design: Design, climb: Climb, result: PartResult, models: Models, deadline: float, say: Say
-) -> PartResult:
-    """The result with stress to look at, if there is time for a mesh."""
-    if deadline < inf and isinstance(result.live, LiveFields):
-        cost, left = _cost(design, climb, models), deadline - perf_counter()
-        if cost > left:
-            why = f"about {cost:.0f} s for its mesh, {max(left, 0.0):.0f} s are left"
-            return replace(result, live=undrawn(result.live, why))
-    return with_drawn_fields(design, climb.part, climb.loads, climb.use, result, models, say)
+    def _cost(self, name: str) -> float:
+        """Expected time of a part's solid, s."""
+        part = self.climbs[name].part
+        with told_of_part(self.design, part):
+            mesh = self.models.mesh(part.geometry, FIRST * part.fineness)
+            return check_seconds(3 * len(mesh.nodes))
 
+    def _drawn(self, name: str) -> PartResult:
+        """A result with stress to look at, if there is time for a mesh."""
+        climb, result = self.climbs[name], self.results[name]
+        if self.deadline < inf and isinstance(result.live, LiveFields):
+            cost, left = self._cost(name), self.deadline - perf_counter()
+            if cost > left:
+                why = f"about {cost:.0f} s for its mesh, {max(left, 0.0):.0f} s are left"
+                return replace(result, live=undrawn(result.live, why))
+        return with_drawn_fields(climb.loaded, climb.use, result, self.models, self.say)
 
-def _cost(design: Design, climb: Climb, models: Models) -> float:
-    """Expected time of a part's solid, s."""
-    part = climb.part
-    with told_of_part(design, part):
-        return check_seconds(3 * len(models.mesh(part.geometry, FIRST * part.fineness).nodes))
+    def _tell(self, name: str, result: PartResult | None = None, left: Sequence[str] = ()) -> None:
+        """Hand over what is known of a part: its final result, if nothing else is said."""
+        if self.finished is not None:
+            self._told_at[name] = perf_counter()
+            self.finished(self._completed(name, result or self.results[name]), left)
 
-
-def _leave(climb: Climb, cost: float, left: float) -> None:
-    """Note that there is no time for a part's solid."""
-    climb.skip(
-        SOLID,
-        f"no time: about {cost:.0f} s, {max(left, 0.0):.0f} s are left; it may settle "
-        f"{', '.join(climb.open)}",
-        cost,
-    )
+    def _completed(self, name: str, result: PartResult) -> PartResult:
+        if name not in self._complete or self._complete[name][0] is not result:
+            whole = _with_formulas(self.climbs[name], result, self.models)
+            self._complete[name] = result, whole
+        return self._complete[name][1]
 
 
 def time_warnings(results: Sequence[PartResult]) -> list[str]:
@@ -191,41 +212,38 @@ def time_warnings(results: Sequence[PartResult]) -> list[str]:
     ]
 
 
-def _with_formulas(climb: Climb, result: PartResult, solved: Solved, models: Models) -> PartResult:
+def _with_formulas(climb: Climb, result: PartResult, models: Models) -> PartResult:
     """Add the checks that are formulas on every rung."""
-    part = climb.part
-    body = models.body(part.geometry)
-    checks = [*result.checks, *formula_checks(climb, solved, models, body)]
+    loaded, body = climb.loaded, models.body(climb.part.geometry)
+    checks = [*result.checks, *formula_checks(loaded, models, body)]
     return replace(
         result,
-        checks=explained(climb, checks, solved, _with_ligaments(climb, models, body), body),
-        assumed=[*result.assumed, *bushes_not_checked(part, solved)],
+        checks=explained(climb, checks, _with_ligaments(loaded, models, body), body),
+        assumed=[*result.assumed, *bushes_not_checked(loaded)],
     )
 
 
-def _with_ligaments(climb: Climb, models: Models, body: SolidBody) -> Mesh | SolidBody:
+def _with_ligaments(loaded: LoadedPart, models: Models, body: SolidBody) -> Mesh | SolidBody:
     """The part as its ligaments are known: of one from CAD they are measured on its mesh."""
-    part = climb.part
+    part = loaded.part
     if isinstance(part.geometry, StepPart):
         return models.mesh(part.geometry, FIRST * part.fineness)
     return body
 
 
-def formula_checks(climb: Climb, solved: Solved, models: Models, body: SolidBody) -> list[Check]:
+def formula_checks(loaded: LoadedPart, models: Models, body: SolidBody) -> list[Check]:
     """The checks of a part that are formulas on every rung and need no rung's stress."""
-    design, part, part_loads = climb.design, climb.part, climb.loads
-    lugs = _with_ligaments(climb, models, body)
-    return [
-        *sampled(
-            lambda some: [
-                *pin_checks(design, part, some),
-                *lug_checks(design, part, some, lugs),
-                *slot_checks(design, part, some, body.interfaces, solved=some is part_loads),
-            ],
-            part_loads,
-        ),
-        *bush_checks(design, part, part_loads, solved),
-    ]
+    lugs = _with_ligaments(loaded, models, body)
+
+    def under(some: PartLoads) -> list[Check]:
+        other = loaded.under(some)
+        return [
+            *pin_checks(other),
+            *lug_checks(other, lugs),
+            *slot_checks(other, body.interfaces, solved=some is loaded.loads),
+        ]
+
+    return [*sampled(under, loaded.loads), *bush_checks(loaded)]
 
 
 @contextmanager

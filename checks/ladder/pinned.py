@@ -37,7 +37,7 @@ def climb_pinned(
 
 
 def _refuse(climb: Climb, rung: str, kinds: list[str], why: str) -> None:
-    where, file = f"parts.{climb.part.name}", climb.design.file
+    where, file = f"parts.{climb.part.name}", climb.loaded.design.file
     said = f"{', '.join(kinds)} {'is' if len(kinds) == 1 else 'are'} pinned to the rung {rung}"
     if why.startswith(GAVE_UP):
         raise NumericsError(f"{said}, which {why}", f"{file}: {where}", _ANEW)

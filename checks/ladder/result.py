@@ -33,18 +33,18 @@ def cheap_result(climb: Climb, models: Models, *, live: bool = False) -> PartRes
 
     live  whether a page will show the fields at every position
     """
-    design, part, loads = climb.design, climb.part, climb.loads
+    loaded, part, loads = climb.loaded, climb.part, climb.loads
     level = reported_level(climb)
     body = models.body(part.geometry)
     mass = body.mass_properties(part.material.density)
     size = body.size
     facts = facts_of(part, loads, mass, size, endurance_of(part))
-    facts |= column_facts(design, part, loads)
+    facts |= column_facts(loaded)
     gates = rung_gates(climb, level, size)
     peak = None
     if climb.use is not None:
         peak = climb.use.worst(level)
-        facts |= fatigue_facts(part, level, peak, life_task(design, part))
+        facts |= fatigue_facts(part, level, peak, life_task(part, loaded.duty))
         missed = climb.use.safety_missed(level)
         gates.append(Gate(f"{part.name}: fatigue safety", missed, *RESCALED))
     told = column_told(part, loads)
@@ -56,17 +56,17 @@ def cheap_result(climb: Climb, models: Models, *, live: bool = False) -> PartRes
         material=part.material.name,
         checks=[
             *answered(climb),
-            *sampled(lambda some: column_checks(design, part, some), loads),
+            *sampled(lambda some: column_checks(loaded.under(some)), loads),
         ],
         gates=gates,
         hand_checks=[],
         meshes=[],
         facts=facts,
-        charts=charts_of(design, part, loads, level, climb.use),
+        charts=charts_of(loaded, level, climb.use),
         surface=_unstressed(skin),
         assumed=[*assumed, told] if told else assumed,
         rungs=climb.tried,
-        live=section_fields(design, part, loads, skin, climb.use) if live else None,
+        live=section_fields(loaded, skin, climb.use) if live else None,
     )
 
 
@@ -129,20 +129,20 @@ def solid_result(
     pinned  kinds of checks that are the solid's, refined to the accuracy whatever the verdict
     live    whether a page will show the fields at every position
     """
-    design, part, loads = climb.design, climb.part, climb.loads
+    loaded = climb.loaded
     start = perf_counter()
     kinds = frozenset(climb.asked if everything else climb.open)
     asked = Asked(kinds | frozenset([STATIC, FATIGUE, BUCKLING])) if everything else Asked(
         kinds,
         modes=False,
-        first=first_of(design.accuracy, kinds),
+        first=first_of(loaded.accuracy, kinds),
         enough=_enough(climb, models),
         deadline=deadline,
     )  # fmt: skip
     if pinned is not None:
         kinds, asked = pinned, Asked(pinned, modes=False)
-    result = check_solid(design, part, loads, models, say, replace(asked, live=live))
-    result = with_leaf_checks(design, part, result, loads, climb.solved, models)
+    result = check_solid(loaded, models, say, replace(asked, live=live))
+    result = with_leaf_checks(loaded, result, models)
     result = replace(result, checks=[_buckling_doubted(climb, c) for c in result.checks])
     checks = [check for check in result.checks if check.method.startswith(SOLID)]
     solid = RungTried(
@@ -150,7 +150,7 @@ def solid_result(
         perf_counter() - start,
         int(result.meshes[-1]["unknowns"]),
         [replace(check, derivation=None) for check in checks],  # the result's own have them
-        _why(checks, design.accuracy),
+        _why(checks, loaded.accuracy),
     )
     if not everything:
         result = replace(
@@ -175,11 +175,8 @@ def _buckling_doubted(climb: Climb, check: Check) -> Check:
 
 def _enough(climb: Climb, models: Models) -> Callable[[Sequence[Check]], str]:
     band = leaf_band(
-        climb.design,
-        climb.part,
-        climb.loads,
-        climb.solved,
-        lambda loads: first_level(climb.design, climb.part, loads, models),
+        climb.loaded,
+        lambda loads: first_level(climb.loaded.under(loads), models),
     )
 
     def enough(checks: Sequence[Check]) -> str:

@@ -9,12 +9,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from checks.design.data import Design, Part
+from checks.design.data import Duty, Part
 from checks.joints.pin_diagrams import pin_diagram
 from checks.ladder.part_fields import ENDLESS
 from checks.models.formula_bars import Stretches, bar_loads
 from checks.models.formula_leaves import leaf_bar
 from checks.models.formula_points import XX, XY, YZ, ZX, ZZ
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.live_fields import FATIGUE, LiveFields
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse, LifeUse
@@ -40,13 +41,12 @@ _TOGETHER = 1_000_000  # numbers of stress that are looked at together
 _JUDGED = 120  # positions of the duty that fatigue is estimated at, with all extremes of the forces
 
 
-def section_fields(
-    design: Design, part: Part, loads: PartLoads, skin: Skin, use: FatigueUse | None
-) -> LiveFields:
+def section_fields(loaded: LoadedPart, skin: Skin, use: FatigueUse | None) -> LiveFields:
     """Return the estimate on a part's surface at every position.
 
     use  how its fatigue is judged; None where it is not
     """
+    part, loads = loaded.part, loaded.loads
     basis, coefficients = _superposition(part, loads, skin)
     peaks = _peaks(basis, coefficients)
     fields = LiveFields(
@@ -61,7 +61,7 @@ def section_fields(
         missing={"displacement": _UNMOVED},
         notes=(NOTE,),
     )
-    return _with_fatigue(fields, design, coefficients, loads, use)
+    return _with_fatigue(fields, loaded.duty, coefficients, loads, use)
 
 
 def _superposition(part: Part, loads: PartLoads, skin: Skin) -> tuple[FloatArray, FloatArray]:
@@ -216,13 +216,13 @@ def _peaks(basis: FloatArray, coefficients: FloatArray) -> FloatArray:
 
 def _with_fatigue(
     fields: LiveFields,
-    design: Design,
+    duty: Duty,
     coefficients: FloatArray,
     loads: PartLoads,
     use: FatigueUse | None,
 ) -> LiveFields:
     """The fields with Goodman's use of the estimated stress over the duty, without a notch."""
-    runs = duty_runs(loads.cycles, design.duty.cycles)
+    runs = duty_runs(loads.cycles, duty.cycles)
     if use is None or not runs or isinstance(use, FkmUse):
         why = _UNJUDGED if use is None else _BY_FKM
         return replace(fields, missing={**fields.missing, **dict.fromkeys(FATIGUE, why)})

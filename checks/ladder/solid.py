@@ -10,13 +10,14 @@ import numpy as np
 from checks.columns.stability import column_checks, column_facts, column_told, eigenvalue_check
 from checks.derivations.buckling import solid_share
 from checks.derivations.solids import of_solid
-from checks.design.data import Design, Part
+from checks.design.data import Part
 from checks.ladder.chart_data import charts_of
 from checks.ladder.hand_calculations import hand_checks
 from checks.ladder.part_facts import assumed_of, facts_of, gates_of, mesh_row
 from checks.ladder.part_fields import solid_fields
 from checks.ladder.part_vibration import frequency_facts
 from checks.models.stress_words import fatigue_words, static_words
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check, Gate, HandCheck, PartResult, Status, Surface
 from checks.result.ways import arc_fact
@@ -86,9 +87,7 @@ def first_of(accuracy: float, kinds: Collection[str]) -> float:
 
 
 def check_solid(
-    design: Design,
-    part: Part,
-    loads: PartLoads,
+    loaded: LoadedPart,
     models: Models,
     say: Say = lambda _: None,
     asked: Asked = EVERYTHING,
@@ -100,8 +99,9 @@ def check_solid(
     allowed. The finer ones are halves where shape and loads allow it: the first may buckle
     sideways. Raises MeshError and SolverError.
     """
+    part, loads = loaded.part, loaded.loads
     static = StaticPeak(loads)
-    use = fatigue_use(design, part, loads)
+    use = fatigue_use(loaded)
     both: list[Judged] = [static] if use is None else [static, use]
     judged = [what for what in both if (what is static and "static" in asked.kinds)
               or (what is use and "fatigue" in asked.kinds)]  # fmt: skip
@@ -110,36 +110,33 @@ def check_solid(
 
     def widened(levels: Sequence[Level]) -> LoadBars:
         if not doubts:
-            doubts.append(load_bars(loads, _values(design, part, levels[0])))
+            doubts.append(load_bars(loads, _values(loaded, levels[0])))
         return doubts[0]
 
     def enough(levels: Sequence[Level]) -> str:
-        bars = widened(levels)
-        return asked.enough(_stress_checks(design, part, loads, levels, judged, bars))
+        return asked.enough(_stress_checks(loaded, levels, judged, widened(levels)))
 
     limit = endurance_of(part).value
-    levels, sizes, stopped = solve_levels(
-        design, part, loads, models, judged, limit, say, asked, enough
-    )
+    levels, sizes, stopped = solve_levels(loaded, models, judged, limit, say, asked, enough)
     finest = levels[-1]
     expect("judging, buckling, fields", judging_seconds(finest.unknowns))
     by_hand = hand_checks(part, loads, finest)
     # buckling alone is asked of one mesh, on which a stress has no error bar
     stressed = _stress_checks(
-        design, part, loads, levels, both if len(levels) > 1 else judged, widened(levels), by_hand
+        loaded, levels, both if len(levels) > 1 else judged, widened(levels), by_hand
     )
     if stopped:
         stressed = [
             replace(check, note=f"{check.note}; {stopped}")
-            if check.numerical - check.sampling > design.accuracy * check.value
+            if check.numerical - check.sampling > loaded.accuracy * check.value
             else check
             for check in stressed
         ]
-    arcs = _arcs_that_pass(design, part, loads, levels, both, stressed, widened(levels))
+    arcs = _arcs_that_pass(loaded, levels, both, stressed, widened(levels))
     buckled = _Buckled()
     if "buckling" in asked.kinds:
-        buckled = _judge_buckling(design, part, loads, models, levels, sizes)
-    assumed = assumed_of(design, part, finest)
+        buckled = _judge_buckling(loaded, models, levels, sizes)
+    assumed = assumed_of(loaded, finest)
     if finest.half:
         assumed.append(MEANING)
     no_column = column_told(part, loads)
@@ -148,7 +145,7 @@ def check_solid(
     if buckled.untold:
         assumed.append(buckled.untold)
     properties = models.body(part.geometry).mass_properties(part.material.density)
-    gates = gates_of(design, part, loads, levels, properties)
+    gates = gates_of(loaded, levels, properties)
     if use is not None:
         missed = use.safety_missed(finest)
         gates.append(Gate(f"{part.name}: fatigue safety", missed, *RESCALED))
@@ -158,14 +155,14 @@ def check_solid(
         material=part.material.name,
         checks=[
             *stressed,
-            *sampled(lambda some: column_checks(design, part, some), loads),
+            *sampled(lambda some: column_checks(loaded.under(some)), loads),
             *buckled.checks,
         ],
         gates=gates,
         hand_checks=by_hand,
         meshes=[{"body": "half" if lv.half else "whole", **mesh_row(lv)} for lv in levels],
-        facts=_facts(design, part, loads, levels, use, properties, asked) | arcs,
-        charts=charts_of(design, part, loads, finest, use, levels),
+        facts=_facts(loaded, levels, use, properties, asked) | arcs,
+        charts=charts_of(loaded, finest, use, levels),
         surface=shown_surface(loads, finest),
         assumed=assumed,
         mode=buckled.mode,
@@ -174,29 +171,26 @@ def check_solid(
 
 
 def _stress_checks(
-    design: Design,
-    part: Part,
-    loads: PartLoads,
+    loaded: LoadedPart,
     levels: Sequence[Level],
     wanted: Sequence[Judged],
     doubts: LoadBars,
     by_hand: Sequence[HandCheck] | None = None,
 ) -> list[Check]:
     """Check what is wanted on the last mesh; with derivations where hand checks are given."""
+    part = loaded.part
     found = []
     for what in wanted:
-        bars = bars_of(what, part, levels, design.accuracy)
-        check = doubts(_stress_check(design, part, loads, levels[-1], what, bars))
+        bars = bars_of(what, part, levels, loaded.accuracy)
+        check = doubts(_stress_check(loaded, levels[-1], what, bars))
         if by_hand is not None:
-            check = of_solid(part, loads, levels[-1], what, bars, check, by_hand)
+            check = of_solid(part, loaded.loads, levels[-1], what, bars, check, by_hand)
         found.append(check)
     return found
 
 
 def _arcs_that_pass(
-    design: Design,
-    part: Part,
-    loads: PartLoads,
+    loaded: LoadedPart,
     levels: Sequence[Level],
     judged: Sequence[Judged],
     checks: Sequence[Check],
@@ -208,8 +202,8 @@ def _arcs_that_pass(
     """
 
     def passes(what: Judged, arc: float) -> bool:
-        closer = replace(part, bearing_arc=arc, arc_stated=True)
-        (again,) = _stress_checks(design, closer, loads, levels, [what], doubts)
+        closer = replace(loaded, part=replace(loaded.part, bearing_arc=arc, arc_stated=True))
+        (again,) = _stress_checks(closer, levels, [what], doubts)
         return again.status is Status.PASS
 
     found = {}
@@ -220,14 +214,15 @@ def _arcs_that_pass(
                 continue
             if check.settled_by_mesh or not isfinite(check.numerical):
                 continue
-            wider = [arc for arc in _ARCS if arc > part.bearing_arc]
+            wider = [arc for arc in _ARCS if arc > loaded.part.bearing_arc]
             if wider and passes(what, wider[-1]):
                 found[arc_fact(kind)] = degrees(next(arc for arc in wider if passes(what, arc)))
     return found
 
 
-def _values(design: Design, part: Part, level: Level) -> Callable[[PartLoads], Mapping[str, float]]:
+def _values(loaded: LoadedPart, level: Level) -> Callable[[PartLoads], Mapping[str, float]]:
     """What gives the stress checks' values on one mesh under other loads, by kind."""
+    part = loaded.part
 
     def values_of(loads: PartLoads) -> Mapping[str, float]:
         other = solve_level(
@@ -236,11 +231,11 @@ def _values(design: Design, part: Part, level: Level) -> Callable[[PartLoads], M
             loads,
             endurance_of(part).value,
             part.material.ultimate_stress,
-            design.duty.cycles,
+            loaded.duty.cycles,
             part.geometry.notch_factors,
         )
         values = {"static": other.peak.value}
-        use = fatigue_use(design, part, loads)
+        use = fatigue_use(loaded.under(loads))
         if use is not None:
             values["fatigue"] = use.value(other)
         return values
@@ -263,9 +258,7 @@ class _Buckled:
 
 
 def _judge_buckling(
-    design: Design,
-    part: Part,
-    loads: PartLoads,
+    loaded: LoadedPart,
     models: Models,
     levels: Sequence[Level],
     sizes: SizeField | None,
@@ -276,19 +269,19 @@ def _judge_buckling(
     """
     finest = levels[-1]
     whole = [(level.solutions, level.coefficients) for level in levels if not level.half]
-    found = eigenvalue_check(design, part, loads, whole, finest.peak.position)
+    found = eigenvalue_check(loaded, whole, finest.peak.position)
     if found and found[0].status is Status.UNDECIDED and finest.half:
-        whole.append(_whole_again(part, loads, models, finest, sizes))
-        found = eigenvalue_check(design, part, loads, whole, finest.peak.position)
+        whole.append(_whole_again(loaded, models, finest, sizes))
+        found = eigenvalue_check(loaded, whole, finest.peak.position)
     if found:
         check, mode = found
         unknowns = whole[-1 if "two" in check.method else 0][0].loads.shape[0]
-        derivation = solid_share(design, part, loads, check, mode, unknowns)
+        derivation = solid_share(loaded, check, mode, unknowns)
         return _Buckled([replace(check, derivation=derivation)], "", _mode_of(whole, mode))
     if levels[0].solutions.ties is not None:
         said = "buckling of a stack of bodies that slide on each other is not computed"
         return _Buckled(untold=said)
-    if part.body is None:
+    if loaded.part.body is None:
         return _Buckled()
     return _Buckled(
         untold="the solid does not buckle at the positions asked: no factor is positive before its "
@@ -297,25 +290,24 @@ def _judge_buckling(
 
 
 def _facts(
-    design: Design,
-    part: Part,
-    loads: PartLoads,
+    loaded: LoadedPart,
     levels: Sequence[Level],
     use: FatigueUse | None,
     properties: MassProperties,
     asked: Asked,
 ) -> dict[str, float | str]:
     """What is told beside the checks, by name; of fatigue by the chain that judges the part."""
+    part = loaded.part
     finest = levels[-1]
     size = float(np.ptp(finest.solutions.mesh.nodes, axis=0).max())
-    facts = facts_of(part, loads, properties, size, None if part.fkm else endurance_of(part))
-    facts |= column_facts(design, part, loads)
+    facts = facts_of(part, loaded.loads, properties, size, None if part.fkm else endurance_of(part))
+    facts |= column_facts(loaded)
     if asked.modes:
         facts |= frequency_facts(part, levels[0].solutions)
     if isinstance(use, FkmUse):
         facts |= use.found(finest).facts()
     elif use is not None:
-        facts |= fatigue_facts(part, finest, use.worst(finest), life_task(design, part))
+        facts |= fatigue_facts(part, finest, use.worst(finest), life_task(part, loaded.duty))
     return facts
 
 
@@ -333,9 +325,7 @@ def _mode_of(
 
 
 def solve_levels(
-    design: Design,
-    part: Part,
-    loads: PartLoads,
+    loaded: LoadedPart,
     models: Models,
     judged: Sequence[Judged],
     limit: float,
@@ -347,6 +337,7 @@ def solve_levels(
 
     Returns the last one's sizes too, and why it stopped short of the accuracy, or nothing.
     """
+    part, loads = loaded.part, loaded.loads
     material, base = elastic_of(part), asked.first * part.fineness
     finer = half_of(part, loads) or part.geometry
     sideways = asked.modes or "buckling" in asked.kinds
@@ -376,11 +367,11 @@ def solve_levels(
             loads,
             limit,
             part.material.ultimate_stress,
-            design.duty.cycles,
+            loaded.duty.cycles,
             part.geometry.notch_factors,
         )
         levels.append(level)
-        known = len(levels) > 1 and all(mesh_bar(w, levels) <= design.accuracy for w in judged)
+        known = len(levels) > 1 and all(mesh_bar(w, levels) <= loaded.accuracy for w in judged)
         if not judged or (known and (asked.first >= FIRST or len(levels) > 2)):
             return levels, sizes, ""
         if len(levels) == _MOST_MESHES:
@@ -404,7 +395,7 @@ def solve_levels(
             for state in what.states(level)
         ]
         sharp = level.history.nodes[level.edges[0]]
-        wanted, step = refined_sizes(solutions.recovery, errors, design.accuracy, most, sharp)
+        wanted, step = refined_sizes(solutions.recovery, errors, loaded.accuracy, most, sharp)
         if step < _LEAST_STEP and len(levels) > 1:
             return (
                 levels,
@@ -415,17 +406,18 @@ def solve_levels(
         sizes = wanted
 
 
-def first_level(design: Design, part: Part, loads: PartLoads, models: Models) -> Level:
+def first_level(loaded: LoadedPart, models: Models) -> Level:
     """Solve a whole part on its first mesh under some loads; raises MeshError and SolverError."""
+    part = loaded.part
     fineness = FIRST * part.fineness
     check_first_mesh(part, 3 * len(models.mesh(part.geometry, fineness).nodes))
     return solve_level(
         models.solutions(part.geometry, fineness, elastic_of(part)),
         fineness,
-        loads,
+        loaded.loads,
         endurance_of(part).value,
         part.material.ultimate_stress,
-        design.duty.cycles,
+        loaded.duty.cycles,
         part.geometry.notch_factors,
     )
 
@@ -441,9 +433,10 @@ def check_first_mesh(part: Part, unknowns: int) -> None:
 
 
 def _whole_again(
-    part: Part, loads: PartLoads, models: Models, finest: Level, sizes: SizeField | None
+    loaded: LoadedPart, models: Models, finest: Level, sizes: SizeField | None
 ) -> tuple[UnitSolutions, FloatArray]:
     """Solutions and coefficients of the whole part with the element sizes of a half."""
+    part, loads = loaded.part, loaded.loads
     solutions = models.solutions(part.geometry, finest.fineness, elastic_of(part), sizes)
     coefficients, _ = solutions.coefficients(
         loads.wrenches, loads.accelerations, loads.reaches, loads.tilt_held_at
@@ -451,19 +444,18 @@ def _whole_again(
     return solutions, coefficients
 
 
-def _stress_check(
-    design: Design, part: Part, loads: PartLoads, level: Level, judged: Judged, bars: Bars
-) -> Check:
+def _stress_check(loaded: LoadedPart, level: Level, judged: Judged, bars: Bars) -> Check:
+    loads = loaded.loads
     more, why = 0.0, ""
     if isinstance(judged, FatigueUse):
-        said = fatigue_words(design, part, loads, level, judged)
+        said = fatigue_words(loaded, level, judged)
         more, why = judged.band(level)
         rise = fatigue_rise(level, loads, judged)
     else:
-        said = static_words(design, part, loads, level)
+        said = static_words(loaded, level)
         rise = static_rise(level, loads)
     check = Check(
-        part=part.name,
+        part=loaded.part.name,
         kind=said.kind,
         quantity=said.quantity,
         value=judged.value(level),
@@ -475,7 +467,7 @@ def _stress_check(
         required=said.required,
         cycle=said.cycle,
         position=said.position,
-        place=level.place_in_words(judged.point(level), part.geometry.placed_interfaces),
+        place=level.place_in_words(judged.point(level), loaded.part.geometry.placed_interfaces),
         method="solid",
         basis=said.basis,
         note=". ".join(text for text in (said.note, why, bars.note) if text),

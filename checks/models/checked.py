@@ -5,7 +5,7 @@ from dataclasses import replace
 from math import inf
 
 from checks.columns.stability import ELASTIC_SHARE
-from checks.design.data import Design, Part
+from checks.design.data import Part
 from checks.models.bands import Band, NoBand, band_of
 from checks.models.estimate import Estimate
 from checks.models.families import family_of
@@ -19,6 +19,7 @@ from checks.models.proportions import (
 from checks.models.raised_bores import WORDS, raised_in_bores
 from checks.models.rings import static_values, with_peaks
 from checks.models.stress_words import Words, fatigue_words, static_words
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check
 from checks.result.words import UNKNOWN_BAR
@@ -39,15 +40,14 @@ ONLY_PULLED = "the part is only pulled, which buckles no column"
 NOTHING = "nothing loads the part at any position: no model would find a stress"
 
 
-def rung_level(
-    design: Design, part: Part, loads: PartLoads, model: RungModel, *, all_round: bool = True
-) -> RungLevel:
+def rung_level(loaded: LoadedPart, model: RungModel, *, all_round: bool = True) -> RungLevel:
     """Judge the stress of a rung's model over all cycles of the design.
 
-    all_round  whether the largest around a pin is sought between the angles of its points
+    all_round  True to seek the largest around a pin between the angles of its points
     """
+    part, loads = loaded.part, loaded.loads
     limit = endurance_of(part).value
-    ultimate, cycles = part.material.ultimate_stress, design.duty.cycles
+    ultimate, cycles = part.material.ultimate_stress, loaded.duty.cycles
     if model.ring and all_round and not loads.is_nothing:
         model = with_peaks(model, static_values)
         runs = duty_runs(loads.cycles, cycles)
@@ -70,9 +70,7 @@ def rung_level(
 
 
 def rung_estimates(
-    design: Design,
-    part: Part,
-    loads: PartLoads,
+    loaded: LoadedPart,
     level: RungLevel,
     use: FatigueUse | None,
     again: Callable[[PartLoads], RungModel | None],
@@ -82,40 +80,38 @@ def rung_estimates(
     use    how the part's fatigue is judged; None where no cycle of the duty loads it
     again  builds the rung's model under other loads
     """
-    words = static_words(design, part, loads, level)
+    loads = loaded.loads
+    words = static_words(loaded, level)
     found = {
         STATIC: _stress_estimate(
-            part,
-            loads,
+            loaded,
             level,
             words,
             level.peak.value,
             level.peak.point,
             static_rise(level, loads),
-            raised_in_bores(part, loads, level),
+            raised_in_bores(loaded.part, loads, level),
         )
     }
     if use is not None:
-        words = fatigue_words(design, part, loads, level, use)
+        words = fatigue_words(loaded, level, use)
         found[FATIGUE] = _stress_estimate(
-            part,
-            loads,
+            loaded,
             level,
             words,
             use.value(level),
             use.point(level),
             fatigue_rise(level, loads, use),
-            raised_in_bores(part, loads, level, use),
+            raised_in_bores(loaded.part, loads, level, use),
         )
     if level.model.buckling is not None and level.model.buckling.share > 0.0:
         rise = buckling_rise(loads, level.model.buckling, again)
-        found[BUCKLING] = _buckling_estimate(design, part, loads, level.model, rise)
+        found[BUCKLING] = _buckling_estimate(loaded, level.model, rise)
     return found
 
 
 def _stress_estimate(
-    part: Part,
-    loads: PartLoads,
+    loaded: LoadedPart,
     level: RungLevel,
     words: Words,
     value: float,
@@ -124,7 +120,7 @@ def _stress_estimate(
     in_bores: float,
 ) -> Estimate:
     check = Check(
-        part=part.name,
+        part=loaded.part.name,
         kind=words.kind,
         quantity=words.quantity,
         value=value,
@@ -135,23 +131,22 @@ def _stress_estimate(
         required=words.required,
         cycle=words.cycle,
         position=words.position,
-        place=level.place_in_words(point, part.geometry.placed_interfaces),
+        place=level.place_in_words(point, loaded.part.geometry.placed_interfaces),
         method=level.model.rung,
         basis=words.basis,
         note=words.note,
     )
-    if loads.is_nothing:
+    if loaded.loads.is_nothing:
         return Estimate(_told(check, 0.0, 0.0, NOTHING))
-    return _with_band(part, loads, level.model, with_sampling(check, rise), in_bores)
+    return _with_band(loaded, level.model, with_sampling(check, rise), in_bores)
 
 
-def _buckling_estimate(
-    design: Design, part: Part, loads: PartLoads, model: RungModel, rise: float
-) -> Estimate:
+def _buckling_estimate(loaded: LoadedPart, model: RungModel, rise: float) -> Estimate:
+    loads = loaded.loads
     assert model.buckling is not None
     position = model.buckling.position
     check = Check(
-        part=part.name,
+        part=loaded.part.name,
         kind=BUCKLING,
         quantity=ELASTIC_SHARE,
         value=model.buckling.share,
@@ -159,7 +154,7 @@ def _buckling_estimate(
         numerical=0.0,
         model=0.0,
         limit=1.0,
-        required=design.require.buckling,
+        required=loaded.required.buckling,
         cycle=loads.cycle_names[position],
         position=loads.labels[position],
         place="whole part",
@@ -168,17 +163,17 @@ def _buckling_estimate(
         "crookedness",
         note=model.buckling.words,
     )
-    return _with_band(part, loads, model, with_sampling(check, rise))
+    return _with_band(loaded, model, with_sampling(check, rise))
 
 
 def _with_band(
-    part: Part, loads: PartLoads, model: RungModel, check: Check, in_bores: float = 0.0
+    loaded: LoadedPart, model: RungModel, check: Check, in_bores: float = 0.0
 ) -> Estimate:
     """The check with the band of solids around the rung's value.
 
     in_bores  MPa, the largest in bores whose arc is not stated, raised; 0 without such
     """
-    band = band_around(part, loads, model, check)
+    band = band_around(loaded.part, loaded.loads, model, check)
     if isinstance(band, NoBand):
         return _without_band(check, band)
     value = check.value

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from checks.design.data import Design, Part
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse, LifeUse
 from checks.strength.fatigue_facts import chord_at, plane_at
@@ -23,23 +23,23 @@ class Words:
     note: str = ""
 
 
-def static_words(design: Design, part: Part, loads: PartLoads, level: Stressed) -> Words:
+def static_words(loaded: LoadedPart, level: Stressed) -> Words:
     """Of the largest von Mises stress."""
+    part, loads = loaded.part, loaded.loads
     return Words(
         "static",
         "peak von Mises stress",
         part.material.yield_stress,
-        design.require.static,
+        loaded.required.static,
         loads.cycle_names[level.peak.position],
         loads.labels[level.peak.position],
         f"yield stress, guaranteed minimum ({part.material.source})",
     )
 
 
-def fatigue_words(
-    design: Design, part: Part, loads: PartLoads, level: Stressed, use: FatigueUse
-) -> Words:
+def fatigue_words(loaded: LoadedPart, level: Stressed, use: FatigueUse) -> Words:
     """Of the largest equivalent amplitude."""
+    part = loaded.part
     worst = use.worst(level)
     if isinstance(use, FkmUse):
         found = use.found(level)
@@ -71,9 +71,9 @@ def fatigue_words(
         "fatigue",
         f"{worst.criterion} equivalent amplitude",
         use.limit,
-        design.require.fatigue,
+        loaded.required.fatigue,
         worst.cycle,
-        " to ".join(_position(loads, k, worst.cycle) for k in worst.pair),
+        " to ".join(_position(loaded.loads, k, worst.cycle) for k in worst.pair),
         basis,
         ", ".join(
             text

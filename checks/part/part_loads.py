@@ -1,6 +1,5 @@
 """The loads of one part over every cycle of a design, one behind the other, in its own axes."""
 
-import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -9,9 +8,8 @@ import numpy as np
 
 import loads
 from checks.design.data import Cycle, Design, Part
-from checks.design.errors import DesignError
 from checks.part.placing import Placing, part_placing
-from geometry.mesh import FloatArray, IntArray, Interface
+from geometry.mesh import FloatArray, IntArray
 from geometry.parts import Pin
 
 _LARGEST = 1e33  # N, N mm; squares and cubes of what is larger leave the range of numbers
@@ -225,34 +223,6 @@ def _labels(
         f"{shown} = {value:.4g} {unit}{phases[phase]}"
         for value, phase in zip(values, phase_of, strict=True)
     )
-
-
-def check_reach(
-    design: Design, part: Part, part_loads: PartLoads, interfaces: Mapping[str, Interface]
-) -> None:
-    """Raise DesignError where a contact slides off the stretch that the part has for it."""
-    for name, reach in part_loads.reaches.items():
-        interface = interfaces[name]
-        low, high = interface.travel
-        slack = 1e-6 * (high - low)
-        first, last = float(reach.min()), float(reach.max())
-        if first >= low - slack and last <= high + slack:
-            continue
-        worst = int(np.argmax(np.maximum(low - reach, reach - high)))
-        zero = float(interface.centre[0])
-        stated = [
-            field.name
-            for field in dataclasses.fields(part.geometry)
-            if field.name.startswith(("travel_", "contact_", "slot_"))
-        ]
-        raise DesignError(
-            design.file,
-            f"parts.{part.name}.interfaces.{name}",
-            f"the contact slides from x = {zero + first:.4g} to {zero + last:.4g} mm along the "
-            f"part, which has it from {zero + low:.4g} to {zero + high:.4g} mm; at "
-            f"{part_loads.cycle_names[worst]}, {part_loads.labels[worst]} it leaves that; change "
-            f"{', '.join(stated)}",
-        )
 
 
 def _handed(

@@ -1,9 +1,9 @@
 """What a part can take: its elasticity, its endurance limit, and how its fatigue is judged."""
 
 import fatigue
-from checks.design.data import Design, Part
+from checks.design.data import Duty, Part
 from checks.design.errors import DesignError
-from checks.part.part_loads import PartLoads
+from checks.part.loaded_part import LoadedPart
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse, LifeUse
 from checks.strength.finite_life import LifeTask, why_no_curve
 from fem.unit_solutions import Elastic
@@ -48,9 +48,8 @@ def endurance_of(part: Part) -> fatigue.EnduranceLimit:
     )
 
 
-def life_task(design: Design, part: Part) -> LifeTask:
-    """What a finite life of a part is asked of."""
-    duty = design.duty
+def life_task(part: Part, duty: Duty) -> LifeTask:
+    """Cycles that a part's finite life has to bear, and what of it is left."""
     return LifeTask(
         duty.cycles,
         part.material,
@@ -60,17 +59,18 @@ def life_task(design: Design, part: Part) -> LifeTask:
     )
 
 
-def fatigue_use(design: Design, part: Part, loads: PartLoads) -> FatigueUse | None:
+def fatigue_use(loaded: LoadedPart) -> FatigueUse | None:
     """How the part's fatigue is judged, None where no cycle of the duty loads it."""
-    if not any(name in loads.cycles for name in design.duty.cycles):
+    part, loads = loaded.part, loaded.loads
+    if not any(name in loads.cycles for name in loaded.duty.cycles):
         return None
     ultimate = part.material.ultimate_stress
     if part.fkm is not None:
         return FkmUse(loads, part.fkm.reference, ultimate, part.fkm)
     limit = endurance_of(part).value
-    if design.duty.life == "finite":
+    if loaded.duty.life == "finite":
         why = why_no_curve(part.material, limit, axial=part.geometry.stressed_evenly)
         if why:
-            raise DesignError(design.file, f"parts.{part.name}.material", why)
-        return LifeUse(loads, limit, ultimate, life_task(design, part))
+            raise DesignError(loaded.design.file, f"parts.{part.name}.material", why)
+        return LifeUse(loads, limit, ultimate, life_task(part, loaded.duty))
     return FatigueUse(loads, limit, ultimate)

@@ -15,6 +15,7 @@ from checks.ladder.climb import BUILDERS
 from checks.ladder.solid import Asked, solve_levels
 from checks.models.checked import band_around, rung_estimates, rung_level
 from checks.models.raised_bores import raised_in_bores
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads, loads_on
 from checks.strength.part_strength import endurance_of, fatigue_use
 from checks.stress.error_bars import StaticPeak, bars_of
@@ -59,9 +60,10 @@ def bars(folder, share, stated="", loads=PULLED):
     """Static and fatigue checks of a pulled link with holes of a share of its width."""
     design = link(folder, share, stated)
     part = design.parts["rod"]
-    judged = [StaticPeak(loads), fatigue_use(design, part, loads)]
+    loaded = LoadedPart(design, part, loads)
+    judged = [StaticPeak(loads), fatigue_use(loaded)]
     limit = endurance_of(part).value
-    levels, _, _ = solve_levels(design, part, loads, Models(), judged, limit, lambda _: None, ASKED)
+    levels, _, _ = solve_levels(loaded, Models(), judged, limit, lambda _: None, ASKED)
     return [(what.value(levels[-1]), bars_of(what, part, levels, 0.2)) for what in judged]
 
 
@@ -92,9 +94,9 @@ def test_a_bore_whose_arc_is_not_stated_has_more_above_and_its_derivation_says_s
 def rung_checks(design, name, loads, rung):
     """Static and fatigue checks of a part by a rung, and its model."""
     part = design.parts[name]
-    use = fatigue_use(design, part, loads)
-    level = rung_level(design, part, loads, BUILDERS[rung](part, loads))
-    found = rung_estimates(design, part, loads, level, use, lambda _: None)
+    loaded = LoadedPart(design, part, loads)
+    level = rung_level(loaded, BUILDERS[rung](part, loads))
+    found = rung_estimates(loaded, level, fatigue_use(loaded), lambda _: None)
     return [(found[kind], level.model) for kind in ("static", "fatigue")]
 
 
@@ -122,8 +124,9 @@ def test_a_bore_that_carries_less_than_the_peak_widens_nothing():
     design = read_design(Path(__file__).parents[2] / "designs" / "quick_return.toml")
     part = design.parts["lever"]
     loads = loads_on(design, part, solve_cycles(design, {}))
-    level = rung_level(design, part, loads, BUILDERS["formula"](part, loads))
-    found = rung_estimates(design, part, loads, level, None, lambda _: None)["static"].check
+    loaded = LoadedPart(design, part, loads)
+    level = rung_level(loaded, BUILDERS["formula"](part, loads))
+    found = rung_estimates(loaded, level, None, lambda _: None)["static"].check
     assert 0.0 < raised_in_bores(part, loads, level) < found.value
     assert "more in bores" not in found.note
 
@@ -133,7 +136,7 @@ def test_couples_out_of_the_plane_are_not_raised_in_a_rungs_bores():
     design = read_design(Path(__file__).parents[2] / "designs" / "slider_crank.toml")
     part = design.parts["crank"]
     loads = loads_on(design, part, solve_cycles(design, {}))
-    level = rung_level(design, part, loads, BUILDERS["formula"](part, loads))
+    level = rung_level(LoadedPart(design, part, loads), BUILDERS["formula"](part, loads))
     assert level.place(level.peak.point).startswith("first (")
     raised = raised_in_bores(part, loads, level) / level.peak.value
     assert 1.0 < raised < 1.0 + 0.8 * BEYOND_ARCS

@@ -17,6 +17,7 @@ from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import part_masses, solve_cycles
 from checks.ladder.part_ladder import Effort
 from checks.ladder.solid import check_solid
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
 from checks.result.verdict import Status
 from checks.strength.part_strength import elastic_of, endurance_of
@@ -95,7 +96,9 @@ def pin_alone(*overrides):
     """The pin's result under the brief's masses: no bar has to be meshed."""
     design = read_design(PRESS, ["cycles.press.positions=91", *BRIEF, *overrides])
     part = design.parts["pin_B"]
-    return check_solid(design, part, loads_on(design, part, solve_cycles(design, {})), Models())
+    return check_solid(
+        LoadedPart(design, part, loads_on(design, part, solve_cycles(design, {}))), Models()
+    )
 
 
 def test_the_tube_carries_force_over_area_at_mid_length(press):
@@ -216,7 +219,7 @@ def test_stated_masses_that_are_not_the_models_are_said_with_their_inertia_field
     """The brief's bar is balanced at mid-length, the model's is not: a field makes up for it."""
     design, solved = brief
     part = design.parts["bar_upper"]
-    result = check_solid(design, part, loads_on(design, part, solved), Models())
+    result = check_solid(LoadedPart(design, part, loads_on(design, part, solved)), Models())
     assert any("residual inertia field" in said for said in result.assumed)
     assert [gate.name for gate in result.gates if not gate.holds and gate.binding] == []
 

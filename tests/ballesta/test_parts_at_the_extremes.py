@@ -11,6 +11,7 @@ from ballesta.commands.plan import plan
 from ballesta.run import check_all
 from checks.design.errors import DesignError
 from checks.ladder.solid import check_solid
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
 from checks.stress.solid_mesh_level import Models
 from geometry import memory
@@ -66,12 +67,12 @@ def test_a_nearly_incompressible_part_breaks_a_binding_gate_and_others_do_not(tm
     design = machine(tmp_path)
     part = design.parts["rod"]
     loads, models = loads_on(design, part, solved(design)), Models()
-    result = check_solid(design, part, loads, models)
+    result = check_solid(LoadedPart(design, part, loads), models)
     assert all(gate.holds for gate in result.gates)
     gate = next(g for g in result.gates if g.name == "rod: compressible material")
     assert (gate.value, gate.limit, gate.binding) == (0.3, 0.45, True)
     soft = replace(part, material=replace(part.material, poisson_ratio=0.4501))
-    result = check_solid(design, soft, loads, models)
+    result = check_solid(LoadedPart(design, soft, loads), models)
     assert [g.name for g in result.gates if not g.holds] == ["rod: compressible material"]
     assert "mean stress is inexact" in gate.meaning
 
@@ -172,6 +173,6 @@ def test_a_refined_mesh_that_is_not_usable_is_made_again_with_finer_general_elem
         return solutions(shape, fineness, material, sizes)
 
     monkeypatch.setattr(models, "solutions", refuses_once)
-    result = check_solid(design, part, loads, models)
+    result = check_solid(LoadedPart(design, part, loads), models)
     assert asked[0] == asked[1] < asked[2]
     assert len(result.meshes) == len(asked) - 1

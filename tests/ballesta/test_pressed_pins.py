@@ -12,6 +12,7 @@ import pytest
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import solve_cycles
 from checks.ladder.solid import Asked, solve_levels
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
 from checks.strength.part_strength import endurance_of, fatigue_use
 from checks.stress.error_bars import StaticPeak, bars_of
@@ -27,9 +28,11 @@ def test_a_peak_at_a_pressed_edge_lies_inside_its_bar(accuracy):
     design = replace(read_design(DESIGN), accuracy=accuracy)
     part = design.parts["pin_A"]
     loads = loads_on(design, part, solve_cycles(design, {}))
-    judged = [StaticPeak(loads), fatigue_use(design, part, loads)]
+    judged = [StaticPeak(loads), fatigue_use(LoadedPart(design, part, loads))]
     limit = endurance_of(part).value
-    levels, _, _ = solve_levels(design, part, loads, Models(), judged, limit, lambda _: None, ASKED)
+    levels, _, _ = solve_levels(
+        LoadedPart(design, part, loads), Models(), judged, limit, lambda _: None, ASKED
+    )
     for what, reference in zip(judged, (STATIC, FATIGUE), strict=True):
         bars = bars_of(what, part, levels, accuracy)
         assert levels[-1].order(what.point(levels[-1])) == 1.0

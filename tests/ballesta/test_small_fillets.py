@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from checks.ladder.solid import solve_levels
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.stress.error_bars import StaticPeak, bars_of
 from checks.stress.solid_mesh_level import Models
@@ -95,7 +96,9 @@ def judged(shape, accuracy):
     )
     design = SimpleNamespace(duty=SimpleNamespace(cycles={}), accuracy=accuracy)
     peak = StaticPeak(LOADS)
-    levels, _, _ = solve_levels(design, part, LOADS, Models(), [peak], 200.0, lambda _: None)
+    levels, _, _ = solve_levels(
+        LoadedPart(design, part, LOADS), Models(), [peak], 200.0, lambda _: None
+    )
     return peak.value(levels[-1]), bars_of(peak, part, levels, accuracy)
 
 

@@ -46,8 +46,8 @@ def late(parent):
     supervised.run(parent)
 
 def loads(parent):
-    import ballesta.check
-    ballesta.check.solve_cycles = held
+    import ballesta.machine.runs
+    ballesta.machine.runs.solve_cycles = held
     supervised.run(parent)
 
 def crash(parent):

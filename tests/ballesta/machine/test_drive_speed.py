@@ -12,6 +12,7 @@ from ballesta.machine.drive_speed import evenness_of, speed_doubts, speed_gates,
 from checks.design.effort import Effort
 from checks.design.errors import DesignError
 from checks.ladder.climb import start_climb
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import Doubt, loads_on
 from checks.strength.load_doubts import LoadBars, load_bars
 
@@ -157,7 +158,7 @@ def test_a_rung_s_stress_goes_with_the_square_of_the_speed(tmp_path):
         Doubt(d.words, d.ends) for d in speed_doubts(design, cycles, evenness_of(design, cycles))
     ]
     part_loads = loads_on(design, part, cycles, doubts)
-    climb = start_climb(design, part, part_loads, cycles)
+    climb = start_climb(LoadedPart(design, part, part_loads, cycles))
     shares = load_bars(part_loads, climb._values("formula")).shares
     for kind in ("static", "fatigue", "buckling"):
         assert shares[kind][doubts[0].words] == pytest.approx([0.81, 1.21], rel=1e-6)

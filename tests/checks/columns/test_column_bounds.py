@@ -14,6 +14,7 @@ from checks.columns.column_first_order import first_order_moments
 from checks.columns.column_limits import cases_of, planes_of, whole_force
 from checks.columns.column_moments import crooked_checks, crooked_column
 from checks.columns.stability import column_checks, eigenvalue_check
+from checks.part.loaded_part import LoadedPart
 from fem.buckling import Buckling, BucklingMode
 from tests.checks.columns.test_stability import LENGTH, check_of, press, pushed, rod
 from tests.small_machine import loads_of
@@ -52,7 +53,7 @@ def test_a_length_in_the_plane_beyond_the_pins_is_bounded_by_that_between_them(
 ):
     """400 mm stated of a part of 161 mm: at best it is hinged at its own pins."""
     design, part = rod(tmp_path, 'parts.rod.column.in_plane="400 mm"')
-    check = check_of(column_checks(design, part, pushed(1e4)), "column in plane")
+    check = check_of(column_checks(LoadedPart(design, part, pushed(1e4))), "column in plane")
     radius = 30 / sqrt(12)
     assert_allclose(check.limit, johnson(part, radius, 400.0), rtol=1e-9)
     best = check.limit / (check.value - check.below)
@@ -66,7 +67,9 @@ def test_a_length_in_the_plane_within_the_pins_has_no_stiffer_bound(tmp_path):
     for stiffest in (False, True):
         force = whole_force(part, plane, section, stiffest)
         assert_allclose(force, euler(part, WIDE, 80.0), rtol=1e-9)
-    assert check_of(column_checks(design, part, pushed(1e4)), "column in plane").below == 0
+    assert (
+        check_of(column_checks(LoadedPart(design, part, pushed(1e4))), "column in plane").below == 0
+    )
 
 
 @pytest.mark.parametrize(("stated", "clamped"), [(400.0, LENGTH / 2), (80.0, 40.0)])
@@ -79,7 +82,7 @@ def test_forks_at_best_clamp_the_shorter_of_the_part_and_its_stated_length(
     soft, stiff = (whole_force(part, plane, section, stiffest) for stiffest in (False, True))
     assert_allclose(soft, euler(part, THIN, stated), rtol=1e-9)
     assert_allclose(stiff, euler(part, THIN, clamped), rtol=1e-9)
-    check = check_of(column_checks(design, part, pushed(1e4)), "column out of plane")
+    check = check_of(column_checks(LoadedPart(design, part, pushed(1e4))), "column out of plane")
     best = check.limit / (check.value - check.below)
     assert_allclose(best, johnson(part, 8 / sqrt(12), clamped) * AREA / 1e4, rtol=1e-9)
 
@@ -92,7 +95,10 @@ def test_a_stated_fork_stiffness_holds_the_whole_stated_length_either_way(tmp_pa
     soft, stiff = (whole_force(part, plane, section, stiffest) for stiffest in (False, True))
     assert_allclose(soft, euler(part, THIN, 322.0), rtol=0.01)  # 2 N m/rad are next to nothing
     assert stiff == soft
-    assert check_of(column_checks(design, part, pushed(1e4)), "column out of plane").below == 0
+    assert (
+        check_of(column_checks(LoadedPart(design, part, pushed(1e4))), "column out of plane").below
+        == 0
+    )
 
 
 def test_a_section_s_own_free_length_is_at_best_that_between_the_pins(tmp_path):
@@ -200,7 +206,7 @@ def test_a_bar_crooked_in_the_plane_yields_by_couples_out_of_it_as_these_grow_th
 
     expected = brentq(over, 0, out / force * (1 - 1e-9))
     for plane in ("in plane", "out of plane"):
-        check = check_of(crooked_checks(design, part, loads), f"crooked bar {plane}")
+        check = check_of(crooked_checks(LoadedPart(design, part, loads)), f"crooked bar {plane}")
         assert_allclose(check.safety, expected, rtol=1e-3)
         own = out if plane == "out of plane" else euler(part, WIDE, LENGTH)
         assert f"F/F_cr {force / own:.3g}," in check.note
@@ -227,7 +233,7 @@ def asked(monkeypatch, folder, first, finer=None, turned=None, held=None, finene
     design, part = rod(folder, f"parts.rod.mesh.fineness={fineness}")
     level = SimpleNamespace(ties=None, interfaces=("first", "second")), np.zeros((1, 1))
     levels = [level] if finer is None else [level, level]
-    check, mode = eigenvalue_check(design, part, pushed(1e3), levels, 0)
+    check, mode = eigenvalue_check(LoadedPart(design, part, pushed(1e3)), levels, 0)
     return check, mode, design.require.buckling
 
 

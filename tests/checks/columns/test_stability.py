@@ -16,6 +16,7 @@ from checks.columns.stability import _proof, column_checks, column_facts, column
 from checks.design.errors import DesignError
 from checks.handbook.column_curves import eurocode_stress, perry_robertson
 from checks.handbook.tapered_columns import CLAMPED, ColumnEnd, ColumnShape, critical_force
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
 from checks.result.verdict import Status
 from fem.buckling import Buckling, BucklingMode
@@ -75,7 +76,7 @@ def press(name, *overrides):
 
 def test_the_13_mm_tube_fails_by_johnson_and_stands_even_above_eulers_stress():
     """T-E1, T-E6: 0.37 at 250 mm, 0.22 at 500 mm; 732 MPa by Euler under 844 MPa."""
-    checks = column_checks(*press("toggle_press_as_sized"))
+    checks = column_checks(LoadedPart(*press("toggle_press_as_sized")))
     within, across = check_of(checks, "column in plane"), check_of(checks, "column out of plane")
     assert_allclose([within.safety, across.safety], [0.370, 0.217], atol=1e-3)
     assert within.status is across.status is Status.FAIL
@@ -90,7 +91,7 @@ def test_the_13_mm_tube_fails_by_johnson_and_stands_even_above_eulers_stress():
 
 def test_the_30_mm_tube_has_1_03_in_the_plane_and_0_97_as_one_column_of_half_a_metre():
     """T-E4, T-E6; the design's weights move the force by 0.3 % (1.027, 0.965)."""
-    checks = column_checks(*press("toggle_press_30x30"))
+    checks = column_checks(LoadedPart(*press("toggle_press_30x30")))
     within, across = check_of(checks, "column in plane"), check_of(checks, "column out of plane")
     assert_allclose([within.safety, across.safety], [1.03, 0.97], atol=6e-3)
 
@@ -104,7 +105,7 @@ def test_the_30_mm_tube_yields_when_it_is_crooked_by_a_quarter_millimetre():
         for body in ("lower", "upper")
         for key in ('mass="0.3567 kg"', 'inertia="0.001858 kg m2"')
     ]
-    found = column_checks(*press("toggle_press_30x30", *own))
+    found = column_checks(LoadedPart(*press("toggle_press_30x30", *own)))
     crooked = check_of(found, "crooked bar in plane")
     assert "348.9 MPa under the load itself" in crooked.note
     assert_allclose(crooked.safety, 1.0174, atol=1e-3)
@@ -114,11 +115,11 @@ def test_the_30_mm_tube_yields_when_it_is_crooked_by_a_quarter_millimetre():
 
 def test_the_bar_as_built_has_10_7_in_the_tube_and_5_8_in_the_cheeks():
     design, part, loads = press("toggle_press")
-    check = check_of(column_checks(design, part, loads), "column in plane")
+    check = check_of(column_checks(LoadedPart(design, part, loads)), "column in plane")
     assert check.place == "cheeks"
     assert_allclose(check.safety, 5.80, atol=0.01)
     assert "tube: 10.72 (Johnson, slenderness 8.3)" in check.note
-    facts = column_facts(design, part, loads)
+    facts = column_facts(LoadedPart(design, part, loads))
     assert facts["column in plane, tube: safety"].startswith("yield 10.8, Johnson 10.7, Euler 913")
     assert facts["column in plane, cheeks, by itself: effective length [mm]"] == 16.0
 
@@ -129,12 +130,12 @@ def test_the_hammers_rod_is_found_at_the_worst_of_all_positions_of_all_cycles():
     (tests/checks/handbook/test_columns.py).
     """
     design, part, loads = of_design("spring_hammer", "rod", "cycles.at_5.positions=181")
-    check = check_of(column_checks(design, part, loads), "column in plane")
+    check = check_of(column_checks(LoadedPart(design, part, loads)), "column in plane")
     assert check.cycle == "at_3_work_20"
     assert check.position.startswith("crank.angle = 80.")
     assert_allclose(check.safety, 7.08, atol=0.01)
     solid = replace(part, geometry=replace(part.geometry, tube_diameter=13.2, wall=None))
-    bar = check_of(column_checks(design, solid, loads), "column in plane")
+    bar = check_of(column_checks(LoadedPart(design, solid, loads)), "column in plane")
     assert_allclose(bar.safety, 1.96, atol=0.01)
     assert bar.status is Status.FAIL
 
@@ -147,7 +148,7 @@ def test_every_limit_stands_beside_the_one_that_decides(tmp_path):
     design, part = rod(tmp_path)
     stress, material = 1e4 / 240, part.material
     euler = pi**2 * material.youngs_modulus * 64 / 12 / LENGTH**2
-    check = check_of(column_checks(design, part, pushed(1e4)), "column out of plane")
+    check = check_of(column_checks(LoadedPart(design, part, pushed(1e4))), "column out of plane")
     (case,) = cases_of(part, planes_of(design, part)[1])
     safeties = case.safeties(stress, material.yield_stress)
     assert_allclose(safeties["yield"], material.yield_stress / stress)
@@ -163,7 +164,7 @@ def test_every_limit_stands_beside_the_one_that_decides(tmp_path):
         assert_allclose(safeties[f"Eurocode 3 {curve}"], expected, rtol=1e-9)
     for name in ("yield", "Johnson", "Euler", "Perry-Robertson", "Eurocode 3 c"):
         assert f"{name} {safeties[name]:.3g}" in check.note
-    facts = column_facts(design, part, pushed(1e4))
+    facts = column_facts(LoadedPart(design, part, pushed(1e4)))
     assert facts["largest compression [N]"] == 1e4
     assert (
         f"Eurocode 3 a0 {safeties['Eurocode 3 a0']:.3g}"
@@ -173,7 +174,7 @@ def test_every_limit_stands_beside_the_one_that_decides(tmp_path):
 
 def test_a_stated_curve_decides_under_the_same_required_safety(tmp_path):
     design, part = rod(tmp_path, 'parts.rod.column.curve="b"')
-    check = check_of(column_checks(design, part, pushed(1e4)), "column out of plane")
+    check = check_of(column_checks(LoadedPart(design, part, pushed(1e4))), "column out of plane")
     (case,) = cases_of(part, planes_of(design, part)[1])
     assert check.limit == pytest.approx(case.curves["b"], rel=1e-12)
     assert check.limit < case.strength.critical
@@ -195,7 +196,7 @@ def test_a_stated_crookedness_is_perry_and_robertsons_imperfection(tmp_path):
 def test_out_of_plane_the_ends_lie_between_hinged_and_clamped_forks(tmp_path):
     """The value is that of hinges, the band below it reaches to half the effective length."""
     design, part = rod(tmp_path)
-    checks = column_checks(design, part, pushed(1e4))
+    checks = column_checks(LoadedPart(design, part, pushed(1e4)))
     within, across = (check_of(checks, f"column {p}") for p in ("in plane", "out of plane"))
     assert within.below == 0
     clamped = LENGTH / 2 / sqrt(64 / 12)
@@ -216,7 +217,10 @@ def test_a_stated_fork_stiffness_takes_the_place_of_both_bounds(tmp_path):
     (case,) = cases_of(part, across)
     assert_allclose(case.strength.euler * 240, force, rtol=1e-9)
     assert LENGTH / 2 < case.length < LENGTH
-    assert check_of(column_checks(design, part, pushed(1e4)), "column out of plane").below == 0
+    assert (
+        check_of(column_checks(LoadedPart(design, part, pushed(1e4))), "column out of plane").below
+        == 0
+    )
 
 
 def test_a_softer_fork_never_makes_a_column_safer(tmp_path):
@@ -224,7 +228,9 @@ def test_a_softer_fork_never_makes_a_column_safer(tmp_path):
     for stiffness in (1e-3, 0.5, 5, 500, 1e6):
         design, part = rod(tmp_path, f'parts.rod.column.fork_stiffness="{stiffness} kN m/rad"')
         safeties.append(
-            check_of(column_checks(design, part, pushed(1e4)), "column out of plane").safety
+            check_of(
+                column_checks(LoadedPart(design, part, pushed(1e4))), "column out of plane"
+            ).safety
         )
     assert safeties == sorted(safeties)
     assert safeties[-1] > 1.1 * safeties[0]
@@ -298,7 +304,7 @@ def test_stretches_that_leave_a_gap_are_refused():
 @pytest.mark.parametrize("scale", [1e-9, 1e-3, 1e3, 1e9])
 def test_safety_times_load_does_not_depend_on_the_size_of_the_load(tmp_path, scale):
     design, part = rod(tmp_path)
-    small, large = (column_checks(design, part, pushed(f)) for f in (1e4, 1e4 * scale))
+    small, large = (column_checks(LoadedPart(design, part, pushed(f))) for f in (1e4, 1e4 * scale))
     for one, other in zip(small, large, strict=True):
         assert_allclose(other.safety * scale, one.safety, rtol=1e-8)
         assert np.isfinite(other.value)
@@ -308,7 +314,7 @@ def test_safety_times_load_does_not_depend_on_the_size_of_the_load(tmp_path, sca
 def test_any_slenderness_has_all_its_limits_in_order(tmp_path, slenderness):
     length = slenderness * 8 / sqrt(12)
     design, part = rod(tmp_path, f'parts.rod.column.out_of_plane="{length} mm"')
-    checks = column_checks(design, part, pushed(1e3))
+    checks = column_checks(LoadedPart(design, part, pushed(1e3)))
     check = check_of(checks, "column out of plane")
     assert f"slenderness {slenderness:.1f} over" in check.basis
     case = cases_of(part, planes_of(design, part)[1])[0]
@@ -324,21 +330,21 @@ def test_a_part_that_is_pulled_or_free_is_no_column_and_says_so(tmp_path):
     design, part = rod(tmp_path)
     for force, words in ((-1e4, "pulled at every position"), (0.0, "never compressed")):
         loads = pushed(force, force / 2)
-        assert column_checks(design, part, loads) == []
-        assert column_facts(design, part, loads) == {}
+        assert column_checks(LoadedPart(design, part, loads)) == []
+        assert column_facts(LoadedPart(design, part, loads)) == {}
         assert words in column_told(part, loads)
     assert column_told(part, pushed(-1e4, 1e-6)) is None
-    assert len(column_checks(design, part, pushed(-1e4, 1e-6))) == 4
+    assert len(column_checks(LoadedPart(design, part, pushed(-1e4, 1e-6)))) == 4
 
 
 def test_the_position_of_the_largest_compression_is_named(tmp_path):
     design, part = rod(tmp_path)
     loads = pushed(100.0, -9e4, 300.0, 200.0)
     for plane in ("in plane", "out of plane"):
-        check = check_of(column_checks(design, part, loads), f"column {plane}")
+        check = check_of(column_checks(LoadedPart(design, part, loads)), f"column {plane}")
         assert check.position == "k = 2"
         assert_allclose(check.value, 300 / 240)
-    assert column_facts(design, part, loads)["largest compression at"] == "turn, k = 2"
+    assert column_facts(LoadedPart(design, part, loads))["largest compression at"] == "turn, k = 2"
 
 
 def test_an_effective_length_that_ends_cannot_give_is_told(tmp_path):

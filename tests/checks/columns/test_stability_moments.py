@@ -12,6 +12,7 @@ from checks.columns.column_first_order import first_order_moments
 from checks.columns.column_limits import planes_of
 from checks.columns.column_moments import crooked_checks, crooked_column
 from checks.handbook.column_curves import perry_robertson
+from checks.part.loaded_part import LoadedPart
 from checks.result.verdict import Status
 from tests.checks.columns.test_stability import LENGTH, check_of, of_design, pushed, rod
 from tests.small_machine import loads_of
@@ -25,7 +26,7 @@ def euler_of(part, inertia):
 
 
 def crooked(design, part, loads, plane):
-    return check_of(crooked_checks(design, part, loads), f"crooked bar {plane}")
+    return check_of(crooked_checks(LoadedPart(design, part, loads)), f"crooked bar {plane}")
 
 
 @pytest.mark.parametrize("force", [1.0, 1e4, 4e4, 1e7])
@@ -83,7 +84,7 @@ def test_the_press_with_friction_has_its_pins_couples():
         for key in ('mass="4.14134 kg"', 'inertia="0.0215695 kg m2"', 'centre="125, 0 mm"')
     ]
     found = of_design("toggle_press_friction", "bar_upper", "cycles.press.positions=61", *masses)
-    check = check_of(crooked_checks(*found), "crooked bar in plane")
+    check = check_of(crooked_checks(LoadedPart(*found)), "crooked bar in plane")
     assert check.place == "cheeks at 0 mm"
     assert_allclose(check.value, 59.61, rtol=2e-3)
     assert check.status is Status.PASS
@@ -155,8 +156,8 @@ def test_no_position_and_no_place_is_worse_than_the_one_that_is_named(tmp_path):
     alone = []
     for k in range(40):
         one = loads_of({n: w[k : k + 1][:, [0, 1, 5]] for n, w in loads.wrenches.items()})
-        alone.append([check.safety for check in crooked_checks(design, part, one)])
-    for k, worst in enumerate(crooked_checks(design, part, loads)):
+        alone.append([check.safety for check in crooked_checks(LoadedPart(design, part, one))])
+    for k, worst in enumerate(crooked_checks(LoadedPart(design, part, loads))):
         assert_allclose(worst.safety, min(both[k] for both in alone), rtol=1e-8)
         assert worst.position == f"k = {int(np.argmin([both[k] for both in alone]))}"
 

@@ -19,6 +19,7 @@ from checks.joints.pin_checks import pin_checks
 from checks.joints.slot_checks import slot_checks
 from checks.ladder import part_ladder
 from checks.ladder.explained import explained
+from checks.part.loaded_part import LoadedPart
 from checks.result.derivation import Bars, Derivation, Given, Section, Step
 from checks.result.verdict import Status
 from checks.stress.error_bars import Bars as SolidBars
@@ -166,7 +167,7 @@ def test_the_pressure_under_a_block_that_is_turned_has_its_couple(tmp_path):
     rows = [(0.0, 80.0, 80.0 * 60.0), (0.0, 800.0, 120.0 * 800.0 + 500.0)]
     loads = loads_of({"slot": rows}, {"slot": np.array([60.0, 120.0])})
     part = design.parts["lever"]
-    (check,) = slot_checks(design, part, loads, MESH.interfaces)
+    (check,) = slot_checks(LoadedPart(design, part, loads), MESH.interfaces)
     derivation = contacts.contact(part, loads, MESH.interfaces, check)
     assert derivation.misses(check) == ""
     assert derivation.number("C") == pytest.approx(500.0)
@@ -178,7 +179,7 @@ def test_a_pin_that_friction_twists_follows_from_its_formulas(climbed):
     for sign, wrench in zip((1, -1), wrenches.values(), strict=True):
         wrench[:, 5] += sign * 4e3
     loads = replace(climb.loads, wrenches=wrenches)
-    checks = pin_checks(climb.design, climb.part, loads)
+    checks = pin_checks(climb.loaded.under(loads))
     assert checks
     twisted = 0
     for check in checks:
@@ -287,12 +288,12 @@ def test_bars_that_exclude_each_other_leave_the_rung_s_own_error(climbed):
 
 @pytest.mark.parametrize("at", [0, 4])
 def test_p_v_is_told_where_it_is_largest_also_at_the_first_position(climbed, monkeypatch, at):
-    climb, checks, solved, *_ = climbed["pin_A"]
+    climb, checks, *_ = climbed["pin_A"]
     check = next(c for c in checks if c.quantity == "p v of the bush of rod")
     speeds = np.zeros(len(climb.loads.labels))
     speeds[at] = -3.0
     monkeypatch.setattr(contacts, "turning", lambda *_: speeds)
-    derivation = contacts.bush(climb.part, climb.loads, solved, replace(check, position="no label"))
+    derivation = contacts.bush(climb.loaded, replace(check, position="no label"))
     assert derivation.cases[0].index == at
     assert derivation.number("omega") == 3.0
 

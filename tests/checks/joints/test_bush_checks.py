@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose
 from ballesta.design.read import read_design
 from checks.design.errors import DesignError
 from checks.joints.bushes import bush_checks, bushes_not_checked
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
 from checks.result.verdict import Status
 
@@ -44,7 +45,7 @@ def bushes(folder, pv=', pv = "1 MPa m/s"', **changes):
 def test_p_v_is_pressure_times_the_speed_of_the_pin_in_the_lug(tmp_path):
     """The crank turns with 10 rad/s, the rod swings with (60 cos) / (l cos) of it: v = w d / 2."""
     design, part, cycles, loads = bushes(tmp_path)
-    pressure, product = bush_checks(design, part, loads, cycles)
+    pressure, product = bush_checks(LoadedPart(design, part, loads, cycles))
     cycle = cycles["turn"]
     rod = cycle.point("rod", "B") - cycle.point("rod", "A")
     crank = cycle.point("crank", "A")
@@ -66,7 +67,7 @@ def test_the_bars_of_few_positions_hold_the_peaks_of_many(tmp_path):
         design = machine(tmp_path, text, f"cycles.turn.positions={count}")
         cycles = solved(design)
         part = design.parts["pin_A"]
-        return bush_checks(design, part, loads_on(design, part, cycles), cycles)
+        return bush_checks(LoadedPart(design, part, loads_on(design, part, cycles), cycles))
 
     text = PIN.replace("BEARS", 'allowable = "40 MPa", pv = "1 MPa m/s"')
     for few, many in zip(at(18), at(273), strict=True):
@@ -75,31 +76,31 @@ def test_the_bars_of_few_positions_hold_the_peaks_of_many(tmp_path):
 
 
 def test_p_v_above_the_allowable_fails_and_below_it_passes(tmp_path):
-    value = bush_checks(*_arguments(bushes(tmp_path)))[1].value
+    value = bush_checks(_loaded(bushes(tmp_path)))[1].value
     for factor, status in ((1.01, Status.PASS), (0.99, Status.FAIL)):
-        found = bush_checks(*_arguments(bushes(tmp_path, f', pv = "{factor * value} MPa m/s"')))[1]
+        found = bush_checks(_loaded(bushes(tmp_path, f', pv = "{factor * value} MPa m/s"')))[1]
         assert found.status is status
 
 
-def _arguments(found):
+def _loaded(found):
     design, part, cycles, loads = found
-    return design, part, loads, cycles
+    return LoadedPart(design, part, loads, cycles)
 
 
 def test_a_bush_in_the_body_that_the_pin_turns_with_does_not_slide(tmp_path):
-    found = bush_checks(*_arguments(bushes(tmp_path, **{'fixed_to = "crank"': 'fixed_to = "rod"'})))
+    found = bush_checks(_loaded(bushes(tmp_path, **{'fixed_to = "crank"': 'fixed_to = "rod"'})))
     assert found[1].value == 0
 
 
 def test_without_p_v_only_the_pressure_is_checked(tmp_path):
-    assert len(bush_checks(*_arguments(bushes(tmp_path, "")))) == 1
+    assert len(bush_checks(_loaded(bushes(tmp_path, "")))) == 1
 
 
 def test_one_lug_beside_the_middle_carries_the_whole_force(tmp_path):
     """Not half of it, as one of a pair does."""
     single = {'at = "0 mm", width = "10 mm"': 'at = "0.5 mm", single = true, width = "10 mm"'}
-    beside = bush_checks(*_arguments(bushes(tmp_path, "", **single)))[0]
-    middle = bush_checks(*_arguments(bushes(tmp_path, "")))[0]
+    beside = bush_checks(_loaded(bushes(tmp_path, "", **single)))[0]
+    middle = bush_checks(_loaded(bushes(tmp_path, "")))[0]
     assert_allclose(beside.value, middle.value, rtol=1e-9)
     assert beside.model == 0
 
@@ -107,8 +108,8 @@ def test_one_lug_beside_the_middle_carries_the_whole_force(tmp_path):
 def test_the_bushes_of_a_fork_carry_half_each_and_5_percent_for_what_is_out_of_square(tmp_path):
     crank, rod = ('body = "crank", at = ', 'body = "rod", at = ')
     fork = {f'{crank}"12 mm"': f'{crank}"0 mm"', f'{rod}"0 mm"': f'{rod}"10 mm"'}
-    one = bush_checks(*_arguments(bushes(tmp_path)))
-    two = bush_checks(*_arguments(bushes(tmp_path, **fork)))
+    one = bush_checks(_loaded(bushes(tmp_path)))
+    two = bush_checks(_loaded(bushes(tmp_path, **fork)))
     for alone, shared in zip(one, two, strict=True):
         assert_allclose(shared.value, alone.value / 2, rtol=1e-9)
         assert_allclose(shared.model, 0.05 * shared.value, rtol=1e-9)
@@ -124,13 +125,13 @@ def test_a_pressure_speed_is_written_with_its_unit(tmp_path):
 
 def test_runs_that_were_measured_are_said_not_to_be_in_it(tmp_path):
     design, part, cycles, loads = bushes(tmp_path)
-    assert bushes_not_checked(part, cycles) == []
-    measured = {"run": object()}
-    (told,) = bushes_not_checked(part, {**cycles, **measured})
-    assert told.startswith("NOT CHECKED: p v of the bush of rod in run")
     both = replace(loads, cycles={**loads.cycles, "run": slice(0, 3)})
-    assert len(bush_checks(design, part, both, {**cycles, **measured})) == 2
-    assert len(bush_checks(design, part, both, measured)) == 1
+    assert bushes_not_checked(LoadedPart(design, part, both, cycles)) == []
+    measured = {"run": object()}
+    (told,) = bushes_not_checked(LoadedPart(design, part, both, {**cycles, **measured}))
+    assert told.startswith("NOT CHECKED: p v of the bush of rod in run")
+    assert len(bush_checks(LoadedPart(design, part, both, {**cycles, **measured}))) == 2
+    assert len(bush_checks(LoadedPart(design, part, both, measured))) == 1
 
 
 def test_the_eye_of_a_force_turns_with_the_line_that_the_force_acts_along():
@@ -155,7 +156,7 @@ def test_the_eye_of_a_force_turns_with_the_line_that_the_force_acts_along():
     cycles = solved(design)
     part = design.parts["pin_B"]
     loads = loads_on(design, part, cycles)
-    product = bush_checks(design, part, loads, cycles)[-1]
+    product = bush_checks(LoadedPart(design, part, loads, cycles))[-1]
     assert product.quantity == "p v of the bush of cylinder"
     cylinder, by_hand = design.forces["cylinder"].coordinate, []
     for name, cycle in cycles.items():

@@ -7,6 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from checks.joints.lug_checks import ligament_all_round, ligaments, lug_checks
+from checks.part.loaded_part import LoadedPart
 from checks.stress.solid_mesh_level import Models
 from geometry.mesh import Interface
 from geometry.meshing import mesh_shape
@@ -33,7 +34,7 @@ stack = [
 def checks_of(design, wrenches, name="rod"):
     part = design.parts[name]
     mesh = Models().mesh(part.geometry, 0.5)
-    return lug_checks(design, part, loads_of(wrenches), mesh)
+    return lug_checks(LoadedPart(design, part, loads_of(wrenches)), mesh)
 
 
 def test_a_hole_bears_the_largest_force_over_diameter_and_thickness(tmp_path):
@@ -252,7 +253,7 @@ def test_a_link_from_cad_is_torn_out_as_the_parametric_one_and_not_where_it_is_p
     def checks(force):
         loads = loads_of({"first": [(-force, 0, 0)], "second": [(force, 0, 0)]})
         parametric = replace(part, geometry=LINK)
-        return [lug_checks(design, one, loads, mesh) for one in (part, parametric)]
+        return [lug_checks(LoadedPart(design, one, loads), mesh) for one in (part, parametric)]
 
     (_, torn), (_, stated) = checks(2000)
     assert_allclose(torn.value, 2000 / 96, rtol=0.01)
@@ -270,7 +271,7 @@ def test_a_part_from_cad_is_judged_in_the_direction_that_the_pin_pulls(tmp_path,
 
     def torn(x, y):
         loads = loads_of({"first": [(x, y, 0)], "second": [(0, 0, 0)]})
-        return lug_checks(design, part, loads, mesh)[1:]
+        return lug_checks(LoadedPart(design, part, loads), mesh)[1:]
 
     assert_allclose(torn(0, 2000)[0].value, 2000 / (2 * 8 * 14), rtol=0.02)
     assert_allclose(torn(1414.2, 1414.2)[0].value, 2000 / (2 * 8 * 19.83), rtol=0.02)

@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import solve_cycles
 from checks.joints.pin_checks import PinDiagram, pin_checks, pin_diagram
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
 from geometry.parts import Pin, Seat
 
@@ -51,7 +52,7 @@ def test_the_knee_pin_is_bent_by_350_newton_metres_at_its_middle():
     design, part, loads = knee_pin(PLAIN_PIN)
     evenly = pin_diagram(part.geometry, dict(loads.wrenches), spread=True)
     assert_allclose(size(evenly.moment).max(), 349.5e3, atol=150)
-    bending, shear = pin_checks(design, part, loads)
+    bending, shear = pin_checks(LoadedPart(design, part, loads))
     assert (bending.kind, shear.kind) == ("pin bending", "pin shear")
     assert_allclose(bending.value - bending.model_below, 55.62, atol=0.03)
     across, along = 5.478e3 * 42.95, 30.293e3 * 42.95 - 30.769e3 * 32.65
@@ -65,7 +66,7 @@ def test_the_knee_pin_is_bent_by_350_newton_metres_at_its_middle():
 def test_the_knee_pin_is_sheared_most_between_the_bars():
     """Half of 61.57 kN over pi 40^2 / 4, times 4/3: 32.66 MPa, against 650 MPa over sqrt 3."""
     design, part, loads = knee_pin(PLAIN_PIN)
-    shear = pin_checks(design, part, loads)[1]
+    shear = pin_checks(LoadedPart(design, part, loads))[1]
     assert_allclose(shear.value, 4 / 3 * 61.57e3 / 2 / (np.pi * 400), rtol=1e-3)
     assert_allclose(shear.limit, 650 / 3**0.5)
     assert shear.required == design.require.static
@@ -73,7 +74,7 @@ def test_the_knee_pin_is_sheared_most_between_the_bars():
 
 def test_a_neck_is_judged_by_its_own_diameter():
     """The same moment in 35 mm: (40/35)^3 times the stress of a plain pin."""
-    plain, neck = (pin_checks(*knee_pin(*more))[0] for more in ([PLAIN_PIN], []))
+    plain, neck = (pin_checks(LoadedPart(*knee_pin(*more)))[0] for more in ([PLAIN_PIN], []))
     assert_allclose(neck.value / plain.value, (40 / 35) ** 3, rtol=1e-9)
     assert "d = 35 mm" in neck.note
 

@@ -11,7 +11,8 @@ from ballesta.design.read import read_design
 from ballesta.machine.elastic_parts import body_compliance
 from ballesta.machine.warnings_of import design_warnings
 from checks.design.errors import DesignError
-from checks.part.part_loads import check_reach, loads_on
+from checks.part.loaded_part import LoadedPart, check_reach
+from checks.part.part_loads import loads_on
 from geometry.mesh import Interface, TooManyElementsError
 from loads import LinkageError
 
@@ -202,10 +203,10 @@ def test_a_contact_that_leaves_its_stretch_is_refused_with_both(tmp_path):
         slide = replace(MESH.interfaces["slot"], travel=travel, centre=np.array([3.0, 0, 0]))
         return {"slot": slide}
 
-    check_reach(design, part, loads, with_travel(low, high))
+    check_reach(LoadedPart(design, part, loads), with_travel(low, high))
     for travel in ((low + 0.1, high), (low, high - 0.1)):
         with pytest.raises(DesignError) as caught:
-            check_reach(design, part, loads, with_travel(*travel))
+            check_reach(LoadedPart(design, part, loads), with_travel(*travel))
         assert caught.value.key == "parts.lever.interfaces.slot"
         assert f"slides from x = {low + 3:.4g} to {high + 3:.4g} mm" in caught.value.problem
         assert "travel_from, travel_to" in caught.value.problem

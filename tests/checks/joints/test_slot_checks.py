@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose
 
 from checks.design.errors import DesignError
 from checks.joints.slot_checks import FIRST_YIELD, slot_checks
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
 from geometry.mesh import Interface
 
@@ -51,7 +52,8 @@ def checks_of(design, force, couple=0.0):
     reach = np.array([60.0, 120.0])
     rows = [(0.0, 0.1 * force, 0.1 * force * 60.0), (0.0, force, 120.0 * force + couple)]
     return slot_checks(
-        design, design.parts["lever"], loads_of({"slot": rows}, {"slot": reach}), MESH.interfaces
+        LoadedPart(design, design.parts["lever"], loads_of({"slot": rows}, {"slot": reach})),
+        MESH.interfaces,
     )
 
 
@@ -125,7 +127,7 @@ def test_friction_in_a_slot_is_no_couple_on_its_roller(tmp_path):
     loads = loads_on(design, design.parts["lever"], cycles)
     along, across = np.abs(loads.wrenches["slot"][:, :2]).max(axis=0)
     assert_allclose(along, 0.3 * across, rtol=1e-6)
-    (found,) = slot_checks(design, design.parts["lever"], loads, MESH.interfaces)
+    (found,) = slot_checks(LoadedPart(design, design.parts["lever"], loads), MESH.interfaces)
     assert found.value > 0
 
 

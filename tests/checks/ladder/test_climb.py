@@ -8,10 +8,11 @@ import pytest
 from ballesta.check import check_design
 from checks.ladder import climb
 from checks.ladder.climb import AUTO, climb_cheap, start_climb
-from checks.ladder.part_ladder import Effort, check_parts
+from checks.ladder.part_ladder import Effort, Ladder
 from checks.ladder.result import cheap_result, solid_result
 from checks.models import bands
 from checks.models.proportions import proportions_of
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
 from checks.result.verdict import NOT_MESHED, Status
 from checks.result.words import reason
@@ -35,7 +36,7 @@ def started(folder, *overrides, text=PLATE):
     design = machine(folder, text, *overrides)
     part = design.parts["rod"]
     cycles = solved(design)
-    return start_climb(design, part, loads_on(design, part, cycles), cycles)
+    return start_climb(LoadedPart(design, part, loads_on(design, part, cycles), cycles))
 
 
 def required_at(state, kind, utilisation):
@@ -222,10 +223,8 @@ def test_parts_that_need_solids_come_cheapest_first_under_a_time_limit(tmp_path,
         return cheap_result(state, models)
 
     monkeypatch.setattr("checks.ladder.part_ladder.solid_result", noted)
-    monkeypatch.setattr(
-        "checks.ladder.part_ladder._cost", lambda design, state, models: costs[state.part.name]
-    )
-    check_parts(design, solved(design), Models(), Effort(within=1e6), 0.0, lambda _: None)
+    monkeypatch.setattr("checks.ladder.part_ladder.Ladder._cost", lambda _, name: costs[name])
+    Ladder(design, Models(), Effort(within=1e6), 0.0, lambda _: None).check(solved(design))
     assert order == ["crank", "rod"]
 
 
@@ -289,6 +288,6 @@ def test_the_cheapest_model_of_every_part_comes_before_a_better_one_of_any(tmp_p
     ).replace('first = "A", second = "B"', 'first = "O", second = "A"')
     design = machine(tmp_path, two)
     said = []
-    check_parts(design, solved(design), Models(), Effort(within=0.001), 0.0, said.append)
+    Ladder(design, Models(), Effort(within=0.001), 0.0, said.append).check(solved(design))
     rungs = [text.rpartition(": ")[2] for text in said if ": " in text]
     assert rungs[:4] == ["formula", "formula", "beam", "beam"]

@@ -15,6 +15,7 @@ from checks.ladder.part_ladder import Effort
 from checks.ladder.result import solid_result
 from checks.models.checked import NOTHING, rung_estimates, rung_level
 from checks.models.estimate import Estimate
+from checks.part.loaded_part import LoadedPart
 from checks.result.verdict import Check, Status
 from checks.result.words import reason, safety_text, utilisation_text
 from checks.stress.solid_mesh_level import Models
@@ -64,9 +65,9 @@ class TestNothingLoadsThePart:
         design = machine(tmp_path, PLATE, "parts.rod.thickness=60 mm")
         loads, part = loads_of(NEVER), design.parts["rod"]
         model = BUILDERS[rung](part, loads)
-        climb = start_climb(design, part, loads, {})
-        level = rung_level(design, part, loads, model)
-        found = rung_estimates(design, part, loads, level, climb.use, lambda _: model)
+        climb = start_climb(LoadedPart(design, part, loads))
+        level = rung_level(LoadedPart(design, part, loads), model)
+        found = rung_estimates(LoadedPart(design, part, loads), level, climb.use, lambda _: model)
         assert sorted(found) == ["fatigue", "static"]  # nothing is pressed, nothing buckles
         for estimate in found.values():
             check = estimate.check
@@ -77,7 +78,7 @@ class TestNothingLoadsThePart:
 
     def test_auto_stops_at_the_first_rung(self, tmp_path):
         design = machine(tmp_path, PLATE, "parts.rod.thickness=60 mm")
-        climb = start_climb(design, design.parts["rod"], loads_of(NEVER), {})
+        climb = start_climb(LoadedPart(design, design.parts["rod"], loads_of(NEVER)))
         assert not climb_cheap(climb, "auto")
         assert [tried.rung for tried in climb.tried] == ["formula"]
 
@@ -192,7 +193,7 @@ def test_a_solid_that_is_asked_for_buckling_alone_tells_of_no_stress(tmp_path):
     design = machine(tmp_path)
     part = design.parts["rod"]
     loads = loads_of({"first": [[400.0, 0.0, 0.0]] * 2, "second": [[-400.0, 0.0, 0.0]] * 2})
-    climb = start_climb(design, part, loads, {})
+    climb = start_climb(LoadedPart(design, part, loads))
     climb.take("formula")
     for kind in ("static", "fatigue"):
         climb.best[kind] = Estimate(replace(climb.best[kind].check, model=0.0, model_below=0.0))
@@ -210,7 +211,7 @@ def test_a_rung_that_gives_up_is_passed_over(tmp_path, monkeypatch):
 
     monkeypatch.setitem(BUILDERS, "beam", gives_up)
     design = machine(tmp_path)
-    climb = start_climb(design, design.parts["rod"], loads_of(NEVER), {})
+    climb = start_climb(LoadedPart(design, design.parts["rod"], loads_of(NEVER)))
     assert not climb.take("beam")
     assert climb.tried[-1].why == "gave up: an element is folded"
 
@@ -219,6 +220,6 @@ def test_a_peak_of_zero_is_at_a_position_all_the_same(tmp_path):
     """The first of equals."""
     design = machine(tmp_path)
     loads, part = loads_of(NEVER), design.parts["rod"]
-    level = rung_level(design, part, loads, BUILDERS["formula"](part, loads))
+    level = rung_level(LoadedPart(design, part, loads), BUILDERS["formula"](part, loads))
     assert (level.peak.value, level.peak.position) == (0.0, 0)
     assert np.array_equal(level.peaks_by_position, np.zeros(4))

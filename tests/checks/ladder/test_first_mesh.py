@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from checks.ladder.solid import COARSE, FIRST, LOOSE, Asked, first_of, solve_levels
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.strength.part_strength import endurance_of
 from checks.stress.error_bars import StaticPeak, bars_of
@@ -40,9 +41,7 @@ def meshes(folder, first, accuracy, settled="", fineness=1.0):
     peak = StaticPeak(PULLED)
     asked = Asked(frozenset(["static"]), modes=False, first=first)
     levels, _, _ = solve_levels(
-        design,
-        part,
-        PULLED,
+        LoadedPart(design, part, PULLED),
         Models(),
         [peak],
         endurance_of(part).value,

@@ -14,6 +14,7 @@ from checks.ladder import leaf_checks
 from checks.ladder.hand_bodies import leaf_hand_checks
 from checks.ladder.leaf_checks import gap_gate, with_leaf_checks
 from checks.ladder.solid import FIRST
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads, loads_on
 from checks.result.verdict import Check, PartResult
 from checks.strength.part_strength import elastic_of, endurance_of
@@ -121,7 +122,7 @@ def widened(case, models):
     design, part, cycles, loads = case
     checks = [found("static"), found("fatigue"), found("buckling")]
     result = PartResult("leaves", "leaf_pack", "S275", checks, (), (), (), {}, {}, None)
-    after = with_leaf_checks(design, part, result, loads, cycles, models)
+    after = with_leaf_checks(LoadedPart(design, part, loads, cycles), result, models)
     return {check.kind: check for check in after.checks}, after
 
 
@@ -189,7 +190,7 @@ def test_a_single_leaf_needs_no_band(tmp_path, models):
     design, part, cycles, loads = rocker(tmp_path, models, '"500 N"')
     alone = replace(part, geometry=replace(part.geometry, leaves=1))
     result = PartResult("leaves", "", "", [found("static")], (), (), (), {}, {}, None)
-    assert with_leaf_checks(design, alone, result, loads, cycles, models) is result
+    assert with_leaf_checks(LoadedPart(design, alone, loads, cycles), result, models) is result
 
 
 def test_leaves_under_a_contact_are_pressed_and_hardly_pulled_apart(tmp_path, models):

@@ -5,6 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from checks.ladder.part_facts import assumed_of, facts_of
+from checks.part.loaded_part import LoadedPart
 from checks.strength.part_strength import elastic_of, endurance_of
 from checks.stress.solid_mesh_level import Models, solve_level
 from geometry.symmetry import Half
@@ -57,7 +58,7 @@ def told(folder, text=PLATE, couple=0.0, *, half=False, tilt=0.0):
     shape = Half(part.geometry) if half else part.geometry
     solutions = Models().solutions(shape, part.fineness * 0.7, elastic_of(part))
     level = solve_level(solutions, 0.5, loads, 1.0, part.material.ultimate_stress, {})
-    return assumed_of(design, part, level), facts_of(
+    return assumed_of(LoadedPart(design, part, loads), level), facts_of(
         part,
         loads,
         solutions.mesh.mass_properties(part.material.density),

@@ -12,6 +12,7 @@ from checks.design.effort import Effort
 from checks.ladder import part_fields
 from checks.ladder.part_fields import solid_fields
 from checks.ladder.solid import EVERYTHING, check_solid, first_level
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
 from checks.result.live_fields import von_mises
 from checks.strength.part_strength import fatigue_use
@@ -47,7 +48,9 @@ def checked(folder, models, *overrides, text=PLATE):
     """The rod as a solid, on coarse meshes."""
     design = machine(folder, text, 'accuracy="50 %"', *overrides)
     part = design.parts["rod"]
-    return check_solid(design, part, loads_on(design, part, solved(design)), models, asked=LIVE)
+    return check_solid(
+        LoadedPart(design, part, loads_on(design, part, solved(design))), models, asked=LIVE
+    )
 
 
 @pytest.fixture(scope="module")
@@ -164,8 +167,8 @@ def test_no_node_is_used_less_by_two_cycles_than_by_one_of_them(tmp_path, models
         )
         part = design.parts["rod"]
         loads = loads_on(design, part, solved(design))
-        level = first_level(design, part, loads, models)
-        fields = solid_fields(loads, level, fatigue_use(design, part, loads))
+        level = first_level(LoadedPart(design, part, loads), models)
+        fields = solid_fields(loads, level, fatigue_use(LoadedPart(design, part, loads)))
         used.append(fields.fatigue["utilisation"])
     first, second, both = used
     assert (both >= np.maximum(first, second) * (1 - 1e-5)).all()

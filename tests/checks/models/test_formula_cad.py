@@ -14,6 +14,7 @@ from checks.ladder.solid import elastic_of
 from checks.models.bands import NoBand, band_of
 from checks.models.families import family_of
 from checks.models.formula import model_of
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads, loads_on
 from checks.stress.solid_mesh_level import Models
 from fem.recovery import von_mises
@@ -265,7 +266,7 @@ def started(tmp_path):
         design = machine(tmp_path, BAR, *overrides)
         cycles = solved(design)
         own = design.parts["crank"]
-        return start_climb(design, own, loads_on(design, own, cycles), cycles)
+        return start_climb(LoadedPart(design, own, loads_on(design, own, cycles), cycles))
 
     return start
 

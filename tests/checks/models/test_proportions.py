@@ -10,6 +10,7 @@ from checks.ladder.climb import AUTO, climb_cheap, start_climb
 from checks.models import bands
 from checks.models.families import family_of
 from checks.models.proportions import ARC, SHARE, proportions_of, unknown_load
+from checks.part.loaded_part import LoadedPart
 from geometry.parts import Pin, Seat
 
 from ...small_machine import loads_of, machine
@@ -68,7 +69,7 @@ def test_a_rod_between_forks_beside_each_other_has_no_bars_and_goes_to_the_solid
     assert not unknown_load(rod, loads)
     loads.wrenches["first"][:, 4] = 400.0  # N mm, as an offset of 40 mm gives
     assert "couples out of the plane, up to 400 N mm" in unknown_load(rod, loads)
-    state = start_climb(design, rod, loads, {})
+    state = start_climb(LoadedPart(design, rod, loads))
     assert climb_cheap(state, AUTO)
     assert all("couples" in c.note for tried in state.tried for c in tried.checks)
 
@@ -107,7 +108,7 @@ def test_a_rung_that_lost_some_of_the_loads_has_no_bars(tmp_path, plate, monkeyp
         return replace(build(part, loads), residual=2e-6)
 
     monkeypatch.setitem(climb.BUILDERS, "formula", leaving)
-    state = start_climb(design, plate, loads_of(PULLED), {})
+    state = start_climb(LoadedPart(design, plate, loads_of(PULLED)))
     state.take("formula")
     check = state.best["static"].check
     assert "leaves 2e-06 of the loads" in check.note
@@ -125,7 +126,7 @@ def test_rungs_whose_bars_exclude_each_other_leave_it_to_the_solid(tmp_path, pla
         return replace(model, history=replace(model.history, basis=2 * model.history.basis))
 
     monkeypatch.setitem(climb.BUILDERS, "beam", doubled)
-    state = start_climb(design, plate, loads_of(PULLED), {})
+    state = start_climb(LoadedPart(design, plate, loads_of(PULLED)))
     state.take("formula")
     assert "static" not in state.open
     state.take("beam")

@@ -17,6 +17,7 @@ from checks.models.checked import (
     stress_share,
 )
 from checks.models.formula import model_of
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Status
 from fem.frame_sections import rectangle_torsion
@@ -54,8 +55,9 @@ def link_loads(part, along, across):
 
 def estimated(design, part, loads):
     model = model_of(part, loads)
-    level = rung_level(design, part, loads, model)
-    found = rung_estimates(design, part, loads, level, None, lambda some: model_of(part, some))
+    loaded = LoadedPart(design, part, loads)
+    level = rung_level(loaded, model)
+    found = rung_estimates(loaded, level, None, lambda some: model_of(part, some))
     return model, found.get("buckling")
 
 

@@ -5,6 +5,7 @@ from numpy.testing import assert_allclose
 
 from checks.design.errors import DesignError
 from checks.ladder.solid import check_solid
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
 from checks.stress.solid_mesh_level import Models
 
@@ -28,7 +29,7 @@ def checked(folder, models, *overrides, text=PLATE):
     """The rod's result and its fatigue check, on coarse meshes."""
     design = machine(folder, text, 'accuracy="50 %"', *overrides)
     part = design.parts["rod"]
-    result = check_solid(design, part, loads_on(design, part, solved(design)), models)
+    result = check_solid(LoadedPart(design, part, loads_on(design, part, solved(design))), models)
     (check,) = (check for check in result.checks if check.kind == "fatigue")
     (gate,) = (gate for gate in result.gates if gate.name == "rod: fatigue safety")
     assert gate.value < 1e-9

@@ -11,6 +11,7 @@ from ballesta.commands.plan import plan
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import part_masses, solve_cycles
 from checks.ladder.solid import check_solid
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
 from checks.stress.solid_mesh_level import Models
 from checks.stress.symmetry import half_of
@@ -28,7 +29,7 @@ def checked(*overrides):
     models = Models()
     part = design.parts["bar_upper"]
     loads = loads_on(design, part, solve_cycles(design, part_masses(design, models)))
-    return check_solid(design, part, loads, models)
+    return check_solid(LoadedPart(design, part, loads), models)
 
 
 @pytest.fixture(scope="module")

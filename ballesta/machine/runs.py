@@ -1,0 +1,118 @@
+"""Loads of a whole machine over its cycles and its measured runs, as every command finds them."""
+
+from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass
+
+import loads
+from ballesta.machine.balance import measured_loads
+from ballesta.machine.drive_speed import Evenness, evenness_of, speed_doubts
+from ballesta.machine.elastic_parts import compliances_of
+from ballesta.machine.quasi_static import (
+    Vibration,
+    vibration_of,
+    vibration_warnings,
+    with_dynamics,
+)
+from ballesta.machine.solved_cycles import (
+    part_masses,
+    solve_cycles,
+    try_cycles,
+    without_unknown_contacts,
+)
+from ballesta.machine.stop_doubts import stop_doubts
+from checks.design.data import Design
+from checks.part.part_loads import Doubt, Runs
+from checks.store.store import Store
+from checks.stress.kept_models import Models
+
+
+@dataclass(frozen=True, eq=False)
+class MachineRuns:
+    """Loads of a machine over every run.
+
+    masses      body -> mass, centre and inertia of its part
+    solved      cycle -> its loads, with dynamic factors where the design asks for them
+    measured    run -> its loads
+    rigid       cycle -> its loads without dynamic factors
+    vibration   cycle -> how the linkage vibrates in it
+    warnings    of vibration
+    """
+
+    masses: Mapping[str, tuple[float, tuple[float, float], float]]
+    solved: Mapping[str, loads.CycleLoads]
+    measured: Mapping[str, loads.MeasuredLoads]
+    rigid: Mapping[str, loads.CycleLoads]
+    vibration: Mapping[str, Vibration]
+    warnings: list[str]
+
+    @property
+    def all(self) -> Runs:
+        """Cycles, then measured runs, by name."""
+        return {**self.solved, **self.measured}
+
+
+def run_machine(
+    design: Design,
+    models: Models,
+    say: Callable[[str], None] = lambda _: None,
+    store: Store | None = None,
+    *,
+    skins: bool = False,
+) -> MachineRuns:
+    """Solve the cycles of a design and balance its measured runs.
+
+    skins  True to begin the surfaces of all parts, for pictures, while the cycles are solved
+
+    What cannot move or does not balance is told before anything is meshed. Raises DesignError,
+    NumericsError, and loads.LinkageError for the linkage itself.
+    """
+    try_cycles(without_unknown_contacts(design))
+    measured_loads(design, {})
+    if skins:
+        models.begin_skins(part.geometry for part in design.parts.values())
+    masses = part_masses(design, models, say)
+    compliances = compliances_of(design, models, say)
+    say("loads: solving the cycles")
+    rigid = solve_cycles(design, masses, compliances, store)
+    vibration = vibration_of(design, rigid)
+    return MachineRuns(
+        masses=masses,
+        solved=with_dynamics(design, rigid, vibration),
+        measured=measured_loads(design, masses),
+        rigid=rigid,
+        vibration=vibration,
+        warnings=vibration_warnings(design, rigid, vibration),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class MachineDoubts:
+    """Doubts about the loads of a machine.
+
+    evenness  cycle -> how evenly its drive turns
+    stops     cycles whose nearness to a dead centre is among them
+    all       each by the runs at its ends
+    """
+
+    evenness: Mapping[str, Evenness]
+    stops: AbstractSet[str]
+    all: Sequence[Doubt]
+
+
+def doubts_of(design: Design, machine: MachineRuns) -> MachineDoubts:
+    """Solve the cycles at the ends of every doubt about their loads."""
+    evenness = evenness_of(design, machine.rigid)
+    uneven = speed_doubts(design, machine.rigid, evenness)
+    at_stops = stop_doubts(design, machine.rigid)
+    told = [(doubt.words, doubt.ends) for doubt in uneven]
+    told += [(doubt.words, doubt.ends) for doubt in at_stops]
+
+    def runs(end: Mapping[str, loads.CycleLoads]) -> Runs:
+        return {**with_dynamics(design, end, machine.vibration), **machine.measured}
+
+    return MachineDoubts(
+        evenness,
+        {doubt.cycle for doubt in at_stops},
+        [Doubt(words, tuple(map(runs, ends))) for words, ends in told],
+    )
