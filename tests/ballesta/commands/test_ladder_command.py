@@ -32,7 +32,7 @@ def solids(monkeypatch):
     asked = []
 
     def made_up(climb, models, say, *, everything, deadline=float("inf")):
-        asked.append((climb.part.fineness, climb.design.accuracy, everything))
+        asked.append((climb.part.fineness, climb.loaded.accuracy, everything))
         if not climb.levels:
             climb.take("formula")
         checks = [replace(e.check, method="solid") for e in climb.best.values()]
