@@ -183,7 +183,7 @@ def _solved(design: Design, models: Models, say: Say) -> Solved:
 def _ladder(
     design: Design, part: Part, solved: Solved, models: PricedModels, say: Say
 ) -> LadderPart:
-    loaded = LoadedPart.of(design, part, solved, models.body(part.geometry).interfaces)
+    loaded = LoadedPart.of(design, part, solved, models)
     auto = start_climb(loaded)
     tried, chosen = _auto(auto, models, say)
     rungs = [_alone(start_climb(loaded), rung, models, say) for rung in BUILDERS]

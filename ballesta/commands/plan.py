@@ -52,7 +52,7 @@ def plan(design: Design) -> list[PlannedPart]:
         planned = []
         for part in design.parts.values():
             first = 3 * len(models.mesh(part.geometry, FIRST * part.fineness).nodes)
-            loaded = LoadedPart.of(design, part, runs, models.body(part.geometry).interfaces)
+            loaded = LoadedPart.of(design, part, runs, models)
             part_loads = loaded.loads
             halved = half_of(part, part_loads) is not None
             second = int(SECOND_MESH * first / (2 if halved else 1))

@@ -183,7 +183,7 @@ def _checked(known: _Known, design: Design, overrides: tuple[str, ...]) -> Scree
         with told_of_part(design, part):
             body = known.models.body(part.geometry)
             weights[part.name] = body.mass_properties(part.material.density).mass
-            loaded = LoadedPart.of(design, part, runs, body.interfaces)
+            loaded = LoadedPart.of(design, part, runs, known.models)
             why = _check_part(loaded, body, known.models, checks, gates)
         if why:
             left[part.name] = why

@@ -2,12 +2,12 @@
 
 from checks.columns.linkage_frame import LinkageMode
 from checks.derivations.columns import euler_alone
-from checks.derivations.common import load_case, position_of
 from checks.derivations.elastic import share_items
-from checks.derivations.proven import BARS
 from checks.design.data import Design
+from checks.part.derived import load_case, position_of
 from checks.part.loaded_part import LoadedPart
 from checks.result.derivation import (
+    BARS,
     Bars,
     Comparison,
     Derivation,

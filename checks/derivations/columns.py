@@ -7,12 +7,11 @@ from checks.columns.stability import (
     judged_columns,
     worst_compression,
 )
-from checks.derivations.common import load_case, yield_stress, young
-from checks.derivations.proven import BARS
 from checks.design.data import Part
 from checks.handbook.column_curves import IMPERFECTION, ROBERTSON
+from checks.part.derived import load_case, yield_stress, young
 from checks.part.loaded_part import LoadedPart
-from checks.result.derivation import Bars, Comparison, Derivation, Given, Item, Section, Step
+from checks.result.derivation import BARS, Bars, Comparison, Derivation, Given, Item, Section, Step
 from checks.result.formulas import number_text
 
 _THEORY = "docs/theory/columns.md"

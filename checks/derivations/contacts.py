@@ -5,19 +5,10 @@ from collections.abc import Mapping
 import numpy as np
 
 import loads
-from checks.derivations.common import load_case, shear_yield, yield_stress
-from checks.derivations.proven import BARS
 from checks.design.data import Part, Roller
 from checks.design.model import StackEntry
-from checks.joints.bushes import (
-    SHARE_BAND,
-    bush_count,
-    bush_diameter,
-    bush_name,
-    pressed_quantity,
-    sliding_quantity,
-    turning,
-)
+from checks.joints.bush_sliding import bush_count, bush_diameter, sliding_quantity
+from checks.joints.bushes import SHARE_BAND
 from checks.joints.lug_checks import Pressed, Torn, lugs_of, pressed_lugs, torn_most
 from checks.joints.slot_checks import (
     FIRST_YIELD,
@@ -29,10 +20,11 @@ from checks.joints.slot_checks import (
     round_quantity,
     softer_of,
 )
+from checks.part.derived import load_case, shear_yield, yield_stress
 from checks.part.first_maximum import first_largest
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
-from checks.result.derivation import Bars, Derivation, Given, Item, Section, Step
+from checks.result.derivation import BARS, Bars, Derivation, Given, Item, Section, Step
 from checks.result.verdict import Check
 from geometry.cad_body import SolidBody
 from geometry.mesh import Interface, Mesh
@@ -116,9 +108,8 @@ def bush(loaded: LoadedPart, check: Check) -> Derivation | None:
     """Of the pressure of a bush, or its pressure times speed; None for one that is not found."""
     part, part_loads = loaded.part, loaded.loads
     entries = [one for one in part.stack if one.bush is not None]
-    pressed = next((one for one in entries if check.quantity == pressed_quantity(one)), None)
     slid = next((one for one in entries if check.quantity == sliding_quantity(one)), None)
-    entry = pressed or slid
+    entry = slid
     if entry is None or entry.bush is None:
         return None
     speed = entry is slid
@@ -126,8 +117,8 @@ def bush(loaded: LoadedPart, check: Check) -> Derivation | None:
     if speed:
         position, turn = _fastest(loaded, entry, check.cycle)
     else:
-        (position,) = first_largest(part_loads.resultant(bush_name(entry)))
-    name, count = bush_name(entry), bush_count(entry)
+        (position,) = first_largest(part_loads.resultant(entry.name))
+    name, count = entry.name, bush_count(entry)
     items: list[Item] = [
         Given("F", f"force of {name} on the pin", float(part_loads.resultant(name)[position]), "N",
               _LOADS, main=True),
@@ -174,8 +165,8 @@ def _fastest(loaded: LoadedPart, entry: StackEntry, name: str) -> tuple[int, flo
     part_loads, cycle = loaded.loads, loaded.runs[name]
     assert isinstance(cycle, loads.CycleLoads)
     columns = part_loads.cycles[name]
-    speed = np.abs(turning(cycle, loaded.part, entry))
-    (at,) = first_largest(part_loads.resultant(bush_name(entry))[columns] * speed)
+    speed = np.abs(part_loads.spins[entry.name][columns])
+    (at,) = first_largest(part_loads.resultant(entry.name)[columns] * speed)
     return int(columns.start) + at, float(speed[at])
 
 

@@ -6,7 +6,7 @@ from math import isfinite, pi
 from checks.columns.column_limits import Plane, planes_of
 from checks.columns.column_moments import CrookedColumn, crooked_column
 from checks.columns.stability import worst_compression
-from checks.derivations.common import load_case, numbers, yield_stress
+from checks.part.derived import load_case, numbers, yield_stress
 from checks.part.loaded_part import LoadedPart
 from checks.result.derivation import Bars, Column, Derivation, Given, Item, Section, Step, Sum
 

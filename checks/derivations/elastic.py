@@ -4,7 +4,7 @@ from math import pi
 
 import numpy as np
 
-from checks.derivations.common import numbers
+from checks.part.derived import numbers
 from checks.result.derivation import Column, Given, Item, Step, Sum
 from checks.stress.part_model import PressedColumn, PressedStretch
 

@@ -4,10 +4,10 @@ from itertools import combinations
 
 import numpy as np
 
-from checks.derivations.common import load_case, numbers
 from checks.derivations.marin import at_point, limit_section
 from checks.derivations.superposed import PATTERNS, superposed
 from checks.design.data import Part
+from checks.part.derived import load_case, numbers
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import Derivation, Given, Item, Section, Step
 from checks.strength.fatigue_assessment import FatigueUse

@@ -1,8 +1,8 @@
 """The FKM guideline's chain at the worst point, as docs/theory/strength.md has it."""
 
-from checks.derivations.common import amplitude_and_mean, load_case
 from checks.derivations.superposed import PATTERNS, superposed
 from checks.design.data import Part
+from checks.part.derived import amplitude_and_mean, load_case
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import Derivation, Given, Item, Section, Step
 from checks.strength.fatigue_assessment import FkmUse

@@ -4,10 +4,10 @@ from math import isclose, isfinite
 
 import numpy as np
 
-from checks.derivations.common import load_case
 from checks.derivations.marin import BOOK, limit_section
 from checks.derivations.superposed import PATTERNS, superposed
 from checks.design.data import Part
+from checks.part.derived import load_case
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import Column, Derivation, Given, Item, Section, Step, Sum
 from checks.strength.fatigue_assessment import LifeUse

@@ -4,14 +4,13 @@ from math import sqrt
 
 import numpy as np
 
-from checks.derivations.common import load_case, shear_yield, yield_stress
-from checks.derivations.proven import BARS
 from checks.design.data import Part
 from checks.joints.pin_checks import BENDING, SHEAR, TOGETHER
 from checks.joints.pin_diagrams import ANGLES, PinDiagram, pin_diagram
+from checks.part.derived import load_case, shear_yield, yield_stress
 from checks.part.first_maximum import first_largest
 from checks.part.part_loads import PartLoads
-from checks.result.derivation import Bars, Column, Derivation, Given, Item, Section, Step, Sum
+from checks.result.derivation import BARS, Bars, Column, Derivation, Given, Item, Section, Step, Sum
 from checks.result.verdict import Check
 from geometry.mesh import FloatArray
 from geometry.parts import Pin

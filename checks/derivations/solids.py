@@ -4,11 +4,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from checks.derivations.bars import solid_bars
-from checks.derivations.proven import BARS
 from checks.derivations.stresses import fatigue, static
 from checks.design.data import Part
 from checks.part.part_loads import PartLoads
-from checks.result.derivation import Comparison, Section
+from checks.result.derivation import BARS, Comparison, Section
 from checks.result.verdict import Check, HandCheck
 from checks.strength.fatigue_assessment import FatigueUse
 from checks.stress.error_bars import Bars, Judged

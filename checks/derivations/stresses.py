@@ -1,12 +1,12 @@
 """Derivations of the stress checks: the largest von Mises stress, and fatigue by each criterion."""
 
-from checks.derivations.common import amplitude_and_mean, load_case, yield_stress
 from checks.derivations.findley import findley
 from checks.derivations.fkm import fkm
 from checks.derivations.marin import BOOK, at_point, limit_section
 from checks.derivations.miner import miner
 from checks.derivations.superposed import PATTERNS, superposed
 from checks.design.data import Part
+from checks.part.derived import amplitude_and_mean, load_case, yield_stress
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import Derivation, Section, Step
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse, LifeUse

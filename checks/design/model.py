@@ -144,6 +144,11 @@ class StackEntry(Table):
     diameter: PositiveLength | None = Field(None, description="the pin's in this lug, if stepped")
     bush: Bush | None = None
 
+    @property
+    def name(self) -> str:
+        """What turns on the pin here: a body, or a force."""
+        return self.body or self.force or ""
+
 
 class PartEntry(Table):
     """Keys of every part, whatever its shape."""

@@ -12,12 +12,12 @@ from checks.derivations.columns import columns
 from checks.derivations.contacts import bush, contact, lugs
 from checks.derivations.crooked import crooked
 from checks.derivations.pins import pin
-from checks.derivations.proven import BARS, unknown, with_derivation
+from checks.derivations.proven import unknown, with_derivation
 from checks.derivations.stresses import fatigue, static
 from checks.ladder.climb import Climb
 from checks.models.raised_bores import raised_in_bores
 from checks.part.part_loads import PartLoads
-from checks.result.derivation import Bars, Derivation, Section
+from checks.result.derivation import BARS, Bars, Derivation, Section
 from checks.result.verdict import Check
 from checks.stress.part_model import RungLevel
 from geometry.cad_body import SolidBody

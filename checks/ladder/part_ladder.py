@@ -7,11 +7,12 @@ from math import inf
 from time import perf_counter
 
 import loads
+from checks import by_formula
 from checks.design.data import Design, Part
 from checks.design.effort import DEFAULT_EFFORT as DEFAULT_EFFORT
 from checks.design.effort import SOLID
 from checks.design.effort import Effort as Effort
-from checks.joints.bushes import bush_checks, bushes_not_checked
+from checks.joints.bush_sliding import bushes_not_checked, sliding_checks
 from checks.joints.lug_checks import lug_checks
 from checks.joints.pin_checks import pin_checks
 from checks.joints.slot_checks import slot_checks
@@ -78,8 +79,7 @@ class Ladder:
         """
         for part in self.design.parts.values():
             with told_of_part(self.design, part):
-                interfaces = self.models.body(part.geometry).interfaces
-                self._begin(LoadedPart.of(self.design, part, runs, interfaces, doubts))
+                self._begin(LoadedPart.of(self.design, part, runs, self.models, doubts))
         self._climb_cheap()
         waiting = [name for name in self.design.parts if self._wanted[name]]
         costs = self._costs(waiting)
@@ -243,7 +243,11 @@ def formula_checks(loaded: LoadedPart, models: Models, body: SolidBody) -> list[
             *slot_checks(other, body.interfaces, solved=some is loaded.loads),
         ]
 
-    return [*sampled(under, loaded.loads), *bush_checks(loaded)]
+    return [
+        *sampled(under, loaded.loads),
+        *by_formula.formula_checks(loaded),
+        *sliding_checks(loaded),
+    ]
 
 
 @contextmanager

@@ -17,6 +17,7 @@ from checks.ladder.part_facts import assumed_of, facts_of, gates_of, mesh_row
 from checks.ladder.part_fields import solid_fields
 from checks.ladder.part_vibration import frequency_facts
 from checks.models.stress_words import fatigue_words, static_words
+from checks.part.loaded_part import FIRST as FIRST
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check, Gate, HandCheck, PartResult, Status, Surface
@@ -38,8 +39,8 @@ from geometry.meshing import Buildable
 from geometry.progress import expect
 from geometry.sizing import SizeField
 
-FIRST = 0.7  # fineness of the first mesh; where the stress decides, later ones are finer
-COARSE, LOOSE = 0.5, 0.05  # the same for a verdict on stress alone, and the accuracy from which on
+# Fineness of the first mesh for a verdict on stress alone, and the accuracy from which on.
+COARSE, LOOSE = 0.5, 0.05
 _MOST_MESHES = 5
 _NEXT = 2.5  # times what a mesh took, a finer one takes
 RESCALED = (  # limit and meaning of the gate that proves the safety factor

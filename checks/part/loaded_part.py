@@ -3,15 +3,57 @@
 import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Protocol
 
 import numpy as np
 
 from checks.design.data import Design, Duty, Part, StatedMass
 from checks.design.errors import DesignError
 from checks.design.model import Requirements
+from checks.part.derived import (
+    NO_BAND,
+    Band,
+    Heading,
+    Series,
+    demand_over,
+    derived_check,
+    load_case,
+)
+from checks.part.first_maximum import first_largest
 from checks.part.part_loads import Doubt, PartLoads, Runs, loads_on
 from checks.part.placing import interface_distance
-from geometry.mesh import Interface
+from checks.result.derivation import BARS, Derivation, Item, Section
+from checks.result.verdict import Check
+from geometry.cad_body import SolidBody, cad_body
+from geometry.closed_form import closed_body
+from geometry.mesh import Interface, Mesh
+from geometry.meshing import Buildable, mesh_shape
+from geometry.parts.step_part import StepPart
+
+FIRST = 0.7  # fineness of the first mesh; where the stress decides, later ones are finer
+
+
+class Bodies(Protocol):
+    """Bodies and meshes of shapes; both functions raise MeshError."""
+
+    def body(self, shape: Buildable) -> SolidBody:
+        """What is known of a shape without a mesh."""
+
+    def mesh(self, shape: Buildable, fineness: float) -> Mesh:
+        """The mesh of a shape."""
+
+
+class _Unkept:
+    """Bodies and meshes that are built each time they are asked for."""
+
+    def body(self, shape: Buildable) -> SolidBody:
+        return closed_body(shape) or cad_body(shape)
+
+    def mesh(self, shape: Buildable, fineness: float) -> Mesh:
+        return mesh_shape(shape, fineness=fineness)
+
+
+UNKEPT = _Unkept()
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,36 +63,80 @@ class LoadedPart:
     design  the machine that it is a part of
     loads   on its interfaces, in its own axes, at all positions
     runs    name -> loads of the whole linkage in a computed cycle or a measured run
+    bodies  where its body and mesh are from
+    solved  whether its loads are those of solved positions: between them forces, couples and
+            reaches have a spline each
     """
 
     design: Design
     part: Part
     loads: PartLoads
     runs: Runs = field(default_factory=dict)
+    bodies: Bodies = UNKEPT
+    solved: bool = True
 
     @staticmethod
     def of(
         design: Design,
         part: Part,
         runs: Runs,
-        interfaces: Mapping[str, Interface],
+        bodies: Bodies | None = None,
         doubts: Sequence[Doubt] = (),
     ) -> "LoadedPart":
         """Gather a part's loads over all runs.
 
-        interfaces  of its body
-        doubts      what the runs may be instead
+        bodies  of shapes, as the run has them
+        doubts  what the runs may be instead
 
         Raises loads.LinkageError where a force meets the part at no interface, or nothing loads it,
         and DesignError where a contact slides off the stretch that the part has for it.
         """
-        found = LoadedPart(design, part, loads_on(design, part, runs, doubts), runs)
-        check_reach(found, interfaces)
+        found = LoadedPart(
+            design, part, loads_on(design, part, runs, doubts), runs, bodies or UNKEPT
+        )
+        check_reach(found, found.solid.interfaces)
         return found
 
     def under(self, loads: PartLoads) -> "LoadedPart":
         """The same part under other loads."""
         return replace(self, loads=loads)
+
+    def between(self, loads: PartLoads) -> "LoadedPart":
+        """The same part under loads that are splined between the solved positions."""
+        return replace(self, loads=loads, solved=False)
+
+    def worst(
+        self,
+        heading: Heading,
+        demand: Sequence[Series | Item],
+        limit: Sequence[Item],
+        band: Band = NO_BAND,
+    ) -> Check:
+        """The check of a demand against a limit, where over all positions the demand is largest.
+
+        demand  items in an order in which each uses only what stands before; the last is the value.
+                A `Series` has a value for each position
+        limit   items; the last one is the limit
+        band    formulas of the model band, of the value and all other symbols
+
+        Of equal positions the first is taken. The value, the limit and the bars are those of the
+        formulas at that position, which are the check's derivation. Raises FormulaError.
+        """
+        (position,) = first_largest(demand_over(demand))
+        there = [item.at(position) if isinstance(item, Series) else item for item in demand]
+        sections = [("Demand", there), ("Limit", limit), (BARS, (*band.above, *band.below))]
+        derivation = Derivation(
+            cases=(load_case(self.part, self.loads, position),),
+            sections=tuple(Section(title, tuple(items)) for title, items in sections if items),
+            value=demand[-1].symbol,
+            limit=limit[-1].symbol,
+            bars=band.bars,
+        )
+        return self.derived(heading, position, derivation)
+
+    def derived(self, heading: Heading, position: int, derivation: Derivation) -> Check:
+        """The check at one of all positions whose numbers are those of its derivation."""
+        return derived_check(self.part, self.loads, position, heading, derivation)
 
     @property
     def name(self) -> str:
@@ -61,6 +147,18 @@ class LoadedPart:
     def stated(self) -> StatedMass:
         """Mass properties that the file states beside the part's own."""
         return self.design.stated_mass(self.part)
+
+    @property
+    def solid(self) -> SolidBody:
+        """The body of the part, not meshed; raises MeshError."""
+        return self.bodies.body(self.part.geometry)
+
+    @property
+    def measurable(self) -> Mesh | SolidBody:
+        """The body as its ligaments are known: of one from CAD they are measured on its mesh."""
+        if isinstance(self.part.geometry, StepPart):
+            return self.bodies.mesh(self.part.geometry, FIRST * self.part.fineness)
+        return self.solid
 
     @property
     def duty(self) -> Duty:

@@ -8,6 +8,7 @@ import numpy as np
 
 import loads
 from checks.design.data import Cycle, Design, Part
+from checks.design.model import StackEntry
 from checks.part.placing import Placing, part_placing
 from geometry.mesh import FloatArray, IntArray
 from geometry.parts import Pin
@@ -53,6 +54,8 @@ class PartLoads:
     stretch_of     (n,) stretch of its cycle that each position is in: a phase, or what of it lies
                    between the beginnings and ends of contacts; at its border the loads may jump;
                    None where every cycle is one stretch
+    spins          interface of a pin -> (n,) rad/s, of what turns there against the pin; NaN in
+                   measured runs
     path           (n,) coordinate along which the positions of cycles lie, mm or rad; NaN in
                    measured runs; None where it is not known
     doubts         what the loads may be instead
@@ -69,6 +72,7 @@ class PartLoads:
     stretch_of: IntArray | None = None
     path: FloatArray | None = None
     doubts: tuple[PartDoubt, ...] = ()
+    spins: Mapping[str, FloatArray] = field(default_factory=dict)
 
     @property
     def steps(self) -> IntArray:
@@ -149,6 +153,7 @@ def loads_on(design: Design, part: Part, solved: Runs, doubts: Sequence[Doubt] =
     handed: dict[str, list[FloatArray]] = {}
     labels: list[str] = []
     accelerations, names, stretch_of, path = [], [], [], []
+    spins: dict[str, list[FloatArray]] = {}
     slices, start = {}, 0
     for name, cycle_loads in solved.items():
         if not is_loaded(part, cycle_loads):
@@ -172,6 +177,8 @@ def loads_on(design: Design, part: Part, solved: Runs, doubts: Sequence[Doubt] =
         stretch_of.append(_stretches(cycle_loads))
         known = isinstance(cycle_loads, loads.CycleLoads)
         path.append(cycle_loads.positions if known else np.full(len(values), np.nan))
+        for entry in part.stack:
+            spins.setdefault(entry.name, []).append(_spin(cycle_loads, part, entry))
         slices[name] = slice(start, start + len(values))
         start += len(values)
     if not slices:
@@ -198,6 +205,7 @@ def loads_on(design: Design, part: Part, solved: Runs, doubts: Sequence[Doubt] =
             PartDoubt(doubt.words, tuple(loads_on(design, part, e) for e in doubt.ends), doubt.ends)
             for doubt in doubts
         ),
+        {name: np.concatenate(parts) for name, parts in spins.items()},
     )
 
 
@@ -287,3 +295,35 @@ def _history(part: Part, cycle_loads: loads.CycleLoads | loads.MeasuredLoads) ->
     assert part.fixed_to is not None
     seats = {name: name for name in part.interfaces}
     return cycle_loads.pin_history(part.joint, seats, part.fixed_to)
+
+
+def _spin(
+    cycle: loads.CycleLoads | loads.MeasuredLoads, part: Part, entry: StackEntry
+) -> FloatArray:
+    """Angular speed (n,) of a lug against the pin, which turns with a body, rad/s; NaN: unknown."""
+    if not isinstance(cycle, loads.CycleLoads):
+        return np.full(len(cycle.positions), np.nan)
+    assert part.fixed_to is not None
+    own = cycle.velocities[:, cycle.body_index(part.fixed_to), 2]
+    if entry.body is not None:
+        return np.asarray(cycle.velocities[:, cycle.body_index(entry.body), 2] - own)
+    assert entry.force is not None
+    coordinate = cycle.linkage.force(entry.force).coordinate
+    if not isinstance(coordinate, loads.Distance):
+        return np.asarray(-own)  # a force whose direction does not turn
+    ends = (
+        (coordinate.body_b, coordinate.point_b),
+        (coordinate.body_a, coordinate.point_a),
+    )
+    reach = cycle.point(*ends[0]) - cycle.point(*ends[1])
+    rate = _velocity(cycle, *ends[0]) - _velocity(cycle, *ends[1])
+    across = reach[:, 0] * rate[:, 1] - reach[:, 1] * rate[:, 0]
+    return np.asarray(across / (reach**2).sum(axis=1) - own)
+
+
+def _velocity(cycle: loads.CycleLoads, body: str, point: str) -> FloatArray:
+    """Velocity (n, 2) of a point of a body, mm/s."""
+    row = cycle.body_index(body)
+    arm = cycle.point(body, point) - cycle.poses[:, row, :2]
+    spin = cycle.velocities[:, row, 2:]
+    return np.asarray(cycle.velocities[:, row, :2] + spin * np.stack([-arm[:, 1], arm[:, 0]], 1))

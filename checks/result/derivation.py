@@ -18,6 +18,8 @@ from checks.result.formulas import COMPONENTS, FormulaError, Scope, Value, evalu
 if TYPE_CHECKING:
     from checks.result.verdict import Check
 
+BARS = "Error bars"  # the title of their section, in every derivation
+_BETWEEN = "e_pos"  # the symbol of what sampling misses
 ROUND_OFF = 1e-9  # of a check's value: how far its formulas may miss it
 
 
@@ -244,7 +246,7 @@ class Derivation:
         for item in self.items:
             if item.symbol in scope:
                 raise FormulaError(f"the symbol {item.symbol!r} is given twice")
-            scope[item.symbol] = _value_of(item, scope)
+            scope[item.symbol] = value_of(item, scope)
         return scope
 
     def number(self, symbol: str) -> float:
@@ -299,6 +301,45 @@ class Derivation:
         """Return it with a section more."""
         return replace(self, sections=(*self.sections, Section(title, tuple(items))))
 
+    def with_sampling(self, check: "Check") -> "Derivation":
+        """Return it with what the positions of the cycle miss among its numerical bars."""
+        bars = self.bars
+        if (
+            not check.sampling
+            or not isfinite(check.numerical)
+            or _BETWEEN in bars.numerical.split()
+        ):
+            return self
+        said = "what the check rises by between the positions of the cycle, with a margin"
+        item = Given(_BETWEEN, said, check.sampling, check.unit, "docs/theory/error_bars.md")
+        numerical = f"{bars.numerical} {_BETWEEN}".strip()
+        return replace(self._with_bar(item), bars=replace(bars, numerical=numerical))
+
+    def with_loads(self, check: "Check") -> "Derivation":
+        """Return it with what is not known of the loads among its model bands."""
+        found = self
+        for side, symbol, size, whole in (
+            ("above", "e_load", check.loads, check.model),
+            ("below", "e_load_lo", check.loads_below, check.below),
+        ):
+            known = getattr(found.bars, side)
+            if not size or not isfinite(whole) or symbol in known.split():
+                continue
+            said = f"the check under loads that are not known for certain, {side} its value"
+            item = Given(symbol, said, size, check.unit, "docs/theory/error_bars.md")
+            bars = replace(found.bars, **{side: f"{known} {symbol}".strip()})
+            found = replace(found._with_bar(item), bars=bars)
+        return found
+
+    def _with_bar(self, item: Item) -> "Derivation":
+        """Return it with one more of what its error bars are made of."""
+        *before, last = self.sections
+        if last.title == BARS:
+            sections = (*before, replace(last, items=(*last.items, item)))
+        else:
+            sections = (*self.sections, Section(BARS, (item,)))
+        return replace(self, sections=sections)
+
     def to_dict(self) -> dict[str, Any]:
         """It as plain data (`checks.result.derivation_data`)."""
         from checks.result.derivation_data import plain_derivation
@@ -306,7 +347,8 @@ class Derivation:
         return plain_derivation(self)
 
 
-def _value_of(item: Item, scope: Scope) -> Value:
+def value_of(item: Item, scope: Scope) -> Value:
+    """Value of an item, which may use the symbols of a scope; raises FormulaError."""
     if isinstance(item, Given):
         if isinstance(item.value, tuple):
             return np.array(item.value, dtype=np.float64)

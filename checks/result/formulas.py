@@ -11,9 +11,10 @@ import math
 import operator
 import sys
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import lru_cache
+from dataclasses import dataclass, replace
+from functools import lru_cache, reduce
 from statistics import NormalDist
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -136,6 +137,18 @@ FUNCTIONS: Mapping[str, Function] = {
         "R(a, b, c): radius of the circle through the corners of a triangle with sides a, b, c",
     ),
 }
+# Functions of numbers as they are taken of the values at all positions.
+_WORK_OF_EACH: Mapping[str, Callable[..., Any]] = {
+    "sqrt": np.sqrt,
+    "sin": np.sin,
+    "cos": np.cos,
+    "asin": np.arcsin,
+    "log10": np.log10,
+    "abs": np.abs,
+    "min": lambda *values: reduce(np.minimum, values),
+    "max": lambda *values: reduce(np.maximum, values),
+}
+_EACH = {name: replace(FUNCTIONS[name], work=work) for name, work in _WORK_OF_EACH.items()}
 _BINARY: Mapping[type, tuple[str, int, Callable[[Value, Value], Value]]] = {
     ast.Add: (" + ", 1, operator.add),
     ast.Sub: (" − ", 1, operator.sub),
@@ -205,26 +218,41 @@ def functions_of(text: str) -> list[str]:
 
 def evaluate(text: str, scope: Scope) -> Value:
     """Value of a formula: a float, or a float64 vector as the symbols are; raises FormulaError."""
-    value = _value_in(_tree(text), text, scope)
+    return _finite(_value_in(_tree(text), text, scope, FUNCTIONS), text)
+
+
+def evaluate_each(text: str, scope: Scope) -> Value:
+    """Values (n,) of a formula at n positions: of symbols that are numbers or have (n,) values.
+
+    A float where no symbol has a value for each position. Raises FormulaError, also for a function
+    that is none of numbers.
+
+    >>> evaluate_each("max(F, 2)/d", {"F": np.array([1.0, 4.0]), "d": 2.0}).tolist()
+    [1.0, 2.0]
+    """
+    return _finite(_value_in(_tree(text), text, scope, _EACH), text)
+
+
+def _finite(value: Value, text: str) -> Value:
     if not np.isfinite(value).all():
         raise FormulaError(f"{_cut(text)} has no finite value")
     return value
 
 
-def _value_in(node: ast.expr, text: str, scope: Scope) -> Value:
+def _value_in(node: ast.expr, text: str, scope: Scope, functions: Mapping[str, Function]) -> Value:
     """Value of a node of a formula, which may be infinite; raises FormulaError."""
     try:
         with np.errstate(all="ignore"):
-            return _value(node, scope)
+            return _value(node, scope, functions)
     except FormulaError as error:
         raise FormulaError(f"{_cut(text)}: {error}") from None
     except (ArithmeticError, TypeError, ValueError, np.linalg.LinAlgError) as error:
         raise FormulaError(f"{_cut(text)} has no value: {error}") from None
 
 
-def _value(node: ast.expr, scope: Scope) -> Value:
+def _value(node: ast.expr, scope: Scope, functions: Mapping[str, Function]) -> Value:
     """Value of a node: a float or a float64 vector, no other number passes on the way."""
-    value = _worked(node, scope)
+    value = _worked(node, scope, functions)
     if isinstance(value, float):
         return value
     if isinstance(value, np.ndarray) and value.dtype == np.float64 and value.ndim == 1:
@@ -232,7 +260,7 @@ def _value(node: ast.expr, scope: Scope) -> Value:
     raise FormulaError(f"it has no value: {value!r} is neither a real number nor a vector")
 
 
-def _worked(node: ast.expr, scope: Scope) -> object:
+def _worked(node: ast.expr, scope: Scope, functions: Mapping[str, Function]) -> object:
     match node:
         case ast.Constant(value=int() | float() as value):
             return float(value)
@@ -243,12 +271,18 @@ def _worked(node: ast.expr, scope: Scope) -> object:
                 return math.pi
             raise FormulaError(f"the symbol {name!r} has no value")
         case ast.UnaryOp(operand=inner):
-            return -_value(inner, scope)
+            return -_value(inner, scope, functions)
         case ast.BinOp(left=left, right=right):
-            return _BINARY[type(node.op)][2](_value(left, scope), _value(right, scope))
+            one, other = (_value(side, scope, functions) for side in (left, right))
+            return _BINARY[type(node.op)][2](one, other)
         case ast.Call(func=ast.Name(id=name), args=arguments):
-            values = [_value(argument, scope) for argument in arguments]
-            function = FUNCTIONS[name]
+            values = [_value(argument, scope, functions) for argument in arguments]
+            if name not in functions:
+                raise FormulaError(f"{name} is no function of numbers")
+            function = functions[name]
+            if functions is _EACH:
+                found = function.work(*values)
+                return found if np.ndim(found) else float(found)
             shapes = function.shape if function.shape != "*" else "1" * len(values)
             for given, size in zip(values, shapes, strict=True):
                 if np.shape(given) != (() if size == "1" else (int(size),)):
@@ -281,7 +315,7 @@ def substituted(text: str, scope: Scope, digits: int = 4) -> str:
     tree = _tree(text)
     if isinstance(tree, ast.Call) and isinstance(tree.func, ast.Name) and tree.func.id == _EXPANDED:
         try:
-            stress = _value_in(tree.args[0], text, scope)
+            stress = _value_in(tree.args[0], text, scope, FUNCTIONS)
         except FormulaError:
             stress = 0.0
         if np.shape(stress) == (len(COMPONENTS),):

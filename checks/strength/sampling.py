@@ -109,7 +109,15 @@ class Finer:
             stretch_of=None if loads.stretch_of is None else loads.stretch_of[self.before],
             path=None,
             doubts=(),
+            spins=self._spins,
         )
+
+    @property
+    def _spins(self) -> dict[str, FloatArray]:
+        spins = self.loads.spins
+        if not spins:
+            return {}
+        return dict(zip(spins, self.of(np.stack([*spins.values()], axis=1)).T, strict=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -296,7 +304,10 @@ def with_sampling(check: Check, more: float) -> Check:
     missed = MARGIN * float(more)
     if not missed > _ROUND_OFF * check.value:
         return check
-    return replace(check, numerical=check.numerical + missed, sampling=missed)
+    found = replace(check, numerical=check.numerical + missed, sampling=missed)
+    if check.derivation is None:
+        return found
+    return replace(found, derivation=check.derivation.with_sampling(found))
 
 
 def buckling_rise(

@@ -8,8 +8,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from ballesta.design.read import read_design
+from checks.by_formula import formula_checks
 from checks.design.errors import DesignError
-from checks.joints.bushes import bush_checks, bushes_not_checked
+from checks.joints.bush_sliding import bushes_not_checked, sliding_checks
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
 from checks.result.verdict import Status
@@ -29,6 +30,12 @@ stack = [
   { body = "rod", at = "0 mm", width = "10 mm", bush = { length = "10 mm", BEARS } },
 ]
 """
+
+
+def bush_checks(loaded):
+    """Pressures of all bushes, then what slides in them."""
+    found = [*formula_checks(loaded), *sliding_checks(loaded)]
+    return [check for check in found if check.kind == "bush"]
 
 
 def bushes(folder, pv=', pv = "1 MPa m/s"', **changes):
