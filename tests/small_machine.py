@@ -83,3 +83,16 @@ def loads_of(wrenches, reaches=None):
         ("turn",) * n,
         {name: np.asarray(values, dtype=float) for name, values in (reaches or {}).items()},
     )
+
+
+class Meshed:
+    """The one body of a loaded part: a mesh, also where a body that is not meshed is asked for."""
+
+    def __init__(self, mesh):
+        self._mesh = mesh
+
+    def body(self, _shape):
+        return self._mesh
+
+    def mesh(self, _shape, _fineness):
+        return self._mesh

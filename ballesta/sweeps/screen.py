@@ -184,7 +184,7 @@ def _checked(known: _Known, design: Design, overrides: tuple[str, ...]) -> Scree
             body = known.models.body(part.geometry)
             weights[part.name] = body.mass_properties(part.material.density).mass
             loaded = LoadedPart.of(design, part, runs, known.models)
-            why = _check_part(loaded, body, known.models, checks, gates)
+            why = _check_part(loaded, body, checks, gates)
         if why:
             left[part.name] = why
     return Screened(
@@ -195,7 +195,6 @@ def _checked(known: _Known, design: Design, overrides: tuple[str, ...]) -> Scree
 def _check_part(
     loaded: LoadedPart,
     body: SolidBody,
-    models: Models,
     checks: list[Check],
     gates: list[Gate],
 ) -> str:
@@ -208,5 +207,5 @@ def _check_part(
         checks += answered(climb)
         gates += rung_gates(climb, reported_level(climb), body.size)
     checks += column_checks(loaded)
-    checks += formula_checks(loaded, models, body)
+    checks += formula_checks(loaded, body)
     return why

@@ -9,7 +9,6 @@ from checks.design.data import Part, Roller
 from checks.design.model import StackEntry
 from checks.joints.bush_sliding import bush_count, bush_diameter, sliding_quantity
 from checks.joints.bushes import SHARE_BAND
-from checks.joints.lug_checks import Pressed, Torn, lugs_of, pressed_lugs, torn_most
 from checks.joints.slot_checks import (
     FIRST_YIELD,
     couple_on,
@@ -20,88 +19,18 @@ from checks.joints.slot_checks import (
     round_quantity,
     softer_of,
 )
-from checks.part.derived import load_case, shear_yield, yield_stress
+from checks.part.derived import load_case, yield_stress
 from checks.part.first_maximum import first_largest
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import BARS, Bars, Derivation, Given, Item, Section, Step
 from checks.result.verdict import Check
-from geometry.cad_body import SolidBody
-from geometry.mesh import Interface, Mesh
-from geometry.parts import Pin
+from geometry.mesh import Interface
 
 Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
 _EXACT = Bars(words="a formula has no mesh; its limit is one of mean stress")
 _SHAPE, _LOADS, _DESIGN = "the part's shape", "the loads", "the design"
 _FITS = "docs/theory/fits.md"
-
-
-def lugs(loaded: LoadedPart, body: Mesh | SolidBody) -> dict[str, Derivation]:
-    """Of the pressure in the holes and the shear behind them, by the kind of their checks."""
-    part, part_loads = loaded.part, loaded.loads
-    if isinstance(part.geometry, Pin):
-        return {}
-    holes = lugs_of(loaded.design, part, body)
-    if not holes:
-        return {}
-    found = {"bearing": _pressed(part, part_loads, pressed_lugs(part_loads, holes)[0])}
-    torn = torn_most(part, part_loads, body, holes)
-    if torn is not None:
-        found["shear-out"] = _torn(part, part_loads, torn)
-    return found
-
-
-def _pressed(part: Part, part_loads: PartLoads, most: Pressed) -> Derivation:
-    lug = most.lug
-    return Derivation(
-        cases=(load_case(part, part_loads, most.position),),
-        sections=(
-            Section(
-                "Demand",
-                (
-                    Given("F", f"force of the pin in {lug.interface}", most.force, "N", _LOADS,
-                          main=True),
-                    Given("d", "diameter that presses", lug.diameter, "mm", _SHAPE),
-                    Given("t", "width that presses", lug.width, "mm", _SHAPE),
-                    Step("p", "mean pressure on the projected area", "F/(d*t)", "MPa",
-                         f"EN 1993-1-8:2005, table 3.10; {_FITS}", main=True),
-                ),
-            ),
-            Section(
-                "Limit",
-                (
-                    Given("S_y", f"yield stress of {lug.softer.name}, the weaker of pin and hole",
-                          lug.softer.yield_stress, "MPa", lug.softer.source, main=True),
-                ),
-            ),
-        ),
-        value="p",
-        limit="S_y",
-        bars=_EXACT,
-    )  # fmt: skip
-
-
-def _torn(part: Part, part_loads: PartLoads, torn: Torn) -> Derivation:
-    return Derivation(
-        cases=(load_case(part, part_loads, torn.position),),
-        sections=(
-            Section(
-                "Demand",
-                (
-                    Given("F", f"pull of the pin in {torn.lug.interface} towards "
-                          f"{torn.ligament.until}", torn.force, "N", _LOADS, main=True),
-                    Given("A", "area of one of the two planes behind it", torn.area, "mm2",
-                          f"{_SHAPE}: {_FITS}"),
-                    Step("tau", "mean shear stress in both planes", "F/(2*A)", "MPa", _FITS,
-                         main=True),
-                ),
-            ),
-            Section("Limit", (yield_stress(part), shear_yield())),
-        ),
-        value="tau",
-        limit="tau_y",
-        bars=_EXACT,
-    )  # fmt: skip
 
 
 def bush(loaded: LoadedPart, check: Check) -> Derivation | None:

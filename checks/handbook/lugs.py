@@ -1,28 +1,10 @@
-"""Pin joints by formula: pressure of a pin, tearing out of a lug, stress beside its hole."""
+"""Pin joints by formula: the ligament of an eye, stress beside its hole, a round pin's stress."""
 
 from math import asin, pi, sqrt
 
 from geometry.mesh import FloatArray
 
 _FITTED = (0.15, 0.75)  # hole over width for which the lug factor was fitted
-
-
-def bearing_pressure(force: float, diameter: float, width: float) -> float:
-    """Mean pressure of a pin on its projected area, MPa: F / (d t).
-
-    EN 1993-1-8:2005, table 3.10, first row, in terms of stress: it allows 1.5 f_y for a joint that
-    stands still and 0.6 f_y under service loads for a pin that is to come out again.
-    """
-    return force / (diameter * width)
-
-
-def shear_out(force: FloatArray, area: FloatArray) -> FloatArray:
-    """Mean shear stress, MPa, in the two planes behind a pin: F / (2 A), `area` mm2 of one plane.
-
-    The plane taken is the shortest, straight behind the hole's crown (Melcon and Hoblit, Product
-    Engineering 24 (1953) no. 6, start theirs at 40 degrees, where it is longer).
-    """
-    return force / (2 * area)
 
 
 def ball_ligament(ball: float, width: float, hole: float) -> float:

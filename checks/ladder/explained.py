@@ -9,7 +9,7 @@ from checks.columns.stability import ELASTIC_SHARE
 from checks.derivations.bars import ERROR, rung_bars
 from checks.derivations.buckling import elastic_share
 from checks.derivations.columns import columns
-from checks.derivations.contacts import bush, contact, lugs
+from checks.derivations.contacts import bush, contact
 from checks.derivations.crooked import crooked
 from checks.derivations.pins import pin
 from checks.derivations.proven import unknown, with_derivation
@@ -21,7 +21,6 @@ from checks.result.derivation import BARS, Bars, Derivation, Section
 from checks.result.verdict import Check
 from checks.stress.part_model import RungLevel
 from geometry.cad_body import SolidBody
-from geometry.mesh import Mesh
 
 Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
 
@@ -29,19 +28,15 @@ Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
 def explained(
     climb: Climb,
     checks: Sequence[Check],
-    lugged: Mesh | SolidBody,
     body: SolidBody,
 ) -> list[Check]:
     """Return the checks of a part, each with its derivation.
-
-    lugged  the part as its ligaments are known: meshed if it is from CAD
 
     Those of a solid have theirs already (`checks.derivations.solids`): its mesh is gone by now. A
     check that nothing here knows gets one that says so (`checks.derivations.proven.unknown`).
     """
     loaded, part, part_loads = climb.loaded, climb.part, climb.loads
     by_quantity = columns(loaded) | crooked(loaded)
-    by_kind = lugs(loaded, lugged)
     of_kind: Mapping[str, Callable[[Check], Derivation | None]] = {
         "static": lambda check: _of_rung(climb, check),
         "fatigue": lambda check: _of_rung(climb, check),
@@ -50,8 +45,6 @@ def explained(
             if check.quantity == ELASTIC_SHARE
             else by_quantity.get(check.quantity)
         ),
-        "bearing": lambda check: by_kind.get(check.kind),
-        "shear-out": lambda check: by_kind.get(check.kind),
         "pin bending": lambda check: pin(part, part_loads, check),
         "pin shear": lambda check: pin(part, part_loads, check),
         "bush": lambda check: bush(loaded, check),

@@ -13,7 +13,6 @@ from checks.design.effort import DEFAULT_EFFORT as DEFAULT_EFFORT
 from checks.design.effort import SOLID
 from checks.design.effort import Effort as Effort
 from checks.joints.bush_sliding import bushes_not_checked, sliding_checks
-from checks.joints.lug_checks import lug_checks
 from checks.joints.pin_checks import pin_checks
 from checks.joints.slot_checks import slot_checks
 from checks.ladder.climb import Climb, climb_rungs, start_climb
@@ -32,8 +31,7 @@ from checks.stress.cost import check_seconds, report_seconds
 from checks.stress.solid_mesh_level import Models
 from fem.solvers import SolverError
 from geometry.cad_body import SolidBody
-from geometry.mesh import Mesh, MeshError, TooManyElementsError
-from geometry.parts.step_part import StepPart
+from geometry.mesh import MeshError, TooManyElementsError
 
 Say = Callable[[str], None]
 _TELL_EVERY = 5.0  # s, what is known of a part by cheap models; it takes 0.1 s
@@ -215,37 +213,24 @@ def time_warnings(results: Sequence[PartResult]) -> list[str]:
 def _with_formulas(climb: Climb, result: PartResult, models: Models) -> PartResult:
     """Add the checks that are formulas on every rung."""
     loaded, body = climb.loaded, models.body(climb.part.geometry)
-    checks = [*result.checks, *formula_checks(loaded, models, body)]
+    checks = [*result.checks, *formula_checks(loaded, body)]
     return replace(
         result,
-        checks=explained(climb, checks, _with_ligaments(loaded, models, body), body),
+        checks=explained(climb, checks, body),
         assumed=[*result.assumed, *bushes_not_checked(loaded)],
     )
 
 
-def _with_ligaments(loaded: LoadedPart, models: Models, body: SolidBody) -> Mesh | SolidBody:
-    """The part as its ligaments are known: of one from CAD they are measured on its mesh."""
-    part = loaded.part
-    if isinstance(part.geometry, StepPart):
-        return models.mesh(part.geometry, FIRST * part.fineness)
-    return body
-
-
-def formula_checks(loaded: LoadedPart, models: Models, body: SolidBody) -> list[Check]:
+def formula_checks(loaded: LoadedPart, body: SolidBody) -> list[Check]:
     """The checks of a part that are formulas on every rung and need no rung's stress."""
-    lugs = _with_ligaments(loaded, models, body)
 
-    def under(some: PartLoads) -> list[Check]:
-        other = loaded.under(some)
-        return [
-            *pin_checks(other),
-            *lug_checks(other, lugs),
-            *slot_checks(other, body.interfaces, solved=some is loaded.loads),
-        ]
+    def slots(some: PartLoads) -> list[Check]:
+        return slot_checks(loaded.under(some), body.interfaces, solved=some is loaded.loads)
 
     return [
-        *sampled(under, loaded.loads),
+        *sampled(lambda some: pin_checks(loaded.under(some)), loaded.loads),
         *by_formula.formula_checks(loaded),
+        *sampled(slots, loaded.loads),
         *sliding_checks(loaded),
     ]
 

@@ -71,6 +71,7 @@ class Band:
 
 
 NO_BAND = Band()
+EXACT = Band(words="a formula has no mesh; its limit is one of mean stress")
 
 
 def demand_over(items: Sequence[Series | Item]) -> FloatArray:

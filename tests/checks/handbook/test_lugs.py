@@ -6,21 +6,11 @@ from numpy.testing import assert_allclose
 
 from checks.handbook.lugs import (
     ball_ligament,
-    bearing_pressure,
     lug_factor,
     round_bending,
     round_shear,
     round_torsion,
-    shear_out,
 )
-
-
-def test_a_pin_presses_with_force_over_projected_area():
-    assert_allclose(bearing_pressure(61.5e3, 44.0, 12.6), 61.5e3 / 554.4)
-
-
-def test_two_planes_share_what_tears_out_of_a_lug():
-    assert_allclose(shear_out(np.array([10e3]), np.array([100.0])), 50.0)
 
 
 def test_the_ligament_of_an_eye_is_the_area_between_its_circle_and_the_hole():

@@ -1,0 +1,130 @@
+"""A pin tearing out behind its hole: mean shear stress in the two planes, against yield in shear.
+
+The plane taken is the shortest, straight behind the hole's crown (Melcon and Hoblit, Product
+Engineering 24 (1953) no. 6, start theirs at 40 degrees, where it is longer).
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from checks.design.data import Part
+from checks.handbook.lugs import ball_ligament
+from checks.joints.lugs import lugs_of
+from checks.joints.tear_planes import tear_lengths
+from checks.part.derived import EXACT, Heading, Series, shear_yield, yield_stress
+from checks.part.first_maximum import first_largest
+from checks.part.loaded_part import LoadedPart
+from checks.result.derivation import Step
+from checks.result.verdict import Check
+from geometry.cad_body import SolidBody
+from geometry.mesh import FloatArray, Mesh
+from geometry.parts import PlateLink, SlottedLever, ToggleBar, TubeRod
+from geometry.parts.step_part import StepPart
+
+_DIRECTIONS = 72
+_FITS = "docs/theory/fits.md"
+
+
+def checks(loaded: LoadedPart) -> Iterator[Check]:
+    """Shear stress tau = F/(2 A) behind the bore where it is largest, if a pin pulls at one."""
+    bores = [lug.interface for lug in lugs_of(loaded)]
+    body = loaded.measurable
+    found = [
+        _torn(loaded, bore, ligament)
+        for bore in bores
+        if body.interfaces[bore].kind == "bore"
+        for ligament in ligaments(loaded.part, body, bore)
+    ]
+    if found and max(check.value for check in found) > 0:
+        (most,) = first_largest(np.array([check.value for check in found]))
+        yield found[most]
+
+
+@dataclass(frozen=True)
+class Ligament:
+    """Material behind a hole: mm2 in one shear plane, and what stands at its other side.
+
+    direction  unit vector in the part's axes in which a force on the part tears it; None: any,
+               and `area` is then that of 72 directions from +x on, counter-clockwise; infinite
+               where nothing tears
+    """
+
+    direction: tuple[float, float] | None
+    area: tuple[float, ...]
+    until: str
+
+
+def _torn(loaded: LoadedPart, bore: str, ligament: Ligament) -> Check:
+    pull, area = _pull(loaded.loads.wrenches[bore], ligament)
+    return loaded.worst(
+        Heading(
+            kind="shear-out",
+            quantity="mean shear stress behind the pin F/(2 A)",
+            required=loaded.required.static,
+            place=f"{bore}, towards {ligament.until}",
+            basis="yield stress over sqrt 3",
+            note=lambda found: (
+                f"F = {found['F']:.0f} N that way, A = {found['A']:.4g} mm2 in each of two planes"
+            ),
+        ),
+        [
+            Series("F", f"pull of the pin in {bore} towards {ligament.until}", pull, "N",
+                   main=True),
+            Series("A", "area of one of the two planes behind it", area, "mm2",
+                   f"the part's shape: {_FITS}"),
+            Step("tau", "mean shear stress in both planes", "F/(2*A)", "MPa", _FITS, main=True),
+        ],
+        [yield_stress(loaded.part), shear_yield()],
+        EXACT,
+    )  # fmt: skip
+
+
+def _pull(wrench: FloatArray, ligament: Ligament) -> tuple[FloatArray, FloatArray]:
+    """Force (n,) that tears a ligament, N, and the area (n,) of one plane, mm2."""
+    if ligament.direction is not None:
+        pull = np.maximum(wrench[:, :2] @ np.array(ligament.direction), 0.0)
+        return pull, np.full(len(pull), ligament.area[0])
+    angle = np.arctan2(wrench[:, 1], wrench[:, 0])
+    sector = np.round(angle / (2 * np.pi) * _DIRECTIONS).astype(int) % _DIRECTIONS
+    return np.hypot(wrench[:, 0], wrench[:, 1]), np.array(ligament.area)[sector]
+
+
+def ligaments(part: Part, body: Mesh | SolidBody, interface: str) -> list[Ligament]:
+    """What a pin can tear out of a hole: towards the part's end, or into a slot beside the hole.
+
+    A boss is left out of it. Of a part from CAD the ligament is looked for in all directions.
+    """
+    shape = part.geometry
+    length = getattr(shape, "length", 0.0)
+    outward = (-1.0, 0.0) if interface == part.geometry.interfaces[0] else (1.0, 0.0)
+    end = f"the end at x {'< 0' if outward[0] < 0 else f'> {length:g} mm'}"
+    if isinstance(shape, ToggleBar):
+        return [Ligament(outward, (2 * shape.wall * (shape.overhang - shape.hole / 2),), end)]
+    if isinstance(shape, PlateLink):
+        hole = 2 * body.interfaces[interface].radius
+        return [Ligament(outward, (shape.thickness * (shape.width - hole) / 2,), end)]
+    if isinstance(shape, TubeRod):
+        area = ball_ligament(shape.eye_diameter, shape.eye_width, shape.hole)
+        return [Ligament(outward, (area,), end)]
+    if isinstance(shape, SlottedLever):
+        beyond = shape.width / 2 if shape.overhang is None else shape.overhang
+        inner = shape.slot_from if interface == "pivot" else shape.length - shape.slot_to
+        inward = (-outward[0], 0.0)
+        return [
+            Ligament(outward, (shape.thickness * (beyond - shape.hole / 2),), end),
+            Ligament(inward, (shape.thickness * (inner - shape.hole / 2),), "the slot"),
+        ]
+    if isinstance(shape, StepPart):
+        if not isinstance(body, Mesh):
+            raise TypeError("the ligaments of a CAD part are measured on its mesh")
+        return [ligament_all_round(body, interface)]
+    return []
+
+
+def ligament_all_round(mesh: Mesh, name: str) -> Ligament:
+    """The ligament of a hole in every direction, as the shear planes are on the mesh."""
+    angles = 2 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
+    areas = mesh.interfaces[name].length * tear_lengths(mesh, name, angles.tolist())
+    return Ligament(None, tuple(areas.tolist()), "the wall that the force points at")
