@@ -1,4 +1,4 @@
-"""What tests of all folders share: the command line, one full check of the press, a store."""
+"""Fixtures for tests of all folders: the command line, one full check of the press, a store."""
 
 import fcntl
 import io

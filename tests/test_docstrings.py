@@ -35,6 +35,16 @@ def test_no_docstring_begins_with_a_question(folder):
     assert asked == []
 
 
+def test_no_module_of_tests_begins_with_a_question():
+    """Functions have sentences for names, and docstrings for their sources only."""
+    asked = [
+        place
+        for place, node, text in docstrings("tests")
+        if isinstance(node, ast.Module) and text.split()[0] in (*BEGINNINGS, "How")
+    ]
+    assert asked == []
+
+
 @pytest.mark.parametrize("folder", FOLDERS)
 def test_no_docstring_says_that_something_is_told_or_is_that_of_another(folder):
     said = [

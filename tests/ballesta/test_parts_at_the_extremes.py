@@ -1,4 +1,4 @@
-"""What a user is told of a part that is too large, nearly incompressible or cannot be built."""
+"""Messages on a part that is too large, nearly incompressible or cannot be built."""
 
 import re
 from dataclasses import replace

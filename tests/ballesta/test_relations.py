@@ -1,4 +1,4 @@
-"""What must not change, or change by a known law, where a machine is stated otherwise.
+"""Relations between machines: results stay, or change by a known law, if stated otherwise.
 
 No number is expected here: a result is compared with that of the same machine, reordered, renamed,
 in other units, turned, mirrored, moved, scaled. By formula nothing but round-off differs.

@@ -1,4 +1,4 @@
-"""How far linear theory is off where a part gives way as much as the gate allows."""
+"""Error of linear theory where a part gives way as much as the gate allows."""
 
 import numpy as np
 import pytest

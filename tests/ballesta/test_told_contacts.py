@@ -1,4 +1,4 @@
-"""What is told of contacts and drives: an eccentric press on a spring, r = 20 mm, l = 200 mm.
+"""Words on contacts and drives: an eccentric press on a spring, r = 20 mm, l = 200 mm.
 
 At the crank angle t the slider is at y = r sin t - sqrt(l2 - r2 cos2 t): the law of cosines.
 """

@@ -1,4 +1,4 @@
-"""What never lengthens the life of a part, by both chains: rougher, larger, hotter and so on."""
+"""Tendencies that never lengthen a life, by both chains: rougher, larger, hotter and so on."""
 
 import pytest
 from hypothesis import given, settings

@@ -1,4 +1,4 @@
-"""How large elements are against the notch in which a peak sits."""
+"""Size of elements against the notch in which a peak sits."""
 
 import numpy as np
 import pytest

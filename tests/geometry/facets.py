@@ -1,4 +1,4 @@
-"""What the facets of a mesh add up to."""
+"""Areas and normals of six-node facets of a mesh."""
 
 import numpy as np
 

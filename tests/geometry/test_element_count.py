@@ -1,4 +1,4 @@
-"""How many elements a mesh will take is told before it is made, within a factor."""
+"""Number of a mesh's elements, estimated before it is made, within a factor."""
 
 import pytest
 

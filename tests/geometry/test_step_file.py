@@ -1,4 +1,4 @@
-"""What is found in a STEP file: one solid in mm, its holes and journals, or a refusal."""
+"""Survey of a STEP file: one solid in mm, its holes and journals, or a refusal."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""What holds over a whole cycle of each of the four machines, whatever the numbers (SI units)."""
+"""Invariants over a whole cycle of each of the four machines, whatever the numbers (SI units)."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What vibration adds to a cycle, against exact solutions of the equation of motion."""
+"""Vibration added to a cycle, against exact solutions of the equation of motion."""
 
 from dataclasses import replace
 

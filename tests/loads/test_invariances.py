@@ -1,4 +1,4 @@
-"""What must not change, or change in a known way, for random machines of four kinds (SI units).
+"""Invariances of random machines of four kinds: nothing changes, or in a known way (SI units).
 
 Every machine is driven by its crank under gravity and a force or torque on what it drives. Numbers
 are compared with the largest of their kind over the turn: all differences are rounding.

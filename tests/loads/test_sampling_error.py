@@ -1,4 +1,4 @@
-"""What a cycle's positions miss of loads that rise between them, by hand."""
+"""Peaks of loads that a cycle's positions miss, by hand."""
 
 from types import SimpleNamespace
 

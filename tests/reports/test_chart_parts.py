@@ -1,4 +1,4 @@
-"""What charts are made of: thinning, axes over a cycle, places for names, small SVG."""
+"""Pieces of charts: thinning, axes over a cycle, places for names, small SVG."""
 
 import re
 import xml.etree.ElementTree as ET

@@ -1,4 +1,4 @@
-"""What every page is made with."""
+"""Templates of every page."""
 
 import json
 from base64 import b64encode

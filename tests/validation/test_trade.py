@@ -1,4 +1,4 @@
-"""What docs/trade.md claims of the rungs, from the data it is made of."""
+"""Claims of docs/trade.md on the rungs, from the data it is made of."""
 
 import pytest
 

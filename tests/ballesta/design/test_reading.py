@@ -1,4 +1,4 @@
-"""What the door makes of a design file."""
+"""Reading a design file: units, names and tables become the machine."""
 
 import math
 import pickle

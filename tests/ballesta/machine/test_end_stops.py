@@ -1,4 +1,4 @@
-"""What the tool says of travels that nothing mechanical ends."""
+"""Warnings of travels that nothing mechanical ends."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""What a design states of masses, joints and coordinates, in the linkage that is solved."""
+"""Masses, joints and coordinates of a design, in the linkage that is solved."""
 
 import pytest
 

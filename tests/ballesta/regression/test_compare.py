@@ -1,4 +1,4 @@
-"""What leaves a baseline, how it is told, and what is said to have moved it."""
+"""Numbers that leave a baseline, their words, and the cause that is named."""
 
 import copy
 

@@ -1,4 +1,4 @@
-"""What the frame of a linkage takes from its cycle: forces along bars and beside them, contacts."""
+"""Loads on the frame of a linkage from its cycle: forces along bars and beside them, contacts."""
 
 from copy import copy
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""What the charts draw is what the checks and the loads say."""
+"""Data of the charts, against the checks and the loads."""
 
 import json
 from types import SimpleNamespace

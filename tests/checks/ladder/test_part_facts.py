@@ -1,4 +1,4 @@
-"""What is told of a part besides its checks: assumptions and facts of what it is and carries."""
+"""Report of a part besides its checks: assumptions, and facts of its shape and loads."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What a page is given of a part at every position: the solver's fields, of the whole part."""
+"""Fields of a part at every position for a page: the solver's fields, of the whole part."""
 
 from dataclasses import replace
 from types import SimpleNamespace

@@ -1,4 +1,4 @@
-"""What parts and loads must have in common with the solids that a rung was compared with."""
+"""Proportions of parts and loads within those of the solids that a rung was compared with."""
 
 from dataclasses import replace
 

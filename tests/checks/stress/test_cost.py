@@ -1,4 +1,4 @@
-"""What solids are expected to take, against processor times that were measured."""
+"""Expected time and memory of solids, against processor times that were measured."""
 
 import pytest
 

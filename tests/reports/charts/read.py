@@ -1,4 +1,4 @@
-"""What a chart holds, and whether a line was drawn."""
+"""Texts, cursor, columns and lines of a chart."""
 
 import json
 import xml.etree.ElementTree as ET

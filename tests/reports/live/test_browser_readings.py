@@ -1,4 +1,4 @@
-"""What the live view tells: values at points, the peak and its marker, digits, notes."""
+"""Readings of the live view: values at points, the peak and its marker, digits, notes."""
 
 import re
 from dataclasses import replace

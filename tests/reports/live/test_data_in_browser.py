@@ -1,4 +1,4 @@
-"""How the page's script reads rows and series, and how it tells places and forces."""
+"""Rows and series as the page's script reads them, places and forces as it words them."""
 
 import numpy as np
 import pytest

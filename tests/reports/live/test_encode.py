@@ -1,4 +1,4 @@
-"""What a page is handed of a part: as exact as it says, whatever the fields are."""
+"""Encoded fields of a part: as exact as the page says, whatever they are."""
 
 import json
 from dataclasses import replace

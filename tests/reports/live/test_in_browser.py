@@ -1,4 +1,4 @@
-"""What the browser makes of a part's text: what Python does, and what the solver found."""
+"""Decoding of a part's text in the browser, against Python's and against the solver's fields."""
 
 import itertools
 import json

@@ -1,4 +1,4 @@
-"""What docs/extremes.md concludes, with the tolerances it states."""
+"""Conclusions of docs/extremes.md, with the tolerances it states."""
 
 from functools import cache
 

@@ -1,4 +1,4 @@
-"""What docs/extremes_chain.md concludes of a machine that is checked from its file to its verdict.
+"""Conclusions of docs/extremes_chain.md on a machine checked from its file to its verdict.
 
 The crank and slider of chain.py by the rung `formula`, slow tests by `auto`; the toggle press.
 """

@@ -1,4 +1,4 @@
-"""What is read from a solved plane problem, at a point or over an edge."""
+"""Readings from a solved plane problem, at a point or over an edge."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
