@@ -1,4 +1,4 @@
-"""What lasts longest begins first in a worker: files of tests, slow tests one by one."""
+"""Order of tests in a worker, the longest first: files of tests, slow tests one by one."""
 
 from pathlib import Path
 from types import SimpleNamespace

@@ -118,7 +118,7 @@ class RungLevel(Stressed):
     model: RungModel = field()
 
     def named(self, point: int) -> str:
-        """What stands at a point."""
+        """Name of the place at a point."""
         return self.model.places[point]
 
     def depth(self, point: int) -> tuple[float, float] | None:

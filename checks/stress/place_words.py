@@ -51,7 +51,7 @@ def coordinates(at: FloatArray) -> str:
 def _end(depth: tuple[float, float] | None, height: float) -> str:
     """Which end of a surface's depth a height over the middle plane is at; "" between, or unknown.
 
-    A depth from 0 on is that of a surface through the middle plane.
+    A surface through the middle plane has a depth from 0 on.
     """
     if depth is None:
         return ""
