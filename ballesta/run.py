@@ -203,7 +203,7 @@ def check_to_folder(
         folder.mkdir(parents=True, exist_ok=True)
     prepare_drawing(stress=effort.shows_stress)
 
-    from ballesta.check import check_design
+    from ballesta.pipeline import check_design
     from checks.store.results import keep_result
     from reports.live.payload import with_encoded_fields
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
 
-from ballesta.check import check_file
+from ballesta.pipeline import check_file
 from checks.ladder.part_ladder import Effort
 
 MACHINES = ("toggle_press", "slider_crank", "quick_return", "spring_hammer")

@@ -16,12 +16,12 @@ from pathlib import Path
 from time import perf_counter, process_time, sleep
 from typing import Any
 
-from ballesta.batch.executor import Settings
-from ballesta.batch.job import RUN
-from ballesta.batch.memory import resident_bytes
-from ballesta.batch.outcome import GAVE_UP, Job, ended
-from ballesta.batch.plan import Plan, Request, planned
-from ballesta.batch.run import run_batch
+from ballesta.batches.executor import Settings
+from ballesta.batches.job import RUN
+from ballesta.batches.memory import resident_bytes
+from ballesta.batches.outcome import GAVE_UP, Job, ended
+from ballesta.batches.plan import Plan, Request, planned
+from ballesta.batches.run import run_batch
 
 ROOT = Path(__file__).parents[1]
 PRESS = ROOT / "designs" / "toggle_press.toml"

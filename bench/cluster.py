@@ -17,11 +17,11 @@ from typing import Any
 
 import psutil
 
-from ballesta.batch.executor import Settings
-from ballesta.batch.job import run_plain
-from ballesta.batch.plan import Request, planned
+from ballesta.batches.executor import Settings
+from ballesta.batches.job import run_plain
+from ballesta.batches.plan import Request, planned
 from bench.batch import PRESS, ROOT, SECONDS, Watch, idle_plan, nothing, run
-from tests.ballesta.batch.dask_machines import DaskMachines
+from tests.ballesta.batches.dask_machines import DaskMachines
 
 WORKERS = 2
 FIRST, IDLE, AT_ONCE, DESIGNS = 40, 200, 1000, 12  # jobs: until all have started, and then

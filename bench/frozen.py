@@ -31,7 +31,7 @@ MOST_TOLD = 20
 _CHECK = """
 import json, sys
 from pathlib import Path
-from ballesta.check import check_file
+from ballesta.pipeline import check_file
 from checks.ladder.part_ladder import Effort
 from reports.files import plain
 result = check_file(Path(sys.argv[1]), effort=Effort(sys.argv[2]))

@@ -20,8 +20,8 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
-from ballesta.batch.memory import Admission
-from ballesta.batch.pool import Limits, Pool
+from ballesta.batches.memory import Admission
+from ballesta.batches.pool import Limits, Pool
 
 ROOT = Path(__file__).parent.parent
 SECONDS, MEMORY = 120.0, 4 * 2**30  # that a mutant may take
@@ -127,7 +127,7 @@ def _cut(chance: random.Random, text: str) -> str:
 
 def run_one(job: Mapping[str, Any]) -> dict[str, Any]:
     """Check one mutant in this process: its exit code, and whatever was warned of."""
-    from ballesta.check import check_file
+    from ballesta.pipeline import check_file
     from checks.design.effort import Effort
     from checks.design.errors import DesignError, NumericsError
     from reports.files import plain

@@ -13,8 +13,8 @@ from time import perf_counter, process_time
 
 from scipy.stats import qmc
 
-from ballesta.check import check_design
 from ballesta.design.read import read_design
+from ballesta.pipeline import check_design
 from ballesta.sweeps.screen import Screened, screen
 from checks.design.data import Design
 from checks.ladder.part_ladder import Effort

@@ -16,7 +16,7 @@ def gibibytes() -> float:
 def main() -> None:
     """Measure the check of the design named on the command line."""
     start = perf_counter()
-    from ballesta.check import check_file
+    from ballesta.pipeline import check_file
     from checks.ladder.part_ladder import Effort
     from reports.files import write_json, write_vtu
     from reports.page import write_report

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-import ballesta.check
+import ballesta.pipeline
 
 
 def without_fatigue(design):
@@ -17,5 +17,5 @@ def without_fatigue(design):
 def buckling_of_no_linkage():
     """Within this no linkage is looked at as a frame that may buckle; parts are as ever."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(ballesta.check, "worst_mode", lambda design, runs: None)
+        patch.setattr(ballesta.pipeline, "worst_mode", lambda design, runs: None)
         yield

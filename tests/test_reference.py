@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from ballesta.check import check_file
+from ballesta.pipeline import check_file
 from checks.design.effort import Effort
 from checks.design.model import DesignFile, Requirements
 from geometry.parts import SHAPES

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ballesta.batch.cluster import LOCAL, scheduler_of, security_of
-from ballesta.batch.executor import Settings
-from ballesta.batch.live import live
-from ballesta.batch.memory import parse_memory
-from ballesta.batch.outcome import EXIT_CODES
-from ballesta.batch.plan import Request, claim_folder, planned
-from ballesta.batch.run import run_batch
+from ballesta.batches.cluster import LOCAL, scheduler_of, security_of
+from ballesta.batches.executor import Settings
+from ballesta.batches.live import live
+from ballesta.batches.memory import parse_memory
+from ballesta.batches.outcome import EXIT_CODES
+from ballesta.batches.plan import Request, claim_folder, planned
+from ballesta.batches.run import run_batch
 from ballesta.run import guarded
 from ballesta.sweeps.sweep_text import parse_sweep
 from checks.design.effort import effort_of

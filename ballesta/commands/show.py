@@ -61,7 +61,7 @@ def run_show(path: Path, wanted: Wanted, overrides: Sequence[str] = ()) -> int:
                 "from section forces; --fields gives each part a mesh to look at",
                 file=sys.stderr,
             )
-        from ballesta.check import check_design  # the solvers, which a trial does not need
+        from ballesta.pipeline import check_design  # the solvers, which a trial does not need
 
         with progress(path) as say:
             result = check_design(

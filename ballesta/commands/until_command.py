@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ballesta.batch.plan import design_files
+from ballesta.batches.plan import design_files
 from ballesta.design.read import read_design
 from ballesta.run import guarded, output_folders, store_at
 from ballesta.sweeps.threshold_search import UntilResult, until_pass, until_text
@@ -120,7 +120,7 @@ def stored_check(
     file: Path, store: Store | None
 ) -> Callable[[tuple[str, ...], Effort], DesignResult]:
     """Return a check of a design with overrides that computes nothing twice."""
-    from ballesta.check import check_design
+    from ballesta.pipeline import check_design
 
     def check(overrides: tuple[str, ...], effort: Effort) -> DesignResult:
         kept = recalled_result(store, file, overrides, effort)

@@ -107,8 +107,8 @@ def _checked(
     say: Say,
     part: str,
 ) -> Sequence[Check]:
-    from ballesta.check import check_design
     from ballesta.design.read import read_design
+    from ballesta.pipeline import check_design
     from checks.store.results import recalled_result
 
     kept = recalled_result(store, path, overrides, effort)

@@ -160,7 +160,7 @@ def _refuse(constant: str) -> None:
 
 
 def _checked(path: Path, effort: "Effort | None", say: Say) -> Found:
-    from ballesta.check import check_file
+    from ballesta.pipeline import check_file
     from checks.design.effort import DEFAULT_EFFORT
 
     result = check_file(

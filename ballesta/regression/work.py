@@ -44,8 +44,8 @@ def measured(
 
     Raises DesignError and NumericsError.
     """
-    from ballesta.check import check_design
     from ballesta.design.read import read_design
+    from ballesta.pipeline import check_design
     from checks.design.effort import Effort, effort_of
     from checks.store.fingerprints import stages_of
 

@@ -130,7 +130,7 @@ def improve(
     """Find the best single changes of a design.
 
     verify  whether each change that is shown is checked by the models of `effort`
-    check   the result of the design with further overrides; `ballesta.check.check_file` without
+    check   the result of the design with further overrides; `ballesta.pipeline.check_file` without
 
     Raises DesignError and NumericsError as a check does.
     """
@@ -151,7 +151,7 @@ def improve(
 
 def _checker(path: Path, overrides: Sequence[str], effort: Effort) -> Verify:
     def checked(further: tuple[str, ...]) -> DesignResult:
-        from ballesta.check import check_file
+        from ballesta.pipeline import check_file
 
         return check_file(path, (*overrides, *further), effort=effort)
 

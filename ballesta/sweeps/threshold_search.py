@@ -133,7 +133,7 @@ def until_pass(
 
     sweep  a range (to a thousandth of it), a range with a count or a step, or a list in its order
     parts  that are judged, by the loads' gates and the linkage's checks, too; all without any
-    check  the result of a design with overrides, by models; `ballesta.check.check_file` without
+    check  the result of a design with overrides, by models; `ballesta.pipeline.check_file` without
            one
 
     Where a check lies out of the range of a model below the solid, and nothing fails, the value is
@@ -189,7 +189,7 @@ def _values(sweep: Sweep) -> list[tuple[str, ...]]:
 
 
 def _check(path: Path, overrides: tuple[str, ...], effort: Effort) -> DesignResult:
-    from ballesta.check import check_file
+    from ballesta.pipeline import check_file
 
     return check_file(path, overrides, effort=effort)
 

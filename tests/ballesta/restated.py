@@ -5,9 +5,9 @@ import tomllib
 from math import cos, pi, radians, sin
 from pathlib import Path
 
-from ballesta.check import check_design
 from ballesta.design.overrides import resolve_like
 from ballesta.design.read import read_design
+from ballesta.pipeline import check_design
 from checks.ladder.part_ladder import Effort
 
 from ..lighter import without_fatigue

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from ballesta.check import check_file
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import part_masses, solve_cycles
+from ballesta.pipeline import check_file
 from checks.ladder.part_ladder import Effort
 from checks.ladder.solid import check_solid
 from checks.part.loaded_part import LoadedPart

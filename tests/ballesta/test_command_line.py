@@ -53,7 +53,7 @@ def test_reading_a_design_loads_no_library_that_it_has_no_use_for():
     """Each takes a tenth of a second or more; pint is loaded for a unit beside the usual ones."""
     heavy = ["pint", "skfem", "scipy.optimize", "matplotlib.figure", "pyvista", "gmsh"]
     code = (
-        "import sys; from ballesta.check import read_design; "
+        "import sys; from ballesta.pipeline import read_design; "
         f"read_design({str(ROOT / PRESS)!r}); print([m for m in {heavy} if m in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -11,8 +11,8 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from ballesta.check import check_file
 from ballesta.design.read import read_design
+from ballesta.pipeline import check_file
 from checks.design.errors import DesignError, NumericsError
 from checks.ladder.part_ladder import Effort
 from reports.files import plain

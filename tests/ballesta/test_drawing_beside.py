@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-import ballesta.check
+import ballesta.pipeline
 import reports.live.payload
 import reports.pictures
 from ballesta.run import check_to_folder
@@ -39,7 +39,7 @@ def told(tmp_path, monkeypatch):
     monkeypatch.setattr(reports.pictures, "prepare_drawing", lambda **_: None)
     monkeypatch.setattr(reports.pictures, "drawing", lambda result: nullcontext(waits))
     telling(reports.pictures, "prepare_drawing")
-    telling(ballesta.check, "check_design")
+    telling(ballesta.pipeline, "check_design")
     telling(reports.pictures, "drawing")
     telling(reports.live.payload, "with_encoded_fields")
     return found

@@ -8,11 +8,11 @@ from io import StringIO
 import numpy as np
 import pytest
 
-from ballesta.check import check_file
 from ballesta.commands.loads_command import loads_of_file
 from ballesta.design.read import read_design
 from ballesta.machine.balance import measured_loads
 from ballesta.machine.solved_cycles import solve_cycles
+from ballesta.pipeline import check_file
 from checks.design.errors import DesignError
 from reports.loads_csv import loads_csv
 from reports.loads_page import loads_html

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ballesta.check import check_file
+from ballesta.pipeline import check_file
 from checks.design.effort import Effort
 from checks.result.verdict import Check
 from checks.strength.sampling import MARGIN, PIECES, finer, sampled, with_sampling

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ballesta.check import check_design, check_file
+from ballesta.pipeline import check_design, check_file
 from checks.design.effort import Effort
 
 from ..small_machine import PLATE, machine

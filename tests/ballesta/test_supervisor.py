@@ -9,7 +9,7 @@ from time import monotonic
 
 import pytest
 
-from ballesta.check import check_design
+from ballesta.pipeline import check_design
 from ballesta.supervisor import is_long
 from ballesta.unfinished import FRAME, PART, unfinished
 from checks.design.effort import Effort

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from ballesta.check import check_design
 from ballesta.design.read import read_design
+from ballesta.pipeline import check_design
 from checks.design.effort import Effort
 from checks.result.verdict import Status
 from checks.result.words import clean, moment, need_text, number, safety_text

@@ -13,10 +13,10 @@ from pathlib import Path
 import psutil
 import pytest
 
-from ballesta.check import check_file
+from ballesta.pipeline import check_file
 from checks.design.effort import Effort
 
-from ..ballesta.batch.jobs import MODULE
+from ..ballesta.batches.jobs import MODULE
 from ..small_machine import MACHINE, PLATE
 
 HERE = Path(__file__).parent
@@ -104,7 +104,7 @@ print([each.status or each.outcome["answer"] for each in jobs.run(pool, acts)])
 def test_a_batch_survives_what_its_jobs_do(tmp_path):
     """Crashes, hangs and what takes too much memory cost themselves alone, without POSIX too."""
     (tmp_path / "batch_job_functions.py").write_text(MODULE, encoding="utf-8")
-    jobs = str(ROOT / "tests" / "ballesta" / "batch")
+    jobs = str(ROOT / "tests" / "ballesta" / "batches")
     done = run("-c", BATCH, str(tmp_path), jobs, paths=[tmp_path])
     assert done.stdout.decode().strip() == (
         "[0, 2, 'crashed', 'out of time', 'out of memory', 'crashed', 12]"
@@ -126,7 +126,7 @@ def test_a_worker_ends_with_its_parent_by_the_end_of_its_input(tmp_path):
     """Without the death signal of Linux; and with what it has started itself."""
     code = """
 import os, subprocess, sys
-from ballesta.batch.worker import _Lines
+from ballesta.batches.worker import _Lines
 child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"])
 print(child.pid, flush=True)
 for line in _Lines():

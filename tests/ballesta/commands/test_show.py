@@ -3,7 +3,7 @@ import sys
 
 import pytest
 
-import ballesta.check
+import ballesta.pipeline
 from ballesta.cli import main
 from ballesta.commands import show
 from ballesta.commands.show import Wanted, run_show
@@ -52,7 +52,7 @@ def test_a_part_that_is_not_there_is_told_before_anything_is_checked(design, sho
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="elsewhere DISPLAY says nothing")
 def test_without_a_display_nothing_is_checked_and_the_cure_is_named(design, monkeypatch, capsys):
     monkeypatch.delenv("DISPLAY", raising=False)
-    monkeypatch.setattr(ballesta.check, "check_design", None)  # it would fail
+    monkeypatch.setattr(ballesta.pipeline, "check_design", None)  # it would fail
     assert main(["show", str(design)]) == 2
     said = capsys.readouterr().err
     assert "there is no display" in said
@@ -73,7 +73,7 @@ def test_missing_graphics_libraries_end_it_with_words_and_their_cure(
     monkeypatch.setattr(
         show, "probe_window", lambda **how: probe_window(worker=worker, timeout=0.5, **how)
     )
-    monkeypatch.setattr(ballesta.check, "check_design", None)
+    monkeypatch.setattr(ballesta.pipeline, "check_design", None)
     assert run_show(design, Wanted(picture=design.with_suffix(".png"), **FORMULA)) == 3
     said = capsys.readouterr().err
     assert words in said
@@ -169,7 +169,7 @@ def test_that_no_part_is_meshed_is_told_before_the_check(design, shown, monkeypa
     def stopped(*_, **__):
         raise DesignError(design, "part", "stopped here")
 
-    monkeypatch.setattr(ballesta.check, "check_design", stopped)
+    monkeypatch.setattr(ballesta.pipeline, "check_design", stopped)
     for fidelity in ("formula", "beam", "solid"):
         assert run_show(design, Wanted(fidelity=fidelity)) == 2
         said = capsys.readouterr().err
@@ -181,7 +181,7 @@ def test_that_no_part_is_meshed_is_told_before_the_check(design, shown, monkeypa
 def test_the_solvers_are_imported_after_the_trial_of_a_window():
     code = (
         "import sys, ballesta.commands.show; "
-        "sys.exit(', '.join({'skfem', 'gmsh', 'ballesta.check'} & set(sys.modules)) or 0)"
+        "sys.exit(', '.join({'skfem', 'gmsh', 'ballesta.pipeline'} & set(sys.modules)) or 0)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

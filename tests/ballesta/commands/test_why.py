@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from ballesta import check as check_module
-from ballesta.check import check_file
+from ballesta import pipeline as check_module
 from ballesta.cli import main
 from ballesta.commands.why import Wanted, checks_behind, run_why, wanted_checks
+from ballesta.pipeline import check_file
 from checks.design.effort import Effort
 from checks.design.errors import DesignError
 from checks.design.names import LINKAGE

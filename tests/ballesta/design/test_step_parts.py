@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from ballesta.check import check_file
 from ballesta.design.read import read_design
 from ballesta.design.schema import design_schema
 from ballesta.machine.solved_cycles import solve_cycles
+from ballesta.pipeline import check_file
 from checks.design.errors import DesignError
 from checks.ladder.part_ladder import Effort
 from checks.part.part_loads import loads_on

@@ -5,9 +5,9 @@ import json
 
 import pytest
 
-from ballesta.check import check_file
 from ballesta.diff.compared import compared
 from ballesta.diff.difference import Wanted, differences_of, run_diff
+from ballesta.pipeline import check_file
 from checks.design.effort import Effort
 from checks.design.errors import DesignError
 from reports.difference_page import difference_html

@@ -7,8 +7,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 import loads
-from ballesta.check import check_design
 from ballesta.machine.drive_speed import evenness_of, speed_doubts, speed_gates, speed_warnings
+from ballesta.pipeline import check_design
 from checks.design.effort import Effort
 from checks.design.errors import DesignError
 from checks.ladder.climb import start_climb

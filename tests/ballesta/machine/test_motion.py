@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from ballesta.check import check_design
 from ballesta.design.read import read_design
 from ballesta.machine.motion import kept_rows, part_frame
 from ballesta.machine.motion_layers import Skin, layers
 from ballesta.machine.motion_layers import _distance as distance_from
+from ballesta.pipeline import check_design
 from checks.design.effort import Effort
 from checks.result.motion import MOST_POSITIONS, motion_gaps
 from checks.store.records import from_record, to_record

@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ballesta.check import check_design
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import solve_cycles
 from ballesta.machine.stop_doubts import stop_doubts
 from ballesta.machine.validity_checks import load_gates
+from ballesta.pipeline import check_design
 from checks.design.effort import Effort
 
 PRESS = Path(__file__).parents[3] / "designs" / "toggle_press.toml"

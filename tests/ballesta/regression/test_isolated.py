@@ -7,8 +7,8 @@ import sys
 
 import pytest
 
-from ballesta.check import check_design
 from ballesta.design.read import read_design
+from ballesta.pipeline import check_design
 from ballesta.regression import isolated
 from ballesta.regression.baseline import write_baseline
 from ballesta.regression.file import baseline_path, read_baseline

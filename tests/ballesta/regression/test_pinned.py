@@ -2,7 +2,7 @@
 
 import pytest
 
-from ballesta.check import check_design
+from ballesta.pipeline import check_design
 from ballesta.regression.record import rungs_of
 from ballesta.regression.work import measured
 from checks.design.effort import Effort

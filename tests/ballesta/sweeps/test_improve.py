@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from ballesta.check import check_file
 from ballesta.cli import main
+from ballesta.pipeline import check_file
 from ballesta.sweeps.improve import improve
 from checks.design.effort import Effort
 from checks.result.verdict import Status

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-import ballesta.check
-from ballesta.check import check_design
+import ballesta.pipeline
 from ballesta.design.read import read_design
+from ballesta.pipeline import check_design
 from ballesta.sweeps.screen import screen
 from checks.ladder.part_ladder import Effort
 from checks.result.verdict import Status
@@ -31,8 +31,8 @@ def numbers(checks):
 
 def checked(monkeypatch, file, overrides):
     """A check by formula without what screening leaves out: the frame, and the warnings."""
-    monkeypatch.setattr(ballesta.check, "worst_mode", lambda *_: None)
-    monkeypatch.setattr(ballesta.check, "design_warnings", lambda *_: [])
+    monkeypatch.setattr(ballesta.pipeline, "worst_mode", lambda *_: None)
+    monkeypatch.setattr(ballesta.pipeline, "design_warnings", lambda *_: [])
     return check_design(read_design(file, overrides), effort=Effort("formula"))
 
 

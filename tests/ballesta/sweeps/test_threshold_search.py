@@ -374,13 +374,13 @@ def test_the_command_prints_the_search_writes_it_and_computes_nothing_twice(
     def never(*_, **__):
         raise AssertionError("checked again")
 
-    monkeypatch.setattr("ballesta.check.check_design", never)
+    monkeypatch.setattr("ballesta.pipeline.check_design", never)
     assert command(file, tmp_path / "out", THICK) == code
     assert capsys.readouterr().out == first
 
 
 def test_a_search_that_was_stopped_goes_on_with_what_it_had(file, tmp_path, monkeypatch, capsys):
-    from ballesta import check
+    from ballesta import pipeline as check
 
     real, checked = check.check_design, []
 
@@ -407,7 +407,7 @@ def test_a_search_that_was_stopped_goes_on_with_what_it_had(file, tmp_path, monk
 def test_a_design_that_is_edited_during_its_search_gives_no_answer_and_spoils_no_store(
     file, tmp_path, monkeypatch, capsys
 ):
-    from ballesta import check
+    from ballesta import pipeline as check
 
     real, thick = check.check_design, file.read_text(encoding="utf-8")
     thin = thick.replace('width = "30 mm"', 'width = "20 mm"')
@@ -466,7 +466,7 @@ def test_a_bad_design_costs_itself_alone_and_json_holds_the_others(file, tmp_pat
 def test_an_output_folder_that_cannot_be_written_is_told_before_anything_is_checked(
     file, tmp_path, capsys, monkeypatch
 ):
-    monkeypatch.setattr("ballesta.check.check_design", None)
+    monkeypatch.setattr("ballesta.pipeline.check_design", None)
     (tmp_path / "taken").write_text("a file")
     assert command(file, tmp_path / "taken", THICK) == 2
     assert "--out: cannot be written" in capsys.readouterr().err

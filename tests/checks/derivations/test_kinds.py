@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ballesta.check import check_design
+from ballesta.pipeline import check_design
 from checks.derivations import bars, buckling, contacts
 from checks.derivations.bars import solid_bars
 from checks.derivations.elastic import share_items

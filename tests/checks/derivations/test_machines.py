@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from ballesta.check import check_design
 from ballesta.design.read import read_design
+from ballesta.pipeline import check_design
 from checks.derivations.friction import WIDER
 from checks.derivations.proven import UNKNOWN
 from checks.design.effort import Effort

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 
 import fatigue
 from ballesta import run
-from ballesta.check import check_design, check_file
+from ballesta.pipeline import check_design, check_file
 from checks.design.effort import Effort
 from checks.ladder import chart_data_fatigue, chart_data_meshes
 from checks.result.formulas import evaluate

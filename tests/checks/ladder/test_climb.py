@@ -5,7 +5,7 @@ from math import inf
 import numpy as np
 import pytest
 
-from ballesta.check import check_design
+from ballesta.pipeline import check_design
 from checks.ladder import climb
 from checks.ladder.climb import AUTO, climb_cheap, start_climb
 from checks.ladder.part_ladder import Effort, Ladder

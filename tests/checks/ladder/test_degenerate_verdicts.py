@@ -7,8 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ballesta.check import check_file
 from ballesta.machine.warnings_of import unloaded_warnings
+from ballesta.pipeline import check_file
 from checks.design.errors import DesignError
 from checks.ladder.climb import BUILDERS, climb_cheap, start_climb
 from checks.ladder.part_ladder import Effort

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from ballesta.check import check_design
+from ballesta.pipeline import check_design
 from checks.design.effort import Effort
 from checks.ladder.drawn import undrawn_warnings
 from checks.result.live_fields import von_mises

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from ballesta.check import check_design
+from ballesta.pipeline import check_design
 from checks.design.effort import Effort
 from checks.ladder import part_fields
 from checks.ladder.part_fields import solid_fields

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from ballesta.check import check_design
 from ballesta.design.read import read_design
+from ballesta.pipeline import check_design
 from checks.design.effort import Effort
 from checks.ladder.section_fields import _superposition, sections_of
 from checks.part.part_loads import PartLoads

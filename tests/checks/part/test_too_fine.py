@@ -2,8 +2,8 @@
 
 import pytest
 
-from ballesta.check import check_file
 from ballesta.design.read import read_design
+from ballesta.pipeline import check_file
 from checks.design.effort import Effort
 from checks.design.errors import DesignError
 from checks.result.verdict import Status

@@ -5,7 +5,7 @@ from math import inf
 
 import pytest
 
-from ballesta.check import check_design
+from ballesta.pipeline import check_design
 from checks.design.effort import Effort
 from checks.models import bands
 from checks.result.verdict import Gate, RungTried, Status

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-import ballesta.check
+import ballesta.pipeline
 import reports.pictures
 from ballesta.design.read import read_design
 from ballesta.run import check_all, check_to_folder, store_at
@@ -44,7 +44,7 @@ def known():
 @pytest.fixture
 def checks(monkeypatch, known):
     """What was checked; what was checked before is counted and not computed again."""
-    done, work = [], ballesta.check.check_design
+    done, work = [], ballesta.pipeline.check_design
 
     def counted(design, *, effort=DEFAULT_EFFORT, live=False, **options):
         done.append(design.name)
@@ -53,7 +53,7 @@ def checks(monkeypatch, known):
             known[asked] = work(design, effort=effort, live=live, **options)
         return known[asked]
 
-    monkeypatch.setattr(ballesta.check, "check_design", counted)
+    monkeypatch.setattr(ballesta.pipeline, "check_design", counted)
     return done
 
 
@@ -157,7 +157,7 @@ def test_a_report_without_its_pictures_is_written_anew(folder, checks, monkeypat
 def test_a_result_without_live_fields_is_checked_again_where_a_report_is_written(folder, checks):
     """As a batch without reports keeps it: its page would have no live view."""
     design = read_design("machine.toml", [])
-    bare = ballesta.check.check_design(design, effort=FORMULA)
+    bare = ballesta.pipeline.check_design(design, effort=FORMULA)
     keep_result(Store(Path("store")), design, FORMULA, bare, {})
     assert {part.live for part in bare.parts} == {None}
     run("one")

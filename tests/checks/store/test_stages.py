@@ -8,9 +8,9 @@ import pytest
 
 import fem.mode_count
 import fem.unit_solutions
-from ballesta.check import check_design
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import solve_cycles
+from ballesta.pipeline import check_design
 from checks.columns import linkage_store
 from checks.columns.linkage_store import stored_mode
 from checks.design.effort import Effort

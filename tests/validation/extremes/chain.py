@@ -9,9 +9,9 @@ from math import cos, radians, sin
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from ballesta.check import check_design
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import solve_cycles
+from ballesta.pipeline import check_design
 from checks.ladder.part_ladder import Effort
 from checks.result.verdict import Check, DesignResult
 

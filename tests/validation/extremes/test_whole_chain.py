@@ -15,10 +15,10 @@ from pathlib import Path
 import pytest
 from numpy.testing import assert_allclose
 
-from ballesta.check import check_file
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import solve_cycles
 from ballesta.machine.validity_checks import load_gates
+from ballesta.pipeline import check_file
 from checks.design.errors import DesignError, NumericsError
 from checks.ladder.part_ladder import Effort
 from checks.result.verdict import Status

@@ -6,12 +6,12 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, Self
 
-from ballesta.batch import run as batch_run
-from ballesta.batch.memory import MIB, Admission
-from ballesta.batch.outcome import Job
-from ballesta.batch.plan import Plan
-from ballesta.batch.pool import Finished, Limits, Pool
-from ballesta.batch.worker import answer
+from ballesta.batches import run as batch_run
+from ballesta.batches.memory import MIB, Admission
+from ballesta.batches.outcome import Job
+from ballesta.batches.plan import Plan
+from ballesta.batches.pool import Finished, Limits, Pool
+from ballesta.batches.worker import answer
 
 # Written beside the tests' own files, because a worker imports it by name.
 MODULE = '''
@@ -64,15 +64,15 @@ def forever(job):
 def outcome(job):
     """A whole outcome, as a check of a design would give it; slow where the file says so."""
     from hashlib import sha256
-    from ballesta.batch.outcome import Job
-    from ballesta.batch.outcome import ended, WRONG_INPUT
+    from ballesta.batches.outcome import Job
+    from ballesta.batches.outcome import ended, WRONG_INPUT
     file = Path(job["file"])
     text = file.read_text()
     with (file.parent / "log.txt").open("a") as log:
         log.write(job["name"] + "\\n")
     time.sleep(float(text.partition("wait ")[2] or 0))
     if text == "full":
-        from ballesta.batch.job import FolderError
+        from ballesta.batches.job import FolderError
         raise FolderError("out/c: --out: cannot be written: No space left on device")
     job = Job(**{**job, "overrides": tuple(job["overrides"])})
     done = ended(job, WRONG_INPUT, text.split()[0], "")

@@ -8,8 +8,8 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from ballesta.batch.files import write_whole
-from ballesta.batch.outcome import Job
+from ballesta.batches.files import write_whole
+from ballesta.batches.outcome import Job
 from ballesta.run import folder_name
 from checks.design.errors import DesignError
 from geometry.bounded_files import read_bounded

@@ -13,7 +13,7 @@ def write_thumbnail(folder: Path, part: str) -> None:
     """Write thumbnail.png from the first still of a part in report.html; nothing without stills."""
     from markupsafe import escape
 
-    from ballesta.batch.files import write_whole
+    from ballesta.batches.files import write_whole
     from checks.result.words import brief
 
     stills = _STILL.findall((folder / "report.html").read_text(encoding="utf-8"))

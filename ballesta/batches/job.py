@@ -12,7 +12,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, TextIO
 
-from ballesta.batch.outcome import GAVE_UP, OUT_OF_MEMORY, WRONG_INPUT, Job, ended, judged
+from ballesta.batches.outcome import GAVE_UP, OUT_OF_MEMORY, WRONG_INPUT, Job, ended, judged
 from checks.design.errors import DesignError, NumericsError
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from checks.result.verdict import DesignResult
     from checks.store.store import Store
 
-RUN = "ballesta.batch.job:run_plain"  # what a worker process is told to call
+RUN = "ballesta.batches.job:run_plain"  # what a worker process is told to call
 _NOT_THE_DESIGN = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO)
 
 
@@ -65,9 +65,9 @@ def run_plain(job: Mapping[str, Any]) -> dict[str, Any]:
 
 def _checked(job: Job, sources: dict[str, str]) -> "DesignResult":
     """Result of a design; the digests of the files it is read from are put into `sources`."""
-    from ballesta.batch.thumbnail import write_thumbnail
-    from ballesta.check import check_design
+    from ballesta.batches.thumbnail import write_thumbnail
     from ballesta.design.read import read_design
+    from ballesta.pipeline import check_design
     from ballesta.run import check_to_folder, progress
     from checks.design.effort import effort_of
     from checks.store.results import keep_result, recalled_result

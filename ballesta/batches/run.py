@@ -8,10 +8,10 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any, Protocol
 
-from ballesta.batch.executor import Executor, Settings, executor_of
-from ballesta.batch.job import RUN, step_of, text_digest
-from ballesta.batch.journal import Entry, Journal, Write
-from ballesta.batch.outcome import (
+from ballesta.batches.executor import Executor, Settings, executor_of
+from ballesta.batches.job import RUN, step_of, text_digest
+from ballesta.batches.journal import Entry, Journal, Write
+from ballesta.batches.outcome import (
     NOT_RUN,
     STOPPED,
     TIMINGS,
@@ -20,9 +20,9 @@ from ballesta.batch.outcome import (
     ended,
     folder_error,
 )
-from ballesta.batch.plan import Plan
-from ballesta.batch.pool import Finished, PoolError, fatal_words
-from ballesta.batch.results import prepare, write_results
+from ballesta.batches.plan import Plan
+from ballesta.batches.pool import Finished, PoolError, fatal_words
+from ballesta.batches.results import prepare, write_results
 from checks.design.errors import DesignError, NumericsError
 from checks.store.results import BY_THE_DAY
 

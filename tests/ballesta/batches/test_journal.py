@@ -3,7 +3,7 @@ import os
 
 import pytest
 
-from ballesta.batch.journal import Entry, Journal
+from ballesta.batches.journal import Entry, Journal
 
 
 def entry(name, **outcome):

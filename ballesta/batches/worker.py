@@ -1,6 +1,6 @@
 """A worker process of a batch: jobs come in as lines of JSON, outcomes go out as lines of JSON.
 
-python -P -m ballesta.batch.worker MODULE:FUNCTION   the function that a job's data is given to
+python -P -m ballesta.batches.worker MODULE:FUNCTION   the function that a job's data is given to
 
 It dies with the process that started it, so that nobody else's batch finds it still writing.
 """
@@ -15,9 +15,9 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import Any, BinaryIO
 
-from ballesta.batch.memory import limit_memory, peak_bytes, reset_peak, resident_bytes
-from ballesta.batch.outcome import CRASHED, OUT_OF_MEMORY
-from ballesta.batch.processes import die_with_parent, end_ourselves
+from ballesta.batches.memory import limit_memory, peak_bytes, reset_peak, resident_bytes
+from ballesta.batches.outcome import CRASHED, OUT_OF_MEMORY
+from ballesta.batches.processes import die_with_parent, end_ourselves
 
 
 def main() -> None:

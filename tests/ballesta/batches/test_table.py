@@ -4,8 +4,8 @@ import io
 import pyarrow.parquet as pq
 import pytest
 
-from ballesta.batch.outcome import Job, ended, judged
-from ballesta.batch.table import csv_text, parquet_bytes, result_rows, varied_inputs
+from ballesta.batches.outcome import Job, ended, judged
+from ballesta.batches.table import csv_text, parquet_bytes, result_rows, varied_inputs
 
 from ...reports import results
 

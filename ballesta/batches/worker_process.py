@@ -13,7 +13,7 @@ from queue import SimpleQueue
 from time import monotonic
 from typing import Any
 
-from ballesta.batch.processes import end_with_children, ending
+from ballesta.batches.processes import end_with_children, ending
 from fem.threads import ONE_THREAD
 
 _ROOT = Path(__file__).resolve().parents[2]
@@ -63,7 +63,7 @@ class WorkerProcess:
         with self._log.open("ab") as log:
             self._process = subprocess.Popen(
                 # -P: modules of the user's own folder must not stand in for ours
-                [sys.executable, "-P", "-m", "ballesta.batch.worker", function],
+                [sys.executable, "-P", "-m", "ballesta.batches.worker", function],
                 stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=log,
                 env=environment, cwd=cwd, start_new_session=True,
             )  # fmt: skip

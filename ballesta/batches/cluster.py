@@ -11,11 +11,11 @@ from secrets import token_hex
 from time import monotonic, sleep
 from typing import TYPE_CHECKING, Any
 
-from ballesta.batch.cluster_reply import from_text, nothing_unpickled
-from ballesta.batch.cluster_worker import Site, leave, run_there, versions
-from ballesta.batch.job import text_digest
-from ballesta.batch.outcome import CRASHED
-from ballesta.batch.pool import Finished, PoolError
+from ballesta.batches.cluster_reply import from_text, nothing_unpickled
+from ballesta.batches.cluster_worker import Site, leave, run_there, versions
+from ballesta.batches.job import text_digest
+from ballesta.batches.outcome import CRASHED
+from ballesta.batches.pool import Finished, PoolError
 from checks.design.errors import DesignError
 from checks.result.words import brief
 

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from ballesta.batch.journal import Journal
-from ballesta.batch.run import Settings, locked, run_batch
+from ballesta.batches.journal import Journal
+from ballesta.batches.run import Settings, locked, run_batch
 from checks.design.errors import DesignError, NumericsError
 
 from . import jobs
@@ -154,8 +154,8 @@ PARENT = """
 import sys
 from pathlib import Path
 sys.path.insert(0, sys.argv[2])
-from ballesta.batch.journal import Journal
-from ballesta.batch.run import Settings, run_batch
+from ballesta.batches.journal import Journal
+from ballesta.batches.run import Settings, run_batch
 import jobs
 folder = Path(sys.argv[1])
 texts = {f"j{k:02d}": f"text-{k} wait 0.15" for k in range(16)}

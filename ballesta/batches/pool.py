@@ -15,9 +15,9 @@ from shutil import rmtree
 from time import monotonic
 from typing import Any
 
-from ballesta.batch.memory import Admission, resident_bytes
-from ballesta.batch.outcome import CRASHED, OUT_OF_MEMORY, OUT_OF_TIME
-from ballesta.batch.worker_process import Replies, Task, WorkerProcess
+from ballesta.batches.memory import Admission, resident_bytes
+from ballesta.batches.outcome import CRASHED, OUT_OF_MEMORY, OUT_OF_TIME
+from ballesta.batches.worker_process import Replies, Task, WorkerProcess
 
 _LOOK_EVERY = 0.05  # s, for time limits and memory
 _LONGEST_START = 120.0  # s, of an interpreter

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol, Self
 
-from ballesta.batch.cluster import Cluster
-from ballesta.batch.memory import FIRST_ESTIMATE, FIRST_ESTIMATES, Admission, planned_budget
-from ballesta.batch.outcome import Job
-from ballesta.batch.pool import Finished, Limits, Pool
+from ballesta.batches.cluster import Cluster
+from ballesta.batches.memory import FIRST_ESTIMATE, FIRST_ESTIMATES, Admission, planned_budget
+from ballesta.batches.outcome import Job
+from ballesta.batches.pool import Finished, Limits, Pool
 
 SCRATCH = ".work"  # in the batch's folder, while it runs
 

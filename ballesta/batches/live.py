@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from time import monotonic
 from typing import Any
 
-from ballesta.batch.outcome import EXIT_CODES, sentence
+from ballesta.batches.outcome import EXIT_CODES, sentence
 from checks.result.words import brief, clean
 
 Steps = Callable[[], list[tuple[str, float, str]]]

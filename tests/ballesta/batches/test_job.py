@@ -6,8 +6,8 @@ from hashlib import sha256
 
 import pytest
 
-from ballesta.batch.job import FolderError, run_job
-from ballesta.batch.outcome import Job
+from ballesta.batches.job import FolderError, run_job
+from ballesta.batches.outcome import Job
 from checks.design.errors import DesignError, NumericsError
 from geometry.memory import TooLargeError
 
@@ -45,7 +45,7 @@ def test_what_gave_up_tells_what_was_being_done(job, monkeypatch):
         say("rod: solving")
         raise NumericsError("it does not converge", "rod", "change it")
 
-    monkeypatch.setattr("ballesta.check.check_design", gives_up)
+    monkeypatch.setattr("ballesta.pipeline.check_design", gives_up)
     outcome = run_job(job)
     assert (outcome["status"], outcome["exit_code"]) == ("gave up", 3)
     assert "it does not converge" in outcome["error"]
@@ -68,7 +68,7 @@ def test_what_another_batch_has_found_is_taken_from_a_shared_store(job, tmp_path
     def checks(*_, **__):
         raise AssertionError("a design was checked again")
 
-    monkeypatch.setattr("ballesta.check.check_design", checks)
+    monkeypatch.setattr("ballesta.pipeline.check_design", checks)
     again = run_job(replace(first, folder=str(tmp_path / "other")))
     assert again["checks"] == before["checks"]
     assert again["result_sha256"] == before["result_sha256"]
@@ -83,7 +83,7 @@ def test_a_lack_of_memory_is_no_wrong_input_and_is_tried_again(job, monkeypatch)
         except TooLargeError as error:
             raise DesignError(design.file, "parts.rod", str(error)) from error
 
-    monkeypatch.setattr("ballesta.check.check_design", too_large)
+    monkeypatch.setattr("ballesta.pipeline.check_design", too_large)
     assert run_job(job)["status"] == "out of memory"
 
 
@@ -95,5 +95,5 @@ def test_a_failed_design_is_remembered_by_the_text_that_was_checked(job, monkeyp
         file.write_text(checked + "# mended\n")
         raise NumericsError("it does not converge", "rod", "change it")
 
-    monkeypatch.setattr("ballesta.check.check_design", mended)
+    monkeypatch.setattr("ballesta.pipeline.check_design", mended)
     assert run_job(job)["sources"] == {str(file): sha256(checked.encode()).hexdigest()}

@@ -11,10 +11,10 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
-from ballesta.batch.cluster_reply import Reply, to_text
-from ballesta.batch.job import text_digest
-from ballesta.batch.memory import Admission, planned_budget
-from ballesta.batch.pool import Finished, Limits, Pool, PoolError
+from ballesta.batches.cluster_reply import Reply, to_text
+from ballesta.batches.job import text_digest
+from ballesta.batches.memory import Admission, planned_budget
+from ballesta.batches.pool import Finished, Limits, Pool, PoolError
 
 CODE = "ballesta's code"
 _LOOK_EVERY = 1.0  # s, whether the batch is still there

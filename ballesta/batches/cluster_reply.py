@@ -17,7 +17,7 @@ from typing import Any
 
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
-from ballesta.batch.pool import Finished, PoolError
+from ballesta.batches.pool import Finished, PoolError
 from checks.result.words import brief
 
 _PLAIN = ("bool", "bytearray", "bytes", "complex", "dict", "float", "frozenset", "int", "list",
