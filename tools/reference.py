@@ -6,6 +6,7 @@
 
 import argparse
 import inspect
+import re
 import sys
 import tomllib
 from collections.abc import Callable, Mapping
@@ -16,6 +17,7 @@ import describe_parts
 from reference_keys import anchor, design_file_page
 from typer.main import get_group
 
+import ballesta
 from ballesta.cli import app
 from checks.design.materials import known_materials
 from checks.design.model import Requirements
@@ -70,6 +72,16 @@ Written by `python tools/reference.py` from `ballesta/cli.py`; do not edit.
 Of several designs the highest code counts, and a bad file costs that file alone. Commands that
 judge nothing, such as `why` and `diff`, end with 0 whatever the verdict.
 
+"""
+
+PYTHON = """\
+# Python
+
+Written by `python tools/reference.py` from `ballesta/api.py`; do not edit.
+
+`import ballesta` offers these names, and loads what they need when one is first used. A notebook
+shows results as tables: the verdict, its safety with the range of its error bars, and a row for
+each part.
 """
 
 
@@ -136,6 +148,33 @@ def _parameter(parameter: Any) -> str:
     return row(words_shown, meaning, "must be stated" if parameter.required else default)
 
 
+def python_page() -> str:
+    """Every public name of the package with its signature and docstring."""
+    lines = [PYTHON]
+    for name in sorted(ballesta.__all__, key=lambda name: (name[0].isupper(), name)):
+        found = getattr(ballesta, name)
+        lines += [f"## {name}", ""]
+        if not isinstance(found, type):
+            lines += ["```python", _signature(name, found), "```", ""]
+        lines += ["```text", inspect.cleandoc(found.__doc__), "```", ""]
+    return "\n".join(lines)
+
+
+def _signature(name: str, function: Callable[..., Any]) -> str:
+    """The signature with one parameter a line, types as they are written."""
+    signature = inspect.signature(function)
+    lines: list[str] = []
+    for parameter in signature.parameters.values():
+        if parameter.kind is parameter.KEYWORD_ONLY and "    *," not in lines:
+            lines.append("    *,")
+        lines.append(f"    {_without_modules(str(parameter))},")
+    return "\n".join([f"ballesta.{name}(", *lines, f") -> {signature.return_annotation.__name__}"])
+
+
+def _without_modules(text: str) -> str:
+    return re.sub(r"\b(?:[a-z_]+\.)+(?=[A-Z])", "", text)
+
+
 def row(*cells: str) -> str:
     """A row of a table in Markdown."""
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
@@ -146,6 +185,7 @@ PAGES: Mapping[Path, Callable[[], str]] = {
     REFERENCE / "materials.md": materials_page,
     REFERENCE / "checks.md": checks_page,
     REFERENCE / "commands.md": commands_page,
+    REFERENCE / "python.md": python_page,
     describe_parts.PAGE: describe_parts.page,
 }
 

@@ -59,14 +59,8 @@ def run_batch_command(designs: Sequence[Path], wanted: Wanted) -> int:
     """
 
     def work() -> int:
-        request, settings = _request(designs, wanted), _settings(wanted)
-        store = None if wanted.no_store else wanted.store or wanted.out / "store"
-        plan = planned(request, wanted.out, wanted.reports, store)
-        claim_folder(wanted.out, request)
-        with _terminated_as_interrupted(), live() as told:
-            for note in dict.fromkeys(plan.notes.values()):
-                told.say(f"{', '.join(n for n in plan.notes if plan.notes[n] == note)}: {note}")
-            outcomes = run_batch(plan, wanted.out, settings, told)
+        with _terminated_as_interrupted():
+            outcomes = outcomes_of(designs, wanted)
         print(summary(outcomes, wanted.out))
         return max((outcome["exit_code"] for outcome in outcomes), default=0)
 
@@ -79,6 +73,22 @@ def run_batch_command(designs: Sequence[Path], wanted: Wanted) -> int:
             file=sys.stderr,
         )
         return STOPPED
+
+
+def outcomes_of(designs: Sequence[Path], wanted: Wanted) -> list[dict[str, Any]]:
+    """Run a batch with its progress on the terminal; returns the outcomes in the jobs' order.
+
+    Raises DesignError for a wrong option, a sweep that no design can take, or a folder that is
+    another batch's or takes no files; NumericsError where no worker starts.
+    """
+    request, settings = _request(designs, wanted), _settings(wanted)
+    store = None if wanted.no_store else wanted.store or wanted.out / "store"
+    plan = planned(request, wanted.out, wanted.reports, store)
+    claim_folder(wanted.out, request)
+    with live() as told:
+        for note in dict.fromkeys(plan.notes.values()):
+            told.say(f"{', '.join(n for n in plan.notes if plan.notes[n] == note)}: {note}")
+        return run_batch(plan, wanted.out, settings, told)
 
 
 def summary(outcomes: Sequence[Mapping[str, Any]], out: Path) -> str:

@@ -143,3 +143,18 @@ for line in _Lines():
     assert [child.pid for child in gone] == [child.pid]
     assert not alive
     process.stdout.close()
+
+
+def test_a_batch_from_a_script_without_a_main_guard(design, tmp_path):
+    """Windows starts every process anew; workers that imported the script would start batches."""
+    script = tmp_path / "sweep.py"
+    script.write_text(f"""
+import ballesta
+print("once")
+result = ballesta.batch({str(design)!r}, {str(tmp_path / "out")!r}, fidelity="formula", jobs=1)
+print(result.outcomes[0]["status"] in ("pass", "UNDECIDED", "FAIL"))
+""")
+    done = run(str(script))
+    said = done.stdout.decode()
+    assert done.returncode == 0, done.stderr.decode()
+    assert (said.count("once"), said.split()[-1]) == (1, "True")
