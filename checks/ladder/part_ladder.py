@@ -217,7 +217,11 @@ def _with_formulas(climb: Climb, result: PartResult, models: Models) -> PartResu
     return replace(
         result,
         checks=explained(climb, checks, body),
-        assumed=[*result.assumed, *bushes_not_checked(loaded)],
+        assumed=[
+            *result.assumed,
+            *bushes_not_checked(loaded),
+            *by_formula.not_checked(loaded),
+        ],
     )
 
 
