@@ -262,7 +262,7 @@ def _beside(result: DesignResult) -> Iterator[Fact]:
         yield Fact("assumed", "; ".join([" and ".join(counts), *first]))
     if result.not_checked:
         subjects = ", ".join(dict.fromkeys(_first(s).partition(",")[0] for s in result.not_checked))
-        yield Fact("not checked", f"{subjects} and what belongs to them")
+        yield Fact("not checked", f"{subjects} and the like")
     for warning in result.warnings[:_MOST_WARNINGS]:
         yield Fact("warning", _short(clean(warning).partition(". ")[0]))
     if len(result.warnings) > _MOST_WARNINGS:

@@ -251,7 +251,7 @@ def open_reason(check: Check) -> str:
         return "its model error bar is infinite (unknown): no mesh settles it"
     if check.settled_by_mesh:
         return "a finer mesh can settle it (accuracy, mesh.most_unknowns)"
-    return "the model's own bar holds the limit, so a finer mesh cannot settle it"
+    return "the limit lies within the model's own error bar, which no finer mesh narrows"
 
 
 def _safety_of(check: Check) -> str:

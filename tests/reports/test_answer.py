@@ -75,7 +75,7 @@ def test_a_safety_near_the_need_has_four_digits_and_is_rounded_down():
     near = results.check(value=100.0, limit=128.859, required=1.3, numerical=0.0, model=25.0)
     text = answer_text(results.design(results.part(checks=[near])), 100)
     assert "safety       1.288, 1.3 needed; between 1.03 and 1.72 within its error bars" in text
-    assert "why open     the model's own bar holds the limit" in text
+    assert "why open     the limit lies within the model's own error bar" in text
 
 
 @pytest.mark.parametrize("width", [60, 80, 100, 200])

@@ -48,7 +48,9 @@ def test_a_mesh_that_would_have_to_be_too_fine_is_no_way():
 def test_a_check_that_nothing_settles_says_so_with_its_reason():
     way = only(design(part(checks=[BY_MODEL], rungs=[SOLID])))
     assert (way.command, way.seconds) == ("", None)
-    assert way.text.startswith("nothing here settles it: the model's own bar holds the limit")
+    assert way.text.startswith(
+        "nothing here settles it: the limit lies within the model's own error bar"
+    )
     singular = only(design(part(checks=[replace(BY_MODEL, numerical=inf)])))
     assert "nothing here settles it: its numerical error bar is infinite" in singular.text
 
