@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-FOLDERS = ("geometry", "loads", "fatigue", "fem", "reports", "ballesta", "bench", "tools")
+FOLDERS = ("geometry", "loads", "fatigue", "fem", "checks", "reports", "ballesta", "bench", "tools")
 BEGINNINGS = ("What", "Whether")
 SAID = ("is told", "that of")
 

@@ -64,8 +64,8 @@ def run_machine(
 
     skins  True to begin the surfaces of all parts, for pictures, while the cycles are solved
 
-    A design that cannot move or does not balance ends it before anything is meshed. Raises
-    DesignError, NumericsError, and loads.LinkageError for the linkage itself.
+    Cycles that cannot move or do not balance raise before anything is meshed. Raises DesignError,
+    NumericsError, and loads.LinkageError for the linkage itself.
     """
     try_cycles(without_unknown_contacts(design))
     measured_loads(design, {})

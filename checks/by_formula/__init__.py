@@ -39,7 +39,7 @@ def formula_checks(loaded: LoadedPart) -> list[Check]:
 
 
 def not_checked(loaded: LoadedPart) -> list[str]:
-    """What the checks of a part by formula leave out, in words."""
+    """Subjects that the checks of a part by formula leave out, in words."""
     told = [getattr(module, "not_checked", None) for module in registered()]
     return [text for say in told if say is not None for text in say(loaded)]
 

@@ -44,10 +44,10 @@ def checks(loaded: LoadedPart) -> Iterator[Check]:
 
 @dataclass(frozen=True)
 class Ligament:
-    """Material behind a hole: mm2 in one shear plane, and what stands at its other side.
+    """Material behind a hole: mm2 in one shear plane, and the name of its other side.
 
     direction  unit vector in the part's axes in which a force on the part tears it; None: any,
-               and `area` is then that of 72 directions from +x on, counter-clockwise; infinite
+               and `area` is then given for 72 directions from +x on, counter-clockwise; infinite
                where nothing tears
     """
 
@@ -92,7 +92,7 @@ def _pull(wrench: FloatArray, ligament: Ligament) -> tuple[FloatArray, FloatArra
 
 
 def ligaments(part: Part, body: Mesh | SolidBody, interface: str) -> list[Ligament]:
-    """What a pin can tear out of a hole: towards the part's end, or into a slot beside the hole.
+    """Ligaments that a pin can tear out of a hole: towards the part's end, or into a slot beside.
 
     A boss is left out of it. Of a part from CAD the ligament is looked for in all directions.
     """

@@ -39,7 +39,7 @@ class FirstOrder:
         return np.asarray(self.acting @ shapes)
 
     def over(self, rows: FloatArray) -> FloatArray:
-        """What rows (m, 129) of weights make of the moments, (n, m) N mm."""
+        """Weighted sums (n, m) of the moments, N mm, by rows (m, 129) of weights."""
         return self.acting @ (self.shapes @ rows.T)
 
 

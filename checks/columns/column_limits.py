@@ -1,4 +1,4 @@
-"""What a part carries as a column in one plane: every handbook limit, for every section.
+"""Column strength of a part in one plane: every handbook limit, for every section.
 
 A part whose sections tell their stretch is one column with steps; each of its sections is judged by
 that column's lowest force, and one that has a free length of its own also by that. Pins are hinges
@@ -95,7 +95,7 @@ class ColumnCase:
         return self.strength.critical if curve is None else self.curves[curve]
 
     def law(self, curve: str | None) -> str:
-        """What gives that limit."""
+        """Name of the rule that gives the limit."""
         return self.strength.governs if curve is None else f"Eurocode 3 curve {curve}"
 
     def safeties(self, stress: float, yield_stress: float) -> dict[str, float]:
@@ -124,7 +124,7 @@ def planes_of(design: Design, part: Part) -> tuple[Plane, Plane]:
 def whole_force(part: Part, plane: Plane, section: Section, stiffest: bool = False) -> float:
     """Lowest elastic buckling force, N, of the whole part: as it is stepped, or even as `section`.
 
-    An effective length beyond the part's own is that of two such parts, one the other's mirror
+    An effective length beyond the part's own stands for two such parts, one the other's mirror
     image: the weaker of both ways round counts.
     """
     young = part.material.youngs_modulus
@@ -152,7 +152,7 @@ def _stepped_force(
 
 
 def is_stepped(part: Part) -> bool:
-    """Whether the part's sections tell which stretch of it they are."""
+    """True if the part's sections state their stretches along it."""
     return bool(part.geometry.sections) and all(s.stretch for s in part.geometry.sections)
 
 

@@ -39,7 +39,7 @@ _NO_MOMENT = 1e-9  # of the largest force times the length
 
 
 def axial_compression(part: Part, loads: PartLoads) -> FloatArray:
-    """Compressive force (n,) at that of a part's two ends where it is larger, N; < 0 is tension.
+    """Compressive force (n,), the larger one of a part's two ends, N; < 0 is tension.
 
     The ends differ by the part's weight and inertia.
     """

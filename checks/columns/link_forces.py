@@ -150,7 +150,7 @@ def forces_of(model: LinkModel, joints: JointRows) -> LinkForces:
 
 
 def _beside(frame: Frame | None, place: FloatArray) -> bool:
-    """Whether a load acts beside a bar's axis, beyond its ends or off a rigid body's origin."""
+    """True if a load acts beside a bar's axis, beyond its ends or off a rigid body's origin."""
     nodes = np.zeros(1) if frame is None else frame.nodes[:, 0]
     slack = _ON_AXIS * float(np.ptp(nodes))
     x, y = place.T

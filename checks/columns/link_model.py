@@ -33,7 +33,7 @@ class LinkModel:
 
     @property
     def has_bars(self) -> bool:
-        """Whether anything can bend."""
+        """True if any body can bend."""
         return bool(self.bars)
 
     def number(self, body: str) -> int | None:

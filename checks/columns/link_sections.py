@@ -1,4 +1,4 @@
-"""What a part opposes to bending, twist and shear along its axis, as a bar of a linkage's frame.
+"""Stiffness of a part against bending, twist and shear along its axis, as a bar of a linkage.
 
 Sections are taken without the bores: a pin fills them, and in compression its force enters beyond.
 """

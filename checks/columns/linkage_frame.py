@@ -334,7 +334,7 @@ class _Search:
             raise self._loose(plane, error) from error
 
     def _loose(self, plane: str, error: LooseFrameError) -> loads.LinkageError:
-        """What a frame without strain is told as, with the bars whose stiffness is far apart."""
+        """The error of a frame that moves without strain, with bars of very unlike stiffness."""
         stiffness = {
             self.model.links[n].name: bar.bending_at_middle(plane)
             / (bar.cuts[bar.main + 1] - bar.cuts[bar.main]) ** 3
@@ -365,7 +365,7 @@ class _Search:
         return float(factors[0]) if len(factors) else None
 
     def rise(self, name: str, k: int, plane: str, factor: float) -> float:
-        """What 1/factor may be more beside a position than at it, by the parabola's bend there.
+        """Rise of 1/factor between a position and its neighbours, by the parabola through them.
 
         A smooth peak over three positions is at most an eighth of the second difference higher.
         """

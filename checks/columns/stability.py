@@ -34,9 +34,9 @@ _FAR = 3.0  # times the required safety: beyond it the stiffer fork's bound is n
 def column_checks(loaded: LoadedPart) -> list[Check]:
     """Return a check per plane of the section with the least safety, and the crooked column's.
 
-    What decides is the least of yield, Johnson and Euler, or the Eurocode 3 curve that the part's
-    column states, over all positions; the other limits stand in the note. The required safety is
-    that of buckling either way: no partial factor is mixed into it.
+    The deciding limit is the least of yield, Johnson and Euler, or the Eurocode 3 curve that the
+    part's column states, over all positions; the other limits stand in the note. The required
+    safety for buckling applies either way: no partial factor is mixed into it.
     """
     part, loads = loaded.part, loaded.loads
     worst = worst_compression(part, loads)
@@ -72,7 +72,7 @@ def column_checks(loaded: LoadedPart) -> list[Check]:
 
 
 def column_quantity(plane: Plane) -> str:
-    """What the check of a column in a plane is called."""
+    """Quantity of the check of a column in a plane."""
     return f"column {plane.name}"
 
 
@@ -130,12 +130,12 @@ class JudgedColumns:
 
     @property
     def deciding(self) -> tuple[ColumnCase, float, float]:
-        """What has the least safety."""
+        """The case with the least safety."""
         return self.found[0]
 
     @property
     def between(self) -> bool:
-        """Whether stiffer ends would make a difference."""
+        """True if stiffer ends would make a difference."""
         return self.stiffest > self.deciding[2] * (1 + _SAME)
 
     def told(self, part: Part) -> str:
@@ -200,7 +200,7 @@ def eigenvalue_check(
     """Return the lowest buckling factor of the solid over all positions, ends free to tilt.
 
     levels  solutions and coefficients (n_basis, n) of the meshes, coarse to fine
-    peak    position of the largest stress, asked besides that of the largest compression
+    peak    position of the largest stress, asked besides the largest compression's
 
     Any part of one body between two interfaces is asked, with sections or without: a plate that is
     bent may buckle sideways while it is pulled. Forks that hold the ends against tilting are the
@@ -290,7 +290,7 @@ def _buckling_at(solutions: UnitSolutions, state: FloatArray, *, tilt_held: bool
 
 
 def _proof(buckling: Buckling) -> tuple[str, float]:
-    """What a count proves of the lowest factor, in words, and what share it leaves above its own.
+    """Proof of the lowest factor by a count, in words, and the share that it leaves open above it.
 
     A mode that the count does not exclude may be as low as what it does; without a count, as low as
     any: then the share is infinite.

@@ -1,4 +1,4 @@
-"""How the numbers of the checks come about: a derivation for every kind of check.
+"""Derivations of the checks' numbers, one for every kind of check.
 
 One file per kind; `checks.ladder.explained` gives each check of a part its own. A derivation
 says what a check has computed in the formulas of docs/theory, and is evaluated from them: what it

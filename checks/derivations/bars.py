@@ -1,4 +1,4 @@
-"""What the error bars of a stress check are made of."""
+"""Error bars of a stress check, term by term."""
 
 from collections.abc import Mapping
 from math import degrees, isfinite, pi

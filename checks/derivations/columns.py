@@ -92,7 +92,7 @@ def _johnson() -> str:
 
 
 def _length(case: ColumnCase) -> list[Item]:
-    """The effective length: stated, or that of the even column with the same lowest force."""
+    """The effective length: stated, or of the even column with the same lowest force."""
     if not case.whole:
         return [Given("L", "free length of this section by itself", case.length, "mm",
                       "the part's shape")]  # fmt: skip

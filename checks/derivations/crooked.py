@@ -117,7 +117,7 @@ def _moments(column: CrookedColumn, number: int, row: int, place: int, plane: Pl
 
 
 def _grown(symbol: str, side: int, sizes: Sequence[float], unit: str, size: str) -> Sum:
-    """What the compression adds to a moment given by its sine series."""
+    """Growth by the compression of a moment given by its sine series."""
     orders = range(1, len(sizes) + 1)
     return Sum(
         symbol,

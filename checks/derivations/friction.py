@@ -1,4 +1,4 @@
-"""What friction between the leaves of a pack adds to the error bars of its stress."""
+"""Error bars of a leaf pack's stress by friction between its leaves."""
 
 from dataclasses import replace
 from math import isfinite
@@ -15,7 +15,7 @@ def with_friction(
     """Return it with the terms of friction in its model band.
 
     check  already widened by them
-    most   stress of the bonded pack over that of leaves that slide freely; infinite if unknown
+    most   stress of the bonded pack over the stress of free leaves; infinite if unknown
     least  the least with any friction
     """
     bars, value, items = derivation.bars, derivation.value, list[Item]()

@@ -67,7 +67,7 @@ def _specimen(part: Part) -> list[Item]:
 
 
 def _surface(part: Part) -> Step:
-    """The power law of table 6-2, but not more than that of any smoother finish, nor than 1."""
+    """The power law of table 6-2, but no more than any smoother finish has, nor than 1."""
     smoother = list(SURFACES)[: list(SURFACES).index(part.surface) + 1]
     laws = ", ".join(
         f"{SURFACES[name][0]:g}*S_u^{SURFACES[name][1]:g}"

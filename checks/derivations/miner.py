@@ -66,7 +66,7 @@ def miner(part: Part, loads: PartLoads, level: Stressed, use: LifeUse) -> Deriva
 
 
 def _endless(life: DutyLife, limit: float, strength: float) -> bool:
-    """Whether the safety is that of the largest cycle against the endurance limit."""
+    """True if the largest cycle gives the safety, against the endurance limit."""
     used = life.cycles.stress_amplitude / limit + life.cycles.mean_stress / strength
     return isclose(float(used.max()) * life.safety, 1.0, rel_tol=1e-9)
 

@@ -91,7 +91,7 @@ def _weights(shape: Pin, names: list[str], section: int) -> FloatArray:
 def _sum(
     symbol: str, meaning: str, unit: str, acting: dict[str, FloatArray], weights: FloatArray
 ) -> Sum:
-    """What the lugs beyond a section make there: each component times its lever or share."""
+    """Sum over the lugs beyond a section: each component times its lever or share."""
     rows = [
         (f"{name} {_UNITS[k][0]} [{_UNITS[k][1]}]", float(wrench[_ROWS[k]]), float(own[k]))
         for (name, wrench), own in zip(acting.items(), weights, strict=True)

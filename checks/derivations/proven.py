@@ -1,4 +1,4 @@
-"""Whether a derivation gives its check's numbers, and what stands for one that is not known."""
+"""Proof that a derivation gives its check's numbers, and words for one that is not known."""
 
 from dataclasses import replace
 from math import isfinite

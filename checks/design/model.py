@@ -146,7 +146,7 @@ class StackEntry(Table):
 
     @property
     def name(self) -> str:
-        """What turns on the pin here: a body, or a force."""
+        """Name of the body or force that turns on the pin here."""
         return self.body or self.force or ""
 
 

@@ -29,7 +29,7 @@ def sliding_checks(loaded: LoadedPart) -> list[Check]:
 
 
 def bushes_not_checked(loaded: LoadedPart) -> list[str]:
-    """What of the bushes could not be checked, in words."""
+    """Bushes that could not be checked, in words."""
     runs = [name for name, cycle in loaded.runs.items() if not isinstance(cycle, loads.CycleLoads)]
     if not runs:
         return []
@@ -53,7 +53,7 @@ def _sliding(loaded: LoadedPart, entry: StackEntry) -> list[Check]:
 
 
 def _pv_check(loaded: LoadedPart, entry: StackEntry) -> list[Check]:
-    """Check the peak of p v over all computed cycles; the mean of each cycle is told."""
+    """Check the peak of p v over all computed cycles; the note has the mean of each."""
     part, part_loads = loaded.part, loaded.loads
     assert entry.bush is not None
     assert entry.bush.pv is not None
@@ -123,5 +123,5 @@ def bush_diameter(part: Part, entry: StackEntry) -> float:
 
 
 def sliding_quantity(entry: StackEntry) -> str:
-    """What the check of a bush's pressure times speed is called."""
+    """Quantity of the check of a bush's pressure times speed."""
     return f"p v of the bush of {entry.name}"

@@ -1,7 +1,7 @@
 """Nominal bending, shear and twist of a pin over its stack, against yield.
 
-The value is that of lugs that press at their mid-planes; the model band reaches to what lugs that
-press evenly over their widths give (`checks.joints.pin_diagrams`).
+The value is for lugs that press at their mid-planes; the model band reaches to lugs that press
+evenly over their widths (`checks.joints.pin_diagrams`).
 """
 
 import numpy as np

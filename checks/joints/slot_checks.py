@@ -47,12 +47,12 @@ def softer_of(part: Part, roller: Roller) -> Material:
 
 
 def round_quantity(name: str) -> str:
-    """What the check of a pin or roller on an interface is called."""
+    """Quantity of the check of a pin or roller on an interface."""
     return f"Hertz pressure at {name}"
 
 
 def flat_quantity(name: str) -> str:
-    """What the check of a flat block on an interface is called."""
+    """Quantity of the check of a flat block on an interface."""
     return f"mean pressure at {name}"
 
 

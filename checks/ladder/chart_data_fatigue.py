@@ -33,7 +33,7 @@ _RAYS = np.r_[0.0, np.linspace(1.0, 3.0, 9), np.geomspace(3.0, 30.0, 9)[1:]]
 
 
 def haigh_data(part: Part, level: Stressed, peak: FatiguePeak) -> dict[str, Any]:
-    """What `haigh_of` tells, and more.
+    """Data of a Haigh diagram: those of `haigh_of`, and more.
 
     away   MPa, endurance limit away from notches and fretting
     paths  cycle -> mean and amplitude of each position, (n,) MPa

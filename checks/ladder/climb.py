@@ -39,7 +39,7 @@ Say = Callable[[str], None]
 
 @dataclass
 class Climb:
-    """What is known of a part so far, and by which rungs.
+    """State of a part's checks so far, and the rungs that gave it.
 
     asked      kinds of checks that a model decides: static, fatigue, buckling
     best       the narrowest estimate of each kind
@@ -170,9 +170,9 @@ class Climb:
         return level_of
 
     def _values(self, rung: str) -> Callable[[PartLoads], dict[str, float]]:
-        """What gives a rung's values under other loads of the part, by kind of check.
+        """A function for a rung's values under other loads of the part, by kind of check.
 
-        They are only compared with each other, so a pin's are those at the angles of its points.
+        They are only compared with each other, so a pin's are at the angles of its points.
         """
         level_of = self._again(rung, all_round=False)
 
@@ -189,7 +189,7 @@ class Climb:
         return values_of
 
     def _why(self) -> str:
-        """What the estimates so far call for, in words."""
+        """The reason to stop or go on after the estimates so far, in words."""
         open_ones = self.open
         if not open_ones:
             return "stopped: " + "; ".join(

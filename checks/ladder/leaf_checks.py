@@ -48,7 +48,7 @@ class _Stiffer:
 
 @dataclass(frozen=True)
 class LeafBand:
-    """What widens the stress checks of a part; nothing where there are no leaves to slide."""
+    """Widening of a part's stress checks by friction; none without leaves that slide."""
 
     _stiffer: _Stiffer | None
 
@@ -93,7 +93,7 @@ def leaf_band(
     loaded: LoadedPart,
     level_of: Callable[[PartLoads], Stressed],
 ) -> LeafBand:
-    """What widens a pack's stress checks to what friction between its leaves can make of them.
+    """Widening of a pack's stress checks by the friction between its leaves.
 
     level_of  the stress of leaves that slide freely under some loads, by any model
     """
@@ -149,7 +149,7 @@ def _stiffer(
     """Stress of a bonded pack under its own loads, and the least of any pack between.
 
     With friction every position's stress is between both packs'. Some fall and some grow, so the
-    least is that of a history made of the smaller one at every position.
+    least comes from a history made of the smaller one at every position.
     """
     part, part_loads = loaded.part, loaded.loads
     count = shape.leaves
@@ -206,7 +206,7 @@ def _weakened(part_loads: PartLoads, share: FloatArray) -> PartLoads:
 
 
 def _gives(part: Part, cycle: loads.CycleLoads) -> bool:
-    """Whether the part's body gives way in front of a contact of the cycle."""
+    """True if the part's body gives way in front of a contact of the cycle."""
     return bool(cycle.touches) and any(
         isinstance(entry, loads.BeamCompliance | loads.MatrixCompliance) and entry.body == part.body
         for entry in cycle.linkage.compliance

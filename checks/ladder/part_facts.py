@@ -1,4 +1,4 @@
-"""What is told of a part besides its checks: gates, meshes, facts, assumptions."""
+"""Report of a part besides its checks: gates, meshes, facts, assumptions."""
 
 from collections.abc import Sequence
 from math import degrees
@@ -147,7 +147,7 @@ def facts_of(
 
 
 def assumed_of(loaded: LoadedPart, level: Level) -> list[str]:
-    """What the model assumes, in words."""
+    """Assumptions of the model, in words."""
     said = []
     if has_bearings(level.solutions):
         said.append(
@@ -179,7 +179,7 @@ def assumed_of(loaded: LoadedPart, level: Level) -> list[str]:
 
 
 def _has_cheeks(mesh: Mesh) -> bool:
-    """Whether a bore or journal is in two pieces, one above the other."""
+    """True if a bore or journal is in two pieces, one above the other."""
     return any(
         _in_pieces(mesh, interface)
         for interface in mesh.interfaces.values()
@@ -188,7 +188,7 @@ def _has_cheeks(mesh: Mesh) -> bool:
 
 
 def _in_pieces(mesh: Mesh, interface: Interface) -> bool:
-    """Whether there is a height at which an interface has nothing; half of it ends at z = 0."""
+    """True if an interface has nothing at some height; half of it ends at z = 0."""
     heights = mesh.nodes[mesh.surfaces[interface.name], 2]
     order = heights.min(axis=1).argsort()
     low, high = heights.min(axis=1)[order], np.maximum.accumulate(heights.max(axis=1)[order])
@@ -197,7 +197,7 @@ def _in_pieces(mesh: Mesh, interface: Interface) -> bool:
 
 
 def _has_couples(level: Level) -> bool:
-    """Whether a couple about its axis acts on a bore or journal."""
+    """True if a couple about its axis acts on a bore or journal."""
     forces, couples = [0.0], [0.0]
     names = [name for unit in level.solutions.interfaces for name in unit.names]
     for name, acting in zip(names, np.abs(level.coefficients), strict=False):  # then inertia's

@@ -1,4 +1,4 @@
-"""What a page shows of a part at every position: its stress, displacement and fatigue by node."""
+"""Fields of a part at every position for a page: stress, displacement and fatigue by node."""
 
 import numpy as np
 

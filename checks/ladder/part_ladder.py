@@ -201,7 +201,7 @@ class Ladder:
 
 
 def time_warnings(results: Sequence[PartResult]) -> list[str]:
-    """What a longer run would settle."""
+    """Warnings of solids that the time limit left out, with the checks they may settle."""
     return [
         f"{result.name}: solid: {tried.why}"
         for result in results

@@ -1,4 +1,4 @@
-"""What is reported of a part that climbed the ladder, meshed or not."""
+"""Result of a part that climbed the ladder, meshed or not."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -29,7 +29,7 @@ from geometry.cad_body import Skin
 
 
 def cheap_result(climb: Climb, models: Models, *, live: bool = False) -> PartResult:
-    """What is known of a part whose verdict no solid was needed for.
+    """Result of a part whose verdict needed no solid.
 
     live  whether a page will show the fields at every position
     """
@@ -71,14 +71,14 @@ def cheap_result(climb: Climb, models: Models, *, live: bool = False) -> PartRes
 
 
 def reported_level(climb: Climb) -> RungLevel:
-    """The rung whose stress is reported: that of the deciding stress check."""
+    """The rung whose stress is reported: the deciding stress check's."""
     estimates = [climb.best[kind] for kind in (STATIC, FATIGUE) if kind in climb.best]
     deciding = max(estimates, key=lambda estimate: estimate.check.utilisation)
     return climb.levels[deciding.check.method]
 
 
 def rung_gates(climb: Climb, level: RungLevel, size: float) -> list[Gate]:
-    """What must hold for a rung's answer to count; size of the part in mm."""
+    """Gates that must hold for a rung's answer to count; size of the part in mm."""
     name, model = climb.part.name, level.model
     missing = [kind for kind in climb.asked if kind not in climb.best]
     if climb.unbuckled and BUCKLING in missing:
@@ -213,7 +213,7 @@ def _merged(
 
 
 def _better(best: Estimate, check: Check) -> bool:
-    """Whether a rung's estimate, settled already, is to stand instead of a mesh's by the way."""
+    """True if a rung's settled estimate is to stand instead of one that a mesh gave besides."""
     by_mesh = Estimate(check)
     return best.settled and by_mesh.spread > best.spread and best.agrees(by_mesh)
 

@@ -1,4 +1,4 @@
-"""Estimated stress all over a part that no mesh was solved for: that of its section forces.
+"""Estimated stress all over a part that no mesh was solved for, by its section forces.
 
 Normal force, bending and mean shear in the part's own sections, cut from its surface: what a reader
 needs to see where such a part is stressed. Bores and slots weaken the sections; the peaks beside

@@ -57,10 +57,10 @@ Say = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Asked:
-    """What a solid is asked of a part.
+    """Questions that a solid is solved for.
 
     kinds      checks that its meshes are refined for: "static", "fatigue", "buckling"
-    modes      whether its frequencies, and a buckling mode to look at, are wanted too
+    modes      True if its frequencies, and a buckling mode to look at, are wanted too
     first      fineness of the first mesh; after a coarse one the accuracy alone is not enough
     enough     says of the checks on the meshes so far why no finer one is needed; "" if one is
     deadline   on the clock of `perf_counter`: no mesh is begun that is expected to end later
@@ -222,7 +222,7 @@ def _arcs_that_pass(
 
 
 def _values(loaded: LoadedPart, level: Level) -> Callable[[PartLoads], Mapping[str, float]]:
-    """What gives the stress checks' values on one mesh under other loads, by kind."""
+    """A function for the stress checks' values on one mesh under other loads, by kind."""
     part = loaded.part
 
     def values_of(loads: PartLoads) -> Mapping[str, float]:
@@ -246,7 +246,7 @@ def _values(loaded: LoadedPart, level: Level) -> Callable[[PartLoads], Mapping[s
 
 @dataclass(frozen=True, eq=False)
 class _Buckled:
-    """Whether a solid buckles.
+    """Buckling of a solid.
 
     checks  by its lowest factor, none without one
     untold  why there is none, in words; "" where nothing is to be said
@@ -297,7 +297,7 @@ def _facts(
     properties: MassProperties,
     asked: Asked,
 ) -> dict[str, float | str]:
-    """What is told beside the checks, by name; of fatigue by the chain that judges the part."""
+    """Facts beside the checks, by name; of fatigue by the chain that judges the part."""
     part = loaded.part
     finest = levels[-1]
     size = float(np.ptp(finest.solutions.mesh.nodes, axis=0).max())

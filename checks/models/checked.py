@@ -1,4 +1,4 @@
-"""What a rung below the solid says of a part's checks, with its calibrated bars."""
+"""Checks of a part by a rung below the solid, with its calibrated bars."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace

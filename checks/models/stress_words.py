@@ -1,4 +1,4 @@
-"""What stands beside the number of a stress check, whatever model made it."""
+"""Words beside the number of a stress check, whatever model made it."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from checks.stress.stress_result import Stressed
 
 @dataclass(frozen=True)
 class Words:
-    """What stands in a check beside its numbers."""
+    """Words of a check beside its numbers."""
 
     kind: str
     quantity: str

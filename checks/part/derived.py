@@ -41,7 +41,7 @@ class Series:
 
 @dataclass(frozen=True)
 class Heading:
-    """What stands in a check beside its numbers.
+    """Texts of a check beside its numbers.
 
     note  in words, or of the values of all symbols at the worst position
     """
@@ -115,7 +115,7 @@ def derived_check(
 
 
 def load_case(part: Part, loads: PartLoads, position: int, symbol: str = "") -> LoadCase:
-    """What acts on a part at one of all positions of all cycles."""
+    """Loads on a part at one of all positions of all cycles."""
     cycle = loads.cycle_names[position]
     return LoadCase(
         symbol=symbol,

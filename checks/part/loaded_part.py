@@ -37,7 +37,7 @@ class Bodies(Protocol):
     """Bodies and meshes of shapes; both functions raise MeshError."""
 
     def body(self, shape: Buildable) -> SolidBody:
-        """What is known of a shape without a mesh."""
+        """The body of a shape as it is known without a mesh."""
 
     def mesh(self, shape: Buildable, fineness: float) -> Mesh:
         """The mesh of a shape."""

@@ -92,7 +92,7 @@ class PartLoads:
 
     @property
     def is_nothing(self) -> bool:
-        """Whether no force, couple, weight or inertia acts at any position."""
+        """True if no force, couple, weight or inertia acts at any position."""
         wrenches = (wrench.any() for wrench in self.wrenches.values())
         return not (self.accelerations.any() or any(wrenches))
 
@@ -127,7 +127,7 @@ def shown_of(
 
 
 def is_loaded(part: Part, cycle: loads.CycleLoads | loads.MeasuredLoads) -> bool:
-    """Whether a cycle says anything of a part; a measured run may leave bodies out."""
+    """True if a cycle has loads on a part; a measured run may leave bodies out."""
     if isinstance(cycle, loads.CycleLoads):
         return True
     if part.body is not None:

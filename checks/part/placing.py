@@ -72,10 +72,10 @@ class Placing:
 
 
 def part_placing(design: Design, part: Part) -> Placing:
-    """Where a part stands in its body's frame.
+    """Place of a part in its body's frame.
 
     A body's part has its first interface at the origin and the second along x. A pin has its joint
-    at the origin; its x is that of the body that it is fixed to, and where that has the ground's
+    at the origin; its x is the x of the body that it is fixed to; where this has the ground's
     axes it points to the farthest point of the linkage, so that a machine that is drawn turned has
     the same pin under the same loads.
     """

@@ -1,4 +1,4 @@
-"""What a mesher or a solver could not do with a part, told of the part and its size."""
+"""Errors of a mesher or a solver, with the part and the size that they are about."""
 
 from checks.design.data import Design, Part
 from checks.design.errors import DesignError, NumericsError
@@ -7,7 +7,7 @@ from geometry.part_sizes import far_apart, key_of, sizes_of
 
 
 def told_of_size(design: Design, part: Part, error: Exception) -> DesignError:
-    """What a mesher refused, with the key of the size that is farthest from the part's others."""
+    """The error of a mesher, with the key of the size that is farthest from the part's others."""
     key, sizes = f"parts.{part.name}", sizes_of(part.geometry)
     if not isinstance(error, TooFineError) or not sizes:
         return DesignError(design.file, key, str(error))
@@ -21,7 +21,7 @@ def told_of_size(design: Design, part: Part, error: Exception) -> DesignError:
 
 
 def gave_up(design: Design, part: Part, error: Exception) -> NumericsError:
-    """What a mesher or a solver said, with the part it said it of."""
+    """The error of a mesher or a solver, with the part that it is about."""
     return NumericsError(
         str(error),
         f"{design.file}: parts.{part.name}",

@@ -59,7 +59,7 @@ class LiveFields:
     judged        True if that utilisation, times the required safety, is what the check judges;
                   a finite life is counted otherwise
     decides       True if checks are decided by this stress; one of a mesh to look at decides none
-    estimated     True if it is that of section forces, without the peaks that checks count
+    estimated     True if it is by section forces, without the peaks that checks count
     missing       field -> why there is none, in words
     notes         what else a reader should know of the fields, in words
     peaks         name of a cycle -> (n_positions,) MPa, largest von Mises stress at each position

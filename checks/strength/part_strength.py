@@ -1,4 +1,4 @@
-"""What a part can take: its elasticity, its endurance limit, and how its fatigue is judged."""
+"""Strength of a part: its elasticity, its endurance limit, and the assessment of its fatigue."""
 
 import fatigue
 from checks.design.data import Duty, Part
@@ -18,8 +18,8 @@ def elastic_of(part: Part) -> Elastic:
 def endurance_of(part: Part) -> fatigue.EnduranceLimit:
     """Endurance limit by Marin's factors.
 
-    The load factor is that of bending where the shape's peaks are local, with a gradient below
-    them, and of axial force where the whole section is stressed alike; there no size factor applies
+    The load factor is for bending where the shape's peaks are local, with a gradient below them,
+    and for axial force where the whole section is stressed alike; there no size factor applies
     (Shigley, 6-20). The part does not turn under its load: the size factor takes an equivalent
     diameter.
     """

@@ -1,4 +1,4 @@
-"""What lies between the positions of a cycle: the sampling's share of every check's error bar.
+"""Peaks between the positions of a cycle: the sampling's share of every check's error bar.
 
 Loads are known at positions; a smooth peak between two of them is missed by a share of order h^2 of
 the step h. Between two jumps loads follow a cubic spline through the positions, whose error is of
@@ -207,7 +207,7 @@ def finer(loads: PartLoads, near: NDArray[np.bool_] | None = None) -> Finer | No
 
 
 def _steps(loads: PartLoads) -> NDArray[np.bool_]:
-    """Whether each step (n - 1,) is one from a position to another of the same cycle."""
+    """True (n - 1,) for steps from a position to another one of the same cycle."""
     assert loads.path is not None
     step = np.diff(loads.path)
     asked = np.zeros(len(step), dtype=bool)
@@ -217,7 +217,7 @@ def _steps(loads: PartLoads) -> NDArray[np.bool_]:
 
 
 def _within(loads: PartLoads) -> NDArray[np.bool_]:
-    """Whether each step (n - 1,) is part of a stretch without a jump."""
+    """True (n - 1,) for steps within a stretch without a jump."""
     within = np.zeros(len(loads.labels) - 1, dtype=bool)
     for first, last in _stretches(loads):
         within[first:last] = True
