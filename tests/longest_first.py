@@ -1,9 +1,9 @@
 """A plugin of pytest: workers of pytest-xdist take first what lasts longest.
 
 The tests of a file stay in one process (`--dist loadfile`), which shares what its module has
-computed; slow tests are shared out one by one (`--dist loadgroup`). A process that is free takes
-the next, so whoever ends last is late by something short. longest_first.txt tells the order, in s
-of files and of slow tests. BALLESTA_LONGEST_FIRST=write takes a run's times into it.
+computed; slow tests are shared out one by one (`--dist load`). A process that is free takes the
+next, so whoever ends last is late by something short. longest_first.txt tells the order, in s of
+files and of slow tests. BALLESTA_LONGEST_FIRST=write takes a run's times into it.
 """
 
 import os
@@ -18,10 +18,8 @@ WORTH_TELLING = 2.0  # s; the order of what is shorter does not matter
 
 
 def unit_of(nodeid: str, keywords: Any) -> str:
-    """Test itself if it is slow, else its file; without the group that pytest-xdist appends."""
-    if "slow" in keywords:
-        return nodeid.rpartition("@")[0] if nodeid.rfind("@") > nodeid.rfind("]") else nodeid
-    return nodeid.partition("::")[0]
+    """Test itself if it is slow, else its file."""
+    return nodeid if "slow" in keywords else nodeid.partition("::")[0]
 
 
 def told() -> dict[str, float]:

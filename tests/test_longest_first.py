@@ -34,10 +34,10 @@ def test_a_worker_takes_the_files_of_the_order_first_and_leaves_the_rest_as_it_i
     assert ordered(*given) == [given[5], given[2], given[3], given[0], given[1], given[4]]
 
 
-def test_slow_tests_are_ordered_one_by_one_whatever_group_they_are_in(order, monkeypatch):
+def test_slow_tests_are_ordered_one_by_one(order, monkeypatch):
     monkeypatch.setenv("PYTEST_XDIST_WORKER", "gw0")
-    order.write_text("30.0 a.py::slow_two[a @ b]\n20.0 a.py::slow_one\n10.0 a.py\n")
-    given = ("a.py::one", "a.py::slow_one@group", "a.py::slow_two[a @ b]", "a.py::slow_three")
+    order.write_text("30.0 a.py::slow_two[a b]\n20.0 a.py::slow_one\n10.0 a.py\n")
+    given = ("a.py::one", "a.py::slow_one", "a.py::slow_two[a b]", "a.py::slow_three")
     assert ordered(*given) == [given[2], given[1], given[0], given[3]]
 
 
@@ -55,7 +55,7 @@ def test_the_order_is_that_of_the_last_runs_of_each_set_up_and_all(order):
         report = SimpleNamespace(nodeid=nodeid, duration=seconds, keywords={})
         times.pytest_runtest_logreport(report)
     times.pytest_runtest_logreport(
-        SimpleNamespace(nodeid="a.py::slow@group", duration=60.0, keywords={"slow": 1})
+        SimpleNamespace(nodeid="a.py::slow", duration=60.0, keywords={"slow": 1})
     )
     times.pytest_sessionfinish()
     assert order.read_text() == "60.0 a.py::slow\n7.0 d.py\n4.1 b.py\n3.5 a.py\n"

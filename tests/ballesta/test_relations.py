@@ -44,10 +44,8 @@ CYCLES = {
 }
 LED_BY_CRANK = [machine for machine in CYCLES if machine != "toggle_press"]
 ONE_CYCLE = {"slider_crank": ["at_300"]}  # in the duty, of the machine that no test is slow for
-BY_FORMULA = [  # a process that has the numbers of a machine as it is stated keeps them
-    machine
-    if machine in ONE_CYCLE
-    else pytest.param(machine, marks=[pytest.mark.slow, pytest.mark.xdist_group(machine)])
+BY_FORMULA = [
+    machine if machine in ONE_CYCLE else pytest.param(machine, marks=pytest.mark.slow)
     for machine in CYCLES
 ]
 SAME = {  # relation: what is done to the data
