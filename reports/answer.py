@@ -34,11 +34,11 @@ def answer_text(
         bars = f"; {answer.within} within its error bars" if answer.within else ""
         said = f"{answer.safety}, {answer.required} needed{bars}"
         lines += labelled("safety", said, width, indent=_INDENT)
-    for fact in answer.headline:
+    for fact in (*answer.headline, *answer.beside):
         lines += labelled(fact.label, fact.line, width, indent=_INDENT)
     if answer.rows:
         lines += ["", *_table(answer, width), ""]
-    for fact in answer.beside:
+    for fact in (*answer.ways, *answer.warnings):
         lines += labelled(fact.label, fact.line, width, indent=_INDENT)
     more = "-v prints all checks, warnings, assumptions and models tried; so does the report"
     lines += labelled("more", more, width, indent=_INDENT)

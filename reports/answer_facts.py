@@ -88,8 +88,10 @@ class Answer:
     safety     its safety, in words; required: what it must show
     within     the range of its safety by its error bars, in words; "" without bars
     headline   what decides, where, when, why, what to do, what is not valid
+    beside     mass, assumptions, what is not checked
     rows       one for each part's governing check; others: the rest in one line
-    beside     mass, assumptions, what is not checked, warnings
+    ways       out of what is open
+    warnings   the first of them, and how many more
     """
 
     name: str
@@ -103,9 +105,11 @@ class Answer:
     required: str
     within: str
     headline: Sequence[Fact]
+    beside: Sequence[Fact]
     rows: Sequence[PartRow]
     others: str
-    beside: Sequence[Fact]
+    ways: Sequence[Fact]
+    warnings: Sequence[Fact]
 
 
 def answer_of(result: DesignResult) -> Answer:
@@ -128,6 +132,8 @@ def answer_of(result: DesignResult) -> Answer:
         rows=rows,
         others=_others(result, rows),
         beside=list(_beside(result)),
+        ways=_ways(result),
+        warnings=list(_warnings(result)),
     )
 
 
@@ -173,9 +179,13 @@ def _headline(result: DesignResult, titles: dict[int, str]) -> Iterator[Fact]:
         yield Fact("not valid", f"{len(broken) - _MOST_GATES} more kinds of validity checks")
     if result.all_gates and not broken:
         yield Fact("validity", f"all {len(result.all_gates)} validity checks hold")
-    ways = [way for way in result.ways if not way.text.startswith(NOTHING)]  # why stands above
-    for text, command in map(way_text, ways[:_MOST_WAYS]):
-        yield Fact("way out", _short(text), clean(command))
+
+
+def _ways(result: DesignResult) -> list[Fact]:
+    """The cheapest ways out; where nothing settles it, why is told already."""
+    ways = [way for way in result.ways if not way.text.startswith(NOTHING)]
+    told = map(way_text, ways[:_MOST_WAYS])
+    return [Fact("way out", _short(text), clean(command)) for text, command in told]
 
 
 def _change(result: DesignResult) -> Fact:
@@ -248,7 +258,7 @@ def _row(check: Check, title: str) -> tuple[str, str, str, str, str]:
 
 
 def _beside(result: DesignResult) -> Iterator[Fact]:
-    """Mass, assumptions, subjects that no check covers, and warnings."""
+    """Mass, assumptions, and subjects that no check covers."""
     if mass := _mass(result.parts):
         yield Fact("mass", mass)
     assumed, defaults = assumptions(result), len(result.defaults)
@@ -263,6 +273,9 @@ def _beside(result: DesignResult) -> Iterator[Fact]:
     if result.not_checked:
         subjects = ", ".join(dict.fromkeys(_first(s).partition(",")[0] for s in result.not_checked))
         yield Fact("not checked", f"{subjects} and the like")
+
+
+def _warnings(result: DesignResult) -> Iterator[Fact]:
     for warning in result.warnings[:_MOST_WARNINGS]:
         yield Fact("warning", _short(clean(warning).partition(". ")[0]))
     if len(result.warnings) > _MOST_WARNINGS:

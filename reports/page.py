@@ -124,8 +124,9 @@ def _answer(result: DesignResult, rows: Sequence[Row]) -> tuple[Markup, Markup]:
     )
     below = _template("answer_below").render(
         answer=answer,
+        result=result,
         tiles=tiles(answer, result, rows),
-        beside=by_label(answer.beside, len(result.warnings)),
+        beside=by_label([*answer.beside, *answer.warnings], len(result.warnings)),
     )
     return Markup(card), Markup(below)
 

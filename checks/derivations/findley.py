@@ -21,7 +21,7 @@ _SOURCE = "Findley 1959; Papadopoulos et al. 1997: docs/theory/multiaxial.md"
 
 
 def findley(part: Part, loads: PartLoads, level: Stressed, use: FatigueUse) -> Derivation:
-    """Of the equivalent amplitude of the worst plane of the worst point."""
+    """Of the amplitude of equal safety of the worst plane of the worst point."""
     assert level.duty is not None
     point = use.worst(level).point
     run = level.duty.runs[level.duty.worst_run]
@@ -82,7 +82,7 @@ def _demand(level: Stressed, use: FatigueUse, point: int) -> list[Item]:
         Step("k", "weight of the normal stress", f"{sine}/sqrt(1 - {sine}^2)", "", _SOURCE),
         Step("f", "limit of the parameter", "S_p*t_r*sqrt(1 + k^2)", "MPa", _SOURCE),
         Step("u", "utilisation by Findley", "(tau_a + k*sigma_n)/f", "", _SOURCE, main=True),
-        Step("sigma", "equivalent amplitude: the utilisation as a stress", "u*S_e", "MPa",
+        Step("sigma", "amplitude of equal safety: the utilisation as a stress", "u*S_e", "MPa",
              main=True),
     ]  # fmt: skip
 

@@ -32,7 +32,7 @@ def static(part: Part, loads: PartLoads, level: Stressed) -> Derivation:
 
 
 def fatigue(part: Part, loads: PartLoads, level: Stressed, use: FatigueUse) -> Derivation:
-    """Of the largest equivalent amplitude over the duty, by what has judged it."""
+    """Of the largest amplitude of equal safety over the duty, by what has judged it."""
     if isinstance(use, FkmUse):
         return fkm(part, loads, level, use)
     if isinstance(use, LifeUse):
@@ -69,7 +69,7 @@ def _goodman(part: Part, loads: PartLoads, level: Stressed, use: FatigueUse) -> 
                     ),
                     Step(
                         "sigma",
-                        "equivalent amplitude: the utilisation as a stress",
+                        "amplitude of equal safety: the utilisation as a stress",
                         "u*S_e",
                         "MPa",
                         main=True,

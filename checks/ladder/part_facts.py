@@ -104,7 +104,7 @@ def mesh_row(level: Level) -> dict[str, float | int | str]:
         "unknowns": level.unknowns,
         "elements": len(mesh.elements),
         "peak": level.peak.value,
-        "equivalent amplitude": level.fatigue.value if level.fatigue else 0.0,
+        "amplitude of equal safety": level.fatigue.value if level.fatigue else 0.0,
         "smallest scaled det J": mesh.jacobian_minimum,
         "mesher": mesh.mesher,
         "solver": level.solutions.factor.solver,

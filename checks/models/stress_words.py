@@ -38,7 +38,7 @@ def static_words(loaded: LoadedPart, level: Stressed) -> Words:
 
 
 def fatigue_words(loaded: LoadedPart, level: Stressed, use: FatigueUse) -> Words:
-    """Of the largest equivalent amplitude."""
+    """Of the largest amplitude of equal safety."""
     part = loaded.part
     worst = use.worst(level)
     if isinstance(use, FkmUse):
@@ -69,7 +69,7 @@ def fatigue_words(loaded: LoadedPart, level: Stressed, use: FatigueUse) -> Words
         )
     return Words(
         "fatigue",
-        f"{worst.criterion} equivalent amplitude",
+        f"{worst.criterion} amplitude of equal safety",
         use.limit,
         loaded.required.fatigue,
         worst.cycle,

@@ -132,7 +132,7 @@ class FatigueUse(Judged):
         return level.duty.safety_missed()
 
     def _of_pair(self, stress: FloatArray, limits: FloatArray) -> float:
-        """Goodman's equivalent amplitude of two states, stress (n, 6, 2), at the worst point.
+        """Goodman's amplitude of equal safety of two states, stress (n, 6, 2), at the worst point.
 
         The largest principal stress of the middle is between its hydrostatic stress and that and
         2/3 of its von Mises stress: points whose upper bound is below another's lower one are left

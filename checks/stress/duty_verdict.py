@@ -24,7 +24,7 @@ WHOLE_DUTY = "the whole duty"
 class FatiguePeak:
     """The largest fatigue utilisation of a part on one mesh.
 
-    value      MPa, equivalent amplitude: utilisation times the endurance limit
+    value      MPa, amplitude of equal safety: utilisation times the endurance limit
     cycle      of the duty, JOINED, or WHOLE_DUTY for a finite life
     pair       the two positions that decide, of all positions of all cycles
     criterion  Goodman, Findley or Miner

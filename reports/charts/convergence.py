@@ -12,7 +12,7 @@ from reports.charts.plane import Plane, drawing, ink
 from reports.svg import SERIES, Drawing, colour
 
 _TITLE = "Convergence of the governing stress"
-_WORDS = {"static": "peak von Mises stress", "fatigue": "equivalent amplitude"}
+_WORDS = {"static": "peak von Mises stress", "fatigue": "amplitude of equal safety"}
 _WHOLE = ("the part", "half of the part")  # by whether a mesh is half of it
 _ROOM = 0.004  # of the value, that the axis shows at least
 

@@ -19,7 +19,7 @@ from checks.stress.error_bars import StaticPeak, bars_of
 from checks.stress.solid_mesh_level import Models
 
 DESIGN = Path(__file__).parents[2] / "designs" / "slider_crank.toml"
-STATIC, FATIGUE = 21.03, 20.24  # MPa, von Mises stress and Findley's equivalent amplitude
+STATIC, FATIGUE = 21.03, 20.24  # MPa, von Mises stress and Findley's amplitude of equal safety
 ASKED = Asked(kinds=frozenset(("static", "fatigue")), modes=False)
 
 

@@ -39,7 +39,7 @@ def checked(folder, models, *overrides, text=PLATE):
 
 def test_goodman_is_the_verdict_and_other_rules_stand_beside(tmp_path, models):
     result, check = checked(tmp_path, models)
-    assert check.quantity == "Goodman equivalent amplitude"
+    assert check.quantity == "Goodman amplitude of equal safety"
     facts = result.facts
     amplitude, mean = facts["fatigue amplitude [MPa]"], facts["fatigue mean stress [MPa]"]
     limit = facts["endurance limit [MPa]"]
@@ -64,7 +64,7 @@ def test_a_finite_life_allows_more_than_the_endurance_limit_and_less_with_more_r
     _, many = checked(tmp_path, models, HEAVY, finite, "duty.cycles.turn=1e5")
     _, most = checked(tmp_path, models, HEAVY, finite, "duty.cycles.turn=1e12")
     assert endless.safety < 1
-    assert few.quantity == "Miner equivalent amplitude"
+    assert few.quantity == "Miner amplitude of equal safety"
     assert few.safety > 1.04 * many.safety > 1.04**2 * endless.safety
     assert_allclose(most.safety, endless.safety, rtol=0.02)
     assert few.cycle == "the whole duty"
@@ -82,7 +82,7 @@ def test_what_is_used_up_already_leaves_less(tmp_path, models):
 def test_the_fkm_chain_tells_nothing_of_marins(tmp_path, models):
     result, check = checked(tmp_path, models, 'parts.rod.strength="fkm"')
     facts = result.facts
-    assert check.quantity == "FKM equivalent amplitude"
+    assert check.quantity == "FKM amplitude of equal safety"
     assert "Marin" not in check.basis + check.note + " ".join(facts)
     factor = float(facts["FKM mean stress factor"].split()[1].rstrip(","))
     strength = facts["FKM component strength, fully reversed [MPa]"]
