@@ -112,22 +112,23 @@ class Ladder:
     def _climb_cheap(self) -> None:
         """Climb the rungs below the solid, one rung of all parts after the other."""
         while True:
-            for name, rungs in list(self._climbing.items()):
-                with told_of_part(self.design, self.climbs[name].part):
-                    try:
-                        next(rungs)
-                    except StopIteration as stop:
-                        self._wanted[name] = stop.value
-                        del self._climbing[name]
             for name, climb in self.climbs.items():
                 with told_of_part(self.design, climb.part):
-                    if self._wanted.get(name, True):  # what follows may take long
-                        long_ago = perf_counter() - self._told_at.get(name, -inf) > _TELL_EVERY
-                        if self.finished is not None and climb.levels and long_ago:
-                            known = cheap_result(climb, self.models, live=self.live)
-                            self._tell(name, known, climb.open)
-                    elif name not in self.results:
+                    if name in self._climbing:
+                        try:
+                            next(self._climbing[name])
+                        except StopIteration as stop:
+                            self._wanted[name] = stop.value
+                            del self._climbing[name]
+                    if not self._wanted.get(name, True) and name not in self.results:
                         self._settle(name)
+            for name, climb in self.climbs.items():
+                with told_of_part(self.design, climb.part):
+                    long_ago = perf_counter() - self._told_at.get(name, -inf) > _TELL_EVERY
+                    takes_long = self._wanted.get(name, True) and climb.levels
+                    if self.finished is not None and takes_long and long_ago:
+                        known = cheap_result(climb, self.models, live=self.live)
+                        self._tell(name, known, climb.open)
             if not self._climbing:
                 return
 
