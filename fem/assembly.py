@@ -76,8 +76,15 @@ class Pattern:
         return self.upper(values[:, :, None, None] * np.eye(3))
 
 
-def stiffness(pattern: Pattern, youngs_modulus: float, poisson_ratio: float) -> sp.csr_array:
+def stiffness(
+    pattern: Pattern,
+    youngs_modulus: float,
+    poisson_ratio: float,
+    softened: FloatArray | None = None,
+) -> sp.csr_array:
     """Upper triangle of the stiffness matrix of isotropic elasticity, N/mm.
+
+    softened  (n_elements,) of Young's modulus, that each element has; None: all of it
 
     With G_ai the gradient of shape function a, the block of nodes a and b is
     sum_q w (lambda G_ai G_bj + mu G_aj G_bi + mu delta_ij G_a . G_b).
@@ -85,11 +92,14 @@ def stiffness(pattern: Pattern, youngs_modulus: float, poisson_ratio: float) -> 
     lame = youngs_modulus * poisson_ratio / ((1 + poisson_ratio) * (1 - 2 * poisson_ratio))
     shear = youngs_modulus / (2 * (1 + poisson_ratio))
     count = len(pattern.elements.mesh.elements)
+    weights = pattern.elements.weights
+    if softened is not None:
+        weights = weights * softened[:, None]
     blocks = np.empty((count, 55, 9))
     for start in range(0, count, _CHUNK):
         part = slice(start, min(start + _CHUNK, count))
         flat = _ordered_gradients(pattern, part).reshape(part.stop - start, -1, 30)
-        weighted = flat * pattern.elements.weights[part, :, None]
+        weighted = flat * weights[part, :, None]
         products = np.matmul(weighted.swapaxes(1, 2), flat).reshape(-1, 900)
         straight = products[:, _STRAIGHT]
         block = blocks[part].reshape(-1, 495)

@@ -15,13 +15,13 @@ from geometry.mesh import FloatArray, IntArray
 _TILTING = ("M_x", "M_y")  # columns whose pressure has no resultant force, hence no direction
 
 
-def direct_stress(
+def direct_displacement(
     solutions: UnitSolutions,
     wrenches: Mapping[str, FloatArray],
     coefficients: FloatArray,
     arcs: Sequence[float],
 ) -> FloatArray:
-    """Surface stress (n_points, 6, n_arcs) at one position with cosine pressures on arcs, MPa.
+    """Displacement (3 n_nodes, n_arcs) at one position with cosine pressures on arcs, mm.
 
     wrenches      interface -> (6,) N, N mm
     coefficients  (n_basis,) of that position; used as they are for end faces, clamps, sliding
@@ -41,7 +41,18 @@ def direct_stress(
                 load[:, k] += direct_bearing(solutions.elements, unit, planar, arc)
     inertia = slice(column, column + len(ACCELERATIONS))
     load += (solutions.loads[:, inertia] @ coefficients[inertia])[:, None]
-    return solutions.recovery.surface_stress(solutions.solve(load))
+    return solutions.solve(load)
+
+
+def direct_stress(
+    solutions: UnitSolutions,
+    wrenches: Mapping[str, FloatArray],
+    coefficients: FloatArray,
+    arcs: Sequence[float],
+) -> FloatArray:
+    """Surface stress (n_points, 6, n_arcs) of `direct_displacement`, MPa."""
+    moved = direct_displacement(solutions, wrenches, coefficients, arcs)
+    return solutions.recovery.surface_stress(moved)
 
 
 def tilting_columns(solutions: UnitSolutions) -> IntArray:

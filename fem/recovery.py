@@ -43,11 +43,13 @@ class Recovery:
     elements        the finite elements
     youngs_modulus  MPa
     poisson_ratio   1
+    softened        (n_elements,) of Young's modulus, that each element has; None: all of it
     """
 
     elements: Elements
     youngs_modulus: float
     poisson_ratio: float
+    softened: FloatArray | None = None
 
     @cached_property
     def points(self) -> IntArray:
@@ -121,6 +123,8 @@ class Recovery:
             if k < 3:
                 stress[:, :, k] += slope[:, :, i, j]
         stress *= shear
+        if self.softened is not None:
+            stress *= self.softened[part][:, None, None, None]
         return stress
 
     def surface_stress(

@@ -9,6 +9,8 @@ Where a pressure ends on a smooth surface the stress is finite, but jumps: `pres
 """
 
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -16,6 +18,9 @@ from fem.notch_resolution import facet_normals
 from geometry.mesh import BoolArray, FloatArray, IntArray, Mesh
 
 _PRESSED_EVENLY = ("bore", "journal")  # along their length; a clamp presses little
+_STRAIGHT_ON = np.cos(np.radians(30))  # of the angle by which an edge goes on, or ends square
+_BENT = 0.1  # of the distance from an edge: how far its face may have left its plane there
+_FARTHEST = 8.0  # times an element's side at the edge: as far as its surroundings are looked at
 _SHARP = np.radians(12)  # a turn of the surface beyond what curved facets leave between them
 
 
@@ -47,6 +52,132 @@ def reentrant_edges(mesh: Mesh) -> ReentrantEdges:
     return ReentrantEdges(on_edge, angles[on_edge])
 
 
+@dataclass(frozen=True, eq=False)
+class EdgePlaces:
+    """Places along the sharp concave edges of a mesh: the middles of its elements' sides there.
+
+    nodes    (n, 3)  node indices of each side: its ends and its middle, which is the place
+    points   (n, 3)  mm
+    sizes    (n,)    mm, lengths of the sides
+    angles   (n,)    rad, interior angle
+    frames   (n, 3, 3) unit rows: into the body along the bisector, normal to that, along the edge
+    room     (n,)    mm, how far both faces go on as they begin, and as they are loaded there
+    loaded   (n,)    True where something presses on a face at the edge
+    ends     (n,)    mm, how far away an edge branches, turns, or ends within the body's surface
+    others   (m,)    elements that have no node on any of the edges
+    middles  (m, 3)  mm, of these
+    """
+
+    nodes: IntArray
+    points: FloatArray
+    sizes: FloatArray
+    angles: FloatArray
+    frames: FloatArray
+    room: FloatArray
+    loaded: BoolArray
+    ends: FloatArray
+    others: IntArray
+    middles: FloatArray
+
+    def near(self, which: int, distance: float) -> IntArray:
+        """Elements (n,) off the edges whose middle is within a distance (mm) of a place."""
+        found = self._tree.query_ball_point(self.points[which], distance)
+        return np.asarray(np.sort(self.others[found]))
+
+    @cached_property
+    def _tree(self) -> Any:
+        from scipy.spatial import cKDTree
+
+        return cKDTree(self.middles)
+
+
+def edge_places(mesh: Mesh) -> EdgePlaces:
+    """Places along the sharp concave edges of a mesh, as `reentrant_edges` finds them.
+
+    An edge may end square on a smooth face, as that of a plate cut through does, or at the cut of a
+    half: its stress goes on as before up to there, and that is no end.
+    """
+    found = _surface_edges(mesh)
+    sharp = found.concave & ~found.smooth
+    nodes = found.nodes[sharp]
+    inward = -(found.normals[0] + found.normals[1])[sharp]
+    inward /= np.linalg.norm(inward, axis=1, keepdims=True)
+    along = mesh.nodes[nodes[:, 1]] - mesh.nodes[nodes[:, 0]]
+    sizes = np.linalg.norm(along, axis=1)
+    along -= (along * inward).sum(axis=1, keepdims=True) * inward
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    frames = np.stack([inward, np.cross(along, inward), along], axis=1)
+    others = np.flatnonzero(~np.isin(mesh.elements, nodes).any(axis=1))
+    middles = mesh.nodes[mesh.elements[others, :4]].mean(axis=1)
+    angles = np.pi + found.turn[sharp]
+    points = mesh.nodes[nodes[:, 2]]
+    loose = mesh.nodes[_loose_ends(mesh, nodes, along)]
+    room, loaded = _rooms(mesh, points, frames, angles, sizes)
+    ends = np.full(len(points), np.inf)
+    if len(loose) and len(points):
+        ends = np.linalg.norm(points[:, None] - loose, axis=2).min(axis=1)
+    return EdgePlaces(nodes, points, sizes, angles, frames, room, loaded, ends, others, middles)
+
+
+def _loose_ends(mesh: Mesh, sides: IntArray, along: FloatArray) -> IntArray:
+    """Nodes (n,) where sharp edges branch, turn, or end otherwise than square on a face."""
+    facets, normals = mesh.facets, facet_normals(mesh.nodes[mesh.facets], 1 / 3, 1 / 3)
+    found = []
+    for node in np.unique(sides[:, :2]):
+        own = np.flatnonzero((sides[:, :2] == node).any(axis=1))
+        away = np.where(sides[own, 0] == node, 1.0, -1.0)[:, None] * along[own]
+        if len(own) == 2 and away[0] @ away[1] < -_STRAIGHT_ON:
+            continue
+        if len(own) == 1:
+            meet = normals[(facets == node).any(axis=1)]
+            if node in mesh.cut_nodes or (np.abs(meet @ away[0]) > _STRAIGHT_ON).any():
+                continue
+        found.append(node)
+    return np.array(found, dtype=np.int64)
+
+
+def _rooms(
+    mesh: Mesh, points: FloatArray, frames: FloatArray, angles: FloatArray, sizes: FloatArray
+) -> tuple[FloatArray, BoolArray]:
+    """Distances (n,), mm, from places of an edge to where its faces end or begin to be loaded.
+
+    The second answer is True for each place where a face is loaded from the edge on.
+    """
+    from scipy.spatial import cKDTree
+
+    far = _FARTHEST * sizes
+    loaded = np.zeros(len(points), dtype=bool)
+    if not len(points):
+        return far, loaded
+    pressed = np.zeros(len(mesh.nodes), dtype=bool)
+    for interface in mesh.interfaces.values():
+        for name in interface.surfaces:
+            pressed[mesh.surfaces[name]] = True
+    corners = mesh.nodes[mesh.facets]
+    normals = facet_normals(corners, 1 / 3, 1 / 3)
+    around = cKDTree(corners[:, :3].mean(axis=1)).query_ball_point(points, far)
+    for k, (place, frame, angle, size) in enumerate(
+        zip(points, frames, angles, sizes, strict=True)
+    ):
+        away = (corners[around[k]] - place) @ frame.T
+        r = np.hypot(away[..., 0], away[..., 1])
+        off = np.abs(np.sin(np.abs(np.arctan2(away[..., 1], away[..., 0])) - angle / 2))
+        other = ((off > _BENT) & (r > 0.3 * size)).any(axis=1)
+        other &= np.abs(normals[around[k]] @ frame[2]) < _STRAIGHT_ON  # where the edge ends
+        beside = (np.abs(away[..., 2]) < size) & other[:, None]
+        far[k] = r[beside].min(initial=far[k])
+        marked = pressed[mesh.facets[around[k]]]
+        on = (np.abs(away[..., 2]) < size) & (off <= _BENT) & (r > 0.1 * size)
+        for face in (on & (away[..., 1] > 0), on & (away[..., 1] < 0)):
+            begins = r[face & marked].min(initial=np.inf)
+            if begins > size:
+                far[k] = min(far[k], begins)
+                continue
+            loaded[k] = True
+            far[k] = r[face & ~marked].min(initial=far[k])
+    return np.asarray(far), loaded
+
+
 def pressed_edges(mesh: Mesh) -> IntArray:
     """Nodes (n,) where a pressed surface ends on a smooth one: its pressure ends there with a jump.
 
@@ -71,7 +202,8 @@ class _SurfaceEdges:
     nodes          (n, 3) of each edge: its ends and its middle
     first, second  (n,) rows of `facets` that meet there
     facets         (m, 6) of the surface
-    turn           (n,) rad, between the normals of both
+    normals        (2, n, 3) unit vectors out of the body, of both at the edge's middle
+    turn           (n,) rad, between them
     concave        (n,) True if it is re-entrant
     smooth         (n,) True if curved facets alone could leave that turn between them
     """
@@ -80,6 +212,7 @@ class _SurfaceEdges:
     first: IntArray
     second: IntArray
     facets: IntArray
+    normals: FloatArray
     turn: FloatArray
     concave: BoolArray
     smooth: BoolArray
@@ -102,7 +235,8 @@ def _surface_edges(mesh: Mesh) -> _SurfaceEdges:
     inward = mesh.nodes[opposite[second]] - mesh.nodes[edges[second, 2]]
     concave = np.einsum("ex,ex->e", normals[first], inward) > 0
     smooth = turn <= _SHARP + slack[first] + slack[second]
-    return _SurfaceEdges(edges[first], first // 3, second // 3, facets, turn, concave, smooth)
+    both = np.stack([normals[first], normals[second]])
+    return _SurfaceEdges(edges[first], first // 3, second // 3, facets, both, turn, concave, smooth)
 
 
 def _rows_of(facets: IntArray, wanted: IntArray) -> BoolArray:

@@ -76,6 +76,7 @@ class UnitSolutions:
     stiffness     upper triangle of the whole stiffness matrix, without ties
     residual      largest backward error of the solves
     ties          of a stack; the factor is then of its independent unknowns
+    softened      (n_elements,) of Young's modulus, that each element has; None: all of it
     """
 
     elements: Elements
@@ -89,6 +90,7 @@ class UnitSolutions:
     stiffness: sp.csr_array
     residual: float
     ties: Ties | None = None
+    softened: FloatArray | None = None
 
     @property
     def mesh(self) -> Mesh:
@@ -103,7 +105,10 @@ class UnitSolutions:
     @cached_property
     def recovery(self) -> Recovery:
         """The rule that turns displacements into stress at surface nodes."""
-        return Recovery(self.elements, self.material.youngs_modulus, self.material.poisson_ratio)
+        material = self.material
+        return Recovery(
+            self.elements, material.youngs_modulus, material.poisson_ratio, self.softened
+        )
 
     @cached_property
     def basis(self) -> FloatArray:
@@ -228,8 +233,12 @@ class UnitSolutions:
         return _solve_held(self.factor, self.held, loads, self.ties)[0]
 
 
-def solve_unit_loads(mesh: Mesh, material: Elastic) -> UnitSolutions:
+def solve_unit_loads(
+    mesh: Mesh, material: Elastic, softened: FloatArray | None = None
+) -> UnitSolutions:
     """Solve the unit loads of a part.
+
+    softened  (n_elements,) of Young's modulus, that each element has; None: all of it
 
     Raises MeshError if an interface's loads cannot be brought onto the mesh, TooLargeError if there
     is not enough memory, SolverError if the equations cannot be solved.
@@ -245,7 +254,7 @@ def solve_unit_loads(mesh: Mesh, material: Elastic) -> UnitSolutions:
         len(loads), loads.shape[1], compactness_of(mesh.nodes, mesh.volume), fill=chosen_fill()
     )
     pattern = Pattern(elements)
-    upper = stiffness(pattern, material.youngs_modulus, material.poisson_ratio)
+    upper = stiffness(pattern, material.youngs_modulus, material.poisson_ratio, softened)
     ties = ties_of(mesh)
     held = _half_hold(mesh) if mesh.half else determinate_hold(mesh.nodes, ties)
     factor = held_factor(mesh, upper, held, ties)
@@ -262,6 +271,7 @@ def solve_unit_loads(mesh: Mesh, material: Elastic) -> UnitSolutions:
         stiffness=upper,
         residual=residual,
         ties=ties,
+        softened=softened,
     )
 
 

@@ -8,7 +8,7 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from checks.design.units import Density, Stress
+from checks.design.units import Density, PositiveStressIntensity, Stress
 from fatigue import FKM_GROUPS
 from geometry.parameters import ParameterError, check_above
 
@@ -20,6 +20,7 @@ _PLAUSIBLE = {
     "yield_stress": (1e-6, 1e5, "MPa"),
     "ultimate_stress": (1e-6, 1e5, "MPa"),
 }
+_THRESHOLDS = (0.1 * 1000**0.5, 100 * 1000**0.5)  # MPa mm^0.5
 _STEEL = (180e3, 230e3)  # MPa, Young's modulus of what takes steel's endurance limit
 
 
@@ -29,6 +30,8 @@ class Material:
 
     endurance_ratio  of a polished bar, of the ultimate strength; None: steel's 0.5, or brittle
     fkm_group        one of `fatigue.FKM_GROUPS`; None: the guideline's chain cannot be used
+    threshold        MPa mm^0.5, range of the stress intensity at R = -1 below which no long crack
+                     grows; None: fatigue at sharp re-entrant edges is not judged
     """
 
     name: str
@@ -41,6 +44,7 @@ class Material:
     source: str
     endurance_ratio: float | None = None
     fkm_group: str | None = None
+    threshold: float | None = None
 
     def __post_init__(self) -> None:
         check_above("youngs_modulus", self.youngs_modulus, 0, "MPa")
@@ -74,6 +78,13 @@ class Material:
             )
         if ratio is not None and not 0 < ratio < 1:
             raise ParameterError("endurance_ratio", f"must be between 0 and 1, got {ratio:g}")
+        if self.threshold is not None and not _THRESHOLDS[0] <= self.threshold <= _THRESHOLDS[1]:
+            low, high = (limit / 1000**0.5 for limit in _THRESHOLDS)
+            raise ParameterError(
+                "threshold",
+                f"must be between {low:g} and {high:g} MPa m^0.5, as of any metal, "
+                f"got {self.threshold / 1000**0.5:g} MPa m^0.5",
+            )
         if self.fkm_group is not None and self.fkm_group not in FKM_GROUPS:
             raise ParameterError(
                 "fkm_group", f"must be one of {', '.join(FKM_GROUPS)}, got {self.fkm_group!r}"
@@ -114,6 +125,11 @@ class MaterialEntry(BaseModel):
     )
     fkm_group: str | None = Field(
         None, description="material group of the FKM guideline; without it that chain is not used"
+    )
+    threshold: PositiveStressIntensity | None = Field(
+        None,
+        description="range of the stress intensity, at R = -1, below which no long crack grows; "
+        "without it fatigue at sharp re-entrant edges is not judged",
     )
 
     def named(self, name: str) -> Material:

@@ -54,6 +54,7 @@ DIMENSIONS = {
     "pressure speed": Dimension("a pressure times a speed", "MPa mm/s", "0.5 MPa m/s"),
     "bending stiffness": Dimension("a bending stiffness E I", "N mm2", "2787 N m2"),
     "angular acceleration": Dimension("an angular acceleration", "rad/s2", "2 rad/s2"),
+    "stress intensity": Dimension("a stress intensity", "MPa mm^0.5", "6.5 MPa m^0.5"),
     "roughness": Dimension("a roughness Rz", "mm", "25 um"),
 }
 # examples of pairs, by their dimension; "" is a direction
@@ -72,7 +73,7 @@ _NO_MACHINE = "which is not finite or beyond any machine"
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*")
 _FACTOR = re.compile(
-    r"\s*([*·/]?)\s*(1(?=\s*/)|[A-Za-zµμ°%]+)(?:\s*(?:\^|\*\*)?\s*(-?\d+)|([²³]))?"
+    r"\s*([*·/]?)\s*(1(?=\s*/)|[A-Za-zµμ°%]+)(?:\s*(?:\^|\*\*)\s*(-?\d+\.5)|\s*(?:\^|\*\*)?\s*(-?\d+)|([²³]))?"
 )
 
 
@@ -88,7 +89,7 @@ class Unit:
         powers = {name: self.powers.get(name, 0) + other.powers.get(name, 0) for name in names}
         return Unit(self.size * other.size, {name: p for name, p in powers.items() if p})
 
-    def __pow__(self, power: int) -> "Unit":
+    def __pow__(self, power: float) -> "Unit":
         return Unit(self.size**power, {name: p * power for name, p in self.powers.items()})
 
 
@@ -142,7 +143,7 @@ def _unit(text: str) -> Unit:
         factor = _FACTOR.match(text, position)
         if factor is None:
             raise ValueError(f'unit "{text}" is not understood, write it such as kg m2 or 1/min')
-        operator, name, digits, superscript = factor.groups()
+        operator, name, root, digits, superscript = factor.groups()
         position = factor.end()
         if name == "1":
             continue
@@ -153,7 +154,7 @@ def _unit(text: str) -> Unit:
             guess = nearest(name, _COMMON_UNITS)
             hint = f", did you mean {guess}?" if guess else ""
             raise ValueError(f'unit "{name}" is unknown{hint}') from None
-        power = int(digits or {"²": 2, "³": 3, None: 1}[superscript])
+        power = float(root) if root else int(digits or {"²": 2, "³": 3, None: 1}[superscript])
         result = result * unit ** (-power if operator == "/" else power)
     return result
 
@@ -361,6 +362,7 @@ Mass = Annotated[float, Quantity(("mass",), at_least=0.0)]
 Inertia = Annotated[float, Quantity(("inertia",), at_least=0.0)]
 Stress = Annotated[float, Quantity(("stress",))]
 PositiveStress = Annotated[float, Quantity(("stress",), above=0.0)]
+PositiveStressIntensity = Annotated[float, Quantity(("stress intensity",), above=0.0)]
 Density = Annotated[float, Quantity(("density",))]
 Speed = Annotated[float, Quantity(("speed",))]
 Acceleration = Annotated[float, Quantity(("acceleration",))]

@@ -12,6 +12,7 @@ from checks.derivations.buckling import solid_share
 from checks.derivations.solids import of_solid
 from checks.design.data import Part
 from checks.ladder.chart_data import charts_of
+from checks.ladder.edge_checks import edge_fatigue, edge_static, known_at_edges
 from checks.ladder.hand_calculations import hand_checks
 from checks.ladder.part_facts import assumed_of, facts_of, gates_of, mesh_row
 from checks.ladder.part_fields import solid_fields
@@ -30,6 +31,7 @@ from checks.strength.sampling import fatigue_rise, sampled, static_rise, with_sa
 from checks.stress.cost import judging_seconds
 from checks.stress.error_bars import Bars, Judged, StaticPeak, bars_of, mesh_bar
 from checks.stress.solid_mesh_level import Level, Models, solve_level
+from checks.stress.stress_result import Stressed
 from checks.stress.symmetry import MEANING, half_of, mode_surface, shown_surface
 from fem.buckling import BucklingMode
 from fem.error_estimate import refined_sizes, stress_error
@@ -115,7 +117,8 @@ def check_solid(
         return doubts[0]
 
     def enough(levels: Sequence[Level]) -> str:
-        return asked.enough(_stress_checks(loaded, levels, judged, widened(levels)))
+        checks = _stress_checks(loaded, levels, judged, widened(levels))
+        return asked.enough(checks) or known_at_edges(loaded, levels, judged, checks)
 
     limit = endurance_of(part).value
     levels, sizes, stopped = solve_levels(loaded, models, judged, limit, say, asked, enough)
@@ -184,10 +187,39 @@ def _stress_checks(
     for what in wanted:
         bars = bars_of(what, part, levels, loaded.accuracy)
         check = doubts(_stress_check(loaded, levels[-1], what, bars))
-        if by_hand is not None:
+        at_edges = _edges_judged(loaded, levels, what, bars)
+        if isinstance(at_edges, Check):
+            check = doubts(at_edges)
+        elif by_hand is not None:
             check = of_solid(part, loaded.loads, levels[-1], what, bars, check, by_hand)
+        if isinstance(at_edges, str) and at_edges:
+            check = replace(check, note=f"{check.note}; {at_edges}")
         found.append(check)
     return found
+
+
+def _edges_judged(
+    loaded: LoadedPart, levels: Sequence[Level], what: Judged, bars: Bars
+) -> Check | str:
+    """The check of a part with sharp edges, or why there is none where the peak lies on one.
+
+    Fatigue of edges is judged wherever it can be: what elements show there may be far less than the
+    stress that counts. "" where edges decide nothing.
+    """
+
+    def make(level: Stressed, bars: Bars) -> Check:
+        return _stress_check(loaded, level, what, bars)
+
+    if not all(len(level.edges[0]) for level in levels):
+        return ""
+    if isinstance(what, FatigueUse):
+        if not bars.numerical.singular and loaded.part.material.threshold is None:
+            return ""
+        judged = edge_fatigue(loaded, levels, what, make)
+        return judged if isinstance(judged, Check) or bars.numerical.singular else ""
+    if not bars.numerical.singular:
+        return ""
+    return edge_static(loaded, levels, what, make)
 
 
 def _arcs_that_pass(
@@ -445,7 +477,7 @@ def _whole_again(
     return solutions, coefficients
 
 
-def _stress_check(loaded: LoadedPart, level: Level, judged: Judged, bars: Bars) -> Check:
+def _stress_check(loaded: LoadedPart, level: Stressed, judged: Judged, bars: Bars) -> Check:
     loads = loaded.loads
     more, why = 0.0, ""
     if isinstance(judged, FatigueUse):

@@ -19,7 +19,7 @@ from fem.convergence import (
     growth_exponent,
     moves_like_singular,
 )
-from fem.direct import direct_stress, has_bearings, tilting_columns
+from fem.direct import direct_displacement, has_bearings, tilting_columns
 from fem.recovery import von_mises
 from fem.singularity import singular_exponent
 from geometry.mesh import FloatArray, IntArray
@@ -224,7 +224,7 @@ def direct_under(
     missing = [arc for arc in arcs if arc not in known]
     if missing:
         wrenches = {name: wrench[position] for name, wrench in loads.wrenches.items()}
-        found = direct_stress(level.solutions, wrenches, state, missing)
+        found = level.stress_of(direct_displacement(level.solutions, wrenches, state, missing))
         known.update(zip(missing, np.moveaxis(found, -1, 0), strict=True))
     return np.stack([known[arc] for arc in arcs], axis=-1)
 

@@ -1,7 +1,7 @@
 """A part solved on one mesh: its stress history, peaks and fatigue, over all cycles of a design."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -14,7 +14,7 @@ from fem.convergence import ORDER
 from fem.gradient import inward_normals
 from fem.notch_resolution import concave_curvature, notch_error
 from fem.recovery import tensor, von_mises
-from fem.singularity import pressed_edges, reentrant_edges
+from fem.singularity import EdgePlaces, edge_places, pressed_edges, reentrant_edges
 from fem.stress_history import StressHistory
 from fem.unit_loads import ACCELERATIONS, IN_PLANE, inertia_of, resultants
 from fem.unit_solutions import UnitSolutions
@@ -31,11 +31,13 @@ class Level(Stressed):
 
     limits  at the surface points, notches included
     added   (n, 3) rigid-body acceleration field that balances foreign mass properties
+    left_out  (k,) surface points whose stress counts nothing: at sharp edges judged apart
     """
 
     fineness: float
     solutions: UnitSolutions
     added: FloatArray
+    left_out: IntArray = field(default_factory=lambda: np.array([], dtype=np.int64))
 
     @property
     def half(self) -> bool:
@@ -51,7 +53,20 @@ class Level(Stressed):
     def edges(self) -> tuple[IntArray, FloatArray]:
         """Surface points on sharp re-entrant edges (n,), and the interior angles there, rad."""
         found = reentrant_edges(self.solutions.mesh)
-        return np.searchsorted(self.history.nodes, found.nodes), found.angles
+        points = np.searchsorted(self.history.nodes, found.nodes)
+        counted = ~np.isin(points, self.left_out)
+        return points[counted], found.angles[counted]
+
+    def stress_of(self, displacement: FloatArray) -> FloatArray:
+        """Stress (n_points, 6, m) of displacement (3 n_nodes, m), mm, as it counts, MPa."""
+        stress = self.solutions.recovery.surface_stress(displacement)
+        stress[self.left_out] = 0.0
+        return stress
+
+    @cached_property
+    def edge_places(self) -> EdgePlaces:
+        """Places along the sharp re-entrant edges."""
+        return edge_places(self.solutions.mesh)
 
     @cached_property
     def direct_stresses(self) -> dict[bytes, dict[float, FloatArray]]:

@@ -3,10 +3,12 @@
 from pathlib import Path
 
 import pytest
+from numpy.testing import assert_allclose
+from pydantic import ValidationError
 
 from ballesta.design.read import read_design
 from checks.design.errors import DesignError
-from checks.design.materials import Material, known_materials
+from checks.design.materials import Material, MaterialEntry, known_materials
 from fatigue import FkmMaterial, component_limit, endurance_limit
 from geometry.parameters import ParameterError
 
@@ -89,3 +91,22 @@ def test_a_material_says_to_which_group_of_the_guideline_it_belongs():
     assert alloy.fkm_group == "wrought_aluminium"
     with pytest.raises(ParameterError, match=r"must be one of steel, .* got 'alloy'"):
         Material(**ALLOY, endurance_ratio=0.4, fkm_group="alloy")
+
+
+def test_a_threshold_is_a_stress_intensity_of_some_metal():
+    """1 MPa m^0.5 is 31.62 MPa mm^0.5."""
+    entry = MaterialEntry.model_validate(
+        {
+            "youngs_modulus": "210 GPa",
+            "poisson_ratio": 0.3,
+            "density": "7850 kg/m3",
+            "yield_stress": "355 MPa",
+            "ultimate_stress": "490 MPa",
+            "threshold": "6.5 MPa m^0.5",
+        }
+    )
+    assert_allclose(entry.named("own").threshold, 6.5 * 1000**0.5, rtol=1e-12)
+    with pytest.raises(ValidationError, match=r"must be a stress intensity such as"):
+        MaterialEntry.model_validate({**entry.model_dump(), "threshold": "6.5 MPa"})
+    with pytest.raises(ParameterError, match=r"between 0\.1 and 100 MPa m\^0\.5"):
+        Material(**ALLOY, endurance_ratio=0.4, threshold=200 * 1000**0.5)

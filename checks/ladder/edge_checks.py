@@ -1,0 +1,233 @@
+"""Checks of a part whose peak lies on a sharp re-entrant edge, where no elastic stress is finite.
+
+Static: a stress field in balance with the loads that spares the edges (`spared_edges`); where it
+yields nowhere a ductile part does not collapse (lower bound theorem of limit analysis).
+
+Fatigue: Taylor's point method. An edge endures what a plain bar does whose stress is that at half
+the critical distance L from it, L = (threshold / range of the endurance limit)^2 / pi at R = -1;
+what the mean stress does comes after.
+
+The surface away from edges is judged as ever, and the worse of both decides. The rules, their bars
+and what they leave open: docs/theory/notch_edges.md.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from math import isfinite, pi
+from typing import cast
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from checks.design.data import Part
+from checks.part.loaded_part import LoadedPart
+from checks.part.part_loads import PartLoads
+from checks.result.verdict import Check, Status
+from checks.strength.fatigue_assessment import FatigueUse, FkmUse
+from checks.strength.part_strength import endurance_of
+from checks.stress.error_bars import Bars, Judged, arcs_of, bars_of, mesh_bar
+from checks.stress.sharp_edges import EdgeLevel, beside_edges, edge_level, without
+from checks.stress.solid_mesh_level import Level
+from checks.stress.spared_edges import Spared, SparedLevel, spared_level
+from checks.stress.stress_result import Stressed
+from fem.convergence import ErrorBar, discretisation_error
+from fem.notch_intensity import FARTHER, room_at
+from geometry.memory import TooLargeError
+
+_LEAST_BAR = 0.05  # of the value: what fits missed at most on V-notches and steps, and more
+_ENOUGH = 0.1  # of the value: bar at sharp edges that asks for no finer mesh
+_POINT_METHOD = 0.2  # of the value: band for the point method itself, ours
+_DOMINATES = 0.8  # of the value that the leading fields alone must make at L/2
+_ORDER = (Status.PASS, Status.UNDECIDED, Status.FAIL)
+
+Make = Callable[[Stressed, Bars], Check]
+
+
+def critical_distance(part: Part) -> float | None:
+    """Taylor's length L of a part's material, mm; None where no threshold is stated.
+
+    The endurance limit is that of a polished bar: a lower one would make L longer, and the stress
+    at half of it lower.
+    """
+    threshold = part.material.threshold
+    if threshold is None:
+        return None
+    return float((threshold / (2 * endurance_of(part).uncorrected)) ** 2 / pi)
+
+
+def edge_fatigue(
+    loaded: LoadedPart,
+    levels: Sequence[Level],
+    use: FatigueUse,
+    make: Make,
+) -> Check | str:
+    """The check of fatigue with sharp edges judged, or why they cannot be, in words.
+
+    make  a check of what was judged on some level, with its bars
+    """
+    part, loads = loaded.part, loaded.loads
+    length = critical_distance(part)
+    if length is None:
+        return "or state the material's threshold, for the point method"
+    if isinstance(use, FkmUse):
+        return "the FKM guideline's chain does not judge sharp edges"
+    duty = loaded.duty.cycles
+    edges = [edge_level(level, loads, duty, length / 2) for level in levels[-2:]]
+    before, finest = edges[0], edges[-1]
+    farther = edge_level(levels[-1], loads, duty, length / 2, reach=FARTHER)
+    leading = edge_level(levels[-1], loads, duty, length / 2, leading=True)
+    if before is None or finest is None or farther is None or leading is None:
+        return "the elements at the edge are too large beside the faces there to fit its stress"
+    value = use.value(finest)
+    room = min(room_at(finest.places, int(k)) for k in finest.fitted)
+    if length / 2 > room or use.value(leading) < _DOMINATES * value:
+        return (
+            f"half the critical distance, {length / 2:.3g} mm, lies outside of what the edge's "
+            "singular stress dominates"
+        )
+    others = [use.value(level) for level in (before, farther, leading)]
+    bars = _bars(part, finest, use, max(abs(value - other) for other in others))
+    at_edge = make(finest, bars)
+    at_edge = replace(
+        at_edge,
+        note=f"{at_edge.note}. Sharp edge by the point method: stress {length / 2:.3g} mm from it, "
+        f"half of L = {length:.3g} mm; its model band is 20 % and that of the arcs",
+    )
+    beside = beside_edges(levels, [before, finest], loads, duty)
+    beside_bars = bars_of(use, part, beside, loaded.accuracy)
+    elsewhere = make(beside[-1], beside_bars)
+    if not isfinite(elsewhere.numerical):
+        return "ends and corners of edges are not judged"
+    return _worse(at_edge, elsewhere, "sharp edges by the point method")
+
+
+def edge_static(
+    loaded: LoadedPart,
+    levels: Sequence[Level],
+    peak: Judged,
+    make: Make,
+) -> Check | str:
+    """The static check with sharp edges spared, or why there is none, in words.
+
+    make  a check of what was judged on some level, with its bars
+    """
+    part, loads = loaded.part, loaded.loads
+    if not part.material.ductile:
+        return "the material is brittle: nothing redistributes the stress at the edge"
+    spared = Spared.of(levels[0])
+    for old in levels[:-2]:
+        _solved.pop(old, None)  # its factor takes memory
+    try:
+        both = [_spared(level, loads, spared) for level in levels[-2:]]
+    except TooLargeError as error:
+        return f"a stress field that spares the edge was not solved: {error}"
+    finest = both[-1]
+    values = [level.peak.value for level in both]
+    place = finest.history.points[finest.peak.point]
+    sizes = [level.size_at(level.nearest(place)) for level in levels[-2:]]
+    by_arc = _by_arc(part, peak, finest, levels[-1])
+    bar = ErrorBar(
+        discretisation_error(values, sizes, 1.0),
+        finest.scatter,
+        abs(by_arc[pi] - values[-1]) if by_arc else 0.0,
+        values[-1],
+    )
+    bars = Bars(bar, *_band(by_arc), "", by_arc=by_arc)
+    at_edge = make(finest, bars)
+    at_edge = replace(
+        at_edge,
+        quantity="peak von Mises stress, sharp edges spared",
+        model_below=at_edge.value,
+        note=". ".join(
+            text
+            for text in (
+                at_edge.note,
+                "Sharp re-entrant edges have no finite elastic stress: this is the peak of a "
+                "stress field in balance with the loads that spares them; a ductile part that "
+                "yields nowhere under it does not collapse. It proves no failure",
+            )
+            if text
+        ),
+    )
+    beside = [
+        without(level, np.flatnonzero(spared.share(level, level.history.points) < 1), loads, {})
+        for level in levels
+    ]
+    elsewhere = make(beside[-1], bars_of(peak, part, beside, loaded.accuracy))
+    if not isfinite(elsewhere.numerical):
+        return "the stress grows away from the edges, too"
+    return _worse(at_edge, elsewhere, "sharp edges spared")
+
+
+def known_at_edges(
+    loaded: LoadedPart, levels: Sequence[Level], judged: Sequence[Judged], checks: Sequence[Check]
+) -> str:
+    """Why no finer mesh is needed, where sharp edges are known well enough; "" if one is.
+
+    checks  of what is judged, in its order
+    """
+    if not len(levels[-1].edges[0]):
+        return ""
+    part, accuracy = loaded.part, loaded.accuracy
+    sharp = [bool(bars_of(what, part, levels, accuracy).numerical.singular) for what in judged]
+    known = all(
+        check.numerical - check.sampling <= max(accuracy, _ENOUGH) * check.value
+        if at_edge
+        else mesh_bar(what, levels) <= accuracy
+        for what, check, at_edge in zip(judged, checks, sharp, strict=True)
+    )
+    if known and any(sharp):
+        return f"sharp edges are judged to {100 * _ENOUGH:g} %: no finer mesh was solved"
+    return ""
+
+
+def _spared(level: Level, loads: PartLoads, spared: Spared) -> SparedLevel:
+    """The stress that spares the edges, solved once a mesh."""
+    if level not in _solved:
+        _solved[level] = spared_level(level, loads, spared)
+    return _solved[level]
+
+
+_solved: WeakKeyDictionary[Level, SparedLevel] = WeakKeyDictionary()
+
+
+def _worse(at_edge: Check, elsewhere: Check, said: str) -> Check:
+    if max((at_edge, elsewhere), key=_severity) is at_edge:
+        return at_edge
+    told = f"{said}: {at_edge.value:.4g} MPa"
+    return replace(elsewhere, note=". ".join(t for t in (elsewhere.note, told) if t))
+
+
+def _severity(check: Check) -> tuple[int, float]:
+    most = (check.value + check.numerical + check.model) * check.required / check.limit
+    return _ORDER.index(check.status), most
+
+
+def _bars(part: Part, level: EdgeLevel, use: FatigueUse, moved: float) -> Bars:
+    """Numerical bar and model band at the edges.
+
+    moved  MPa, the most by which the mesh before, another window and the leading fields differ
+    """
+    value = use.value(level)
+    by_arc = _by_arc(part, use, level, level.solid)
+    truncation = abs(by_arc[pi] - value) if by_arc else 0.0
+    bar = ErrorBar(max(moved, _LEAST_BAR * value), 0.0, truncation, value)
+    above, below = (side + _POINT_METHOD * value for side in _band(by_arc))
+    return Bars(bar, above, below, "", by_arc=by_arc)
+
+
+def _by_arc(
+    part: Part, judged: Judged, level: EdgeLevel | SparedLevel, solid: Level
+) -> dict[float, float]:
+    """What is judged by the arc of contact, rad; empty without pins."""
+    arcs = arcs_of(part, solid)
+    solved = cast(Level, level)  # has all that `direct` asks of one
+    return dict(zip(arcs, judged.direct(solved, arcs), strict=True)) if arcs else {}
+
+
+def _band(by_arc: Mapping[float, float]) -> tuple[float, float]:
+    """How far arcs of contact reach above and below the half circle, MPa."""
+    if not by_arc:
+        return 0.0, 0.0
+    half = by_arc[pi]
+    return max(by_arc.values()) - half, half - min(by_arc.values())

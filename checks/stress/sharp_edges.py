@@ -1,0 +1,197 @@
+"""Stress at sharp re-entrant edges by Taylor's point method, and the surface beside them.
+
+Elements cannot follow the stress at a sharp edge. Williams' fields fitted around each place of it
+(`fem.notch_intensity`) say what planes through the edge carry half a critical distance away, for
+every unit load; there the edge is judged, and the surface near it is left out of what is judged
+otherwise.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from checks.part.part_loads import PartLoads
+from checks.stress.solid_mesh_level import Level
+from checks.stress.stress_result import Stressed, judge
+from fem.notch_intensity import REACH, NotchIntensity, has_room, notch_intensity, room_at
+from fem.singularity import EdgePlaces, singular_exponent
+from fem.stress_history import StressHistory
+from fem.unit_solutions import UnitSolutions
+from geometry.mesh import FloatArray, IntArray
+
+_PLANES = 13  # from face to face, these included
+_LEFT_OUT = 1.5  # sides of elements at an edge of the coarser mesh: the surface that is left out
+_MAY_DECIDE = 0.3  # of the largest stress along the edges, as elements show it
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class EdgeLevel(Stressed):
+    """Planes through the sharp edges of a part on one mesh, each a point of the history.
+
+    solid     the mesh and its solution
+    places    along the edges
+    fitted    (k,) of the places, those where Williams' fields could be fitted
+    at        mm, distance from the edge at which the planes are judged
+    reach     as of `notch_intensity`
+    leading   whether of the leading fields alone
+    """
+
+    solid: Level
+    places: EdgePlaces
+    fitted: IntArray
+    at: float
+    reach: tuple[float, float]
+    leading: bool
+    direct_stresses: dict[bytes, dict[float, FloatArray]] = field(default_factory=dict)
+
+    @property
+    def solutions(self) -> UnitSolutions:
+        """The unit loads."""
+        return self.solid.solutions
+
+    def stress_of(self, displacement: FloatArray) -> FloatArray:
+        """Stress (n_planes, 6, m) that the planes carry of displacement (3 n_nodes, m), mm."""
+        places = self.places
+        fits = [
+            _fit(self.solid, displacement, places, int(k), self.reach, self.at) for k in self.fitted
+        ]
+        return _on_planes([fit for fit in fits if fit], self.at, leading=self.leading)
+
+    def named(self, point: int) -> str:
+        """Name of the edge that a plane goes through."""
+        angle = np.degrees(self.places.angles[self.fitted[point // (_PLANES - 2)]])
+        return f"sharp edge of {angle:.0f} deg"
+
+    def depth(self, point: int) -> None:
+        """None: an edge is no surface."""
+
+
+def edge_level(
+    level: Level,
+    loads: PartLoads,
+    duty: Mapping[str, float],
+    at: float,
+    *,
+    reach: tuple[float, float] = REACH,
+    leading: bool = False,
+) -> EdgeLevel | None:
+    """Judge the planes through a mesh's sharp edges at a distance (mm); None where none is fitted.
+
+    Their endurance limit is the lowest of the edge's nodes there.
+    """
+    places = level.edge_places
+    moved = level.solutions.displacement
+    fits = {k: _fit(level, moved, places, k, reach, at) for k in _that_matter(level, at)}
+    fitted = np.array([k for k, fit in fits.items() if fit], dtype=np.int64)
+    if not len(fitted) or len(fitted) < len(fits):
+        return None
+    count = _PLANES - 2
+    basis = _on_planes([fit for fit in fits.values() if fit], at, leading=leading)
+    rows = np.searchsorted(level.history.nodes, places.nodes[fitted])
+    limits = np.repeat(level.limits[rows].min(axis=1), count)
+    assert level.duty is not None
+    history = StressHistory(
+        np.repeat(places.nodes[fitted, 2], count),
+        np.repeat(places.points[fitted], count, axis=0),
+        basis,
+        level.coefficients,
+    )
+    judged = judge(history, limits, level.duty.limit, level.duty.ultimate, loads, duty)
+    return EdgeLevel(
+        solid=level,
+        places=places,
+        fitted=fitted,
+        at=at,
+        reach=reach,
+        leading=leading,
+        history=history,
+        limits=limits,
+        peak=judged.peak,
+        peaks_by_position=judged.peaks_by_position,
+        duty=judged.duty,
+    )
+
+
+def _that_matter(level: Level, at: float) -> list[int]:
+    """Places whose edge may be used most at a distance (mm), of those with room for a fit.
+
+    The stress that elements show at an edge is that of its fields at a share of their size, within
+    a factor of two: a place with less than a part of the largest, brought to the same distance by
+    the edge's exponent, cannot be the worst.
+    """
+    places, duty = level.edge_places, level.duty
+    assert duty is not None
+    able = [k for k in range(len(places.points)) if has_room(places, k)]
+    rows = np.searchsorted(level.history.nodes, places.nodes[able])
+    exponents = np.array([singular_exponent(float(places.angles[k])) for k in able])
+    shown = duty.bound[rows].max(axis=1, initial=0.0) * (places.sizes[able] / at) ** exponents
+    return [k for k, used in zip(able, shown, strict=True) if used >= _MAY_DECIDE * shown.max()]
+
+
+def beside_edges(
+    levels: Sequence[Level],
+    edges: Sequence[EdgeLevel],
+    loads: PartLoads,
+    duty: Mapping[str, float],
+) -> list[Level]:
+    """The same meshes without the surface near the edges that are judged apart.
+
+    It is the same surface on every mesh: within some sides of the coarsest one's elements of a
+    place with room for a fit on the finest, and less than where either face ends.
+    """
+    coarsest, finest = edges[0].places, edges[-1].places
+    able = np.array([k for k in range(len(finest.points)) if has_room(finest, k)])
+    points = finest.points[able]
+    nearest = np.linalg.norm(points[:, None] - coarsest.points, axis=2).argmin(axis=1)
+    room = np.array([room_at(finest, k) for k in able])
+    radius = np.minimum(_LEFT_OUT * coarsest.sizes[nearest], room)
+    if levels[-1].half:  # the first mesh is of the whole part
+        points = np.concatenate([points, points * [1, 1, -1]])
+        radius = np.concatenate([radius, radius])
+    found = []
+    for level in levels:
+        near = np.zeros(len(level.history.nodes), dtype=bool)
+        for place, far in zip(points, radius, strict=True):
+            near |= np.linalg.norm(level.history.points - place, axis=1) < far
+        found.append(without(level, np.flatnonzero(near), loads, duty))
+    return found
+
+
+def without(level: Level, left_out: IntArray, loads: PartLoads, duty: Mapping[str, float]) -> Level:
+    """The same mesh, some of its surface points left out of what is judged."""
+    basis = level.history.basis.copy()
+    basis[left_out] = 0.0
+    history = replace(level.history, basis=basis)
+    limit, ultimate = (1.0, 1.0) if level.duty is None else (level.duty.limit, level.duty.ultimate)
+    judged = judge(history, level.limits, limit, ultimate, loads, duty)
+    return replace(
+        level,
+        left_out=left_out,
+        history=history,
+        peak=judged.peak,
+        peaks_by_position=judged.peaks_by_position,
+        duty=judged.duty,
+    )
+
+
+def _fit(
+    level: Level,
+    displacement: FloatArray,
+    places: EdgePlaces,
+    which: int,
+    reach: tuple[float, float],
+    at: float,
+) -> NotchIntensity | None:
+    return notch_intensity(level.solutions.recovery, displacement, places, which, reach, at)
+
+
+def _on_planes(fits: Sequence[NotchIntensity], at: float, *, leading: bool) -> FloatArray:
+    """Stress (n_planes, 6, m) on planes between the faces, place by place, MPa."""
+    return np.stack(
+        [
+            fit.on_plane(at, theta, leading=leading)
+            for fit in fits
+            for theta in np.linspace(-fit.angle / 2, fit.angle / 2, _PLANES)[1:-1]
+        ]
+    )
