@@ -3,7 +3,6 @@
 The plates of tests/fem/notched.py, pulled to 100 MPa and pushed back to -100 MPa.
 """
 
-from dataclasses import replace
 from math import pi
 from types import SimpleNamespace
 
@@ -167,14 +166,16 @@ def test_the_field_that_spares_an_edge_is_in_balance_and_bounds_the_plastic_limi
     assert np.abs(reactions).max() < 1e-6 * loads.largest_force
 
 
-def test_a_static_pass_at_an_edge_is_possible_and_a_failure_is_not(plate):
+def test_a_field_that_spares_edges_passes_a_part_and_never_fails_it(plate):
+    """A limit just below its peak leaves the part open: another field may hold."""
     _, loads, levels = plate
     peak = StaticPeak(loads)
     check = edge_static(loaded(part_of(), loads), levels, peak, made(peak, YIELD))
     assert check.status is Status.PASS
-    assert "sharp edges spared" in check.quantity + check.note
-    tight = edge_static(loaded(part_of(), loads), levels, peak, made(peak, 0.9 * check.value))
-    assert replace(tight, numerical=0.0, model=0.0).status is not Status.PASS
+    assert "sharp edges spared" in check.quantity
+    tight = edge_static(loaded(part_of(), loads), levels, peak, made(peak, 0.99 * check.value))
+    assert tight.status is Status.UNDECIDED
+    assert tight.lower <= 0
 
 
 def test_what_yields_away_from_the_edges_still_fails(plate):
