@@ -182,7 +182,7 @@ def _headline(result: DesignResult, titles: dict[int, str]) -> Iterator[Fact]:
 
 
 def _ways(result: DesignResult) -> list[Fact]:
-    """The cheapest ways out; where nothing settles it, why is told already."""
+    """The cheapest ways out; those that settle nothing are left out, since why stands above."""
     ways = [way for way in result.ways if not way.text.startswith(NOTHING)]
     told = map(way_text, ways[:_MOST_WAYS])
     return [Fact("way out", _short(text), clean(command)) for text, command in told]
