@@ -148,9 +148,14 @@ def test_positions_of_equal_loads_share_one_solve_of_every_arc(monkeypatch):
         asked.append((coefficients.tolist(), list(arcs)))
         return np.full((1, 6, len(arcs)), coefficients[0])
 
-    monkeypatch.setattr(error_bars, "direct_stress", solved)
+    monkeypatch.setattr(error_bars, "direct_displacement", solved)
     coefficients = np.array([[1.0, 2.0, 1.0]])
-    level = SimpleNamespace(solutions=None, coefficients=coefficients, direct_stresses={})
+    level = SimpleNamespace(
+        solutions=None,
+        coefficients=coefficients,
+        direct_stresses={},
+        stress_of=lambda displacement: displacement,
+    )
     loads = SimpleNamespace(wrenches={"pin": np.zeros((3, 6))})
     found = [direct_under(loads, level, k, [np.pi, 2.0])[0, 0, 0] for k in (0, 1, 2, 0)]
     assert found == [1.0, 2.0, 1.0, 1.0]
