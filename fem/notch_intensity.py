@@ -72,7 +72,7 @@ def room_at(places: EdgePlaces, which: int) -> float:
 
 
 def has_room(places: EdgePlaces, which: int) -> bool:
-    """Whether elements at a place of an edge are small enough beside the room for a fit."""
+    """True if elements at a place of an edge are small enough beside the room for a fit."""
     return room_at(places, which) >= _LEAST_ROOM * float(places.sizes[which])
 
 

@@ -94,7 +94,7 @@ class EdgePlaces:
 def edge_places(mesh: Mesh) -> EdgePlaces:
     """Places along the sharp concave edges of a mesh, as `reentrant_edges` finds them.
 
-    An edge may end square on a smooth face, as that of a plate cut through does, or at the cut of a
+    An edge may end square on a smooth face, as in a plate that is cut through, or at the cut of a
     half: its stress goes on as before up to there, and that is no end.
     """
     found = _surface_edges(mesh)

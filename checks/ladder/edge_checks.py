@@ -46,7 +46,7 @@ Make = Callable[[Stressed, Bars], Check]
 def critical_distance(part: Part) -> float | None:
     """Taylor's length L of a part's material, mm; None where no threshold is stated.
 
-    The endurance limit is that of a polished bar: a lower one would make L longer, and the stress
+    The endurance limit is a polished bar's: a lower one would make L longer, and the stress
     at half of it lower.
     """
     threshold = part.material.threshold
@@ -220,7 +220,7 @@ def _bars(part: Part, level: EdgeLevel, use: FatigueUse, moved: float) -> Bars:
 def _by_arc(
     part: Part, judged: Judged, level: EdgeLevel | SparedLevel, solid: Level
 ) -> dict[float, float]:
-    """What is judged by the arc of contact, rad; empty without pins."""
+    """The judged quantity by the arc of contact, rad; empty without pins."""
     arcs = arcs_of(part, solid)
     solved = cast(Level, level)  # has all that `direct` asks of one
     return dict(zip(arcs, judged.direct(solved, arcs), strict=True)) if arcs else {}

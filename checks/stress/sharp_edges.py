@@ -116,7 +116,7 @@ def edge_level(
 def _that_matter(level: Level, at: float) -> list[int]:
     """Places whose edge may be used most at a distance (mm), of those with room for a fit.
 
-    The stress that elements show at an edge is that of its fields at a share of their size, within
+    The stress that elements show at an edge is its fields' at a share of their size, within
     a factor of two: a place with less than a part of the largest, brought to the same distance by
     the edge's exponent, cannot be the worst.
     """

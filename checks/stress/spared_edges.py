@@ -2,8 +2,8 @@
 
 Around its sharp re-entrant edges the part is solved again with a Young's modulus that falls to
 nothing towards the edge, in proportion to the distance. Its stress is finite at the edge, and it
-is in balance with the same loads as that of the part itself: where it stays below yield everywhere,
-a ductile part does not collapse (the lower bound theorem of limit analysis).
+is in balance with the same loads as the part's own stress: where it stays below yield everywhere, a
+ductile part does not collapse (the lower bound theorem of limit analysis).
 """
 
 from dataclasses import dataclass, field
