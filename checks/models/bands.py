@@ -142,9 +142,11 @@ def _beyond(
         if name not in compared:
             return NoBand(f"no solid with {name} was compared")
         low, high = compared[name]
-        if name == ARC or (kind == _BUCKLING and name.startswith(_LENGTH)):
+        if name == ARC:
             high = inf
         slack = 1e-9 * abs(low) + (_BEYOND * (high - low) if high < inf else 0.0)
+        if kind == _BUCKLING and name.startswith(_LENGTH):
+            high = inf
         share = name.startswith(SHARE)
         if share:
             slack = max(slack, _OTHER_SHARE)

@@ -116,6 +116,7 @@ def test_a_longer_bar_than_was_compared_buckles_as_these_did_and_a_shorter_one_h
         return band_of("plate_link", "formula", kind, {"length / width": length})
 
     assert found("buckling", 80.0) == found("buckling", 5.0) == found("static", 5.0)
+    assert found("buckling", 1.5) == found("static", 1.5) == found("static", 5.0)
     assert isinstance(found("buckling", 1.0), NoBand)
     assert isinstance(found("static", 80.0), NoBand)
 
