@@ -154,6 +154,8 @@ def edge_static(
         without(level, np.flatnonzero(spared.share(level, level.history.points) < 1), loads, {})
         for level in levels
     ]
+    if any(len(level.left_out) == len(level.history.nodes) for level in beside):
+        return at_edge  # the whole surface is near the edges, and judged with them
     elsewhere = make(beside[-1], bars_of(peak, part, beside, loaded.accuracy))
     if not isfinite(elsewhere.numerical):
         return "the stress grows away from the edges, too"
