@@ -27,7 +27,7 @@ from checks.result.words import (
 from reports.loads_words import broken_of
 
 _MOST_WARNINGS = 4
-_MOST_GATES = 3
+_MOST_GATES = 2
 _MOST_WAYS = 3
 _LONGEST_MEANING = 160  # letters of what a validity check measures, told beside its number
 _LONGEST = 300  # letters of one sentence, so that no name floods the answer
@@ -176,7 +176,8 @@ def _headline(result: DesignResult, titles: dict[int, str]) -> Iterator[Fact]:
         told = gates.told if len(gates.told) <= _LONGEST_MEANING else gates.cure
         yield Fact(label, _short("; ".join(filter(None, (gates.short, told)))), "", gates.binding)
     if len(broken) > _MOST_GATES:
-        yield Fact("not valid", f"{len(broken) - _MOST_GATES} more kinds of validity checks")
+        more = len(broken) - _MOST_GATES
+        yield Fact("not valid", f"{more} more kind{'s' if more > 1 else ''} of validity checks")
     if result.all_gates and not broken:
         yield Fact("validity", f"all {len(result.all_gates)} validity checks hold")
 

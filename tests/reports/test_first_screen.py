@@ -12,7 +12,8 @@ from checks.result.words import clean, moment, need_text, number, safety_text
 from reports import write_report
 from reports.answer import answer_text
 
-DESIGNS = Path(__file__).parents[2] / "designs"
+ROOT = Path(__file__).parents[2]
+DESIGNS = ROOT / "designs"
 ALL = sorted([*DESIGNS.glob("*.toml"), *DESIGNS.glob("gallery/*.toml")])
 FAST = "toggle_press_30x30"
 
@@ -74,9 +75,14 @@ def unanswered(result, text):
         for path in ALL
     ],
 )
-def test_page_and_terminal_answer_ten_questions_at_once(design, tmp_path, opened):
-    """By formula, so that no design costs a solid: page and terminal are written the same way."""
-    result = check_design(read_design(design, ()), effort=Effort("formula"), live=True)
+def test_page_and_terminal_answer_ten_questions_at_once(design, tmp_path, opened, monkeypatch):
+    """By formula, so that no design costs a solid: page and terminal are written the same way.
+
+    Designs are named as their users do: a long path takes lines of the commands that are told.
+    """
+    monkeypatch.chdir(ROOT)
+    stated = read_design(design.relative_to(ROOT), ())
+    result = check_design(stated, effort=Effort("formula"), live=True)
     lines = answer_text(result, 100).splitlines()
     assert unanswered(result, "\n".join(lines[:25])) == []
     page = tmp_path / "report.html"
