@@ -1,9 +1,11 @@
-"""Curved elements that fold on a small fillet, mended by bending their edges inside of the part.
+"""Curved elements that fold on a small fillet, mended.
 
 A chord across a fillet leaves the part where the tangent plane at its end turns: the edge from
 there to a node in the part then begins outside, and its element is folded although nothing is wrong
-with its corners. Bending that edge mends it. Corners and all nodes on the surface stay where the
-mesher has put them, so the shape of the part stays its own.
+with its corners. Bending that edge mends it; corners and all nodes on the surface stay where the
+mesher has put them. An element with all corners on a fillet has no such edge: there the nodes of
+the elements around it move, too, those on the surface along it. The shape of the part stays its
+own.
 
 The determinant of an element's Jacobian is a cubic polynomial; its least Bernstein coefficient is
 not above its least value anywhere in the element, as the polynomial lies in the convex hull of its
@@ -13,6 +15,7 @@ coefficients. It is taken over the determinant of the element with straight edge
 from collections.abc import Callable
 from itertools import product
 from math import factorial
+from typing import Protocol
 
 import numpy as np
 
@@ -21,6 +24,7 @@ from geometry.mesh import TET_EDGES, BoolArray, FloatArray, IntArray, shape_grad
 ENOUGH = 0.1  # the least coefficient that needs no mending; gmsh's own limit
 _WANTED = 0.25  # up to which it is raised where edges bend
 _STEPS = 20  # more mend hardly one element more of a toggle bar
+_MOST_STEPS = 200  # where nodes move that lie on the surface
 _FLAT = 1e-9  # of the size: edges bent by less are straight
 _STIFF = 1e-3  # share of an edge's own bending in what is made small
 
@@ -41,6 +45,17 @@ def least_coefficients(nodes: FloatArray, elements: IntArray) -> FloatArray:
     return found
 
 
+def nearly_folded(nodes: FloatArray, elements: IntArray) -> BoolArray:
+    """Elements (n_elements,) whose det J comes close to zero, by what is usual in them.
+
+    Corners nearly in one plane give an element hardly any volume while its edges are straight. It
+    may get some by its curved edges, and nearly fold by that measure.
+    """
+    places = nodes[elements]
+    least = _coefficients(places)[0].min(axis=1)
+    return np.asarray(least < ENOUGH * _usual(places))
+
+
 def bent(nodes: FloatArray, elements: IntArray, inside: IntArray) -> FloatArray:
     """Nodes (n_nodes, 3) with the inner edges of folded elements bent, mm.
 
@@ -49,7 +64,6 @@ def bent(nodes: FloatArray, elements: IntArray, inside: IntArray) -> FloatArray:
     inside    indices of the nodes that are on no surface
 
     Where that mends all, elements that nearly fold are bent too, if the worst is no worse for it.
-    Not every element can be mended so: one with all corners on a fillet has no edge to bend.
     """
     least = least_coefficients(nodes, elements)
     if not (least < ENOUGH).any():
@@ -62,53 +76,106 @@ def bent(nodes: FloatArray, elements: IntArray, inside: IntArray) -> FloatArray:
     return second if least_coefficients(second, elements).min() >= least.min() else first
 
 
+Scale = Callable[[FloatArray], FloatArray]  # places (n, 10, 3) of elements to det J (n,)
+
+
+class Moves(Protocol):
+    """Nodes that may move, and where they go.
+
+    moving  (m,) indices of nodes, ascending
+    """
+
+    moving: IntArray
+
+    def places(self, moves: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Places (m, 3) mm after moves (m, 3) mm, and slopes (m, 3, 3): place by move."""
+        ...
+
+
+class _InSpace:
+    """Nodes inside of the part: they go where they are moved."""
+
+    def __init__(self, nodes: FloatArray, moving: IntArray) -> None:
+        self.moving, self._start = moving, nodes[moving]
+
+    def places(self, moves: FloatArray) -> tuple[FloatArray, FloatArray]:
+        return self._start + moves, np.broadcast_to(np.eye(3), (len(moves), 3, 3))
+
+
+def around(elements: IntArray, low: BoolArray, layers: int) -> IntArray:
+    """Indices of the nodes of some elements and of `layers` of elements around them, ascending.
+
+    elements (n_elements, 10), low (n_elements,) bool
+    """
+    for _ in range(layers):
+        low = np.asarray(np.isin(elements, elements[low]).any(axis=1))
+    return np.unique(elements[low])
+
+
+def moved(nodes: FloatArray, elements: IntArray, moves: Moves) -> FloatArray:
+    """Nodes (n_nodes, 3) with those that may move where no element nearly folds, mm.
+
+    No more than can be: elements may stay folded.
+    """
+    return _minimised(nodes, elements, moves, _usual, _MOST_STEPS)
+
+
 def _raised(nodes: FloatArray, elements: IntArray, inside: IntArray, low: BoolArray) -> FloatArray:
     """Nodes (n_nodes, 3) with the inner edges of some elements bent, mm; low (n_elements,) bool."""
-    moves = np.zeros(len(nodes), dtype=bool)
-    moves[inside] = True
-    moves[elements[:, :4]] = False
-    moves &= np.isin(np.arange(len(nodes)), elements[low])
-    moving = np.flatnonzero(moves)
+    free = np.zeros(len(nodes), dtype=bool)
+    free[inside] = True
+    free[elements[:, :4]] = False
+    free &= np.isin(np.arange(len(nodes)), elements[low])
+    return _minimised(nodes, elements, _InSpace(nodes, np.flatnonzero(free)), _straight, _STEPS)
+
+
+def _minimised(
+    nodes: FloatArray, elements: IntArray, moves: Moves, scale: Scale, steps: int
+) -> FloatArray:
+    """Nodes (n_nodes, 3) where the energy of `_energy` is least, mm, as far as steps take it."""
+    moving = moves.moving
     if not len(moving):
         return nodes
     from scipy.optimize import minimize
 
-    energy = _energy(nodes, elements[moves[elements].any(axis=1)], moving)
+    touched = np.isin(elements, moving).any(axis=1)
+    energy = _energy(nodes, elements[touched], moves, scale)
     start = np.zeros(3 * len(moving))
-    done = minimize(energy, start, jac=True, method="L-BFGS-B", options={"maxiter": _STEPS})
+    done = minimize(energy, start, jac=True, method="L-BFGS-B", options={"maxiter": steps})
     found = nodes.copy()
-    found[moving] += done.x.reshape(-1, 3)
+    found[moving] = moves.places(done.x.reshape(-1, 3))[0]
     return found
 
 
 def _energy(
-    nodes: FloatArray, elements: IntArray, moving: IntArray
+    nodes: FloatArray, elements: IntArray, moves: Moves, scale: Scale
 ) -> Callable[[FloatArray], tuple[float, FloatArray]]:
     """Return the function to minimise, with its gradient, of some nodes' moves (3 n_moving,).
 
     It sums the squares of what the coefficients lack, and of the moves over their elements' size.
     """
+    moving = moves.moving
     place = np.full(len(nodes), -1)
     place[moving] = np.arange(len(moving))
     local = place[elements]
     element, node = np.nonzero(local >= 0)
     rows = local[element, node]
     start = nodes[elements]
-    straight = _straight(start)
+    whole = scale(start)
     size = np.zeros(len(moving))
     np.maximum.at(size, rows, np.ptp(start[:, :4], axis=1).max(axis=1)[element])
     stiff = (_STIFF / size**2)[:, None]
 
     def energy(flat: FloatArray) -> tuple[float, FloatArray]:
-        moves = flat.reshape(-1, 3)
+        steps = flat.reshape(-1, 3)
+        targets, tangents = moves.places(steps)
         places = start.copy()
-        places[element, node] += moves[rows]
-        lacking = np.maximum(0.0, _WANTED - _coefficients(places)[0] / straight[:, None])
+        places[element, node] = targets[rows]
+        lacking = np.maximum(0.0, _WANTED - _coefficients(places)[0] / whole[:, None])
         bad = np.flatnonzero(lacking.any(axis=1))
-        value = float((lacking[bad] ** 2).sum() + (stiff * moves**2).sum())
-        slopes = 2 * stiff * moves
+        value = float((lacking[bad] ** 2).sum() + (stiff * steps**2).sum())
         _, jacobians = _coefficients(places[bad])
-        by_coefficient = -2 * lacking[bad] / straight[bad, None]
+        by_coefficient = -2 * lacking[bad] / whole[bad, None]
         by_node = np.zeros_like(places)
         by_node[bad] = np.einsum(
             "eq,eqxr,qar->eax",
@@ -117,7 +184,9 @@ def _energy(
             _GRADIENTS,
             optimize=True,
         )
-        np.add.at(slopes, rows, by_node[element, node])
+        by_place = np.zeros_like(targets)
+        np.add.at(by_place, rows, by_node[element, node])
+        slopes = 2 * stiff * steps + np.einsum("nxm,nx->nm", tangents, by_place)
         return value, slopes.ravel()
 
     return energy
@@ -142,6 +211,11 @@ def _straight(places: FloatArray) -> FloatArray:
     """Det J of the elements with straight edges, (n,)."""
     sides = places[:, 1:4] - places[:, :1]
     return np.asarray(np.linalg.det(sides))
+
+
+def _usual(places: FloatArray) -> FloatArray:
+    """Det J of the elements with straight edges, or half of its mean where that is larger, (n,)."""
+    return np.asarray(np.maximum(_straight(places), _coefficients(places)[0].mean(axis=1) / 2))
 
 
 def _lattice() -> tuple[FloatArray, FloatArray]:

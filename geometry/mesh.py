@@ -26,12 +26,30 @@ class TooManyElementsError(MeshError):
     """A part whose element sizes would need a mesh that no solver here can hold."""
 
 
+class TooManyUnknownsError(TooManyElementsError):
+    """A mesh of more unknowns than are allowed, by an estimate before it is made.
+
+    unknowns  about how many it would have
+    """
+
+    def __init__(self, unknowns: float) -> None:
+        super().__init__(unknowns)
+        self.unknowns = unknowns
+
+    def __str__(self) -> str:
+        return f"would have about {self.unknowns:.2g} unknowns"
+
+
 class TooFineError(TooManyElementsError):
     """A part whose smallest and largest size lie so far apart that no mesh can have both."""
 
 
 class FoldedElementError(MeshError):
     """A curved element that turns inside out somewhere."""
+
+
+class UnsafeMesherError(MeshError):
+    """A mesher that would write outside of its memory, so that its mesh would not be repeatable."""
 
 
 @dataclass(frozen=True, eq=False)

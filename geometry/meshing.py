@@ -13,9 +13,11 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from geometry.curving import ENOUGH, bent, least_coefficients
-from geometry.element_count import check_elements, solid_elements
+from geometry.curving import ENOUGH, around, bent, least_coefficients, moved, nearly_folded
+from geometry.element_count import SURE, check_elements, solid_elements, solid_unknowns
+from geometry.gliding import Gliding
 from geometry.graphics import INSTALL
+from geometry.hxt import within_memory
 from geometry.memory import check_memory, compactness_of
 from geometry.mesh import (
     FloatArray,
@@ -24,6 +26,8 @@ from geometry.mesh import (
     Interface,
     Mesh,
     MeshError,
+    TooManyUnknownsError,
+    UnsafeMesherError,
 )
 from geometry.sizing import SizeField
 from geometry.stacks import split_bodies, ties_of
@@ -38,9 +42,7 @@ _OPTIONS = {
     "Mesh.Optimize": 1,
     "Mesh.ElementOrder": 2,
     "Mesh.SecondOrderLinear": 0,
-    "Mesh.HighOrderOptimize": 0,  # not at once: see _mend
-    "Mesh.HighOrderIterMax": 20,  # more do not mend more, and turn round-off into 1e-3 mm
-    "Mesh.HighOrderNumLayers": 2,  # of elements moved around a bad one; 1 kinks small fillets
+    "Mesh.HighOrderOptimize": 0,  # it goes by addresses in memory: see _mend
     "Mesh.MeshSizeExtendFromBoundary": 0,
     "Mesh.MeshSizeFromPoints": 0,
     "Mesh.MeshSizeFromCurvature": 0,
@@ -48,12 +50,15 @@ _OPTIONS = {
     "Geometry.Tolerance": 1e-8,
 }
 
-# Algorithms of the volume mesh, the faster one first; where it folds an element, the other may not.
-_MESHERS = (("HXT", 10), ("Delaunay, because HXT folded an element", 1))
-_MENDED = 0.05  # the least coefficient of an element that gmsh has mended beside bent ones
-# What high-order optimisation says where it could not mend an element.
-_STAYED_BAD = ("Failed to reach critical value", "Optimization failed")
-_UNKNOWNS, _LOADS = 4.3, 8  # unknowns per element of a compact mesh; unit loads of a pin
+# Algorithms of the volume mesh, the faster one first; what the other one does where it cannot.
+_HXT, _DELAUNAY = ("HXT", 10), ("Delaunay", 1)
+# Unknowns of a mesh whose arrays in HXT stand among other data of the heap, less than 128 KiB each:
+# there a stray write ends the process, so HXT is tried without its optimisation before.
+_SMALL = 50_000
+_TELLING = {"General.Verbosity": 6.0}  # of HXT's memory
+_FILLING = {"Mesh.Optimize": 0.0, "Mesh.ElementOrder": 1.0}
+_LAYERS = (0, 1, 2, 3)  # of elements around those that fold whose nodes move
+_LOADS = 8  # unit loads of a pin
 _IN_PLANE = 1e-7  # mm: how far the nodes of a half may be beside its cut, by gmsh's round-off
 _FROM_GMSH_TO_VTK = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
 
@@ -126,32 +131,49 @@ def gmsh_session() -> Iterator[Any]:
             gmsh.finalize()
 
 
-def mesh_shape(shape: Buildable, *, fineness: float = 1.0, sizes: SizeField | None = None) -> Mesh:
+def mesh_shape(
+    shape: Buildable,
+    *,
+    fineness: float = 1.0,
+    sizes: SizeField | None = None,
+    most_unknowns: float = math.inf,
+) -> Mesh:
     """Mesh a shape; `fineness` divides every element size, and `sizes` may ask for smaller ones.
 
-    Raises MeshError if the body is not one solid, gmsh gives up, or the mesh is not usable. The
-    mesh's `mesher` says so where the second algorithm had to be taken.
+    Raises MeshError if the body is not one solid, gmsh gives up, or the mesh is not usable, and
+    TooManyUnknownsError where it would surely have more unknowns than `most_unknowns`. The mesh's
+    `mesher` says so where the second algorithm had to be taken.
     """
     if not fineness > 0:
         raise ValueError(f"fineness must be above 0, got {fineness}")
-    for mesher, algorithm in _MESHERS:
-        try:
-            return _mesh_with(shape, fineness, sizes, mesher, algorithm)
-        except FoldedElementError as error:
-            folded = error
-    raise folded
+    try:
+        return _mesh_with(shape, fineness, sizes, most_unknowns, *_HXT)
+    except FoldedElementError:
+        why = "HXT folded an element"
+    except UnsafeMesherError as error:
+        why = str(error)
+    mesher, algorithm = _DELAUNAY
+    return _mesh_with(shape, fineness, sizes, most_unknowns, f"{mesher}, because {why}", algorithm)
 
 
 def _mesh_with(
-    shape: Buildable, fineness: float, sizes: SizeField | None, mesher: str, algorithm: int
+    shape: Buildable,
+    fineness: float,
+    sizes: SizeField | None,
+    most_unknowns: float,
+    mesher: str,
+    algorithm: int,
 ) -> Mesh:
     with gmsh_session() as gmsh:
         gmsh.option.setNumber("Mesh.Algorithm3D", algorithm)
         try:
             body = shape.build(gmsh)
-            _check_count(gmsh, body, fineness)
+            unknowns = _check_count(gmsh, body, fineness, most_unknowns)
             _set_sizes(gmsh, body, fineness, sizes)
-            _generate(gmsh)
+            hxt = algorithm == _HXT[1]
+            if hxt and unknowns < _SMALL:
+                _try_hxt(gmsh)
+            _generate(gmsh, hxt=hxt)
         except MeshError:
             raise
         except Exception as error:  # gmsh raises bare Exception only
@@ -159,51 +181,83 @@ def _mesh_with(
         return _read_mesh(gmsh, body, mesher)
 
 
-def _check_count(gmsh: Any, body: Body, fineness: float) -> None:
-    """Refuse a body that would take more elements or memory than there is, before it is meshed.
+def _check_count(gmsh: Any, body: Body, fineness: float, most_unknowns: float) -> float:
+    """Return a body's unknowns, estimated before it is meshed.
 
-    What a field of sizes makes finer is not counted: the solve counts again on the mesh.
+    Refuses a body that would take more unknowns than allowed, or more memory than there is. What a
+    field of sizes makes finer is not counted: the solve counts again on the mesh.
     """
-    count = solid_elements(gmsh, body, fineness)
-    check_elements(count, body.size / fineness)
+    unknowns = solid_unknowns(gmsh, body, fineness)
+    if unknowns > SURE * most_unknowns:
+        raise TooManyUnknownsError(unknowns)
+    check_elements(solid_elements(gmsh, body, fineness), body.size / fineness)
     volume = sum(gmsh.model.occ.getMass(3, tag) for _, tag in gmsh.model.getEntities(3))
     box = np.array(gmsh.model.getBoundingBox(-1, -1)).reshape(2, 3)
-    check_memory(
-        int(_UNKNOWNS * count), _LOADS * len(body.interfaces) + 4, compactness_of(box, volume)
-    )
+    check_memory(int(unknowns), _LOADS * len(body.interfaces) + 4, compactness_of(box, volume))
+    return unknowns
 
 
-def _generate(gmsh: Any) -> None:
-    """Mesh the body in gmsh's model; raises MeshError with gmsh's own words.
+@contextmanager
+def _told(gmsh: Any, **options: float) -> Iterator[list[str]]:
+    """Messages of gmsh, filled in at the end, with options "group.name" that hold so long.
 
-    An error while gmsh straightens curved elements is thrown where no one can catch it and ends
-    the process. So gmsh must not throw here: its messages are read instead. Elements that stayed
-    bad are no error of theirs: Mesh refuses folded ones.
+    An error of gmsh may be thrown where no one can catch it and end the process. So gmsh must not
+    throw here: its messages are read instead.
     """
+    messages: list[str] = []
+    wanted = {"General.AbortOnError": 0.0, **options}
+    before = {name: gmsh.option.getNumber(name) for name in wanted}
     gmsh.logger.start()
-    gmsh.option.setNumber("General.AbortOnError", 0)
     try:
+        for name, value in wanted.items():
+            gmsh.option.setNumber(name, value)
+        yield messages
+        messages += gmsh.logger.get()
+    finally:
+        for name, value in before.items():
+            gmsh.option.setNumber(name, value)
+        gmsh.logger.stop()
+
+
+def _try_hxt(gmsh: Any) -> None:
+    """Raise UnsafeMesherError where HXT's optimisation would leave its memory: geometry/hxt.py.
+
+    The surface is meshed again afterwards: gmsh turns some of its triangles round, on which HXT's
+    next mesh would depend.
+    """
+    with _told(gmsh, **_TELLING, **_FILLING) as messages:
+        gmsh.model.mesh.generate(3)
+    gmsh.model.mesh.clear()
+    if not any(message.startswith("Error") for message in messages):
+        _check_memory_of_hxt(messages)
+
+
+def _check_memory_of_hxt(messages: Sequence[str]) -> None:
+    if not within_memory(messages):
+        raise UnsafeMesherError("HXT would write outside of its memory")
+
+
+def _generate(gmsh: Any, *, hxt: bool) -> None:
+    """Mesh the body in gmsh's model; raises MeshError with gmsh's own words."""
+    with _told(gmsh, **_TELLING) as messages:
         gmsh.model.mesh.generate(3)
         _mend(gmsh)
-        messages = gmsh.logger.get()
-    finally:
-        gmsh.option.setNumber("General.AbortOnError", 2)
-        gmsh.logger.stop()
     errors = [m.removeprefix("Error: ") for m in messages if m.startswith("Error")]
-    errors = [m for m in errors if not m.startswith(_STAYED_BAD)]
     if errors:
         hint = ""
         if any("3D mesh failed" in m or "ntersect" in m for m in errors):
             hint = "; a wall or a ligament may be far thinner than the elements beside it"
         raise MeshError(f"gmsh could not mesh the part: {'; '.join(errors[:3])}{hint}")
+    if hxt:
+        _check_memory_of_hxt(messages)
 
 
 def _mend(gmsh: Any) -> None:
     """Mend curved elements that fold in gmsh's model.
 
-    gmsh's own optimiser moves all nodes of two layers of elements around each, those on the surface
-    too, which took half of the time of a toggle bar's mesh. So inner edges are bent first, and few
-    elements are left to it; what it does not mend beside bent edges, it is given as it was.
+    Inner edges are bent first. Where that is not enough, nodes of more and more elements around
+    those that fold move, those on the surface along it. gmsh's own optimiser is not used: it goes
+    by addresses in memory, so it gives another mesh each time.
     """
     volumes = [tag for _, tag in gmsh.model.getEntities(3)]
     tags, nodes, index = _nodes(gmsh)
@@ -213,13 +267,12 @@ def _mend(gmsh: Any) -> None:
     inside = np.concatenate([index[gmsh.model.mesh.getNodes(3, tag)[0]] for tag in volumes])
     found = bent(nodes, elements, inside)
     if least_coefficients(found, elements).min(initial=1.0) < ENOUGH:
-        _place(gmsh, tags, nodes, found)
-        gmsh.model.mesh.optimize("HighOrder")
-        _, found, _ = _nodes(gmsh)
-        if least_coefficients(found, elements).min() < _MENDED:
-            _place(gmsh, tags, found, nodes)
-            gmsh.model.mesh.optimize("HighOrder")
-        return
+        for layers in _LAYERS:
+            low = nearly_folded(found, elements)
+            if not low.any():
+                break
+            gliding = Gliding(gmsh, found, index, around(elements, low, layers))
+            found = moved(found, elements, gliding)
     _place(gmsh, tags, nodes, found)
 
 
@@ -272,10 +325,7 @@ def _set_sizes(gmsh: Any, body: Body, fineness: float, sizes: SizeField | None) 
 
 
 def _rounded(nodes: FloatArray) -> FloatArray:
-    """Nodes to 1e-10 of the part's size, so that a part has one mesh.
-
-    Where gmsh mends an element by moving its nodes, their last bits depend on addresses in memory.
-    """
+    """Nodes to 1e-10 of the part's size: the last bits of moved ones depend on the processor."""
     digits = 10 - math.ceil(math.log10(float(np.ptp(nodes, axis=0).max())))
     return np.asarray(np.round(nodes, digits))
 

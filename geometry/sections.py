@@ -5,6 +5,18 @@ from math import pi
 
 
 @dataclass(frozen=True)
+class RulingSection:
+    """Size of what a part is made from, by which standards grade strengths.
+
+    size   mm, thickness of what is flat, diameter of what is round
+    round  True for a round bar
+    """
+
+    size: float
+    round: bool = False
+
+
+@dataclass(frozen=True)
 class Section:
     """A cross-section along a part in compression.
 

@@ -19,7 +19,7 @@ from geometry.parameters import (
     check_at_most,
     within,
 )
-from geometry.sections import Section
+from geometry.sections import RulingSection, Section
 
 
 @dataclass(frozen=True)
@@ -105,6 +105,11 @@ class LeafPack:
     def inertia_bonded(self) -> float:
         """Second moment of area of leaves glued together, b (n t)^3 / 12, mm4."""
         return self.width * (self.leaves * self.thickness) ** 3 / 12
+
+    @property
+    def ruling_sections(self) -> tuple[RulingSection, ...]:
+        """Sizes that grade the strength of its material."""
+        return (RulingSection(self.thickness),)
 
     @property
     def placed_interfaces(self) -> list[Interface]:

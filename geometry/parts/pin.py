@@ -19,7 +19,7 @@ from geometry.parameters import (
     within,
 )
 from geometry.parts._outline import Outline
-from geometry.sections import Section
+from geometry.sections import RulingSection, Section
 
 
 @dataclass(frozen=True)
@@ -150,6 +150,11 @@ class Pin:
     def notch_factors(self) -> Mapping[str, float]:
         """None: the mesh has every notch."""
         return {}
+
+    @property
+    def ruling_sections(self) -> tuple[RulingSection, ...]:
+        """Sizes that grade the strength of its material."""
+        return (RulingSection(self.diameter, round=True),)
 
     @property
     def placed_interfaces(self) -> list[Interface]:

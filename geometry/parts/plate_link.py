@@ -11,7 +11,7 @@ from geometry.mesh import Interface
 from geometry.meshing import Body, Region
 from geometry.parameters import GIVEN_BY_LINKAGE, ParameterError, a_length, check_above, check_below
 from geometry.parts._plates import bore_at, drill, stadium
-from geometry.sections import Section, plate_section
+from geometry.sections import RulingSection, Section, plate_section
 
 
 @dataclass(frozen=True)
@@ -66,6 +66,11 @@ class PlateLink:
     def notch_factors(self) -> Mapping[str, float]:
         """None: the mesh has every notch."""
         return {}
+
+    @property
+    def ruling_sections(self) -> tuple[RulingSection, ...]:
+        """Sizes that grade the strength of its material."""
+        return (RulingSection(self.thickness),)
 
     @property
     def placed_interfaces(self) -> list[Interface]:

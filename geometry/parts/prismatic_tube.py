@@ -11,7 +11,7 @@ from geometry.mesh import Interface
 from geometry.meshing import Body, faces_where
 from geometry.parameters import GIVEN_BY_LINKAGE, a_length, check_square_tube
 from geometry.parts._solids import square_tube
-from geometry.sections import Section, square_tube_section
+from geometry.sections import RulingSection, Section, square_tube_section
 
 
 @dataclass(frozen=True)
@@ -48,6 +48,11 @@ class PrismaticTube:
     @property
     def _places(self) -> Mapping[str, float]:
         return {"start": 0.0, "end": self.length}
+
+    @property
+    def ruling_sections(self) -> tuple[RulingSection, ...]:
+        """Sizes that grade the strength of its material."""
+        return (RulingSection(self.wall),)
 
     @property
     def placed_interfaces(self) -> list[Interface]:

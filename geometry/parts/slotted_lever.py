@@ -19,7 +19,7 @@ from geometry.parameters import (
     within,
 )
 from geometry.parts._plates import bore_at, drill, stadium
-from geometry.sections import Section
+from geometry.sections import RulingSection, Section
 
 
 @dataclass(frozen=True)
@@ -170,6 +170,11 @@ class SlottedLever:
     def notch_factors(self) -> Mapping[str, float]:
         """None: the mesh has every notch."""
         return {}
+
+    @property
+    def ruling_sections(self) -> tuple[RulingSection, ...]:
+        """Sizes that grade the strength of its material."""
+        return (RulingSection(self.thickness + 2 * self.boss_height),)
 
     @property
     def placed_interfaces(self) -> list[Interface]:

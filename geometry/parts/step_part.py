@@ -13,7 +13,7 @@ from geometry.mesh import FloatArray, Interface, MeshError
 from geometry.meshing import Body, Region
 from geometry.parameters import ParameterError, check_above
 from geometry.round_faces import Hole
-from geometry.sections import Section
+from geometry.sections import RulingSection, Section
 from geometry.step_file import StepSolid, file_hash, import_solid
 from geometry.step_survey import surveyed
 
@@ -321,6 +321,16 @@ class StepPart:
             interfaces=self.placed_interfaces,
             size=self.solid.wall,
             regions=[*self._hole_regions(), *self._fillet_regions()],
+        )
+
+    @property
+    def ruling_sections(self) -> tuple[RulingSection, ...]:
+        """Sizes that grade the strength of its material."""
+        return tuple(
+            RulingSection(hole.diameter, round=True)
+            if hole.kind == "journal"
+            else RulingSection(hole.length)
+            for hole in self.found.values()
         )
 
     @property

@@ -17,7 +17,7 @@ from geometry.parameters import (
     check_square_tube,
 )
 from geometry.parts._solids import square_tube
-from geometry.sections import Section, plate_pair_section, square_tube_section
+from geometry.sections import RulingSection, Section, plate_pair_section, square_tube_section
 
 
 @dataclass(frozen=True)
@@ -114,6 +114,11 @@ class ToggleBar:
     @property
     def _places(self) -> Mapping[str, float]:
         return {"knee": 0.0, "end": self.length}
+
+    @property
+    def ruling_sections(self) -> tuple[RulingSection, ...]:
+        """Sizes that grade the strength of its material."""
+        return (RulingSection(self.wall),)
 
     @property
     def placed_interfaces(self) -> list[Interface]:

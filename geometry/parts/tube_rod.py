@@ -20,7 +20,7 @@ from geometry.parameters import (
 )
 from geometry.parts._outline import Outline
 from geometry.parts._plates import bore_at, drill
-from geometry.sections import Section, round_tube_section
+from geometry.sections import RulingSection, Section, round_tube_section
 
 
 @dataclass(frozen=True)
@@ -141,6 +141,17 @@ class TubeRod:
         outline.line_to(radius, self.length - start - radius)
         outline.arc_to(0.0, self.length - start, (0.0, self.length - start - radius))
         return outline
+
+    @property
+    def ruling_sections(self) -> tuple[RulingSection, ...]:
+        """Sizes that grade the strength of its material."""
+        return (RulingSection(min(self.eye_diameter, self.eye_width)), self._shank_size)
+
+    @property
+    def _shank_size(self) -> RulingSection:
+        if self.wall is None:
+            return RulingSection(self.tube_diameter, round=True)
+        return RulingSection(self.wall)
 
     @property
     def placed_interfaces(self) -> list[Interface]:

@@ -1,5 +1,6 @@
 """STEP files of small parts, written by gmsh's OpenCASCADE kernel as CAD programs do."""
 
+from dataclasses import fields
 from pathlib import Path
 
 from geometry.meshing import gmsh_session
@@ -30,7 +31,7 @@ def write_step(path: Path, *builders) -> Path:
 
 def scaled_link(factor):
     """Builder: the plate link, larger."""
-    sizes = {name: factor * size for name, size in vars(LINK).items()}
+    sizes = {size.name: factor * getattr(LINK, size.name) for size in fields(LINK)}
     return PlateLink(**sizes).build
 
 
