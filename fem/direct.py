@@ -4,7 +4,7 @@ It measures two errors of the unit loads at the positions that govern: the trunc
 series, and the effect of the arc on which a pin presses.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
@@ -20,6 +20,7 @@ def direct_displacement(
     wrenches: Mapping[str, FloatArray],
     coefficients: FloatArray,
     arcs: Sequence[float],
+    solved: Collection[str] = (),
 ) -> FloatArray:
     """Displacement (3 n_nodes, n_arcs) at one position with cosine pressures on arcs, mm.
 
@@ -27,15 +28,17 @@ def direct_displacement(
     coefficients  (n_basis,) of that position; used as they are for end faces, clamps, sliding
                   contacts, inertia, and the couples about x and y of pins that tilt
     arcs          rad, full angles of contact of every bore and journal
+    solved        names of those whose pressure is solved: their columns are used as they are
     """
     load = np.zeros((len(solutions.loads), len(arcs)))
     column = 0
     for unit in solutions.interfaces:
         columns = slice(column, column + len(unit.names))
         column = columns.stop
-        kept = np.array([not _is_bearing(unit) or name in _TILTING for name in unit.names])
+        assumed = _is_bearing(unit) and unit.interface.name not in solved
+        kept = np.array([not assumed or name in _TILTING for name in unit.names])
         load += (solutions.loads[:, columns][:, kept] @ coefficients[columns][kept])[:, None]
-        if _is_bearing(unit):
+        if assumed:
             planar = np.asarray(wrenches[unit.interface.name])[[0, 1, 5]]
             for k, arc in enumerate(arcs):
                 load[:, k] += direct_bearing(solutions.elements, unit, planar, arc)
@@ -61,9 +64,11 @@ def tilting_columns(solutions: UnitSolutions) -> IntArray:
     return np.flatnonzero([bearing and name in _TILTING for bearing, name in named])
 
 
-def has_bearings(solutions: UnitSolutions) -> bool:
-    """Return True if any interface is a bore or a journal."""
-    return any(_is_bearing(unit) for unit in solutions.interfaces)
+def has_bearings(solutions: UnitSolutions, solved: Collection[str] = ()) -> bool:
+    """Return True if any interface is a bore or a journal, and not one of those solved."""
+    return any(
+        _is_bearing(unit) and unit.interface.name not in solved for unit in solutions.interfaces
+    )
 
 
 def _is_bearing(unit: InterfaceLoads) -> bool:

@@ -182,6 +182,34 @@ def direct_bearing(
     return np.asarray(vector + loads.vectors[:, closing] @ share)
 
 
+def harmonic_vectors(elements: Elements, interface: Interface, last: int) -> FloatArray:
+    """Nodal forces (3 n_nodes, 2 last + 1) of unit harmonics of pressure on a bore or journal.
+
+    The mean, 1/(2 pi R L), then cosine and sine of 1 to `last`, cos(n angle)/(pi R L): work with a
+    displacement is the harmonic of its radial part. Those of n = 1 are 1 N along x and y exactly,
+    the others have no resultant; half a part takes its half. Raises MeshError where the mesh is too
+    coarse for them.
+    """
+    surface = elements.surface(interface.name)
+    patterns = [_times(0.5, _round_harmonic(interface, 0, np.cos))]
+    for n in range(1, last + 1):
+        patterns += [_round_harmonic(interface, n, np.cos), _round_harmonic(interface, n, np.sin)]
+    targets = np.zeros((6, len(patterns)))
+    targets[[0, 1], [1, 2]] = -1.0 if interface.kind == "journal" else 1.0
+    _, _, even, odd = _round_patterns(surface, interface, elements.mesh.share)
+    smooth = even if elements.mesh.half else [*even, *odd]
+    vectors, _raw = with_resultants(
+        elements,
+        interface.name,
+        interface.centre,
+        interface.radius,
+        np.stack([_nodal(elements, surface, pattern) for pattern in patterns], axis=1),
+        targets,
+        np.stack([_nodal(elements, surface, pattern) for pattern in smooth], axis=1),
+    )
+    return vectors
+
+
 def acceleration_loads(elements: Elements, density: float) -> FloatArray:
     """Nodal inertia forces (3 n_nodes, 4) per unit a_x, a_y, alpha and omega^2 of the part's frame.
 

@@ -1,0 +1,1 @@
+"""Contact of pins in bores, condensed to the bore: what presses where is solved, not assumed."""

@@ -1,0 +1,195 @@
+"""Flexibility of a part's bore to a pin: long waves by its elements, short ones as in a sheet.
+
+The part is asked for the harmonics n <= LONG of radial displacement under unit harmonics of
+pressure, even along the pin, as far as its elements are a sixth of a wave. Shorter waves do not
+feel where the part ends: they give way as the hole of an infinite sheet does, times what the part's
+shortest long waves are to a sheet's, between plane strain and plane stress
+(docs/theory/contact.md). Elements give the stress of long waves; a shorter one of pressure p makes
+-p across the edge of the bore and -p along it, as in a sheet whatever n.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from fem.contact.hats import Hats, sheet_flexibility
+from fem.unit_loads import InterfaceLoads, harmonic_vectors
+from fem.unit_solutions import UnitSolutions
+from geometry.mesh import SYMMETRY, BoolArray, FloatArray, IntArray, Interface, MeshError
+
+LONG = 12  # waves around a bore that the part's own elements answer for, at most
+_FEWEST_LONG = 4
+_PER_WAVE = 6  # quadratic elements, with which a wave gives way by 2 or 3 % too little
+
+
+@dataclass(frozen=True, eq=False)
+class BoreHarmonics:
+    """Unit harmonics of pressure in one bore, and how all loads move it.
+
+    The columns are the mean pressure, then cosine and sine of 1 to `last`: 1 N each, spread as
+    1/(2 pi R L) and cos(n angle)/(pi R L). Displacements are the harmonics of the same.
+
+    loads         the unit loads of the bore
+    vectors       (3 n_nodes, 2 last + 1) N, nodal forces of the harmonics
+    displacement  (3 n_nodes, 2 last + 1) mm/N
+    flexibility   (2 last + 1, 2 last + 1) mm/N, outward harmonics of displacement
+    """
+
+    solutions: UnitSolutions
+    loads: InterfaceLoads
+    vectors: FloatArray
+    displacement: FloatArray
+    flexibility: FloatArray
+
+    @property
+    def last(self) -> int:
+        """Number of the shortest wave."""
+        return len(self.flexibility) // 2
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the columns."""
+        waves = [f"contact {wave} {n}" for n in range(1, self.last + 1) for wave in ("cos", "sin")]
+        return ("contact cos 0", *waves)
+
+    @cached_property
+    def stress(self) -> FloatArray:
+        """Stress (n_points, 6, 2 last + 1) at the surface nodes, MPa/N."""
+        return self.solutions.recovery.surface_stress(self.displacement)
+
+    @cached_property
+    def points(self) -> IntArray:
+        """Surface points (n,) of the part in the bore, indices of `solutions.recovery.points`."""
+        mesh = self.solutions.mesh
+        names = self.loads.interface.surfaces
+        nodes = np.unique(np.concatenate([mesh.surfaces[name].ravel() for name in names]))
+        return np.searchsorted(self.solutions.recovery.points, nodes)
+
+    @cached_property
+    def angles(self) -> FloatArray:
+        """Angles (n,) of `points` around the bore, rad."""
+        nodes = self.solutions.recovery.points[self.points]
+        arm = self.solutions.mesh.nodes[nodes] - self.loads.interface.centre
+        return np.arctan2(arm[:, 1], arm[:, 0])
+
+    def short_waves(self, hats: Hats, forces: FloatArray) -> FloatArray:
+        """Pressure (n, m), MPa, of forces (n_hats, m) N at `points`, without its long waves."""
+        interface = self.loads.interface
+        area = interface.radius * interface.length
+        n = np.arange(1, self.last + 1)
+        turned = n * self.angles[:, None]
+        both = np.stack([np.cos(turned), np.sin(turned)], axis=2).reshape(len(turned), -1)
+        unit = np.column_stack([np.full(len(turned), 0.5), both]) / (np.pi * area)
+        whole = hats.values(self.angles) @ (forces / (hats.extents * area)[:, None])
+        return np.asarray(whole - unit @ (self.waves(hats).T @ forces))
+
+    @cached_property
+    def short_wave_stress(self) -> FloatArray:
+        """Stress (n, 6) at `points` per pressure of a short wave: xx, yy, zz, xy, yz, zx.
+
+        At the bore's ends nothing holds the material along the axis.
+        """
+        poisson = self.solutions.material.poisson_ratio
+        strain = (1 - self.to_sheet) / poisson**2 if poisson else 0.0  # 1 in plane strain
+        found = np.tile([-1.0, -1.0, -2 * poisson * strain, 0.0, 0.0, 0.0], (len(self.points), 1))
+        found[self._at_ends, 2] = 0.0
+        return found
+
+    @property
+    def _at_ends(self) -> BoolArray:
+        """True for each of `points` where the bore meets another surface of the part."""
+        mesh = self.solutions.mesh
+        names = [*self.loads.interface.surfaces, *([SYMMETRY] if mesh.half else [])]
+        own = np.concatenate([mesh.surfaces[name] for name in names])
+        corners = {tuple(sorted(facet)) for facet in own[:, :3].tolist()}
+        other = [tuple(sorted(facet)) not in corners for facet in mesh.facets[:, :3].tolist()]
+        nodes = self.solutions.recovery.points[self.points]
+        return np.isin(nodes, mesh.facets[other])
+
+    @property
+    def share(self) -> float:
+        """Share of the part that the mesh is."""
+        return self.solutions.mesh.share
+
+    def moved_by(self, displacement: FloatArray) -> FloatArray:
+        """Outward harmonics (2 last + 1, m) mm of the bore in displacements (3 n_nodes, m)."""
+        return np.asarray(self.vectors.T @ displacement / self.share)
+
+    @cached_property
+    def first(self) -> int:
+        """First column of the bore's own unit loads among all of the part."""
+        before = 0
+        for loads in self.solutions.interfaces:
+            if loads is self.loads:
+                break
+            before += len(loads.names)
+        return before
+
+    @property
+    def pressing(self) -> dict[str, int]:
+        """Columns, by name, of the unit loads of the pressure assumed in the bore."""
+        waves = ("cos ", "sin ")
+        return {
+            name: self.first + k
+            for k, name in enumerate(self.loads.names)
+            if name.startswith(waves)
+        }
+
+    @cached_property
+    def to_sheet(self) -> float:
+        """Flexibility to the shortest long waves over a sheet's in plane stress."""
+        last = self.flexibility.diagonal()[-2:].mean()
+        material, number = self.solutions.material, float(self.last)
+        sheet = (2 * number + 1 - material.poisson_ratio) / (number**2 - 1) / np.pi
+        sheet /= material.youngs_modulus * self.loads.interface.length
+        return float(np.clip(last / sheet, 1 - material.poisson_ratio**2, 1.0))
+
+    def waves(self, hats: Hats) -> FloatArray:
+        """Harmonics (n, 2 last + 1) of unit forces on the hats."""
+        waves = hats.waves(np.arange(1.0, self.last + 1))
+        both = np.stack([waves.real, waves.imag], axis=2).reshape(len(waves), -1)
+        return np.column_stack([np.ones(len(waves)), both])
+
+    def hat_flexibility(self, hats: Hats) -> FloatArray:
+        """Mean outward displacement (n, n) mm/N of each hat per force on each hat."""
+        material, length = self.solutions.material, self.loads.interface.length
+        young, poisson = material.youngs_modulus / self.to_sheet, material.poisson_ratio
+        waves = self.waves(hats)
+        n = np.repeat(np.arange(1.0, self.last + 1), 2)
+        with np.errstate(divide="ignore"):
+            sheet = np.r_[(1 + poisson) / 2, (2 * n + 1 - poisson) / (n * n - 1)]
+        sheet[1:3] = 0.0
+        beyond = self.flexibility - np.diag(sheet / (np.pi * young * length))
+        whole = sheet_flexibility(hats, length, young, poisson) + waves @ beyond @ waves.T
+        return np.asarray((whole + whole.T) / 2)
+
+
+def bore_harmonics(solutions: UnitSolutions, name: str) -> BoreHarmonics:
+    """Solve the unit harmonics of a bore on the factor of the part.
+
+    Raises MeshError for an interface that is no bore or whose mesh is too coarse for its waves,
+    KeyError for an unknown one.
+    """
+    known = {loads.interface.name: loads for loads in solutions.interfaces}
+    loads = known[name]
+    interface = loads.interface
+    if interface.kind != "bore":
+        raise MeshError(
+            f"interface {name!r} is a {interface.kind!r}: contact is solved in round bores only"
+        )
+    vectors = harmonic_vectors(solutions.elements, interface, _resolved(solutions, interface))
+    displacement = solutions.solve(vectors)
+    flexibility = vectors.T @ displacement / solutions.mesh.share
+    uneven = np.abs(flexibility - flexibility.T).max() / np.abs(flexibility).max()
+    if uneven > 1e-9:
+        raise MeshError(f"the flexibility of bore {name!r} is not reciprocal: {uneven:.1e}")
+    return BoreHarmonics(solutions, loads, vectors, displacement, flexibility)
+
+
+def _resolved(solutions: UnitSolutions, interface: Interface) -> int:
+    """Number of the shortest wave that has _PER_WAVE elements."""
+    surface = solutions.elements.surface(interface.name)
+    side = np.sqrt(4 / np.sqrt(3) * surface.weights.sum() / len(surface.nodes))
+    around = 2 * np.pi * interface.radius / side
+    return int(np.clip(around / _PER_WAVE, _FEWEST_LONG, LONG))

@@ -1,0 +1,160 @@
+"""Unit solutions of a part with the pressure of solved contacts among its unit loads.
+
+A bore's pressure is the sum of its long waves, which are unit loads of the part's elements like any
+other, and of short ones, which no element could follow: these have no nodal forces, only the stress
+that they make at the bore itself. They are reduced to few patterns (singular values); what patterns
+miss of the pressure counts as an error.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sp
+
+from fem.contact.bore import BoreHarmonics
+from fem.contact.cycle import ContactCycle
+from fem.unit_solutions import UnitSolutions
+from geometry.mesh import FloatArray
+
+PATTERNS = 48  # of short waves of all bores of a part, at most
+LEFT = 1e-4  # of the largest pressure, that patterns may miss
+_ROUND_OFF = 1e-9  # of the largest singular value
+
+
+class ContactSolutions(UnitSolutions):
+    """Unit solutions with more columns at some bores: long waves, then patterns of short ones."""
+
+    def __init__(
+        self, of: UnitSolutions, harmonics: Sequence[BoreHarmonics], patterns: Sequence[FloatArray]
+    ) -> None:
+        """Take the fields of the part, and those of its bores.
+
+        harmonics  of the bores that are solved; `of` may be the same mesh with other stiffness
+        patterns   for each bore (n_points of the bore, k) MPa, pressures of short waves
+        """
+        bores = {one.loads.interface.name: k for k, one in enumerate(harmonics)}
+        interfaces, loads, displacement, basis, first = [], [], [], [], 0
+        for unit in of.interfaces:
+            columns = slice(first, first + len(unit.names))
+            first = columns.stop
+            loads.append(of.loads[:, columns])
+            displacement.append(of.displacement[:, columns])
+            basis.append(of.basis[:, :, columns])
+            k = bores.get(unit.interface.name)
+            if k is not None:
+                bore, own = harmonics[k], patterns[k]
+                none = np.zeros((len(of.loads), own.shape[1]))
+                same = bore.solutions is of
+                moved = bore.displacement if same else of.solve(bore.vectors)
+                loads += [bore.vectors, none]
+                displacement += [moved, none]
+                local = np.zeros((len(of.basis), 6, own.shape[1]))
+                local[bore.points] = bore.short_wave_stress[:, :, None] * own[:, None]
+                basis += [bore.stress if same else of.recovery.surface_stress(moved), local]
+                names = [f"short wave {m}" for m in range(1, own.shape[1] + 1)]
+                unit = replace(
+                    unit,
+                    names=(*unit.names, *bore.names, *names),
+                    vectors=np.concatenate([unit.vectors, bore.vectors, none], axis=1),
+                )
+            interfaces.append(unit)
+        rest = slice(first, None)
+        self.__dict__.update(
+            {
+                name: getattr(of, name)
+                for name in ("elements", "pattern", "material", "held", "factor", "residual",
+                             "ties", "softened", "recovery")
+            },
+            interfaces=tuple(interfaces),
+            loads=np.concatenate([*loads, of.loads[:, rest]], axis=1),
+            displacement=np.concatenate([*displacement, of.displacement[:, rest]], axis=1),
+            basis=np.concatenate([*basis, of.basis[:, :, rest]], axis=2),
+            _of=of,
+            _added=(harmonics, patterns),
+        )  # fmt: skip
+
+    def on(self, of: UnitSolutions) -> "ContactSolutions":
+        """The same columns on another stiffness of the same mesh."""
+        return ContactSolutions(of, *self.__dict__["_added"])
+
+    @cached_property
+    def stiffness(self) -> sp.csr_array:
+        """Upper triangle of the whole stiffness matrix, without ties."""
+        of: UnitSolutions = self.__dict__["_of"]
+        return of.stiffness
+
+    def solve(self, loads: FloatArray) -> FloatArray:
+        """Displacement (3 n_nodes, m) of other nodal forces under the same hold."""
+        of: UnitSolutions = self.__dict__["_of"]
+        return of.solve(loads)
+
+
+def superposed(
+    harmonics: Sequence[BoreHarmonics], cycles: Sequence[ContactCycle], patterns: int = PATTERNS
+) -> tuple[ContactSolutions, list[FloatArray], float]:
+    """Superpose the contact of some cycles of one part on one set of unit loads.
+
+    patterns  of short waves of all bores, at most; forces that turn all around need many of them
+
+    Returns the unit loads, the coefficients (n_basis, n_positions) of each cycle, and the largest
+    pressure that is missed of a short wave, MPa.
+    """
+    own: list[FloatArray] = []
+    amounts: list[list[FloatArray]] = []
+    missed = 0.0
+    for bore in harmonics:
+        found = [cycle.bores[bore.loads.interface.name] for cycle in cycles]
+        largest = max(float(one.pressures.max(initial=0.0)) for one in found)
+        short, shares = [], []
+        for one in found:  # forces of few hats are the sum of fewer shapes than there are positions
+            shapes, sizes, share = np.linalg.svd(one.forces, full_matrices=False)
+            count = int(np.count_nonzero(sizes > _ROUND_OFF * sizes[0]))
+            short.append(bore.short_waves(one.hats, shapes[:, :count] * sizes[:count]))
+            shares.append(share[:count])
+        kept, amount, left = _reduced(
+            np.concatenate(short, axis=1), shares, LEFT * largest, patterns // len(harmonics)
+        )
+        own.append(kept)
+        amounts.append(amount)
+        missed = max(missed, left)
+    solutions = ContactSolutions(harmonics[0].solutions, harmonics, own)
+    bores = {one.loads.interface.name: k for k, one in enumerate(harmonics)}
+    every = []
+    for number, cycle in enumerate(cycles):
+        rows, first = [], 0
+        for unit in harmonics[0].solutions.interfaces:
+            name = unit.interface.name
+            rows.append(cycle.others[first : first + len(unit.names)])
+            first += len(unit.names)
+            if name in bores:
+                pressed = cycle.bores[name]
+                waves = harmonics[bores[name]].waves(pressed.hats)
+                rows += [waves.T @ pressed.forces, amounts[bores[name]][number]]
+        every.append(np.concatenate([*rows, cycle.others[first:]]))
+    return solutions, every, missed
+
+
+def _reduced(
+    pressures: FloatArray, shares: Sequence[FloatArray], enough: float, most: int
+) -> tuple[FloatArray, list[FloatArray], float]:
+    """Patterns (n, k), their amounts (k, m) in each cycle, and the largest pressure they miss.
+
+    pressures  (n, r) of which each cycle has its columns, as many as its shares (r_cycle, m) rows
+    """
+    shapes, sizes, parts = np.linalg.svd(pressures, full_matrices=False)
+    ends = np.cumsum([len(share) for share in shares])[:-1]
+    of_cycles = np.split(sizes[:, None] * parts, ends, axis=1)
+    amounts = [part @ share for part, share in zip(of_cycles, shares, strict=True)]
+    missed = [
+        part @ share for part, share in zip(np.split(pressures, ends, axis=1), shares, strict=True)
+    ]
+    kept = 0
+    while True:
+        left = max(float(np.abs(one).max(initial=0.0)) for one in missed)
+        if left <= enough or kept == min(most, len(sizes)):
+            return shapes[:, :kept], [amount[:kept] for amount in amounts], left
+        for one, amount in zip(missed, amounts, strict=True):
+            one -= np.outer(shapes[:, kept], amount[kept])
+        kept += 1
