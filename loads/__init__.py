@@ -3,7 +3,7 @@
 from loads.assembly import assembly_gap
 from loads.bodies import GROUND, Body, LinkageError, Pose
 from loads.compliance import BeamCompliance, Compliance, JointCompliance, MatrixCompliance
-from loads.cycle import Cycle, CycleError, Phase, run_at_rates, run_cycle, try_cycle
+from loads.cycle import CycleError, run_at_rates, run_cycle, try_cycle
 from loads.cycle_loads import ContactLoads, CycleLoads
 from loads.dead_centre import PullThrough, pull_through
 from loads.diagnosis import Diagnosis, diagnose, percent, position_text
@@ -24,14 +24,16 @@ from loads.joints import (
     Slot,
 )
 from loads.kinematics import Kinematics
-from loads.laws import Contact, Law, Table
+from loads.laws import Contact, Law, Opposing, Table
 from loads.linkage import Linkage
 from loads.measured import MeasuredBody, MeasuredLoad, MeasuredLoads
 from loads.motion import Geometry, Motion, move
 from loads.pace import Pace, SteadyPace, StrokePace
 from loads.path import Path, trace
+from loads.phases import Cycle, Phase
 from loads.point_loads import PointLoad
 from loads.resolve_forces import forces_again, moves_alike
+from loads.reversals import split_at_reversals
 
 __all__ = [
     "GROUND",
@@ -66,6 +68,7 @@ __all__ = [
     "MeasuredLoad",
     "MeasuredLoads",
     "Motion",
+    "Opposing",
     "Pace",
     "Path",
     "Phase",
@@ -90,6 +93,7 @@ __all__ = [
     "run_at_rates",
     "run_cycle",
     "solve_forces",
+    "split_at_reversals",
     "trace",
     "try_cycle",
 ]

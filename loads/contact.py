@@ -16,9 +16,10 @@ from loads.elasticity import LoadState, deflection
 from loads.forces import ForceSolution, solve_forces, unit_forces
 from loads.joints import Fixed, Force, PointCoordinate, in_words
 from loads.kinematics import dot, unit
-from loads.laws import Contact, Law, Table
+from loads.laws import Contact, Law, Opposing, Table
 from loads.linkage import Linkage
 from loads.motion import Motion
+from loads.reversals import opposing
 
 _STEPS = 60
 _LEFT = 1e-12  # of depth and deflection: what may be left of a contact's gap
@@ -75,6 +76,8 @@ def _sorted(
                 contacts[name] = law
             case Table():
                 given[name] = _tabled(motion, name, law)
+            case Opposing():
+                given[name] = opposing(motion, name, law)
             case _:
                 given[name] = law
     return given, contacts

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, fields, replace
 from functools import partial
-from math import ceil, isfinite
+from math import ceil
 
 import numpy as np
 
@@ -15,12 +15,14 @@ from loads.cycle_loads import CycleLoads
 from loads.deflected import second_order
 from loads.elasticity import check_compliance
 from loads.forces import ForceSolution, JointLoad
-from loads.joints import Coordinate, Prismatic, Slot
-from loads.laws import Contact, Law, Table
+from loads.joints import Prismatic, Slot
+from loads.laws import Contact, Opposing, Table
 from loads.linkage import Linkage
 from loads.motion import Geometry, Motion, move
-from loads.pace import Pace, SteadyPace
+from loads.pace import SteadyPace
 from loads.path import Path, trace
+from loads.phases import Cycle
+from loads.reversals import coordinate_speed
 from loads.sampling_error import unresolved
 from loads.timing import Timing
 
@@ -38,60 +40,6 @@ class CycleError(LinkageError):
 
     def __str__(self) -> str:
         return f"cycle {self.cycle!r}, phase {self.phase_name!r}: {self.problem}"
-
-
-@dataclass(frozen=True)
-class Phase:
-    """A part of the cycle: up to which value, under which forces, solving for which one.
-
-    stop   mm or rad, of the cycle's coordinate
-    given  the law of each force, by name: N or N mm where it is constant; every force is either
-           given or solved for
-    """
-
-    name: str
-    stop: float
-    given: Mapping[str, Law]
-    solve: str
-
-
-@dataclass(frozen=True)
-class Cycle:
-    """Cycle of a linkage: a coordinate swept from start through the stops of the phases.
-
-    pace         the coordinate that sets the time; its direction follows the phase
-    n_positions  at least, over all phases
-    """
-
-    name: str
-    coordinate: Coordinate
-    start: float
-    pace: Pace
-    phases: tuple[Phase, ...]
-    n_positions: int = 361
-
-    def __post_init__(self) -> None:
-        owner = f"cycle {self.name!r}"
-        if not self.phases:
-            raise LinkageError(f"{owner}: has no phases")
-        if self.n_positions < 2:
-            raise LinkageError(f"{owner}: needs at least 2 positions, got {self.n_positions}")
-        names = [phase.name for phase in self.phases]
-        for name in names:
-            if names.count(name) > 1:
-                raise LinkageError(f"{owner}: two phases are named {name!r}")
-        for phase, (start, stop) in zip(self.phases, self.spans, strict=True):
-            if not (isfinite(start) and isfinite(stop)) or start == stop:
-                raise LinkageError(
-                    f"{owner}, phase {phase.name!r}: goes from {start:g} to {stop:g}, "
-                    "a phase must move"
-                )
-
-    @property
-    def spans(self) -> tuple[tuple[float, float], ...]:
-        """Where each phase starts and stops."""
-        stops = [phase.stop for phase in self.phases]
-        return tuple(zip([self.start, *stops[:-1]], stops, strict=True))
 
 
 def run_cycle(linkage: Linkage, cycle: Cycle) -> CycleLoads:
@@ -208,7 +156,8 @@ class _Run:
     def with_corners(self, k: int, grid: FloatArray) -> FloatArray:
         """Return the grid of phase k with the corners of its laws put in.
 
-        Corners of tables; where a contact begins, ends, starts to push, and comes nearest.
+        Corners of tables, over a coordinate or a speed; where a contact begins, ends, starts to
+        push, and comes nearest.
         """
         for name, law in self.cycle.phases[k].given.items():
             if isinstance(law, Table):
@@ -218,10 +167,18 @@ class _Run:
             elif isinstance(law, Contact):
                 grid = with_extremes(grid, partial(self._gaps, k, name))
                 grid = with_roots(grid, partial(self._gaps, k, name))
+            elif isinstance(law, Opposing) and law.speeds:
+                grid = with_extremes(grid, partial(self._speeds, k, name, law))
+                grid = with_roots(grid, partial(self._speeds, k, name, law))
         return grid
 
     def _above(self, table: Table, corner: float, grid: FloatArray) -> FloatArray:
         return self.path.kinematics.value(table.coordinate, self.path.at(grid).poses) - corner
+
+    def _speeds(self, k: int, name: str, law: Opposing, grid: FloatArray) -> FloatArray:
+        """Speed (m, n) of a force's own coordinate above each corner of its table."""
+        speed = coordinate_speed(self._motion(k, grid), name)
+        return np.array([speed - corner for corner in law.speeds[1:]])
 
     def _gaps(self, k: int, name: str, grid: FloatArray) -> FloatArray:
         """Gap and lift (2, n) of a contact at the positions of a grid, mm."""

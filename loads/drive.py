@@ -80,8 +80,7 @@ def drive_figures(
     n = len(times)
     coordinate = force.coordinate
     gradient = kinematics.gradient(coordinate, poses)
-    value = kinematics.value(coordinate, poses)
-    steps = np.diff(value)
+    steps = kinematics.steps(coordinate, poses)
     way = float(np.abs(steps).sum())
     push = force.sign * efforts
     work = float(np.sum(0.5 * (push[:-1] + push[1:]) * steps))
@@ -94,6 +93,7 @@ def drive_figures(
     steady = bool(np.ptp(rate) <= _STEADY * np.abs(rate).max())
     ripple = None
     if closed and steady and coordinate.angular and way > 0.0:
+        value = kinematics.value(coordinate, poses)
         mean = work / float(value[-1] - value[0])
         left = push - mean
         stored = np.concatenate([[0.0], np.cumsum(0.5 * (left[:-1] + left[1:]) * steps)])

@@ -97,11 +97,17 @@ Joint = Revolute | Prismatic | Slot | Fixed
 
 @dataclass(frozen=True)
 class PointCoordinate:
-    """Position of a point along a direction of the ground frame, from its origin [mm]."""
+    """Position of a point along a direction of the ground frame, from its origin [mm].
+
+    follows  body in whose frame the direction stands and with which it turns. Along such a
+             direction a point has a speed, so that a force along it has power, but no position:
+             the way depends on the path. It serves forces only, not a sweep, pace or table.
+    """
 
     body: str
     point: str
     direction: Vector
+    follows: str = GROUND
     angular: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
@@ -111,6 +117,8 @@ class PointCoordinate:
     def label(self) -> str:
         """The coordinate as messages call it."""
         x, y = (float(value) for value in self.direction)
+        if self.follows != GROUND:
+            return f"{self.point} along ({x:g}, {y:g}) of {self.follows}"
         if x and y:
             return f"{self.point} along ({x:g}, {y:g})"
         return f"{'-' if x + y < 0.0 else ''}{self.point}.{'x' if x else 'y'}"

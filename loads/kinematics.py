@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from loads.bodies import FloatArray, LinkageError
+from loads.bodies import GROUND, FloatArray, LinkageError
 from loads.joints import (
     Angle,
     Coordinate,
@@ -358,10 +358,32 @@ class Kinematics:
             poses, distance.body_a, distance.point_a
         )
 
+    def along(self, poses: FloatArray, coordinate: PointCoordinate) -> FloatArray:
+        """Return the unit vector along which a point is measured (n, 2), ground axes."""
+        direction = unit(coordinate.direction)
+        if coordinate.follows == GROUND:
+            return np.broadcast_to(direction, (len(poses), 2))
+        return rotated(direction, poses[:, self.index[coordinate.follows], 2])
+
+    def steps(self, coordinate: Coordinate, poses: FloatArray) -> FloatArray:
+        """Return how far a coordinate moves from each position to the next (n - 1,) [mm or rad].
+
+        Along a direction that turns with a body: by its mean at both ends, of second order.
+        """
+        if isinstance(coordinate, PointCoordinate) and coordinate.follows != GROUND:
+            along = self.along(poses, coordinate)
+            way = np.diff(self.point(poses, coordinate.body, coordinate.point), axis=0)
+            return dot(0.5 * (along[:-1] + along[1:]), way)
+        return np.diff(self.value(coordinate, poses))
+
     def value(self, coordinate: Coordinate, poses: FloatArray) -> FloatArray:
-        """Return a coordinate (n,) [mm or rad]."""
+        """Return a coordinate (n,) [mm or rad].
+
+        Raises LinkageError along a direction that turns with a body: a point has no position there.
+        """
         match coordinate:
             case PointCoordinate():
+                _check_fixed(coordinate)
                 return dot(
                     self.point(poses, coordinate.body, coordinate.point), unit(coordinate.direction)
                 )
@@ -380,7 +402,7 @@ class Kinematics:
         row = np.zeros((len(poses), 3 * self.n_bodies))
         match coordinate:
             case PointCoordinate(body=body, point=point):
-                direction = np.broadcast_to(unit(coordinate.direction), (len(poses), 2))
+                direction = self.along(poses, coordinate)
                 self._add_point(row, body, direction, self.arm(poses, body, point))
             case Distance(body_a=a, body_b=b):
                 span = self.span(poses, coordinate)
@@ -401,6 +423,7 @@ class Kinematics:
         """Return the quadratic term of a coordinate for rates (n,)."""
         match coordinate:
             case PointCoordinate(body=body, point=point):
+                _check_fixed(coordinate)
                 return dot(self._bend(poses, rates, body, point), unit(coordinate.direction))
             case Distance(body_a=a, body_b=b):
                 span = self.span(poses, coordinate)
@@ -415,6 +438,15 @@ class Kinematics:
                 return result
             case Angle():
                 return np.zeros(len(poses))
+
+
+def _check_fixed(coordinate: PointCoordinate) -> None:
+    if coordinate.follows != GROUND:
+        raise LinkageError(
+            f"{coordinate.label} has no position, as its direction turns with "
+            f"{coordinate.follows!r}: it can only be the direction of a force that is given, or "
+            "solved for in a rigid linkage"
+        )
 
 
 def unit(direction: tuple[float, float]) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Laws of given forces: constant, along a table, or as a contact that pushes back."""
+"""Laws of given forces: constant, along a table, against the motion, or as a contact."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -58,4 +58,41 @@ class Contact:
             raise LinkageError(f"the side of a contact must be 1 or -1, got {self.side}")
 
 
-Law = float | Table | Contact
+@dataclass(frozen=True)
+class Opposing:
+    """A force against the rate of its own coordinate: dry, viscous, or along a table.
+
+    dry      N (N mm), at any speed
+    viscous  N s/mm (N mm s/rad), times the speed, besides
+    speeds   mm/s (rad/s), rising from 0: instead of both, linear between; it must cover the motion
+    forces   N (N mm), one for each speed
+
+    It jumps where the coordinate reverses: `split_at_reversals` makes that the border of a phase.
+    """
+
+    dry: float = 0.0
+    viscous: float = 0.0
+    speeds: tuple[float, ...] = ()
+    forces: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        sizes = (self.dry, self.viscous, *self.forces)
+        if not all(isfinite(size) and size >= 0.0 for size in sizes):
+            raise LinkageError(f"a force against the motion must be 0 or above, got {min(sizes):g}")
+        if not self.speeds and not self.forces:
+            return
+        if self.dry or self.viscous:
+            raise LinkageError("a table over the speed stands alone, without dry and viscous")
+        if len(self.speeds) < 2 or len(self.speeds) != len(self.forces):
+            raise LinkageError(
+                "a table over the speed needs as many forces as speeds and at least two, got "
+                f"{len(self.speeds)} speeds and {len(self.forces)} forces"
+            )
+        if self.speeds[0] != 0.0 or not isfinite(self.speeds[-1]):
+            raise LinkageError(f"the speeds of a table must begin at 0, got {self.speeds[0]:g}")
+        for before, after in pairwise(self.speeds):
+            if after <= before:
+                raise LinkageError(f"the speeds of a table must rise: {before:g}, then {after:g}")
+
+
+Law = float | Table | Opposing | Contact

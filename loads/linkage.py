@@ -113,7 +113,8 @@ class Linkage:
         """Raise if a coordinate names a body or point that the linkage does not have."""
         try:
             match coordinate:
-                case PointCoordinate(body=name, point=point):
+                case PointCoordinate(body=name, point=point, follows=other):
+                    self.body(other)
                     self.body(name).place(point)
                 case Distance():
                     self.body(coordinate.body_a).place(coordinate.point_a)

@@ -8,7 +8,7 @@ import numpy as np
 from loads.bodies import FloatArray
 from loads.forces import JointLoad
 from loads.joints import Angle, Distance, Force, Prismatic, Slot
-from loads.kinematics import Kinematics, cross, dot, unit
+from loads.kinematics import Kinematics, cross, dot
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,5 +87,5 @@ def _force_on(
             known = coordinate.point in kinematics.linkage.body(body).points
             result.append((coordinate.point if known else None, none, -1.0))
     elif coordinate.body == body:
-        result.append((coordinate.point, none + unit(coordinate.direction), 0.0))
+        result.append((coordinate.point, none + kinematics.along(poses, coordinate), 0.0))
     return result

@@ -13,13 +13,14 @@ import numpy as np
 
 from loads.bodies import Body, LinkageError
 from loads.contact import solve_laws
-from loads.cycle import Cycle, CycleError
+from loads.cycle import CycleError
 from loads.cycle_loads import CycleLoads
 from loads.forces import JointLoad
 from loads.kinematics import Kinematics
 from loads.laws import Contact, Law
 from loads.linkage import Linkage
 from loads.motion import Motion
+from loads.phases import Cycle
 
 
 def moves_alike(known: Linkage, cycle: Cycle, other: Linkage, other_cycle: Cycle) -> bool:

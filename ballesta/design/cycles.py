@@ -1,6 +1,7 @@
 """Puts the cycles and the duty of a design together."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from math import degrees, pi
 
 import loads
@@ -8,7 +9,7 @@ from ballesta.design.coordinates import coordinate_of, dimension_along
 from ballesta.design.files import Sources
 from ballesta.design.joints import friction_of
 from ballesta.design.laws import law_of
-from checks.design.data import Cycle, Duty, Shown, Stop
+from checks.design.data import Cycle, Design, Duty, Shown, Stop
 from checks.design.errors import Problems
 from checks.design.model import DesignFile
 from checks.design.names import no_such
@@ -54,6 +55,34 @@ def duty_of(file: DesignFile, problems: Problems) -> Duty:
             f"{duty.allowed_damage:g}",
         )
     return Duty(dict(duty.cycles), duty.rate, duty.life, duty.allowed_damage, duty.damage_so_far)
+
+
+def split_cycles(design: Design) -> dict[str, Cycle]:
+    """Return the cycles with phases that end where a force against the motion reverses.
+
+    A linkage that cannot go through them stays as it is: solving it tells why.
+    """
+    if not any(_has_opposing(cycle.run) for cycle in design.cycles.values()):
+        return dict(design.cycles)
+    found = {}
+    for name, cycle in design.cycles.items():
+        try:
+            linkage = loads.Linkage(
+                bodies=(design.ground, *design.bodies.values()),
+                joints=tuple(joint for joints in design.joints.values() for joint in joints),
+                forces=tuple(design.forces.values()),
+                assembled=design.assembled,
+            )
+            run, entries = loads.split_at_reversals(linkage, cycle.run)
+        except loads.LinkageError:
+            run, entries = cycle.run, ()
+        found[name] = replace(cycle, run=run, entries=entries)
+    return found
+
+
+def _has_opposing(run: loads.Cycle) -> bool:
+    laws = (law for phase in run.phases for law in phase.given.values())
+    return any(isinstance(law, loads.Opposing) for law in laws)
 
 
 def _cycle(

@@ -18,7 +18,7 @@ _KINDS = {
 }
 _USED = {
     "between": ("on",),
-    "body": ("at", "direction"),
+    "body": ("at", "direction", "follows"),
     "turns": ("against", "at"),
 }
 
@@ -65,7 +65,7 @@ def wrong_dimension(value: Measured, wanted: str, whose: str) -> str:
 
 def _only_used(key: str, entry: ForceEntry, kind: str, problems: Problems) -> bool:
     right = True
-    for field in ("on", "at", "direction", "against"):
+    for field in ("on", "at", "direction", "follows", "against"):
         if getattr(entry, field) is not None and field not in _USED[kind]:
             for_ = [_KINDS[other] for other, used in _USED.items() if field in used]
             problems.add(
@@ -170,7 +170,12 @@ def _along(
         return None
     if not _at_point_of(key, entry.body, entry.at, file, problems):
         return None
-    return loads.PointCoordinate(entry.body, entry.at, entry.direction)
+    if entry.follows is None:
+        return loads.PointCoordinate(entry.body, entry.at, entry.direction)
+    if entry.follows not in file.bodies:
+        problems.add(f"{key}.follows", no_such("body", entry.follows, file.bodies))
+        return None
+    return loads.PointCoordinate(entry.body, entry.at, entry.direction, entry.follows)
 
 
 def _angle(

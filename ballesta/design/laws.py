@@ -1,4 +1,4 @@
-"""Puts the laws of the forces in a phase together: constant, tabled, or a contact."""
+"""Puts the laws of the forces in a phase together."""
 
 import csv
 import io
@@ -13,7 +13,7 @@ from ballesta.design.files import Sources
 from ballesta.design.forces import dimension_of, wrong_dimension
 from checks.design.errors import DesignError, Problems
 from checks.design.model import DesignFile
-from checks.design.tables import ContactLaw, ForceEntry, TableLaw
+from checks.design.tables import ContactLaw, ForceEntry, OpposingLaw, TableLaw
 from checks.design.units import DIMENSIONS, Measured, measure
 from checks.result.words import brief
 
@@ -23,7 +23,7 @@ _EXAMPLE = 'over = "A.y", at = ["0 mm", "5 mm"], force = ["0 N", "80 N"]'
 def law_of(
     key: str,
     force: str,
-    entry: Measured | TableLaw | ContactLaw,
+    entry: Measured | TableLaw | OpposingLaw | ContactLaw,
     file: DesignFile,
     forces: Mapping[str, loads.Force],
     sources: Sources,
@@ -35,6 +35,8 @@ def law_of(
         return _value(key, force, entry, stated, problems)
     if isinstance(entry, ContactLaw):
         return _contact(key, forces[force], entry, file, problems) if force in forces else None
+    if isinstance(entry, OpposingLaw):
+        return _opposing(key, force, entry, stated, problems)
     return _table(key, force, entry, file, forces, sources, problems)
 
 
@@ -54,8 +56,11 @@ def _contact(
 ) -> loads.Contact | None:
     own = force.coordinate
     direction = own.direction if isinstance(own, loads.PointCoordinate) else (1.0, 0.0)
-    if own.angular or all(direction):
+    follows = file.forces[force.name].follows
+    if own.angular or follows or all(direction):
         what = "is a torque" if own.angular else "pushes askew"
+        if follows:
+            what = f"turns with {follows}"
         problems.add(
             key, f"a contact needs a force along x or y, or between two points; {force.name} {what}"
         )
@@ -93,6 +98,45 @@ def _contact(
     # along its own direction, a force that points down has the coordinate -y; between two points
     # the contact pushes them apart when they come closer than `at`
     return loads.Contact(sum(direction) * entry.at.value, entry.stiffness, 1, stops)
+
+
+def _opposing(
+    key: str, force: str, entry: OpposingLaw, stated: ForceEntry, problems: Problems
+) -> loads.Opposing | None:
+    told = len(problems)
+    turns = stated.turns is not None
+    kind = "a torque" if turns else "a force"
+
+    def in_order(field: str, values: Sequence[Measured], wanted: str) -> tuple[float, ...]:
+        for value in values:
+            if value.dimension != wanted:
+                problems.add(f"{key}.{field}", wrong_dimension(value, wanted, f"{force} is {kind}"))
+                break
+        return tuple(value.value for value in values)
+
+    sizes = [entry.dry] if entry.dry is not None else []
+    dampings = [entry.viscous] if entry.viscous is not None else []
+    tabled = entry.at_speed is not None or entry.resistance is not None
+    if tabled and (sizes or dampings):
+        problems.add(key, "is either dry and viscous, or at_speed with resistance")
+        return None
+    dry = in_order("dry", sizes, dimension_of(stated))
+    viscous = in_order("viscous", dampings, "turning damping" if turns else "damping")
+    if not tabled:
+        return loads.Opposing(sum(dry), sum(viscous)) if len(problems) == told else None
+    if entry.at_speed is None or entry.resistance is None:
+        missing = "at_speed" if entry.at_speed is None else "resistance"
+        problems.add(f"{key}.{missing}", "must be stated beside the other column of the table")
+        return None
+    speeds = in_order("at_speed", entry.at_speed, "angular speed" if turns else "speed")
+    resistances = in_order("resistance", entry.resistance, dimension_of(stated))
+    if len(problems) > told:
+        return None
+    try:
+        return loads.Opposing(speeds=speeds, forces=resistances)
+    except loads.LinkageError as error:
+        problems.add(f"{key}.at_speed", str(error))
+        return None
 
 
 def _table(

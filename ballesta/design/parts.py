@@ -15,6 +15,7 @@ from checks.design.model import BodyPartEntry, DesignFile, StepPartEntry
 from checks.design.names import LINKAGE, listed, no_such
 from checks.design.stacks import check_stacks
 from checks.design.strength import FkmStrength, fkm_of
+from checks.handbook.fits import clearances_of
 from checks.result.words import clipped
 from geometry.parameters import GIVEN_BY_DESIGN, GIVEN_BY_LINKAGE, ParameterError
 from geometry.part_sizes import check_sizes, key_of
@@ -108,9 +109,14 @@ def parts_of(
                 "the part is no column: it has no section that is compressed along its length; "
                 "leave it out",
             )
-        material = materials[entry.material]
+        try:
+            material = materials[entry.material].of(geometry.ruling_sections)
+        except ParameterError as error:
+            problems.add(f"{key}.{error.field}", error.problem)
+            continue
         fkm = fkm_of(key, entry, material, geometry, problems) if material.ductile else None
-        parts[name] = _part(name, entry, file, geometry, material, rollers, fkm)
+        clearances = _clearances(key, entry, geometry, problems)
+        parts[name] = _part(name, entry, file, geometry, material, rollers, fkm, clearances)
     check_stacks(parts, file.parts, problems)
     return parts
 
@@ -140,6 +146,40 @@ def _rollers(
     return rollers
 
 
+def _clearances(
+    key: str, entry: Any, geometry: Any, problems: Problems
+) -> dict[str, tuple[float, float]]:
+    """Least and largest clearance of the pin in each bore whose fit is stated, mm on diameter."""
+    found: dict[str, tuple[float, float]] = {}
+    if not isinstance(entry, BodyPartEntry):
+        return found
+    bores = {face.name: face for face in geometry.placed_interfaces if face.kind == "bore"}
+    if bores and "bearing_arc" in entry.model_fields_set and set(bores) <= set(entry.fits):
+        problems.add(
+            f"{key}.bearing_arc",
+            "the fit of the pin in every bore of the part is stated (fits), so where pins press is "
+            "solved and no arc is assumed; state only one of the two",
+        )
+    for name, fit in sorted(entry.fits.items()):
+        if name not in bores:
+            problems.add(f"{key}.fits.{name}", no_such("bore of the part", name, bores))
+            continue
+        try:
+            found[name] = (
+                fit if isinstance(fit, tuple) else clearances_of(fit, 2 * bores[name].radius)
+            )
+        except ValueError as error:
+            problems.add(f"{key}.fits.{name}", str(error))
+            continue
+        if found[name][1] >= bores[name].radius / 5:
+            problems.add(
+                f"{key}.fits.{name}",
+                f"a clearance of {found[name][1]:g} mm is more than a tenth of the bore's diameter "
+                f"of {2 * bores[name].radius:g} mm; is it in another unit?",
+            )
+    return found
+
+
 def _part(
     name: str,
     entry: Any,
@@ -148,6 +188,7 @@ def _part(
     material: Material,
     rollers: Mapping[str, Roller],
     fkm: FkmStrength | None,
+    clearances: Mapping[str, tuple[float, float]],
 ) -> Part:
     is_body = isinstance(entry, BodyPartEntry)
     stack = () if is_body else tuple(entry.stack)
@@ -176,6 +217,7 @@ def _part(
         fkm=fkm,
         arc_stated="bearing_arc" in entry.model_fields_set,
         beside=beside,
+        clearances=clearances,
     )
 
 

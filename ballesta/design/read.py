@@ -5,13 +5,14 @@ Inside ballesta a `Design` is trusted: names exist, quantities are finite and in
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
 import loads
-from ballesta.design.cycles import cycles_of, duty_of
+from ballesta.design.cycles import cycles_of, duty_of, split_cycles
 from ballesta.design.files import Sources, read_design_files
 from ballesta.design.forces import forces_of
 from ballesta.design.joints import friction_of, joint_compliances, joints_of, pins_of
@@ -120,7 +121,7 @@ def _assembled(
         if name not in of_parts and entry.centre is None:
             defaults.append((f"bodies.{name}.centre", f"at its first pin, {entry.pins[0]}"))
     defaults += _contact_defaults(model, cycles)
-    return Design(
+    design = Design(
         name=model.name,
         file=sources.file,
         source=sources.texts[sources.file],
@@ -171,6 +172,7 @@ def _assembled(
             for kind, claim in kinds.items()
         },
     )
+    return replace(design, cycles=split_cycles(design))
 
 
 def _stated(value: Any, way: tuple[str | int, ...]) -> Iterator[tuple[str, str]]:
