@@ -13,6 +13,7 @@ import numpy as np
 from fatigue.stress_path import FloatArray, IntArray
 
 _GOLDEN = (1.0 + 5.0**0.5) / 2.0
+_FOUR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])  # of corners a, b, c, ab, bc, ca
 
 
 def divided(n_normals: int, cells: IntArray) -> tuple[IntArray, IntArray]:
@@ -24,24 +25,23 @@ def divided(n_normals: int, cells: IntArray) -> tuple[IntArray, IntArray]:
     sides = np.sort(cells[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     # one number per edge, in the order of its ends: NumPy sorts rows ten times as slowly
     number, which = np.unique(sides[:, 0] * n_normals + sides[:, 1], return_inverse=True)
-    edges = np.stack(np.divmod(number, n_normals), axis=1)
+    edges = np.array(np.divmod(number, n_normals)).T
     middle = n_normals + which.reshape(-1, 3)
-    a, b, c = cells.T
-    ab, bc, ca = middle.T
-    four = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
-    return edges, np.concatenate([np.stack(corner, axis=1) for corner in four])
+    corners = np.concatenate([cells, middle], axis=1)
+    return edges, np.concatenate([corners[:, four] for four in _FOUR])
 
 
 def middles(normals: FloatArray, edges: IntArray) -> FloatArray:
     """Return the unit vectors in the middle of each edge, (n_edges, 3)."""
     between = normals[edges].sum(axis=1)
-    return np.asarray(between / np.linalg.norm(between, axis=1, keepdims=True))
+    return np.asarray(between / np.sqrt((between * between).sum(axis=1, keepdims=True)))
 
 
 def longest_edges(normals: FloatArray, cells: IntArray) -> FloatArray:
     """Return the length, rad, of each cell's longest edge, (n_cells,)."""
     corners = normals[cells]
-    chord = np.linalg.norm(corners - corners[:, [1, 2, 0]], axis=2).max(axis=1)
+    sides = corners - corners[:, [1, 2, 0]]
+    chord = np.sqrt((sides * sides).sum(axis=2)).max(axis=1)
     return np.asarray(2.0 * np.arcsin(np.minimum(chord / 2.0, 1.0)))
 
 

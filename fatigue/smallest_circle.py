@@ -60,7 +60,7 @@ def smallest_circles(paths: FloatArray) -> tuple[FloatArray, FloatArray, IntArra
         grown = worth > within[active]  # else only round-off is left
         active, members, chosen = active[grown], members[grown], chosen[grown]
         centre[active], within[active] = found[grown], worth[grown]
-        carriers[active] = np.take_along_axis(members, chosen, axis=1)
+        carriers[active] = members[np.arange(len(active))[:, None], chosen]
         if not len(active):
             return centre, np.sqrt(squared), carriers
     raise AssertionError("the smallest circle did not settle")

@@ -12,9 +12,20 @@ import numpy as np
 from checks.joints.lugs import Lug, lugs_of
 from checks.part.derived import EXACT, Heading, Series
 from checks.part.first_maximum import first_largest
+from checks.part.kind import Kind
 from checks.part.loaded_part import LoadedPart
 from checks.result.derivation import Given, Step
 from checks.result.verdict import Check
+
+BEARING = Kind(
+    name="bearing",
+    quantity="mean pressure of the pin F/(d t)",
+    demand="mean pressure on the projected area",
+    limit="yield stress of the softer of pin and hole",
+    require="static",
+    source="EN 1993-1-8, table 3.10; [fits](../theory/fits.md)",
+)
+KINDS = (BEARING,)
 
 _SHAPE = "the part's shape"
 
@@ -40,9 +51,7 @@ def _pressed(loaded: LoadedPart, lug: Lug) -> Check:
     softer, force = lug.softer, loaded.loads.resultant(lug.interface)
     return loaded.worst(
         Heading(
-            kind="bearing",
-            quantity="mean pressure of the pin F/(d t)",
-            required=loaded.required.static,
+            kind=BEARING,
             place=f"{lug.interface}, {lug.diameter:g} x {lug.width:g} mm",
             basis=f"yield stress of {softer.name}, the weaker of pin and hole, on the projected "
             "area: EN 1993-1-8 table 3.10 allows 1.5 f_y where nothing moves, 0.6 f_y under "

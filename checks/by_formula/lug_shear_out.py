@@ -15,6 +15,7 @@ from checks.joints.lugs import lugs_of
 from checks.joints.tear_planes import tear_lengths
 from checks.part.derived import EXACT, Heading, Series, shear_yield, yield_stress
 from checks.part.first_maximum import first_largest
+from checks.part.kind import Kind
 from checks.part.loaded_part import LoadedPart
 from checks.result.derivation import Step
 from checks.result.verdict import Check
@@ -22,6 +23,16 @@ from geometry.cad_body import SolidBody
 from geometry.mesh import FloatArray, Mesh
 from geometry.parts import PlateLink, SlottedLever, ToggleBar, TubeRod
 from geometry.parts.step_part import StepPart
+
+SHEAR_OUT = Kind(
+    name="shear-out",
+    quantity="mean shear stress behind the pin F/(2 A)",
+    demand="mean shear stress in two planes behind the hole",
+    limit="yield stress over √3",
+    require="static",
+    source="Melcon and Hoblit 1953; [fits](../theory/fits.md)",
+)
+KINDS = (SHEAR_OUT,)
 
 _DIRECTIONS = 72
 _FITS = "docs/theory/fits.md"
@@ -60,9 +71,7 @@ def _torn(loaded: LoadedPart, bore: str, ligament: Ligament) -> Check:
     pull, area = _pull(loaded.loads.wrenches[bore], ligament)
     return loaded.worst(
         Heading(
-            kind="shear-out",
-            quantity="mean shear stress behind the pin F/(2 A)",
-            required=loaded.required.static,
+            kind=SHEAR_OUT,
             place=f"{bore}, towards {ligament.until}",
             basis="yield stress over sqrt 3",
             note=lambda found: (

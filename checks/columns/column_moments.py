@@ -12,7 +12,7 @@ The stress F/A + M/W rises faster than the load: the safety is the factor on all
 reaches yield, never the ratio of stresses.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite, pi
@@ -20,13 +20,11 @@ from math import isfinite, pi
 import numpy as np
 
 from checks.columns.column_first_order import GRID, FirstOrder, first_order
-from checks.columns.column_limits import Plane, planes_of, whole_force
+from checks.columns.column_limits import Plane, whole_force
 from checks.design.data import Part
 from checks.handbook.column_curves import BOW
 from checks.part.first_maximum import first_largest
-from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
-from checks.result.verdict import Check
 from geometry.mesh import FloatArray, IntArray
 from geometry.sections import Section
 
@@ -51,6 +49,10 @@ def axial_compression(part: Part, loads: PartLoads) -> FloatArray:
 class CrookedColumn:
     """A part's sections under all positions at which it is compressed, one plane crooked.
 
+    plane       the crooked one
+    other       the other one
+    positions   (n,)     which of all positions these are, or are next to
+    sections    (k,)
     force       (n,)     N, compression
     places      (k,)     share of the length
     areas       (k,)     mm2
@@ -62,6 +64,10 @@ class CrookedColumn:
     beside      mm, eccentricity
     """
 
+    plane: Plane
+    other: Plane
+    positions: IntArray
+    sections: Sequence[Section]
     force: FloatArray
     places: FloatArray
     areas: FloatArray
@@ -223,6 +229,10 @@ def _crooked(part: Part, pressed: _Pressed, plane: Plane, other: Plane) -> Crook
         judged = side is plane or pressed.bent[side.name]
         critical.append(carried if judged else np.inf)  # its own check judges it
     return CrookedColumn(
+        plane,
+        other,
+        pressed.positions,
+        sections,
         pressed.force,
         pressed.places,
         np.array([section.area for section in sections]),
@@ -235,12 +245,12 @@ def _crooked(part: Part, pressed: _Pressed, plane: Plane, other: Plane) -> Crook
     )
 
 
-def crooked_column(
-    part: Part, loads: PartLoads, plane: Plane, other: Plane, mass: float | None = None
-) -> tuple[CrookedColumn, list[Section], IntArray]:
-    """The part crooked in `plane`, its sections by place, and which positions (n,) compress it."""
-    pressed = _pressed(part, loads, plane.own, mass)
-    return _crooked(part, pressed, plane, other), pressed.sections, pressed.positions
+def crooked_columns(
+    part: Part, loads: PartLoads, planes: tuple[Plane, Plane], mass: float | None = None
+) -> list[CrookedColumn]:
+    """The part crooked in each of both planes; a stated `mass` of its body, t, is its own."""
+    pressed = _pressed(part, loads, planes[0].own, mass)
+    return [_crooked(part, pressed, *both) for both in (planes, planes[::-1])]
 
 
 def crookedness(part: Part, plane: Plane) -> float:
@@ -249,63 +259,6 @@ def crookedness(part: Part, plane: Plane) -> float:
     if column.crookedness is not None:
         return column.crookedness
     return plane.length / (STRAIGHTNESS if column.curve is None else BOW[column.curve])
-
-
-def crooked_checks(loaded: LoadedPart) -> list[Check]:
-    """Return a check per plane of the crooked column's edge against yield, over all positions.
-
-    The value is the yield stress over the load factor, so that the safety is the load factor.
-    """
-    part, loads = loaded.part, loaded.loads
-    if not part.geometry.sections or not axial_compression(part, loads).max() > 0:
-        return []
-    planes = planes_of(loaded.design, part)
-    mass = loaded.stated.mass
-    checks = []
-    pressed = _pressed(part, loads, planes[0].own, mass)
-    for plane, other in (planes, planes[::-1]):
-        column, sections = _crooked(part, pressed, plane, other), pressed.sections
-        strength = part.material.yield_stress
-        factor, row, place = column.load_factor(strength)
-        position = int(pressed.positions[row])
-        force = float(column.force[row])
-        ratio = force / float(column.critical[0])
-        said = "beyond what the column carries: no state of rest under the load itself"
-        if force < column.critical.min():
-            stress = column.stress(1.0, slice(row, row + 1))[0, place]
-            said = f"{stress:.4g} MPa under the load itself"
-        beside = f", {column.beside:.3g} mm beside the middle" if column.beside else ""
-        checks.append(
-            Check(
-                part=part.name,
-                kind="buckling",
-                quantity=f"crooked bar {plane.name}",
-                value=strength / factor,
-                unit="MPa",
-                numerical=0.0,
-                model=0.0,
-                limit=strength,
-                required=loaded.required.static,
-                cycle=loads.cycle_names[position],
-                position=loads.labels[position],
-                place=f"{sections[place].name} at {plane.own * column.places[place]:.4g} mm",
-                method="formula",
-                basis=f"F/A + M/W with moments grown by 1/(1 - F/F_cr), F_cr = "
-                f"{column.critical[0]:.4g} N; value is the yield stress over "
-                f"the factor {factor:.4g} on all loads at which the edge yields",
-                note=f"{said}; axial {force / column.areas[place]:.4g} MPa, F/F_cr {ratio:.3g}, "
-                f"crooked by {crookedness(part, plane):.3g} mm ({_source(part)}){beside}",
-            )
-        )
-    return checks
-
-
-def _source(part: Part) -> str:
-    if part.column.crookedness is not None:
-        return "stated"
-    if part.column.curve is not None:
-        return f"Eurocode 3, curve {part.column.curve}"
-    return "L/1000, assumed"
 
 
 def _stations(part: Part, length: float) -> tuple[FloatArray, list[Section]]:

@@ -13,7 +13,7 @@ stiff  all bodies at a pin share all tilts, bodies in a slot hold each other sid
 The load factor multiplies all forces of the position together, inertia included.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -24,12 +24,22 @@ from checks.columns.link_forces import forces_of
 from checks.columns.link_joints import JointRows, shafts
 from checks.columns.link_model import LinkModel, link_model
 from checks.design.data import Design
+from checks.part.kind import Kind
 from checks.part.part_loads import shown_of
 from checks.result.verdict import Check
 from checks.strength.sampling import with_sampling
 from fem.frame_buckling import FrameModes, LooseFrameError
 from fem.frame_joints import IN_PLANE, OUT_OF_PLANE, PlacedLinks
 from geometry.mesh import FloatArray, IntArray
+
+LINKAGE = Kind(
+    name="buckling",
+    quantity="linkage frame, elastic load share",
+    demand="load over the lowest elastic buckling load of the linkage",
+    limit="1",
+    require="buckling",
+    source="[linkage frames](../theory/linkage_frames.md)",
+)
 
 COARSE, MIDDLE, FINE = 4, 8, 16  # pieces of a bar's longest stretch
 _COARSE_ERROR = 0.03  # of a factor, how much higher the coarse frame may be than the fine one
@@ -96,30 +106,51 @@ class LinkageMode:
     shape: Mapping[str, FloatArray]
 
 
-def worst_mode(design: Design, solved: Solved) -> LinkageMode | None:
+class FreeMotions:
+    """Motions that a linkage's joints leave free, by frame, pose and case.
+
+    Runs of a machine in doubt share them: their loads differ, poses and joints do not.
+    """
+
+    def __init__(self) -> None:
+        self._found: dict[tuple[object, ...], FloatArray] = {}
+
+    def of(self, key: tuple[object, ...], solve: Callable[[], FloatArray]) -> FloatArray:
+        """Motions (n, m) of unit stiffness under a key; solved where they are not there yet."""
+        if key not in self._found:
+            self._found[key] = solve()
+        return self._found[key]
+
+
+def worst_mode(
+    design: Design, solved: Solved, motions: FreeMotions | None = None
+) -> LinkageMode | None:
     """Return the lowest buckling mode of the linkage over all positions of the solved cycles.
+
+    motions  of earlier runs of the same design, kept for later ones
 
     None where no part is a bar, or no position has a factor above 0. Measured runs are left out:
     they tell no positions of the bodies. Raises loads.LinkageError where the frame can move.
     """
+    motions = FreeMotions() if motions is None else motions
     cycles = {name: run for name, run in solved.items() if isinstance(run, loads.CycleLoads)}
     if not cycles:
         return None
-    coarse = _Search(design, cycles, COARSE)
+    coarse = _Search(design, cycles, COARSE, motions)
     if not coarse.model.has_bars:
         return None
     try:
         ranked = coarse.ranked()
     except loads.LinkageError:  # a body that only slots keep from moving sideways
-        coarse = _Search(design, cycles, COARSE, slots_hold=True)
+        coarse = _Search(design, cycles, COARSE, motions, slots_hold=True)
         ranked = coarse.ranked()
-    fine = _Search(design, cycles, FINE, slots_hold=coarse.slots_hold)
+    fine = _Search(design, cycles, FINE, motions, slots_hold=coarse.slots_hold)
     lowest = {case: fine.lowest(case, places) for case, places in ranked.items()}
     soft = [(*lowest[case], case.plane) for case in (_IN, _SOFT) if case in lowest]
     if not soft:
         return None
     factor, name, k, plane = min(soft)
-    middle = _Search(design, cycles, MIDDLE, slots_hold=coarse.slots_hold)
+    middle = _Search(design, cycles, MIDDLE, motions, slots_hold=coarse.slots_hold)
     return fine.told(
         name,
         k,
@@ -150,15 +181,15 @@ def linkage_check(design: Design, mode: LinkageMode) -> Check:
     shares = ", ".join(f"{name} {share:.0%}" for name, share in mode.shares.items() if share > 5e-3)
     check = Check(
         part="linkage",
-        kind="buckling",
-        quantity="linkage frame, elastic load share",
+        kind=LINKAGE.name,
+        quantity=LINKAGE.quantity,
         value=value,
         unit="",
         numerical=value * mode.error / mode.factor,
         model=0.0,
         model_below=below,
         limit=1.0,
-        required=design.require.buckling,
+        required=LINKAGE.safety(design.require),
         cycle=mode.cycle,
         position=mode.position,
         place=f"{mode.plane} mode",
@@ -206,6 +237,7 @@ class _Search:
         design: Design,
         cycles: Mapping[str, loads.CycleLoads],
         pieces: int,
+        motions: FreeMotions | None = None,
         *,
         slots_hold: bool = False,
     ) -> None:
@@ -218,6 +250,12 @@ class _Search:
         }
         self._forces = {name: forces_of(self.model, rows) for name, rows in self._rows.items()}
         self._acting: dict[_Place, tuple[PlacedLinks, FloatArray]] = {}
+        self._motions = FreeMotions() if motions is None else motions
+        points = tuple((body.name, *body.points.items()) for body in first.linkage.bodies)
+        self._frame = pieces, slots_hold, turning, points, first.linkage.joints
+        self._sizes = {
+            name: float(np.ptp(run.poses[:, :, :2])) or 1.0 for name, run in cycles.items()
+        }
 
     def ranked(self) -> dict[_Case, list[tuple[float, _Place]]]:
         """1/factor and place by case, largest first; cases without a factor above 0 are left out.
@@ -262,11 +300,10 @@ class _Search:
             name, k = members[0]
             placed = self._placed(name, k)
             forms = self._forces[name].forms(placed, k)
-            rows = {stiff: self._rows[name].rows(placed, k, stiff=stiff) for stiff in (False, True)}
             acting = np.array([sizes[other][j] for other, j in members])
             geometric = np.tensordot(acting, forms, 1)
             for case in largest:
-                free = self._moves(placed, rows[case.stiff], case.plane)
+                free = self._moves(placed, name, k, case)
                 reduced = _reduced(placed, free, geometric, case.plane)
                 bounds = np.linalg.norm(reduced, axis=(1, 2))
                 near = np.flatnonzero(bounds > _NEAR * largest[case])
@@ -308,30 +345,36 @@ class _Search:
             placed = self._placed(name, k)
             self._acting[place] = placed, self._forces[name].geometric(placed, k)
         placed, geometric = self._acting[place]
-        rows = self._rows[name].rows(placed, k, stiff=case.stiff)
-        free = self._moves(placed, rows, case.plane)
+        free = self._moves(placed, name, k, case)
         return float(_largest_inverses(_reduced(placed, free, geometric, case.plane)[None])[0])
 
     def _alike(self, places: Sequence[_Place]) -> dict[tuple[object, ...], list[_Place]]:
         """Places by pose and pace."""
         result: dict[tuple[object, ...], list[_Place]] = {}
-        sizes = {
-            name: float(np.ptp(run.poses[:, :, :2])) or 1.0 for name, run in self._cycles.items()
-        }
         for name, k in places:
-            run, size = self._cycles[name], sizes[name]
-            pose = np.round(run.poses[k] / np.array([size, size, 1.0]) * 1e9).astype(np.int64)
-            result.setdefault((run.pace, pose.tobytes()), []).append((name, k))
+            result.setdefault(self._pose(name, k), []).append((name, k))
         return result
+
+    def _pose(self, name: str, k: int) -> tuple[object, ...]:
+        """Pose to a billionth of the linkage's size, and pace: all that motions depend on."""
+        run, size = self._cycles[name], self._sizes[name]
+        pose = np.round(run.poses[k] / np.array([size, size, 1.0]) * 1e9).astype(np.int64)
+        return run.pace, size, pose.tobytes()
 
     def _placed(self, name: str, k: int) -> PlacedLinks:
         return self.model.placed(self._cycles[name].poses[k])
 
-    def _moves(self, placed: PlacedLinks, rows: FloatArray, plane: str) -> FloatArray:
-        try:
-            return placed.unit_motions(rows, _PLANES[plane])
-        except LooseFrameError as error:
-            raise self._loose(plane, error) from error
+    def _moves(self, placed: PlacedLinks, name: str, k: int, case: _Case) -> FloatArray:
+        """Motions (n, m) of unit stiffness that the joints leave free at a position."""
+
+        def solve() -> FloatArray:
+            rows = self._rows[name].rows(placed, k, stiff=case.stiff)
+            try:
+                return placed.unit_motions(rows, _PLANES[case.plane])
+            except LooseFrameError as error:
+                raise self._loose(case.plane, error) from error
+
+        return self._motions.of((self._frame, self._pose(name, k), case), solve)
 
     def _loose(self, plane: str, error: LooseFrameError) -> loads.LinkageError:
         """The error of a frame that moves without strain, with bars of very unlike stiffness."""

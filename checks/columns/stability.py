@@ -6,11 +6,11 @@ from math import inf
 
 import numpy as np
 
-from checks.columns.column_limits import UNKNOWN_CURVE, ColumnCase, Plane, cases_of, planes_of
+from checks.columns.column_limits import UNKNOWN_CURVE, ColumnCase, Plane, cases_of
 from checks.columns.column_moments import axial_compression as axial_compression
-from checks.columns.column_moments import crooked_checks
 from checks.design.data import Part
 from checks.part.first_maximum import first_largest
+from checks.part.kind import Kind
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check, Status
@@ -21,98 +21,21 @@ from fem.unit_solutions import UnitSolutions
 from fem.worst_position import buckling_at, shares_of, worst_buckling
 from geometry.mesh import FloatArray
 
-# What the check of the elastic buckling load is called, by whatever model.
-ELASTIC_SHARE = "elastic load share"
+ELASTIC = Kind(
+    name="buckling",
+    quantity="elastic load share",
+    demand="load over the lowest elastic buckling load of the part, by whatever model",
+    limit="1",
+    require="buckling",
+    source="[buckling](../theory/buckling.md)",
+)
+ELASTIC_SHARE = ELASTIC.quantity
 # Half-width of the bar while only the first mesh has been asked, times its fineness. From there to
 # the finest mesh the factor falls by 1.4 % for the toggle bar; for local modes of thin-walled tubes
 # by 22 % at fineness 1, 46 % at 0.5 and 79 % at 0.35.
 _ONE_MESH_BAR = 0.3
 _SAME = 1e-9  # of a safety
 _FAR = 3.0  # times the required safety: beyond it the stiffer fork's bound is not computed
-
-
-def column_checks(loaded: LoadedPart) -> list[Check]:
-    """Return a check per plane of the section with the least safety, and the crooked column's.
-
-    The deciding limit is the least of yield, Johnson and Euler, or the Eurocode 3 curve that the
-    part's column states, over all positions; the other limits stand in the note. The required
-    safety for buckling applies either way: no partial factor is mixed into it.
-    """
-    part, loads = loaded.part, loaded.loads
-    worst = worst_compression(part, loads)
-    if worst is None:
-        return []
-    checks = []
-    for plane in planes_of(loaded.design, part):
-        judged = judged_columns(part, plane, float(axial_compression(part, loads)[worst]))
-        case, stress, safety = judged.deciding
-        limit = safety * stress
-        checks.append(
-            Check(
-                part=part.name,
-                kind="buckling",
-                quantity=column_quantity(plane),
-                value=stress,
-                unit="MPa",
-                numerical=0.0,
-                model=0.0,
-                model_below=stress * (1 - safety / judged.stiffest) if judged.between else 0.0,
-                limit=limit,
-                required=loaded.required.buckling,
-                cycle=loads.cycle_names[worst],
-                position=loads.labels[worst],
-                place=case.section.name,
-                method="formula",
-                basis=f"{case.law(part.column.curve)}; slenderness {case.strength.slenderness:.1f} "
-                f"over {_length(case)}; Euler {case.strength.euler:.4g} MPa; value is axial stress",
-                note=judged.told(part),
-            )
-        )
-    return [*checks, *crooked_checks(loaded)]
-
-
-def column_quantity(plane: Plane) -> str:
-    """Quantity of the check of a column in a plane."""
-    return f"column {plane.name}"
-
-
-def column_facts(loaded: LoadedPart) -> dict[str, float | str]:
-    """All column limits of a part side by side: safeties by section and plane, effective lengths.
-
-    Empty for a part that is never compressed or has no sections.
-    """
-    part, loads = loaded.part, loaded.loads
-    worst = worst_compression(part, loads)
-    if worst is None:
-        return {}
-    force = float(axial_compression(part, loads)[worst])
-    where = f"{loads.cycle_names[worst]}, {loads.labels[worst]}"
-    facts: dict[str, float | str] = {
-        "largest compression [N]": force,
-        "largest compression at": where,
-    }
-    for plane in planes_of(loaded.design, part):
-        for case in cases_of(part, plane):
-            safeties = case.safeties(force / case.section.area, part.material.yield_stress)
-            name = f"column {plane.name}, {case.section.name}{'' if case.whole else ', by itself'}"
-            facts[f"{name}: safety"] = ", ".join(f"{k} {v:.3g}" for k, v in safeties.items())
-            facts[f"{name}: effective length [mm]"] = case.length
-            facts[f"{name}: slenderness"] = case.strength.slenderness
-    return facts
-
-
-def column_told(part: Part, loads: PartLoads) -> str | None:
-    """Why a part that has sections is not judged as a column, in words; None where it is."""
-    if not part.geometry.sections:
-        return None
-    largest = float(axial_compression(part, loads).max())
-    if largest > 0:
-        return None
-    return (
-        "it is pulled at every position: there is no column to be checked"
-        if largest < 0
-        else "it is never compressed: there is no column to be checked"
-    )
 
 
 @dataclass(frozen=True)
@@ -185,13 +108,6 @@ def worst_compression(part: Part, loads: PartLoads) -> int | None:
     return worst if force[worst] > 0 else None
 
 
-def _length(case: ColumnCase) -> str:
-    """Effective length, in words."""
-    if not case.whole:
-        return f"{case.length:.4g} mm of its own"
-    return f"{case.length:.4g} mm{' as the stepped column' if case.stepped else ''}"
-
-
 def eigenvalue_check(
     loaded: LoadedPart,
     levels: Sequence[tuple[UnitSolutions, FloatArray]],
@@ -241,15 +157,15 @@ def eigenvalue_check(
         below *= max(0.0, 1 - bar)  # the stiffer forks' factor is as uncertain
         check = Check(
             part=part.name,
-            kind="buckling",
-            quantity=ELASTIC_SHARE,
+            kind=ELASTIC.name,
+            quantity=ELASTIC.quantity,
             value=1 / mode.factor,
             unit="",
             numerical=max(bar / mode.factor, missed),
             model=0.0,
             model_below=below,
             limit=1.0,
-            required=loaded.required.buckling,
+            required=ELASTIC.safety(loaded.required),
             cycle=loads.cycle_names[worst],
             position=loads.labels[worst],
             place=f"{mode.plane} mode",

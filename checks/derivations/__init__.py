@@ -1,6 +1,6 @@
-"""Derivations of the checks' numbers, one for every kind of check.
+"""Derivations of checks by models of many points: stress, fatigue, elastic buckling.
 
-One file per kind; `checks.ladder.explained` gives each check of a part its own. A derivation
-says what a check has computed in the formulas of docs/theory, and is evaluated from them: what it
-misses of the check's own number is a bug (tests/checks/derivations).
+Each says in the formulas of docs/theory how the number at the deciding point and position comes
+about, and is evaluated from them: what it misses of the check's own number is a bug
+(tests/checks/derivations). Checks by formula need none (`checks.by_formula`).
 """

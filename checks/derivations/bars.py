@@ -1,23 +1,26 @@
 """Error bars of a stress check, term by term."""
 
 from collections.abc import Mapping
-from math import degrees, isfinite, pi
+from math import degrees, pi
 
 from checks.design.data import Part
-from checks.handbook.pin_loaded_hole import BEYOND_ARCS
-from checks.models.bands import NoBand
+from checks.models.bands import NoBand, bores_given
 from checks.models.checked import band_around
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import Bars, Given, Item, Step
 from checks.result.verdict import Check
 from checks.stress.error_bars import Bars as SolidBars
 from checks.stress.part_model import RungModel
+from checks.stress.pins_in_bores import CLEARANCE_WORDS, MIDDLE
 from fem.convergence import FINER, LEAST, ORDER, REPEATS, SAFETY, SCATTER
 
 ERROR = "e_r"  # the symbol of a rung's own error
 Told = tuple[Bars, list[Item]]
 _OF_MESH = "numerical: last refinement, scatter of the elements, series of the pins' pressure"
+_SERIES = "what the series of the pins' pressure misses"
+_PATTERNS = "what patterns miss of the pressure that contact solved, and series of other pins'"
 _OF_ARCS = "model: arcs on which pins may press"
+_OF_FITS = "model: ends of the pins' clearances"
 _CALIBRATED = "docs/theory/error_bars.md"
 
 
@@ -39,52 +42,14 @@ def rung_bars(
             Step(numerical, "numerical error bar", f"{ERROR}*{value}", check.unit),
         ]
     band = band_around(part, loads, model, check)
+    raised = in_bores if in_bores > check.value else 0.0
+    above, below = band.formulas(value, check.unit, raised)
     if isinstance(band, NoBand):
-        return _unbanded(band, numerical, check, value, items), items
-    page = "docs/theory/rungs.md"
-    for symbol, side, edge, formula, reach in (
-        ("up", "above", band.high, "max(0, h_up - 1)", band.above[1]),
-        ("lo", "below", band.low, "max(0, 1 - h_lo)", band.below[1]),
-    ):
-        said = f"{'upper' if symbol == 'up' else 'lower'} end of where 95 % of solids lie"
-        own = f"reach of the solids' own model band {side}"
-        total = f"({formula} + q_{symbol})*{value}"
-        if symbol == "up" and in_bores > check.value:
-            items.append(_in_bores(in_bores))
-            total = f"(p_b/{value}*(max(1, h_up) + q_up) - 1)*{value}"
-        items += [
-            Given(f"h_{symbol}", f"{said}, over this value: {band.count} compared", edge, "", page),
-            Given(f"q_{symbol}", f"{own}, over the value", reach, "", page),
-            Step(
-                f"b_{symbol}",
-                f"model band {side}",
-                total,
-                check.unit,
-                page,
-            ),
-        ]
-    words = f"the model band is where 95 % of {band.count} solids lie around such a value"
-    return Bars(numerical, "b_up", "b_lo", words), items
-
-
-def _unbanded(band: NoBand, numerical: str, check: Check, value: str, items: list[Item]) -> Bars:
-    """Of a rung without a band: what is plausible at least, and at most if that is known."""
-    page, above, below = "docs/theory/rungs.md", "", ""
-    if isfinite(band.most):
-        above = "b_up"
-        said = "bound on a part that is only pulled: 10 times the share of what bends it, and 12 "
-        said += "times its peak stress over E, over the share"
-        items += [
-            Given("h_up", said, band.most, "", page),
-            Step(above, "bound above", f"(h_up - 1)*{value}", check.unit, page),
-        ]
-    if isfinite(band.least):
-        below = "b_lo"
-        items += [
-            Given("h_lo", "least plausible share of a rung's value", band.least, "", page),
-            Step(below, "bound below", f"(1 - h_lo)*{value}", check.unit, page),
-        ]
-    return Bars(numerical, above, below, f"no model band: {band.why}")
+        words = f"no model band: {band.why}"
+    else:
+        words = f"the model band is where 95 % of {band.count} solids lie around such a value"
+    up, low = (side[-1].symbol if side else "" for side in (above, below))
+    return Bars(numerical, up, low, words), [*items, *above, *below]
 
 
 def solid_bars(bars: SolidBars, value: str, more: float = 0.0) -> Told:
@@ -100,32 +65,36 @@ def solid_bars(bars: SolidBars, value: str, more: float = 0.0) -> Told:
         told = Bars("", words="no numerical bar: it takes two meshes")
     else:
         told = Bars("e_num", words=_OF_MESH)
+        scatter = "e_s" if own.order < ORDER else f"{SCATTER:g}*e_s"  # where a pressure ends
         items += [
             Given("v_1", "the value on the last mesh but one", bars.values[-2], "MPa", "the solid"),
             Given("h_1", "elements there on the last mesh but one", bars.sizes[-2], "mm"),
             Given("h_2", "elements there on the last mesh", bars.sizes[-1], "mm"),
             Step("r_m", "refinement there", f"max(h_1/h_2, {FINER:g})", "", _CALIBRATED),
-            Step("e_h", f"left by the last refinement, of order {ORDER:g}",
-                 f"max({SAFETY:g}/(r_m^{ORDER:g} - 1), {_written(LEAST)})*abs({value} - v_1)",
+            Step("e_h", f"left by the last refinement, of order {own.order:g}",
+                 f"max({SAFETY:g}/(r_m^{own.order:g} - 1), {_written(LEAST)})*abs({value} - v_1)",
                  "MPa", _CALIBRATED),
             Given("e_s", "scatter of the elements that meet there", own.scatter, "MPa"),
             Given("e_n", "what elements of this size miss in the notch", own.notch, "MPa"),
-            Given("e_t", "what the series of the pins' pressure misses", own.truncation, "MPa"),
+            Given("e_t", _PATTERNS if bars.by_clearance else _SERIES, own.truncation, "MPa"),
             Step("e_num", "numerical error bar",
-                 f"max(e_h, {SCATTER:g}*e_s, e_n) + {REPEATS:g}*{value} + e_t", "MPa",
+                 f"max(e_h, {scatter}, e_n) + {REPEATS:g}*{value} + e_t", "MPa",
                  _CALIBRATED),
         ]  # fmt: skip
     above, below = _arcs(bars.by_arc, bars.in_bores, items)
+    more_above, more_below = _clearances(bars.by_clearance, items)
+    above, below = _sum(above, more_above), _sum(below, more_below)
     if more:
         items.append(Given("b_c", "how far another criterion lies above", more, "MPa", "the note"))
-        above = f"{above} + b_c" if above else "b_c"
+        above = _sum(above, "b_c")
     up = "b_up" if above else ""
     low = "b_lo" if below else ""
     if up:
         items.append(Step(up, "model band above", above, "MPa", "docs/theory/bearing.md"))
     if low:
         items.append(Step(low, "model band below", below, "MPa", "docs/theory/bearing.md"))
-    words = "; ".join(text for text in (told.words, _OF_ARCS if up or low else "") if text)
+    of = (_OF_ARCS if bars.by_arc or more else "", _OF_FITS if bars.by_clearance else "")
+    words = "; ".join(text for text in (told.words, *of) if text)
     return Bars(told.numerical, up, low, words), items
 
 
@@ -133,6 +102,27 @@ def _written(share: float) -> str:
     """A share as a fraction where it is one of a whole, such as 1/3."""
     parts = round(1 / share)
     return f"1/{parts}" if share == 1 / parts else f"{share:.17g}"
+
+
+def _sum(*terms: str) -> str:
+    return " + ".join(term for term in terms if term)
+
+
+def _clearances(by_clearance: Mapping[float, float], items: list[Item]) -> tuple[str, str]:
+    """Formulas of the band above and below, by the clearances that a fit leaves."""
+    if not by_clearance:
+        return "", ""
+    names = {}
+    for number, (share, value) in enumerate(by_clearance.items(), 1):
+        names[share] = f"c_{number}"
+        said = (
+            f"the value at the {CLEARANCE_WORDS[share]} clearance of the pins whose fit is stated"
+        )
+        items.append(Given(names[share], said, value, "MPa", "contact, solved"))
+    middle = names[MIDDLE]
+    more = ", ".join(f"{name} - {middle}" for name in names.values())
+    less = ", ".join(f"{middle} - {name}" for name in names.values())
+    return f"max({more})", f"max({less})"
 
 
 def _arcs(by_arc: Mapping[float, float], in_bores: float, items: list[Item]) -> tuple[str, str]:
@@ -150,12 +140,7 @@ def _arcs(by_arc: Mapping[float, float], in_bores: float, items: list[Item]) -> 
     half = names[pi]
     more = ", ".join(f"{name} - {half}" for name in names.values())
     if in_bores:
-        items.append(_in_bores(in_bores))
+        items.append(bores_given(in_bores))
         more += f", p_b - {half}"
     less = ", ".join(f"{half} - {name}" for name in names.values())
     return f"max({more})", f"max({less})"
-
-
-def _in_bores(value: float) -> Given:
-    said = f"the largest in the bores under {1 + BEYOND_ARCS:g} of the forces in the plane"
-    return Given("p_b", said, value, "MPa", "docs/validation.md")

@@ -1,8 +1,8 @@
 """Elastic buckling by eigenvalues, of a solid and of the linkage: what no formula gives."""
 
+from checks.columns.column_limits import planes_of
 from checks.columns.linkage_frame import LinkageMode
-from checks.derivations.columns import euler_alone
-from checks.derivations.elastic import share_items
+from checks.columns.stability import axial_compression, judged_columns
 from checks.design.data import Design
 from checks.part.derived import load_case, position_of
 from checks.part.loaded_part import LoadedPart
@@ -28,17 +28,16 @@ _ONE = Given("one", "the load itself", 1.0, "", "at 1 it buckles", main=True)
 
 def elastic_share(loaded: LoadedPart, load: ElasticLoad) -> Derivation:
     """Of the share of the elastic buckling load by a rung below the solid."""
-    items = load.explain() if load.bar is None else share_items(load.bar)
     return Derivation(
         cases=(load_case(loaded.part, loaded.loads, load.position),),
         sections=(
-            Section(f"Demand: {load.words}", tuple(items)),
+            Section(f"Demand: {load.words}", tuple(load.explain())),
             Section("Limit", (_ONE,)),
         ),
         value="share",
         limit="one",
         unproved=load.unproved,
-        compared=tuple(euler_alone(loaded, load.position, load.share)),
+        compared=tuple(_euler_alone(loaded, load.position, load.share)),
     )
 
 
@@ -61,7 +60,7 @@ def solid_share(
         limit="one",
         unproved=f"the factor is the lowest eigenvalue of {unknowns} unknowns, K x = −λ K_G x with "
         "the stress of this position in K_G: no formula gives it",
-        compared=tuple(euler_alone(loaded, position, check.value)),
+        compared=tuple(_euler_alone(loaded, position, check.value)),
         bars=Bars(words="how far the factor moves from mesh to mesh, and what a count of all "
                   "lower ones leaves; below, forks that hold the ends"),
     )  # fmt: skip
@@ -143,3 +142,28 @@ def _alone(
         f"{number_text(mode.effective_length)} mm",
     )
     return (compared,), ()
+
+
+def _euler_alone(loaded: LoadedPart, position: int, share: float) -> list[Comparison]:
+    """The share that the compression is of Euler's force of the part as a column, by hand."""
+    part = loaded.part
+    if not part.geometry.sections:
+        return []
+    force = float(axial_compression(part, loaded.loads)[position])
+    if not force > 0:
+        return []
+    found = []
+    for plane in planes_of(loaded.design, part):
+        case = judged_columns(part, plane, force).deciding[0]
+        critical = case.strength.euler * case.section.area
+        found.append(
+            Comparison(
+                f"share of Euler's force as a hinged column, {plane.name}",
+                force / critical,
+                share,
+                "",
+                f"F/F_cr = {number_text(force)} N / {number_text(critical)} N, F_cr = π²·E·I/L² "
+                f"with L = {number_text(case.length)} mm of {case.section.name}",
+            )
+        )
+    return found

@@ -5,7 +5,7 @@ from itertools import combinations
 import numpy as np
 
 from checks.derivations.marin import at_point, limit_section
-from checks.derivations.superposed import PATTERNS, superposed
+from checks.derivations.superposed import patterns_of, superposed
 from checks.design.data import Part
 from checks.part.derived import load_case, numbers
 from checks.part.part_loads import PartLoads
@@ -69,7 +69,7 @@ def findley(part: Part, loads: PartLoads, level: Stressed, use: FatigueUse) -> D
         ),
         value="sigma",
         limit="S_e",
-        notes=(PATTERNS,),
+        notes=(patterns_of(level),),
     )
 
 
@@ -81,8 +81,9 @@ def _demand(level: Stressed, use: FatigueUse, point: int) -> list[Item]:
               "von Mises"),
         Step("k", "weight of the normal stress", f"{sine}/sqrt(1 - {sine}^2)", "", _SOURCE),
         Step("f", "limit of the parameter", "S_p*t_r*sqrt(1 + k^2)", "MPa", _SOURCE),
-        Step("u", "utilisation by Findley", "(tau_a + k*sigma_n)/f", "", _SOURCE, main=True),
-        Step("sigma", "amplitude of equal safety: the utilisation as a stress", "u*S_e", "MPa",
+        Step("u", "stress over strength by Findley", "(tau_a + k*sigma_n)/f", "", _SOURCE,
+             main=True),
+        Step("sigma", "amplitude of equal safety", "u*S_e", "MPa",
              main=True),
     ]  # fmt: skip
 

@@ -1,6 +1,6 @@
 """The FKM guideline's chain at the worst point, as docs/theory/strength.md has it."""
 
-from checks.derivations.superposed import PATTERNS, superposed
+from checks.derivations.superposed import patterns_of, superposed
 from checks.design.data import Part
 from checks.part.derived import amplitude_and_mean, load_case
 from checks.part.part_loads import PartLoads
@@ -29,7 +29,7 @@ def fkm(part: Part, loads: PartLoads, level: Stressed, use: FkmUse) -> Derivatio
         ),
         value="sigma",
         limit="sigma_ref",
-        notes=(PATTERNS,),
+        notes=(patterns_of(level),),
     )
 
 

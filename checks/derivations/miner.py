@@ -5,7 +5,7 @@ from math import isclose, isfinite
 import numpy as np
 
 from checks.derivations.marin import BOOK, limit_section
-from checks.derivations.superposed import PATTERNS, superposed
+from checks.derivations.superposed import patterns_of, superposed
 from checks.design.data import Part
 from checks.part.derived import load_case
 from checks.part.part_loads import PartLoads
@@ -56,7 +56,7 @@ def miner(part: Part, loads: PartLoads, level: Stressed, use: LifeUse) -> Deriva
         limit="S_e",
         equal=() if endless else (("D", "D_a"),),
         notes=(
-            PATTERNS,
+            patterns_of(level),
             f"{len(life.cycles.cycle_counts)} different cycles were counted by rainflow along the "
             f"longest chord of the path {life.run!r}"
             + (f", raised by {life.raised:.4g} for Findley's plane" if life.raised > 1 else "")
@@ -79,7 +79,7 @@ def _without_end(life: DutyLife, limit: float, strength: float) -> list[Item]:
               "rainflow"),
         Given("sigma_m", "mean of the largest cycle", float(mean[worst]), "MPa", "rainflow"),
         Given("S_p", "endurance limit at the point", limit, "MPa", "S_e over its fretting factor"),
-        Step("u", "utilisation of the endurance limit", "sigma_a/S_p + sigma_m/S_u", "",
+        Step("u", "stress over the endurance limit", "sigma_a/S_p + sigma_m/S_u", "",
              f"{BOOK}, eq. 6-46", main=True),
     ]  # fmt: skip
 

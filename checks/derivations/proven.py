@@ -1,4 +1,4 @@
-"""Proof that a derivation gives its check's numbers, and words for one that is not known."""
+"""Proof that a derivation by a model of stress gives its check's numbers; words where none does."""
 
 from dataclasses import replace
 from math import isfinite

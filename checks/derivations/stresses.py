@@ -4,7 +4,7 @@ from checks.derivations.findley import findley
 from checks.derivations.fkm import fkm
 from checks.derivations.marin import BOOK, at_point, limit_section
 from checks.derivations.miner import miner
-from checks.derivations.superposed import PATTERNS, superposed
+from checks.derivations.superposed import patterns_of, superposed
 from checks.design.data import Part
 from checks.part.derived import amplitude_and_mean, load_case, yield_stress
 from checks.part.part_loads import PartLoads
@@ -27,7 +27,7 @@ def static(part: Part, loads: PartLoads, level: Stressed) -> Derivation:
         ),
         value="sigma",
         limit="S_y",
-        notes=(PATTERNS,),
+        notes=(patterns_of(level),),
     )
 
 
@@ -61,7 +61,7 @@ def _goodman(part: Part, loads: PartLoads, level: Stressed, use: FatigueUse) -> 
                     *at_point(level, use, worst.point),
                     Step(
                         "u",
-                        "utilisation by Goodman",
+                        "stress over strength by Goodman",
                         "sigma_a/S_p + sigma_m/S_u",
                         "",
                         f"{BOOK}, eq. 6-46",
@@ -69,7 +69,7 @@ def _goodman(part: Part, loads: PartLoads, level: Stressed, use: FatigueUse) -> 
                     ),
                     Step(
                         "sigma",
-                        "amplitude of equal safety: the utilisation as a stress",
+                        "amplitude of equal safety",
                         "u*S_e",
                         "MPa",
                         main=True,
@@ -79,5 +79,5 @@ def _goodman(part: Part, loads: PartLoads, level: Stressed, use: FatigueUse) -> 
         ),
         value="sigma",
         limit="S_e",
-        notes=(PATTERNS,),
+        notes=(patterns_of(level),),
     )

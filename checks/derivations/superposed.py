@@ -16,6 +16,11 @@ PATTERNS = (
     "n = 1 carries the force, the others have no resultant, and together they are the half-cosine "
     "pressure of a pin (docs/theory/bearing.md). Unit loads that add nothing here are left out"
 )
+CONTACT = (
+    "contact cos n and contact sin n are in the same way the long waves of the pressure of a pin "
+    "whose fit is stated, as its contact was solved; a short wave is what of it no element "
+    "follows, and makes stress at the bore only (docs/theory/contact.md)"
+)
 
 
 def units_of(level: Stressed) -> Sequence[UnitName]:
@@ -26,6 +31,12 @@ def units_of(level: Stressed) -> Sequence[UnitName]:
         own = [(unit.interface.name, unit.names) for unit in level.solutions.interfaces]
         return columns_of(own)
     raise TypeError(f"the unit loads of a {type(level).__name__} have no names")
+
+
+def patterns_of(level: Stressed) -> str:
+    """Meaning of the names of a level's unit loads."""
+    solved = isinstance(level, Level) and level.contact is not None
+    return f"{PATTERNS}. {CONTACT}" if solved else PATTERNS
 
 
 def superposed(

@@ -46,12 +46,18 @@ class Cycle:
     """A cycle as `loads` runs it, and what else the file says of it.
 
     friction  by joint of the linkage, or None where the design's holds
+    entries   number in the file of each phase, where phases were split at reversals
     """
 
     run: loads.Cycle
     shown: Shown | None = None
     stop: Stop | None = None
     friction: Mapping[str, loads.Friction] | None = None
+    entries: tuple[int, ...] = ()
+
+    def entry(self, phase: int) -> int:
+        """Number in the file of a phase."""
+        return self.entries[phase] if self.entries else phase
 
     @property
     def has_contact(self) -> bool:
@@ -126,6 +132,8 @@ class Part:
     arc_stated: bool = False  # whether the file states `bearing_arc`, so knows the clearance
     # interface without an offset -> lugs of the pin that is fixed there -> mm beside the part
     beside: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    # bore -> least and largest clearance of its pin, mm on diameter, where the file states its fit
+    clearances: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

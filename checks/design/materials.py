@@ -1,16 +1,20 @@
 """Materials: ballesta's own data file and what a design file adds."""
 
 import tomllib
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
+from itertools import pairwise
+from math import inf
 from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from checks.design.units import Density, PositiveStressIntensity, Stress
+from checks.design.units import Density, PositiveLength, PositiveStressIntensity, Stress
 from fatigue import FKM_GROUPS
 from geometry.parameters import ParameterError, check_above
+from geometry.sections import RulingSection
 
 # What no material reaches: diamond 1.2e6 MPa, carbon fibres 7e3 MPa, osmium 2.26e-8 t/mm3; and the
 # other way foams of 1e-3 MPa and aerogels of 1e-12 t/mm3.
@@ -25,9 +29,29 @@ _STEEL = (180e3, 230e3)  # MPa, Young's modulus of what takes steel's endurance 
 
 
 @dataclass(frozen=True)
+class Grade:
+    """Guaranteed minima of a material up to a size.
+
+    thickness  mm, largest of what is flat; diameter: largest of what is round; inf: any
+    """
+
+    thickness: float
+    diameter: float
+    yield_stress: float
+    ultimate_stress: float
+
+    def holds(self, section: RulingSection) -> bool:
+        """True for a size that is no larger, with round-off."""
+        largest = self.diameter if section.round else self.thickness
+        return section.size <= largest * (1 + 1e-9)
+
+
+@dataclass(frozen=True)
 class Material:
     """An isotropic material; stresses in MPa, density in tonne/mm3.
 
+    up_to            mm, largest thickness of which the strengths hold; up_to_diameter: of rounds
+    larger           strengths of larger sizes, the smallest first
     endurance_ratio  of a polished bar, of the ultimate strength; None: steel's 0.5, or brittle
     fkm_group        one of `fatigue.FKM_GROUPS`; None: the guideline's chain cannot be used
     threshold        MPa mm^0.5, range of the stress intensity at R = -1 below which no long crack
@@ -45,6 +69,9 @@ class Material:
     endurance_ratio: float | None = None
     fkm_group: str | None = None
     threshold: float | None = None
+    up_to: float = inf
+    up_to_diameter: float | None = None
+    larger: tuple[Grade, ...] = ()
 
     def __post_init__(self) -> None:
         check_above("youngs_modulus", self.youngs_modulus, 0, "MPa")
@@ -90,6 +117,58 @@ class Material:
                 "fkm_group", f"must be one of {', '.join(FKM_GROUPS)}, got {self.fkm_group!r}"
             )
 
+        grades = self.grades
+        for index, (one, other) in enumerate(pairwise(grades)):
+            if one.thickness >= other.thickness or one.diameter >= other.diameter:
+                raise ParameterError(f"larger[{index}]", "sizes must grow from one to the next")
+            if not 0 < other.yield_stress <= other.ultimate_stress:
+                raise ParameterError(
+                    f"larger[{index}]", "yield stress must be above 0 MPa and below the strength"
+                )
+
+    @property
+    def grades(self) -> tuple[Grade, ...]:
+        """Its strengths by size, the smallest size first."""
+        diameter = self.up_to if self.up_to_diameter is None else self.up_to_diameter
+        own = Grade(self.up_to, diameter, self.yield_stress, self.ultimate_stress)
+        return own, *self.larger
+
+    def of(self, sections: Iterable[RulingSection]) -> "Material":
+        """Return the material with the strengths of the largest of a part's ruling sections.
+
+        Smaller sizes than those of its own strengths may be stronger; the part is not, as it may
+        be cut from a larger one. Raises ParameterError for a size beyond all that are known.
+        """
+        grades, index, of_round = self.grades, 0, False
+        for section in sections:
+            fits = (k for k, grade in enumerate(grades) if grade.holds(section))
+            found = next(fits, None)
+            if found is None:
+                last = grades[-1]
+                raise ParameterError(
+                    "material",
+                    f"the strengths of {self.name} are known up to {last.thickness:g} mm of "
+                    f"thickness and {last.diameter:g} mm of diameter; the part has "
+                    f"{section.size:g} mm of {'diameter' if section.round else 'thickness'}; state "
+                    "a material of your own with your supplier's values",
+                )
+            if found > index:
+                index, of_round = found, section.round
+        if not index:
+            return self
+        grade = grades[index]
+        above, up_to = (g.diameter if of_round else g.thickness for g in grades[index - 1 :][:2])
+        return replace(
+            self,
+            name=f"{self.name} above {above:g} mm",
+            source=f"{self.source}; above {above:g} up to {up_to:g} mm",
+            yield_stress=grade.yield_stress,
+            ultimate_stress=grade.ultimate_stress,
+            up_to=grade.thickness,
+            up_to_diameter=grade.diameter,
+            larger=grades[index + 1 :],
+        )
+
     @property
     def why_not_goodman(self) -> str | None:
         """Why the Goodman rule and von Mises cannot judge the material, None if they can."""
@@ -100,6 +179,24 @@ class Material:
             "without yielding, so von Mises is not safe for it, its strength falls with the "
             "stressed volume, and it has no endurance limit for a Goodman line"
         )
+
+
+class GradeEntry(BaseModel):
+    """Strengths of a material in larger sizes."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
+
+    up_to: PositiveLength = Field(description="largest thickness of which they hold")
+    up_to_diameter: PositiveLength | None = Field(
+        None, description="largest diameter of round bars; without it `up_to`"
+    )
+    yield_stress: Stress = Field(description="yield stress, the minimum that is guaranteed")
+    ultimate_stress: Stress = Field(description="tensile strength, the minimum guaranteed")
+
+    def grade(self) -> Grade:
+        """Return the strengths and sizes."""
+        diameter = self.up_to if self.up_to_diameter is None else self.up_to_diameter
+        return Grade(self.up_to, diameter, self.yield_stress, self.ultimate_stress)
 
 
 class MaterialEntry(BaseModel):
@@ -132,9 +229,27 @@ class MaterialEntry(BaseModel):
         "without it fatigue at sharp re-entrant edges is not judged",
     )
 
+    up_to: PositiveLength | None = Field(
+        None, description="largest thickness of which the strengths hold; without it any size's"
+    )
+    up_to_diameter: PositiveLength | None = Field(
+        None, description="largest diameter of round bars; without it `up_to`"
+    )
+    larger: list[GradeEntry] = Field(
+        default_factory=list, description="strengths of larger sizes, the smallest first"
+    )
+
     def named(self, name: str) -> Material:
         """Return the checked material; raises ParameterError."""
-        return Material(name=name, **self.model_dump())
+        if self.up_to is None and (self.larger or self.up_to_diameter is not None):
+            raise ParameterError("up_to", "must be stated where larger sizes are")
+        own = self.model_dump(exclude={"larger", "up_to"})
+        return Material(
+            name=name,
+            up_to=inf if self.up_to is None else self.up_to,
+            larger=tuple(entry.grade() for entry in self.larger),
+            **own,
+        )
 
 
 @cache

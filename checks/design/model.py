@@ -39,6 +39,7 @@ from checks.design.units import (
     PositiveTurning,
     Rate,
     Roughness,
+    StatedFit,
 )
 from geometry.parameters import GIVEN_BY_DESIGN
 from geometry.parts import SHAPES, Pin
@@ -49,6 +50,9 @@ class Claim(Table):
 
     safety: Positive = Field(description="the claimed safety")
     source: str = Field(description="who claims it, and where")
+
+
+SafetyKey = Literal["static", "buckling", "fatigue", "bush"]  # the keys of Requirements
 
 
 class Requirements(Table):
@@ -202,6 +206,12 @@ class BodyPartEntry(PartEntry):
         description="interface = how far above the part's middle plane its force acts: plates side "
         "by side; where a pin is fixed in the part, its stack says so without",
     )
+    fits: dict[str, StatedFit] = Field(
+        default_factory=dict,
+        description="bore = ISO fit of its pin such as `H7/f7`, or the clearance on diameter such "
+        "as `0.02 .. 0.06 mm`: a solid then solves where the pin presses, at both ends of it, and "
+        "cheaper models take the arc from it and from the force, instead of `bearing_arc`",
+    )
     contacts: dict[str, ContactEntry] = Field(
         default_factory=dict,
         description="sliding interface = the pin or roller on it; without it a flat block",
@@ -338,7 +348,7 @@ class DesignFile(Table):
     dynamics: DynamicsEntry = Field(default=DynamicsEntry.model_validate({}))
     materials: dict[Name, MaterialEntry] = Field(default_factory=dict)
     parts: dict[Name, _union()] = Field(default_factory=dict)  # type: ignore[valid-type]
-    claims: dict[Name, dict[Literal["static", "buckling", "fatigue", "bush"], Claim]] = Field(
+    claims: dict[Name, dict[SafetyKey, Claim]] = Field(
         default_factory=dict,
         description="claimed safety by part and kind of check; reported beside the safety found",
     )

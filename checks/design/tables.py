@@ -13,6 +13,7 @@ from checks.design.names import nearest
 from checks.design.units import (
     Direction2,
     ForceOrMoment,
+    ForceOrMomentFromZero,
     Inertia,
     Length,
     LengthOrAngle,
@@ -20,12 +21,14 @@ from checks.design.units import (
     OffsetLength,
     Point2,
     PositiveBending,
+    PositiveDamping,
     PositiveForce,
     PositiveForceOrMoment,
     PositiveLength,
     PositiveStiffness,
     PositiveStress,
     PositiveTime,
+    SpeedFromZero,
     SweepAcceleration,
     SweepSpeed,
 )
@@ -37,7 +40,7 @@ Coefficient = Annotated[Number, Field(ge=0)]
 Damping = Annotated[Number, Field(gt=0, lt=1)]
 Irregularity = Annotated[Number, Field(gt=0, le=0.5)]
 # by these pydantic names which of several forms a value has; messages leave them out
-TAGS = ("<value>", "<table>", "<contact>")
+TAGS = ("<value>", "<table>", "<against motion>", "<contact>")
 Ends = Annotated[list[Length], Field(min_length=2, max_length=2)]
 
 
@@ -147,6 +150,9 @@ class ForceEntry(Table):
     direction: Direction2 | None = Field(
         None, description="direction of the force on the body, in the ground frame"
     )
+    follows: str | None = Field(
+        None, description="the body in whose frame direction stands and with which it turns"
+    )
     turns: str | None = Field(
         None, description="the body that a torque turns; positive turns it counter-clockwise"
     )
@@ -248,6 +254,21 @@ class TableLaw(Table):
     )
 
 
+class OpposingLaw(Table):
+    """A force against the motion of its own coordinate: dry, viscous, or a table over the speed."""
+
+    dry: PositiveForceOrMoment | None = Field(
+        None, description="its size at any speed, such as the rubbing of a wiper or a seal"
+    )
+    viscous: PositiveDamping | None = Field(None, description="besides, times the speed")
+    at_speed: list[SpeedFromZero] | None = Field(
+        None, description="instead of both: rising speeds from 0, with resistance"
+    )
+    resistance: list[ForceOrMomentFromZero] | None = Field(
+        None, description="its size at each speed, linear between"
+    )
+
+
 class ContactLaw(Table):
     """A workpiece or stop that pushes back along the force when it is touched, and never pulls."""
 
@@ -269,14 +290,19 @@ class ContactLaw(Table):
 def _kind_of_law(value: object) -> str:
     if isinstance(value, Mapping):
         keys = [str(key) for key in value]
-        own = set(ContactLaw.model_fields) - set(TableLaw.model_fields)
-        return "<contact>" if any(nearest(key, own) for key in keys) else "<table>"
-    return "<contact>" if isinstance(value, ContactLaw) else "<value>"
+        for tag, law in (("<contact>", ContactLaw), ("<against motion>", OpposingLaw)):
+            own = set(law.model_fields) - set(TableLaw.model_fields)
+            if any(nearest(key, own) for key in keys):
+                return tag
+        return "<table>"
+    laws = {ContactLaw: "<contact>", OpposingLaw: "<against motion>", TableLaw: "<table>"}
+    return next((tag for law, tag in laws.items() if isinstance(value, law)), "<value>")
 
 
 LawEntry = Annotated[
     Annotated[ForceOrMoment, Tag("<value>")]
     | Annotated[TableLaw, Tag("<table>")]
+    | Annotated[OpposingLaw, Tag("<against motion>")]
     | Annotated[ContactLaw, Tag("<contact>")],
     Discriminator(_kind_of_law),
 ]
@@ -288,7 +314,8 @@ class PhaseEntry(Table):
     name: Name = Field(description="name of the phase")
     to: LengthOrAngle = Field(description="where the swept coordinate arrives")
     forces: dict[str, LawEntry] = Field(
-        default_factory=dict, description="forces that are given: constant, tabled, or a contact"
+        default_factory=dict,
+        description="forces that are given: constant, tabled, against the motion, or a contact",
     )
     solve: str = Field(description="the force that follows from the others")
 

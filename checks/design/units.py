@@ -51,6 +51,8 @@ DIMENSIONS = {
     "moment": Dimension("a moment", "N mm", "12 N m"),
     "turning stiffness": Dimension("a stiffness against turning", "N mm/rad", "20 kN m/rad"),
     "stiffness": Dimension("a stiffness", "N/mm", "80 kN/mm"),
+    "damping": Dimension("a damping", "N s/mm", "0.2 N s/mm"),
+    "turning damping": Dimension("a damping against turning", "N mm s/rad", "0.5 N m s/rad"),
     "pressure speed": Dimension("a pressure times a speed", "MPa mm/s", "0.5 MPa m/s"),
     "bending stiffness": Dimension("a bending stiffness E I", "N mm2", "2787 N m2"),
     "angular acceleration": Dimension("an angular acceleration", "rad/s2", "2 rad/s2"),
@@ -67,6 +69,7 @@ _COMMON_UNITS = [
     *("mm", "cm", "m", "um", "inch", "N", "kN", "MN", "g", "kg", "t", "tonne", "Pa", "MPa", "GPa"),
     *("s", "ms", "min", "h", "Hz", "rad", "deg", "%"),
 ]
+_FITS = '"H7/f7", or a clearance on diameter such as "0.02 .. 0.06 mm"'
 MOST = 1e20  # N, mm, s, ...: what is larger than any machine's; its powers are finite numbers
 _MOST_STIFFNESS = 1e30  # N mm2: E I grows with the fourth power of a length
 _NO_MACHINE = "which is not finite or beyond any machine"
@@ -314,6 +317,42 @@ class Quantity:
         }
 
 
+@dataclass(frozen=True)
+class FitOrClearance:
+    """Marks a fit of pin and bore: an ISO code (text, as it stands) or its clearances, mm."""
+
+    def read(self, value: object) -> str | Pair:
+        """Return a code such as "H7/f7" or least and largest clearance, or raise ValueError."""
+        if not isinstance(value, str):
+            raise ValueError(f"must be a fit such as {_FITS}, got {_shown(value)}")
+        if "/" in value:
+            return value.strip()
+        ends = value.split("..") if ".." in value else [value, value]
+        last = _QUANTITY.fullmatch(ends[-1])
+        if last is not None and re.fullmatch(rf"\s*{_NUMBER}\s*", ends[0]):
+            ends[0] = f"{ends[0]} {last[2]}"  # one unit serves both
+        try:
+            least, largest = (measure(end.strip(), "length").value for end in ends)
+        except ValueError:
+            raise ValueError(f"must be a fit such as {_FITS}, got {_shown(value)}") from None
+        if not 0.0 <= least <= largest:
+            raise ValueError(
+                "must be a clearance of at least 0 mm, the smaller end first, such as "
+                f'"0.02 .. 0.06 mm", got {_shown(value)}'
+            )
+        return least, largest
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> core_schema.CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return {"type": "string", "examples": ["H7/f7", "0.02 .. 0.06 mm"]}
+
+
 def _limit(bound: float, dimension: str) -> str:
     if dimension == "angle":
         return f"{math.degrees(bound):g} deg"
@@ -369,6 +408,7 @@ Acceleration = Annotated[float, Quantity(("acceleration",))]
 Angle = Annotated[float, Quantity(("angle",))]
 BearingArc = Annotated[float, Quantity(("angle",), above=math.radians(30 - 1e-9), at_most=math.pi)]
 Rate = Annotated[float, Quantity(("rate",), above=0.0)]
+StatedFit = Annotated[str | Pair, FitOrClearance()]
 Fraction = Annotated[float, Quantity(("fraction",), above=0.0, below=1.0)]
 LengthOrAngle = Annotated[Measured, Quantity(("length", "angle"), keep_dimension=True)]
 SweepSpeed = Annotated[
@@ -389,6 +429,15 @@ PositiveStiffness = Annotated[float, Quantity(("stiffness",), above=0.0)]
 PositiveTurning = Annotated[float, Quantity(("turning stiffness",), above=0.0)]
 PositiveBending = Annotated[float, Quantity(("bending stiffness",), above=0.0)]
 ForceOrMoment = Annotated[Measured, Quantity(("force", "moment"), keep_dimension=True)]
+PositiveDamping = Annotated[
+    Measured, Quantity(("damping", "turning damping"), above=0.0, keep_dimension=True)
+]
+ForceOrMomentFromZero = Annotated[
+    Measured, Quantity(("force", "moment"), at_least=0.0, keep_dimension=True)
+]
+SpeedFromZero = Annotated[
+    Measured, Quantity(("speed", "angular speed"), at_least=0.0, keep_dimension=True)
+]
 PositiveForceOrMoment = Annotated[
     Measured, Quantity(("force", "moment"), above=0.0, keep_dimension=True)
 ]

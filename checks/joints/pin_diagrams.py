@@ -6,8 +6,9 @@ taken by the lug that the pin is fixed in: as it is at its mid-plane (by a pair:
 as a pressure that grows along the lug.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
 from itertools import pairwise
 
 import numpy as np
@@ -92,11 +93,25 @@ class PinDiagram:
         least[near] = self._equivalent(near)
         return np.asarray(least)
 
+    def rim_at(self, position: int, section: int) -> float | None:
+        """Angle of the rim, rad from where it is bent most, at which `equivalent_stress` stands.
+
+        None in the middle of the section, where nothing is bent.
+        """
+        chosen = np.zeros(self.torque.shape, dtype=bool)
+        chosen[position, section] = True
+        worst = int(np.argmax(list(self._rims(chosen))))
+        return float(ANGLES[worst - 1]) if worst else None
+
     def _equivalent(self, chosen: npt.NDArray[np.bool_]) -> FloatArray:
         """Largest von Mises stress (k,) of the chosen (n, m), MPa."""
+        return reduce(np.maximum, self._rims(chosen))
+
+    def _rims(self, chosen: npt.NDArray[np.bool_]) -> Iterator[FloatArray]:
+        """Von Mises stress (k,) of the chosen (n, m), MPa: in the middle, then at every angle."""
         bending, twist = self.bending_stress[chosen], self.twist_stress[chosen]
         shear = self.shear_stress[chosen] - twist
-        result = np.sqrt(3) * (shear + twist)  # in the middle, where nothing is bent
+        yield np.sqrt(3) * (shear + twist)  # in the middle, where nothing is bent
         moment, force = self.moment[chosen], self.shear[chosen]
         along_m = np.arctan2(moment[:, 1], moment[:, 0])
         along_v = np.arctan2(force[:, 1], force[:, 0])
@@ -104,8 +119,7 @@ class PinDiagram:
             angle = along_m + turn
             bent = bending * np.cos(turn)
             sheared = shear * np.sin(angle - along_v) ** 2 + twist
-            result = np.maximum(result, np.sqrt(bent**2 + 3 * sheared**2))
-        return np.asarray(result)
+            yield np.sqrt(bent**2 + 3 * sheared**2)
 
 
 def _longest(vectors: FloatArray) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +12,7 @@ from geometry.mesh import FloatArray, IntArray, Mesh
 FAR = 3.0  # hole diameters of material behind which nothing tears (docs/theory/fits.md)
 _SECTOR = np.radians(np.linspace(-40.0, 40.0, 9))  # where on the hole's edge a plane may begin
 _LEVELS = 9  # sections over the length of the hole
-_SPLIT = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]]  # a six-node facet, in four
+_PIECES = 8  # flat ones along a side of a curved facet: 1/64 of the error of its chord
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,9 +76,11 @@ def _outline(mesh: Mesh, name: str, level: float) -> _Outline:
     facets = mesh.boundary
     low, high = (pick(mesh.nodes[facets, 2], axis=1) for pick in (np.min, np.max))
     facets = facets[(low <= level) & (high > level)]
-    triangles = facets[:, _SPLIT].reshape(-1, 3)
-    pinned = np.repeat(_of_other_bores(mesh, name, facets), len(_SPLIT))
-    corners = mesh.nodes[triangles] - np.r_[mesh.interfaces[name].centre[:2], level]
+    shape, triangles = _split()
+    pinned = np.repeat(_of_other_bores(mesh, name, facets), len(triangles))
+    points = np.einsum("pa,fax->fpx", shape, mesh.nodes[facets])
+    corners = points[:, triangles].reshape(-1, 3, 3)
+    corners = corners - np.r_[mesh.interfaces[name].centre[:2], level]
     above = corners[:, :, 2] > 0
     cut = above.any(axis=1) & ~above.all(axis=1)
     corners, above, pinned = corners[cut], above[cut], pinned[cut]
@@ -90,6 +93,21 @@ def _outline(mesh: Mesh, name: str, level: float) -> _Outline:
     )
     outward = np.cross(others[0] - apex, others[1] - apex)[:, :2]
     return _Outline(starts, ends, outward, pinned)
+
+
+@cache
+def _split() -> tuple[FloatArray, IntArray]:
+    """Shape functions (p, 6) of a six-node facet at some points, and flat pieces (k, 3) of them."""
+    steps = [(i, j) for i in range(_PIECES + 1) for j in range(_PIECES + 1 - i)]
+    at = {place: row for row, place in enumerate(steps)}
+    r, s = np.array(steps).T / _PIECES
+    t = 1 - r - s
+    shape = [t * (2 * t - 1), r * (2 * r - 1), s * (2 * s - 1), 4 * t * r, 4 * r * s, 4 * s * t]
+    upright = [[at[i, j], at[i + 1, j], at[i, j + 1]] for i, j in steps if i + j < _PIECES]
+    between = [
+        [at[i + 1, j], at[i + 1, j + 1], at[i, j + 1]] for i, j in steps if i + j < _PIECES - 1
+    ]
+    return np.stack(shape, axis=1), np.array(upright + between)
 
 
 def _of_other_bores(mesh: Mesh, name: str, facets: IntArray) -> npt.NDArray[np.bool_]:

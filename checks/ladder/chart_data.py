@@ -5,7 +5,7 @@
     haigh        diagram of the critical point by Goodman's line (checks.ladder.chart_data_fatigue)
     fkm          the same by the FKM guideline's
     sn           S-N line and the duty's cycles, of either chain
-    column       stress and slenderness as a column (checks.ladder.chart_data_columns)
+    column       stress and slenderness as a column (checks.by_formula.column)
     convergence  the judged stresses on every mesh (checks.ladder.chart_data_meshes)
 
 Keys without data are left out; the pages say why.
@@ -14,7 +14,7 @@ Keys without data are left out; the pages say why.
 from collections.abc import Sequence
 from typing import Any
 
-from checks.ladder.chart_data_columns import column_data
+from checks import by_formula
 from checks.ladder.chart_data_fatigue import fkm_data, haigh_data, life_data
 from checks.ladder.chart_data_meshes import convergence_data
 from checks.part.loaded_part import LoadedPart
@@ -55,9 +55,7 @@ def charts_of(
         peak = use.worst(level)
         charts["haigh"] = haigh_data(part, level, peak)
         charts["sn"] = life_data(loaded, level, peak, life_task(part, loaded.duty))
-    column = column_data(loaded)
-    if column is not None:
-        charts["column"] = column
+    charts |= by_formula.charts(loaded)
     if len(levels) > 1:
         charts["convergence"] = convergence_data(levels, _judged(loads, use))
     return charts

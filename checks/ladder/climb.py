@@ -156,7 +156,7 @@ class Climb:
                 return ""
             narrow.append(f"{kind}: {100 * (band.low - 1):+.0f} to {100 * (band.high - 1):+.0f} %")
         return (
-            f"its bars would settle nothing that is open ({'; '.join(narrow)})"
+            f"its error bars would settle nothing that is open ({'; '.join(narrow)})"
             if narrow
             else "it has no answer to what is open"
         )
@@ -216,7 +216,7 @@ def _doubted(estimate: Estimate) -> Estimate:
 def _settled_words(estimate: Estimate) -> str:
     if estimate.check.status is Status.UNDECIDED:
         return "stays UNDECIDED by what every model assumes"
-    return f"{estimate.check.status}, {estimate.guard:g} times its bars included"
+    return f"{estimate.check.status}, {estimate.guard:g} times its error bars included"
 
 
 def _open_words(estimate: Estimate | None) -> str:
@@ -224,7 +224,7 @@ def _open_words(estimate: Estimate | None) -> str:
         return "is not known"
     if not estimate.spread < float("inf"):
         return "has no error bar"
-    return f"has its limit within {estimate.guard:g} times its bars"
+    return f"has its limit within {estimate.guard:g} times its error bars"
 
 
 def start_climb(loaded: LoadedPart) -> Climb:

@@ -1,60 +1,43 @@
-"""A derivation for every check of a part: one door, asked after the checks are made."""
+"""All kinds of checks, and derivations of those by models of stress, after these are made."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from math import isfinite
 
-import loads
-from checks.columns.stability import ELASTIC_SHARE
+from checks import by_formula
+from checks.columns.linkage_frame import LINKAGE
+from checks.columns.stability import ELASTIC
 from checks.derivations.bars import ERROR, rung_bars
 from checks.derivations.buckling import elastic_share
-from checks.derivations.columns import columns
-from checks.derivations.contacts import bush, contact
-from checks.derivations.crooked import crooked
-from checks.derivations.pins import pin
 from checks.derivations.proven import unknown, with_derivation
 from checks.derivations.stresses import fatigue, static
 from checks.ladder.climb import Climb
+from checks.models import stress_words
+from checks.models.checked import BUCKLING, FATIGUE, STATIC
 from checks.models.raised_bores import raised_in_bores
+from checks.part.kind import Kind
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import BARS, Bars, Derivation, Section
 from checks.result.verdict import Check
 from checks.stress.part_model import RungLevel
-from geometry.cad_body import SolidBody
-
-Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
 
 
-def explained(
-    climb: Climb,
-    checks: Sequence[Check],
-    body: SolidBody,
-) -> list[Check]:
-    """Return the checks of a part, each with its derivation.
+def known_kinds() -> list[Kind]:
+    """Every kind of check: by models of stress, of buckling, and by formula."""
+    return [*stress_words.KINDS, ELASTIC, LINKAGE, *by_formula.kinds()]
 
-    Those of a solid have theirs already (`checks.derivations.solids`): its mesh is gone by now. A
-    check that nothing here knows gets one that says so (`checks.derivations.proven.unknown`).
+
+def explained(climb: Climb, checks: Sequence[Check]) -> list[Check]:
+    """Return the checks of a part by its models of stress, each with its derivation.
+
+    Those of a solid have theirs already (`checks.derivations.solids`): its mesh is gone by now.
+    Those at sharp edges have none yet, and say so (`checks.derivations.proven.unknown`).
     """
-    loaded, part, part_loads = climb.loaded, climb.part, climb.loads
-    by_quantity = columns(loaded) | crooked(loaded)
-    of_kind: Mapping[str, Callable[[Check], Derivation | None]] = {
-        "static": lambda check: _of_rung(climb, check),
-        "fatigue": lambda check: _of_rung(climb, check),
-        "buckling": lambda check: (
-            _of_rung(climb, check)
-            if check.quantity == ELASTIC_SHARE
-            else by_quantity.get(check.quantity)
-        ),
-        "pin bending": lambda check: pin(part, part_loads, check),
-        "pin shear": lambda check: pin(part, part_loads, check),
-        "bush": lambda check: bush(loaded, check),
-        "contact": lambda check: contact(part, part_loads, body.interfaces, check),
-    }
     done = []
     for check in checks:
         derivation = check.derivation
-        if derivation is None and check.kind in of_kind:
-            derivation = of_kind[check.kind](check)
+        if derivation is None and check.kind in (STATIC, FATIGUE, BUCKLING):
+            derivation = _of_rung(climb, check)
         done.append(with_derivation(check, derivation or unknown(check)))
     return done
 

@@ -6,12 +6,14 @@ import numpy as np
 
 from checks.columns.stability import axial_compression
 from checks.design.data import Part
-from checks.joints.pin_checks import pin_diagram
+from checks.joints.pin_diagrams import pin_diagram
 from checks.ladder.hand_bodies import leaf_hand_checks, lever_hand_checks, link_hand_checks
 from checks.part.first_maximum import first_largest
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import HandCheck
+from checks.stress.pins_in_bores import MIDDLE
 from checks.stress.solid_mesh_level import Level
+from fem.contact.persson import persson_half_arc, persson_pressure
 from geometry.mesh import FloatArray
 from geometry.parts import (
     LeafPack,
@@ -105,12 +107,23 @@ def _bearing(
         + stress[under, 1] * radial[:, 1] ** 2
         + 2 * stress[under, 3] * radial[:, 0] * radial[:, 1]
     )
+    by_hand = 4 * size / (pi * shape.hole * 2 * shape.wall)
+    formula = f"4 F/(pi d t) = 4 x {size:.0f} N / (pi x {shape.hole:g} x {2 * shape.wall:g} mm2)"
+    if "knee" in level.solved_bores and size:
+        assert level.contact is not None
+        fit, material = level.contact.pins.fits["knee"], level.solutions.material
+        softness = sum((1 - one.poisson_ratio**2) / one.youngs_modulus for one in (fit, material))
+        parameter = fit.clearance(MIDDLE) / 2 / softness * 2 * shape.wall / size
+        factor = persson_pressure(persson_half_arc(parameter))
+        by_hand = factor * size / (radius * 2 * shape.wall)
+        said = f"contact in a wide plate at E* dR t/F = {parameter:.3g} (Persson)"
+        formula = f"{factor:.3g} F/(R t), {said}"
     return HandCheck(
         "largest pressure of the pin in the knee's bore",
-        4 * size / (pi * shape.hole * 2 * shape.wall),
+        by_hand,
         float(-pressed.mean()),
         "MPa",
-        f"4 F/(pi d t) = 4 x {size:.0f} N / (pi x {shape.hole:g} x {2 * shape.wall:g} mm2)",
+        formula,
     )
 
 

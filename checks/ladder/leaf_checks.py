@@ -8,17 +8,17 @@ Where a deflection is imposed the moment is n^2 times as large, and so the stres
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from math import inf
+from math import inf, isfinite
 
 import numpy as np
 
 import loads
-from checks.derivations.friction import with_friction
 from checks.design.data import Part
 from checks.ladder.solid import first_level
+from checks.part.derived import VALUE, at_value
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads, loads_on
-from checks.result.derivation import Derivation
+from checks.result.derivation import Derivation, Given, Item, Step
 from checks.result.verdict import Check, Gate, PartResult
 from checks.stress.solid_mesh_level import Level, Models
 from checks.stress.stress_result import Stressed
@@ -29,45 +29,99 @@ from geometry.parts import LeafPack
 # Tension over compression: worth telling; and where ties pull as hard as they press.
 _GAPS, _OPEN = 0.25, 1.0
 _INDEX = {"static": 0, "fatigue": 1}  # of the checks that friction widens
+WIDER = "Wider by friction between the leaves"  # the title of their section
+_WIDENED = "friction between the leaves, from sliding to bonded, makes it wider"
+_AGAIN = "solved once more"
 
 _Compliance = loads.BeamCompliance | loads.MatrixCompliance | loads.JointCompliance
 Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
 
 
 @dataclass(frozen=True)
-class _Stiffer:
+class Friction:
     """Stresses of a pack with friction between its leaves over those of leaves that slide freely.
 
-    most, least  (static, fatigue)  of the bonded pack; at the least with any friction
+    most, least  (static, fatigue)  of the bonded pack, infinite if unknown; at the least with any
+                 friction
+    words        how they were found
     """
 
     most: tuple[float, float]
     least: tuple[float, float]
     words: str
 
+    def above(self, kind: str, value: str, unit: str) -> list[Item]:
+        """Formulas of what it adds to the model band above a value of a kind of check."""
+        most = self.most[_INDEX[kind]]
+        if not 1 < most < inf:
+            return []
+        said = f"stress of the bonded pack over that of leaves that slide: {self.words}"
+        return [
+            Given("f_up", said, most, "", _AGAIN),
+            Step("w_up", "friction adds above", f"(f_up - 1)*{value}", unit),
+        ]
+
+    def below(self, kind: str, value: str, unit: str) -> list[Item]:
+        """Formulas of what it adds to the model band below a value of a kind of check."""
+        least = self.least[_INDEX[kind]]
+        if not least < 1:
+            return []
+        said = f"least stress with any friction over that of leaves that slide: {self.words}"
+        return [
+            Given("f_lo", said, least, "", _AGAIN),
+            Step("w_lo", "friction adds below", f"(1 - f_lo)*{value}", unit),
+        ]
+
 
 @dataclass(frozen=True)
 class LeafBand:
     """Widening of a part's stress checks by friction; none without leaves that slide."""
 
-    _stiffer: _Stiffer | None
+    friction: Friction | None
 
     def __call__(self, check: Check) -> Check:
         """Return a check with its model band widened."""
-        stiffer = self._of(check)
-        return check if stiffer is None else _banded(check, stiffer)
+        friction, kind = self.friction, check.kind
+        if friction is None or kind not in _INDEX:
+            return check
+        most, least = friction.most[_INDEX[kind]], friction.least[_INDEX[kind]]
+        told = f"bonded {most * check.value:.4g} MPa" if isfinite(most) else "bonded: unknown"
+        if least < min(1.0, most):
+            told += f", with less friction {least * check.value:.4g} MPa or more"
+        above = friction.above(kind, VALUE, check.unit)
+        below = friction.below(kind, VALUE, check.unit)
+        more = (at_value(check, above) if above else 0.0) if isfinite(most) else inf
+        return replace(
+            check,
+            model=check.model + more,
+            model_below=check.below + (at_value(check, below) if below else 0.0),
+            note=f"{check.note}{'; ' if check.note else ''}leaves slide freely; {told}: "
+            f"{friction.words}",
+        )
 
     def explained(self, check: Check, derivation: Derivation) -> Derivation:
-        """Return a widened check's derivation with the terms by which it was widened."""
-        stiffer = self._of(check)
-        if stiffer is None:
+        """Return a widened check's derivation with the formulas by which it was widened."""
+        friction, kind = self.friction, check.kind
+        if friction is None or kind not in _INDEX:
             return derivation
-        index = _INDEX[check.kind]
-        most, least = stiffer.most[index], stiffer.least[index]
-        return with_friction(derivation, check, most, least, stiffer.words)
+        bars, value = derivation.bars, derivation.value
+        above = friction.above(kind, value, check.unit) if isfinite(check.model) else []
+        below = friction.below(kind, value, check.unit) if isfinite(check.below) else []
+        if not isfinite(friction.most[_INDEX[kind]]):
+            words = _joined(bars.words, f"bonded: unknown, {friction.words}")
+            bars = replace(bars, above="", words=words)
+        if above:
+            bars = replace(bars, above=f"{bars.above} w_up".strip())
+        if below:
+            bars = replace(bars, below=f"{bars.below} w_lo".strip())
+        if not above and not below:
+            return replace(derivation, bars=bars)
+        bars = replace(bars, words=_joined(bars.words, _WIDENED))
+        return replace(derivation, bars=bars).with_items(WIDER, [*above, *below])
 
-    def _of(self, check: Check) -> _Stiffer | None:
-        return self._stiffer if check.kind in _INDEX else None
+
+def _joined(*texts: str) -> str:
+    return "; ".join(text for text in texts if text)
 
 
 def with_leaf_checks(
@@ -100,7 +154,7 @@ def leaf_band(
     shape = loaded.part.geometry
     if not isinstance(shape, LeafPack) or shape.leaves == 1:
         return LeafBand(None)
-    return LeafBand(_stiffer(loaded, shape, level_of))
+    return LeafBand(_friction(loaded, shape, level_of))
 
 
 def _told(band: LeafBand, free: Check, widened: Check) -> Check:
@@ -141,11 +195,11 @@ def gap_gate(part: Part, shape: LeafPack, level: Level) -> Gate:
     )
 
 
-def _stiffer(
+def _friction(
     loaded: LoadedPart,
     shape: LeafPack,
     level_of: Callable[[PartLoads], Stressed],
-) -> _Stiffer:
+) -> Friction:
     """Stress of a bonded pack under its own loads, and the least of any pack between.
 
     With friction every position's stress is between both packs'. Some fall and some grow, so the
@@ -161,14 +215,14 @@ def _stiffer(
     relieved = (1 / count, 1 / count)
     if not stiffer:
         words = f"forces are imposed on it, so a bonded pack has 1/{count} of the stress"
-        return _Stiffer(relieved, relieved, words)
+        return Friction(relieved, relieved, words)
     try:
         other = dict(loaded.runs) | {name: _stiffened(loaded, name, count**2) for name in stiffer}
         other_loads = loads_on(loaded.design, part, other)
         free, again = level_of(part_loads), level_of(other_loads)
     except loads.LinkageError as error:
         words = f"a bonded pack's loads cannot be found: {error}"
-        return _Stiffer((inf, inf), relieved, words)
+        return Friction((inf, inf), relieved, words)
     share = np.ones(len(part_loads.labels))
     for name, columns in part_loads.cycles.items():
         own, bonded = free.peaks_by_position[columns], again.peaks_by_position
@@ -180,7 +234,7 @@ def _stiffer(
             bonded = np.interp(times, other_times, bonded)
         share[columns] = np.minimum(1.0, bonded / np.where(own > 0, own, 1.0))
     least = level_of(_weakened(part_loads, share))
-    return _Stiffer(
+    return Friction(
         _ratios(again, free, 1 / count),
         _ratios(least, free),
         f"contacts impose a deflection on it in {', '.join(stiffer)}, solved again with {count**2} "
@@ -230,19 +284,3 @@ def _stiffened(loaded: LoadedPart, name: str, factor: float) -> loads.CycleLoads
         cycle.linkage, compliance=tuple(stiffer(entry) for entry in cycle.linkage.compliance)
     )
     return loads.run_cycle(linkage, loaded.design.cycles[name].run)
-
-
-def _banded(check: Check, stiffer: _Stiffer) -> Check:
-    """Widen the model band of a stress check to what friction between the leaves can make of it."""
-    index = _INDEX[check.kind]
-    most, least = stiffer.most[index], stiffer.least[index]
-    told = f"bonded {most * check.value:.4g} MPa" if np.isfinite(most) else "bonded: unknown"
-    if least < min(1.0, most):
-        told += f", with less friction {least * check.value:.4g} MPa or more"
-    return replace(
-        check,
-        model=check.model + max(0.0, most - 1) * check.value,
-        model_below=check.below + max(0.0, 1 - least) * check.value,
-        note=f"{check.note}{'; ' if check.note else ''}leaves slide freely; {told}: "
-        f"{stiffer.words}",
-    )

@@ -10,7 +10,9 @@ from checks.design.data import Part
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Gate
+from checks.stress.pins_in_bores import Contact
 from checks.stress.solid_mesh_level import Level
+from fem.contact.condensed import ALLOWED as CONTACT_LIMIT
 from fem.direct import has_bearings
 from fem.near_incompressible import LARGEST_RATIO, MEANING
 from fem.recovery import von_mises
@@ -61,6 +63,19 @@ def gates_of(
             _LOAD_LIMIT,
             "force and moment that reached each interface less those asked for, at every position, "
             "over the largest pin force",
+        ),
+        *(
+            ()
+            if level.contact is None
+            else (
+                Gate(
+                    f"{part.name}: contact of its pins",
+                    level.contact.residual,
+                    CONTACT_LIMIT,
+                    "gaps and pressures that do not exclude each other, or forces that the "
+                    "pressure misses, at every position, scaled by the largest of each",
+                ),
+            )
         ),
         Gate(
             f"{part.name}: support reactions",
@@ -149,10 +164,12 @@ def facts_of(
 def assumed_of(loaded: LoadedPart, level: Level) -> list[str]:
     """Assumptions of the model, in words."""
     said = []
-    if has_bearings(level.solutions):
+    if level.contact is not None:
+        said += _contact_words(level.contact)
+    if has_bearings(level.solutions, level.solved_bores):
         said.append(
-            "pins press with a cosine pressure, even along their length, on "
-            f"{degrees(loaded.part.bearing_arc):.0f} to 180 deg"
+            f"{'other pins' if level.contact else 'pins'} press with a cosine pressure, even along "
+            f"their length, on {degrees(loaded.part.bearing_arc):.0f} to 180 deg"
             + ("; both cheeks carry the same share" if _has_cheeks(level.solutions.mesh) else "")
         )
     if _has_couples(level):
@@ -176,6 +193,39 @@ def assumed_of(loaded: LoadedPart, level: Level) -> list[str]:
             f"stress there; {float(stress.max()):.3g} MPa on this mesh"
         )
     return said
+
+
+def _contact_words(contact: Contact) -> list[str]:
+    """Assumptions of the contact of pins whose fit is stated, in words."""
+    return [
+        f"{name}: {fit.material} with {fit.least:.4g} to {fit.largest:.4g} mm of clearance presses "
+        "where contact without friction says, even along its length; the value is that of "
+        "the middle, the model band reaches to both ends"
+        + ("; both cheeks carry the same share" if _cheeks(contact, name) else "")
+        for name, fit in contact.pins.fits.items()
+    ]
+
+
+def _cheeks(contact: Contact, name: str) -> bool:
+    mesh = contact.pins.solutions.mesh
+    return _in_pieces(mesh, mesh.interfaces[name])
+
+
+def contact_facts(level: Level) -> dict[str, float | str]:
+    """Where pins whose fit is stated press at the position of the peak, by name."""
+    contact = level.contact
+    if contact is None:
+        return {}
+    found: dict[str, float | str] = {}
+    for name, fit in contact.pins.fits.items():
+        said = []
+        for share in sorted(contact.cycles):
+            bore = contact.cycles[share].bores[name]
+            arc = degrees(bore.arcs[level.peak.position])
+            most = bore.pressures[:, level.peak.position].max()
+            said.append(f"{fit.clearance(share):.4g} mm: {arc:.0f} deg, {most:.4g} MPa")
+        found[f"contact in {name}, clearance: arc, largest pressure"] = "; ".join(said)
+    return found
 
 
 def _has_cheeks(mesh: Mesh) -> bool:

@@ -12,9 +12,6 @@ from checks.design.data import Design, Part
 from checks.design.effort import DEFAULT_EFFORT as DEFAULT_EFFORT
 from checks.design.effort import SOLID
 from checks.design.effort import Effort as Effort
-from checks.joints.bush_sliding import bushes_not_checked, sliding_checks
-from checks.joints.pin_checks import pin_checks
-from checks.joints.slot_checks import slot_checks
 from checks.ladder.climb import Climb, climb_rungs, start_climb
 from checks.ladder.drawn import undrawn, with_drawn_fields
 from checks.ladder.explained import explained
@@ -22,15 +19,13 @@ from checks.ladder.pinned import climb_pinned
 from checks.ladder.result import cheap_result, solid_result
 from checks.ladder.solid import FIRST
 from checks.part.loaded_part import LoadedPart
-from checks.part.part_loads import Doubt, PartLoads, Runs
+from checks.part.part_loads import Doubt, Runs
 from checks.part.too_fine import gave_up, told_of_size
 from checks.result.live_fields import LiveFields
-from checks.result.verdict import Check, PartResult
-from checks.strength.sampling import sampled
+from checks.result.verdict import PartResult
 from checks.stress.cost import check_seconds, report_seconds
 from checks.stress.solid_mesh_level import Models
 from fem.solvers import SolverError
-from geometry.cad_body import SolidBody
 from geometry.mesh import MeshError, TooManyElementsError
 
 Say = Callable[[str], None]
@@ -196,7 +191,7 @@ class Ladder:
 
     def _completed(self, name: str, result: PartResult) -> PartResult:
         if name not in self._complete or self._complete[name][0] is not result:
-            whole = _with_formulas(self.climbs[name], result, self.models)
+            whole = _with_formulas(self.climbs[name], result)
             self._complete[name] = result, whole
         return self._complete[name][1]
 
@@ -211,33 +206,13 @@ def time_warnings(results: Sequence[PartResult]) -> list[str]:
     ]
 
 
-def _with_formulas(climb: Climb, result: PartResult, models: Models) -> PartResult:
+def _with_formulas(climb: Climb, result: PartResult) -> PartResult:
     """Add the checks that are formulas on every rung."""
-    loaded, body = climb.loaded, models.body(climb.part.geometry)
-    checks = [*result.checks, *formula_checks(loaded, body)]
     return replace(
         result,
-        checks=explained(climb, checks, body),
-        assumed=[
-            *result.assumed,
-            *bushes_not_checked(loaded),
-            *by_formula.not_checked(loaded),
-        ],
+        checks=[*explained(climb, result.checks), *by_formula.formula_checks(climb.loaded)],
+        assumed=[*result.assumed, *by_formula.not_checked(climb.loaded)],
     )
-
-
-def formula_checks(loaded: LoadedPart, body: SolidBody) -> list[Check]:
-    """The checks of a part that are formulas on every rung and need no rung's stress."""
-
-    def slots(some: PartLoads) -> list[Check]:
-        return slot_checks(loaded.under(some), body.interfaces, solved=some is loaded.loads)
-
-    return [
-        *sampled(lambda some: pin_checks(loaded.under(some)), loaded.loads),
-        *by_formula.formula_checks(loaded),
-        *sampled(slots, loaded.loads),
-        *sliding_checks(loaded),
-    ]
 
 
 @contextmanager

@@ -7,7 +7,7 @@ from time import perf_counter
 
 import numpy as np
 
-from checks.columns.stability import column_checks, column_facts, column_told
+from checks import by_formula
 from checks.derivations.proven import with_derivation
 from checks.ladder.chart_data import charts_of
 from checks.ladder.climb import SOLID, Climb, answered
@@ -21,7 +21,6 @@ from checks.result.verdict import NOT_MESHED, Check, Gate, PartResult, RungTried
 from checks.strength.fatigue_facts import fatigue_facts
 from checks.strength.load_doubts import load_bars
 from checks.strength.part_strength import endurance_of, life_task
-from checks.strength.sampling import sampled
 from checks.stress.part_model import RungLevel
 from checks.stress.solid_mesh_level import Models
 from fem.near_incompressible import LARGEST_RATIO, MEANING
@@ -39,7 +38,7 @@ def cheap_result(climb: Climb, models: Models, *, live: bool = False) -> PartRes
     mass = body.mass_properties(part.material.density)
     size = body.size
     facts = facts_of(part, loads, mass, size, endurance_of(part))
-    facts |= column_facts(loaded)
+    facts |= by_formula.facts(loaded)
     gates = rung_gates(climb, level, size)
     peak = None
     if climb.use is not None:
@@ -47,24 +46,20 @@ def cheap_result(climb: Climb, models: Models, *, live: bool = False) -> PartRes
         facts |= fatigue_facts(part, level, peak, life_task(part, loaded.duty))
         missed = climb.use.safety_missed(level)
         gates.append(Gate(f"{part.name}: fatigue safety", missed, *RESCALED))
-    told = column_told(part, loads)
     assumed = [f"{climb.tried[-1].rung}: {level.model.neglects}"]
     skin = models.skin(part.geometry)
     return PartResult(
         name=part.name,
         shape=part.shape,
         material=part.material.name,
-        checks=[
-            *answered(climb),
-            *sampled(lambda some: column_checks(loaded.under(some)), loads),
-        ],
+        checks=answered(climb),
         gates=gates,
         hand_checks=[],
         meshes=[],
         facts=facts,
         charts=charts_of(loaded, level, climb.use),
         surface=_unstressed(skin),
-        assumed=[*assumed, told] if told else assumed,
+        assumed=assumed,
         rungs=climb.tried,
         live=section_fields(loaded, skin, climb.use) if live else None,
     )

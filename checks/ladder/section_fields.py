@@ -38,7 +38,7 @@ _ASIDE = 1e-7  # of the length, off a section, so that no node lies on it
 _THIN = 0.02  # of the largest area: a section at a round end, which nothing goes through
 _KEPT = 1e-3  # of the largest singular value of the section forces
 _TOGETHER = 1_000_000  # numbers of stress that are looked at together
-_JUDGED = 120  # positions of the duty that fatigue is estimated at, with all extremes of the forces
+_JUDGED = 48  # positions of the duty that fatigue is estimated at, with all extremes of the forces
 
 
 def section_fields(loaded: LoadedPart, skin: Skin, use: FatigueUse | None) -> LiveFields:

@@ -7,16 +7,19 @@ from time import perf_counter
 
 import numpy as np
 
-from checks.columns.stability import column_checks, column_facts, column_told, eigenvalue_check
+from checks import by_formula
+from checks.columns.stability import eigenvalue_check
 from checks.derivations.buckling import solid_share
 from checks.derivations.solids import of_solid
 from checks.design.data import Part
+from checks.design.errors import DesignError
 from checks.ladder.chart_data import charts_of
 from checks.ladder.edge_checks import edge_fatigue, edge_static, known_at_edges
 from checks.ladder.hand_calculations import hand_checks
-from checks.ladder.part_facts import assumed_of, facts_of, gates_of, mesh_row
+from checks.ladder.part_facts import assumed_of, contact_facts, facts_of, gates_of, mesh_row
 from checks.ladder.part_fields import solid_fields
 from checks.ladder.part_vibration import frequency_facts
+from checks.ladder.passing_fits import clearances_that_pass
 from checks.models.stress_words import fatigue_words, static_words
 from checks.part.loaded_part import FIRST as FIRST
 from checks.part.loaded_part import LoadedPart
@@ -27,16 +30,25 @@ from checks.strength.fatigue_assessment import FatigueUse, FkmUse
 from checks.strength.fatigue_facts import fatigue_facts
 from checks.strength.load_doubts import LoadBars, load_bars
 from checks.strength.part_strength import elastic_of, endurance_of, fatigue_use, life_task
-from checks.strength.sampling import fatigue_rise, sampled, static_rise, with_sampling
+from checks.strength.sampling import fatigue_rise, static_rise, with_sampling
 from checks.stress.cost import judging_seconds
 from checks.stress.error_bars import Bars, Judged, StaticPeak, bars_of, mesh_bar
+from checks.stress.pins_in_bores import MIDDLE, fits_of, pinned_bores
 from checks.stress.solid_mesh_level import Level, Models, solve_level
 from checks.stress.stress_result import Stressed
 from checks.stress.symmetry import MEANING, half_of, mode_surface, shown_surface
 from fem.buckling import BucklingMode
+from fem.contact.condensed import ContactError
 from fem.error_estimate import refined_sizes, stress_error
 from fem.unit_solutions import UnitSolutions
-from geometry.mesh import FloatArray, MassProperties, MeshError, TooManyElementsError
+from geometry.mesh import (
+    FloatArray,
+    MassProperties,
+    Mesh,
+    MeshError,
+    TooManyElementsError,
+    TooManyUnknownsError,
+)
 from geometry.meshing import Buildable
 from geometry.progress import expect
 from geometry.sizing import SizeField
@@ -137,15 +149,13 @@ def check_solid(
             for check in stressed
         ]
     arcs = _arcs_that_pass(loaded, levels, both, stressed, widened(levels))
+    arcs |= clearances_that_pass(loaded, finest, both, stressed)
     buckled = _Buckled()
     if "buckling" in asked.kinds:
         buckled = _judge_buckling(loaded, models, levels, sizes)
     assumed = assumed_of(loaded, finest)
     if finest.half:
         assumed.append(MEANING)
-    no_column = column_told(part, loads)
-    if no_column:
-        assumed.append(no_column)
     if buckled.untold:
         assumed.append(buckled.untold)
     properties = models.body(part.geometry).mass_properties(part.material.density)
@@ -157,11 +167,7 @@ def check_solid(
         name=part.name,
         shape=part.shape,
         material=part.material.name,
-        checks=[
-            *stressed,
-            *sampled(lambda some: column_checks(loaded.under(some)), loads),
-            *buckled.checks,
-        ],
+        checks=[*stressed, *buckled.checks],
         gates=gates,
         hand_checks=by_hand,
         meshes=[{"body": "half" if lv.half else "whole", **mesh_row(lv)} for lv in levels],
@@ -258,14 +264,17 @@ def _values(loaded: LoadedPart, level: Level) -> Callable[[PartLoads], Mapping[s
     part = loaded.part
 
     def values_of(loads: PartLoads) -> Mapping[str, float]:
+        pins = None if level.contact is None else level.contact.pins
         other = solve_level(
-            level.solutions,
+            level.solutions if pins is None else pins.solutions,
             level.fineness,
             loads,
             endurance_of(part).value,
             part.material.ultimate_stress,
             loaded.duty.cycles,
             part.geometry.notch_factors,
+            pins,
+            (MIDDLE,),
         )
         values = {"static": other.peak.value}
         use = fatigue_use(loaded.under(loads))
@@ -334,7 +343,7 @@ def _facts(
     finest = levels[-1]
     size = float(np.ptp(finest.solutions.mesh.nodes, axis=0).max())
     facts = facts_of(part, loaded.loads, properties, size, None if part.fkm else endurance_of(part))
-    facts |= column_facts(loaded)
+    facts |= by_formula.facts(loaded) | contact_facts(finest)
     if asked.modes:
         facts |= frequency_facts(part, levels[0].solutions)
     if isinstance(use, FkmUse):
@@ -381,7 +390,7 @@ def solve_levels(
         start = perf_counter()
         try:
             if not levels:
-                check_first_mesh(part, 3 * len(models.mesh(first, base).nodes))
+                first_mesh(part, first, base, models)
             solutions = models.solutions(finer if levels else first, base, material, sizes)
         except TooManyElementsError as error:
             if len(levels) < 2:  # one mesh has no error bar
@@ -394,15 +403,7 @@ def solve_levels(
             continue
         unknowns = 3 * len(solutions.mesh.nodes)
         say(f"{part.name}: {unknowns} unknowns, {solutions.factor.solver}; superposing the cycle")
-        level = solve_level(
-            solutions,
-            base,
-            loads,
-            limit,
-            part.material.ultimate_stress,
-            loaded.duty.cycles,
-            part.geometry.notch_factors,
-        )
+        level = _level(loaded, solutions, base, limit)
         levels.append(level)
         known = len(levels) > 1 and all(mesh_bar(w, levels) <= loaded.accuracy for w in judged)
         if not judged or (known and (asked.first >= FIRST or len(levels) > 2)):
@@ -423,7 +424,7 @@ def solve_levels(
         if finer is not part.geometry and not level.half:
             most *= 2  # the next mesh has half of the elements that are estimated on this one
         errors = [
-            stress_error(solutions.recovery, solutions.displacement @ state)
+            stress_error(solutions.recovery, level.solutions.displacement @ state)
             for what in judged
             for state in what.states(level)
         ]
@@ -443,26 +444,51 @@ def first_level(loaded: LoadedPart, models: Models) -> Level:
     """Solve a whole part on its first mesh under some loads; raises MeshError and SolverError."""
     part = loaded.part
     fineness = FIRST * part.fineness
-    check_first_mesh(part, 3 * len(models.mesh(part.geometry, fineness).nodes))
-    return solve_level(
-        models.solutions(part.geometry, fineness, elastic_of(part)),
-        fineness,
-        loaded.loads,
-        endurance_of(part).value,
-        part.material.ultimate_stress,
-        loaded.duty.cycles,
-        part.geometry.notch_factors,
-    )
+    first_mesh(part, part.geometry, fineness, models)
+    solutions = models.solutions(part.geometry, fineness, elastic_of(part))
+    return _level(loaded, solutions, fineness, endurance_of(part).value)
 
 
-def check_first_mesh(part: Part, unknowns: int) -> None:
-    """Raise TooManyElementsError if the first mesh of a part is more than it may have."""
-    if unknowns > part.most_unknowns:
-        raise TooManyElementsError(
-            f"mesh.most_unknowns is {part.most_unknowns}, but the first mesh of mesh.fineness "
-            f"{part.fineness:g} has {unknowns} unknowns; allow at least twice as many, or lower "
-            "mesh.fineness"
+def _level(loaded: LoadedPart, solutions: UnitSolutions, fineness: float, limit: float) -> Level:
+    """Superpose the cycle of a part on one mesh; raises DesignError for a fit without contact."""
+    part = loaded.part
+    try:
+        return solve_level(
+            solutions,
+            fineness,
+            loaded.loads,
+            limit,
+            part.material.ultimate_stress,
+            loaded.duty.cycles,
+            part.geometry.notch_factors,
+            pinned_bores(solutions, fits_of(loaded)),
         )
+    except ContactError as error:
+        key = f"parts.{part.name}.fits"
+        raise DesignError(loaded.design.file, key, str(error)) from error
+
+
+def first_mesh(part: Part, shape: Buildable, fineness: float, models: Models) -> Mesh:
+    """Return the first mesh of a part, of its whole shape or of half of it.
+
+    Raises MeshError, and TooManyElementsError if it has more unknowns than the part may have, or
+    surely would have more, by an estimate before it is made.
+    """
+    try:
+        mesh = models.mesh(shape, fineness, None, part.most_unknowns)
+    except TooManyUnknownsError as error:
+        raise _too_many(part, f"would have about {error.unknowns:.2g}") from error
+    unknowns = 3 * len(mesh.nodes)
+    if unknowns > part.most_unknowns:
+        raise _too_many(part, f"has {unknowns}")
+    return mesh
+
+
+def _too_many(part: Part, found: str) -> TooManyElementsError:
+    return TooManyElementsError(
+        f"mesh.most_unknowns is {part.most_unknowns}, but the first mesh of mesh.fineness "
+        f"{part.fineness:g} {found} unknowns; allow at least twice as many, or lower mesh.fineness"
+    )
 
 
 def _whole_again(

@@ -18,15 +18,21 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
-from math import exp, inf, log
+from math import exp, inf, isfinite, log
 from typing import Any
 
+from checks.handbook.pin_loaded_hole import BEYOND_ARCS
 from checks.models.proportions import ARC, SHARE, of_buckling
+from checks.result.derivation import Given, Item, Step
 
 _BEYOND = 0.1  # of the range that was compared: how far a part's proportions may be outside it
 _BUCKLING = "buckling"
 _LENGTH = "length / "
 _OTHER_SHARE = 0.1  # how far a share of the largest force may be outside the range compared
+
+
+_PAGE = "docs/theory/rungs.md"
+Formulas = tuple[list[Item], list[Item]]  # above and below
 
 
 @dataclass(frozen=True)
@@ -52,6 +58,30 @@ class Band:
         """How wide the band is, as a share of the value."""
         return self.high - self.low
 
+    def formulas(self, value: str, unit: str, in_bores: float = 0.0) -> Formulas:
+        """Formulas of the model band above and below a value, by its symbol.
+
+        in_bores  MPa, the largest in bores whose arc is not stated, where it is above the value:
+                  solids reach as much higher, whatever arc decides theirs; else 0
+        """
+        reach = "reach of the solids' own model band {}, over the value"
+        end = f"{{}} end of where 95 % of solids lie, over this value: {self.count} compared"
+        above: list[Item] = [bores_given(in_bores)] if in_bores else []
+        total = f"(max(0, h_up - 1) + q_up)*{value}"
+        if in_bores:
+            total = f"(p_b/{value}*(max(1, h_up) + q_up) - 1)*{value}"
+        above += [
+            Given("h_up", end.format("upper"), self.high, "", _PAGE),
+            Given("q_up", reach.format("above"), self.above[1], "", _PAGE),
+            Step("b_up", "model band above", total, unit, _PAGE),
+        ]
+        total = f"(max(0, 1 - h_lo) + q_lo)*{value}"
+        return above, [
+            Given("h_lo", end.format("lower"), self.low, "", _PAGE),
+            Given("q_lo", reach.format("below"), self.below[1], "", _PAGE),
+            Step("b_lo", "model band below", total, unit, _PAGE),
+        ]
+
 
 LEAST = 0.5  # of a formula's stress, beyond the solids compared: these had 0.66 or more of it
 _CLOSE = ("plate_link", "plate_link beside others", "tube_rod", "toggle_bar", "prismatic_tube")
@@ -68,6 +98,31 @@ class NoBand:
     why: str
     least: float = -inf
     most: float = inf
+
+    def formulas(self, value: str, unit: str, _in_bores: float = 0.0) -> Formulas:
+        """Formulas of the bounds above and below a value, by its symbol; none without a bound."""
+        above: list[Item] = []
+        below: list[Item] = []
+        if isfinite(self.most):
+            said = "bound on a part that is only pulled: 10 times the share of what bends it, and "
+            said += "12 times its peak stress over E, over the share"
+            above = [
+                Given("h_up", said, self.most, "", _PAGE),
+                Step("b_up", "bound above", f"(h_up - 1)*{value}", unit, _PAGE),
+            ]
+        if isfinite(self.least):
+            said = "least plausible share of a rung's value"
+            below = [
+                Given("h_lo", said, self.least, "", _PAGE),
+                Step("b_lo", "bound below", f"(1 - h_lo)*{value}", unit, _PAGE),
+            ]
+        return above, below
+
+
+def bores_given(value: float) -> Given:
+    """The largest stress in bores whose arc of contact is not stated, MPa."""
+    said = f"the largest in the bores under {1 + BEYOND_ARCS:g} of the forces in the plane"
+    return Given("p_b", said, value, "MPa", "docs/validation.md")
 
 
 @cache

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from math import inf
 
-from checks.columns.stability import ELASTIC_SHARE
+from checks.columns.stability import ELASTIC
 from checks.design.data import Part
 from checks.models.bands import Band, NoBand, band_of
 from checks.models.estimate import Estimate
@@ -19,6 +19,7 @@ from checks.models.proportions import (
 from checks.models.raised_bores import WORDS, raised_in_bores
 from checks.models.rings import static_values, with_peaks
 from checks.models.stress_words import Words, fatigue_words, static_words
+from checks.part.derived import VALUE, at_value
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check
@@ -148,13 +149,13 @@ def _buckling_estimate(loaded: LoadedPart, model: RungModel, rise: float) -> Est
     check = Check(
         part=loaded.part.name,
         kind=BUCKLING,
-        quantity=ELASTIC_SHARE,
+        quantity=ELASTIC.quantity,
         value=model.buckling.share,
         unit="",
         numerical=0.0,
         model=0.0,
         limit=1.0,
-        required=loaded.required.buckling,
+        required=ELASTIC.safety(loaded.required),
         cycle=loads.cycle_names[position],
         position=loads.labels[position],
         place="whole part",
@@ -173,26 +174,20 @@ def _with_band(
 
     in_bores  MPa, the largest in bores whose arc is not stated, raised; 0 without such
     """
-    band = band_around(loaded.part, loaded.loads, model, check)
-    if isinstance(band, NoBand):
-        return _without_band(check, band)
-    value = check.value
-    above = (max(0.0, band.high - 1) + band.above[1]) * value
-    below = (max(0.0, 1 - band.low) + band.below[1]) * value
+    band, value = band_around(loaded.part, loaded.loads, model, check), check.value
+    raised = in_bores if in_bores > value else 0.0
+    above, below = (
+        at_value(check, items) if items else inf
+        for items in band.formulas(VALUE, check.unit, raised)
+    )
+    if isinstance(band, NoBand):  # only the least, and perhaps the most, plausible value are known
+        said = band.why if above < inf else f"{UNKNOWN_BAR}{band.why}"
+        return Estimate(_told(check, above, below, said), above, below)
     shared, said = band.above[0] * value, _of_solids(band, model)
-    if in_bores > value:  # solids reach as much higher, whatever arc decides theirs
-        above = (in_bores / value * (max(1.0, band.high) + band.above[1]) - 1) * value
-        shared = in_bores * (1 + band.above[0]) - value
+    if raised:
+        shared = raised * (1 + band.above[0]) - value
         said = f"{said}; {WORDS}"
     return Estimate(_told(check, above, below, said), above - shared, below - band.below[0] * value)
-
-
-def _without_band(check: Check, band: NoBand) -> Estimate:
-    """The check of which only the least, and perhaps the most, plausible value are known."""
-    below = (1 - band.least) * check.value
-    above = (band.most - 1) * check.value
-    said = band.why if above < inf else f"{UNKNOWN_BAR}{band.why}"
-    return Estimate(_told(check, above, below, said), above, below)
 
 
 def band_around(part: Part, loads: PartLoads, model: RungModel, check: Check) -> Band | NoBand:
@@ -206,6 +201,11 @@ def band_around(part: Part, loads: PartLoads, model: RungModel, check: Check) ->
         )
     if not check.value > 0.0:
         return NoBand(f"the rung {model.rung} finds nothing where the part is loaded")
+    if part.clearances and not part.arc_stated and check.kind != BUCKLING:
+        return NoBand(
+            "a fit is stated with which contact may exceed what assumed arcs make: it is solved on "
+            "a solid only"
+        )
     proportions = proportions_of(part, loads)
     if check.kind == BUCKLING and model.buckling is not None and model.buckling.pulled:
         return _of_pulled(part, model, check, proportions)

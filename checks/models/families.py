@@ -3,7 +3,7 @@
 import numpy as np
 
 from checks.design.data import Part
-from checks.joints.pin_checks import pin_diagram
+from checks.joints.pin_diagrams import pin_diagram
 from checks.models.proportions import tilting_couple
 from checks.part.part_loads import PartLoads
 from geometry.parts import Pin, PlateLink

@@ -1,6 +1,8 @@
 """A part as a bar along x: its loads in balance, fibres of its sections, deflection, buckling."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
+from functools import partial
 from itertools import pairwise
 from math import inf
 
@@ -10,11 +12,13 @@ from checks.columns.column_moments import axial_compression
 from checks.design.data import Part
 from checks.handbook.bar_forces import BarForces, BarLoads, balanced_bar, deflection
 from checks.handbook.lateral_buckling import column_force, lateral_share
+from checks.models.formula_buckling import column_items, stretch_items
 from checks.models.formula_points import Points, along_x, in_section, sheared
 from checks.models.unit_names import acceleration_units, wrench_units
 from checks.part.first_maximum import first_largest
 from checks.part.part_loads import PartLoads
-from checks.stress.part_model import ElasticLoad, PressedColumn, PressedStretch
+from checks.result.derivation import Item
+from checks.stress.part_model import ElasticLoad
 from geometry.mesh import FloatArray
 
 _STATIONS = 33  # of deflection and lateral buckling
@@ -237,14 +241,14 @@ def elastic_load(
     share = np.maximum(shares[words], 0.0)
     (position,) = first_largest(share)
     pressed = float(force[position])
-    made_of: PressedColumn | PressedStretch
+    explain: Callable[[], Sequence[Item]]
     if words == _IN_PLANE:
-        made_of = PressedColumn(pressed, flat, inf, length)
+        explain = partial(column_items, pressed, flat, inf, length)
     elif words == _SIDEWAYS:
         bent = moment[:, [position]]
         alone = float(lateral_share(np.zeros(1), bent, across, twisting, length)[0])
-        made_of = PressedColumn(pressed, across, racking, length, alone)
+        explain = partial(column_items, pressed, across, racking, length, alone)
     else:
-        made_of = PressedStretch(pressed, local)
+        explain = partial(stretch_items, pressed, local)
     told = _PULLED if only_pulled else words
-    return ElasticLoad(float(share[position]), position, told, bar=made_of, pulled=pulled)
+    return ElasticLoad(float(share[position]), position, told, explain, pulled=pulled)

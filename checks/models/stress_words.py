@@ -2,11 +2,61 @@
 
 from dataclasses import dataclass
 
+from checks.part.kind import Kind
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse, LifeUse
 from checks.strength.fatigue_facts import chord_at, plane_at
 from checks.stress.stress_result import Stressed
+
+STATIC = Kind(
+    name="static",
+    quantity="peak von Mises stress",
+    demand="peak von Mises stress on the surface",
+    limit="yield stress",
+    require="static",
+    source="[bearing](../theory/bearing.md), [models](../theory/rungs.md)",
+)
+FATIGUE = {  # by the criterion that decides
+    kind.quantity.partition(" ")[0]: kind
+    for kind in (
+        Kind(
+            name="fatigue",
+            quantity="Goodman amplitude of equal safety",
+            demand="amplitude of equal safety of the longest chord of the stress path",
+            limit="endurance limit",
+            require="fatigue",
+            source="Shigley, 6-46; [strength](../theory/strength.md)",
+        ),
+        Kind(
+            name="fatigue",
+            quantity="Findley amplitude of equal safety",
+            demand="amplitude of equal safety on the critical plane, where the stress path is not "
+            "proportional",
+            limit="endurance limit",
+            require="fatigue",
+            source="Findley 1959; [multiaxial](../theory/multiaxial.md)",
+        ),
+        Kind(
+            name="fatigue",
+            quantity="Miner amplitude of equal safety",
+            demand="endurance limit over the safety that Miner's sum of the duty leaves, for a "
+            "finite life",
+            limit="endurance limit",
+            require="fatigue",
+            source="[life](../theory/life.md)",
+        ),
+        Kind(
+            name="fatigue",
+            quantity="FKM amplitude of equal safety",
+            demand="utilisation by the FKM guideline's chain, times its reference strength",
+            limit="reference strength of the component",
+            require="fatigue",
+            source="[strength](../theory/strength.md)",
+        ),
+    )
+}
+KINDS = (STATIC, *FATIGUE.values())
 
 
 @dataclass(frozen=True)
@@ -27,10 +77,10 @@ def static_words(loaded: LoadedPart, level: Stressed) -> Words:
     """Of the largest von Mises stress."""
     part, loads = loaded.part, loaded.loads
     return Words(
-        "static",
-        "peak von Mises stress",
+        STATIC.name,
+        STATIC.quantity,
         part.material.yield_stress,
-        loaded.required.static,
+        STATIC.safety(loaded.required),
         loads.cycle_names[level.peak.position],
         loads.labels[level.peak.position],
         f"yield stress, guaranteed minimum ({part.material.source})",
@@ -41,6 +91,7 @@ def fatigue_words(loaded: LoadedPart, level: Stressed, use: FatigueUse) -> Words
     """Of the largest amplitude of equal safety."""
     part = loaded.part
     worst = use.worst(level)
+    kind = FATIGUE[worst.criterion]
     if isinstance(use, FkmUse):
         found = use.found(level)
         amplitude, mean = found.amplitude, found.mean
@@ -68,10 +119,10 @@ def fatigue_words(loaded: LoadedPart, level: Stressed, use: FatigueUse) -> Words
             f"endurance limit, Marin: {part.surface}, {100 * part.reliability:g} % survival; {life}"
         )
     return Words(
-        "fatigue",
-        f"{worst.criterion} amplitude of equal safety",
+        kind.name,
+        kind.quantity,
         use.limit,
-        loaded.required.fatigue,
+        kind.safety(loaded.required),
         worst.cycle,
         " to ".join(_position(loaded.loads, k, worst.cycle) for k in worst.pair),
         basis,

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from checks.design.data import Part
+from checks.design.model import Requirements
+from checks.part.kind import Kind
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import (
     Acting,
@@ -43,14 +45,14 @@ class Series:
 class Heading:
     """Texts of a check beside its numbers.
 
+    of    the interface, body or plane that its quantity is of
     note  in words, or of the values of all symbols at the worst position
     """
 
-    kind: str
-    quantity: str
-    required: float
+    kind: Kind
     place: str
     basis: str
+    of: str = ""
     unit: str = "MPa"
     note: str | Callable[[Mapping[str, Value]], str] = ""
 
@@ -87,23 +89,36 @@ def demand_over(items: Sequence[Series | Item]) -> FloatArray:
     return np.asarray(scope[items[-1].symbol])
 
 
+VALUE = "v"  # the symbol of a check's value in formulas that are asked for by `at_value`
+
+
+def at_value(check: Check, items: Sequence[Item]) -> float:
+    """The last of some items whose formulas use a check's value as `VALUE`; raises FormulaError."""
+    return float(demand_over([Given(VALUE, check.quantity, check.value), *items]))
+
+
 def derived_check(
-    part: Part, loads: PartLoads, position: int, heading: Heading, derivation: Derivation
+    part: Part,
+    loads: PartLoads,
+    position: int,
+    heading: Heading,
+    derivation: Derivation,
+    required: Requirements,
 ) -> Check:
     """A check at one of all positions whose numbers are those of its derivation."""
     bars, note = derivation.bars, heading.note
     above, below = (derivation.number(one) if one else 0.0 for one in (bars.above, bars.below))
     return Check(
         part=part.name,
-        kind=heading.kind,
-        quantity=heading.quantity,
+        kind=heading.kind.name,
+        quantity=heading.kind.quantity.format(heading.of),
         value=derivation.number(derivation.value),
         unit=heading.unit,
         numerical=0.0,
         model=above,
         model_below=below,
         limit=derivation.number(derivation.limit),
-        required=heading.required,
+        required=heading.kind.safety(required),
         cycle=loads.cycle_names[position],
         position=loads.labels[position],
         place=heading.place,

@@ -20,6 +20,7 @@ from checks.part.derived import (
     load_case,
 )
 from checks.part.first_maximum import first_largest
+from checks.part.fitted import with_fits
 from checks.part.part_loads import Doubt, PartLoads, Runs, loads_on
 from checks.part.placing import interface_distance
 from checks.result.derivation import BARS, Derivation, Item, Section
@@ -91,9 +92,11 @@ class LoadedPart:
         Raises loads.LinkageError where a force meets the part at no interface, or nothing loads it,
         and DesignError where a contact slides off the stretch that the part has for it.
         """
-        found = LoadedPart(
-            design, part, loads_on(design, part, runs, doubts), runs, bodies or UNKEPT
-        )
+        loads = loads_on(design, part, runs, doubts)
+        if part.clearances:
+            pins = {one.joint: one for one in design.parts.values() if one.joint is not None}
+            part = with_fits(part, loads, part.geometry.placed_interfaces, pins)
+        found = LoadedPart(design, part, loads, runs, bodies or UNKEPT)
         check_reach(found, found.solid.interfaces)
         return found
 
@@ -123,6 +126,17 @@ class LoadedPart:
         formulas at that position, which are the check's derivation. Raises FormulaError.
         """
         (position,) = first_largest(demand_over(demand))
+        return self.at(position, heading, demand, limit, band)
+
+    def at(
+        self,
+        position: int,
+        heading: Heading,
+        demand: Sequence[Series | Item],
+        limit: Sequence[Item],
+        band: Band = NO_BAND,
+    ) -> Check:
+        """The same check at one of all positions, which is known to be the worst. As `worst`."""
         there = [item.at(position) if isinstance(item, Series) else item for item in demand]
         sections = [("Demand", there), ("Limit", limit), (BARS, (*band.above, *band.below))]
         derivation = Derivation(
@@ -136,7 +150,8 @@ class LoadedPart:
 
     def derived(self, heading: Heading, position: int, derivation: Derivation) -> Check:
         """The check at one of all positions whose numbers are those of its derivation."""
-        return derived_check(self.part, self.loads, position, heading, derivation)
+        part, loads = self.part, self.loads
+        return derived_check(part, loads, position, heading, derivation, self.required)
 
     @property
     def name(self) -> str:

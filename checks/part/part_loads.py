@@ -33,11 +33,10 @@ class Doubt:
 
 @dataclass(frozen=True, eq=False)
 class PartDoubt:
-    """A doubt, by the loads of one part at its ends, and the runs that they are from."""
+    """A doubt, by the loads of one part at its ends."""
 
     words: str
     ends: tuple["PartLoads", ...]
-    runs: tuple[Runs, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,7 +201,7 @@ def loads_on(design: Design, part: Part, solved: Runs, doubts: Sequence[Doubt] =
         np.concatenate(stretch_of),
         np.concatenate(path),
         tuple(
-            PartDoubt(doubt.words, tuple(loads_on(design, part, e) for e in doubt.ends), doubt.ends)
+            PartDoubt(doubt.words, tuple(loads_on(design, part, e) for e in doubt.ends))
             for doubt in doubts
         ),
         {name: np.concatenate(parts) for name, parts in spins.items()},

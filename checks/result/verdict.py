@@ -237,6 +237,30 @@ class Way:
         return {name: getattr(self, name) for name in self.__dataclass_fields__}
 
 
+def check_ids(checks: Sequence[Check]) -> list[str]:
+    """Identifiers of the checks of a part or of the linkage, for programs that compare results.
+
+    Part and kind, as "pin_B/fatigue"; with the quantity where the part has two of the kind, as
+    "bar/buckling/column in plane"; counted where that is the same, too. The same checks have the
+    same identifiers whatever their values, and whichever other kinds of checks there are.
+    """
+    kinds = [f"{check.part}/{check.kind}" for check in checks]
+    ids = [
+        f"{kind}/{check.quantity}" if kinds.count(kind) > 1 else kind
+        for check, kind in zip(checks, kinds, strict=True)
+    ]
+    return [
+        f"{name} ({count})" if (count := ids[: k + 1].count(name)) > 1 else name
+        for k, name in enumerate(ids)
+    ]
+
+
+def _identified(checks: Sequence[Check]) -> list[dict[str, Any]]:
+    """The checks as plain data, each led by its identifier."""
+    pairs = zip(check_ids(checks), checks, strict=True)
+    return [{"id": name} | check.to_dict() for name, check in pairs]
+
+
 def status_of(checks: Sequence[Check], gates: Sequence[Gate]) -> Status:
     """FAIL if a check fails, else UNDECIDED if one is or a binding gate breaks, else PASS."""
     outcomes = {check.status for check in checks}
@@ -283,12 +307,14 @@ class Surface:
     nodes      (n, 3) mm; triangles (m, 3) indices of them
     fields     name -> (n,) values
     peak       index of the node that carries the reported peak stress
+    directed   name -> vectors (n, 3) or stress (n, 6), xx, yy, zz, xy, yz, zx, for files
     """
 
     nodes: Any
     triangles: Any
     fields: Mapping[str, Any]
     peak: int
+    directed: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def is_bare(self) -> bool:
@@ -366,7 +392,7 @@ class PartResult:
             "name": self.name,
             "shape": self.shape,
             "material": self.material,
-            "checks": [check.to_dict() for check in self.checks],
+            "checks": _identified(self.checks),
             "gates": [gate.to_dict() for gate in self.gates],
             "hand_checks": [check.to_dict() for check in self.hand_checks],
             "meshes": [dict(mesh) for mesh in self.meshes],
@@ -439,6 +465,14 @@ class DesignResult:
         """0 when every part passes, else 1."""
         return 0 if self.status is Status.PASS else 1
 
+    def _decided_by(self) -> dict[str, str] | None:
+        if not self.checks:
+            return None
+        deciding, owners = self.deciding, [*(part.checks for part in self.parts), self.linkage]
+        pairs = (pair for own in owners for pair in zip(check_ids(own), own, strict=True))
+        name = next(name for name, check in pairs if check is deciding)
+        return {"id": name, "part": deciding.part, "kind": deciding.kind}
+
     def to_dict(self) -> dict[str, Any]:
         """The result as plain data."""
         return {
@@ -450,11 +484,9 @@ class DesignResult:
             "overrides": list(self.overrides),
             "status": str(self.status),
             "exit_code": self.exit_code,
-            "decided_by": {"part": self.deciding.part, "kind": self.deciding.kind}
-            if self.checks
-            else None,
+            "decided_by": self._decided_by(),
             "parts": [part.to_dict() for part in self.parts],
-            "linkage": [check.to_dict() for check in self.linkage],
+            "linkage": _identified(self.linkage),
             "cycles": {name: dict(cycle) for name, cycle in self.cycles.items()},
             "gates": [gate.to_dict() for gate in self.gates],
             "warnings": list(self.warnings),

@@ -15,6 +15,7 @@ from checks.result.words import check_titles, gate_sentence, number, open_reason
 
 SOLID = "solid"
 NOTHING = "nothing here settles it"  # begins the text of a way that is none
+LEAST = "least single changes"  # of a dimension or a material
 _FINEST = 0.003  # of a value: a smaller numerical bar is not asked of a mesh
 _MOST_UNKNOWNS = 300_000  # that a design allows where it states nothing
 _TOO_MANY = 3_000_000
@@ -24,6 +25,11 @@ _UNKNOWNS_BY_ERROR = 1.5  # of a bar in h squared, unknowns in h to the power -3
 def arc_fact(kind: str) -> str:
     """Name of the fact: the narrowest arc of contact from which on a kind of check passes."""
     return f"{kind}: passes with an arc of contact from [deg]"
+
+
+def clearance_fact(kind: str, bore: str) -> str:
+    """Name of the fact: the largest clearance of all pins, up to which a kind of check passes."""
+    return f"{kind}: passes by contact with a clearance in {bore} up to [mm]"
 
 
 def ways_out(result: DesignResult) -> list[Way]:
@@ -60,16 +66,42 @@ def _merged(ways: Iterable[Way]) -> list[Way]:
 def _of_check(
     result: DesignResult, check: Check, settles: str, part: PartResult | None
 ) -> Iterator[Way]:
+    if check.status is Status.FAIL and part is not None:
+        less = _excess(check)
+        told = f"{settles} ({number(less, 2)} % lower)" if less else settles
+        yield Way(told, f"{LEAST}, error bars included", improve_command(result))
     if check.status is not Status.UNDECIDED:
         return
     ways = [*_by_drive(result, check, settles)]
     if part is not None:
         ways += [
+            *_by_clearance(result, check, settles, part),
             *_by_arc(result, check, settles, part),
             *_by_mesh(result, check, settles, part),
             *_by_model(result, check, settles, part),
         ]
     yield from ways or [Way(settles, f"{NOTHING}: {open_reason(check)}")]
+
+
+def lower_by(check: Check) -> str:
+    """How much lower a check's value must be to pass, in words; it ends with what improve tells."""
+    less = _excess(check)
+    if not less:
+        return LEAST
+    return f"its value must be {number(less, 2)} % lower, error bars included; {LEAST}"
+
+
+def _excess(check: Check) -> float:
+    """Per cent by which a value, its bars included, must be lower to pass; 0 if that is unknown."""
+    demand = check.upper * check.required
+    known = demand > check.limit and isfinite(demand)
+    return 100.0 * (1.0 - check.limit / demand) if known else 0.0
+
+
+def improve_command(result: DesignResult) -> str:
+    """The command that finds single changes with which a result's design passes."""
+    sets = "".join(f" --set {quote(override)}" for override in result.overrides)
+    return f"ballesta improve {quote(result.file)}{sets}"
 
 
 def _by_drive(result: DesignResult, check: Check, settles: str) -> Iterator[Way]:
@@ -102,6 +134,32 @@ def _by_arc(result: DesignResult, check: Check, settles: str, part: PartResult) 
         )
 
 
+def _by_clearance(
+    result: DesignResult, check: Check, settles: str, part: PartResult
+) -> Iterator[Way]:
+    """Where contact presses less than the assumed arcs, for the clearances that pins may have."""
+    begins, ends = clearance_fact(check.kind, "\n").split("\n")
+    found = {
+        name.removeprefix(begins).removesuffix(ends): value
+        for name, value in part.facts.items()
+        if name.startswith(begins) and name.endswith(ends)
+    }
+    if not found:
+        return
+    fits = {f"fits.{bore}": f'"0 .. {most:g} mm"' for bore, most in found.items()}
+    if f"parts.{part.name}.bearing_arc" in {key for key, _ in result.defaults}:
+        clearance = f"{max(found.values()):g} mm"
+        text = f"state the fit of its pins (fits): it passes with clearances up to {clearance}"
+        stated = [f"parts.{part.name}.{key}={value}" for key, value in fits.items()]
+        yield Way(settles, text, _with(result, *stated), _again(result))
+    else:
+        stated = [f"{key} = {value}" for key, value in fits.items()]
+        text = (
+            f"state the fit of its pins instead of bearing_arc: it passes with {', '.join(stated)}"
+        )
+        yield Way(settles, text)
+
+
 def _by_mesh(result: DesignResult, check: Check, settles: str, part: PartResult) -> Iterator[Way]:
     """Where a smaller numerical bar leaves the limit on one side."""
     if not check.settled_by_mesh or not part.meshes or not check.method.startswith(SOLID):
@@ -117,7 +175,7 @@ def _by_mesh(result: DesignResult, check: Check, settles: str, part: PartResult)
     solid = next((tried for tried in part.rungs if tried.rung == SOLID), None)
     yield Way(
         settles,
-        f"ask for a numerical bar of {100 * share:.2g} %",
+        f"ask for a numerical error bar of {100 * share:.2g} %",
         _with(
             result,
             f'accuracy="{100 * share:.2g} %"',

@@ -213,9 +213,9 @@ def gate_sentence(gate: Gate) -> str:
 
 def reason(check: Check) -> str:
     """Why a check has the status that it has, in words."""
-    has = f"safety {_safety_of(check)}, needs {need_text(check.required)}"
+    has = f"safety {_safety_of(check)}, {need_text(check.required)} required"
     if not check.value:
-        has = f"not loaded: a value of 0 has no safety (needs {need_text(check.required)})"
+        has = f"not loaded: a value of 0 has no safety ({need_text(check.required)} required)"
     if check.status is Status.UNDECIDED:
         said = range_text(check)
         ends = f"; {said} within its error bars{_wider(check)}:" if said else ";"
@@ -293,8 +293,9 @@ def verdict_sentence(result: DesignResult) -> str:
     if result.status is Status.UNDECIDED and deciding.status is Status.PASS:
         nearest = decided.replace("decided by", "nearest to its limit is", 1)
         names = ", ".join(f"{brief(owner, 40)} {brief(gate.name, 40)}" for owner, gate in broken)
-        return f"{status}: every check passes, but these gates do not hold: {names}; {nearest}"
+        broken_ones = f"these validity checks do not hold: {names}"
+        return f"{status}: every check passes, but {broken_ones}; {nearest}"
     count = len(assumptions(result))
     under = f" (under {count} assumption{'s' if count > 1 else ''})" if count else ""
-    doubt = " (gates are broken, too)" if broken else ""
+    doubt = " (validity checks do not hold, too)" if broken else ""
     return f"{status}{under}; {decided}{doubt}"

@@ -1,5 +1,7 @@
 """Bodies and meshes from the store."""
 
+from math import inf
+
 from checks.store.store import Store
 from geometry.cad_body import Skin, SolidBody, cad_body, cad_skin
 from geometry.mesh import Mesh
@@ -24,12 +26,16 @@ def stored_skin(store: Store | None, shape: Buildable) -> Skin:
 
 
 def stored_mesh(
-    store: Store | None, shape: Buildable, fineness: float, sizes: SizeField | None
+    store: Store | None,
+    shape: Buildable,
+    fineness: float,
+    sizes: SizeField | None,
+    most_unknowns: float = inf,
 ) -> Mesh:
-    """Return the mesh of a shape; raises MeshError."""
+    """Return the mesh of a shape, as mesh_shape does; raises MeshError."""
 
     def mesh() -> Mesh:
-        return mesh_shape(shape, fineness=fineness, sizes=sizes)
+        return mesh_shape(shape, fineness=fineness, sizes=sizes, most_unknowns=most_unknowns)
 
     if store is None:
         return mesh()

@@ -19,7 +19,7 @@ from checks.stress.duty_verdict import (
     duty_runs,
     duty_verdict,
 )
-from checks.stress.error_bars import Judged, direct_under, raised_in_bores
+from checks.stress.error_bars import Judged, Under, direct_under, raised_in_bores
 from checks.stress.solid_mesh_level import Level
 from checks.stress.stress_result import Stressed
 from fatigue.proportionality import PROPORTIONAL
@@ -75,13 +75,15 @@ class FatigueUse(Judged):
         factor = self.limit / float(level.limits[point])
         return self._over_pair(level) * (factor * swing + middle * self.limit / self.ultimate)
 
-    def direct(self, level: Level, arcs: Sequence[float], *, raised: bool = False) -> list[float]:
-        """The quantity between the same two positions under pressures as they are."""
-        under = raised_in_bores if raised else direct_under
-        limits = level.limits[level.in_bores] if raised else level.limits
-        pair = [under(self.loads, level, k, arcs) for k in self.worst(level).pair]
+    def direct(
+        self, level: Level, numbers: Sequence[float], under: Under | None = None
+    ) -> list[float]:
+        """The quantity between the same two positions under other pressures."""
+        under = under or direct_under
+        limits = level.limits[level.in_bores] if under is raised_in_bores else level.limits
+        pair = [under(self.loads, level, k, numbers) for k in self.worst(level).pair]
         stress, share = np.stack(pair, axis=2), self._over_pair(level)
-        return [share * self._of_pair(stress[..., k], limits) for k in range(len(arcs))]
+        return [share * self._of_pair(stress[..., k], limits) for k in range(len(numbers))]
 
     def band(self, level: Stressed) -> tuple[float, str]:
         """How far another criterion of the same strength lies above, MPa, and what is said of it.
@@ -265,12 +267,14 @@ class FkmUse(FatigueUse):
         more = found.utilisation_with(found.amplitude + swing, found.mean + middle)
         return (more - found.utilisation) * self.strength.reference
 
-    def direct(self, level: Level, arcs: Sequence[float], *, raised: bool = False) -> list[float]:
-        """The quantity between the same two positions under pressures as they are."""
+    def direct(
+        self, level: Level, numbers: Sequence[float], under: Under | None = None
+    ) -> list[float]:
+        """The quantity between the same two positions under other pressures."""
         found = self.found(level)
-        under = raised_in_bores if raised else direct_under
-        stress = np.stack([under(self.loads, level, k, arcs) for k in found.pair], axis=2)
-        used = [found.utilisation_between(stress[..., k]) for k in range(len(arcs))]
+        under = under or direct_under
+        stress = np.stack([under(self.loads, level, k, numbers) for k in found.pair], axis=2)
+        used = [found.utilisation_between(stress[..., k]) for k in range(len(numbers))]
         return [float(one.max()) * self.strength.reference for one in used]
 
     def over(

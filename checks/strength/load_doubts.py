@@ -30,7 +30,7 @@ def with_doubts(check: Check, ends: Mapping[str, Sequence[float]]) -> Check:
     if not told:
         return check
     note = f"loads not known for certain ({', '.join(told)}): {_sides(check, above, below)}"
-    return replace(
+    found = replace(
         check,
         model=check.model + above,
         model_below=check.below + below,
@@ -38,6 +38,9 @@ def with_doubts(check: Check, ends: Mapping[str, Sequence[float]]) -> Check:
         loads_below=check.loads_below + below,
         note="; ".join(text for text in (check.note, note) if text),
     )
+    if check.derivation is None:
+        return found
+    return replace(found, derivation=check.derivation.with_loads(found))
 
 
 def _sides(check: Check, above: float, below: float) -> str:

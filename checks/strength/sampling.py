@@ -98,6 +98,7 @@ class Finer:
         names, ends = [*loads.wrenches], 6 * np.arange(1 + len(loads.wrenches))
         forces = zip(names, ends[:-1], ends[1:], strict=True)
         rest = ends[-1] + loads.accelerations.shape[1]
+        turn = rest + len(loads.reaches)
         return replace(
             loads,
             wrenches={name: np.ascontiguousarray(found[:, a:b]) for name, a, b in forces},
@@ -109,15 +110,8 @@ class Finer:
             stretch_of=None if loads.stretch_of is None else loads.stretch_of[self.before],
             path=None,
             doubts=(),
-            spins=self._spins,
+            spins={name: found[:, turn + k].copy() for k, name in enumerate(loads.spins)},
         )
-
-    @property
-    def _spins(self) -> dict[str, FloatArray]:
-        spins = self.loads.spins
-        if not spins:
-            return {}
-        return dict(zip(spins, self.of(np.stack([*spins.values()], axis=1)).T, strict=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,8 +159,8 @@ _stretches_of: WeakKeyDictionary[PartLoads, list[tuple[int, int]]] = WeakKeyDict
 def _load_curves(loads: PartLoads) -> Curves:
     """The curves of all columns of a part's loads, made once."""
     if loads not in _curves_of_loads:
-        reaches = [reach[:, None] for reach in loads.reaches.values()]
-        columns = np.hstack([*loads.wrenches.values(), loads.accelerations, *reaches])
+        more = [own[:, None] for own in (*loads.reaches.values(), *loads.spins.values())]
+        columns = np.hstack([*loads.wrenches.values(), loads.accelerations, *more])
         _curves_of_loads[loads] = Curves.of(loads, columns)
     return _curves_of_loads[loads]
 
@@ -284,8 +278,10 @@ def _that_matter(
     if loads.path is None or not _steps(loads).any():
         return None
     curves = _load_curves(loads)
-    near = (curves.bend > _STRAIGHT * np.abs(curves.values).max(axis=0)).any(axis=1)
-    near |= bool(loads.reaches)  # a force times where it acts bends where neither does
+    largest_of_loads = np.abs(np.nan_to_num(curves.values)).max(axis=0)
+    near = (curves.bend > _STRAIGHT * largest_of_loads).any(axis=1)
+    # a force times where it acts, or times a speed, bends where neither does
+    near |= bool(loads.reaches) or bool(loads.spins)
     largest = _used(checks)
     at = np.flatnonzero(near)
     if len(at) > _FEW:

@@ -1,7 +1,7 @@
 """Stress at the worst point of a part, and its error bars from one mesh to the next."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import degrees, pi
 
@@ -10,6 +10,7 @@ import numpy as np
 from checks.design.data import Part
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
 from checks.part.part_loads import PartLoads
+from checks.stress.pins_in_bores import CLEARANCE_WORDS, CLEARANCES, MIDDLE
 from checks.stress.solid_mesh_level import Level, peak_of
 from checks.stress.stress_result import Stressed
 from fem.convergence import (
@@ -26,6 +27,9 @@ from geometry.mesh import FloatArray, IntArray
 
 _UNRESOLVED = 0.05  # error that elements make in a notch, over the peak
 
+# Stress (n, 6, m), MPa, of a level at a position under pressures other than its own, by m numbers.
+Under = Callable[[PartLoads, Level, int, Sequence[float]], FloatArray]
+
 
 @dataclass(frozen=True)
 class Bars:
@@ -34,6 +38,7 @@ class Bars:
     values, sizes  MPa and mm: the quantity, and the elements at its place, mesh by mesh
     by_arc         arc of contact, rad -> the quantity under that pressure, MPa; empty without pins
     in_bores       the largest in the bores, raised, MPa; 0 where the arc is stated
+    by_clearance   share of the range of clearances -> the quantity there, MPa; empty without fits
     """
 
     numerical: ErrorBar
@@ -44,6 +49,7 @@ class Bars:
     sizes: Sequence[float] = ()
     by_arc: Mapping[float, float] = field(default_factory=dict)
     in_bores: float = 0.0
+    by_clearance: Mapping[float, float] = field(default_factory=dict)
 
 
 class Judged(ABC):
@@ -73,10 +79,13 @@ class Judged(ABC):
         """Coefficients (n_basis,) of the load states whose stress it is made of."""
 
     @abstractmethod
-    def direct(self, level: Level, arcs: Sequence[float], *, raised: bool = False) -> list[float]:
-        """The quantity under bearing pressures as they are, on arcs (rad), without a series.
+    def direct(
+        self, level: Level, numbers: Sequence[float], under: Under | None = None
+    ) -> list[float]:
+        """The quantity under other pressures, by `under` and its numbers.
 
-        raised  the largest in the bores, as in `raised_in_bores`
+        Without `under` the numbers are arcs, rad, of bearing pressures as they are, without a
+        series (`direct_under`).
         """
 
 
@@ -106,11 +115,12 @@ class StaticPeak(Judged):
         """Scatter of the elements that meet at the point, MPa."""
         return level.scatter(self.states(level)[0], level.peak.point, of_edges=of_edges)
 
-    def direct(self, level: Level, arcs: Sequence[float], *, raised: bool = False) -> list[float]:
-        """The peak at the same position under pressures as they are."""
-        under = raised_in_bores if raised else direct_under
-        stress = under(self.loads, level, level.peak.position, arcs)
-        return [peak_of(stress[:, :, k]) for k in range(len(arcs))]
+    def direct(
+        self, level: Level, numbers: Sequence[float], under: Under | None = None
+    ) -> list[float]:
+        """The peak at the same position under other pressures."""
+        stress = (under or direct_under)(self.loads, level, level.peak.position, numbers)
+        return [peak_of(stress[:, :, k]) for k in range(len(numbers))]
 
 
 def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float) -> Bars:
@@ -119,6 +129,7 @@ def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float
     value = judged.value(finest)
     arcs = arcs_of(part, finest)
     by_arc = dict(zip(arcs, judged.direct(finest, arcs), strict=True)) if arcs else {}
+    by_clearance = clearance_values(judged, finest)
     values = [judged.value(level) for level in levels]
     sizes = sizes_at_peak(judged, levels)
     angle, exponent = _singular_edge(judged, levels)
@@ -131,7 +142,8 @@ def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float
     bar = ErrorBar(
         discretisation_error(values, sizes, order),
         judged.scatter(finest),
-        _truncation(judged, levels, by_arc[pi], sizes) if by_arc else 0.0,
+        (_truncation(judged, levels, by_arc[pi], sizes) if by_arc else 0.0)
+        + (0.0 if finest.contact is None else finest.contact.missed),
         abs(value),
         exponent or grows,
         notch * abs(value),
@@ -162,12 +174,26 @@ def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float
         notes.append(f"by arc of contact, MPa: {by}")
     in_bores = 0.0
     if by_arc and len(finest.in_bores) and not part.arc_stated:
-        in_bores = max(judged.direct(finest, arcs, raised=True))
+        in_bores = max(judged.direct(finest, arcs, raised_in_bores))
         notes.append(f"model band: {100 * BEYOND_ARCS:g} % more in bores, whose arc is not stated")
     reached = [*by_arc.values(), in_bores]
     above = max(reached) - by_arc[pi] if by_arc else 0.0
     below = max((by_arc[pi] - other for other in by_arc.values()), default=0.0)
-    return Bars(bar, above, below, "; ".join(notes), values, sizes, by_arc, in_bores)
+    if by_clearance:
+        by = ", ".join(f"{CLEARANCE_WORDS[s]} {v:.4g}" for s, v in by_clearance.items())
+        notes.append(f"by clearance of the pins, MPa: {by}")
+        middle = by_clearance[MIDDLE]
+        above += max(by_clearance.values()) - middle
+        below += middle - min(by_clearance.values())
+    words = "; ".join(notes)
+    return Bars(bar, above, below, words, values, sizes, by_arc, in_bores, by_clearance)
+
+
+def clearance_values(judged: Judged, level: Level) -> dict[float, float]:
+    """The quantity, MPa, by the share of the range of its pins' clearances; empty without fits."""
+    if level.contact is None:
+        return {}
+    return dict(zip(CLEARANCES, judged.direct(level, CLEARANCES, at_clearances), strict=True))
 
 
 def mesh_bar(judged: Judged, levels: Sequence[Level]) -> float:
@@ -205,7 +231,7 @@ def sizes_at_peak(judged: Judged, levels: Sequence[Level]) -> list[float]:
 
 def arcs_of(part: Part, level: Level) -> list[float]:
     """Arcs of contact: the half circle of the unit loads, and down to the narrowest stated."""
-    if not has_bearings(level.solutions):
+    if not has_bearings(level.solutions, level.solved_bores):
         return []
     narrow = part.bearing_arc
     return [pi] if narrow >= pi else [pi, (pi + narrow) / 2, narrow]
@@ -224,9 +250,24 @@ def direct_under(
     missing = [arc for arc in arcs if arc not in known]
     if missing:
         wrenches = {name: wrench[position] for name, wrench in loads.wrenches.items()}
-        found = level.stress_of(direct_displacement(level.solutions, wrenches, state, missing))
+        solved = level.solved_bores
+        moved = direct_displacement(level.solutions, wrenches, state, missing, solved)
+        found = level.stress_of(moved)
+        if level.contact is not None:  # short waves move nothing
+            short = level.contact.short_waves
+            found = found + (level.history.basis[:, :, short] @ state[short])[:, :, None]
         known.update(zip(missing, np.moveaxis(found, -1, 0), strict=True))
     return np.stack([known[arc] for arc in arcs], axis=-1)
+
+
+def at_clearances(
+    _loads: PartLoads, level: Level, position: int, clearances: Sequence[float]
+) -> FloatArray:
+    """Stress (n, 6, m) at a position by shares of the range of the pins' clearances, MPa."""
+    assert level.contact is not None
+    found = level.contact.coefficients
+    states = np.stack([found[share][:, position] for share in clearances], axis=1)
+    return np.asarray(level.history.basis @ states)
 
 
 def raised_in_bores(

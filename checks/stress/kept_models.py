@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Set
 from concurrent.futures import Future, ThreadPoolExecutor
+from math import inf
 from time import perf_counter
 from typing import TYPE_CHECKING
 
@@ -70,13 +71,22 @@ class Models:
         self._begun |= {shape: with_gmsh.submit(stored_skin, None, shape) for shape in closed}
         with_gmsh.shutdown(wait=False)
 
-    def mesh(self, shape: Buildable, fineness: float, sizes: SizeField | None = None) -> Mesh:
-        """Return the mesh of a shape; `sizes` asks for smaller elements in places."""
+    def mesh(
+        self,
+        shape: Buildable,
+        fineness: float,
+        sizes: SizeField | None = None,
+        most_unknowns: float = inf,
+    ) -> Mesh:
+        """Return the mesh of a shape; `sizes` asks for smaller elements in places.
+
+        Raises MeshError, and TooManyUnknownsError where it would surely have more than the most.
+        """
         key = (shape, fineness, sizes)
         if key not in self._meshes:
             start = perf_counter()
             expect("meshing", self._mesh_seconds.get(_whole(shape), 0.0))
-            self._meshes[key] = stored_mesh(self.store, shape, fineness, sizes)
+            self._meshes[key] = stored_mesh(self.store, shape, fineness, sizes, most_unknowns)
             took = perf_counter() - start
             self._mesh_seconds.setdefault(_whole(shape), SECOND_MESH * took)
             self.seconds["mesh"] += took

@@ -17,37 +17,6 @@ from geometry.mesh import FloatArray
 UnitName = tuple[str, str]
 
 
-@dataclass(frozen=True, eq=False)
-class PressedColumn:
-    """A bar between its pins, at the position where its share is largest.
-
-    force      N, compression
-    stiffness  (k,) N mm2, E I of the section at even places from pin to pin
-    shear      N, shear stiffness there, (k,) or of all; infinite where no shear strain is counted
-    length     mm, between the pins
-    sideways   share that its moments alone are of those that buckle it sideways; None where the
-               share is the compression's alone
-    """
-
-    force: float
-    stiffness: FloatArray
-    shear: FloatArray | float
-    length: float
-    sideways: float | None = None
-
-
-@dataclass(frozen=True)
-class PressedStretch:
-    """A stretch of a part that buckles by itself.
-
-    force  N, compression
-    local  1/N, share that 1 N is of the compression under which it buckles
-    """
-
-    force: float
-    local: float
-
-
 @dataclass(frozen=True)
 class ElasticLoad:
     """The largest share that a position's load is of the part's elastic buckling load.
@@ -57,16 +26,14 @@ class ElasticLoad:
     words     how it buckles, and by which formula
     explain   the items of a derivation of the share, whose symbol is `share`, made when asked for
     unproved  why no formula gives the share, in words; "" for one that is a formula's
-    bar       what the rung `formula` makes the share of; None of a rung that explains it itself
     pulled    True if no position presses the part, or hardly: the share is without what pulls
     """
 
     share: float
     position: int
     words: str
-    explain: Callable[[], Sequence[Item]] = field(default=tuple, compare=False, repr=False)
+    explain: Callable[[], Sequence[Item]] = field(compare=False, repr=False)
     unproved: str = ""
-    bar: PressedColumn | PressedStretch | None = field(default=None, compare=False, repr=False)
     pulled: bool = False
 
 

@@ -6,12 +6,13 @@ every unit load; there the edge is judged, and the surface near it is left out o
 otherwise.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from checks.part.part_loads import PartLoads
+from checks.stress.pins_in_bores import Contact
 from checks.stress.solid_mesh_level import Level
 from checks.stress.stress_result import Stressed, judge
 from fem.notch_intensity import REACH, NotchIntensity, has_room, notch_intensity, room_at
@@ -49,6 +50,16 @@ class EdgeLevel(Stressed):
     def solutions(self) -> UnitSolutions:
         """The unit loads."""
         return self.solid.solutions
+
+    @property
+    def contact(self) -> Contact | None:
+        """Contact of pins whose fit is stated."""
+        return self.solid.contact
+
+    @property
+    def solved_bores(self) -> Collection[str]:
+        """Names of the bores whose pressure is solved."""
+        return self.solid.solved_bores
 
     def stress_of(self, displacement: FloatArray) -> FloatArray:
         """Stress (n_planes, 6, m) that the planes carry of displacement (3 n_nodes, m), mm."""

@@ -1,6 +1,6 @@
 """A part solved on one mesh: its stress history, peaks and fatigue, over all cycles of a design."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from checks.part.part_loads import PartLoads
 from checks.stress.kept_models import Models as Models
+from checks.stress.pins_in_bores import CLEARANCES, MIDDLE, Contact, PinnedBores
 from checks.stress.place_words import depth_of
 from checks.stress.stress_result import Stressed, judge
 from fem.convergence import ORDER
@@ -32,12 +33,14 @@ class Level(Stressed):
     limits  at the surface points, notches included
     added   (n, 3) rigid-body acceleration field that balances foreign mass properties
     left_out  (k,) surface points whose stress counts nothing: at sharp edges judged apart
+    contact   of pins whose fit is stated; `solutions` and the history are then those with it
     """
 
     fineness: float
     solutions: UnitSolutions
     added: FloatArray
     left_out: IntArray = field(default_factory=lambda: np.array([], dtype=np.int64))
+    contact: Contact | None = None
 
     @property
     def half(self) -> bool:
@@ -83,18 +86,23 @@ class Level(Stressed):
 
     @cached_property
     def in_bores(self) -> IntArray:
-        """Surface points (n,) in the holes that pins press on."""
+        """Surface points (n,) in the holes that pins press on as it is assumed."""
         surfaces = self.solutions.mesh.surfaces
         names = [
             name
             for unit in self.solutions.interfaces
-            if unit.interface.kind == "bore"
+            if unit.interface.kind == "bore" and unit.interface.name not in self.solved_bores
             for name in unit.interface.surfaces
         ]
         pressed = np.zeros(len(self.history.nodes), dtype=bool)
         for name in names:
             pressed |= np.isin(self.history.nodes, surfaces[name])
         return np.flatnonzero(pressed)
+
+    @property
+    def solved_bores(self) -> Collection[str]:
+        """Names of the bores whose pressure is solved."""
+        return () if self.contact is None else self.contact.pins.fits
 
     def size_at(self, point: int) -> float:
         """Mean size of the elements that meet at a surface point, mm."""
@@ -226,14 +234,23 @@ def solve_level(
     ultimate_stress: float,
     duty: Mapping[str, float],
     notch_factors: Mapping[str, float] | None = None,
+    pins: PinnedBores | None = None,
+    clearances: Sequence[float] = CLEARANCES,
 ) -> Level:
     """Superpose the cycle on solved unit loads; fatigue over the cycles of the duty.
 
     notch_factors  surface -> factor by which fatigue notch or fretting lowers the endurance limit
+    pins           bores of `solutions` whose pins have a fit
+    clearances     shares of their range that are solved, the middle among them
+
+    Raises ContactError and MeshError where pins have no contact.
     """
     coefficients, added = solutions.coefficients(
         loads.wrenches, loads.accelerations, loads.reaches, loads.tilt_held_at
     )
+    contact = None if pins is None else pins.contact(coefficients, clearances)
+    if contact is not None:
+        solutions, coefficients = contact.solutions, contact.coefficients[MIDDLE]
     nodes = solutions.recovery.points
     history = StressHistory(nodes, solutions.mesh.nodes[nodes], solutions.basis, coefficients)
     limits = np.full(len(nodes), endurance_limit)
@@ -250,6 +267,7 @@ def solve_level(
         peak=judged.peak,
         peaks_by_position=judged.peaks_by_position,
         duty=judged.duty,
+        contact=contact,
     )
 
 

@@ -6,11 +6,13 @@ is in balance with the same loads as the part's own stress: where it stays below
 ductile part does not collapse (the lower bound theorem of limit analysis).
 """
 
+from collections.abc import Collection
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from checks.part.part_loads import PartLoads
+from checks.stress.pins_in_bores import Contact
 from checks.stress.solid_mesh_level import Level
 from checks.stress.stress_result import Stressed, judge
 from fem.recovery import von_mises
@@ -82,6 +84,16 @@ class SparedLevel(Stressed):
         """The unit loads."""
         return self.softened
 
+    @property
+    def contact(self) -> Contact | None:
+        """Contact of pins whose fit is stated."""
+        return self.solid.contact
+
+    @property
+    def solved_bores(self) -> Collection[str]:
+        """Names of the bores whose pressure is solved."""
+        return self.solid.solved_bores
+
     def stress_of(self, displacement: FloatArray) -> FloatArray:
         """Stress (n_points, 6, m) of displacement (3 n_nodes, m), mm."""
         return _stress(self.softened, displacement, self.around, self.left_out)
@@ -116,6 +128,8 @@ def spared_level(level: Level, loads: PartLoads, spared: Spared) -> SparedLevel:
     mesh = solutions.mesh
     share = spared.share(level, mesh.nodes[mesh.elements[:, :4]].mean(axis=1))
     softened = solve_unit_loads(mesh, solutions.material, np.minimum(share, 1.0))
+    if level.contact is not None:
+        softened = level.contact.solutions.on(softened)
     around = np.flatnonzero(share < _JUDGED)
     # between the elements there, stress averaged at nodes is that of neither
     left_out = np.flatnonzero(spared.share(level, level.history.points) < 1.0)

@@ -11,7 +11,10 @@ from fem.recovery import von_mises
 from geometry.mesh import FloatArray, IntArray, Mesh
 from geometry.symmetry import Half, has_middle_plane
 
-UTILISATION = "fatigue utilisation without required safety"
+DISPLACEMENT = "displacement [mm]"
+STRESS = "stress [MPa]"
+INVERSE_SAFETY = "1 / fatigue safety"
+_MIRRORED = {3: (1, 1, -1), 6: (1, 1, 1, 1, -1, -1)}  # x, y, z; xx, yy, zz, xy, yz, zx
 _NOTHING = 1e-12  # of the largest force, and of force times length
 MEANING = (
     "half of the part, mirrored at its middle plane: its loads have no part out of it; what is "
@@ -37,21 +40,21 @@ def half_of(part: Part, loads: PartLoads) -> Half | None:
 
 
 def shown_surface(loads: PartLoads, level: Level) -> Surface:
-    """Stress at the worst position and utilisation, on six-node facets split in four.
+    """Stress at the worst position and 1 over the fatigue safety, on six-node facets split in four.
 
-    The utilisation is for an endless life by Goodman and Findley, over all cycles of the duty.
+    The safety is for an endless life by Goodman and Findley, over all cycles of the duty.
     Of the whole part, also where a half was solved.
     """
     nodes = level.history.nodes
     triangles = surface_triangles(level.solutions.mesh, nodes)
     state = level.coefficients[:, level.peak.position]
     displacement = (level.solutions.displacement @ state).reshape(-1, 3)[nodes]
-    fields = {"von Mises [MPa]": von_mises(level.history.at(level.peak.position))}
+    stress = level.history.at(level.peak.position)
+    fields = {"von Mises [MPa]": von_mises(stress)}
     if level.duty is not None:
-        fields[UTILISATION] = level.duty.everywhere.utilisation
-    for axis, name in enumerate("xyz"):
-        fields[f"displacement {name} [mm]"] = displacement[:, axis]
-    surface = Surface(level.history.points, triangles, fields, level.peak.point)
+        fields[INVERSE_SAFETY] = level.duty.everywhere.utilisation
+    directed = {DISPLACEMENT: displacement, STRESS: stress}
+    surface = Surface(level.history.points, triangles, fields, level.peak.point, directed)
     if not level.half:
         return surface
     return _mirrored(surface, np.isin(nodes, level.solutions.mesh.cut_nodes))
@@ -76,16 +79,22 @@ def surface_triangles(mesh: Mesh, nodes: IntArray) -> IntArray:
 def _mirrored(surface: Surface, on_cut: npt.NDArray[np.bool_]) -> Surface:
     """Return a half's surface with its mirror image; points on the cut belong to both."""
     nodes, triangles, beside = mirrored(surface.nodes, surface.triangles, on_cut)
-    signs = {"displacement z [mm]": -1.0}
     return Surface(
         nodes,
         triangles,
-        {
-            name: np.concatenate([values, signs.get(name, 1.0) * values[beside]])
-            for name, values in surface.fields.items()
-        },
+        {name: both_sides(values, beside) for name, values in surface.fields.items()},
         surface.peak,
+        {name: both_sides(values, beside) for name, values in surface.directed.items()},
     )
+
+
+def both_sides(values: FloatArray, beside: IntArray) -> FloatArray:
+    """Values (n,), vectors (n, 3) or stress (n, 6) at the nodes, then at the mirror image.
+
+    beside  nodes that the image is of, as `mirrored` tells them
+    """
+    signs = _MIRRORED[values.shape[1]] if values.ndim > 1 else 1.0
+    return np.concatenate([values, values[beside] * signs])
 
 
 def mirrored(

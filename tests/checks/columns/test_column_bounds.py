@@ -9,14 +9,22 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.optimize import brentq
 
+from checks.by_formula import crooked_column
 from checks.columns import stability
 from checks.columns.column_first_order import first_order_moments
 from checks.columns.column_limits import cases_of, planes_of, whole_force
-from checks.columns.column_moments import crooked_checks, crooked_column
-from checks.columns.stability import column_checks, eigenvalue_check
+from checks.columns.column_moments import crooked_columns
+from checks.columns.stability import eigenvalue_check
 from checks.part.loaded_part import LoadedPart
 from fem.buckling import Buckling, BucklingMode
-from tests.checks.columns.test_stability import LENGTH, check_of, press, pushed, rod
+from tests.checks.columns.test_stability import (
+    LENGTH,
+    check_of,
+    column_checks,
+    press,
+    pushed,
+    rod,
+)
 from tests.small_machine import loads_of
 
 AREA, WITHIN, ACROSS = (
@@ -160,8 +168,8 @@ def test_of_sections_that_tell_no_stretch_the_weakest_is_the_crooked_column(tmp_
     (plate,) = part.geometry.sections
     weak = replace(plate, name="weak", inertia_out_of_plane=THIN / 2)
     planes = planes_of(design, part)
-    column, *_ = crooked_column(with_sections(part, plate, weak), pushed(1.0), *planes[::-1])
-    assert_allclose(column.critical[0], euler(part, THIN / 2, LENGTH), rtol=1e-9)
+    _, across = crooked_columns(with_sections(part, plate, weak), pushed(1.0), planes)
+    assert_allclose(across.critical[0], euler(part, THIN / 2, LENGTH), rtol=1e-9)
 
 
 def test_inertia_of_a_stepped_bar_is_where_its_area_is(tmp_path):
@@ -206,7 +214,9 @@ def test_a_bar_crooked_in_the_plane_yields_by_couples_out_of_it_as_these_grow_th
 
     expected = brentq(over, 0, out / force * (1 - 1e-9))
     for plane in ("in plane", "out of plane"):
-        check = check_of(crooked_checks(LoadedPart(design, part, loads)), f"crooked bar {plane}")
+        check = check_of(
+            crooked_column.checks(LoadedPart(design, part, loads)), f"crooked bar {plane}"
+        )
         assert_allclose(check.safety, expected, rtol=1e-3)
         own = out if plane == "out of plane" else euler(part, WIDE, LENGTH)
         assert f"F/F_cr {force / own:.3g}," in check.note

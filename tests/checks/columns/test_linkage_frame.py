@@ -12,8 +12,16 @@ import loads
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import solve_cycles
 from checks.columns.link_joints import JointRows
-from checks.columns.linkage_frame import COARSE, FINE, _Search, linkage_check, worst_mode
+from checks.columns.linkage_frame import (
+    COARSE,
+    FINE,
+    FreeMotions,
+    _Search,
+    linkage_check,
+    worst_mode,
+)
 from checks.result.verdict import Status
+from fem.frame_joints import PlacedLinks
 from tests.small_machine import machine, solved
 
 DESIGNS = Path(__file__).parents[3] / "designs"
@@ -195,6 +203,34 @@ def test_twice_the_force_halves_the_factor():
         assert halves == pytest.approx(one.factor("capacity", 24, plane) / 2, rel=1e-9)
 
 
+def test_runs_in_the_same_poses_share_the_motions_their_joints_leave_free(tmp_path, monkeypatch):
+    """Other loads in other poses share nothing; each run has the factor it has alone."""
+    solutions = []
+    solve = PlacedLinks.unit_motions
+    monkeypatch.setattr(
+        PlacedLinks, "unit_motions", lambda *a: solutions.append(len(solutions)) or solve(*a)
+    )
+    design = machine(tmp_path, BAR, "cycles.turn.positions=25")
+    turned = machine(tmp_path, BAR, "cycles.turn.positions=25", "cycles.turn.start=41 deg")
+    run = solved(design)["turn"]
+    pushed = {name: replace(f, force=3 * f.force) for name, f in run.reactions.items()}
+    threefold = replace(
+        run, reactions=pushed, efforts={name: 3 * effort for name, effort in run.efforts.items()}
+    )
+    motions = FreeMotions()
+    for runs, shared in (
+        ({"turn": run}, False),
+        ({"turn": threefold}, True),
+        (solved(turned), False),
+    ):
+        solutions.clear()
+        together = worst_mode(design, runs, motions)
+        assert (not solutions) == shared
+        alone = worst_mode(design, runs)
+        assert together.factor == pytest.approx(alone.factor, rel=1e-9)
+        assert together.index == alone.index
+
+
 def test_a_linkage_without_bars_or_cycles_has_no_mode(tmp_path):
     design = machine(tmp_path, "")
     assert worst_mode(design, solved(design)) is None
@@ -365,11 +401,17 @@ def test_a_lever_on_one_pin_is_held_by_its_bearing(tmp_path):
 STIFF_CRANK = (
     BAR
     + """
+[materials.steel]
+youngs_modulus = "210 GPa"
+poisson_ratio = 0.3
+density = "7850 kg/m3"
+yield_stress = "275 MPa"
+ultimate_stress = "410 MPa"
 [parts.crank]
 body = "crank"
 shape = "plate_link"
 interfaces = { first = "O", second = "A" }
-material = "S275"
+material = "steel"
 width = "30 mm"
 thickness = "8 mm"
 hole = "12 mm"

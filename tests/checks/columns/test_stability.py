@@ -11,8 +11,9 @@ from numpy.testing import assert_allclose
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import solve_cycles
 from ballesta.machine.warnings_of import design_warnings
+from checks.by_formula import column, crooked_column
 from checks.columns.column_limits import cases_of, planes_of, whole_force
-from checks.columns.stability import _proof, column_checks, column_facts, column_told
+from checks.columns.stability import _proof
 from checks.design.errors import DesignError
 from checks.handbook.column_curves import eurocode_stress, perry_robertson
 from checks.handbook.tapered_columns import CLAMPED, ColumnEnd, ColumnShape, critical_force
@@ -50,6 +51,11 @@ def rod(folder, *overrides):
 def pushed(*forces):
     """Loads that press the rod along itself, a position per force."""
     return loads_of({"first": [(f, 0, 0) for f in forces], "second": [(-f, 0, 0) for f in forces]})
+
+
+def column_checks(loaded):
+    """As a column and as a crooked one, in both planes."""
+    return [*column.checks(loaded), *crooked_column.checks(loaded)]
 
 
 def check_of(checks, words):
@@ -119,7 +125,7 @@ def test_the_bar_as_built_has_10_7_in_the_tube_and_5_8_in_the_cheeks():
     assert check.place == "cheeks"
     assert_allclose(check.safety, 5.80, atol=0.01)
     assert "tube: 10.72 (Johnson, slenderness 8.3)" in check.note
-    facts = column_facts(LoadedPart(design, part, loads))
+    facts = column.facts(LoadedPart(design, part, loads))
     assert facts["column in plane, tube: safety"].startswith("yield 10.8, Johnson 10.7, Euler 913")
     assert facts["column in plane, cheeks, by itself: effective length [mm]"] == 16.0
 
@@ -164,7 +170,7 @@ def test_every_limit_stands_beside_the_one_that_decides(tmp_path):
         assert_allclose(safeties[f"Eurocode 3 {curve}"], expected, rtol=1e-9)
     for name in ("yield", "Johnson", "Euler", "Perry-Robertson", "Eurocode 3 c"):
         assert f"{name} {safeties[name]:.3g}" in check.note
-    facts = column_facts(LoadedPart(design, part, pushed(1e4)))
+    facts = column.facts(LoadedPart(design, part, pushed(1e4)))
     assert facts["largest compression [N]"] == 1e4
     assert (
         f"Eurocode 3 a0 {safeties['Eurocode 3 a0']:.3g}"
@@ -331,9 +337,10 @@ def test_a_part_that_is_pulled_or_free_is_no_column_and_says_so(tmp_path):
     for force, words in ((-1e4, "pulled at every position"), (0.0, "never compressed")):
         loads = pushed(force, force / 2)
         assert column_checks(LoadedPart(design, part, loads)) == []
-        assert column_facts(LoadedPart(design, part, loads)) == {}
-        assert words in column_told(part, loads)
-    assert column_told(part, pushed(-1e4, 1e-6)) is None
+        assert column.facts(LoadedPart(design, part, loads)) == {}
+        (told,) = column.not_checked(LoadedPart(design, part, loads))
+        assert words in told
+    assert not list(column.not_checked(LoadedPart(design, part, pushed(-1e4, 1e-6))))
     assert len(column_checks(LoadedPart(design, part, pushed(-1e4, 1e-6)))) == 4
 
 
@@ -344,7 +351,7 @@ def test_the_position_of_the_largest_compression_is_named(tmp_path):
         check = check_of(column_checks(LoadedPart(design, part, loads)), f"column {plane}")
         assert check.position == "k = 2"
         assert_allclose(check.value, 300 / 240)
-    assert column_facts(LoadedPart(design, part, loads))["largest compression at"] == "turn, k = 2"
+    assert column.facts(LoadedPart(design, part, loads))["largest compression at"] == "turn, k = 2"
 
 
 def test_an_effective_length_that_ends_cannot_give_is_told(tmp_path):

@@ -8,9 +8,10 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.optimize import brentq
 
+from checks.by_formula import crooked_column
 from checks.columns.column_first_order import first_order_moments
 from checks.columns.column_limits import planes_of
-from checks.columns.column_moments import crooked_checks, crooked_column
+from checks.columns.column_moments import crooked_columns
 from checks.handbook.column_curves import perry_robertson
 from checks.part.loaded_part import LoadedPart
 from checks.result.verdict import Status
@@ -26,7 +27,7 @@ def euler_of(part, inertia):
 
 
 def crooked(design, part, loads, plane):
-    return check_of(crooked_checks(LoadedPart(design, part, loads)), f"crooked bar {plane}")
+    return check_of(crooked_column.checks(LoadedPart(design, part, loads)), f"crooked bar {plane}")
 
 
 @pytest.mark.parametrize("force", [1.0, 1e4, 4e4, 1e7])
@@ -84,7 +85,7 @@ def test_the_press_with_friction_has_its_pins_couples():
         for key in ('mass="4.14134 kg"', 'inertia="0.0215695 kg m2"', 'centre="125, 0 mm"')
     ]
     found = of_design("toggle_press_friction", "bar_upper", "cycles.press.positions=61", *masses)
-    check = check_of(crooked_checks(LoadedPart(*found)), "crooked bar in plane")
+    check = check_of(crooked_column.checks(LoadedPart(*found)), "crooked bar in plane")
     assert check.place == "cheeks at 0 mm"
     assert_allclose(check.value, 59.61, rtol=2e-3)
     assert check.status is Status.PASS
@@ -156,8 +157,10 @@ def test_no_position_and_no_place_is_worse_than_the_one_that_is_named(tmp_path):
     alone = []
     for k in range(40):
         one = loads_of({n: w[k : k + 1][:, [0, 1, 5]] for n, w in loads.wrenches.items()})
-        alone.append([check.safety for check in crooked_checks(LoadedPart(design, part, one))])
-    for k, worst in enumerate(crooked_checks(LoadedPart(design, part, loads))):
+        alone.append(
+            [check.safety for check in crooked_column.checks(LoadedPart(design, part, one))]
+        )
+    for k, worst in enumerate(crooked_column.checks(LoadedPart(design, part, loads))):
         assert_allclose(worst.safety, min(both[k] for both in alone), rtol=1e-8)
         assert worst.position == f"k = {int(np.argmin([both[k] for both in alone]))}"
 
@@ -210,16 +213,22 @@ def test_compression_does_not_end_between_phases_or_cycles(tmp_path):
     assert not len(replace(passing((0, 1)), cycle_names=("turn", "other")).steps)
 
 
-def test_stress_under_the_named_factor_is_the_yield_stress_and_nowhere_more(tmp_path):
-    design, part = rod(tmp_path)
-    loads = loads_of({"first": [(2e4, 0, 1e5)], "second": [(-2e4, 0, 3e4)]})
-    plane, other = planes_of(design, part)
-    column, *_ = crooked_column(part, loads, plane, other)
-    strength = part.material.yield_stress
-    factor, row, place = column.load_factor(strength)
-    stress = column.stress(factor)
-    assert_allclose(stress[row, place], strength, rtol=1e-9)
-    assert stress.max() <= strength * (1 + 1e-9)
+@pytest.mark.parametrize("beside", ["", 'parts.rod.column.eccentricity="0.3 mm"'])
+def test_stress_under_the_named_factor_is_the_yield_stress_and_nowhere_more(tmp_path, beside):
+    """The formulas give it at the worst position and place, to round-off of the search."""
+    design, part = rod(tmp_path, *([beside] if beside else []))
+    loads = loads_of({"first": [(1e4, 0, 1e5), (2e4, 0, 1e5)], "second": [(-2e4, 0, 3e4)] * 2})
+    checks = list(crooked_column.checks(LoadedPart(design, part, loads)))
+    columns = crooked_columns(part, loads, planes_of(design, part))
+    for column, check in zip(columns, checks, strict=True):
+        strength = part.material.yield_stress
+        factor, row, place = column.load_factor(strength)
+        stress = column.stress(factor)
+        assert_allclose(stress[row, place], strength, rtol=1e-9)
+        assert stress.max() <= strength * (1 + 1e-9)
+        assert_allclose(check.value, strength / factor, rtol=1e-12)
+        assert_allclose(check.derivation.number("S_n"), stress[row, place], rtol=1e-12)
+        assert check.derivation.equal == (("S_n", "S_y"),)
 
 
 def test_the_crookedness_is_eurocodes_where_a_curve_is_stated(tmp_path):

@@ -9,9 +9,9 @@ import pytest
 
 from ballesta.design.read import read_design
 from ballesta.pipeline import check_design
-from checks.derivations.friction import WIDER
 from checks.derivations.proven import UNKNOWN
 from checks.design.effort import Effort
+from checks.ladder.leaf_checks import WIDER
 from checks.result.derivation import Given, Step, Superposition
 from checks.result.formulas import evaluate
 from checks.result.verdict import Check

@@ -11,6 +11,7 @@ from checks.design.errors import DesignError
 from checks.design.materials import Material, MaterialEntry, known_materials
 from fatigue import FkmMaterial, component_limit, endurance_limit
 from geometry.parameters import ParameterError
+from geometry.sections import RulingSection
 
 PRESS = Path(__file__).parents[3] / "designs" / "toggle_press.toml"
 ALLOY = {
@@ -43,7 +44,7 @@ def test_an_endurance_ratio_is_a_share_of_the_strength(ratio):
     [
         ("S275", 275.0, 410.0, "EN 10025-2"),
         ("S355", 355.0, 470.0, "EN 10025-2"),
-        ("C45", 305.0, 580.0, "EN ISO 683-1"),
+        ("C45", 305.0, 580.0, "EN 10083-2"),
         ("42CrMo4", 650.0, 900.0, "EN ISO 683-2"),
         ("51CrV4", 1200.0, 1350.0, "EN 10089"),
         ("51CrV4_QT", 800.0, 1000.0, "EN ISO 683-2"),
@@ -60,7 +61,7 @@ def test_metals_have_the_minima_of_their_standard(name, yields, breaks, standard
 
 def test_every_known_metal_can_go_through_both_chains():
     metals = [m for m in known_materials().values() if m.ductile]
-    assert len(metals) == 8
+    assert len(metals) == 14
     for metal in metals:
         specimen = metal.endurance_ratio and metal.endurance_ratio * metal.ultimate_stress
         marin = endurance_limit(metal.ultimate_stress, "machined", specimen_limit=specimen)
@@ -110,3 +111,70 @@ def test_a_threshold_is_a_stress_intensity_of_some_metal():
         MaterialEntry.model_validate({**entry.model_dump(), "threshold": "6.5 MPa"})
     with pytest.raises(ParameterError, match=r"between 0\.1 and 100 MPa m\^0\.5"):
         Material(**ALLOY, endurance_ratio=0.4, threshold=200 * 1000**0.5)
+
+
+def flat(size):
+    return [RulingSection(size)]
+
+
+def bar(size):
+    return [RulingSection(size, round=True)]
+
+
+@pytest.mark.parametrize(
+    ("name", "sections", "yield_stress", "ultimate_stress"),
+    [
+        ("S355", flat(16), 355, 470),
+        ("S355", flat(16.1), 345, 470),
+        ("S355", flat(250), 275, 450),
+        ("S275", bar(30), 265, 410),
+        ("S235", flat(150), 195, 350),
+        ("C45", flat(140), 275, 560),
+        ("C60_QT", bar(40), 520, 800),
+        ("C60_QT", flat(40), 450, 750),  # a flat cools as a bar of twice its thickness
+        ("42CrMo4", bar(8), 650, 900),  # smaller than the first range: it may be cut from a larger
+        ("42CrMo4", bar(110), 550, 800),
+        ("42CrMo4", flat(110), 500, 750),
+        ("42CrMo4", bar(100 * (1 + 1e-12)), 650, 900),  # round-off of a unit
+        ("42CrMo4", flat(61) + bar(170) + flat(5), 500, 750),  # the weakest of its sections
+        ("51CrV4", bar(5000), 1200, 1350),  # no size is stated
+    ],
+)
+def test_strengths_are_those_of_the_size(name, sections, yield_stress, ultimate_stress):
+    found = known_materials()[name].of(sections)
+    assert (found.yield_stress, found.ultimate_stress) == (yield_stress, ultimate_stress)
+    assert found.of(sections) == found
+
+
+def test_a_larger_size_is_in_name_and_source():
+    found = known_materials()["42CrMo4"].of(bar(110))
+    assert found.name == "42CrMo4 above 100 mm"
+    assert found.source.endswith("; above 100 up to 160 mm")
+
+
+def test_a_size_beyond_all_that_are_known_is_refused():
+    with pytest.raises(ParameterError, match=r"up to 160 mm of thickness and 250 mm of diameter"):
+        known_materials()["42CrMo4"].of(bar(251))
+
+
+@pytest.mark.parametrize(
+    ("larger", "words"),
+    [
+        ([{"up_to": "10 mm", "yield_stress": "1 MPa", "ultimate_stress": "2 MPa"}], "must grow"),
+        ([{"up_to": "90 mm", "yield_stress": "3 MPa", "ultimate_stress": "2 MPa"}], "yield stress"),
+    ],
+)
+def test_strengths_by_size_that_cannot_be_meant_are_refused(larger, words):
+    entry = MaterialEntry.model_validate(
+        {
+            "youngs_modulus": "210 GPa",
+            "poisson_ratio": 0.3,
+            "density": "7850 kg/m3",
+            "yield_stress": "355 MPa",
+            "ultimate_stress": "470 MPa",
+            "up_to": "16 mm",
+            "larger": larger,
+        }
+    )
+    with pytest.raises(ParameterError, match=words):
+        entry.named("steel")

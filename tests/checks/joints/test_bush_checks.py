@@ -2,15 +2,15 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 from ballesta.design.read import read_design
-from checks.by_formula import formula_checks
+from checks.by_formula import formula_checks, not_checked
 from checks.design.errors import DesignError
-from checks.joints.bush_sliding import bushes_not_checked, sliding_checks
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
 from checks.result.verdict import Status
@@ -34,8 +34,7 @@ stack = [
 
 def bush_checks(loaded):
     """Pressures of all bushes, then what slides in them."""
-    found = [*formula_checks(loaded), *sliding_checks(loaded)]
-    return [check for check in found if check.kind == "bush"]
+    return [check for check in formula_checks(loaded) if check.kind == "bush"]
 
 
 def bushes(folder, pv=', pv = "1 MPa m/s"', **changes):
@@ -130,15 +129,68 @@ def test_a_pressure_speed_is_written_with_its_unit(tmp_path):
         bushes(tmp_path, ', pv = "1 MPa"')
 
 
+def with_measured_run(loads):
+    """The same loads, and three rows of a run whose speeds are not known."""
+    n = len(loads.labels)
+
+    def more(values):
+        return np.concatenate([values, values[:3]])
+
+    return replace(
+        loads,
+        wrenches={name: more(wrench) for name, wrench in loads.wrenches.items()},
+        accelerations=more(loads.accelerations),
+        cycles={**loads.cycles, "run": slice(n, n + 3)},
+        labels=(*loads.labels, "1", "2", "3"),
+        cycle_names=(*loads.cycle_names, "run", "run", "run"),
+        stretch_of=None,
+        path=np.append(loads.path, [np.nan] * 3),
+        spins={name: np.append(spin, [np.nan] * 3) for name, spin in loads.spins.items()},
+    )
+
+
 def test_runs_that_were_measured_are_said_not_to_be_in_it(tmp_path):
     design, part, cycles, loads = bushes(tmp_path)
-    both = replace(loads, cycles={**loads.cycles, "run": slice(0, 3)})
-    assert bushes_not_checked(LoadedPart(design, part, both, cycles)) == []
-    measured = {"run": object()}
-    (told,) = bushes_not_checked(LoadedPart(design, part, both, {**cycles, **measured}))
-    assert told.startswith("NOT CHECKED: p v of the bush of rod in run")
-    assert len(bush_checks(LoadedPart(design, part, both, {**cycles, **measured}))) == 2
-    assert len(bush_checks(LoadedPart(design, part, both, measured))) == 1
+    loaded = LoadedPart(design, part, loads, cycles)
+    assert not_checked(loaded) == []
+    run = SimpleNamespace(times=np.arange(3.0))
+    both = replace(loaded, loads=with_measured_run(loads), runs={**cycles, "run": run})
+    assert not_checked(both) == [
+        "NOT CHECKED: p v of the bush of rod in run: measured loads tell no relative speeds"
+    ]
+    alone, beside = bush_checks(loaded)[1], bush_checks(both)[1]
+    assert (beside.value, beside.note) == (alone.value, alone.note)
+    unknown = {name: np.full(len(spin), np.nan) for name, spin in loads.spins.items()}
+    nowhere = np.full(len(loads.labels), np.nan)
+    measured = replace(loaded, loads=replace(loads, spins=unknown, path=nowhere))
+    assert [check.quantity for check in bush_checks(measured)] == ["bush of rod"]
+
+
+def test_a_peak_of_p_v_between_positions_is_found_where_force_and_speed_go_straight(tmp_path):
+    """F (1 - s) times w s has its peak of 1/4 at 1/2; of s = 0, 1/3, 2/3, 1 the largest is 2/9.
+
+    The rise is added with its margin of 2.
+    """
+    design, part, _, loads = bushes(tmp_path)
+    share = np.linspace(0.0, 1.0, 4)
+    wrenches = {name: np.zeros((4, 6)) for name in loads.wrenches}
+    wrenches["rod"][:, 0] = 4e3 * (1 - share)
+    straight = replace(
+        loads,
+        wrenches=wrenches,
+        accelerations=np.zeros((4, 4)),
+        cycles={"turn": slice(0, 4)},
+        labels=("0", "1", "2", "3"),
+        cycle_names=("turn",) * 4,
+        stretch_of=None,
+        path=share,
+        spins={"rod": 10.0 * share},
+    )
+    runs = {"turn": SimpleNamespace(times=share)}
+    _, product = bush_checks(LoadedPart(design, part, straight, runs))
+    whole = 40.0 * 0.05  # MPa and m/s
+    assert_allclose(product.value, 2 / 9 * whole)
+    assert_allclose(product.sampling, 2 * (1 / 4 - 2 / 9) * whole)
 
 
 def test_the_eye_of_a_force_turns_with_the_line_that_the_force_acts_along():
@@ -177,3 +229,14 @@ def test_the_eye_of_a_force_turns_with_the_line_that_the_force_acts_along():
         by_hand.append((force / (40 * 43) * speed / 1e3).max())
     assert 0.03 < max(by_hand) < 0.07  # 11 kN on 1720 mm2, 0.1 m/s on 250 mm, 20 mm: 0.05
     assert_allclose(product.value, max(by_hand), rtol=0.02)
+
+
+@pytest.mark.parametrize("at", [0, 4])
+def test_p_v_is_told_where_it_is_largest_also_at_the_first_position(tmp_path, at):
+    design, part, cycles, loads = bushes(tmp_path)
+    speeds = np.zeros(len(loads.labels))
+    speeds[at] = -3.0
+    turned = replace(loads, spins={**loads.spins, "rod": speeds})
+    derivation = bush_checks(LoadedPart(design, part, turned, cycles))[1].derivation
+    assert derivation.cases[0].index == at
+    assert derivation.number("omega") == 3.0

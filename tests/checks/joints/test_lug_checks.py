@@ -202,7 +202,7 @@ def plate(tmp_path_factory):
 
 
 def test_the_ligament_of_a_part_from_cad_is_found_in_every_direction(plate):
-    """20 - 6 mm towards three sides of the plate, 8 mm thick, less chords, 2 %.
+    """20 - 6 mm towards three sides of the plate, 8 mm thick.
 
     At 45 degrees the plane that begins 40 degrees off, at (6 cos 85, 6 sin 85), is the shortest:
     (20 - 5.98) / sin 45 mm; at 25 degrees (20 - 5.44) / sin 25. At 10 degrees material goes on for
@@ -212,9 +212,9 @@ def test_the_ligament_of_a_part_from_cad_is_found_in_every_direction(plate):
     (found,) = ligaments(Of(shape), mesh, "first")
     areas = degrees_of(found.area)
     assert found.direction is None
-    assert_allclose([areas[90], areas[180], areas[270]], 8 * 14, rtol=0.02)
-    assert_allclose(areas[45], 8 * 14.02 * 2**0.5, rtol=0.02)
-    assert_allclose(areas[25], 8 * 34.45, rtol=0.02)
+    assert_allclose([areas[90], areas[180], areas[270]], 8 * 14, rtol=5e-4)
+    assert_allclose(areas[45], 8 * 14.02 * 2**0.5, rtol=5e-4)
+    assert_allclose(areas[25], 8 * 34.45, rtol=5e-4)
     assert areas[10] == areas[0] == np.inf
     assert_allclose(areas[45], degrees_of(ligament_all_round(mesh, "first").area)[45])
 
@@ -224,14 +224,17 @@ def test_a_pocket_in_one_side_of_a_plate_is_where_its_pin_tears_out(tmp_path, bo
     """Half of the thickness is cut away from y = 12 mm on: 6 mm are left of 14."""
     _, mesh = plate_of(tmp_path, (0, 15, bottom, 0, 0, 10, 3))
     areas = degrees_of(ligament_all_round(mesh, "first").area)
-    assert_allclose(areas[90], 8 * 6, rtol=0.02)
-    assert_allclose(areas[270], 8 * 14, rtol=0.02)
+    assert_allclose(areas[90], 8 * 6, rtol=1e-3)
+    assert_allclose(areas[270], 8 * 14, rtol=5e-4)
 
 
 def test_a_hole_beside_the_way_shortens_the_plane_that_meets_it(tmp_path):
-    """4 mm at (3.86, 15): met by planes that begin some 25 degrees off, 13.5 - 5.44 mm."""
+    """4 mm at (3.86, 15): of the planes, 10 degrees apart, the one 30 degrees off is the shortest.
+
+    It begins at 6 cos 30 = 5.196 mm, 3 mm aside, and ends at 15 - sqrt(4 - 0.86^2) = 13.194 mm.
+    """
     _, mesh = plate_of(tmp_path, hole(3.86, 15, 4))
-    assert_allclose(degrees_of(ligament_all_round(mesh, "first").area)[90], 8 * 8.05, rtol=0.02)
+    assert_allclose(degrees_of(ligament_all_round(mesh, "first").area)[90], 8 * 7.998, rtol=5e-4)
 
 
 def test_a_hole_without_a_pin_ends_a_plane_and_one_with_a_pin_is_held(tmp_path):
@@ -280,6 +283,6 @@ def test_a_part_from_cad_is_judged_in_the_direction_that_the_pin_pulls(tmp_path,
         loads = loads_of({"first": [(x, y, 0)], "second": [(0, 0, 0)]})
         return lug_checks(LoadedPart(design, part, loads), mesh)[1:]
 
-    assert_allclose(torn(0, 2000)[0].value, 2000 / (2 * 8 * 14), rtol=0.02)
-    assert_allclose(torn(1414.2, 1414.2)[0].value, 2000 / (2 * 8 * 19.83), rtol=0.02)
+    assert_allclose(torn(0, 2000)[0].value, 2000 / (2 * 8 * 14), rtol=5e-4)
+    assert_allclose(torn(1414.2, 1414.2)[0].value, 2000 / (2 * 8 * 19.83), rtol=5e-4)
     assert not torn(2000, 0)

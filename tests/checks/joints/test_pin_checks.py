@@ -1,5 +1,6 @@
 """Bending and shear along a pin against what its lugs' forces and arms give by hand."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,8 @@ from numpy.testing import assert_allclose
 
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import solve_cycles
-from checks.joints.pin_checks import PinDiagram, pin_checks, pin_diagram
+from checks.by_formula import pin_bending
+from checks.joints.pin_diagrams import PinDiagram, pin_diagram
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
 from geometry.parts import Pin, Seat
@@ -33,6 +35,10 @@ def knee_pin(*overrides):
     design = read_design(DESIGNS / "toggle_press.toml", [*BRIEF, *overrides])
     part = design.parts["pin_B"]
     return design, part, loads_on(design, part, solve_cycles(design, {}))
+
+
+def pin_checks(loaded):
+    return list(pin_bending.checks(loaded))
 
 
 def wrench(x=0.0, y=0.0, couple_x=0.0, couple_y=0.0):
@@ -207,3 +213,27 @@ def test_the_most_stressed_section_is_that_of_all_sections_and_positions(frictio
     diagram = pin_diagram(pin, turned, spread=True, ends_only=True)
     assert diagram.most_bent == diagram.bending_stress.max()
     assert diagram.most_sheared == diagram.shear_stress.max()
+
+
+@pytest.mark.parametrize("friction", [0.0, 3e3])
+def test_the_formulas_of_a_pin_give_what_its_diagrams_have(friction):
+    """Evaluated at the section and position that the diagrams find; the very same but round-off."""
+    pin, wrenches = single_shear(10.5)
+    wrenches["rod"][:, 5], wrenches["crank"][:, 5] = friction, -friction
+    design, part, loads = knee_pin(PLAIN_PIN)
+    shares = np.sin(np.arange(len(loads.labels)))[:, None]
+    wrenches = {name: shares * own for name, own in wrenches.items()}
+    loaded = LoadedPart(design, replace(part, geometry=pin), replace(loads, wrenches=wrenches))
+    pushed, pressed = (pin_diagram(pin, wrenches, spread=s, ends_only=True) for s in (False, True))
+    expected = [
+        (pushed.bending_stress, pressed.bending_stress),
+        (pushed.shear_stress, pressed.shear_stress),
+        (pushed.equivalent_stress, pressed.equivalent_stress),
+    ]
+    found = pin_checks(loaded)
+    assert len(found) == (3 if friction else 2)
+    for check, (own, even) in zip(found, expected, strict=False):
+        assert_allclose(check.value, own.max(), rtol=1e-12)
+        ends = check.value + check.model, check.value - check.below
+        assert_allclose(ends, sorted((own.max(), even.max()), reverse=True), rtol=1e-12)
+    assert ("T" in found[1].derivation.values) is bool(friction)

@@ -6,13 +6,15 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from checks.by_formula import slot_pressure
+from checks.by_formula.slot_pressure import FIRST_YIELD
 from checks.design.errors import DesignError
-from checks.joints.slot_checks import FIRST_YIELD, slot_checks
+from checks.handbook.hertz import HertzBody, line_contact
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
 from geometry.mesh import Interface
 
-from ...small_machine import loads_of, machine, solved
+from ...small_machine import Meshed, loads_of, machine, solved
 
 # a block on the slider's pin slides in a slot of the lever
 LEVER = """
@@ -51,10 +53,12 @@ def lever(folder, contacts="", *overrides):
 def checks_of(design, force, couple=0.0):
     reach = np.array([60.0, 120.0])
     rows = [(0.0, 0.1 * force, 0.1 * force * 60.0), (0.0, force, 120.0 * force + couple)]
-    return slot_checks(
-        LoadedPart(design, design.parts["lever"], loads_of({"slot": rows}, {"slot": reach})),
-        MESH.interfaces,
-    )
+    return slot_checks(design, loads_of({"slot": rows}, {"slot": reach}))
+
+
+def slot_checks(design, loads):
+    loaded = LoadedPart(design, design.parts["lever"], loads, bodies=Meshed(MESH))
+    return list(slot_pressure.checks(loaded))
 
 
 def test_a_pin_on_a_flank_presses_as_hertz_says(tmp_path):
@@ -63,6 +67,10 @@ def test_a_pin_on_a_flank_presses_as_hertz_says(tmp_path):
     by_hand = np.sqrt(100.0 * 210e3 / (2 * 0.91) / (np.pi * 6))
     assert_allclose(found.value, by_hand, rtol=1e-9)
     assert_allclose(by_hand, 782.4, atol=0.1)
+    steel = 210e3, 0.3
+    kernel = line_contact(100.0, HertzBody(np.inf, *steel), HertzBody(6.0, *steel))
+    assert_allclose(found.value, kernel.peak_pressure, rtol=1e-12)
+    assert_allclose(found.derivation.number("b"), kernel.half_width, rtol=1e-12)
     assert_allclose(found.limit, 1.67 * 275, rtol=5e-3)
     assert (found.kind, found.position) == ("contact", "k = 1")
 
@@ -103,6 +111,7 @@ def test_a_couple_on_the_block_presses_its_end_more(tmp_path):
         (found,) = checks_of(lever(tmp_path), 800.0, couple)
         assert_allclose(found.value, 17.5)
         assert "couple 1 N m" in found.note
+        assert found.derivation.number("C") == pytest.approx(1000.0)
 
 
 def test_a_roller_that_its_load_would_flatten_is_refused(tmp_path):
@@ -127,7 +136,7 @@ def test_friction_in_a_slot_is_no_couple_on_its_roller(tmp_path):
     loads = loads_on(design, design.parts["lever"], cycles)
     along, across = np.abs(loads.wrenches["slot"][:, :2]).max(axis=0)
     assert_allclose(along, 0.3 * across, rtol=1e-6)
-    (found,) = slot_checks(LoadedPart(design, design.parts["lever"], loads), MESH.interfaces)
+    (found,) = slot_checks(design, loads)
     assert found.value > 0
 
 
@@ -146,3 +155,12 @@ def test_friction_in_a_slot_is_no_couple_on_its_roller(tmp_path):
 def test_contacts_that_cannot_be_meant_are_refused(tmp_path, contacts, told):
     with pytest.raises(DesignError, match=told):
         lever(tmp_path, f"contacts = {contacts}")
+
+
+def test_a_roller_that_nothing_presses_at_some_positions_has_a_pressure_at_the_others(tmp_path):
+    design = lever(tmp_path, 'contacts = { slot = { radius = "6 mm" } }')
+    reach = np.array([60.0, 120.0])
+    pressed, free = (0.0, 800.0, 800.0 * 60.0), (0.0, 0.0, 0.0)
+    (found,) = slot_checks(design, loads_of({"slot": [free, pressed]}, {"slot": reach[::-1]}))
+    assert found.position == "k = 1"
+    assert slot_checks(design, loads_of({"slot": [free, free]}, {"slot": reach})) == []

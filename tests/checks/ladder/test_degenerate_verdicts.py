@@ -129,13 +129,13 @@ class TestWords:
         idle = replace(CHECK, value=0.0)
         assert idle.safety == inf
         assert safety_text(idle.safety) == "not loaded"
-        assert reason(idle) == "not loaded: a value of 0 has no safety (needs 1.5)"
+        assert reason(idle) == "not loaded: a value of 0 has no safety (1.5 required)"
 
     def test_no_load_with_a_bar_says_what_the_bar_leaves(self):
         """275 / 11 = 25."""
         said = reason(replace(CHECK, value=0.0, model=11.0))
         assert said == (
-            "not loaded: a value of 0 has no safety (needs 1.5); 25.0 at the upper end of its "
+            "not loaded: a value of 0 has no safety (1.5 required); 25.0 at the upper end of its "
             "error bars"
         )
 
@@ -163,8 +163,8 @@ class TestWords:
             "0.2 to 0.6",
         )  # fmt: skip
         assert reason(check) == (
-            "safety 27.5, needs 1.5; its model error bar is unknown (hole / width is 0.97, solids "
-            "were compared from 0.2 to 0.6): a better model may settle it"
+            "safety 27.5, 1.5 required; its model error bar is unknown (hole / width is 0.97, "
+            "solids were compared from 0.2 to 0.6): a better model may settle it"
         )
 
     def test_a_utilisation_of_any_size_is_written(self):

@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from ballesta.design.read import read_design
-from checks.joints.pin_checks import pin_diagram
+from checks.joints.pin_diagrams import pin_diagram
 from checks.models.beam import frame_of, model_of
 from checks.models.beam_solution import solve_frame
 from checks.part.part_loads import PartLoads
@@ -209,7 +209,7 @@ def test_the_walls_of_a_thin_tube_buckle_at_its_pressed_end_before_it_does(parts
 
 
 def test_a_pin_is_bent_and_sheared_as_its_diagram_with_even_lugs(parts):
-    """By another route: sums of forces below each section (checks/joints/pin_checks.py)."""
+    """By another route: sums of forces below each section (checks/joints/pin_diagrams.py)."""
     pin = parts["pin"]
     loads = balanced(pin)
     diagram = pin_diagram(pin.geometry, dict(loads.wrenches), spread=True)

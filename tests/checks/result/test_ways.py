@@ -9,7 +9,7 @@ from ballesta.pipeline import check_design
 from checks.design.effort import Effort
 from checks.models import bands
 from checks.result.verdict import Gate, RungTried, Status
-from checks.result.ways import arc_fact, way_text, ways_out
+from checks.result.ways import arc_fact, clearance_fact, way_text, ways_out
 
 from ...reports.results import check, design, part
 from ...small_machine import PLATE, machine
@@ -28,6 +28,17 @@ def only(result):
 
 def test_a_verdict_that_is_settled_needs_no_way_out():
     assert ways_out(design()) == []
+
+
+def test_checks_that_fail_are_told_how_much_lower_they_must_be_and_who_finds_the_change():
+    """Upper end 300 + 15 + 20 = 335 MPa, allowed 236.7: 29.4 % lower, 370 MPa: 36.0 %."""
+    failed = replace(BY_MODEL, value=300.0, numerical=15.0)
+    other = replace(failed, kind="fatigue", value=335.0)
+    way = only(design(part(checks=[failed, other])))
+    assert failed.status is Status.FAIL
+    assert way.settles == "static of bar_upper (29 % lower), fatigue of bar_upper (36 % lower)"
+    assert way.text == "least single changes, error bars included"
+    assert way.command == "ballesta improve toggle_press.toml"
 
 
 def test_a_mesh_is_asked_for_the_bar_that_settles_the_check():
@@ -53,6 +64,22 @@ def test_a_check_that_nothing_settles_says_so_with_its_reason():
     )
     singular = only(design(part(checks=[replace(BY_MODEL, numerical=inf)])))
     assert "nothing here settles it: its numerical error bar is infinite" in singular.text
+
+
+def test_clearances_up_to_which_it_passes_are_fits_of_the_part():
+    """A file that states the arc has to give it up, which no override can do."""
+    facts = {clearance_fact("static", "knee"): 0.08, clearance_fact("static", "end"): 0.06}
+    result = design(part(checks=[BY_MODEL], facts={"mass [kg]": 4.1, **facts}))
+    assumed = replace(result, defaults=[("parts.bar_upper.bearing_arc", "90 deg")])
+    way = only(assumed)
+    assert way.text.endswith("it passes with clearances up to 0.08 mm")
+    assert "'parts.bar_upper.fits.knee=\"0 .. 0.08 mm\"'" in way.command
+    assert "'parts.bar_upper.fits.end=\"0 .. 0.06 mm\"'" in way.command
+    way = only(result)
+    assert way.command == ""
+    assert way.text.endswith('passes with fits.knee = "0 .. 0.08 mm", fits.end = "0 .. 0.06 mm"')
+    other = part(checks=[BY_MODEL], facts={clearance_fact("fatigue", "knee"): 0.08})
+    assert "nothing here settles it" in only(design(other)).text
 
 
 def test_an_arc_from_which_it_passes_is_a_key_of_the_part():
@@ -113,7 +140,7 @@ def test_the_cheapest_way_comes_first_and_one_command_stands_once():
     open_ = design(nothing, part("arm", checks=[BY_MODEL], rungs=[SOLID]))
     assert only(open_).settles == "static of rod, static of arm"
     text, command = way_text(way)
-    assert text.endswith("ask for a numerical bar of 4.2 % (about 23 s)")
+    assert text.endswith("ask for a numerical error bar of 4.2 % (about 23 s)")
     assert command == way.command
 
 

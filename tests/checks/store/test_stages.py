@@ -232,7 +232,7 @@ def test_a_mesh_of_other_wanted_sizes_is_another_mesh(tmp_path, monkeypatch):
     fields = [SizeField(corners, np.array([[0, 1, 2, 3]]), np.full(4, size)) for size in (1.0, 2.0)]
     made = []
 
-    def mesh_shape(shape, *, fineness, sizes):
+    def mesh_shape(shape, *, fineness, sizes, most_unknowns):
         made.append((fineness, sizes))
         return len(made)
 

@@ -144,7 +144,7 @@ def test_positions_of_equal_loads_share_one_solve_of_every_arc(monkeypatch):
     """The closed cycle comes back to its first loads; a third position has others."""
     asked = []
 
-    def solved(solutions, wrenches, coefficients, arcs):
+    def solved(solutions, wrenches, coefficients, arcs, bores):
         asked.append((coefficients.tolist(), list(arcs)))
         return np.full((1, 6, len(arcs)), coefficients[0])
 
@@ -154,6 +154,8 @@ def test_positions_of_equal_loads_share_one_solve_of_every_arc(monkeypatch):
         solutions=None,
         coefficients=coefficients,
         direct_stresses={},
+        solved_bores=(),
+        contact=None,
         stress_of=lambda displacement: displacement,
     )
     loads = SimpleNamespace(wrenches={"pin": np.zeros((3, 6))})

@@ -14,7 +14,8 @@ from checks.ladder.solid import check_solid
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
 from checks.stress.solid_mesh_level import Models
-from checks.stress.symmetry import half_of
+from checks.stress.symmetry import DISPLACEMENT, STRESS, half_of
+from fem.recovery import tensor, von_mises
 from geometry.symmetry import Half
 
 from ...small_machine import PLATE, machine
@@ -116,14 +117,19 @@ def test_a_half_shows_the_surface_of_the_whole(half, whole):
 
 
 def test_the_mirror_image_moves_the_other_way_along_z(half):
-    nodes, fields = np.asarray(half.surface.nodes), half.surface.fields
+    """Shear stress with one z turns its sign, too, and mirrored stress is as severe."""
+    nodes, surface = np.asarray(half.surface.nodes), half.surface
     count = (len(nodes) + (nodes[:, 2] == 0).sum()) // 2
     beside = np.flatnonzero(nodes[:count, 2] > 0)
     assert_allclose(nodes[count:], nodes[beside] * [1, 1, -1])
-    for name, values in fields.items():
-        sign = -1 if name == "displacement z [mm]" else 1
-        assert_allclose(values[count:], sign * values[beside])
-    assert np.abs(fields["displacement z [mm]"]).max() > 0
+    for values in surface.fields.values():
+        assert_allclose(values[count:], values[beside])
+    moved, stress = surface.directed[DISPLACEMENT], surface.directed[STRESS]
+    assert_allclose(moved[count:], moved[beside] * [1, 1, -1])
+    assert np.abs(moved[:, 2]).max() > 0
+    mirror = np.diag([1, 1, -1])
+    assert_allclose(tensor(stress[count:]), mirror @ tensor(stress[beside]) @ mirror)
+    assert_allclose(von_mises(stress), surface.fields["von Mises [MPa]"])
 
 
 def test_a_plate_in_the_plane_of_its_loads_is_halved(tmp_path):

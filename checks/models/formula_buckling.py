@@ -6,7 +6,7 @@ import numpy as np
 
 from checks.part.derived import numbers
 from checks.result.derivation import Column, Given, Item, Step, Sum
-from checks.stress.part_model import PressedColumn, PressedStretch
+from geometry.mesh import FloatArray
 
 SHARE = "share"  # the symbol of the result
 _QUOTIENT = "Timoshenko's quotient: Timoshenko and Gere, Theory of Elastic Stability, 2nd ed., 2.8"
@@ -14,13 +14,38 @@ _LATERAL = "Timoshenko and Gere, 2nd ed., 6.1 to 6.3"
 _FORCE_SHARE = Step(SHARE, "share of the elastic buckling load", "max(0, F/F_cr)", main=True)
 
 
-def share_items(bar: PressedColumn | PressedStretch) -> list[Item]:
-    """How the share of a bar comes about: items, the last one the share itself."""
-    if isinstance(bar, PressedStretch):
-        return _by_itself(bar)
-    if bar.sideways is None:
-        return [*_critical(bar), _FORCE_SHARE]
-    return [*_critical(bar), *_bent_besides(bar.sideways)]
+def column_items(
+    force: float,
+    stiffness: FloatArray,
+    shear: FloatArray | float,
+    length: float,
+    sideways: float | None = None,
+) -> list[Item]:
+    """Formulas of the share of a bar between its pins, as a hinged column.
+
+    force      N, compression
+    stiffness  (k,) N mm2, E I of the section at even places from pin to pin
+    shear      N, shear stiffness there, (k,) or of all; infinite where no shear strain is counted
+    length     mm, between the pins
+    sideways   share that its moments alone are of those that buckle it sideways; None where the
+               share is the compression's alone
+    """
+    critical = _critical(force, stiffness, shear, length)
+    return [*critical, *([_FORCE_SHARE] if sideways is None else _bent_besides(sideways))]
+
+
+def stretch_items(force: float, local: float) -> list[Item]:
+    """Formulas of the share of a stretch of a part that buckles by itself.
+
+    force  N, compression
+    local  1/N, share that 1 N is of the compression under which it buckles
+    """
+    return [
+        Given("F", "largest compression", force, "N", "the loads", main=True),
+        Given("F_cr", "force under which a stretch buckles by itself: plates and columns",
+              1 / local, "N", "Timoshenko and Gere, 2nd ed., 9.2; docs/theory/rungs.md"),
+        _FORCE_SHARE,
+    ]  # fmt: skip
 
 
 def _bent_besides(moments: float) -> list[Item]:
@@ -40,34 +65,27 @@ def _bent_besides(moments: float) -> list[Item]:
     ]  # fmt: skip
 
 
-def _by_itself(stretch: PressedStretch) -> list[Item]:
-    return [
-        Given("F", "largest compression", stretch.force, "N", "the loads", main=True),
-        Given("F_cr", "force under which a stretch buckles by itself: plates and columns",
-              1 / stretch.local, "N", "Timoshenko and Gere, 2nd ed., 9.2; docs/theory/rungs.md"),
-        _FORCE_SHARE,
-    ]  # fmt: skip
-
-
-def _critical(column: PressedColumn) -> list[Item]:
+def _critical(
+    force: float, stiffness: FloatArray, shear: FloatArray | float, length: float
+) -> list[Item]:
     """Compression, and the force under which such a hinged column buckles."""
-    count = len(column.stiffness)
+    count = len(stiffness)
     weights = np.ones(count)
     weights[[0, -1]] = 0.5
     columns = [
         Column("t", "place over the length, times π", "", numbers(np.linspace(0, pi, count))),
         Column("w", "weight", "", numbers(weights)),
     ]
-    bends = Column("B", "E I of the section there", "N mm2", numbers(column.stiffness))
+    bends = Column("B", "E I of the section there", "N mm2", numbers(stiffness))
     slides, gives = [], "w*sin(t)^2/B"
-    if np.isfinite(column.shear).all():
+    if np.isfinite(shear).all():
         slides = [Column("K", "shear stiffness there", "N",
-                         numbers(np.broadcast_to(np.asarray(column.shear), count)))]  # fmt: skip
+                         numbers(np.broadcast_to(np.asarray(shear), count)))]  # fmt: skip
         gives += " + w*(pi/L*cos(t))^2/K"
     names = tuple(f"station {number}" for number in range(1, count + 1))
     return [
-        Given("F", "compression", column.force, "N", "the loads", main=True),
-        Given("L", "length between the pins", column.length, "mm", "the part's shape"),
+        Given("F", "compression", force, "N", "the loads", main=True),
+        Given("L", "length between the pins", length, "mm", "the part's shape"),
         Sum("Q_1", "work of the force, one wave", "w*(pi/L*cos(t))^2", names, tuple(columns), "",
             _QUOTIENT),
         Sum("Q_2", "what bends and slides", gives, names, (*columns, bends, *slides), "",

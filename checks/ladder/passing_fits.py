@@ -1,0 +1,111 @@
+"""Clearances of pins with which an open check would pass: by contact, where no fit is stated."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from math import isfinite
+
+import numpy as np
+
+from checks.part.loaded_part import LoadedPart
+from checks.part.part_loads import PartLoads
+from checks.result.verdict import Check, Status
+from checks.result.ways import clearance_fact
+from checks.strength.fatigue_assessment import FatigueUse
+from checks.strength.part_strength import endurance_of
+from checks.stress.error_bars import Judged, StaticPeak, at_clearances
+from checks.stress.pins_in_bores import MIDDLE, PinnedBores, widest_fits
+from checks.stress.solid_mesh_level import Level, solve_level
+from fem.contact.condensed import ContactError
+from fem.direct import has_bearings
+from geometry.mesh import MeshError
+
+_TRIED = (0.0, MIDDLE, 1.0)  # of the widest clearance
+_POSITIONS = 40  # of each cycle, besides those that decide under assumed pressures
+
+
+def clearances_that_pass(
+    loaded: LoadedPart, level: Level, judged: Sequence[Judged], checks: Sequence[Check]
+) -> dict[str, float]:
+    """The largest clearance, mm, up to which each open check passes by contact, by fact and bore.
+
+    Contact is solved on the level's own factor at some of the positions. The band of the arcs then
+    falls; the numerical bar and the bar of the loads stay as they are. Nothing where a pin floats,
+    another bearing, such as a journal, keeps its arcs, or sharp edges are judged apart.
+    """
+    bores = [u.interface for u in level.solutions.interfaces if u.interface.kind == "bore"]
+    names = [bore.name for bore in bores]
+    open_ones = [
+        (what, check)
+        for what in judged
+        for check in checks
+        if check.kind == ("static" if isinstance(what, StaticPeak) else "fatigue")
+        and check.method.startswith("solid")
+        and check.status is Status.UNDECIDED
+        and not check.settled_by_mesh
+        and isfinite(check.numerical)
+    ]
+    if not open_ones or not bores or loaded.part.clearances or len(level.edges[0]):
+        return {}
+    if has_bearings(level.solutions, names) or not level.history.coefficients.any():
+        return {}
+    part, duty = loaded.part, loaded.duty.cycles
+    fits = widest_fits(loaded, bores)
+    try:
+        pressed = solve_level(
+            level.solutions,
+            level.fineness,
+            _some_of(loaded.loads, level, judged),
+            endurance_of(part).value,
+            part.material.ultimate_stress,
+            duty,
+            part.geometry.notch_factors,
+            PinnedBores(level.solutions, fits),
+            _TRIED,
+        )
+    except (ContactError, MeshError):
+        return {}
+    found: dict[str, float] = {}
+    for what, check in open_ones:
+        values = what.direct(pressed, _TRIED, at_clearances)
+        share = None
+        for tried, value in zip(_TRIED, values, strict=True):
+            # what is left above the arcs' band are the bars of the loads
+            known = replace(check, value=value, model=check.loads, model_below=check.loads_below)
+            if known.status is not Status.PASS:
+                break
+            share = tried
+        if share is not None:
+            found |= {
+                clearance_fact(check.kind, name): round(fit.clearance(share), 6)
+                for name, fit in fits.items()
+            }
+    return found
+
+
+def _some_of(loads: PartLoads, level: Level, judged: Sequence[Judged]) -> PartLoads:
+    """Positions spread over every cycle, and those that decide."""
+    kept = [level.peak.position]
+    for what in judged:
+        if isinstance(what, FatigueUse):
+            kept += what.worst(level).pair
+    for cycle in loads.cycles.values():
+        count = min(_POSITIONS, cycle.stop - cycle.start)
+        kept += np.linspace(cycle.start, cycle.stop - 1, count).round().astype(int).tolist()
+    chosen = np.unique(kept)
+    ends = {
+        name: (int(np.searchsorted(chosen, c.start)), int(np.searchsorted(chosen, c.stop)))
+        for name, c in loads.cycles.items()
+    }
+    return replace(
+        loads,
+        wrenches={name: wrench[chosen] for name, wrench in loads.wrenches.items()},
+        accelerations=loads.accelerations[chosen],
+        reaches={name: reach[chosen] for name, reach in loads.reaches.items()},
+        cycles={name: slice(*both) for name, both in ends.items()},
+        labels=tuple(loads.labels[k] for k in chosen),
+        cycle_names=tuple(loads.cycle_names[k] for k in chosen),
+        stretch_of=None if loads.stretch_of is None else loads.stretch_of[chosen],
+        path=None if loads.path is None else loads.path[chosen],
+        spins={name: spin[chosen] for name, spin in loads.spins.items()},
+        doubts=(),
+    )
