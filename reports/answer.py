@@ -32,7 +32,7 @@ def answer_text(
         lines += labelled("set", override, width)
     if answer.check:
         bars = f"; {answer.within} within its error bars" if answer.within else ""
-        said = f"{answer.safety}, {answer.required} needed{bars}"
+        said = f"{answer.safety}, {answer.required} required{bars}"
         lines += labelled("safety", said, width, indent=_INDENT)
     for fact in (*answer.headline, *answer.beside):
         lines += labelled(fact.label, fact.line, width, indent=_INDENT)

@@ -6,11 +6,9 @@ The terminal (reports/answer.py) and the first screen of the page write the same
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from math import isfinite
-from shlex import quote
 
 from checks.result.verdict import Check, DesignResult, PartResult, Status, deciding_of
-from checks.result.ways import NOTHING, way_text
+from checks.result.ways import NOTHING, improve_command, lower_by, way_text
 from checks.result.words import (
     assumptions,
     check_titles,
@@ -75,7 +73,7 @@ class PartRow:
         return self.parts, self.title, self.value, self.limit, self.safety, self.verdict
 
 
-HEADINGS = ("part", "governing check", "value", "limit", "safety (needed)", "verdict")
+HEADINGS = ("part", "governing check", "value", "limit", "safety (required)", "verdict")
 
 
 @dataclass(frozen=True)
@@ -183,23 +181,24 @@ def _headline(result: DesignResult, titles: dict[int, str]) -> Iterator[Fact]:
 
 
 def _ways(result: DesignResult) -> list[Fact]:
-    """The cheapest ways out; those that settle nothing are left out, since why stands above."""
-    ways = [way for way in result.ways if not way.text.startswith(NOTHING)]
+    """The cheapest ways out; those that settle nothing are left out, since why stands above.
+
+    What makes a failed check pass stands above, too.
+    """
+    changes = improve_command(result)
+    ways = [
+        way for way in result.ways if not way.text.startswith(NOTHING) and way.command != changes
+    ]
     told = map(way_text, ways[:_MOST_WAYS])
     return [Fact("way out", _short(text), clean(command)) for text, command in told]
 
 
 def _change(result: DesignResult) -> Fact:
     """Changes that would make it pass, or save mass."""
-    sets = "".join(f" --set {quote(override)}" for override in result.overrides)
-    command = _short(f"ballesta improve {quote(clean(result.file))}{sets}")
+    command = _short(clean(improve_command(result)))
     if all(check.status is Status.PASS for check in result.checks):
         return Fact("to save", "least mass by single changes", command)
-    check, said = result.deciding, "least single changes"
-    if check.upper * check.required > check.limit and isfinite(check.upper):
-        less = 100.0 * (1.0 - check.limit / (check.upper * check.required))
-        said = f"its value must be {number(less, 2)} % lower, error bars included; {said}"
-    return Fact("to pass", said, command)
+    return Fact("to pass", lower_by(result.deciding), command)
 
 
 def _safety(check: Check) -> str:

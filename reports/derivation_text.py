@@ -68,7 +68,7 @@ def headline(check: Check, title: str) -> str:
     return (
         f"{brief(check.part, 40)} {brief(title, 60)}: {brief(check.quantity, 80)} {value} "
         f"{numerical} {model}{unit} of {number_text(check.limit)}{unit}, safety "
-        f"{safety_text(check.safety, check.required)} (needs {need_text(check.required)}): "
+        f"{safety_text(check.safety, check.required)} ({need_text(check.required)} required): "
         f"{check.status}; {brief(check.method, 40)}; {brief(where(check), 120)}"
     )
 

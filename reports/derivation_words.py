@@ -125,7 +125,10 @@ def _table(item: Superposition | Sum, derivation: Derivation) -> Table:
     if isinstance(item, Superposition):
         return _superposed(item)
     scope = _values(derivation)
-    heads = ("", *(f"{shown_symbol(c.symbol)}: {c.meaning} {c.unit}".strip() for c in item.columns))
+    heads = (
+        "row",
+        *(f"{shown_symbol(c.symbol)}: {c.meaning} {c.unit}".strip() for c in item.columns),
+    )
     rows = []
     for row, (name, own) in enumerate(zip(item.names, item.scopes(scope), strict=True)):
         if row == _ROWS:
@@ -297,8 +300,8 @@ def status_texts(check: Check) -> list[str]:
         holds = check.lower * check.required <= check.limit
         texts.append(against("−", (check.numerical, check.below), check.lower))
     rule = {
-        Status.PASS: "pass, as the upper end of the bars holds the limit",
-        Status.FAIL: "FAIL, as even the lower end of the bars exceeds the limit",
-        Status.UNDECIDED: "UNDECIDED, as the limit lies within the bars",
+        Status.PASS: "pass, as the upper end of the error bars holds the limit",
+        Status.FAIL: "FAIL, as even the lower end of the error bars exceeds the limit",
+        Status.UNDECIDED: "UNDECIDED, as the limit lies within the error bars",
     }[check.status]
     return [*texts, rule]

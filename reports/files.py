@@ -87,14 +87,20 @@ def _refuse(constant: str) -> None:
 
 
 def write_vtu(part: PartResult, path: str | Path) -> None:
-    """Write the surface of a part with its fields, mm and the unit that the field's name states."""
+    """Write the surface of a part with its fields, mm and the unit that the field's name states.
+
+    Displacement is a vector, stress a symmetric tensor, in ParaView's order of the six components.
+    """
     import meshio
 
     surface = part.surface
     mesh = meshio.Mesh(
         np.asarray(surface.nodes, dtype=float),
         [("triangle", np.asarray(surface.triangles, dtype=np.int64))],
-        point_data={name: np.asarray(values) for name, values in surface.fields.items()},
+        point_data={
+            name: np.asarray(values)
+            for name, values in (*surface.fields.items(), *surface.directed.items())
+        },
     )
     with replacing(path) as temporary:
         meshio.write(temporary, mesh, file_format="vtu")

@@ -179,7 +179,8 @@ def _data(
                 "tone": tone(design.status),
                 "told": clean("; ".join(filter(None, [
                     design.error, f"last step: {design.stage}" if design.stage else "",
-                    *(f"gate does not hold: {gate}" for gate in design.broken_gates), design.note,
+                    *(f"validity check does not hold: {gate}" for gate in design.broken_gates),
+                    design.note,
                 ]))),
                 "mass": design.mass,
                 "link": quote(os.fsencode(design.link)),

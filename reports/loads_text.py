@@ -149,7 +149,7 @@ def _gates(gates: Sequence[Gate], width: int) -> list[str]:
         [gate_word(gate), brief(gate.name, 60), number(gate.value), number(gate.limit)]
         for gate in gates
     ]
-    lines = table(["gate", "", "value", "limit"], rows, {2, 3}, width)
+    lines = table(["", "validity check", "value", "limit"], rows, {2, 3}, width)
     for broken in broken_by_kind(gates):
         word = "BROKEN" if broken.binding else "DOES NOT HOLD"
         lines += labelled(word, f"{brief(broken.sentence, 300)}. {broken.told}", width)

@@ -6,7 +6,7 @@ in sign. Widths, letters and marks are shares of the picture's size.
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from math import hypot
+from math import atan2, hypot
 from typing import Any, Protocol
 
 import numpy as np
@@ -227,7 +227,11 @@ class Layout:
         force = self.linkage.force(name)
         coordinate, effort = force.coordinate, force.sign * self._effort(name)[:, None]
         if isinstance(coordinate, PointCoordinate):
-            direction = np.array(coordinate.direction) / hypot(*coordinate.direction)
+            row = self.linkage.body_names.index(coordinate.follows)
+            turned = np.concatenate([cycle.poses[:, row, 2] for cycle in self.cycles])
+            x, y = coordinate.direction
+            angle = turned + atan2(y, x)
+            direction = np.stack([np.cos(angle), np.sin(angle)], axis=1)
             return self.point(coordinate.body, coordinate.point), effort * direction
         assert isinstance(coordinate, Distance)
         ends = self._ends(coordinate)

@@ -18,7 +18,7 @@ def answer_html(result: DesignResult) -> str:
     safety = ""
     if answer.check is not None:
         bars = f"; {answer.within} within its error bars" if answer.within else ""
-        safety = f" safety {answer.safety}, {answer.required} needed{bars}"
+        safety = f" safety {answer.safety}, {answer.required} required{bars}"
     facts = [*answer.headline, *answer.beside]
     return "\n".join(
         [

@@ -35,6 +35,8 @@ from reports.pictures import Pictures
 from reports.safety_scale import safety_scale
 from reports.svg import colour_variables
 from reports.templating import environment
+from reports.tornado import shares
+from reports.what_if import what_if
 
 _WORDS = {
     "bar_words": page_bars,
@@ -102,6 +104,8 @@ def report_html(
         linkage=linkage,
         cycles=cycle_views(result, charts),
         live=live,
+        what_if=what_if(result),
+        shares=shares(result.deciding) if result.checks else [],
         pictures_reason=pictures.reason,
         script=Markup(script_text()),
         script_hash=Markup(script_hash()),

@@ -4,7 +4,7 @@ import json
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import isfinite
+from math import inf, isfinite
 
 from markupsafe import Markup
 
@@ -26,6 +26,8 @@ from reports.places import Place, place_of, shown_of
 
 ORDER = (Status.FAIL, Status.UNDECIDED, Status.PASS)  # worst first
 _TOLD = 2  # warnings on the first screen
+_ALIKE = 0.01  # of a value: parts that differ by more are told one by one
+_SAME = ("mass [kg]", "inertia about the centre [kg m2]")  # facts in which such parts are equal
 _OPEN_CYCLES = 3  # so many stand open at first; of more only the one that decides
 
 # What a picture shows: before and after the part's name for who cannot see it, and below it.
@@ -77,6 +79,7 @@ class PartView:
     hand     hand checks, each with the ratio of the model's number to it, in words
     columns  of the table of its meshes
     status   of its worst check, None without any
+    alike    name of a worse part of the same form and how far values differ; "" without one
     """
 
     part: PartResult
@@ -86,6 +89,7 @@ class PartView:
     hand: Sequence[tuple[HandCheck, str]]
     columns: Sequence[str]
     charts: Charts
+    alike: str = ""
 
     @property
     def status(self) -> Status | None:
@@ -149,14 +153,47 @@ def part_views(
     result: DesignResult, rows: Sequence[Row], pictures: Pictures, charts: DesignCharts
 ) -> list[PartView]:
     """All parts, in the order of the result."""
+    alike = alike_parts(result.parts)
     return [
-        _part_view(part, rows, pictures, drawn)
+        _part_view(part, rows, pictures, drawn, alike.get(part.name, ""))
         for part, drawn in zip(result.parts, charts.parts, strict=True)
     ]
 
 
+def alike_parts(parts: Sequence[PartResult]) -> dict[str, str]:
+    """Parts like a worse one: name -> sentence that names it, and how far the values differ.
+
+    Alike are parts of one shape, material, mass and inertia, whose checks have the same kinds,
+    limits and outcomes, and values within 1 % of each other.
+    """
+    told: list[PartResult] = []
+    found = {}
+    for part in sorted(parts, key=lambda part: -max(map(_upper, part.checks), default=0.0)):
+        pairs = ((one, _difference(part, one)) for one in told)
+        one, most = next((pair for pair in pairs if pair[1] <= _ALIKE), (None, 0.0))
+        if one is None:
+            told.append(part)
+        else:
+            share = f"within {number(100.0 * most, 2)} %" if most else "equal"
+            found[part.name] = f"As {one.name}: the same shape, material and limits, values {share}"
+    return found
+
+
+def _difference(part: PartResult, other: PartResult) -> float:
+    """Largest relative difference of two parts' check values; infinite where they are not alike."""
+
+    def form(part: PartResult) -> list[object]:
+        checks = [(c.kind, c.quantity, c.limit, c.required, c.status) for c in part.checks]
+        return [part.shape, part.material, *map(part.facts.get, _SAME), *checks]
+
+    if form(part) != form(other) or not part.checks or _SAME[0] not in part.facts:
+        return inf
+    pairs = [(a.value, b.value) for a, b in zip(part.checks, other.checks, strict=True)]
+    return max(abs(a - b) / max(abs(a), abs(b)) if a != b else 0.0 for a, b in pairs)
+
+
 def _part_view(
-    part: PartResult, rows: Sequence[Row], pictures: Pictures, charts: Charts
+    part: PartResult, rows: Sequence[Row], pictures: Pictures, charts: Charts, alike: str
 ) -> PartView:
     mine = [row for row in rows if any(row.check is check for check in part.checks)]
     images = pictures.images.get(part.name, {})
@@ -168,6 +205,7 @@ def _part_view(
         hand=[(hand, ratio(hand)) for hand in part.hand_checks],
         columns=list(dict.fromkeys(key for mesh in part.meshes for key in mesh)),
         charts=charts,
+        alike=alike,
     )
 
 

@@ -14,7 +14,7 @@ from checks.result.words import (
 )
 
 LOADS_IN_DOUBT = "loads not valid"
-PART_IN_DOUBT = "a gate of the part is broken"
+PART_IN_DOUBT = "a validity check of the part does not hold"
 NO_BAR = "no error bar stated"
 _NOISE = 1e-3  # of the value: a bar that reaches less far is not written
 _PLACE = re.compile(r"\(-?[\d.]+, -?[\d.]+, (-?[\d.]+)\)")

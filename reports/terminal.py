@@ -28,7 +28,7 @@ from checks.result.words import (
 from reports.ladder_words import tried_sentence
 
 _HEADINGS = (
-    "part", "check", "value ±num ±model", "limit", "safety (need)", "util.", "status",
+    "part", "check", "value ±num ±model", "limit", "safety (required)", "util.", "status",
     "where; method",
 )  # fmt: skip
 _RIGHT = {3, 5}
@@ -65,7 +65,7 @@ def verdict_text(
             lines += labelled("LADDER", text, width)
     for owner, gate in broken_gates(result):
         text = f"{brief(owner, 40)}: {brief(gate_sentence(gate), 200)}; {brief(gate.told, 300)}"
-        lines += labelled("GATE BROKEN" if gate.binding else "DOES NOT HOLD", text, width)
+        lines += labelled("NOT VALID" if gate.binding else "DOES NOT HOLD", text, width)
     if result.not_checked:
         text = ", ".join(brief(item, 80) for item in result.not_checked)
         lines += labelled("NOT CHECKED", text, width)
@@ -89,7 +89,7 @@ def verdict_renderable(
     text.highlight_regex(r"\b(pass|PASS)\b", "bold green")
     text.highlight_regex(r"\bFAIL\b", "bold red")
     text.highlight_regex(
-        r"\bUNDECIDED\b|^WARNING|^GATE BROKEN|^DOES NOT HOLD|±∞ \(\w+\)", "bold yellow"
+        r"\bUNDECIDED\b|^WARNING|^NOT VALID|^DOES NOT HOLD|±∞ \(\w+\)", "bold yellow"
     )
     text.highlight_regex(r"^(NOT CHECKED|ASSUMED|SET|LADDER)\b", "bold")
     return text

@@ -126,10 +126,10 @@ def sentence(outcome: Mapping[str, Any]) -> str:
         at = f"; last step: {outcome['stage']}" if outcome["stage"] else ""
         return brief(f"{cause[0]}{more}{at}", 300)
     safety = float("inf") if check["safety"] is None else check["safety"]
-    broken = "; gates are broken" if outcome["broken_gates"] else ""
+    broken = "; validity checks do not hold" if outcome["broken_gates"] else ""
     return brief(
         f"{check['part']} {check['check']}: safety {safety_text(safety, check['required'])} "
-        f"(needs {need_text(check['required'])}){broken}",
+        f"({need_text(check['required'])} required){broken}",
         160,
     )
 

@@ -116,7 +116,7 @@ def _of_check(check: Mapping[str, Any], outcome: Mapping[str, Any]) -> Row:
 def _design_note(outcome: Mapping[str, Any], notes: Mapping[str, str]) -> str:
     """A note on the design as a whole: broken gates leave it UNDECIDED at best."""
     broken = outcome["broken_gates"]
-    gates = f"gates that do not hold: {', '.join(broken)}" if broken else ""
+    gates = f"validity checks that do not hold: {', '.join(broken)}" if broken else ""
     return "; ".join(filter(None, [gates, notes.get(outcome["name"], "")]))
 
 

@@ -20,11 +20,11 @@ from ballesta.machine.balance import measured_loads
 from ballesta.machine.elastic_parts import compliances_of
 from ballesta.machine.quasi_static import vibration_of, with_dynamics
 from ballesta.machine.solved_cycles import linkage_of, part_masses, told_of_cycle
-from checks.columns.stability import column_checks
+from checks.by_formula import formula_checks
 from checks.design.data import Design
 from checks.design.errors import DesignError, NumericsError
 from checks.ladder.climb import answered, climb_cheap, start_climb
-from checks.ladder.part_ladder import formula_checks, told_of_part
+from checks.ladder.part_ladder import told_of_part
 from checks.ladder.result import reported_level, rung_gates
 from checks.part.loaded_part import LoadedPart
 from checks.result.verdict import Check, Gate, Status, deciding_of, status_of
@@ -34,7 +34,7 @@ from geometry.cad_body import SolidBody
 NOT_ASKED = (
     "buckling of the linkage as a whole",
     "vibration, unless the design puts it on its loads",
-    "gates of the loads: drives, dead centres, balance of power",
+    "validity checks of the loads: drives, dead centres, balance of power",
     "the proof of the fatigue safety, all loads times the safety",
 )
 _RUNG = "formula"
@@ -206,6 +206,5 @@ def _check_part(
     else:
         checks += answered(climb)
         gates += rung_gates(climb, reported_level(climb), body.size)
-    checks += column_checks(loaded)
-    checks += formula_checks(loaded, body)
+    checks += formula_checks(loaded)
     return why

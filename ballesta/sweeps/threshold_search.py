@@ -224,7 +224,7 @@ def _judged(value: tuple[str, ...], result: DesignResult, parts: Sequence[str]) 
     deciding = deciding_of(checks) if checks else None
     words = "nothing was checked" if deciding is None else _decided(deciding)
     if broken and status is Status.UNDECIDED:
-        words += f"; gates do not hold: {listed(broken)}"
+        words += f"; validity checks do not hold: {listed(broken)}"
     mass = sum(float(part.facts["mass [kg]"]) for part in result.parts)
     return Trial(value, status, words, mass, _unranged(checks, gates), check=deciding)
 
@@ -234,7 +234,7 @@ def _decided(check: Check) -> str:
     least = safety_text(_least(check), check.required)
     return (
         f"{check.part} {check.kind}, safety {safety_text(check.safety, check.required)}, "
-        f"{least} with its bars, needs {need_text(check.required)}"
+        f"{least} with its error bars, {need_text(check.required)} required"
     )
 
 
@@ -307,6 +307,6 @@ def _of_bars(found: Trial, beyond: Trial) -> str:
         return ""
     return (
         f"{first.part} {first.kind} by {first.method} still has a safety of "
-        f"{safety_text(first.safety, first.required)} there, needs {need_text(first.required)}, "
-        "but its bars are wider"
+        f"{safety_text(first.safety, first.required)} there, {need_text(first.required)} required, "
+        "but its error bars are wider"
     )

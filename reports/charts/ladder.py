@@ -111,7 +111,7 @@ def _chosen(part: PartResult, rung: RungTried, check: Check) -> bool:
 
 
 def _caption(part: PartResult, tried: Sequence[RungTried]) -> str:
-    told = ["Ring: what the verdict takes, the narrowest bar of its kind."]
+    told = ["Ring: what the verdict takes, the narrowest error bar of its kind."]
     last = tried[-1]
     told.append(f"{brief(last.rung, 24)}, the last: {brief(last.why, 300)}.")
     skipped = [rung for rung in part.rungs if not rung.checks]

@@ -48,18 +48,20 @@
   paper.hidden = false;
   paper.addEventListener("click", () => print());
 
-  const button = document.getElementById("copy"), command = document.getElementById("command");
-  button.hidden = false;
-  button.addEventListener("click", async () => {
-    getSelection().selectAllChildren(command);
-    try {
-      await navigator.clipboard.writeText(command.textContent);
-      button.textContent = "Copied";
-    } catch {
-      button.textContent = "Selected: press Ctrl+C";
-    }
-    setTimeout(() => { button.textContent = "Copy"; }, 2500);
-  });
+  for (const button of all(".command button")) {
+    const command = button.parentElement.querySelector("pre");
+    button.hidden = false;
+    button.addEventListener("click", async () => {
+      getSelection().selectAllChildren(command);
+      try {
+        await navigator.clipboard.writeText(command.textContent);
+        button.textContent = "Copied";
+      } catch {
+        button.textContent = "Selected: press Ctrl+C";
+      }
+      setTimeout(() => { button.textContent = "Copy"; }, 2500);
+    });
+  }
 
   // The last section whose top has passed under the bar is the one that is read.
   const links = all(".contents a[href^='#']");

@@ -49,6 +49,7 @@
   const column = (name, value, cell, numeric) => ({ name, value, cell, numeric });
   const number = (name, value, shown) =>
     column(name, (d, c) => (c < 0 ? null : value(c)), (d, c) => (c < 0 ? "" : shown(c)), true);
+  const chosen = new Set(), MOST = 4;
   const pictures = designs.some((design) => design.picture);
   const columns = [
     column("design", (d) => d, (d) => {
@@ -57,6 +58,14 @@
       const name = designs[d].link ? make("a", designs[d].name) : make("span", designs[d].name);
       if (designs[d].link) name.href = designs[d].link;
       cell.append(name);
+      return cell;
+    }),
+    column("compare", null, (d) => {
+      const cell = make("td"), box = make("input");
+      Object.assign(box, { type: "checkbox", checked: chosen.has(d), ariaLabel: `Compare ${designs[d].name}` });
+      box.dataset.choose = d;
+      box.addEventListener("change", () => choose(d, box.checked));
+      cell.append(box);
       return cell;
     }),
     ...(!pictures ? [] : [column("picture", null, (d) => {
@@ -74,6 +83,7 @@
       cell.append(make("span", designs[d].status, `word ${designs[d].tone}`));
       return cell;
     }),
+    column("mass [kg]", (d) => designs[d].mass, (d) => rounded(designs[d].mass, 4), true),
     column("part", (d, c) => word("part", c) || null, (d, c) => word("part", c)),
     column("check", (d, c) => word("check", c) || null, (d, c) => word("check", c)),
     column("utilisation", (d, c) => (c < 0 ? null : utilisation(c)), (d, c) => {
@@ -84,7 +94,7 @@
       }));
       return cell;
     }),
-    number("safety (need)", safety, (c) =>
+    number("safety (required)", safety, (c) =>
       (checks.value[c] ? rounded(safety(c), 3, -1) : "not loaded") + ` (${checks.required[c]})`),
     ...varied.slice(0, MOST_INPUTS).map((input) =>
       column(input.name, (d) => input.values[d], (d) => {
@@ -101,7 +111,6 @@
     number("model", (c) => checks.model[c] ?? Infinity,
       (c) => `+${bar(checks.model[c])} −${bar(checks.model_below[c])}`),
     number("limit", (c) => checks.limit[c], (c) => rounded(checks.limit[c], 4)),
-    column("mass [kg]", (d) => designs[d].mass, (d) => rounded(designs[d].mass, 4), true),
     column("where, how, what else", null, (d, c) => {
       const cell = make("td", undefined, "w");
       const where = [word("place", c), word("cycle", c), word("position", c), word("method", c)];
@@ -213,22 +222,51 @@
   byId("controls").hidden = false;
   select();
 
+  // Checks by name: of each design the first of that name.
+  const decisive = new Map(governing), own = new Map();
+  checks.design.forEach((d, c) => {
+    const name = `${word("part", c)}: ${word("check", c)}`;
+    if (!own.has(name)) own.set(name, new Map());
+    if (!own.get(name).has(d)) own.get(name).set(d, c);
+  });
+
+  // Two to four designs side by side; a fifth takes the place of the first.
+  const choose = (d, on) => {
+    chosen.delete(d);
+    if (on) chosen.add(d);
+    if (chosen.size > MOST) chosen.delete(chosen.values().next().value);
+    for (const box of body.querySelectorAll("[data-choose]"))
+      box.checked = chosen.has(Number(box.dataset.choose));
+    const list = [...chosen], line = (name, cell) => {
+      const row = make("tr"), cells = list.map(cell);
+      if (new Set(cells).size > 1) row.className = "differs";
+      row.append(make("th", name, "k"), ...cells.map((text) => make("td", text)));
+      return row;
+    };
+    const ofCheck = (c) => (c === undefined || c < 0 ? "–"
+      : `${checks.value[c] ? rounded(safety(c), 3, -1) : "not loaded"} (${checks.required[c]}) ${word("status", c)}`);
+    byId("beside").hidden = list.length < 2;
+    byId("beside").querySelector("tbody").replaceChildren(
+      line("design", (k) => designs[k].name), line("verdict", (k) => designs[k].status),
+      line("mass [kg]", (k) => rounded(designs[k].mass, 4) || "–"),
+      ...varied.map((input) => line(input.name, (k) => String(input.values[k] ?? "–"))),
+      ...[...own].filter(([, at]) => list.some((k) => at.has(k)))
+        .map(([name, at]) => line(`${name}: safety`, (k) => ofCheck(at.get(k)))));
+  };
+
   // The plot: a dot per design, coloured by its verdict.
   const plot = () => {
-    const inputs = [...varied.map((input) => [input.name, (d) => input.values[d]]),
-      ["place in the batch", (d) => d + 1], ["mass [kg]", (d) => designs[d].mass]];
-    const decisive = new Map(governing), own = new Map();
-    checks.design.forEach((d, c) => {
-      const name = `${word("part", c)}: ${word("check", c)}`;
-      if (!own.has(name)) own.set(name, new Map());
-      if (!own.get(name).has(d)) own.get(name).set(d, c);
-    });
+    const mass = (d) => designs[d].mass;
+    const inputs = [["mass [kg]", mass], ...varied.map((input) => [input.name, (d) => input.values[d]]),
+      ["place in the batch", (d) => d + 1]];
     const finite = (value) => (Number.isFinite(value) ? value : null);
     const of = (at, value) => (d) => {
       const c = at.get(d);
       return c === undefined || c < 0 ? null : finite(value(c));
     };
+    const reserve = of(decisive, (c) => 1 / utilisation(c));
     const results = [
+      ["reserve: safety over required", reserve],
       ["governing check: utilisation", of(decisive, utilisation)],
       ["governing check: safety", of(decisive, safety)],
       ["mass [kg]", (d) => designs[d].mass],
@@ -245,6 +283,7 @@
     }));
     options("x", inputs);
     options("y", results);
+    byId("x").value = designs.some((design) => design.mass !== null) ? 0 : 1;
     const svg = byId("chart");
     const add = (tag, attributes, content) => {
       const element = document.createElementNS("http://www.w3.org/2000/svg", tag);
@@ -267,9 +306,10 @@
       if (kinds.some((value) => typeof value === "string")) {
         const names = [...new Set(kinds.map(String))].sort((a, b) => a.localeCompare(b, undefined, { numeric: true }));
         const at = new Map(names.map((name, index) => [name, from + (to - from) * (index + 0.5) / names.length]));
-        const every = Math.ceil(names.length / 12);
+        const longest = Math.max(...names.map((name) => name.length)); // of 7 px a letter
+        const every = Math.ceil(names.length * Math.max(longest * 7, 60) / (right - left));
         return { at: (value) => at.get(String(value)),
-          ticks: names.filter((_, index) => index % every === 0).map((name) => [name.slice(0, 18), at.get(name)]) };
+          ticks: names.filter((_, index) => index % every === 0).map((name) => [name, at.get(name)]) };
       }
       let low = Infinity, high = -Infinity;
       for (const value of kinds) { low = Math.min(low, value); high = Math.max(high, value); }
@@ -277,6 +317,20 @@
       [low, high] = [low - room, high + room];
       const at = (value) => from + (to - from) * (value - low) / (high - low);
       return { at, ticks: steps(low, high).map((value) => [String(value), at(value)]) };
+    };
+    // No design on the front is both heavier and nearer to its limit than another one.
+    const front = (points, x, y) => {
+      let best = -Infinity;
+      const sorted = [...points].sort((p, q) => p[1] - q[1] || q[2] - p[2]);
+      const kept = sorted.filter((point) => point[2] > best && ((best = point[2]), true));
+      add("path", { class: "front", d: kept.map(([, a, b], k) =>
+        `${k ? `H${x.at(a)}V` : `M${x.at(a)} `}${y.at(b)}`).join("") });
+      const lightest = sorted.find(([d]) => designs[d].status === "pass");
+      if (!lightest) return;
+      const [d, a, b] = lightest, far = x.at(a) > (left + right) / 2;
+      add("circle", { class: "lightest", cx: x.at(a), cy: y.at(b), r: 8 });
+      add("text", { class: "lightest", x: x.at(a) + (far ? -12 : 12), y: y.at(b) + 18, "text-anchor": far ? "end" : "start" },
+        `lightest pass: ${designs[d].name}, ${rounded(a, 4)} kg`);
     };
     const show = () => {
       const [xName, xOf] = inputs[byId("x").value], [yName, yOf] = results[byId("y").value];
@@ -298,6 +352,9 @@
       }
       add("text", { x: (left + right) / 2, y: bottom + 42, "text-anchor": "middle" }, xName);
       add("text", { x: left, y: top - 4 }, yName);
+      const [limit, inside] = [y.at(1), y.at(1) > top && y.at(1) < bottom];
+      if (yOf === reserve && inside)
+        add("line", { x1: left, x2: right, y1: limit, y2: limit, class: "required" });
       for (const [d, a, b] of points) {
         const dot = add("circle", { cx: x.at(a), cy: y.at(b), r: points.length > 500 ? 3 : 4.5,
           class: designs[d].tone, "data-design": d });
@@ -305,6 +362,8 @@
         name.textContent = `${designs[d].name}: ${designs[d].status}\n${xName}: ${a}\n${yName}: ${b}`;
         dot.append(name);
       }
+      byId("front").hidden = yOf !== reserve || xOf !== mass;
+      if (!byId("front").hidden) front(points, x, y);
     };
     svg.addEventListener("click", (event) => {
       const d = event.target.dataset?.design;

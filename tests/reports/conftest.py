@@ -4,6 +4,7 @@ import os
 import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -101,6 +102,22 @@ def opened(launch: Callable[..., Any]) -> Iterator[Callable[..., Opened]]:
     yield open_page
     for context in contexts:
         context.close()
+
+
+@pytest.fixture(scope="session")
+def axe() -> Callable[[Any], list[str]]:
+    """Return what tells a page's findings by axe; its context must have bypass_csp."""
+    try:
+        script = files("axe_playwright_python").joinpath("axe.min.js").read_text(encoding="utf-8")
+    except ImportError:
+        _missing("the package axe-playwright-python is not installed: make test installs it")
+
+    def findings(page: Any) -> list[str]:
+        page.add_script_tag(content=script)
+        found = page.evaluate("axe.run().then((told) => told.violations)")
+        return [f"{one['id']}: {node['html'][:120]}" for one in found for node in one["nodes"]]
+
+    return findings
 
 
 def until(page: Any, condition: str) -> None:

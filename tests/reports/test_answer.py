@@ -32,7 +32,7 @@ def test_the_first_25_lines_answer_what_a_designer_asks():
     assert f"decided by {deciding.kind} of bar_upper" in text  # which part?
     assert f"where {deciding.place}" in text
     assert f"when {deciding.cycle}: {deciding.position}" in text
-    assert f", {deciding.required:g} needed" in text  # by how much?
+    assert f", {deciding.required:g} required" in text  # by how much?
     assert "mass 4.15 kg" in text
     assert "why the limit is exceeded even at the lower end of the error bars" in text
     assert "assumed 2 assumptions" in text
@@ -74,7 +74,7 @@ def test_a_validity_check_that_does_not_hold_is_told_with_its_cure(binding, labe
 def test_a_safety_near_the_need_has_four_digits_and_is_rounded_down():
     near = results.check(value=100.0, limit=128.859, required=1.3, numerical=0.0, model=25.0)
     text = answer_text(results.design(results.part(checks=[near])), 100)
-    assert "safety       1.288, 1.3 needed; between 1.03 and 1.72 within its error bars" in text
+    assert "safety       1.288, 1.3 required; between 1.03 and 1.72 within its error bars" in text
     assert "why open     the limit lies within the model's own error bar" in text
 
 

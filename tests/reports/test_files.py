@@ -1,5 +1,6 @@
 import json
 import stat
+from dataclasses import replace
 
 import meshio
 import numpy as np
@@ -18,7 +19,7 @@ def test_a_result_comes_back_from_json_as_it_went(tmp_path):
     back = read_json(tmp_path / "result.json")
     assert back == plain(result.to_dict())
     assert back["status"] == "FAIL"
-    assert back["decided_by"] == {"part": "bar_upper", "kind": "fatigue"}
+    assert back["decided_by"] == {"id": "bar_upper/fatigue", "part": "bar_upper", "kind": "fatigue"}
     assert back["cycles"]["press"]["position"] == results.cycle()["position"].tolist()
     assert list(back) == list(result.to_dict())
 
@@ -106,12 +107,16 @@ def test_a_written_file_has_the_usual_permissions(tmp_path):
 
 def test_a_surface_comes_back_from_vtu_with_its_fields(tmp_path):
     """Compressed binary holds every digit: ==."""
-    part = results.part()
+    surface = results.part().surface
+    moved, stress = np.random.default_rng(0).normal(size=(2, len(surface.nodes), 6))
+    directed = {"displacement [mm]": moved[:, :3], "stress [MPa]": stress}
+    part = results.part(surface=replace(surface, directed=directed))
     write_vtu(part, tmp_path / "bar.vtu")
     mesh = meshio.read(tmp_path / "bar.vtu")
     assert np.array_equal(mesh.points, part.surface.nodes)
     assert np.array_equal(mesh.cells_dict["triangle"], part.surface.triangles)
-    assert mesh.point_data.keys() == part.surface.fields.keys()
-    for name, values in part.surface.fields.items():
+    fields = {**part.surface.fields, **directed}
+    assert mesh.point_data.keys() == fields.keys()
+    for name, values in fields.items():
         assert np.array_equal(mesh.point_data[name], values)
     assert [path.name for path in tmp_path.iterdir()] == ["bar.vtu"]

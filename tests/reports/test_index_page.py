@@ -111,5 +111,72 @@ def test_40_000_checks_open_and_sort_in_a_browser(tmp_path, opened):
     rows.first.get_by_text("40000 MPa").wait_for()
     assert rows.count() == 100
     assert page.locator("#place").inner_text() == "1 to 100 of 40000"
-    assert page.locator("circle").count() == 2000
+    assert page.locator("[data-design]").count() == 2000
+    found.assert_quiet()
+
+
+def test_the_front_has_no_design_that_is_heavier_and_nearer_to_its_limit_than_another(
+    tmp_path, opened
+):
+    """Reserve 355/(1.5 value): c is heavier than b with less reserve; a fails, b is lightest."""
+    masses = {"a": 1.0, "b": 2.0, "c": 3.0, "d": 4.0, "no mass": None}
+    values = {"a": 300.0, "b": 150.0, "c": 200.0, "d": 100.0, "no mass": 50.0}
+    made = {name: check(values[name], numerical=0.0, model=0.0) for name in masses}
+    path = tmp_path / "index.html"
+    path.write_text(
+        index_html(
+            "batch",
+            [design(n, made[n], status=made[n]["status"], mass=m) for n, m in masses.items()],
+            {"wall [mm]": [4.0, 5.0, 5.0, 6.0, 7.0]},
+        ),
+        encoding="utf-8",
+    )
+    found = opened(path)
+    page = found.page
+    dots = {
+        name: (float(dot.get_attribute("cx")), float(dot.get_attribute("cy")))
+        for name, dot in zip("abcd", page.locator("[data-design]").all(), strict=True)
+    }
+    steps = [
+        float(n) for n in re.findall(r"[-\d.]+", page.locator("path.front").get_attribute("d"))
+    ]
+    corners = [*dots["a"], *dots["b"], *dots["d"]]
+    assert [round(n, 6) for n in steps] == [round(n, 6) for n in corners]
+    assert page.locator("text.lightest").text_content() == "lightest pass: b, 2.000 kg"
+    assert "4 of 5 designs" in page.locator("#told").text_content()
+    page.locator("#x").select_option("wall [mm]")
+    assert page.locator("path.front, text.lightest, #front:visible").count() == 0
+    found.assert_quiet()
+
+
+def test_axe_finds_nothing_on_a_batch(tmp_path, opened, axe):
+    (tmp_path / "index.html").write_text(index_html("batch", DESIGNS, VARIED), encoding="utf-8")
+    found = opened(tmp_path / "index.html", bypass_csp=True)
+    for name in ("one", "two"):
+        found.page.get_by_label(f"Compare {name}").check()
+    assert axe(found.page) == []
+
+
+def test_two_to_four_designs_stand_side_by_side_bold_where_they_differ(tmp_path, opened):
+    many = [design(name, check(100.0 + k)) for k, name in enumerate("abcde")]
+    path = tmp_path / "index.html"
+    path.write_text(index_html("batch", many, {"wall [mm]": [1.0] * 5}), encoding="utf-8")
+    found = opened(path)
+    page = found.page
+    page.get_by_label("Compare a").check()
+    assert page.locator("#beside").is_hidden()
+    for name in "bcde":
+        page.get_by_label(f"Compare {name}").check()
+    assert not page.get_by_label("Compare a").is_checked()  # a fifth takes the place of the first
+    rows = {
+        row[0]: row[1:]
+        for row in page.locator("#beside tr").evaluate_all(
+            "all => all.map((row) => [...row.cells].map((cell) => cell.textContent))"
+        )
+    }
+    assert rows["design"] == list("bcde")
+    assert rows["wall [mm]"] == ["1"] * 4
+    assert rows["bar_upper: static: safety"][0] == "3.51 (1.5) pass"
+    bold = page.locator("#beside .differs th").all_text_contents()
+    assert bold == ["design", "bar_upper: static: safety"]
     found.assert_quiet()

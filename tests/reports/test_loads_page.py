@@ -92,7 +92,7 @@ def test_the_picture_s_numbers_are_the_solution_s(press):
 def test_extremes_gates_and_warnings_are_on_the_page(page):
     text = Page(page).text
     for words in (
-        "61.18", "2, press", "Gate broken press: speed irregularity", "the stop is ASSUMED",
+        "61.18", "2, press", "NOT VALID press: speed irregularity", "the stop is ASSUMED",
         "Does not hold press: time of a cycle", "11.31 kN available", "impact",
     ):  # fmt: skip
         assert words in text, words
@@ -129,5 +129,5 @@ def test_a_name_keeps_clear_of_the_arc_of_a_torque():
 def test_gates_of_one_kind_are_one_box(press):
     gates = [Gate(f"at_{k}: speed irregularity", 0.2, 0.1, f"flywheel {k}") for k in range(5)]
     text = loads_html(loads_results.result(press, gates=gates))
-    assert text.count("<b>Gate broken</b>") == 1
+    assert text.count("<b>NOT VALID</b>") == 1
     assert "at_0 0.200, at_1 0.200" in text

@@ -12,7 +12,7 @@ import pytest
 
 from checks.result.verdict import Gate, HandCheck
 from reports import Pictures, report_html, write_report
-from reports.page_parts import ratio
+from reports.page_parts import alike_parts, ratio
 from reports.page_script import SCRIPTS, script_text
 from reports.templating import value_text
 
@@ -131,7 +131,7 @@ def test_the_verdict_comes_first_with_what_decides_it_and_why():
         "Decided by fatigue of bar_upper", "Where", "When press", "Why the limit is exceeded",
         "To pass its value must be", "ballesta improve toggle_press.toml", "Validity all 3",
         "Assumed 2 assumptions", "Live view", "Know this",
-        "Warning", "All 3 validity gates hold", "Not checked", "Assumed by ballesta",
+        "Warning", "All 3 validity checks hold", "Not checked", "Assumed by ballesta",
         "All checks, worst first", "Checks of bar_upper", "By hand", "Checks of pin_B",
         "Cycles", "Stated by the design file", "Set on the command line", "Not stated",
         "The design file", "This command makes it again", "Versions",
@@ -213,13 +213,13 @@ def test_gates_of_a_kind_are_told_as_one_with_the_worst():
     gates = [Gate(f"{name}: uneven", value, 0.1, f"of {name}")
              for name, value in (("slow", 0.5), ("fast", 7.0), ("even", 0.05))]  # fmt: skip
     text = parsed(results.design(gates=gates)).text
-    assert "Gate broken uneven: slow 0.500, fast 7.00, limit 0.100 The worst, fast: of fast" in text
+    assert "NOT VALID uneven: slow 0.500, fast 7.00, limit 0.100 The worst, fast: of fast" in text
 
 
 def test_gates_that_the_verdict_depends_on_come_before_those_that_it_does_not():
     gates = [Gate("slow", 2.0, 1.0, "late", binding=False), Gate("gap", 2.0, 1.0, "open")]
-    text = parsed(results.design(gates=gates)).text
-    first = text.index("Gate broken gap")
+    text = parsed(results.design(gates=gates)).text.partition("Know this NOT VALID")[2]
+    first = text.index("gap")
     assert first < text.index("Does not hold slow") < text.index("Warning", first)
 
 
@@ -233,11 +233,11 @@ def test_missing_pictures_are_explained_in_words():
 def test_broken_gates_come_before_the_checks_with_their_owner():
     broken = Gate("reaction residual", 0.5, 1e-6, "unbalanced share")
     text = Page(report_html(results.design(results.part(gates=[broken])))).text
-    assert text.index("Gate broken bar_upper: reaction residual: 0.500 > 1e-06") < text.index(
+    assert text.index("NOT VALID bar_upper: reaction residual: 0.500 > 1e-06") < text.index(
         "All checks"
     )
     assert "NOT VALID" in text
-    assert "All 2 validity gates hold" in parsed(results.design()).text
+    assert "All 2 validity checks hold" in parsed(results.design()).text
 
 
 def test_an_empty_design_has_a_page():
@@ -293,3 +293,39 @@ def test_a_page_can_be_written_without_any_solver():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
+
+
+def twins(value=180.0, **changes):
+    """Two bars of one shape, the second with other numbers, and what changes on it."""
+    own = {"facts": {"mass [kg]": 4.1, "inertia about the centre [kg m2]": 0.035}}
+    upper, lower = (
+        results.part(name, [replace(c, part=name) for c in (results.PASSING, fatigue)], **more)
+        for name, fatigue, more in (
+            ("bar_upper", results.FAILING, own),
+            ("bar_lower", replace(results.FAILING, value=value), own | changes),
+        )
+    )
+    return upper, lower
+
+
+def test_a_part_that_a_worse_one_tells_as_well_names_it_and_how_far_its_numbers_differ():
+    upper, lower = twins(value=179.1)
+    told = {"bar_lower": "As bar_upper: the same shape, material and limits, values within 0.50 %"}
+    assert alike_parts([lower, upper]) == told
+    assert alike_parts(twins()) == {"bar_lower": told["bar_lower"].split("within")[0] + "equal"}
+    page = report_html(results.design(lower, upper))
+    assert page.count('class="part alike"') == 1
+    assert told["bar_lower"] in page
+
+
+@pytest.mark.parametrize(
+    "pair",
+    [
+        twins(value=178.0),
+        twins(material="S275"),
+        twins(facts={"mass [kg]": 4.2, "inertia about the centre [kg m2]": 0.035}),
+        twins(facts={}),
+    ],
+)
+def test_parts_that_differ_by_more_than_a_percent_or_in_their_form_are_told_one_by_one(pair):
+    assert alike_parts(pair) == {}

@@ -45,7 +45,19 @@ def failing():
     return results.design(results.part(checks=checks), pin, gates=[broken])
 
 
+def alike():
+    facts = {"mass [kg]": 4.1, "inertia about the centre [kg m2]": 0.035}
+    upper, lower = (
+        results.part(
+            name, [replace(c, part=name) for c in (results.PASSING, derived())], facts=facts
+        )
+        for name in ("bar_upper", "pin_B")
+    )
+    return results.design(upper, lower)
+
+
 PAGES = {
+    "alike": alike,
     "fail": failing,
     "undecided": lambda: results.design(results.part(checks=[results.UNDECIDED])),
     "pass": results.design,
@@ -165,6 +177,13 @@ def test_all_text_has_the_contrast_that_wcag_aa_asks_for(shown, name, scheme):
     assert weak == []
 
 
+@pytest.mark.parametrize(("name", "scheme"), [("alike", "light"), ("moving", "dark")])
+def test_axe_finds_nothing_on_a_page_with_all_its_folds_open(shown, axe, name, scheme):
+    page = shown(name, color_scheme=scheme, bypass_csp=True).page
+    page.evaluate("document.querySelectorAll('details').forEach((each) => { each.open = true; })")
+    assert axe(page) == []
+
+
 def test_paper_has_all_parts_with_the_governing_derivation_and_no_controls(shown):
     page = shown("fail", width=A4).page
     assert not page.locator("#why-3 .derivation").evaluate("each => each.open")
@@ -172,7 +191,7 @@ def test_paper_has_all_parts_with_the_governing_derivation_and_no_controls(shown
     page.emulate_media(media="print")
     for choice in (
         "#part-1 h2", "#part-2 h2", "#why-3 .derivation table >> nth=0", "#inputs pre",
-        "#inputs table >> nth=0", "#verdict .badge", ".notes li >> nth=0", "#command",
+        "#inputs table >> nth=1", "#verdict .badge", ".notes li >> nth=0", "#command",
     ):  # fmt: skip
         assert page.locator(choice).is_visible(), choice
     for control in page.locator("nav, button, select, input").all():
@@ -188,6 +207,22 @@ def test_paper_has_all_parts_with_the_governing_derivation_and_no_controls(shown
     )
     page.evaluate("dispatchEvent(new Event('afterprint'))")
     assert not page.locator("#why-3 .derivation").evaluate("each => each.open")
+
+
+def test_a_part_that_another_tells_as_well_prints_its_checks_alone(shown):
+    page = shown("alike", width=A4).page
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    page.emulate_media(media="print")
+    for part, visible in (("#part-1", True), ("#part-2", False)):
+        assert page.locator(f"{part} .checks tr.has").count() == 2
+        assert page.locator(f"{part} .checks tr.has >> nth=1").is_visible()
+        for choice in (
+            ".derivation table >> nth=0",
+            ".chart >> nth=0",
+            ".pictures",
+            "tr.told >> nth=0",
+        ):
+            assert page.locator(f"{part} {choice}").is_visible() is visible, choice
 
 
 def test_the_browser_prints_the_page(shown):

@@ -86,8 +86,11 @@ def test_an_undecided_check_says_whether_a_finer_mesh_helps():
 def test_a_broken_gate_takes_the_pass_away_and_is_named():
     broken = results.design(gates=[Gate("loop closure", 3e-3, 1e-9, "the joints gape")])
     text = verdict_text(broken, 200)
-    assert "GATE BROKEN  loads: loop closure: 0.00300 > 1e-09; the joints gape" in text
-    assert "UNDECIDED: every check passes, but these gates do not hold: loads loop closure" in text
+    assert "NOT VALID  loads: loop closure: 0.00300 > 1e-09; the joints gape" in text
+    assert (
+        "UNDECIDED: every check passes, but these validity checks do not hold: loads loop closure"
+        in text
+    )
 
 
 def test_a_result_without_checks_is_undecided_and_not_a_crash():

@@ -1,0 +1,331 @@
+"""What-if of the page: checks under other settings, where a formula or a proportion gives them.
+
+No part is solved again: the stresses stay, and the formulas of the checks' derivations are
+evaluated with other numbers put in. Error bars stay in proportion to their value.
+"""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from math import isfinite
+from operator import attrgetter
+from shlex import quote
+from typing import Any
+
+from markupsafe import Markup
+
+from checks.design.materials import Material, known_materials
+from checks.result.derivation import BARS, Derivation, Given, Item, Step, Sum, value_of
+from checks.result.formulas import FormulaError, Value, evaluate
+from checks.result.verdict import Check, DesignResult, PartResult
+from checks.result.words import check_titles, clipped, need_text
+from reports.templating import json_markup
+
+_STEPS = (0.7, 0.75, 0.8, 0.85, 0.9, 0.95, 1.0, 1.05, 1.1, 1.15, 1.2, 1.3, 1.4, 1.5)
+_COUNTS = (0.01, 0.03, 0.1, 0.3, 0.5, 1.0, 2.0, 3.0, 10.0, 30.0, 100.0)
+_SURVIVAL = (0.5, 0.9, 0.99, 0.999, 0.9999)
+_UNTOLD = "untold"  # among changes: no formula tells what they do
+_HALVINGS = 20  # of the range of a factor that is sought
+_REQUIRED = ("buckling", "fatigue", "bush")  # kinds with a required safety of their own
+_SHARED = re.compile(r"the (weaker|softer)")  # limits that another part may give, too
+Changes = Mapping[str, float]  # symbol -> other value; of a column the factor on it
+
+
+@dataclass(frozen=True)
+class Lever:
+    """An input that the page can set.
+
+    key      of the design file
+    now      the design's own setting, as text
+    changes  by setting, to the formulas of the check that it acts on
+    """
+
+    key: str
+    title: str
+    now: str
+    changes: Mapping[str, Changes]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Data of the page's script."""
+        return {
+            "title": clipped(self.title, 80),
+            "texts": list(self.changes),
+            "sets": [quote(f"{self.key}={text}") for text in self.changes],
+            "now": list(self.changes).index(self.now),
+            "material": self.key.endswith(".material"),
+        }
+
+    @property
+    def settings(self) -> list[Changes]:
+        """Changes of all settings, none of the design's own."""
+        return [{} if text == self.now else one for text, one in self.changes.items()]
+
+
+def what_if(result: DesignResult) -> Markup | None:
+    """Data of the what-if as the page holds it; None where there is nothing to set."""
+    levers = _Levers(result)
+    checks = [
+        found
+        for check, title in zip(result.checks, check_titles(result.checks), strict=True)
+        if (found := _check(check, title, levers, check is result.deciding)) is not None
+    ]
+    if not levers.found:
+        return None
+    data = {
+        "command": result.command,
+        "doubted": any(gate.binding and not gate.holds for gate in result.gates),
+        "levers": [lever.to_dict() for lever in levers.found],
+        "checks": checks,
+    }
+    return json_markup(data)
+
+
+def _check(check: Check, title: str, levers: "_Levers", governs: bool) -> dict[str, Any] | None:
+    """A check as the page's script needs it; None for one without load.
+
+    safety  at its value, for all settings of its levers, the last lever's first; None for unknown
+    upper   end of its error bars over its value, lower alike; None for an infinite one
+    shared  True if another part's material may give its limit
+    """
+    if not check.value:
+        return None
+    mine = list(levers.of(check))
+    settings = product(*(lever.settings for lever in mine))
+    required = levers.required(check)
+    return {
+        "governs": governs,
+        "name": clipped(f"{check.part} {title}", 80),
+        "required": check.required if required is None else levers.number(required),
+        "levers": [levers.number(lever) for lever in mine],
+        "safety": [_safety(check, [c for c in changes if c]) for changes in settings],
+        "upper": check.upper / check.value if isfinite(check.upper) else None,
+        "lower": check.lower / check.value if isfinite(check.lower) else None,
+        "shared": _is_shared(check),
+        "status": str(check.status),
+    } | ({"fixed": True} if required is None else {})
+
+
+def _is_shared(check: Check) -> bool:
+    return any(
+        isinstance(item, Given) and _SHARED.search(item.meaning)
+        for item in (check.derivation.items if check.derivation else ())
+    )
+
+
+def _safety(check: Check, changes: Sequence[Changes]) -> float | None:
+    """Safety under some changes of what is put into its formulas; None where they do not tell."""
+    if not changes:
+        return check.safety
+    if any(_UNTOLD in one for one in changes):
+        return None
+    derivation = check.derivation
+    assert derivation is not None  # else it has no lever
+    try:
+        value, limit = changed(derivation, {s: v for one in changes for s, v in one.items()})
+    except (FormulaError, ValueError):
+        return None
+    return limit / value if value > 0 else None
+
+
+def changed(derivation: Derivation, changes: Changes) -> tuple[float, float]:
+    """Value and limit of a check with other numbers put into its formulas.
+
+    The factor that brings Miner's sum to what is allowed is sought again. Raises FormulaError where
+    a formula has no value, ValueError where the endurance limit would decide instead of the sum, or
+    the place of a crooked bar's edge stress would have to be sought again.
+    """
+    items = [
+        item for section in derivation.sections if section.title != BARS for item in section.items
+    ]
+    scope = _evaluated(items, derivation.values, changes)
+    if derivation.equal:
+        damage = next((i for i in items if isinstance(i, Sum) and i.symbol == "D"), None)
+        if damage is None or set(changes) != {"m"}:
+            raise ValueError("a place was sought, too")
+
+        def missed(factor: float) -> float:
+            found = _evaluated(items, derivation.values, {**changes, "n": factor})
+            return float(found["D"] / found["D_a"]) - 1.0
+
+        used = Sum("u", "", "a/S_p + b/S_u", damage.names, damage.columns)
+        endless = 1.0 / max(
+            float(evaluate(used.formula, row)) for row in used.scopes(derivation.values)
+        )
+        low, high = endless, derivation.number("n")
+        if missed(low) > 0:
+            raise ValueError("the endurance limit decides")
+        while missed(high) < 0:  # or a formula has no value any more
+            low, high = high, 1.2 * high
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if missed(middle) < 0 else (low, middle)
+        scope = _evaluated(items, derivation.values, {**changes, "n": high})
+    return float(scope[derivation.value]), float(scope[derivation.limit])
+
+
+def _evaluated(
+    items: Sequence[Item], base: Mapping[str, Value], changes: Changes
+) -> dict[str, Any]:
+    """Values of all symbols; formulas that do not use what has changed are not evaluated again."""
+    scope: dict[str, Any] = {**base, **{s: v for s, v in changes.items() if s in base}}
+    moved = set(changes)
+    for item in items:
+        if isinstance(item, Sum):
+            columns = tuple(
+                replace(c, values=tuple(changes[c.symbol] * v for v in c.values))
+                if c.symbol in changes
+                else c
+                for c in item.columns
+            )
+            item = replace(item, columns=columns)
+        if isinstance(item, Step | Sum) and moved & set(re.findall(r"\w+", item.formula)):
+            scope[item.symbol] = value_of(item, scope)
+            moved.add(item.symbol)
+    return scope
+
+
+class _Levers:
+    """Inputs that the checks of a result can be followed over; `found` are those that were used."""
+
+    def __init__(self, result: DesignResult) -> None:
+        self.inputs = dict(result.defaults) | dict(result.inputs)
+        self.stated = {key for key, _ in result.inputs}
+        self.parts = {part.name: part for part in result.parts}
+        self.found: list[Lever] = []
+
+    def number(self, lever: Lever) -> int:
+        """Place of a lever on the page; levers of one key are one."""
+        keys = [one.key for one in self.found]
+        if lever.key not in keys:
+            self.found.append(lever)
+            return len(keys)
+        return keys.index(lever.key)
+
+    def required(self, check: Check) -> Lever | None:
+        """Required safety of a check's kind; None where another one is required of it."""
+        crooked = check.quantity.startswith("crooked")
+        kind = check.kind if check.kind in _REQUIRED and not crooked else "static"
+        key = f"require.{kind}"
+        if float(self.inputs.get(key, "nan")) != check.required:
+            return None
+        now = need_text(check.required)
+        texts = [
+            need_text(round(check.required * step, 2)) if step != 1 else now for step in _STEPS
+        ]
+        return Lever(key, f"required safety, {kind}", now, {text: {} for text in texts})
+
+    def of(self, check: Check) -> Iterator[Lever]:
+        """Levers that act on a check."""
+        if check.derivation is None:
+            return
+        given = {
+            i.symbol: i.value
+            for i in check.derivation.items
+            if isinstance(i, Given) and not isinstance(i.value, tuple)
+        }
+        # a number that is put in, or another chain of strength, hides what they act on
+        hidden = check.kind == "fatigue" and ("S_p" in given or not {"R", "S_u"} <= set(given))
+        untold: dict[str, float] = {_UNTOLD: 0.0} if hidden else {}
+        if "R" in given:
+            shares = sorted({*_SURVIVAL, given["R"]})
+            part, key = self._owner(check.part, "reliability")
+            texts = {share: f"{100 * share:.6g} %" for share in shares}
+            changes = {text: {"R": share} | untold for share, text in texts.items()}
+            yield Lever(key, f"parts that survive, {part}", texts[given["R"]], changes)
+        if hidden or (({"S_y", "S_u"} & set(given)) and not _is_shared(check)):
+            yield from self._material(check, given, untold)
+        if "p_a" in given:
+            yield from self._allowable(check)
+        if check.quantity.startswith("Miner"):
+            yield from self._runs(not check.derivation.equal)
+
+    def _material(
+        self, check: Check, given: Mapping[str, Any], untold: dict[str, float]
+    ) -> Iterator[Lever]:
+        result = self.parts.get(check.part)
+        known = known_materials()
+        own = known.get(result.material.partition(" above ")[0]) if result else None
+        if own is None or "q" in given:
+            return
+        strengths = {
+            other.name: {"S_y": found[0], "S_u": found[1]}
+            for other in sorted(known.values(), key=lambda m: m.yield_stress)
+            if _stiff_as(other, own) and (found := _strengths(other, own, result))
+        }
+        if own.name not in strengths or len(strengths) == 1:
+            return
+        part, key = self._owner(check.part, "material")
+        changes = {
+            name: {s: v for s, v in both.items() if s in given} | untold
+            for name, both in strengths.items()
+        }
+        yield Lever(key, f"material, {part}", own.name, changes)
+
+    def _allowable(self, check: Check) -> Iterator[Lever]:
+        of = check.quantity.rpartition(" ")[2]
+        texts = {step: f"{check.limit * step:.4g} MPa" for step in _STEPS}
+        changes = {text: {"p_a": check.limit * step} for step, text in texts.items()}
+        for key, value in self.inputs.items():
+            seat = re.fullmatch(
+                rf"(parts\.{re.escape(check.part)}\.stack\[\d+\])\.(body|force)", key
+            )
+            if seat and value == of and f"{seat[1]}.bush.allowable" in self.inputs:
+                title = f"allowable pressure, {check.quantity}"
+                yield Lever(f"{seat[1]}.bush.allowable", title, texts[1.0], changes)
+
+    def _runs(self, endless: bool) -> Iterator[Lever]:
+        """Runs of the only cycle of a duty; endless: more of them change nothing, fewer may."""
+        keys = [key for key in self.inputs if key.startswith("duty.cycles.")]
+        if len(keys) == 1:
+            texts = {step: f"{float(self.inputs[keys[0]]) * step:.4g}" for step in _COUNTS}
+            changes = {
+                text: {"m": step} if not endless else {_UNTOLD: 0.0} if step < 1 else {}
+                for step, text in texts.items()
+            }
+            title = f"runs of {keys[0].removeprefix('duty.cycles.')} in the life"
+            yield Lever(keys[0], title, texts[1.0], changes)
+
+    def _owner(self, part: str, key: str) -> tuple[str, str]:
+        """Part that states a key for a part that is like it, and the key."""
+        while f"parts.{part}.{key}" not in self.stated and f"parts.{part}.like" in self.stated:
+            part = self.inputs[f"parts.{part}.like"]
+        return part, f"parts.{part}.{key}"
+
+
+def _stiff_as(one: Material, other: Material) -> bool:
+    """True if stresses and loads are the same of both, and Marin's chain begins alike."""
+
+    def form(of: Material) -> tuple[object, ...]:
+        return (
+            of.youngs_modulus, of.poisson_ratio, of.density, of.ductile, of.endurance_ratio,
+            of.threshold,
+        )  # fmt: skip
+
+    return form(one) == form(other)
+
+
+def _strengths(
+    material: Material, own: Material, part: PartResult | None
+) -> tuple[float, float] | None:
+    """Strengths of a material in all sizes that a part may have, of which its own tell a range.
+
+    None where they differ within that range.
+    """
+    facts = part.facts if part else {}
+    has = facts.get("yield stress [MPa]"), facts.get("ultimate stress [MPa]")
+    grades = [(g.yield_stress, g.ultimate_stress) for g in own.grades]
+    if has not in grades:
+        return None
+    index = grades.index(has)
+    found: set[tuple[float, float] | None] = set()
+    for size in attrgetter("thickness"), attrgetter("diameter"):
+        least, most = size(own.grades[index - 1]) if index else 0.0, size(own.grades[index])
+        below = 0.0
+        for grade in material.grades:
+            if below < most and size(grade) > least:
+                found.add((grade.yield_stress, grade.ultimate_stress))
+            below = size(grade)
+        if below < most:  # larger than any whose strengths are known
+            found.add(None)
+    return found.pop() if len(found) == 1 else None

@@ -1,0 +1,114 @@
+"""Sliders of the page against fresh checks, read in a real browser."""
+
+import json
+import re
+import shlex
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import ballesta
+from checks.result.words import check_titles
+from reports import write_report
+from reports.what_if import what_if
+
+PRESS = Path(__file__).parents[2] / "designs" / "toggle_press.toml"
+STATE = """() => ({
+  told: document.querySelector("#what-if [role=status]").innerText,
+  items: [...document.querySelectorAll("#what-if li")].map((each) => each.textContent),
+  command: document.querySelector("#what-if pre").textContent,
+})"""
+
+
+def checked(overrides=()):
+    return ballesta.check(PRESS, overrides, fidelity="formula")
+
+
+@pytest.fixture(scope="module")
+def press():
+    return checked()
+
+
+@pytest.fixture
+def page(opened, tmp_path, press):
+    write_report(press, None, tmp_path / "report.html")
+    found = opened(tmp_path / "report.html")
+    yield found.page
+    found.assert_quiet()
+
+
+def slide(page, title, text):
+    """Move a slider until it shows a text."""
+    label = page.locator("#what-if label", has_text=title).first
+    slider = label.locator("input")
+    for place in range(int(slider.get_attribute("max")) + 1):
+        slider.evaluate(
+            "(each, at) => { each.value = at; each.dispatchEvent(new Event('input')) }", place
+        )
+        if label.locator("output").text_content() == text:
+            return
+    raise AssertionError(f"{title} has no setting {text}")
+
+
+def test_a_slider_tells_what_a_fresh_check_of_its_command_finds(page, press):
+    """Closed forms: 0.2 % for the safety that is shown, which is rounded down to four digits."""
+    before = page.evaluate(STATE)
+    assert before["told"].split()[0] == str(press.status).upper()
+    assert "As checked" in before["told"]
+    assert before["items"] == []
+    slide(page, "material, ", "C45_QT")
+    slide(page, "parts that survive", "99.9 %")
+    slide(page, "required safety, fatigue", "1.43")
+    shown = page.evaluate(STATE)
+    assert shown["command"].startswith(press.command)
+    words = shlex.split(shown["command"])
+    sets = [words[k + 1] for k, word in enumerate(words) if word == "--set"]
+    assert len(sets) == 3
+    fresh = checked(sets)
+    told = re.match(r"(\w+)\s+Estimate: (.+), safety ([\d.]+) \(([\d.]+) required\)", shown["told"])
+    assert told[1] == str(fresh.status).upper()
+    by_name = {
+        f"{check.part} {title}": check
+        for check, title in zip(fresh.checks, check_titles(fresh.checks), strict=True)
+    }
+    assert float(told[3]) == pytest.approx(by_name[told[2]].safety, rel=2e-3)
+    assert float(told[4]) == by_name[told[2]].required
+    assert shown["items"]
+    for item in shown["items"]:
+        if "not followed" in item:
+            continue
+        name, status, safety = re.match(r"(.+): \w+ → (\w+), safety ([\d.]+)", item).groups()
+        assert status == str(by_name[name].status)
+        assert float(safety) == pytest.approx(by_name[name].safety, rel=2e-3)
+
+
+def table(result, of):
+    """Data of the page, and the safeties of a check by its settings."""
+    data = json.loads(what_if(result))
+    check = next(check for check in data["checks"] if check["name"] == of)
+    shape = [len(data["levers"][k]["texts"]) for k in check["levers"]]
+    safeties = np.array(check["safety"], dtype=float).reshape(shape)
+    return [data["levers"][k] for k in check["levers"]], safeties
+
+
+def test_fewer_runs_of_a_finite_life_are_followed_and_what_miners_sum_does_not_tell_is_left_open():
+    """The knee would decide with more runs, and another strength moves the knee."""
+    yoke, finite = PRESS.parent / "gallery" / "yoke_actuator.toml", "duty.life=finite"
+    levers, safety = table(ballesta.check(yoke, [finite], fidelity="formula"), "yoke fatigue")
+    survival, material, runs = levers
+    assert [lever["title"].split(",")[0] for lever in levers] == [
+        "parts that survive", "material", "runs of open_and_close in the life",
+    ]  # fmt: skip
+    followed = safety[survival["now"], material["now"]]
+    assert np.isnan(safety).sum() == safety.size - np.isfinite(followed).sum()
+    assert np.isfinite(followed[: runs["now"] + 1]).all()
+    assert np.isnan(followed[-1])
+    fewer = [finite, shlex.split(runs["sets"][0])[0]]
+    assert fewer[1] == "duty.cycles.open_and_close=1000"
+    fresh = next(
+        check
+        for check in ballesta.check(yoke, fewer, fidelity="formula").checks
+        if check.kind == "fatigue"
+    )
+    assert followed[0] == pytest.approx(fresh.safety, rel=2e-3)
