@@ -6,6 +6,8 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from html import escape
+from importlib import import_module
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +24,7 @@ from checks.result import verdict
 from checks.result.verdict import Check, Gate, PartResult, Status
 from checks.result.words import number
 from checks.store.store import Store
+from reports.loads_csv import loads_csv
 from reports.notebook import answer_html, html_table, loads_html
 
 __all__ = [
@@ -49,21 +52,39 @@ class DesignResult(verdict.DesignResult):
 
     status    PASS, UNDECIDED or FAIL
     deciding  the check nearest to its limit, bars included
-    parts     a `PartResult` each: checks, gates, facts
+    parts     a `PartResult` each: checks, validity checks (`gates`), facts
     checks    of all parts and of the linkage: value and error bars in `unit`, limit, safety
     """
+
+    def frame(self) -> Any:
+        """A pandas DataFrame with a row for each check, by its identifier in result.json.
+
+        Columns are the keys of a check there, but for its derivation; bars without end are NaN.
+        Raises ImportError where pandas is not installed.
+        """
+        data = self.to_dict()
+        owners = [*(part["checks"] for part in data["parts"]), data["linkage"]]
+        frame = _pandas().DataFrame([check for checks in owners for check in checks])
+        return frame.drop(columns="derivation", errors="ignore").set_index("id")
 
     def _repr_html_(self) -> str:
         return answer_html(self)
 
 
 class LoadsResult(loads_summary.LoadsResult):
-    """Result of `loads`: reactions, efforts, drives and contacts of every cycle, and its gates.
+    """Result of `loads`: reactions, efforts, drives, contacts and validity checks (`gates`).
 
     cycles  solved ones: `cycle.loads.reactions[JOINT].force` is (n, 2) N over the n positions,
             `.moment` (n,) N mm, `cycle.loads.efforts[FORCE]` (n,) N or N mm, `.times` (n,) s
     runs    measured ones
     """
+
+    def frame(self) -> Any:
+        """A pandas DataFrame with a row for each position: the columns of `ballesta loads --csv`.
+
+        Raises ImportError where pandas is not installed.
+        """
+        return _pandas().read_csv(StringIO(loads_csv(self.cycles, self.runs)))
 
     def _repr_html_(self) -> str:
         return loads_html(self)
@@ -86,6 +107,13 @@ class BatchResult:
         """The highest exit code of the designs: 0 all pass, 1, 2 or 3 as for `ballesta batch`."""
         return max((int(outcome["exit_code"]) for outcome in self.outcomes), default=0)
 
+    def frame(self) -> Any:
+        """A pandas DataFrame with a row for each check of each design: `out`/results.parquet.
+
+        Raises ImportError where pandas is not installed.
+        """
+        return _pandas().read_parquet(self.out / "results.parquet")
+
     def _repr_html_(self) -> str:
         rows = (
             (
@@ -98,6 +126,13 @@ class BatchResult:
         )
         head, *more = map(escape, summary(self.outcomes, self.out).splitlines())
         return f"<p><b>{head}</b><br>{'<br>'.join(more)}</p>\n{html_table(_COLUMNS, rows)}"
+
+
+def _pandas() -> Any:
+    try:
+        return import_module("pandas")
+    except ImportError as error:
+        raise ImportError("a frame needs pandas: pip install pandas") from error
 
 
 def check(

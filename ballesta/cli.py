@@ -82,6 +82,9 @@ def check(
     no_store: Annotated[
         bool, typer.Option("--no-store", help="use no store, even if BALLESTA_STORE names one")
     ] = False,
+    pdf: Annotated[
+        bool, typer.Option("--pdf", help="also print report.pdf, by the browser that is there")
+    ] = False,
     verbose: Annotated[
         bool, typer.Option("--verbose", "-v", help="print all checks, warnings and assumptions")
     ] = False,
@@ -106,6 +109,7 @@ def check(
         within=within,
         store=None if no_store else store,
         fields=fields,
+        pdf=pdf,
         verbose=verbose,
     )
     raise typer.Exit(code)
@@ -480,13 +484,18 @@ def new(
 
 
 @app.command()
-def schema() -> None:
-    """Print the JSON schema of design files, for editors."""
+def schema(
+    result: Annotated[bool, typer.Option("--result", help="the schema of result.json")] = False,
+) -> None:
+    """Print the JSON schema of design files, for editors; or of result.json, for programs."""
     import json as json_module
 
-    from ballesta.design.schema import design_schema
+    if result:
+        from reports.result_schema import result_schema as wanted
+    else:
+        from ballesta.design.schema import design_schema as wanted
 
-    print(json_module.dumps(design_schema(), indent=2))
+    print(json_module.dumps(wanted(), indent=2))
 
 
 @app.command()

@@ -27,7 +27,7 @@ from ballesta.machine.warnings_of import (
     unloaded_warnings,
 )
 from ballesta.unfinished import FRAME, PART, Keep, KeptPart, with_parts, without_live
-from checks.columns.linkage_frame import LinkageMode, linkage_check, worst_mode
+from checks.columns.linkage_frame import FreeMotions, LinkageMode, linkage_check, worst_mode
 from checks.columns.linkage_store import stored_mode
 from checks.derivations.buckling import linkage_share
 from checks.derivations.proven import with_derivation
@@ -123,8 +123,9 @@ def check_design(
         # where stress is shown, a mesh has a better surface
         machine = run_machine(design, models, say, store, skins=not effort.shows_stress)
         runs, doubts = machine.all, doubts_of(design, machine)
-        mode = stored_mode(store, design, runs) if store else worst_mode(design, runs)
-        linkage = [] if mode is None else [_of_linkage(design, mode, doubts.all)]
+        motions = FreeMotions()
+        mode = stored_mode(store, design, runs) if store else worst_mode(design, runs, motions)
+        linkage = [] if mode is None else [_of_linkage(design, mode, doubts.all, motions)]
         timings["loads"] = perf_counter() - start - sum(models.seconds.values())
     except loads.LinkageError as error:
         raise DesignError(design.file, "linkage", str(error)) from error
@@ -224,23 +225,35 @@ def _warnings_of_parts(design: Design, results: Sequence[PartResult]) -> list[st
     ]
 
 
-def _of_linkage(design: Design, mode: LinkageMode, doubts: Sequence[Doubt]) -> Check:
+def _of_linkage(
+    design: Design, mode: LinkageMode, doubts: Sequence[Doubt], motions: FreeMotions
+) -> Check:
     check = linkage_check(design, mode)
     if check.utilisation > _FAR:
-        ends = {d.words: [_linkage_share(design, end) for end in d.ends] for d in doubts}
+        ends = {d.words: [_linkage_share(design, end, motions) for end in d.ends] for d in doubts}
         check = with_doubts(check, ends)
     return with_derivation(check, linkage_share(design, mode, check))
 
 
-def _linkage_share(design: Design, runs: Runs) -> float:
-    mode = worst_mode(design, runs)
+def _linkage_share(design: Design, runs: Runs, motions: FreeMotions) -> float:
+    mode = worst_mode(design, runs, motions)
     return 0.0 if mode is None else linkage_check(design, mode).value
 
 
 def _not_checked_here(design: Design) -> list[str]:
-    if not design.duty.cycles:
-        return ["fatigue: no cycle stands in the duty"]
-    return []
+    left = [] if design.duty.cycles else ["fatigue: no cycle stands in the duty"]
+    following = [
+        name
+        for name, force in design.forces.items()
+        if isinstance(force.coordinate, loads.PointCoordinate)
+        and force.coordinate.follows != loads.GROUND
+    ]
+    if following:
+        left.append(
+            f"the turning of {' and '.join(following)} with its body as the linkage buckles (its "
+            "direction is held fixed there) and flutter"
+        )
+    return left
 
 
 def _assumed_by_design(design: Design) -> list[str]:

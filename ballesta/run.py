@@ -40,12 +40,14 @@ def check_all(
     within: str | None = None,
     store: Path | None = None,
     fields: bool = False,
+    pdf: bool = False,
     verbose: bool = False,
 ) -> int:
     """Check designs one after the other and write their results; returns the exit code.
 
     store    folder of what earlier checks have left; None for none
     fields   whether parts whose checks need no mesh get one, for the live view
+    pdf      whether each report is printed, too, to report.pdf beside it
     verbose  all checks, warnings and assumptions instead of the answer in about twenty lines
 
     Verdicts go to standard output, progress and errors to standard error.
@@ -57,7 +59,10 @@ def check_all(
     if done:
         codes, results = done
     opened: list[Store | None] = []
+    browsers: list[str] = []
     wrong = guarded(lambda: opened.append(store_at(store)))
+    if pdf and not wrong:
+        wrong = guarded(lambda: browsers.append(_browser()))
     if wrong:
         return wrong
     ended = telling.ended()
@@ -90,6 +95,8 @@ def check_all(
                 results.append(result.to_dict() | {"report": str(folder / "report.html")})
             else:
                 print(_printed(result, folder / "report.html", verbose=verbose), flush=True)
+            if browsers and not telling.stops():
+                _print_pdf(path, folder, browsers[0])
             return result.exit_code
 
         codes.append(guarded(one))
@@ -103,6 +110,31 @@ def check_all(
 
         print(json.dumps(plain(results), indent=1, allow_nan=False))
     return max(codes, default=0)
+
+
+def _browser() -> str:
+    """Return the browser that prints; raises DesignError where there is none."""
+    from reports.pdf import PrintError, find_browser
+
+    try:
+        return find_browser()
+    except PrintError as error:
+        raise DesignError(Path("--pdf"), "browser", str(error)) from error
+
+
+def _print_pdf(path: Path, folder: Path, browser: str) -> None:
+    """Print the report of a design; raises DesignError where the browser does not."""
+    from reports.pdf import PrintError, print_pdf
+
+    pdf = folder / "report.pdf"
+    start = perf_counter()
+    with progress(path) as say, _told_of_folder(folder):
+        say("printing the report")
+        try:
+            print_pdf(folder / "report.html", pdf, browser)
+        except PrintError as error:
+            raise DesignError(Path("--pdf"), "browser", str(error)) from error
+        say(f"{pdf} printed in {perf_counter() - start:.1f} s")
 
 
 def _printed(result: "DesignResult", report: Path, *, verbose: bool) -> str:

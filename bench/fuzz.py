@@ -1,9 +1,11 @@
 """Mutated designs, seeded: every one must end with an exit code of the contract, in time, as JSON.
 
 python -m bench.fuzz [--mutants 10000] [--seconds 3600] [--seed 1] [--workers 4]
+python -m bench.fuzz --replay
 
 Writes bench/fuzz.json: how many ended how, and every finding with the text that leads to it. One in
 a hundred climbs as far as it needs (auto), one in ten writes its page, the others are formulas.
+`--replay` runs the recorded findings again: those that end well now move to `mended`, with how.
 """
 
 import argparse
@@ -154,9 +156,10 @@ def run_one(job: Mapping[str, Any]) -> dict[str, Any]:
 
 @dataclass
 class Found:
-    """Outcomes of some mutants: how many ended how, and those that must not be."""
+    """Outcomes of some mutants: how many ended how, which, and those that must not be."""
 
     counts: Counter[str] = field(default_factory=Counter)
+    ended: dict[int, str] = field(default_factory=dict)
     findings: list[dict[str, Any]] = field(default_factory=list)
 
 
@@ -174,6 +177,7 @@ def fuzz(numbers: Sequence[int], seed: int, workers: int, seconds: float = float
                     outcome = one.outcome or {}
                     told = f"exit code {outcome['code']}" if outcome else one.status
                     found.counts[told] += 1
+                    found.ended[one.index] = told
                     if outcome.get("code") in (0, 1, 2, 3) and not outcome["warned"]:
                         continue
                     name, text = mutant(seed, one.index)
@@ -206,6 +210,27 @@ def _changed(name: str, text: str) -> list[str]:
     return [line[:300] for line in text.splitlines() if line not in kept][:10]
 
 
+def replayed(record: Mapping[str, Any], workers: int) -> dict[str, Any]:
+    """Return a record whose findings were run again: what ends well now is in `mended`.
+
+    Raises ValueError for a finding that the designs of today no longer lead to.
+    """
+    seed, old = record["seed"], {one["mutant"]: one for one in record["findings"]}
+    for number, one in old.items():
+        if _changed(*mutant(seed, number)) != one["changed"]:
+            raise ValueError(f"mutant {number} of seed {seed} is another one now: run all again")
+    found = fuzz(list(old), seed, workers)
+    left = {one["mutant"] for one in found.findings}
+    mended = [
+        {**old[number], "ends now": found.ended[number]} for number in old if number not in left
+    ]
+    return {
+        **record,
+        "findings": found.findings,
+        "mended": [*record.get("mended", []), *mended],
+    }
+
+
 def main() -> int:
     """Run the mutants that are asked for and record what came of them."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -214,7 +239,11 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--workers", type=int, default=4)
     parser.add_argument("--out", type=Path, default=ROOT / "bench" / "fuzz.json")
+    parser.add_argument("--replay", action="store_true", help="the recorded findings alone")
     wanted = parser.parse_args()
+    if wanted.replay:
+        record = replayed(json.loads(wanted.out.read_text(encoding="utf-8")), wanted.workers)
+        return _recorded(record, wanted.out)
     begun = monotonic()
     found = fuzz(range(wanted.mutants), wanted.seed, wanted.workers, wanted.seconds)
     record = {
@@ -222,9 +251,15 @@ def main() -> int:
         "seconds": round(monotonic() - begun), "ended": dict(sorted(found.counts.items())),
         "findings": found.findings,
     }  # fmt: skip
-    wanted.out.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
-    print(json.dumps({**record, "findings": len(found.findings)}))
-    return 1 if found.findings else 0
+    return _recorded(record, wanted.out)
+
+
+def _recorded(record: Mapping[str, Any], out: Path) -> int:
+    """Write a record and tell its counts; the exit code, 1 with findings."""
+    out.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
+    counted = {key: len(record[key]) for key in ("findings", "mended") if key in record}
+    print(json.dumps({**record, **counted}))
+    return 1 if record["findings"] else 0
 
 
 if __name__ == "__main__":

@@ -2,7 +2,8 @@
 
 `python -m bench.pin_contact` prints the table of "Pins in holes" in bench/validation_notes.md, an
 eye or cheek of each scene with clearance 0 and 0.1 mm; with `--sweep` also the same shapes over the
-parameter E* dR t/F, and where they leave the band. It needs CalculiX, `ccx` in the path. Plane
+parameter E* dR t/F, and where they leave the band; with `--condensed` the contact of fem/contact
+beside CalculiX's, three clearances and three forces. It needs CalculiX, `ccx` in the path. Plane
 halves of six-node triangles, mesh and stress of both solutions are the same; only the pressure
 differs.
 """
@@ -11,14 +12,19 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import product
 from pathlib import Path
 
 import numpy as np
 from scipy.integrate import quad
-from scipy.optimize import brentq
 
-from bench.pin_models import EYES, Eye, Grid, deck
+from bench.pin_models import EYES, STEEL, Eye, Grid, deck
+from fem.contact.condensed import ALLOWED, CondensedContact
+from fem.contact.hats import Hats, disc_flexibility, sheet_flexibility
+from fem.contact.persson import persson_half_arc, persson_pressure
 from fem.frd_file import read_frd
 from geometry.mesh import FloatArray
 from tests.validation.plane.model import Given, PlaneModel, PlaneSolution
@@ -27,37 +33,6 @@ from tests.validation.plane.recovery import von_mises_plane
 ARCS = (180.0, 150.0, 120.0)  # degrees: what the model band of a check is made of
 CLEARANCES = (0.0, 0.1)  # mm, on diameter
 SWEEP = (0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 64.0)  # E* dR t / F
-
-
-def persson_parameter(half_arc: float) -> float:
-    """E* dR t / F at which a pin of the plate's material touches +-half_arc (rad).
-
-    An infinite plate, frictionless: Persson, thesis, Gothenburg 1964; Ciavarella and Decuzzi, Int.
-    J. Solids Struct. 38 (2001) 4507, without elastic mismatch. Half of their E dR/F: E* = E/2 here.
-    """
-    b = np.tan(half_arc / 2)
-    root = np.sqrt(b * b + 1)
-
-    def inner(u: float) -> float:  # t = b sin u, which removes the root at the ends
-        c = b * np.cos(u)
-        return float(np.log((root + c) / (root - c)) / (1 + (b * np.sin(u)) ** 2) * c)
-
-    integral = quad(inner, -np.pi / 2, np.pi / 2)[0]
-    whole = 2 * (1 - b * b) / (np.pi * b * b) - integral / (np.pi * b * root) ** 2
-    return float(whole / 2)
-
-
-def persson_half_arc(parameter: float) -> float:
-    """Half the arc of contact, rad, of Persson's theory."""
-    return float(brentq(lambda half: persson_parameter(half) - parameter, 1e-3, np.pi / 2))
-
-
-def persson_pressure(half_arc: float, angle: float = 0.0) -> float:
-    """Pressure over F/(R t) at an angle from the force, same theory; Hertz's in small arcs."""
-    b, y = np.tan(half_arc / 2), np.tan(angle / 2)
-    root, c = np.sqrt(b * b + 1), np.sqrt(b * b - y * y)
-    even = 2 * c / (np.pi * root * (1 + y * y))
-    return float(even + np.log((root + c) / (root - c)) / (2 * np.pi * b * b * root**2))
 
 
 @dataclass(frozen=True)
@@ -125,10 +100,7 @@ def cosine(grid: Grid, arc: float) -> Reading:
         pressure = size * np.cos(np.pi * angle / beta) * inside
         return np.asarray(-normals * pressure[..., None])
 
-    supports: dict[str | int, tuple[Given, Given]] = {"ahead": (None, 0.0), "behind": (None, 0.0)}
-    held = np.flatnonzero(np.abs(grid.plate.nodes[:, 0] - eye.held) < 1e-9)
-    supports |= {int(node): (0.0, None) for node in held}
-    solution = plate.solve(dirichlet=supports, tractions={"hole": traction})
+    solution = plate.solve(dirichlet=_supports(grid), tractions={"hole": traction})
     return read(grid, solution.stress)
 
 
@@ -152,7 +124,68 @@ def contact(grid: Grid) -> Reading:
     return found
 
 
-@dataclass(frozen=True)
+def condensed(grid: Grid, long_waves: int = 8, hats_in_half_arc: int = 32) -> Reading:
+    """The contact of fem/contact: long waves by the plate's elements, short ones as in a sheet.
+
+    long_waves        harmonics that the plate answers for
+    hats_in_half_arc  of pressure, over 1.3 times the half arc expected; a third as many beyond
+    """
+    eye, plate, radius = grid.eye, model(grid), grid.inner
+    held = plate.held(_supports(grid))
+    strain = eye.kind == "strain"
+
+    def pressed(size: Callable[[FloatArray], FloatArray]) -> FloatArray:
+        def traction(points: FloatArray, _normals: FloatArray) -> FloatArray:
+            angle = np.arctan2(points[..., 1], points[..., 0])
+            outward = points / np.linalg.norm(points, axis=-1, keepdims=True)
+            return np.asarray(outward * size(angle)[..., None])
+
+        return plate.loads({"hole": traction})
+
+    numbers = np.arange(long_waves + 1)
+    loads = np.stack(
+        [pressed(lambda a, n=n: np.cos(n * a) / np.pi / radius / (1 if n else 2)) for n in numbers],
+        axis=1,
+    )
+    moved = np.zeros_like(loads)
+    moved[held.free], _ = held.factor.solve(loads[held.free])
+    within = min(1.3 * grid.half_arc, np.pi / 2)
+    near = np.linspace(0, within, hats_in_half_arc + 1)
+    beyond = np.linspace(within, np.pi, hats_in_half_arc + 1)[1:]
+    half = np.r_[near, beyond]
+    hats = Hats(np.r_[half, 2 * np.pi - half[-2:0:-1]])
+    young, poisson = eye.elastic
+    if strain:
+        young, poisson = young / (1 - poisson**2), poisson / (1 - poisson)
+    long = numbers[2:]
+    sheet = np.r_[(1 + poisson) / 2, 0.0, (2 * long + 1 - poisson) / (long**2 - 1)] / np.pi / young
+    waves = np.column_stack([np.ones(len(hats.angles)), hats.waves(numbers[1:]).real])
+    flexibility = disc_flexibility(hats, 1.0, *STEEL, strain=strain)
+    flexibility += sheet_flexibility(hats, 1.0, *eye.elastic, strain=strain)
+    flexibility += waves @ (2 * loads.T @ moved - np.diag(sheet)) @ waves.T
+    problem = CondensedContact((flexibility + flexibility.T) / 2, hats.directions[:, :1])
+    openings = np.full(len(hats.angles), grid.clearance / 2)
+    state = problem.solve(
+        openings,
+        np.array([eye.force / eye.thickness]),
+        np.cos(hats.angles) >= np.cos(grid.half_arc),
+    )
+    if max(state.unbalanced, state.not_complementary) > ALLOWED:
+        raise RuntimeError(f"{eye.name!r}: no contact, {state.not_complementary:.1e}")
+    pressures = state.forces / hats.extents / radius
+    found = read(grid, held.solve(pressed(lambda a: hats.values(a) @ pressures)).stress)
+    arc = float(np.degrees(hats.arc(pressures)))
+    return replace(found, arc=arc, pressure=float(pressures.max()))
+
+
+def _supports(grid: Grid) -> dict[str | int, tuple[Given, Given]]:
+    """The cut of symmetry, and the end that is held."""
+    supports: dict[str | int, tuple[Given, Given]] = {"ahead": (None, 0.0), "behind": (None, 0.0)}
+    held = np.flatnonzero(np.abs(grid.plate.nodes[:, 0] - grid.eye.held) < 1e-9)
+    return supports | {int(node): (0.0, None) for node in held}
+
+
+@dataclass(frozen=True, eq=False)
 class Comparison:
     """A pin's contact beside what cosine pressures on ARCS make of the same mesh."""
 
@@ -232,11 +265,33 @@ def sweep(eye: Eye) -> str:
     return "\n".join(lines)
 
 
+def condensed_table() -> str:
+    """Return contact by CalculiX and by fem/contact: clearances, forces; a line for each."""
+    lines = ["part, clearance mm, force: CalculiX's and condensed contact, per cent between them"]
+    for eye, clearance, share in product(EYES, (0.0, 0.02, 0.1), (0.25, 1.0, 4.0)):
+        loaded = replace(eye, force=share * eye.force)
+        grid = Grid(loaded, persson_half_arc(loaded.parameter(clearance)), clearance)
+        start = time.process_time()
+        ours = condensed(grid)
+        middle = time.process_time()
+        reference = contact(grid)
+        cells = [f"arc {reference.arc:.1f} {ours.arc:.1f}"]
+        for quantity in ("pressure", "mises", "hoop"):
+            one, other = getattr(reference, quantity), getattr(ours, quantity)
+            cells.append(f"{quantity} {one:.4g} {other:.4g} {100 * (other / one - 1):+.1f} %")
+        lines.append(
+            f"{eye.name}, {clearance:g}, x{share:g}: {'; '.join(cells)}; {middle - start:.2f} s"
+        )
+    return "\n".join(lines)
+
+
 def main() -> None:
     """Measure and print."""
     if shutil.which("ccx") is None:
         sys.exit("bench.pin_contact compares with CalculiX, and there is no `ccx` in the path")
     print(table([compare(eye, clearance) for eye in EYES for clearance in CLEARANCES]))
+    if "--condensed" in sys.argv:
+        print(f"\n{condensed_table()}", flush=True)
     if "--sweep" in sys.argv:
         for eye in EYES:
             print(f"\n{sweep(eye)}", flush=True)

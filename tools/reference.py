@@ -8,8 +8,8 @@ import argparse
 import inspect
 import re
 import sys
-import tomllib
 from collections.abc import Callable, Mapping
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +19,9 @@ from typer.main import get_group
 
 import ballesta
 from ballesta.cli import app
-from checks.design.materials import known_materials
+from checks.design.materials import Material, known_materials
 from checks.design.model import Requirements
+from checks.ladder.explained import known_kinds
 
 ROOT = Path(__file__).parent.parent
 REFERENCE = ROOT / "docs" / "reference"
@@ -30,8 +31,12 @@ MATERIALS = """\
 Written by `python tools/reference.py` from `checks/design/materials.toml`; do not edit.
 
 `material = "NAME"` in a part takes one of these. Values are the standard's minimum for the state
-and thickness that the source names; a thicker part has less. Another material stands under
-`[materials.NAME]` in the design file, with [these keys](design_file.md#{anchor}).
+that the source names. Where they depend on size, a part takes those of its own: thickness of a
+plate or wall, the smaller side of an eye or boss with its plate, length of a hole of a CAD part;
+diameter of a pin, journal or solid rod, in brackets where it differs. A smaller part has no more
+than the first values, as it may be cut from a larger bar; beyond the last size it is refused.
+Another material stands under `[materials.NAME]` in the design file, with
+[these keys](design_file.md#{anchor}).
 
 | Name | E, GPa | ν | ρ, kg/m3 | Yield, MPa | Tensile, MPa | S_e/S_u | FKM group | Source |
 | --- | --- | --- | --- | --- | --- | --- | --- | --- |
@@ -44,7 +49,7 @@ none: neither von Mises nor Goodman can judge it, and the result says so.
 CHECKS = """\
 # Checks
 
-Written by `python tools/reference.py` from `tools/reference_checks.toml`; do not edit.
+Written by `python tools/reference.py` from the checks in `checks/`; do not edit.
 
 A check compares a demand with a limit. It passes when the upper end of the demand's error bars,
 times the required safety, stays within the limit. `require.KEY` in the design file sets that
@@ -95,8 +100,8 @@ def materials_page() -> str:
             f"{one.youngs_modulus / 1e3:g}",
             f"{one.poisson_ratio:g}",
             f"{one.density * 1e12:g}",
-            f"{one.yield_stress:g}",
-            f"{one.ultimate_stress:g}",
+            _by_size(one, "yield_stress"),
+            _by_size(one, "ultimate_stress"),
             f"{ratio:g}" if ratio else "brittle",
             one.fkm_group or "none",
             one.source,
@@ -105,22 +110,26 @@ def materials_page() -> str:
     return MATERIALS.format(anchor=anchor("materials.NAME"), rows="\n".join(rows))
 
 
+def _by_size(material: Material, name: str) -> str:
+    """A strength with the sizes up to which it holds."""
+    told = []
+    for grade in material.grades:
+        size = f"{grade.thickness:g}"
+        if grade.diameter != grade.thickness:
+            size += f" ({grade.diameter:g})"
+        to = f" to {size} mm" if isfinite(grade.thickness) else ""
+        told.append(f"{getattr(grade, name):g}{to}")
+    return "; ".join(told)
+
+
 def checks_page() -> str:
     """Every check with its demand, limit, required safety and source."""
     rows = []
-    for check in known_checks():
-        key = check["require"]
-        safety = f"`require.{key}` ({Requirements.model_fields[key].default:g})"
-        kind = check["name"].partition(":")[0]
-        rows.append(row(kind, check["demand"], check["limit"], safety, check["source"]))
+    for kind in known_kinds():
+        default = Requirements.model_fields[kind.require].default
+        safety = f"`require.{kind.require}` ({default:g})"
+        rows.append(row(kind.name, kind.demand, kind.limit, safety, kind.source))
     return CHECKS.format(rows="\n".join(rows))
-
-
-def known_checks() -> list[dict[str, str]]:
-    """The entries of tools/reference_checks.toml."""
-    text = (ROOT / "tools" / "reference_checks.toml").read_text(encoding="utf-8")
-    checks: list[dict[str, str]] = tomllib.loads(text)["check"]
-    return checks
 
 
 def commands_page() -> str:

@@ -23,7 +23,7 @@ from checks.design.model import (
     StepPartEntry,
 )
 from checks.design.step_entry import Point
-from checks.design.units import DIMENSIONS, PAIRS, Quantity, Vector
+from checks.design.units import DIMENSIONS, PAIRS, FitOrClearance, Quantity, Vector
 from geometry.parts import SHAPES
 
 HEAD = """\
@@ -181,6 +181,8 @@ def _value(kind: Any, metadata: Any = ()) -> Value:
             return _vector(mark)
         if isinstance(mark, Point):
             return Value("point in space", ('"250, 0, 0 mm"',))
+        if isinstance(mark, FitOrClearance):
+            return Value("fit or clearance", ('"H7/f7"', '"0.02 .. 0.06 mm"'))
         if isinstance(mark, Unit):
             units = tuple(
                 f'"{DIMENSIONS[one].example.partition(" ")[2]}"' for one in mark.dimensions

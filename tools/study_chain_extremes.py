@@ -35,9 +35,9 @@ verdict, all checks of the part and of the linkage. Degenerate verdicts:
 
 | What | Range | What holds | Where it warns or refuses |
 | --- | --- | --- | --- |
-| [Positions](#positions) | 8 to 100 000 | every number to what the gate tells, falling with the \
-square of the count | more than 1 % of a load between the positions: the gate breaks, the verdict \
-stays UNDECIDED, and a count that is enough is named |
+| [Positions](#positions) | 8 to 100 000 | every number to what the validity check tells, falling \
+with the square of the count | more than 1 % of a load between the positions: the validity check \
+breaks, the verdict stays UNDECIDED, and a count that is enough is named |
 | [Units, place, start](#the-same-machine) | inch and lbf, turned, mirrored, part reversed | every \
 number to round-off, start to what positions leave | |
 | [Loads](#sizes) | 12 decades | stress proportional to 1e-8 | 1e30 N and more: refused |
@@ -55,7 +55,8 @@ def positions() -> Iterator[str]:
         "## Positions",
         "",
         f"Largest error of any number of the verdict against {FINE} positions, of the static peak, "
-        "and what the gate `loads between the positions` tells: how far loads at other positions, "
+        "and what the validity check `loads between the positions` tells: how far loads at other "
+        "positions, "
         "which placing them has solved anyway, lie beyond those at its own. A phase has at least "
         "20 positions.",
         "",
@@ -79,7 +80,7 @@ def positions() -> Iterator[str]:
         curves[f"{speed:g} rad/s"] = found
         yield f"At {speed:g} rad/s:"
         yield ""
-        yield from table(["positions", "worst", "of", "static", "told", "gate"], rows)
+        yield from table(["positions", "worst", "of", "static", "told", "validity check"], rows)
     draw_positions(curves, PICTURES / "positions.svg")
     yield "![errors by the count of positions](extremes/positions.svg)"
     yield ""
@@ -203,7 +204,7 @@ def draw_positions(curves: Mapping[str, Mapping[int, tuple[float, float]]], path
             axes.loglog(list(found), error, "o-", color=f"C{k}", label=f"{name}: worst error")
             axes.loglog(list(found), told, ":", color=f"C{k}", label=f"{name}: told")
         axes.axhline(0.01, color="#888888", lw=0.8)
-        axes.set_xlabel("positions; the line is where the gate breaks")
+        axes.set_xlabel("positions; the line is where the validity check breaks")
         axes.set_ylabel("relative error")
 
     draw(plot, path)

@@ -33,10 +33,11 @@ lies below 1e-10. From the design file to the verdict: [extremes_chain.md](extre
 | What | Range | What holds | Where it warns or refuses |
 | --- | --- | --- | --- |
 | [Poisson's ratio](#poissons-ratio) | 0 to 0.4999 | displacement and von Mises stress, to the \
-mesh's error | above 0.45 the gate `compressible material` breaks: direct stresses are inexact; \
+mesh's error | above 0.45 the validity check `compressible material` breaks: direct stresses are \
+inexact; \
 0.5 and more, -1 and less: refused |
 | [Slenderness](#slenderness) L/h | 1 to 1000 | frames to 1e-9; solids lose digits as (L/h)^4: \
-2e-8 at 100, 2e-4 at 1000 | the gate `support reactions` breaks from about 200 |
+2e-8 at 100, 2e-4 at 1000 | the validity check `support reactions` breaks from about 200 |
 | [Wall thickness](#thin-walls) over the radius | 1 to 1/10000 | hoop stress to 0.25 % with \
 elements up to 2000 times as long as thick | a body of more than a million elements is refused |
 | [Stretched elements](#stretched-elements) | 1 to 1000 | an even stress to round-off | |
@@ -123,11 +124,11 @@ def slender() -> list[str]:
         "Square bars 10 mm high. A frame against Timoshenko's tip deflection; a solid bar under "
         "two couples, whose field its elements hold, so that round-off is all that is left; the "
         "largest support reaction of a bar that is clamped and pushed across its tip, over the "
-        "force, as the gate measures it (limit 1e-6); the tip of a solid cantilever of 2 "
+        "force, as the validity check measures it (limit 1e-6); the tip of a solid cantilever of 2 "
         "bricks over its height, against the exact field. The condition of the matrix grows like "
         "(L/h)^4, so a bar of 1000 keeps 4 digits of its stress. The aim of 1e-8 for the balance "
-        "is met to L/h = 30 and nearly at 100; beyond 200 the gate breaks and the result stays "
-        "undecided.",
+        "is met to L/h = 30 and nearly at 100; beyond 200 the validity check breaks and the "
+        "result stays undecided.",
         "",
         *table(
             [
@@ -288,7 +289,7 @@ def draw_poisson(curves: dict[str, dict[float, tuple[float, float]]], path: Path
             axes.loglog(left, mises, ":", color=f"C{k}")
         axes.axvline(0.05, color="#888888", lw=0.8)
         axes.invert_xaxis()
-        axes.set_xlabel("0.5 less Poisson's ratio; the line is where the gate breaks")
+        axes.set_xlabel("0.5 less Poisson's ratio; the line is where the validity check breaks")
         axes.set_ylabel("largest error: direct (line), von Mises (dots)")
 
     draw(plot, path)
@@ -309,7 +310,7 @@ def draw_slender(points: dict[int, tuple[float, ...]], path: Path) -> None:
             axes.loglog(list(points), found, "o-", label=name, markersize=3)
         axes.axhline(1e-6, color="#888888", lw=0.8)
         axes.set_ylim(*EXPECTED)
-        axes.set_xlabel("length over height; the line is the gate of the support reactions")
+        axes.set_xlabel("length over height; the line is the limit of the support reactions")
         axes.set_ylabel("relative error")
 
     draw(plot, path)

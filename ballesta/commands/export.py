@@ -258,6 +258,11 @@ def _write(exported: Exported, design: Design, level: Level, position: int) -> N
                 f"{name}: F_x {along:.9g} N, F_y {across:.9g} N, M_z {turn:.9g} N mm"
                 for name, (along, across, turn) in exported.resultants.items()
             ),
+            *(
+                ["Pins press with a half cosine here, not where the contact of their fit says"]
+                if design.parts[exported.part].clearances
+                else ()
+            ),
             "Nodal forces hold these, inertia and weight; they balance, the supports carry nothing",
         ]
     )

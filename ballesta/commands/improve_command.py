@@ -86,7 +86,7 @@ def _text(found: Improved, width: int = 100) -> str:
             else "nothing to save"
         )
         return "\n".join([*lines, f"{none} within a factor of {MOST:g}"]) + "\n"
-    rows = [["change", "safety", "with bars", "needed", "mass, kg", "of", "verdict"]]
+    rows = [["change", "safety", "with error bars", "required", "mass, kg", "of", "verdict"]]
     for change in found.changes:
         need = need_text(change.required)
         rows.append(

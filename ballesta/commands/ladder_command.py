@@ -3,6 +3,7 @@
 import json
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, replace
+from math import inf
 from pathlib import Path
 from time import perf_counter
 from typing import TypeVar
@@ -61,11 +62,19 @@ class PricedModels(Models):
         self.spared = 0.0
         self._prices: dict[Hashable, float] = {}
 
-    def mesh(self, shape: Buildable, fineness: float, sizes: SizeField | None = None) -> Mesh:
+    def mesh(
+        self,
+        shape: Buildable,
+        fineness: float,
+        sizes: SizeField | None = None,
+        most_unknowns: float = inf,
+    ) -> Mesh:
         """Return the mesh of a shape, as any models do."""
         key = (shape, fineness, sizes)
         return self._priced(
-            key, key in self._meshes, lambda: Models.mesh(self, shape, fineness, sizes)
+            key,
+            key in self._meshes,
+            lambda: Models.mesh(self, shape, fineness, sizes, most_unknowns),
         )
 
     def solutions(

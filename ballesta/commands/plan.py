@@ -11,7 +11,7 @@ from ballesta.design.read import read_design
 from ballesta.machine.runs import run_machine
 from checks.design.data import Design, Part
 from checks.design.errors import DesignError, NumericsError
-from checks.ladder.solid import FIRST, check_first_mesh
+from checks.ladder.solid import FIRST, first_mesh
 from checks.part.loaded_part import LoadedPart
 from checks.stress.cost import (
     SECOND_MESH,
@@ -51,12 +51,12 @@ def plan(design: Design) -> list[PlannedPart]:
         runs = run_machine(design, models).all
         planned = []
         for part in design.parts.values():
-            first = 3 * len(models.mesh(part.geometry, FIRST * part.fineness).nodes)
+            mesh = first_mesh(part, part.geometry, FIRST * part.fineness, models)
+            first = 3 * len(mesh.nodes)
             loaded = LoadedPart.of(design, part, runs, models)
             part_loads = loaded.loads
             halved = half_of(part, part_loads) is not None
             second = int(SECOND_MESH * first / (2 if halved else 1))
-            check_first_mesh(part, first)
             unknowns = (first, min(second, part.most_unknowns))
             seconds = solid_seconds(*unknowns)
             planned.append(

@@ -274,23 +274,24 @@ def _needs(old: Data, new: Data) -> str:
     before, after = number_of(old.get("required")), number_of(new.get("required"))
     if before is None or after is None:
         return ""
-    return f"needs {before:g}" + ("" if before == after else f" → {after:g}")
+    changed = "" if before == after else f" → {after:g}"
+    return f"{before:g}{changed} required"
 
 
 def _verdict_note(old: Data, new: Data) -> str:
     values = [number_of(side.get("safety")) for side in (old, new)]
     safeties = " → ".join("not loaded" if v is None else safety_text(v) for v in values)
     model = _other_model({"method": old.get("method")}, {"method": new.get("method")})
-    return "; ".join(filter(None, [f"safety {safeties}", _needs(old, new), model]))
+    return "; ".join(filter(None, [safeties, _needs(old, new), model]))
 
 
 def _gates(found: Changes, owner: str, a: Sequence[Data], b: Sequence[Data]) -> None:
     before, after = ({str(gate.get("name")): gate for gate in gates} for gates in (a, b))
-    for name in found.both(f"gate {owner}:", before, after):
+    for name in found.both(f"validity check {owner}:", before, after):
         words = [_gate_word(side[name]) for side in (before, after)]
         values = [number_of(side[name].get("value")) for side in (before, after)]
         told = " → ".join("no number" if value is None else number(value) for value in values)
-        found.verdict(owner, f"gate {name}", words[0], words[1], told)
+        found.verdict(owner, f"validity check {name}", words[0], words[1], told)
 
 
 def _gate_word(gate: Data) -> str:

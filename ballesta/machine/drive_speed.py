@@ -139,8 +139,8 @@ def speed_warnings(found: Mapping[str, Evenness]) -> list[str]:
 def speed_assumptions(found: Mapping[str, Evenness]) -> list[tuple[str, str]]:
     """The assumption, key and reason, for drives whose control the design does not state."""
     reason = (
-        f"none is stated: irregularity of the speed {EVEN:g}, in the bars of every check by the "
-        "loads of the slowest and the fastest speed and of the changes between them"
+        f"none is stated: irregularity of the speed {EVEN:g}, in the error bars of every check by "
+        "the loads of the slowest and the fastest speed and of the changes between them"
     )
     return [("drive", reason)] if any(even.assumed for even in found.values()) else []
 

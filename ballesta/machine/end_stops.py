@@ -69,8 +69,8 @@ def _pulled_through(cycle: Cycle, phase: loads.Phase, run: loads.CycleLoads) -> 
     (drive,) = drives
     others = {name: size for name, size in constant.items() if name != drive}
     last = int(np.flatnonzero(run.phase_of == cycle.run.phases.index(phase))[-1])
-    touch = float(run.coordinate(phase.solve)[last])
     try:
+        touch = float(run.coordinate(phase.solve)[last])
         found = loads.pull_through(run.linkage, drive, constant[drive], phase.solve, touch, others)
     except loads.LinkageError:
         return ""  # the linkage cannot go on from there: told by the travel beyond the stop

@@ -96,6 +96,17 @@ def _law(linkage: loads.Linkage, name: str, law: loads.Law) -> str:
         stiffness = "rigid" if law.stiffness is None else f"{number(law.stiffness, 4)} N/mm"
         coordinate, at = _touched(linkage, name, law)
         return f"{name} touches at {coordinate} = {at:.{_FINE}g} mm ({stiffness})"
+    if isinstance(law, loads.Opposing):
+        if law.speeds:
+            low, high = min(law.forces) * per_1e3, max(law.forces) * per_1e3
+            size = f"{number(low, 4)} ... {number(high, 4)} {unit} in a table over its speed"
+        else:
+            damping = "N m s/rad" if angular else "N s/mm"
+            parts = [(law.dry * per_1e3, unit), (law.viscous * per_1e3, damping)]
+            size = (
+                " and ".join(f"{number(part, 4)} {of}" for part, of in parts if part) or "nothing"
+            )
+        return f"{name} against the motion, {size}"
     return f"{name} {law * per_1e3:.6g} {unit}"
 
 

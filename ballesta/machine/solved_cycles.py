@@ -132,7 +132,7 @@ def told_of_cycle(design: Design, name: str) -> Iterator[None]:
     try:
         yield
     except loads.CycleError as error:
-        key = f"cycles.{name}.phases[{error.phase}]"
+        key = f"cycles.{name}.phases[{design.cycles[name].entry(error.phase)}]"
         raise DesignError(design.file, key, error.problem) from error
     except loads.LinkageError as error:
         raise DesignError(design.file, f"cycles.{name}", str(error)) from error

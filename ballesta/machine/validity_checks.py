@@ -106,12 +106,12 @@ def _dead_centre(design: Design, name: str, cycle: loads.CycleLoads, doubted: bo
         f"centre, where it sees none of it; nearest at {shown} = {at:.4g} {unit}. Beyond the limit "
         "the loads are those of rigid bodies next to a dead centre and depend strongly on the "
         "geometry there"
-        + (": those at both ends of the stop's tolerance are in the bars" if doubted else ""),
+        + (": those at both ends of the stop's tolerance are in the error bars" if doubted else ""),
         binding=not doubted,
         cure=""
         if doubted or not is_near_dead_centre(cycle)
         else f"End the travel farther from it, or state cycles.{name}.stop.tolerance, so that the "
-        "loads at both ends of it are in the bars, where that does not reach the dead centre",
+        "loads at both ends of it are in the error bars, where that does not reach the dead centre",
     )
 
 

@@ -155,6 +155,24 @@ def in_other_units(data, chosen=lambda count: True):
     return each_quantity(data, change)
 
 
+def of_any_size(data, machine):
+    """The machine of materials that are as strong in every size as in that of its parts."""
+    parts = read_design(DESIGNS / f"{machine}.toml").parts
+    materials, named = dict(data.get("materials", {})), {}
+    for name, part in data["parts"].items():
+        own = parts[name].material
+        materials[f"{name}_steel"] = {
+            "youngs_modulus": f"{own.youngs_modulus!r} MPa",
+            "poisson_ratio": own.poisson_ratio,
+            "density": f"{own.density * 1e12!r} kg/m3",
+            "yield_stress": f"{own.yield_stress!r} MPa",
+            "ultimate_stress": f"{own.ultimate_stress!r} MPa",
+            **({"endurance_ratio": own.endurance_ratio} if own.endurance_ratio else {}),
+        }
+        named[name] = part | {"material": f"{name}_steel"}
+    return data | {"materials": materials, "parts": named}
+
+
 def scaled(data, factor):
     """All lengths times a factor, at the same densities, stresses and angles of the crank."""
 

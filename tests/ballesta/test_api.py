@@ -103,7 +103,7 @@ def test_a_notebook_shows_the_answer_of_the_terminal_with_a_row_for_each_part(yo
     answer, html = answer_of(yoke), yoke._repr_html_()
     first = unescape(html.splitlines()[0])
     assert "UNDECIDED" in first
-    assert f"safety {answer.safety}, {answer.required} needed" in first
+    assert f"safety {answer.safety}, {answer.required} required" in first
     rows = cells(html)
     assert answer.rows[0].parts == "yoke"
     for row in answer.rows:

@@ -59,8 +59,9 @@ def test_a_part_too_large_for_the_memory_ends_with_exit_code_2_and_both_numbers(
 
 
 def test_a_plan_of_a_part_too_large_for_the_memory_is_refused_as_its_check(tmp_path, small_memory):
+    mesh = "parts.rod.mesh={ fineness = 4, most_unknowns = 3_000_000 }"
     with pytest.raises(DesignError, match=r"0\.0625 GiB are free"):
-        plan(machine(tmp_path, PLATE, "parts.rod.mesh.fineness=4"))
+        plan(machine(tmp_path, PLATE, mesh))
 
 
 def test_a_nearly_incompressible_part_breaks_a_binding_gate_and_others_do_not(tmp_path):

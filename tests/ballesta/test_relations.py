@@ -28,6 +28,7 @@ from .restated import (
     mirrored,
     moved,
     numbers,
+    of_any_size,
     renamed,
     reordered,
     scaled,
@@ -43,7 +44,8 @@ CYCLES = {
     "toggle_press": ["press", "capacity"],
 }
 LED_BY_CRANK = [machine for machine in CYCLES if machine != "toggle_press"]
-ONE_CYCLE = {"slider_crank": ["at_300"]}  # in the duty, of the machine that no test is slow for
+QUICK = "slider_crank"  # the machine that no test is slow for but each relation by itself
+ONE_CYCLE = {QUICK: ["at_300"]}  # in its duty
 BY_FORMULA = [
     machine if machine in ONE_CYCLE else pytest.param(machine, marks=pytest.mark.slow)
     for machine in CYCLES
@@ -58,6 +60,11 @@ SAME = {  # relation: what is done to the data
     "moved by a kilometre": lambda data: moved(data, 8e5, -6e5),
     "a turn later": a_turn_later,
     "backwards": backwards,
+}
+IN_A_ROW = {  # all of the above, a few of them one after another; units last: others read mm
+    "turned": ("reordered", "turned by 37 degrees", "in inches and pounds"),
+    "mirrored": ("mirrored", "a turn later", "in mixed units"),
+    "moved": ("moved by a kilometre", "turned by 90 degrees", "backwards"),
 }
 OF_A_CRANK = ("turned by 37 degrees", "a turn later", "backwards")
 STRESSES = ("static", "bearing", "shear-out", "pin bending", "pin shear", "bush", "contact")
@@ -129,7 +136,20 @@ def test_joint_forces_do_not_change(relation, machine, tmp_path):
         assert np.abs(sizes[0] - sizes[1]).max() < 1e-8 * old.max()
 
 
-@pytest.mark.parametrize("machine", BY_FORMULA)
+@pytest.mark.parametrize("row", IN_A_ROW)
+def test_checks_by_formula_do_not_change_by_relations_in_a_row(row, tmp_path):
+    other = some_cycles(QUICK)
+    for relation in IN_A_ROW[row]:
+        other = SAME[relation](other)
+    assert_same(numbers(checked(tmp_path, other)), plain(QUICK))
+
+
+def test_each_relation_stands_in_a_row():
+    assert sorted(SAME) == sorted(name for row in IN_A_ROW.values() for name in row)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("machine", CYCLES)
 @pytest.mark.parametrize("relation", SAME)
 def test_checks_by_formula_do_not_change(relation, machine, tmp_path):
     other = same(relation, machine)(some_cycles(machine))
@@ -162,13 +182,17 @@ def test_names_decide_no_number(machine, tmp_path):
 
 
 @pytest.mark.parametrize("machine", BY_FORMULA)
-@pytest.mark.parametrize("factor", [0.001, 0.01, 7.0, 1000.0])
+@pytest.mark.parametrize(
+    "factor",
+    [0.001, *(pytest.param(between, marks=pytest.mark.slow) for between in (0.01, 7.0)), 1000.0],
+)
 def test_a_scaled_machine_has_the_same_stresses(factor, machine, tmp_path):
     """Lengths k, forces k^2, weights k^2 by a gravity of 1/k, turning speeds 1/k.
 
-    Strengths depend on the size by Marin's factor, and with them which amplitude governs.
+    Strengths depend on the size by Marin's factor, and with them which amplitude governs; those
+    of its materials are the same in all sizes here.
     """
-    other = scaled(some_cycles(machine), factor)
+    other = scaled(of_any_size(some_cycles(machine), machine), factor)
     found = numbers(checked(tmp_path, other, fatigue=False))
     assert_same(found, plain(machine), kinds={*STRESSES, "buckling"})
 

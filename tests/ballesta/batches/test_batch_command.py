@@ -87,7 +87,9 @@ def test_the_exit_code_is_the_highest_and_every_design_is_a_line(bad):
     assert run.code == 2
     lines = [line for line in run.stdout.splitlines() if line.startswith("[")]
     assert len(lines) == 9
-    assert any(re.search(r"g_heavy  FAIL  rod .*safety 0\.0\d+ \(needs", line) for line in lines)
+    assert any(
+        re.search(r"g_heavy  FAIL  rod .*safety 0\.0\d+ \(\S+ required", line) for line in lines
+    )
     assert "9 designs: 2 UNDECIDED, 1 FAIL, 6 wrong input" in run.stdout
     assert "\x1b" not in run.stdout + run.stderr
 

@@ -7,12 +7,16 @@ import random
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import loads
 from ballesta.design.read import read_design
+from ballesta.machine.end_stops import stop_warnings
 from ballesta.machine.solved_cycles import linkage_of
+from ballesta.pipeline import _not_checked_here
 from checks.design.errors import DesignError
+from reports.mechanism_layout import Layout
 
 DESIGNS = Path(__file__).parents[3] / "designs"
 HAMMER = (DESIGNS / "spring_hammer.toml").read_text()
@@ -73,6 +77,97 @@ def test_a_table_may_stand_in_a_csv_file_which_counts_as_a_source(text, tmp_path
     assert [Path(path).name for path, _ in design.sources] == ["machine.toml", "work.csv"]
     (tmp_path / "work.csv").write_text(text.replace("-50", "-51"))
     assert read(tmp_path, change).sha256 != design.sha256
+
+
+def test_a_force_may_act_against_the_motion(tmp_path):
+    """The phase ends where the slider reverses; what is told of phases keeps the file's numbers."""
+    design = read(tmp_path, (PUSH, 'push = { dry = "40 N", viscous = "20 N s/m" }'))
+    cycle = design.cycles["bench"]
+    names = [phase.name for phase in cycle.run.phases]
+    assert names == [f"turn-{k + 1}" for k in range(len(names))]
+    assert len(names) > 1
+    assert {cycle.entry(k) for k in range(len(names))} == {0}
+    for phase in cycle.run.phases:
+        assert phase.given["push"] == loads.Opposing(dry=40.0, viscous=0.02)
+    solved = loads.run_cycle(linkage_of(design, {}), cycle.run)
+    place = solved.linkage.body_names.index("slider")
+    speed = solved.velocities[:, place, 0]
+    assert abs(solved.efforts["push"]) == pytest.approx(40.0 + 0.02 * abs(speed), rel=1e-6)
+    tabled = 'push = { at_speed = ["0 m/s", "2 m/s"], resistance = ["40 N", "10 N"] }'
+    law = given(read(tmp_path, (PUSH, tabled)), "bench", "push")
+    assert law == loads.Opposing(speeds=(0.0, 2000.0), forces=(40.0, 10.0))
+
+
+FOLLOWS = ('direction = "1, 0"', 'direction = "0, 1"\nfollows = "rod"')
+
+
+def test_a_force_may_turn_with_a_body(tmp_path):
+    """The page's own words: across the rod at its end, wherever the rod turns."""
+    design = read(tmp_path, FOLLOWS, (PUSH, 'push = "100 N"'))
+    assert design.forces["push"].coordinate == loads.PointCoordinate("slider", "B", (0, 1), "rod")
+    run = loads.run_cycle(linkage_of(design, {}), design.cycles["bench"].run)
+    rod = run.poses[:, run.linkage.body_names.index("rod"), 2]
+    (load,) = [load for load in run.body_loads("slider") if load.source == "force 'push'"]
+    across = np.stack([-np.sin(rod), np.cos(rod)], axis=1)
+    assert load.force == pytest.approx(100.0 * across)
+    assert np.ptp(rod) > 0.1
+
+
+def test_the_picture_draws_a_force_that_turns_where_it_points_and_the_answer_says_what_is_left(
+    tmp_path,
+):
+    design = read(tmp_path, FOLLOWS, (PUSH, 'push = "100 N"'))
+    run = loads.run_cycle(linkage_of(design, {}), design.cycles["bench"].run)
+    layout = Layout(run)
+    places, drawn = layout.pushes[[force.name for force in layout.efforts].index("push")]
+    (load,) = [load for load in run.body_loads("slider") if load.source == "force 'push'"]
+    assert drawn == pytest.approx(load.force)
+    assert places == pytest.approx(run.point("slider", "B"))
+    (left,) = _not_checked_here(design)
+    assert left.startswith("the turning of push with its body as the linkage buckles")
+    assert _not_checked_here(read(tmp_path)) == []
+
+
+def test_a_stop_is_told_where_the_force_that_meets_it_turns_with_a_body(tmp_path):
+    """The mould does not turn, so that its loads are those of a direction in the ground frame."""
+    follows = ('direction = "0, -1"', 'direction = "0, -1"\nfollows = "mould"')
+    told = []
+    for changes in ((), (follows,)):
+        design = read(tmp_path, *changes, text=PRESS)
+        run = loads.run_cycle(linkage_of(design, {}), design.cycles["press"].run)
+        told.append(next(iter(stop_warnings(design, {"press": run}))))
+    assert "Nothing else stops it" in told[0]
+    assert told[0].startswith(told[1])  # without a position there is no stiffness to tell
+
+
+def test_a_contact_along_a_direction_that_turns_is_refused(tmp_path):
+    contact = 'push = { touches = "B.x", at = "1 mm", stiffness = "1 N/mm" }'
+    with pytest.raises(DesignError, match=r"forces\.push: a contact .*; push turns with rod"):
+        read(tmp_path, FOLLOWS, (PUSH, contact))
+
+
+def test_a_spring_with_preload_and_end_stop_is_a_table_over_its_own_length(tmp_path):
+    """By hand: 40 N of preload at the corner, soft beyond and hard below; a turn takes no work."""
+    spring = '[forces.spring]\nbetween = ["O", "B"]\n[forces.push]'
+    table = 'spring = { over = "spring.length", at = ["AT0", "AT1", "AT2"], force = ["-2 kN", "40 N", "580 N"] }'
+    free = read(tmp_path)
+    path = loads.run_cycle(linkage_of(free, {}), free.cycles["bench"].run)
+    ends = np.hypot(*path.point("slider", "B").T)
+    low, high = ends.min(), ends.max()
+    corner = low + (high - low) / 10
+    for name, value in (("AT0", corner - 2 * (corner - low)), ("AT1", corner), ("AT2", high + 1)):
+        table = table.replace(name, f"{value:.6f} mm")
+    added = (PUSH, f'push = "0 N", {table}')
+    other = ('push = "-200 N"', 'push = "-200 N", spring = "0 N"')
+    design = read(tmp_path, ("[forces.push]", spring), added, other)
+    run = loads.run_cycle(linkage_of(design, {}), design.cycles["bench"].run)
+    length = np.hypot(*run.point("slider", "B").T)
+    soft, hard = 540.0 / (high + 1 - corner), 2040.0 / (2 * (corner - low))
+    stretch = length - corner
+    by_hand = 40.0 + np.where(stretch > 0, soft, hard) * stretch
+    assert run.efforts["spring"] == pytest.approx(by_hand, abs=0.01)
+    assert np.abs(stretch).min() < 1e-4  # the preload's corner has positions of its own
+    assert abs(run.drive("spring").work) < 1e-6 * np.abs(by_hand).max() * (high - low)
 
 
 def test_a_contact_is_told_along_the_axis_and_handed_on_along_the_force(tmp_path):
@@ -159,8 +254,17 @@ REFUSED = {
     "all is rigid": ((PUSH, 'push = { touches = "B.x", at = "1 mm" }'), r"forces\.push\.stiffness: must be stated such as \"80 kN/mm\": where nothing gives way"),
     "soft as butter": ((PUSH, 'push = { touches = "B.x", at = "1 mm", stiffness = "0 N/mm" }'), r"forces\.push\.stiffness: must be above 0 kN/mm, got \"0 N/mm\""),
     "misspelt contact": ((PUSH, 'push = { toches = "B.x", at = "1 mm" }'), r"forces\.push\.toches: unknown key, did you mean touches\?"),
+    "misspelt friction": ((PUSH, 'push = { dri = "1 N" }'), r"forces\.push\.dri: unknown key, did you mean dry\?"),
+    "friction that helps": ((PUSH, 'push = { dry = "-1 N" }'), r"forces\.push\.dry: must be above 0 kN, got \"-1 N\""),
+    "friction of a torque": ((PUSH, 'push = { dry = "1 N m" }'), r"forces\.push\.dry: must be a force .*, push is a force; got a moment"),
+    "damping against turning": ((PUSH, 'push = { viscous = "1 N m s/rad" }'), r"forces\.push\.viscous: must be a damping such as \"0\.2 N s/mm\", push is a force; got a damping against turning"),
+    "friction twice": ((PUSH, 'push = { dry = "1 N", at_speed = ["0 m/s", "1 m/s"], resistance = ["1 N", "1 N"] }'), r"forces\.push: is either dry and viscous, or at_speed with resistance"),
+    "half a table of speeds": ((PUSH, 'push = { at_speed = ["0 m/s", "1 m/s"] }'), r"forces\.push\.resistance: must be stated beside the other column"),
+    "a table from a speed on": ((PUSH, 'push = { at_speed = ["1 m/s", "2 m/s"], resistance = ["1 N", "1 N"] }'), r"forces\.push\.at_speed: the speeds of a table must begin at 0, got 1000"),
     "stops maybe": ((PUSH, 'push = { touches = "B.x", at = "1 mm", stiffness = "1 N/mm", stops = "no" }'), r"forces\.push\.stops: must be true or false, got \"no\""),
     "contact of a torque": (('forces = { push = "0 N" }, solve = "drive"', 'forces = { drive = { touches = "crank.angle", at = "1 deg", stiffness = "1 N/mm" } }, solve = "push"'), r"forces\.drive: a contact needs a force along x or y, or between two points; drive is a torque"),
+    "follows nobody": ((FOLLOWS[0], FOLLOWS[1].replace("rod", "rodd")), r"forces\.push\.follows: no body is named 'rodd', did you mean rod\?"),
+    "torque that follows": (('turns = "crank"', 'turns = "crank"\nfollows = "rod"'), r"forces\.drive\.follows: is only used for a force on a body, this is a torque; leave it out"),
     "contact askew": (('direction = "1, 0"', 'direction = "1, 1"'), None),
     "given and solved": (('forces = { push = "0 N" }', 'forces = { push = "0 N", drive = { touches = "B.x", at = "1 mm" } }'), r"phases\[0\]\.solve: phase 'turn' both gives and solves drive; it can only do one"),
     "elastic in nothing": (('centre = "75, 0 mm"', 'centre = "75, 0 mm"\nelastic = {}'), r"bodies\.rod\.elastic: needs bending such as \"2787 N m2\", axial such as \"390 MN\", or both"),

@@ -89,6 +89,18 @@ def test_what_the_file_does_not_state_and_what_it_assumes_is_listed():
     assert {"cycles.press.stop", "parts.bar_upper.hole"} <= set(dict(design.assumed))
 
 
+@pytest.mark.parametrize(
+    ("bore", "fit", "clearances"),
+    [("knee", "H7/f7", (0.025, 0.075)), ("end", "0.02 .. 0.06 mm", (0.02, 0.06))],
+)
+def test_a_fit_becomes_the_clearances_of_its_bore(bore, fit, clearances):
+    """One bore of the press' bar: fits of both beside its bearing_arc are refused."""
+    design = read_design(PRESS, [f"parts.bar_upper.fits.{bore}={fit}"])
+    assert design.parts["bar_upper"].clearances == {bore: clearances}
+    assert design.parts["bar_lower"].clearances == design.parts["bar_upper"].clearances
+    assert design.parts["pin_B"].clearances == {}
+
+
 def test_an_override_reaches_the_parts_that_are_like_the_changed_one():
     design = read_design(
         PRESS, ["parts.bar_upper.wall=5mm", "friction.pins={coefficient=0.1, diameter='40 mm'}"]

@@ -8,16 +8,19 @@ import jsonschema
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy.spatial.transform import Rotation
 
 from ballesta.design.read import read_design
 from ballesta.design.schema import design_schema
 from ballesta.machine.solved_cycles import solve_cycles
 from ballesta.pipeline import check_file
+from ballesta.regression.bands import ROUND_OFF, band_of
 from checks.design.errors import DesignError
 from checks.ladder.part_ladder import Effort
 from checks.part.part_loads import loads_on
 
-from ...geometry.step_files import in_inches, link_file, plate_with, write_step
+from ...geometry.step_files import in_inches, link_file, moved, plate_with, write_step
+from ..restated import numbers
 
 # a crank of 60 mm that is turned against a slider, with the plate link as its crank
 SOLID = Effort("solid")
@@ -285,3 +288,50 @@ def test_a_part_that_is_not_even_about_its_plane_is_held_against_tilting(machine
     ]
     result = check_file(machine, changes, effort=SOLID).parts[0]
     assert all(gate.holds for gate in result.gates), [str(gate) for gate in result.gates]
+
+
+TURN, AWAY = Rotation.from_euler("z", 37, degrees=True), np.array([8e5, -6e5, 0.0])
+ACCURACY = 0.05
+
+
+def drawn_twice(folder, fidelity):
+    """Numbers of the crank as it is, and of it drawn turned by 37 degrees, 1 km away."""
+    found = []
+    for name, turn, by in (("here", Rotation.identity(), np.zeros(3)), ("there", TURN, AWAY)):
+        place = folder / name
+        place.mkdir()
+        link_file(place, moved((0, 0, 1), turn.magnitude(), by.tolist()))
+        file = place / "crank.toml"
+        file.write_text(MACHINE + CRANK)
+        x, y, z = (turn.apply([0, 0, 2]) + by).tolist()
+        told = (
+            f"parts.crank.holes.pin.at={x!r}, {y!r}, {z!r} mm",
+            "parts.crank.section=24 mm, 8 mm",
+            f"accuracy={100 * ACCURACY} %",
+        )
+        found.append(numbers(check_file(file, told, effort=Effort(fidelity))))
+    assert found[0].keys() == found[1].keys()
+    return found
+
+
+def test_a_part_that_is_drawn_turned_and_a_kilometre_away_has_the_same_numbers_by_formula(tmp_path):
+    """What is measured on a mesh, shear-out, is so to 1e-3: docs/theory/fits.md."""
+    here, there = drawn_twice(tmp_path, "formula")
+    kinds = {kind for _, kind, _ in here}
+    assert kinds == {"static", "fatigue", "buckling", "bearing", "shear-out"}
+    for key, rows in here.items():
+        for (old, *_), (new, *_) in zip(rows, there[key], strict=True):
+            assert_allclose(new, old, rtol=1e-3 if key[1] == "shear-out" else ROUND_OFF)
+
+
+@pytest.mark.slow
+def test_a_solid_that_is_drawn_turned_and_a_kilometre_away_stays_in_its_regression_band(tmp_path):
+    """The mesher follows the last digits of the file, so the meshes differ."""
+    here, there = drawn_twice(tmp_path, "solid")
+    for kind in ("static", "fatigue", "buckling"):
+        (key,) = (key for key in here if key[1] == kind)
+        ((old, bar, *_),), ((new, *_),) = here[key], there[key]
+        checked = {"rung": "solid", "numerical": bar / old}
+        band = band_of("crank", kind, checked, ACCURACY, {}).width
+        assert band is not None
+        assert_allclose(new, old, rtol=band)

@@ -142,7 +142,7 @@ def test_a_gate_that_breaks_is_a_verdict_that_turns(one):
     gate["holds"], gate["value"] = False, 7.0
     (turned,) = difference(one, other).changes[VERDICTS]
     assert (turned.before, turned.after) == ("holds", "broken")
-    assert turned.what == f"gate {gate['name']}"
+    assert turned.what == f"validity check {gate['name']}"
 
 
 def test_another_model_or_place_is_told_beside_the_stress(one):

@@ -58,7 +58,7 @@ def test_its_gate_does_not_bind_then_and_without_the_pair_says_what_to_state(nea
     gate = dead_centre(design, solved, {"press"})
     assert not gate.holds
     assert not gate.binding
-    assert "at both ends of the stop's tolerance are in the bars" in gate.told
+    assert "at both ends of the stop's tolerance are in the error bars" in gate.told
     alone = dead_centre(design, solved)
     assert alone.binding
     assert "state cycles.press.stop.tolerance" in alone.cure

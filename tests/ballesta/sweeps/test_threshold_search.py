@@ -211,7 +211,7 @@ def test_a_gate_of_the_loads_that_breaks_keeps_a_value_from_passing(file):
 
     result = until_pass(file, SWEEP, check=check)
     assert result.found.value == "36 mm"
-    assert "gates do not hold: irregularity" in words_of(result)
+    assert "validity checks do not hold: irregularity" in words_of(result)
 
 
 def test_a_width_that_cannot_be_built_does_not_pass_and_says_why(file):
@@ -322,7 +322,7 @@ def test_bars_that_widen_between_two_values_are_no_limit_of_strength_either(file
 
     text = words_of(until_pass(file, SWEEP, check=check))
     assert "30 mm passes, 28 mm does not, but that is NO limit of strength" in text
-    assert "still has a safety of 5.60 there, needs 1, but its bars are wider" in text
+    assert "still has a safety of 5.60 there, 1 required, but its error bars are wider" in text
 
 
 @pytest.mark.slow

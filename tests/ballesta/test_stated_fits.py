@@ -1,0 +1,230 @@
+"""Pins whose fit is stated: contact decides the checks of a part, and both ends of its range."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+
+from checks.derivations.bars import solid_bars
+from checks.design.errors import DesignError
+from checks.ladder.climb import BUILDERS
+from checks.ladder.part_facts import assumed_of, contact_facts, gates_of
+from checks.ladder.solid import Asked, check_solid, solve_levels
+from checks.models.bands import NoBand
+from checks.models.checked import band_around, rung_estimates, rung_level
+from checks.part.loaded_part import LoadedPart
+from checks.part.part_loads import PartLoads
+from checks.result.verdict import Status
+from checks.result.ways import clearance_fact
+from checks.strength.part_strength import endurance_of, fatigue_use
+from checks.stress.error_bars import StaticPeak, bars_of
+from checks.stress.pins_in_bores import CLEARANCES, LARGEST, LEAST, MIDDLE, fits_of
+from checks.stress.solid_mesh_level import Models
+
+from ..small_machine import machine
+
+ASKED = Asked(kinds=frozenset(("static", "fatigue")), modes=False)
+FORCE = 300.0
+
+
+def pulled(force=FORCE):
+    """The first bore towards -x, the second towards +x, and back to a tenth."""
+    along = np.outer([force, 0.1 * force], [1.0, 0, 0, 0, 0, 0])
+    return PartLoads(
+        {"first": -along, "second": along},
+        np.zeros((2, 4)),
+        {"turn": slice(0, 2)},
+        ("pulled", "released"),
+        ("turn", "turn"),
+    )
+
+
+def rod(folder, stated="", loads=None):
+    """The eye of "quick return, rod" in docs/validation.md, 48 mm between its pins."""
+    text = f"""
+[parts.rod]
+body = "rod"
+shape = "plate_link"
+interfaces = {{ first = "A", second = "B" }}
+material = "S275"
+width = "16 mm"
+thickness = "6 mm"
+hole = "8 mm"
+mesh = {{ fineness = 0.6 }}
+{stated}
+"""
+    design = replace(machine(folder, text), accuracy=0.2)
+    return LoadedPart(design, design.parts["rod"], pulled() if loads is None else loads)
+
+
+def solved(loaded):
+    """Levels, and value and bars of the static and the fatigue check."""
+    judged = [StaticPeak(loaded.loads), fatigue_use(loaded)]
+    limit = endurance_of(loaded.part).value
+    levels, _, _ = solve_levels(loaded, Models(), judged, limit, lambda _: None, ASKED)
+    return levels, [(w.value(levels[-1]), bars_of(w, loaded.part, levels, 0.2)) for w in judged]
+
+
+@pytest.fixture(scope="module")
+def loose(tmp_path_factory):
+    """Both pins with 0 to 0.04 mm of clearance."""
+    loaded = rod(
+        tmp_path_factory.mktemp("loose"),
+        'fits = { first = "0 .. 0.04 mm", second = "0 .. 0.04 mm" }',
+    )
+    return loaded, *solved(loaded)
+
+
+def test_a_neat_pin_stresses_an_eye_as_calculix_says(tmp_path):
+    """Plane contact: 17 MPa, cosines 19.9 to 23.4 MPa; a solid's peak is some 5 % above it."""
+    _, ((value, bars), _) = solved(rod(tmp_path, 'fits = { first = "0 mm", second = "0 mm" }'))
+    assert 0.97 < value / 17.0 < 1.1
+    assert bars.above == bars.below == 0
+    _, ((cosine, _), _) = solved(rod(tmp_path))
+    assert cosine > 1.08 * value
+
+
+def test_the_band_of_a_fit_reaches_both_ends_and_nothing_else(loose):
+    _, _, found = loose
+    for value, bars in found:
+        assert bars.by_arc == {}
+        assert bars.in_bores == 0
+        assert tuple(bars.by_clearance) == CLEARANCES
+        assert bars.by_clearance[MIDDLE] == pytest.approx(value, rel=1e-9)
+        assert value + bars.above == pytest.approx(max(bars.by_clearance.values()))
+        assert value - bars.below == pytest.approx(min(bars.by_clearance.values()))
+    (_, bars), _ = found
+    assert bars.by_clearance[LARGEST] > 1.2 * bars.by_clearance[LEAST]
+
+
+def test_the_end_of_a_range_is_the_contact_of_that_clearance(loose, tmp_path):
+    _, _, ((_, bars), _) = loose
+    stated = 'fits = { first = "0.04 mm", second = "0.04 mm" }'
+    _, ((alone, _), _) = solved(rod(tmp_path, stated))
+    assert bars.by_clearance[LARGEST] == pytest.approx(alone, rel=0.02)
+
+
+def test_the_derivation_of_a_fits_band_is_the_checks(loose):
+    """Its formulas stand for the numbers: of solid_bars, and of the checks that a user reads."""
+    loaded, _, found = loose
+    result = check_solid(loaded, Models(), asked=ASKED)
+    for check, (value, bars) in zip(result.checks, found, strict=True):
+        _, items = solid_bars(bars, "v")
+        assert {"c_1", "c_2", "c_3", "b_up", "b_lo"} <= {item.symbol for item in items}
+        assert not any(item.symbol.startswith("p_") for item in items)
+        assert check.value == pytest.approx(value)
+        assert check.derivation is not None
+        numbers = check.derivation.values
+        assert numbers["b_up"] == pytest.approx(bars.above)
+        assert numbers["b_lo"] == pytest.approx(bars.below)
+
+
+def test_contact_is_a_validity_check_and_is_told(loose):
+    loaded, levels, _ = loose
+    properties = Models().body(loaded.part.geometry).mass_properties(loaded.part.material.density)
+    gates = {gate.name: gate for gate in gates_of(loaded, levels, properties)}
+    assert gates["rod: contact of its pins"].holds
+    assert all(gates[f"rod: {name}"].holds for name in ("loads on the mesh", "support reactions"))
+    level = levels[-1]
+    worse = replace(
+        level.contact,
+        cycles={MIDDLE: replace(level.contact.cycles[MIDDLE], not_complementary=1e-5)},
+    )
+    broken = [*levels[:-1], replace(level, contact=worse)]
+    gates = {gate.name: gate for gate in gates_of(loaded, broken, properties)}
+    assert not gates["rod: contact of its pins"].holds
+    said = " ".join(assumed_of(loaded, level))
+    assert "first: pin of the part's own S275" in said
+    assert "cosine" not in said
+    facts = contact_facts(level)
+    assert len(facts) == 2
+    assert all("0.02 mm: " in text and " deg, " in text for text in facts.values())
+
+
+def test_the_order_of_keys_does_not_matter(tmp_path, loose):
+    _, levels, _ = loose
+    turned = rod(tmp_path, 'fits = { second = "0 .. 0.04 mm", first = "0 .. 0.04 mm" }')
+    again, _ = solved(turned)
+    for one, other in zip(levels, again, strict=True):
+        assert_array_equal(one.history.coefficients, other.history.coefficients)
+        assert_array_equal(one.history.basis, other.history.basis)
+
+
+def test_one_fit_leaves_the_other_bore_its_arcs(tmp_path):
+    levels, ((_, bars), _) = solved(
+        rod(tmp_path, 'fits = { second = "0 mm" }\nbearing_arc = "120 deg"')
+    )
+    assert bars.by_arc
+    assert bars.by_clearance
+    assert set(levels[-1].solved_bores) == {"second"}
+    at_first = levels[-1].history.points[StaticPeak(pulled()).point(levels[-1])][0]
+    assert at_first < 5  # the neat pin presses less hard than the cosine
+
+
+def test_a_pin_is_of_the_material_of_the_pin_part(tmp_path):
+    loaded = rod(tmp_path, 'fits = { first = "0 mm", second = "0 mm" }')
+    steel = loaded.part.material
+    soft = replace(steel, name="soft", youngs_modulus=70e3, endurance_ratio=0.4)
+    pin = replace(loaded.part, name="pin", body=None, joint="B", material=soft)
+    design = replace(loaded.design, parts={**loaded.design.parts, "pin": pin})
+    fits = fits_of(replace(loaded, design=design))
+    assert fits["second"].youngs_modulus == 70e3
+    assert fits["second"].material == "pin of soft"
+    assert fits["first"].youngs_modulus == steel.youngs_modulus
+
+
+def test_fits_of_all_bores_beside_an_arc_are_refused(tmp_path):
+    with pytest.raises(DesignError, match=r"parts\.rod\.bearing_arc: the fit of the pin in every"):
+        rod(tmp_path, 'fits = { first = "H7/f7", second = "H7/f7" }\nbearing_arc = "120 deg"')
+
+
+def test_a_pin_that_carries_nothing_is_refused(tmp_path):
+    loads = pulled(0.0)
+    loaded = rod(tmp_path, 'fits = { first = "H7/f7" }', loads)
+    with pytest.raises(DesignError, match=r"parts\.rod\.fits: nothing presses in 'first'"):
+        solved(loaded)
+
+
+def test_models_below_the_solid_do_not_decide_stress_of_a_part_with_fits(tmp_path):
+    loaded = rod(tmp_path, 'fits = { first = "H7/f7", second = "H7/f7" }')
+    model = BUILDERS["formula"](loaded.part, loaded.loads)
+    level = rung_level(loaded, model)
+    estimates = rung_estimates(loaded, level, fatigue_use(loaded), lambda _: model)
+    for kind in ("static", "fatigue"):
+        band = band_around(loaded.part, loaded.loads, model, estimates[kind].check)
+        assert isinstance(band, NoBand)
+        assert "on a solid only" in band.why
+
+
+def test_a_way_out_names_clearances_up_to_which_contact_passes_and_it_does(tmp_path):
+    """A force at which the arcs' band holds the fatigue limit, and contact stays below it."""
+    free = rod(tmp_path)
+    _, (_, (value, bars)) = solved(free)
+    use = fatigue_use(free)
+    middle = value + bars.above / 2
+    force = FORCE * use.limit / free.required.fatigue / middle
+    loaded = rod(tmp_path, loads=pulled(force))
+    result = check_solid(loaded, Models(), asked=ASKED)
+    (check,) = (one for one in result.checks if one.kind == "fatigue")
+    assert check.status is Status.UNDECIDED
+    most = {name: result.facts[clearance_fact("fatigue", name)] for name in ("first", "second")}
+    stated = ", ".join(f'{name} = "0 .. {value:g} mm"' for name, value in most.items())
+    again = check_solid(
+        rod(tmp_path, f"fits = {{ {stated} }}", pulled(force)), Models(), asked=ASKED
+    )
+    (check,) = (one for one in again.checks if one.kind == "fatigue")
+    assert check.status is Status.PASS
+
+
+def test_a_force_and_its_opposite_reach_the_mesh_exactly(tmp_path):
+    loads = pulled()
+    turned = {name: wrench * [[1.0], [-5.0]] for name, wrench in loads.wrenches.items()}
+    loads = replace(loads, wrenches=turned)
+    loaded = rod(tmp_path, 'fits = { first = "H7/g6", second = "H7/g6" }', loads)
+    levels, _ = solved(loaded)
+    assert levels[-1].load_residual(loads) < 1e-9
+    assert levels[-1].reaction_residual(loads) < 1e-9
+    contact = levels[-1].contact
+    arcs = contact.cycles[MIDDLE].bores["second"].arcs
+    assert arcs[1] < arcs[0]  # half the force
