@@ -17,7 +17,7 @@ import pytest
 from ballesta.cli import main
 from fem.threads import ONE_THREAD
 
-from . import longest_first, processor_budget
+from . import longest_first, processor_budget, with_examples
 
 os.environ.update(ONE_THREAD)  # before any test loads a library that has threads of its own
 ROOT = Path(__file__).parent.parent
@@ -26,8 +26,8 @@ AS_A_USER = {"COLUMNS": "120", "PYTHONPATH": str(ROOT)}
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Give every test a budget of processor time, and files that last long the first turn."""
-    for plugin in (processor_budget, longest_first):
+    """Give tests a budget of processor time, what lasts long the first turn, no empty doctests."""
+    for plugin in (processor_budget, longest_first, with_examples):
         if not config.pluginmanager.is_registered(plugin):
             config.pluginmanager.register(plugin)
 

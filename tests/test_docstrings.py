@@ -1,6 +1,7 @@
 """Docstrings begin with the name of a thing, as a textbook's index would."""
 
 import ast
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -11,26 +12,31 @@ BEGINNINGS = ("What", "Whether")
 SAID = ("is told", "that of")
 
 
+@cache
 def docstrings(folder):
     """Place and text of every docstring in a folder."""
+    found = []
     for file in sorted((ROOT / folder).rglob("*.py")):
         tree = ast.parse(file.read_text(encoding="utf-8"))
         for node in ast.walk(tree):
             if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
                 text = ast.get_docstring(node)
                 if text:
-                    yield f"{file.relative_to(ROOT)}:{getattr(node, 'lineno', 1)}", node, text
+                    line = getattr(node, "lineno", 1)
+                    module = isinstance(node, ast.Module)
+                    found.append((f"{file.relative_to(ROOT)}:{line}", module, text))
+    return found
 
 
 @pytest.mark.parametrize("folder", FOLDERS)
 def test_no_docstring_begins_with_a_question(folder):
     """A module's does not begin with How, either: it names its subject."""
-    found = list(docstrings(folder))
+    found = docstrings(folder)
     assert len(found) > 20
     asked = [
         place
-        for place, node, text in found
-        if text.split()[0] in (*BEGINNINGS, *(("How",) if isinstance(node, ast.Module) else ()))
+        for place, is_module, text in found
+        if text.split()[0] in (*BEGINNINGS, *(("How",) if is_module else ()))
     ]
     assert asked == []
 
@@ -39,8 +45,8 @@ def test_no_module_of_tests_begins_with_a_question():
     """Functions have sentences for names, and docstrings for their sources only."""
     asked = [
         place
-        for place, node, text in docstrings("tests")
-        if isinstance(node, ast.Module) and text.split()[0] in (*BEGINNINGS, "How")
+        for place, is_module, text in docstrings("tests")
+        if is_module and text.split()[0] in (*BEGINNINGS, "How")
     ]
     assert asked == []
 

@@ -6,30 +6,41 @@ import numpy as np
 
 from checks.joints.bushes import bushes_of, uneven_share
 from checks.part.derived import Heading, Series
+from checks.part.kind import Kind
 from checks.part.loaded_part import LoadedPart
 from checks.result.derivation import Given, Step
 from checks.result.verdict import Check
+
+BEARING_CONTACT = Kind(
+    name="bearing contact",
+    quantity="p v of {}",
+    demand="pressure times sliding speed of a bush",
+    limit="stated `pv`",
+    require="bush",
+    source="the maker of the bush",
+)
+KINDS = (BEARING_CONTACT,)
 
 
 def checks(loaded: LoadedPart) -> Iterator[Check]:
     """Peak of p v in every bush that states what it bears of it (`pv` in the design file)."""
     for bush in bushes_of(loaded.part):
-        if bush.pv is None:
+        turning = loaded.loads.spins[bush.name]
+        if bush.pv is None or np.isnan(turning).all():
             continue
+        speed = np.nan_to_num(turning)  # measured runs have none
         force = loaded.loads.resultant(bush.name)
-        turning = np.nan_to_num(loaded.loads.spins[bush.name])  # measured runs have none
         yield loaded.worst(
             Heading(
-                kind="bearing contact",
-                quantity=f"p v of {bush.name}",
-                required=loaded.required.bush,
+                kind=BEARING_CONTACT,
+                of=bush.name,
                 place=f"sliding on {bush.diameter:g} mm",
                 basis="allowable p v as stated in the design",
                 unit="MPa m/s",
             ),
             [
                 Series("F", f"force of {bush.name} on the pin", force, "N", main=True),
-                Series("omega", "angular speed of both bodies, relative", turning, "rad/s"),
+                Series("omega", "angular speed of both bodies, relative", speed, "rad/s"),
                 Given("m", "bushes that share the force", float(bush.count), "", "the design"),
                 Given("d", "diameter of the pin", bush.diameter, "mm", "the design"),
                 Given("l", "length of a bush", bush.length, "mm", "the design"),
