@@ -10,7 +10,7 @@ from checks.design.data import Part
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Gate
-from checks.stress.pins_in_bores import Contact
+from checks.stress.pins_in_bores import CLEARANCES, MIDDLE, Contact
 from checks.stress.solid_mesh_level import Level
 from fem.contact.condensed import ALLOWED as CONTACT_LIMIT
 from fem.direct import has_bearings
@@ -219,10 +219,11 @@ def contact_facts(level: Level) -> dict[str, float | str]:
     found: dict[str, float | str] = {}
     for name, fit in contact.pins.fits.items():
         said = []
-        for share in sorted(contact.cycles):
-            bore = contact.cycles[share].bores[name]
-            arc = degrees(bore.arcs[level.peak.position])
-            most = bore.pressures[:, level.peak.position].max()
+        shares = [MIDDLE] if fit.least == fit.largest else sorted(CLEARANCES)
+        for share in shares:
+            bore = contact.at(level.peak.position, share).bores[name]
+            arc = degrees(bore.arcs[0])
+            most = bore.pressures[:, 0].max()
             said.append(f"{fit.clearance(share):.4g} mm: {arc:.0f} deg, {most:.4g} MPa")
         found[f"contact in {name}, clearance: arc, largest pressure"] = "; ".join(said)
     return found

@@ -60,7 +60,6 @@ def clearances_that_pass(
             duty,
             part.geometry.notch_factors,
             PinnedBores(level.solutions, fits),
-            _TRIED,
         )
     except (ContactError, MeshError):
         return {}

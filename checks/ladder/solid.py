@@ -33,7 +33,7 @@ from checks.strength.part_strength import elastic_of, endurance_of, fatigue_use,
 from checks.strength.sampling import fatigue_rise, static_rise, with_sampling
 from checks.stress.cost import judging_seconds
 from checks.stress.error_bars import Bars, Judged, StaticPeak, bars_of, mesh_bar
-from checks.stress.pins_in_bores import MIDDLE, fits_of, pinned_bores
+from checks.stress.pins_in_bores import fits_of, pinned_bores
 from checks.stress.solid_mesh_level import Level, Models, solve_level
 from checks.stress.stress_result import Stressed
 from checks.stress.symmetry import MEANING, half_of, mode_surface, shown_surface
@@ -274,7 +274,6 @@ def _values(loaded: LoadedPart, level: Level) -> Callable[[PartLoads], Mapping[s
             loaded.duty.cycles,
             part.geometry.notch_factors,
             pins,
-            (MIDDLE,),
         )
         values = {"static": other.peak.value}
         use = fatigue_use(loaded.under(loads))

@@ -264,10 +264,16 @@ def at_clearances(
     _loads: PartLoads, level: Level, position: int, clearances: Sequence[float]
 ) -> FloatArray:
     """Stress (n, 6, m) at a position by shares of the range of the pins' clearances, MPa."""
-    assert level.contact is not None
-    found = level.contact.coefficients
-    states = np.stack([found[share][:, position] for share in clearances], axis=1)
-    return np.asarray(level.history.basis @ states)
+    contact = level.contact
+    assert contact is not None
+    states = np.stack([contact.state(position, share) for share in clearances], axis=1)
+    stress = np.asarray(level.history.basis @ states)
+    if isinstance(level, Level):  # other levels have no points at a bore's surface
+        for k, share in enumerate(clearances):
+            for points, more in contact.short_waves_at(position, share):
+                stress[points, :, k] += more
+        stress[level.left_out] = 0.0
+    return stress
 
 
 def raised_in_bores(

@@ -1,7 +1,7 @@
 """Pins whose fit is stated: where they press in the bores of a part is solved, not assumed.
 
 The range of clearances that a fit leaves is solved at its middle, which gives the value, and at
-both ends, which give the model band.
+both ends of the positions that decide, which give the model band.
 """
 
 from collections.abc import Mapping, Sequence
@@ -12,7 +12,7 @@ import numpy as np
 
 from checks.part.loaded_part import LoadedPart
 from fem.contact.bore import BoreHarmonics, bore_harmonics
-from fem.contact.cycle import ContactCycle, FittedPin, solve_contact
+from fem.contact.cycle import ContactCycle, FittedPin, PartContact
 from fem.contact.superposed import ContactSolutions, superposed
 from fem.unit_solutions import UnitSolutions
 from geometry.mesh import FloatArray, IntArray, Interface
@@ -93,34 +93,20 @@ class PinnedBores:
         """Waves of pressure in each bore; raises MeshError."""
         return [bore_harmonics(self.solutions, name) for name in self.fits]
 
-    def contact(
-        self, coefficients: FloatArray, clearances: Sequence[float] = CLEARANCES
-    ) -> "Contact":
-        """Solve the contact at some shares of the range of clearances.
+    def contact(self, coefficients: FloatArray) -> "Contact":
+        """Solve the contact at the middle of the range of clearances, at all positions.
 
         coefficients  (n_basis, n_positions) of `solutions`, with the assumed pressure in the bores
 
         Raises ContactError and MeshError.
         """
-        known = all(fit.least == fit.largest for fit in self.fits.values())
-        shares = (MIDDLE,) if known else tuple(clearances)
-        cycles = [
-            solve_contact(
-                self.harmonics,
-                coefficients,
-                {name: fit.pin(share) for name, fit in self.fits.items()},
-            )
-            for share in shares
-        ]
-        solutions, found, missed = superposed(self.harmonics, cycles)
-        which = {share: 0 if known else shares.index(share) for share in clearances}
-        return Contact(
-            self,
-            solutions,
-            {share: found[k] for share, k in which.items()},
-            {share: cycles[k] for share, k in which.items()},
-            missed,
-        )
+        cycle = self.problem(coefficients, MIDDLE).solve()
+        return Contact(self, *superposed(self.harmonics, cycle), cycle, coefficients)
+
+    def problem(self, coefficients: FloatArray, share: float) -> PartContact:
+        """The contact at a share of the range of clearances, not solved yet."""
+        pins = {name: fit.pin(share) for name, fit in self.fits.items()}
+        return PartContact(self.harmonics, coefficients, pins)
 
 
 def pinned_bores(solutions: UnitSolutions, fits: Mapping[str, Fit]) -> PinnedBores | None:
@@ -130,20 +116,69 @@ def pinned_bores(solutions: UnitSolutions, fits: Mapping[str, Fit]) -> PinnedBor
 
 @dataclass(frozen=True, eq=False)
 class Contact:
-    """Contact in the bores of one mesh over all positions.
+    """Contact in the bores of one mesh: over all positions at the middle of the clearances.
+
+    Other clearances of the range are solved at the positions that are asked for.
 
     pins          of the mesh
     solutions     unit loads with the waves of pressure of these bores
-    coefficients  share of the range of clearances -> (n_basis, n_positions) of `solutions`
-    cycles        share -> contact
+    coefficients  (n_basis, n_positions) of `solutions`
     missed        MPa, the largest pressure that is missed of a short wave
+    cycle         at all positions
+    assumed       (n_basis_without_waves, n_positions), with the assumed pressure
     """
 
     pins: PinnedBores
     solutions: ContactSolutions
-    coefficients: Mapping[float, FloatArray]
-    cycles: Mapping[float, ContactCycle]
+    coefficients: FloatArray
     missed: float
+    cycle: ContactCycle
+    assumed: FloatArray
+
+    @cached_property
+    def _problems(self) -> dict[float, PartContact]:
+        return {}
+
+    @cached_property
+    def _solved(self) -> dict[tuple[int, float], ContactCycle]:
+        return {}
+
+    @cached_property
+    def _one_clearance(self) -> bool:
+        return all(fit.least == fit.largest for fit in self.pins.fits.values())
+
+    def _is_middle(self, share: float) -> bool:
+        return share == MIDDLE or self._one_clearance
+
+    def at(self, position: int, share: float) -> ContactCycle:
+        """The contact at one position and a share of the range; raises ContactError."""
+        if self._is_middle(share):
+            return self.cycle.at(position)
+        if (position, share) not in self._solved:
+            if share not in self._problems:
+                self._problems[share] = self.pins.problem(self.assumed, share)
+            self._solved[position, share] = self._problems[share].solve([position])
+        return self._solved[position, share]
+
+    def state(self, position: int, share: float) -> FloatArray:
+        """Coefficients (n_basis,) of `solutions`; of short waves only at the middle."""
+        if self._is_middle(share):
+            return self.coefficients[:, position]
+        return self.solutions.state(self.at(position, share))[:, 0]
+
+    def short_waves_at(self, position: int, share: float) -> list[tuple[IntArray, FloatArray]]:
+        """Stress (n, 6), MPa, of short waves that the state lacks, at some surface points (n,)."""
+        if self._is_middle(share):
+            return []
+        bores = self.at(position, share).bores.values()
+        return [
+            (
+                bore.harmonics.points,
+                bore.harmonics.short_wave_stress
+                * bore.harmonics.short_waves(bore.hats, bore.forces),
+            )
+            for bore in bores
+        ]
 
     @cached_property
     def short_waves(self) -> IntArray:
@@ -153,5 +188,6 @@ class Contact:
 
     @property
     def residual(self) -> float:
-        """Largest miss of complementarity or of equilibrium over all positions, scaled."""
-        return max(max(one.not_complementary, one.unbalanced) for one in self.cycles.values())
+        """Largest miss of complementarity or of equilibrium of all that was solved, scaled."""
+        every = [self.cycle, *self._solved.values()]
+        return max(max(one.not_complementary, one.unbalanced) for one in every)

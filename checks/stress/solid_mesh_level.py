@@ -1,6 +1,6 @@
 """A part solved on one mesh: its stress history, peaks and fatigue, over all cycles of a design."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from checks.part.part_loads import PartLoads
 from checks.stress.kept_models import Models as Models
-from checks.stress.pins_in_bores import CLEARANCES, MIDDLE, Contact, PinnedBores
+from checks.stress.pins_in_bores import Contact, PinnedBores
 from checks.stress.place_words import depth_of
 from checks.stress.stress_result import Stressed, judge
 from fem.convergence import ORDER
@@ -235,22 +235,20 @@ def solve_level(
     duty: Mapping[str, float],
     notch_factors: Mapping[str, float] | None = None,
     pins: PinnedBores | None = None,
-    clearances: Sequence[float] = CLEARANCES,
 ) -> Level:
     """Superpose the cycle on solved unit loads; fatigue over the cycles of the duty.
 
     notch_factors  surface -> factor by which fatigue notch or fretting lowers the endurance limit
     pins           bores of `solutions` whose pins have a fit
-    clearances     shares of their range that are solved, the middle among them
 
     Raises ContactError and MeshError where pins have no contact.
     """
     coefficients, added = solutions.coefficients(
         loads.wrenches, loads.accelerations, loads.reaches, loads.tilt_held_at
     )
-    contact = None if pins is None else pins.contact(coefficients, clearances)
+    contact = None if pins is None else pins.contact(coefficients)
     if contact is not None:
-        solutions, coefficients = contact.solutions, contact.coefficients[MIDDLE]
+        solutions, coefficients = contact.solutions, contact.coefficients
     nodes = solutions.recovery.points
     history = StressHistory(nodes, solutions.mesh.nodes[nodes], solutions.basis, coefficients)
     limits = np.full(len(nodes), endurance_limit)

@@ -77,7 +77,7 @@ class CondensedContact:
             touching = np.ones(len(openings), dtype=bool)
         found = self._newton(openings, force, touching)
         if found is None:
-            found = self._primal(openings, force)
+            found = self._primal(openings, force, touching)
         return found
 
     def _equilibrium(
@@ -132,25 +132,16 @@ class CondensedContact:
             touching = following
         return None
 
-    def _primal(self, openings: FloatArray, force: FloatArray) -> "ContactState":
+    def _primal(
+        self, openings: FloatArray, force: FloatArray, touching: BoolArray
+    ) -> "ContactState":
         """Primal active set: every step balances the load and lowers the energy.
+
+        touching  (n,) to begin with
 
         Raises ContactError if no pressure balances the load.
         """
-        from scipy.optimize import nnls
-
-        size = np.abs(force).max() or 1.0
-        forces, missing = nnls(self.directions.T, force / size)
-        if missing > 1e-9:
-            raise ContactError(
-                f"no pressure balances the load: {missing:.1e} of it is left, as by a couple that "
-                "tips the pin out of its bore"
-            )
-        forces = forces * size
-        # forces that balance a load may be fewer than hold the pin across it
-        free = (forces > 0) | (self.directions @ force > 0)
-        if not forces.any():
-            free[:] = True
+        forces, free = self._balanced(force, touching)
         for step in range(1, 20 * len(forces)):
             solved = self._equilibrium(openings, force, free)
             if solved is None:
@@ -171,6 +162,33 @@ class CondensedContact:
                 return ContactState(self, openings, force, forces, motion, free, step)
             free[gaps.argmin()] = True
         raise ContactError("the patches that touch were not found")
+
+    def _balanced(self, force: FloatArray, touching: BoolArray) -> tuple[FloatArray, BoolArray]:
+        """Forces (n,) N that balance the load, and the patches (n,) that are free to press.
+
+        Of patches that touch by a guess where they can; else of any, which may be fewer than hold
+        the pin across the load. Raises ContactError if no pressure balances the load.
+        """
+        from scipy.optimize import nnls
+
+        size = np.abs(force).max() or 1.0
+        for among in (np.flatnonzero(touching), np.arange(len(touching))):
+            found, missing = nnls(self.directions[among].T, force / size)
+            if missing <= 1e-9:
+                break
+        else:
+            raise ContactError(
+                f"no pressure balances the load: {missing:.1e} of it is left, as by a couple that "
+                "tips the pin out of its bore"
+            )
+        forces = np.zeros(len(touching))
+        forces[among] = found * size
+        if len(among) < len(touching):
+            return forces, touching.copy()
+        free = (forces > 0) | (self.directions @ force > 0)
+        if not forces.any():
+            free[:] = True
+        return forces, free
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,21 +7,23 @@ makes stress of it.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
+import scipy.linalg
 
 from fem.contact.bore import BoreHarmonics
-from fem.contact.condensed import CondensedContact, ContactError
+from fem.contact.condensed import CondensedContact, ContactError, ContactState
 from fem.contact.hats import Hats, disc_flexibility
 from fem.contact.persson import persson_half_arc
-from fem.unit_solutions import UnitSolutions
-from geometry.mesh import BoolArray, FloatArray
+from geometry.mesh import BoolArray, FloatArray, IntArray
 
 _SMALL = 1e-9  # of the largest force: a bore that carries less carries nothing
 _HATS_IN_ARC = 24  # of Persson's arc at the largest force, at least
 _FEWEST, _MOST = 144, 720  # hats around a bore
+_FEW = 8  # hats that touched: fewer are no start for the next position alone
 
 
 @dataclass(frozen=True)
@@ -60,7 +62,7 @@ class BorePressure:
 
 @dataclass(frozen=True, eq=False)
 class ContactCycle:
-    """Contact of a part's bores over a cycle.
+    """Contact of a part's bores over a cycle, or at some of its positions.
 
     bores              name -> pressure
     others             (n_basis, n_positions) coefficients of the part's unit loads without the
@@ -75,6 +77,20 @@ class ContactCycle:
     not_complementary: float
     unbalanced: float
     steps: int
+
+    def at(self, position: int) -> "ContactCycle":
+        """One of its positions alone."""
+        one = slice(position, position + 1)
+        bores = {
+            name: replace(
+                bore,
+                forces=bore.forces[:, one],
+                pressures=bore.pressures[:, one],
+                arcs=bore.arcs[one],
+            )
+            for name, bore in self.bores.items()
+        }
+        return replace(self, bores=bores, others=self.others[:, one])
 
 
 class _Bore:
@@ -109,8 +125,17 @@ class _Bore:
         x, y = self.forces[:, position]
         if before is not None and before.any():
             turn = np.arctan2(y, x) - np.arctan2(*self.forces[::-1, position - 1])
-            return np.roll(before, round(turn / self.hats.widths[0]))
+            turned = np.roll(before, round(turn / self.hats.widths[0]))
+            if np.count_nonzero(turned) >= _FEW:
+                return turned
+            # a light force touched few hats, which may not hold a heavier one
+            return np.asarray(turned | self._about(position, _FEW / 2 * self.hats.widths[0]))
         half = max(self.half_arc(self.sizes[position]), 2 * self.hats.widths[0])
+        return self._about(position, half)
+
+    def _about(self, position: int, half: float) -> BoolArray:
+        """Hats up to some angle, rad, on both sides of the force."""
+        x, y = self.forces[:, position]
         away = np.cos(self.hats.angles - np.arctan2(y, x))
         return np.asarray(away >= np.cos(half) - 1e-12)
 
@@ -121,102 +146,137 @@ class _Bore:
         return np.asarray(self.hats.extents * interface.radius * interface.length)
 
 
-def solve_contact(
-    harmonics: Sequence[BoreHarmonics],
-    coefficients: FloatArray,
-    pins: Mapping[str, FittedPin],
-) -> ContactCycle:
-    """Solve the contact of pins in bores of one part at all positions.
+class PartContact:
+    """Contact of pins in bores of one part: its flexibility once, then any of its positions.
 
     harmonics     of the bores, of one part
     coefficients  (n_basis, n_positions) of the part's unit loads, with any pressure in the bores
     pins          bore -> its pin
 
-    Raises ContactError if a position has no solution or a pin floats at all of them, ValueError
-    without bores.
+    Raises ContactError if a pin floats at all positions, ValueError without bores.
     """
-    if not harmonics:
-        raise ValueError("contact needs at least one pin in a bore")
-    bores = [_Bore(one, pins[one.loads.interface.name], coefficients) for one in harmonics]
-    others = np.array(coefficients)
-    for bore in bores:
-        others[list(bore.columns.values())] = 0.0
-    forces, worst, steps = _solve_cycle(harmonics[0].solutions, bores, others)
-    limits = np.cumsum([0, *(len(b.hats.angles) for b in bores)])
-    pressures = {}
-    for bore, (low, high) in zip(bores, pairwise(limits), strict=True):
-        own = forces[low:high]
-        arcs = np.array([bore.hats.arc(column) for column in (own / bore.areas[:, None]).T])
-        pressures[bore.name] = BorePressure(
-            bore.harmonics, bore.hats, own, own / bore.areas[:, None], arcs
+
+    def __init__(
+        self,
+        harmonics: Sequence[BoreHarmonics],
+        coefficients: FloatArray,
+        pins: Mapping[str, FittedPin],
+    ) -> None:
+        if not harmonics:
+            raise ValueError("contact needs at least one pin in a bore")
+        self._part = harmonics[0].solutions
+        self._bores = [
+            _Bore(one, pins[one.loads.interface.name], coefficients) for one in harmonics
+        ]
+        self._others = np.array(coefficients)
+        for bore in self._bores:
+            self._others[list(bore.columns.values())] = 0.0
+        self._limits = np.cumsum([0, *(len(b.hats.angles) for b in self._bores)])
+        self._largest = max(float(bore.sizes.max(initial=0.0)) for bore in self._bores)
+        self._problems: dict[tuple[int, ...], tuple[CondensedContact, IntArray]] = {}
+
+    @cached_property
+    def _flexibility(self) -> FloatArray:
+        """Mean opening (all hats, all hats), mm/N, of each hat per force on each."""
+        blocks = [
+            [
+                a.harmonics.hat_flexibility(a.hats)
+                + disc_flexibility(
+                    a.hats,
+                    a.harmonics.loads.interface.length,
+                    a.pin.youngs_modulus,
+                    a.pin.poisson_ratio,
+                    strain=a.pin.strain,
+                )
+                if a is b
+                else a.waves @ a.harmonics.moved_by(b.harmonics.displacement) @ b.waves.T
+                for b in self._bores
+            ]
+            for a in self._bores
+        ]
+        flexibility = np.block(blocks)
+        return np.asarray((flexibility + flexibility.T) / 2)
+
+    def solve(self, positions: Sequence[int] | None = None) -> ContactCycle:
+        """Solve some positions in their order, each started from the one before; all by default.
+
+        Raises ContactError if a position has no solution.
+        """
+        chosen = range(self._others.shape[1]) if positions is None else positions
+        others = self._others[:, list(chosen)]
+        opened = np.concatenate(
+            [
+                bore.waves @ (bore.harmonics.moved_by(self._part.displacement) @ others)
+                + bore.pin.clearance / 2
+                for bore in self._bores
+            ]
         )
-    return ContactCycle(pressures, others, worst[0], worst[1], steps)
+        forces, complementary, unbalanced, steps = np.zeros(opened.shape), 0.0, 0.0, 0
+        before: list[BoolArray | None] = [None] * len(self._bores)
+        following = -1
+        for column, position in enumerate(chosen):
+            if position != following:  # what touched at another position is no start
+                before = [None] * len(self._bores)
+            following = position + 1
+            pressed = self._pressed(position)
+            if not pressed:
+                before = [None] * len(self._bores)
+                continue
+            problem, at = self._problem(pressed)
+            state = self._state(problem, pressed, opened[at, column], position, before)
+            forces[at, column] = state.forces
+            before = [forces[a:b, column] > 0 for a, b in pairwise(self._limits)]
+            complementary = max(complementary, state.not_complementary)
+            unbalanced = max(unbalanced, state.unbalanced)
+            steps += state.steps
+        bores = {}
+        for bore, (low, high) in zip(self._bores, pairwise(self._limits), strict=True):
+            own = forces[low:high]
+            pressures = own / bore.areas[:, None]
+            arcs = np.array([bore.hats.arc(column) for column in pressures.T])
+            bores[bore.name] = BorePressure(bore.harmonics, bore.hats, own, pressures, arcs)
+        return ContactCycle(bores, others, complementary, unbalanced, steps)
 
-
-def _solve_cycle(
-    part: UnitSolutions, bores: list[_Bore], others: FloatArray
-) -> tuple[FloatArray, tuple[float, float], int]:
-    """Forces (all hats, n_positions), worst complementarity and balance, and steps."""
-    blocks = [
-        [
-            a.harmonics.hat_flexibility(a.hats)
-            + disc_flexibility(
-                a.hats,
-                a.harmonics.loads.interface.length,
-                a.pin.youngs_modulus,
-                a.pin.poisson_ratio,
-                strain=a.pin.strain,
-            )
-            if a is b
-            else a.waves @ a.harmonics.moved_by(b.harmonics.displacement) @ b.waves.T
-            for b in bores
-        ]
-        for a in bores
-    ]
-    flexibility = np.block(blocks)
-    flexibility = (flexibility + flexibility.T) / 2
-    limits = np.cumsum([0, *(len(b.hats.angles) for b in bores)])
-    n = others.shape[1]
-    opened = np.concatenate(
-        [
-            bore.waves @ (bore.harmonics.moved_by(part.displacement) @ others)
-            + bore.pin.clearance / 2
-            for bore in bores
-        ]
-    )
-    found, complementary, unbalanced, steps = np.zeros((limits[-1], n)), 0.0, 0.0, 0
-    largest = max(float(bore.sizes.max(initial=0.0)) for bore in bores)
-    problems: dict[tuple[int, ...], tuple[CondensedContact, FloatArray]] = {}
-    before: list[BoolArray | None] = [None] * len(bores)
-    for position in range(n):
-        pressed = tuple(
+    def _pressed(self, position: int) -> tuple[int, ...]:
+        """Numbers of the bores that a force, or a pin larger than its bore, presses."""
+        return tuple(
             i
-            for i, bore in enumerate(bores)
-            if bore.sizes[position] > _SMALL * largest or bore.pin.clearance < 0
+            for i, bore in enumerate(self._bores)
+            if bore.sizes[position] > _SMALL * self._largest or bore.pin.clearance < 0
         )
-        if not pressed:
-            before = [None] * len(bores)
-            continue
-        if pressed not in problems:
+
+    def _problem(self, pressed: tuple[int, ...]) -> tuple[CondensedContact, IntArray]:
+        """The contact of some bores, and which of all hats are theirs."""
+        if pressed not in self._problems:
+            limits = self._limits
             at = np.concatenate([np.arange(limits[i], limits[i + 1]) for i in pressed])
-            arms = np.zeros((len(at), 2 * len(pressed)))
-            row = 0
-            for k, i in enumerate(pressed):
-                count = len(bores[i].hats.angles)
-                arms[row : row + count, 2 * k : 2 * k + 2] = bores[i].hats.directions
-                row += count
-            problems[pressed] = CondensedContact(flexibility[np.ix_(at, at)], arms), at
-        problem, at = problems[pressed]
-        load = np.concatenate([bores[i].forces[:, position] for i in pressed])
-        start = np.concatenate([bores[i].start(position, before[i]) for i in pressed])
+            arms = scipy.linalg.block_diag(*(self._bores[i].hats.directions for i in pressed))
+            problem = CondensedContact(self._flexibility[np.ix_(at, at)], arms)
+            self._problems[pressed] = problem, at
+        return self._problems[pressed]
+
+    def _state(
+        self,
+        problem: CondensedContact,
+        pressed: tuple[int, ...],
+        opened: FloatArray,
+        position: int,
+        before: Sequence[BoolArray | None],
+    ) -> ContactState:
+        load = np.concatenate([self._bores[i].forces[:, position] for i in pressed])
+        start = np.concatenate([self._bores[i].start(position, before[i]) for i in pressed])
         try:
-            state = problem.solve(opened[at, position], load, start)
+            return problem.solve(opened, load, start)
         except ContactError as error:
-            names = ", ".join(bores[i].name for i in pressed)
-            raise ContactError(f"{names}, position {position + 1} of {n}: {error}") from error
-        found[at, position] = state.forces
-        before = [found[low:high, position] > 0 for low, high in pairwise(limits)]
-        complementary = max(complementary, state.not_complementary)
-        unbalanced = max(unbalanced, state.unbalanced)
-        steps += state.steps
-    return found, (complementary, unbalanced), steps
+            names = ", ".join(self._bores[i].name for i in pressed)
+            count = self._others.shape[1]
+            raise ContactError(f"{names}, position {position + 1} of {count}: {error}") from error
+
+
+def solve_contact(
+    harmonics: Sequence[BoreHarmonics],
+    coefficients: FloatArray,
+    pins: Mapping[str, FittedPin],
+) -> ContactCycle:
+    """Solve the contact of pins in bores of one part at all positions, as `PartContact` says."""
+    return PartContact(harmonics, coefficients, pins).solve()

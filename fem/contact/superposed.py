@@ -90,71 +90,77 @@ class ContactSolutions(UnitSolutions):
         of: UnitSolutions = self.__dict__["_of"]
         return of.solve(loads)
 
+    def state(self, cycle: ContactCycle) -> FloatArray:
+        """Coefficients (n_basis, n_positions) of a contact of these bores, short waves left out."""
+        harmonics, patterns = self.__dict__["_added"]
+        count = cycle.others.shape[1]
+        return _coefficients(
+            harmonics, cycle, [np.zeros((one.shape[1], count)) for one in patterns]
+        )
+
 
 def superposed(
-    harmonics: Sequence[BoreHarmonics], cycles: Sequence[ContactCycle], patterns: int = PATTERNS
-) -> tuple[ContactSolutions, list[FloatArray], float]:
-    """Superpose the contact of some cycles of one part on one set of unit loads.
+    harmonics: Sequence[BoreHarmonics], cycle: ContactCycle, patterns: int = PATTERNS
+) -> tuple[ContactSolutions, FloatArray, float]:
+    """Superpose the contact of a part over a cycle.
 
     patterns  of short waves of all bores, at most; forces that turn all around need many of them
 
-    Returns the unit loads, the coefficients (n_basis, n_positions) of each cycle, and the largest
-    pressure that is missed of a short wave, MPa.
+    Returns the unit loads, the coefficients (n_basis, n_positions), and the largest pressure that
+    is missed of a short wave, MPa.
     """
     own: list[FloatArray] = []
-    amounts: list[list[FloatArray]] = []
+    amounts: list[FloatArray] = []
     missed = 0.0
     for bore in harmonics:
-        found = [cycle.bores[bore.loads.interface.name] for cycle in cycles]
-        largest = max(float(one.pressures.max(initial=0.0)) for one in found)
-        short, shares = [], []
-        for one in found:  # forces of few hats are the sum of fewer shapes than there are positions
-            shapes, sizes, share = np.linalg.svd(one.forces, full_matrices=False)
-            count = int(np.count_nonzero(sizes > _ROUND_OFF * sizes[0]))
-            short.append(bore.short_waves(one.hats, shapes[:, :count] * sizes[:count]))
-            shares.append(share[:count])
+        found = cycle.bores[bore.loads.interface.name]
+        # forces of few hats are the sum of fewer shapes than there are positions
+        shapes, sizes, share = np.linalg.svd(found.forces, full_matrices=False)
+        count = int(np.count_nonzero(sizes > _ROUND_OFF * sizes[0]))
         kept, amount, left = _reduced(
-            np.concatenate(short, axis=1), shares, LEFT * largest, patterns // len(harmonics)
+            bore.short_waves(found.hats, shapes[:, :count] * sizes[:count]),
+            share[:count],
+            LEFT * float(found.pressures.max(initial=0.0)),
+            patterns // len(harmonics),
         )
         own.append(kept)
         amounts.append(amount)
         missed = max(missed, left)
     solutions = ContactSolutions(harmonics[0].solutions, harmonics, own)
+    return solutions, _coefficients(harmonics, cycle, amounts), missed
+
+
+def _coefficients(
+    harmonics: Sequence[BoreHarmonics], cycle: ContactCycle, amounts: Sequence[FloatArray]
+) -> FloatArray:
+    """Coefficients (n_basis, n_positions), of the patterns of each bore by their amounts."""
     bores = {one.loads.interface.name: k for k, one in enumerate(harmonics)}
-    every = []
-    for number, cycle in enumerate(cycles):
-        rows, first = [], 0
-        for unit in harmonics[0].solutions.interfaces:
-            name = unit.interface.name
-            rows.append(cycle.others[first : first + len(unit.names)])
-            first += len(unit.names)
-            if name in bores:
-                pressed = cycle.bores[name]
-                waves = harmonics[bores[name]].waves(pressed.hats)
-                rows += [waves.T @ pressed.forces, amounts[bores[name]][number]]
-        every.append(np.concatenate([*rows, cycle.others[first:]]))
-    return solutions, every, missed
+    rows, first = [], 0
+    for unit in harmonics[0].solutions.interfaces:
+        name = unit.interface.name
+        rows.append(cycle.others[first : first + len(unit.names)])
+        first += len(unit.names)
+        if name in bores:
+            pressed = cycle.bores[name]
+            waves = harmonics[bores[name]].waves(pressed.hats)
+            rows += [waves.T @ pressed.forces, amounts[bores[name]]]
+    return np.concatenate([*rows, cycle.others[first:]])
 
 
 def _reduced(
-    pressures: FloatArray, shares: Sequence[FloatArray], enough: float, most: int
-) -> tuple[FloatArray, list[FloatArray], float]:
-    """Patterns (n, k), their amounts (k, m) in each cycle, and the largest pressure they miss.
+    pressures: FloatArray, share: FloatArray, enough: float, most: int
+) -> tuple[FloatArray, FloatArray, float]:
+    """Patterns (n, k), their amounts (k, m), and the largest pressure that they miss.
 
-    pressures  (n, r) of which each cycle has its columns, as many as its shares (r_cycle, m) rows
+    pressures  (n, r), of which each position has its share (r, m)
     """
     shapes, sizes, parts = np.linalg.svd(pressures, full_matrices=False)
-    ends = np.cumsum([len(share) for share in shares])[:-1]
-    of_cycles = np.split(sizes[:, None] * parts, ends, axis=1)
-    amounts = [part @ share for part, share in zip(of_cycles, shares, strict=True)]
-    missed = [
-        part @ share for part, share in zip(np.split(pressures, ends, axis=1), shares, strict=True)
-    ]
+    amounts = sizes[:, None] * parts @ share
+    missed = pressures @ share
     kept = 0
     while True:
-        left = max(float(np.abs(one).max(initial=0.0)) for one in missed)
+        left = float(np.abs(missed).max(initial=0.0))
         if left <= enough or kept == min(most, len(sizes)):
-            return shapes[:, :kept], [amount[:kept] for amount in amounts], left
-        for one, amount in zip(missed, amounts, strict=True):
-            one -= np.outer(shapes[:, kept], amount[kept])
+            return shapes[:, :kept], amounts[:kept], left
+        missed -= np.outer(shapes[:, kept], amounts[kept])
         kept += 1

@@ -129,7 +129,7 @@ def test_contact_is_a_validity_check_and_is_told(loose):
     level = levels[-1]
     worse = replace(
         level.contact,
-        cycles={MIDDLE: replace(level.contact.cycles[MIDDLE], not_complementary=1e-5)},
+        cycle=replace(level.contact.cycle, not_complementary=1e-5),
     )
     broken = [*levels[:-1], replace(level, contact=worse)]
     gates = {gate.name: gate for gate in gates_of(loaded, broken, properties)}
@@ -226,5 +226,5 @@ def test_a_force_and_its_opposite_reach_the_mesh_exactly(tmp_path):
     assert levels[-1].load_residual(loads) < 1e-9
     assert levels[-1].reaction_residual(loads) < 1e-9
     contact = levels[-1].contact
-    arcs = contact.cycles[MIDDLE].bores["second"].arcs
+    arcs = contact.cycle.bores["second"].arcs
     assert arcs[1] < arcs[0]  # half the force

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 
 from fem.contact.bore import bore_harmonics
 from fem.contact.condensed import ALLOWED, ContactError
-from fem.contact.cycle import FittedPin, solve_contact
+from fem.contact.cycle import FittedPin, PartContact, solve_contact
 from fem.contact.superposed import PATTERNS, superposed
 from fem.stress_history import StressHistory
 from fem.unit_solutions import Elastic, solve_unit_loads
@@ -46,7 +46,7 @@ def contact(part, coefficients, pins):
     """The contact, its stress, and the pressure that its patterns miss."""
     bores = [bore_harmonics(part, name) for name in pins]
     cycle = solve_contact(bores, coefficients, pins)
-    solutions, (own,), missed = superposed(bores, [cycle])
+    solutions, own, missed = superposed(bores, cycle)
     points = part.recovery.points
     stress = StressHistory(points, part.mesh.nodes[points], solutions.basis, own)
     return cycle, stress, missed
@@ -134,6 +134,31 @@ def test_a_cycle_is_solved_as_its_positions_one_by_one(link):
         peak = np.abs(own.at(0)).max()
         assert_allclose(stress.at(position), own.at(0), atol=3e-4 * peak)
     assert_allclose(stress.at(7), 0.0, atol=3e-4 * np.abs(stress.at(0)).max())
+    some = PartContact([bore.harmonics], coefficients, neat(0.005)).solve([13, 3])
+    every = cycle.bores["second"].forces
+    assert_allclose(some.bores["second"].forces, every[:, [13, 3]], atol=1e-9 * every.max())
+
+
+def test_few_hats_that_a_light_force_touched_are_a_start_for_a_heavy_one(link):
+    """A loose pin touches three hats at a thousandth of the force: Newton finds the rest."""
+    coefficients = pulled(link, np.array([0.0, 0.3]), FORCE * np.array([1e-3, 1.0]))
+    cycle, _, _ = contact(link, coefficients, neat(0.1))
+    touched = np.count_nonzero(cycle.bores["second"].forces, axis=0)
+    assert touched[0] < 8 < 2 * touched[0] + 8 < touched[1]
+    assert cycle.steps < 20
+
+
+def test_forces_that_begin_on_what_touches_by_a_guess_end_where_all_others_do(link):
+    bores = [bore_harmonics(link, "second")]
+    coefficients = pulled(link, np.zeros(1), np.full(1, FORCE))
+    problem, at = PartContact(bores, coefficients, neat(0.02))._problem((0,))
+    opened, force = np.full(len(at), 0.01), FORCE * np.array([1.0, 0.0])
+    found = problem.solve(opened, force)
+    begun = problem._primal(opened, force, np.roll(found.touching, 2) | found.touching)
+    far = problem._primal(opened, force, np.ones(len(at), dtype=bool))
+    assert_allclose(begun.forces, found.forces, atol=1e-9 * found.forces.max())
+    assert_allclose(far.forces, found.forces, atol=1e-9 * found.forces.max())
+    assert begun.steps < far.steps / 2
 
 
 def test_two_bores_press_at_once(link):
