@@ -52,11 +52,15 @@ def of_buckling(proportions: Mapping[str, float]) -> dict[str, float]:
     """The proportions that a buckling load depends on: loads over the largest that can buckle.
 
     A pull buckles nothing, however large it is beside them. A part that is only pulled has none.
+    The arc of contact is none of them: every model buckles under resultants, or the half circle's
+    pressure.
     """
     shares = {name: one for name, one in proportions.items() if name.startswith(SHARE)}
     shares.pop(PULLED, None)
     largest = max(shares.values(), default=0.0)
-    shape = {name: one for name, one in proportions.items() if not name.startswith(SHARE)}
+    shape = {
+        name: one for name, one in proportions.items() if not name.startswith(SHARE) and name != ARC
+    }
     return shape | {name: one / largest for name, one in shares.items() if largest}
 
 
