@@ -183,7 +183,13 @@ def test_the_damage_sum_of_the_guideline_falls_with_the_length_of_the_spectrum()
 
 def duties(most_mean=500.0):
     one = st.tuples(st.floats(0.0, 900.0), st.floats(-500.0, most_mean), st.floats(0.0, 1e9))
-    return st.lists(one, min_size=1, max_size=5).map(lambda rows: cycles(*np.array(rows).T))
+
+    def rows(values):
+        values = np.array(values)
+        values[np.abs(values) < 1e-100] = 0.0  # products of such numbers carry no digits
+        return cycles(*values.T)
+
+    return st.lists(one, min_size=1, max_size=5).map(rows)
 
 
 @given(duties(), st.sampled_from(VARIANTS), st.sampled_from(RULES), st.floats(0.0, 300.0))
