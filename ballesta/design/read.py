@@ -28,7 +28,7 @@ from ballesta.design.overrides import (
 from ballesta.design.parts import materials_of, parts_of
 from ballesta.design.problems import tell_problems
 from ballesta.design.step_parts import told_of_steps
-from checks.design.data import Cycle, Design, StatedMass
+from checks.design.data import Cycle, Design, Part, StatedMass
 from checks.design.errors import Problems
 from checks.design.model import DesignFile
 from checks.design.names import nearest, no_such
@@ -106,7 +106,10 @@ def _assembled(
             )
     problems.raise_if_any()
     by_key: dict[str, str | None] = {**dict(_defaults(model, "")), **dict(strength_defaults(model))}
-    defaults = [(key, value) for key, value in by_key.items() if value is not None]
+    unused = {f"parts.{name}.bearing_arc" for name, part in parts.items() if _is_fitted(part)}
+    defaults = [
+        (key, value) for key, value in by_key.items() if value is not None and key not in unused
+    ]
     for name, force in forces.items():
         ends = force.coordinate
         if isinstance(ends, loads.Distance) and model.forces[name].on is None:
@@ -222,6 +225,14 @@ def _assumed_stops(model: DesignFile) -> Iterator[tuple[str, str]]:
         key = f"cycles.{name}.stop"
         if cycle.stop is not None and cycle.stop.basis == "assumed" and key not in model.assumed:
             yield key, "nothing mechanical ends the travel there"
+
+
+def _is_fitted(part: Part) -> bool:
+    """True if the fit of every pin in a part's bores is stated, so that no arc is assumed."""
+    if not part.clearances:
+        return False
+    round_ones = [f for f in part.geometry.placed_interfaces if f.kind in ("bore", "journal")]
+    return all(face.name in part.clearances for face in round_ones)
 
 
 def _defaults(table: BaseModel, key: str) -> Iterator[tuple[str, str]]:

@@ -134,6 +134,7 @@ class Part:
     beside: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     # bore -> least and largest clearance of its pin, mm on diameter, where the file states its fit
     clearances: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    fit_assumed: str = ""  # where `clearances` are from if the file states no fit, in words
 
 
 @dataclass(frozen=True)

@@ -165,7 +165,8 @@ class PartEntry(Table):
         "90 deg",
         validate_default=True,
         description="narrowest arc on which a pin may press; the model band runs to 180 deg; "
-        "where it is not stated 7 % further in bores",
+        "where it is not stated 7 % further in bores, and contact up to H7/f7 decides what stays "
+        "open",
     )
     reliability: Fraction = Field(
         "99 %",

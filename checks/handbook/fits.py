@@ -28,6 +28,7 @@ _DEVIATIONS = {  # um below the nominal diameter of a pin, above that of a bore
     "g": (2, 4, 5, 6, 7, 9, 10, 12, 14, 15, 17, 18, 20),
     "h": (0,) * 13,
 }
+DEFAULT = "H7/f7"  # of a pin that turns in its bore, where a design states no fit
 _CODE = re.compile(r"\s*([A-Z]+)(\d+)\s*/\s*([a-z]+)(\d+)\s*")
 
 

@@ -165,7 +165,7 @@ def assumed_of(loaded: LoadedPart, level: Level) -> list[str]:
     """Assumptions of the model, in words."""
     said = []
     if level.contact is not None:
-        said += _contact_words(level.contact)
+        said += _contact_words(level.contact, loaded.part.fit_assumed)
     if has_bearings(level.solutions, level.solved_bores):
         said.append(
             f"{'other pins' if level.contact else 'pins'} press with a cosine pressure, even along "
@@ -195,11 +195,12 @@ def assumed_of(loaded: LoadedPart, level: Level) -> list[str]:
     return said
 
 
-def _contact_words(contact: Contact) -> list[str]:
-    """Assumptions of the contact of pins whose fit is stated, in words."""
+def _contact_words(contact: Contact, assumed: str) -> list[str]:
+    """Assumptions of the contact of pins, in words, with where the clearances are from."""
+    by = f" ({assumed})" if assumed else ""
     return [
-        f"{name}: {fit.material} with {fit.least:.4g} to {fit.largest:.4g} mm of clearance presses "
-        "where contact without friction says, even along its length; the value is that of "
+        f"{name}: {fit.material} with {fit.least:.4g} to {fit.largest:.4g} mm of clearance{by} "
+        "presses where contact without friction says, even along its length; the value is that of "
         "the middle, the model band reaches to both ends"
         + ("; both cheeks carry the same share" if _cheeks(contact, name) else "")
         for name, fit in contact.pins.fits.items()

@@ -1,4 +1,4 @@
-"""Clearances of pins with which an open check would pass: by contact, where no fit is stated."""
+"""Contact of pins whose fit is not stated: by an assumed one, and clearances that would pass."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -6,6 +6,7 @@ from math import isfinite
 
 import numpy as np
 
+from checks.handbook.fits import DEFAULT, clearances_of
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check, Status
@@ -17,10 +18,58 @@ from checks.stress.pins_in_bores import MIDDLE, PinnedBores, widest_fits
 from checks.stress.solid_mesh_level import Level, solve_level
 from fem.contact.condensed import ContactError
 from fem.direct import has_bearings
-from geometry.mesh import MeshError
+from geometry.mesh import Interface, MeshError
 
 _TRIED = (0.0, MIDDLE, 1.0)  # of the widest clearance
 _POSITIONS = 40  # of each cycle, besides those that decide under assumed pressures
+
+
+def with_assumed_fits(
+    loaded: LoadedPart, level: Level, checks: Sequence[Check]
+) -> LoadedPart | None:
+    """The part with clearances in all its bores, where assumed arcs leave a check open.
+
+    From none to those of the default fit: so a part passes if it does with that fit, and fails only
+    if it does without clearance, too. None where no check is open, another one fails, the design
+    states an arc or a fit, or contact cannot decide.
+    """
+    part = loaded.part
+    fails = any(check.status is Status.FAIL for check in checks)
+    if fails or part.arc_stated or not any(_is_open(check) for check in checks):
+        return None
+    bores = _bores_of_contact(loaded, level)
+    try:
+        largest = {bore.name: clearances_of(DEFAULT, 2 * bore.radius)[1] for bore in bores}
+    except ValueError:  # larger than the standard's table
+        return None
+    if not largest:
+        return None
+    clearances = {name: (0.0, most) for name, most in largest.items()}
+    said = f"{DEFAULT} or closer ASSUMED: the design states no fit"
+    return replace(loaded, part=replace(part, clearances=clearances, fit_assumed=said))
+
+
+def _is_open(check: Check) -> bool:
+    """True of a solid's stress check that stays open."""
+    return (
+        check.kind in ("static", "fatigue")
+        and check.method.startswith("solid")
+        and check.status is Status.UNDECIDED
+        and isfinite(check.numerical)
+    )
+
+
+def _bores_of_contact(loaded: LoadedPart, level: Level) -> list[Interface]:
+    """Bores whose pins have no stated fit and can be solved: all of a part, or none.
+
+    None where a fit is stated, another bearing, such as a journal, keeps its arcs, or sharp edges
+    are judged apart.
+    """
+    bores = [u.interface for u in level.solutions.interfaces if u.interface.kind == "bore"]
+    names = [bore.name for bore in bores]
+    if loaded.part.clearances or len(level.edges[0]) or has_bearings(level.solutions, names):
+        return []
+    return bores if level.history.coefficients.any() else []
 
 
 def clearances_that_pass(
@@ -28,25 +77,21 @@ def clearances_that_pass(
 ) -> dict[str, float]:
     """The largest clearance, mm, up to which each open check passes by contact, by fact and bore.
 
-    Contact is solved on the level's own factor at some of the positions. The band of the arcs then
-    falls; the numerical bar and the bar of the loads stay as they are. Nothing where a pin floats,
-    another bearing, such as a journal, keeps its arcs, or sharp edges are judged apart.
+    level  under assumed pressures
+
+    Contact is solved on the level's own factor at some of the positions. The band of arcs, or of
+    the default fit, then falls; the numerical bar and the bar of the loads stay as they are.
     """
-    bores = [u.interface for u in level.solutions.interfaces if u.interface.kind == "bore"]
-    names = [bore.name for bore in bores]
     open_ones = [
         (what, check)
         for what in judged
         for check in checks
         if check.kind == ("static" if isinstance(what, StaticPeak) else "fatigue")
-        and check.method.startswith("solid")
-        and check.status is Status.UNDECIDED
+        and _is_open(check)
         and not check.settled_by_mesh
-        and isfinite(check.numerical)
     ]
-    if not open_ones or not bores or loaded.part.clearances or len(level.edges[0]):
-        return {}
-    if has_bearings(level.solutions, names) or not level.history.coefficients.any():
+    bores = _bores_of_contact(loaded, level) if open_ones else []
+    if not bores:
         return {}
     part, duty = loaded.part, loaded.duty.cycles
     fits = widest_fits(loaded, bores)

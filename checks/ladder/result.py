@@ -18,6 +18,7 @@ from checks.ladder.solid import RESCALED, Asked, Say, check_solid, first_level, 
 from checks.models.checked import BALANCE, BUCKLING, FATIGUE, STATIC
 from checks.models.estimate import Estimate
 from checks.result.verdict import NOT_MESHED, Check, Gate, PartResult, RungTried, Status, Surface
+from checks.result.ways import mesh_that_settles
 from checks.strength.fatigue_facts import fatigue_facts
 from checks.strength.load_doubts import load_bars
 from checks.strength.part_strength import endurance_of, life_task
@@ -127,11 +128,13 @@ def solid_result(
     loaded = climb.loaded
     start = perf_counter()
     kinds = frozenset(climb.asked if everything else climb.open)
+    enough, settling = _by_verdict(climb, models)
     asked = Asked(kinds | frozenset([STATIC, FATIGUE, BUCKLING])) if everything else Asked(
         kinds,
         modes=False,
         first=first_of(loaded.accuracy, kinds),
-        enough=_enough(climb, models),
+        enough=enough,
+        settling=settling,
         deadline=deadline,
     )  # fmt: skip
     if pinned is not None:
@@ -168,7 +171,10 @@ def _buckling_doubted(climb: Climb, check: Check) -> Check:
     return with_derivation(widened, check.derivation)
 
 
-def _enough(climb: Climb, models: Models) -> Callable[[Sequence[Check]], str]:
+def _by_verdict(
+    climb: Climb, models: Models
+) -> tuple[Callable[[Sequence[Check]], str], Callable[[Sequence[Check], float], float]]:
+    """Why no finer mesh is needed, and what a finer one must leave of the bars, by checks."""
     band = leaf_band(
         climb.loaded,
         lambda loads: first_level(climb.loaded.under(loads), models),
@@ -183,7 +189,15 @@ def _enough(climb: Climb, models: Models) -> Callable[[Sequence[Check]], str]:
             return "settled: no finer mesh changes the verdict"
         return ""
 
-    return enough
+    def settling(checks: Sequence[Check], unknowns: float) -> float:
+        left = 1.0
+        for check in map(band, checks):
+            share, more = mesh_that_settles(check)
+            if share and unknowns * more <= climb.part.most_unknowns:
+                left = min(left, share * check.value / check.numerical)
+        return left
+
+    return enough, settling
 
 
 def _merged(

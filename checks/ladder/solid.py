@@ -19,7 +19,7 @@ from checks.ladder.hand_calculations import hand_checks
 from checks.ladder.part_facts import assumed_of, contact_facts, facts_of, gates_of, mesh_row
 from checks.ladder.part_fields import solid_fields
 from checks.ladder.part_vibration import frequency_facts
-from checks.ladder.passing_fits import clearances_that_pass
+from checks.ladder.passing_fits import clearances_that_pass, with_assumed_fits
 from checks.models.stress_words import fatigue_words, static_words
 from checks.part.loaded_part import FIRST as FIRST
 from checks.part.loaded_part import LoadedPart
@@ -31,7 +31,7 @@ from checks.strength.fatigue_facts import fatigue_facts
 from checks.strength.load_doubts import LoadBars, load_bars
 from checks.strength.part_strength import elastic_of, endurance_of, fatigue_use, life_task
 from checks.strength.sampling import fatigue_rise, static_rise, with_sampling
-from checks.stress.cost import judging_seconds
+from checks.stress.cost import check_seconds, judging_seconds
 from checks.stress.error_bars import Bars, Judged, StaticPeak, bars_of, mesh_bar
 from checks.stress.pins_in_bores import fits_of, pinned_bores
 from checks.stress.solid_mesh_level import Level, Models, solve_level
@@ -69,6 +69,11 @@ _LEAST_STEP = 1.15  # elements that decide must become smaller by this, or a mes
 Say = Callable[[str], None]
 
 
+def none_settles(_checks: Sequence[Check], _unknowns: float) -> float:
+    """Share of the bars left where no mesh is asked for but for the accuracy: 1."""
+    return 1.0
+
+
 @dataclass(frozen=True)
 class Asked:
     """Questions that a solid is solved for.
@@ -77,6 +82,8 @@ class Asked:
     modes      True if its frequencies, and a buckling mode to look at, are wanted too
     first      fineness of the first mesh; after a coarse one the accuracy alone is not enough
     enough     says of the checks on the meshes so far why no finer one is needed; "" if one is
+    settling   share of the numerical bars left, on a mesh finer than one of some unknowns, with
+               which what of the checks is open would be settled; 1 where no mesh does
     deadline   on the clock of `perf_counter`: no mesh is begun that is expected to end later
     live       whether a page will show the fields at every position
     """
@@ -85,6 +92,7 @@ class Asked:
     modes: bool = True
     first: float = FIRST
     enough: Callable[[Sequence[Check]], str] = lambda _: ""
+    settling: Callable[[Sequence[Check], float], float] = none_settles
     deadline: float = inf
     live: bool = False
 
@@ -115,44 +123,30 @@ def check_solid(
     sideways. Raises MeshError and SolverError.
     """
     part, loads = loaded.part, loaded.loads
-    static = StaticPeak(loads)
-    use = fatigue_use(loaded)
+    static, use = StaticPeak(loads), fatigue_use(loaded)
     both: list[Judged] = [static] if use is None else [static, use]
     judged = [what for what in both if (what is static and "static" in asked.kinds)
               or (what is use and "fatigue" in asked.kinds)]  # fmt: skip
 
-    doubts: list[LoadBars] = []
-
-    def widened(levels: Sequence[Level]) -> LoadBars:
-        if not doubts:
-            doubts.append(load_bars(loads, _values(loaded, levels[0])))
-        return doubts[0]
-
-    def enough(levels: Sequence[Level]) -> str:
-        checks = _stress_checks(loaded, levels, judged, widened(levels))
-        return asked.enough(checks) or known_at_edges(loaded, levels, judged, checks)
-
-    limit = endurance_of(part).value
-    levels, sizes, stopped = solve_levels(loaded, models, judged, limit, say, asked, enough)
-    finest = levels[-1]
-    expect("judging, buckling, fields", judging_seconds(finest.unknowns))
-    by_hand = hand_checks(part, loads, finest)
-    # buckling alone is asked of one mesh, on which a stress has no error bar
-    stressed = _stress_checks(
-        loaded, levels, both if len(levels) > 1 else judged, widened(levels), by_hand
-    )
-    if stopped:
-        stressed = [
-            replace(check, note=f"{check.note}; {stopped}")
-            if check.numerical - check.sampling > loaded.accuracy * check.value
-            else check
-            for check in stressed
-        ]
-    arcs = _arcs_that_pass(loaded, levels, both, stressed, widened(levels))
-    arcs |= clearances_that_pass(loaded, finest, both, stressed)
+    once = replace(asked, settling=none_settles)
+    solved = by_arcs = _solved(loaded, models, both, judged, say, once)
+    fitted = with_assumed_fits(loaded, by_arcs.finest, by_arcs.checks)
+    if fitted is not None:
+        say(f"{part.name}: contact of its pins")
+        try:
+            solved = _solved(fitted, models, both, judged, say, asked, by_arcs)
+            loaded = fitted
+        except (ContactError, MeshError):
+            pass  # as where no contact is asked for: arcs, and their band, are told
+    if solved is by_arcs and any(check.settled_by_mesh for check in by_arcs.checks):
+        solved = _solved(loaded, models, both, judged, say, asked, by_arcs)
+    levels, finest = solved.levels, solved.finest
+    stressed, by_hand = list(solved.checks), list(solved.by_hand)
+    arcs = _arcs_that_pass(loaded, levels, both, stressed, solved.doubts)
+    arcs |= clearances_that_pass(by_arcs.loaded, by_arcs.finest, both, stressed)
     buckled = _Buckled()
     if "buckling" in asked.kinds:
-        buckled = _judge_buckling(loaded, models, levels, sizes)
+        buckled = _judge_buckling(by_arcs.loaded, models, levels, solved.sizes)
     assumed = assumed_of(loaded, finest)
     if finest.half:
         assumed.append(MEANING)
@@ -178,6 +172,90 @@ def check_solid(
         mode=buckled.mode,
         live=solid_fields(loads, finest, use) if asked.live else None,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _Solved:
+    """A part on its meshes, and its stress checks on the last of them.
+
+    sizes    of the elements of the last mesh; None where it is the first
+    stopped  why the accuracy was not reached, or no more was asked for
+    doubts   bars of its loads
+    """
+
+    loaded: LoadedPart
+    levels: Sequence[Level]
+    sizes: SizeField | None
+    stopped: str
+    doubts: LoadBars
+    by_hand: Sequence[HandCheck]
+    checks: Sequence[Check]
+
+    @property
+    def finest(self) -> Level:
+        """The last mesh."""
+        return self.levels[-1]
+
+
+def _solved(
+    loaded: LoadedPart,
+    models: Models,
+    both: Sequence[Judged],
+    judged: Sequence[Judged],
+    say: Say,
+    asked: Asked,
+    before: _Solved | None = None,
+) -> _Solved:
+    """Solve a part on meshes as fine as is asked for, and judge its stress.
+
+    both    the stresses that a check is made of; judged: those that meshes are refined for
+    before  the same part, or it with other fits, on the first meshes
+    """
+    doubts: list[LoadBars] = [] if before is None else [before.doubts]
+
+    def widened(levels: Sequence[Level]) -> LoadBars:
+        if not doubts:
+            doubts.append(load_bars(loaded.loads, _values(loaded, levels[0])))
+        return doubts[0]
+
+    known: dict[int, list[Check]] = {}
+
+    def checks_of(levels: Sequence[Level]) -> list[Check]:
+        if len(levels) not in known:
+            known[len(levels)] = _stress_checks(loaded, levels, judged, widened(levels))
+        return known[len(levels)]
+
+    def enough(levels: Sequence[Level]) -> str:
+        checks = checks_of(levels)
+        return asked.enough(checks) or known_at_edges(loaded, levels, judged, checks)
+
+    def accuracy(levels: Sequence[Level]) -> float:
+        left = asked.settling(checks_of(levels), levels[-1].unknowns)
+        return left * max(mesh_bar(what, levels) for what in judged)
+
+    limit = endurance_of(loaded.part).value
+    begun = [] if before is None else list(before.levels)
+    if before is not None and before.loaded is not loaded:
+        begun = [_level(loaded, _assumed_pressure(one)[0], one.fineness, limit) for one in begun]
+    levels, sizes, stopped = solve_levels(
+        loaded, models, judged, limit, say, asked, enough, accuracy, begun,
+        None if before is None else before.sizes,
+    )  # fmt: skip
+    finest = levels[-1]
+    expect("judging, buckling, fields", judging_seconds(finest.unknowns))
+    by_hand = hand_checks(loaded.part, loaded.loads, finest)
+    # buckling alone is asked of one mesh, on which a stress has no error bar
+    stressed = _stress_checks(
+        loaded, levels, both if len(levels) > 1 else judged, widened(levels), by_hand
+    )
+    if stopped:
+        stressed = [
+            replace(check, note=f"{check.note}; {stopped}")
+            if check.numerical - check.sampling > loaded.accuracy * check.value
+            else check
+            for check in stressed
+        ]
+    return _Solved(loaded, levels, sizes, stopped, widened(levels), by_hand, stressed)
 
 
 def _stress_checks(
@@ -260,20 +338,23 @@ def _arcs_that_pass(
 
 
 def _values(loaded: LoadedPart, level: Level) -> Callable[[PartLoads], Mapping[str, float]]:
-    """A function for the stress checks' values on one mesh under other loads, by kind."""
+    """A function for the stress checks' values on one mesh under other loads, by kind.
+
+    Only their ratios count: pressures are the assumed ones, whose stress grows with the force.
+    Contact's grows less.
+    """
     part = loaded.part
+    solutions, _ = _assumed_pressure(level)
 
     def values_of(loads: PartLoads) -> Mapping[str, float]:
-        pins = None if level.contact is None else level.contact.pins
         other = solve_level(
-            level.solutions if pins is None else pins.solutions,
+            solutions,
             level.fineness,
             loads,
             endurance_of(part).value,
             part.material.ultimate_stress,
             loaded.duty.cycles,
             part.geometry.notch_factors,
-            pins,
         )
         values = {"static": other.peak.value}
         use = fatigue_use(loaded.under(loads))
@@ -306,10 +387,12 @@ def _judge_buckling(
 ) -> _Buckled:
     """Ask the whole solid for its lowest factor; of finer halves a whole one where it decides.
 
+    Where pins press in their bores does not matter to it: pressures are the assumed ones.
+
     sizes  of the elements of the last mesh
     """
     finest = levels[-1]
-    whole = [(level.solutions, level.coefficients) for level in levels if not level.half]
+    whole = [_assumed_pressure(level) for level in levels if not level.half]
     found = eigenvalue_check(loaded, whole, finest.peak.position)
     if found and found[0].status is Status.UNDECIDED and finest.half:
         whole.append(_whole_again(loaded, models, finest, sizes))
@@ -328,6 +411,13 @@ def _judge_buckling(
         untold="the solid does not buckle at the positions asked: no factor is positive before its "
         "stress is a tenth of Young's modulus"
     )
+
+
+def _assumed_pressure(level: Level) -> tuple[UnitSolutions, FloatArray]:
+    """Unit loads of a mesh and coefficients (n_basis, n), without waves of contact."""
+    if level.contact is None:
+        return level.solutions, level.coefficients
+    return level.contact.pins.solutions, level.contact.assumed
 
 
 def _facts(
@@ -373,8 +463,15 @@ def solve_levels(
     say: Say,
     asked: Asked = EVERYTHING,
     enough: Callable[[Sequence[Level]], str] = lambda _: "",
+    accuracy: Callable[[Sequence[Level]], float] | None = None,
+    begun: Sequence[Level] = (),
+    sizes: SizeField | None = None,
 ) -> tuple[list[Level], SizeField | None, str]:
     """Solve a part on finer and finer meshes.
+
+    enough    why no finer mesh than some is needed; "" if one is
+    accuracy  wanted where the design's is reached, by the meshes; none other if nothing is said
+    begun     meshes to go on from, and the sizes of the last one
 
     Returns the last one's sizes too, and why it stopped short of the accuracy, or nothing.
     """
@@ -383,9 +480,15 @@ def solve_levels(
     finer = half_of(part, loads) or part.geometry
     sideways = asked.modes or "buckling" in asked.kinds
     first: Buildable = part.geometry if sideways else finer
-    levels: list[Level] = []
-    sizes = None
+    wanted = accuracy or (lambda _: inf)
+    levels = list(begun)
+    took = check_seconds(levels[-1].unknowns) if levels else 0.0
     while True:
+        if levels:
+            found = _next_sizes(loaded, levels, judged, asked, enough, wanted, took)
+            if isinstance(found, str):
+                return levels, sizes, found
+            sizes = found
         start = perf_counter()
         try:
             if not levels:
@@ -402,41 +505,56 @@ def solve_levels(
             continue
         unknowns = 3 * len(solutions.mesh.nodes)
         say(f"{part.name}: {unknowns} unknowns, {solutions.factor.solver}; superposing the cycle")
-        level = _level(loaded, solutions, base, limit)
-        levels.append(level)
-        known = len(levels) > 1 and all(mesh_bar(w, levels) <= loaded.accuracy for w in judged)
-        if not judged or (known and (asked.first >= FIRST or len(levels) > 2)):
-            return levels, sizes, ""
-        if len(levels) == _MOST_MESHES:
-            return levels, sizes, f"given up after {_MOST_MESHES} meshes"
-        why = enough(levels) if len(levels) > 1 else ""
-        if why:
-            return levels, sizes, why
+        levels.append(_level(loaded, solutions, base, limit))
         took = perf_counter() - start
-        if len(levels) > 1 and perf_counter() + _NEXT * took > asked.deadline:
-            return (
-                levels,
-                sizes,
-                f"the time is up: a finer mesh would take about {_NEXT * took:.0f} s",
-            )
-        most = part.most_unknowns * len(solutions.mesh.elements) / unknowns
-        if finer is not part.geometry and not level.half:
-            most *= 2  # the next mesh has half of the elements that are estimated on this one
-        errors = [
-            stress_error(solutions.recovery, level.solutions.displacement @ state)
-            for what in judged
-            for state in what.states(level)
-        ]
-        sharp = level.history.nodes[level.edges[0]]
-        wanted, step = refined_sizes(solutions.recovery, errors, loaded.accuracy, most, sharp)
-        if step < _LEAST_STEP and len(levels) > 1:
-            return (
-                levels,
-                sizes,
-                f"{unknowns} unknowns taken, at most {part.most_unknowns} allowed "
-                "(mesh.most_unknowns)",
-            )
-        sizes = wanted
+
+
+def _next_sizes(
+    loaded: LoadedPart,
+    levels: Sequence[Level],
+    judged: Sequence[Judged],
+    asked: Asked,
+    enough: Callable[[Sequence[Level]], str],
+    accuracy: Callable[[Sequence[Level]], float],
+    took: float,
+) -> SizeField | str:
+    """Element sizes of the next mesh, or why there is none; "" where it would be asked for nothing.
+
+    took  s, for the last mesh
+    """
+    part, level = loaded.part, levels[-1]
+    asked_for = loaded.accuracy
+    bars = [mesh_bar(what, levels) for what in judged] if len(levels) > 1 else [inf]
+    if not judged:
+        return ""
+    if max(bars) <= asked_for and (asked.first >= FIRST or len(levels) > 2):
+        asked_for = accuracy(levels)
+        if max(bars) <= asked_for:
+            return ""
+    if len(levels) == _MOST_MESHES:
+        return f"given up after {_MOST_MESHES} meshes"
+    why = enough(levels) if len(levels) > 1 else ""
+    if why:
+        return why
+    if len(levels) > 1 and perf_counter() + _NEXT * took > asked.deadline:
+        return f"the time is up: a finer mesh would take about {_NEXT * took:.0f} s"
+    recovery, mesh = level.solutions.recovery, level.solutions.mesh
+    most = part.most_unknowns * len(mesh.elements) / level.unknowns
+    if half_of(part, loaded.loads) is not None and not level.half:
+        most *= 2  # the next mesh has half of the elements that are estimated on this one
+    errors = [
+        stress_error(recovery, level.solutions.displacement @ state)
+        for what in judged
+        for state in what.states(level)
+    ]
+    sharp = level.history.nodes[level.edges[0]]
+    sizes, step = refined_sizes(recovery, errors, asked_for, most, sharp)
+    if step < _LEAST_STEP and len(levels) > 1:
+        return (
+            f"{level.unknowns} unknowns taken, at most {part.most_unknowns} allowed "
+            "(mesh.most_unknowns)"
+        )
+    return sizes
 
 
 def first_level(loaded: LoadedPart, models: Models) -> Level:
@@ -449,7 +567,10 @@ def first_level(loaded: LoadedPart, models: Models) -> Level:
 
 
 def _level(loaded: LoadedPart, solutions: UnitSolutions, fineness: float, limit: float) -> Level:
-    """Superpose the cycle of a part on one mesh; raises DesignError for a fit without contact."""
+    """Superpose the cycle of a part on one mesh.
+
+    Raises DesignError for a stated fit without contact, ContactError for an assumed one.
+    """
     part = loaded.part
     try:
         return solve_level(
@@ -463,6 +584,8 @@ def _level(loaded: LoadedPart, solutions: UnitSolutions, fineness: float, limit:
             pinned_bores(solutions, fits_of(loaded)),
         )
     except ContactError as error:
+        if part.fit_assumed:
+            raise
         key = f"parts.{part.name}.fits"
         raise DesignError(loaded.design.file, key, str(error)) from error
 

@@ -162,14 +162,11 @@ def _by_clearance(
 
 def _by_mesh(result: DesignResult, check: Check, settles: str, part: PartResult) -> Iterator[Way]:
     """Where a smaller numerical bar leaves the limit on one side."""
-    if not check.settled_by_mesh or not part.meshes or not check.method.startswith(SOLID):
+    if not part.meshes or not check.method.startswith(SOLID):
         return
-    limit = check.limit / check.required
-    left = max(limit - check.value - check.model, check.value - check.below - limit) / check.value
-    share = _two_digits_down(left)
+    share, more = mesh_that_settles(check)
     unknowns = float(part.meshes[-1]["unknowns"])
-    more = (check.numerical / (left * check.value)) ** _UNKNOWNS_BY_ERROR
-    if share < _FINEST or unknowns * more > _TOO_MANY:
+    if not share or unknowns * more > _TOO_MANY:
         return
     allowed = [f"mesh.most_unknowns={int(ceil(unknowns * more / 1e4) * 10_000)}"]
     solid = next((tried for tried in part.rungs if tried.rung == SOLID), None)
@@ -183,6 +180,20 @@ def _by_mesh(result: DesignResult, check: Check, settles: str, part: PartResult)
         ),
         None if solid is None else more * solid.seconds,
     )
+
+
+def mesh_that_settles(check: Check) -> tuple[float, float]:
+    """The numerical bar, over the value, with which an open check passes or fails; 0 if none does.
+
+    And how many times the unknowns of its mesh a finer one is expected to need for it.
+    """
+    if not check.settled_by_mesh:
+        return 0.0, inf
+    limit = check.limit / check.required
+    left = max(limit - check.value - check.model, check.value - check.below - limit) / check.value
+    share = _two_digits_down(left)
+    more = (check.numerical / (left * check.value)) ** _UNKNOWNS_BY_ERROR
+    return (share, more) if share >= _FINEST else (0.0, inf)
 
 
 def _by_model(result: DesignResult, check: Check, settles: str, part: PartResult) -> Iterator[Way]:

@@ -62,6 +62,11 @@ class FatigueUse(Judged):
         assert level.duty is not None
         return level.duty.utilisation_at(points) * self.limit
 
+    def bound(self, level: Stressed, points: IntArray) -> FloatArray:
+        """Not less than the quantity (n,) at some surface points on any path, MPa."""
+        assert level.duty is not None
+        return level.duty.bound[points] * self.limit
+
     def states(self, level: Stressed) -> list[FloatArray]:
         """Half the swing, and the middle, of the pair of positions."""
         first, second = (level.coefficients[:, k] for k in self.worst(level).pair)
@@ -105,20 +110,38 @@ class FatigueUse(Judged):
         coefficients  (n_basis, m) of the unit loads
         cycles        name -> slice of the m positions
         """
-        duty = self._duty_over(level, points, coefficients, cycles)
-        return duty.peak.value
+        assert level.duty is not None
+        basis = level.duty.basis[points]
+        return self._again(level, points, basis, coefficients, cycles)
+
+    def anew(
+        self, level: Stressed, points: IntArray, basis: FloatArray, coefficients: FloatArray
+    ) -> float:
+        """The quantity at some surface points (n,) with another history, MPa."""
+        return self._again(level, points, basis, coefficients, self.loads.cycles)
+
+    def _again(
+        self,
+        level: Stressed,
+        points: IntArray,
+        basis: FloatArray,
+        coefficients: FloatArray,
+        cycles: Mapping[str, slice],
+    ) -> float:
+        return self._duty_over(level, points, basis, coefficients, cycles).peak.value
 
     def _duty_over(
         self,
         level: Stressed,
         points: IntArray,
+        basis: FloatArray,
         coefficients: FloatArray,
         cycles: Mapping[str, slice],
     ) -> DutyVerdict:
         duty = level.duty
         assert duty is not None
         found = duty_verdict(
-            duty.basis[points],
+            basis,
             coefficients,
             duty.limits[points],
             duty.limit,
@@ -181,15 +204,15 @@ class LifeUse(FatigueUse):
         value = self.limit / life.safety
         return FatiguePeak(value, life.point, WHOLE_DUTY, life.pair, "Miner")
 
-    def over(
+    def _again(
         self,
         level: Stressed,
         points: IntArray,
+        basis: FloatArray,
         coefficients: FloatArray,
         cycles: Mapping[str, slice],
     ) -> float:
-        """The quantity at some surface points (n,) over other positions, MPa."""
-        duty = self._duty_over(level, points, coefficients, cycles)
+        duty = self._duty_over(level, points, basis, coefficients, cycles)
         return self.limit / shortest_life(duty, self.task).safety
 
     def safety_missed(self, level: Stressed) -> float:
@@ -234,9 +257,18 @@ class FkmUse(FatigueUse):
 
     def at(self, level: Stressed, points: IntArray) -> FloatArray:
         """Equivalent amplitude at some surface points (n,) on the path that decides, MPa."""
+        return self._on(level, points, self.found(level).run)
+
+    def bound(self, level: Stressed, points: IntArray) -> FloatArray:
+        """The quantity (n,) at some surface points on the path that uses each most, MPa."""
+        assert level.duty is not None
+        every = [self._on(level, points, run) for run in level.duty.runs]
+        return np.asarray(np.max(every, axis=0))
+
+    def _on(self, level: Stressed, points: IntArray, run: str) -> FloatArray:
         assert level.duty is not None
         duty = level.duty
-        path = np.ascontiguousarray(duty.coefficients[:, duty.runs[self.found(level).run]])
+        path = np.ascontiguousarray(duty.coefficients[:, duty.runs[run]])
         slopes = slopes_of(_solid(level).solutions)
         used = fkm_points(self.strength, duty.basis, path, points, slopes).utilisation
         return np.asarray(used * self.strength.reference)
@@ -277,15 +309,15 @@ class FkmUse(FatigueUse):
         used = [found.utilisation_between(stress[..., k]) for k in range(len(numbers))]
         return [float(one.max()) * self.strength.reference for one in used]
 
-    def over(
+    def _again(
         self,
         level: Stressed,
         points: IntArray,
+        basis: FloatArray,
         coefficients: FloatArray,
         cycles: Mapping[str, slice],
     ) -> float:
-        """The quantity at some surface points (n,) over other positions, MPa."""
-        duty = self._duty_over(level, points, coefficients, cycles)
+        duty = self._duty_over(level, points, basis, coefficients, cycles)
         slopes = slopes_of(_solid(level).solutions)
         found = fkm_judgement(
             self.strength, duty.basis, coefficients, duty.runs, lambda some: slopes(points[some])

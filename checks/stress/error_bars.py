@@ -68,6 +68,19 @@ class Judged(ABC):
         """The quantity at some surface points (n,), MPa."""
 
     @abstractmethod
+    def bound(self, level: Stressed, points: IntArray) -> FloatArray:
+        """Not less than the quantity (n,) at some surface points over all positions, MPa."""
+
+    @abstractmethod
+    def anew(
+        self, level: Stressed, points: IntArray, basis: FloatArray, coefficients: FloatArray
+    ) -> float:
+        """The quantity at some surface points (n,) with another history, MPa.
+
+        basis         (n, 6, m) MPa per unit; coefficients (m, n_positions)
+        """
+
+    @abstractmethod
     def scatter(self, level: Level, *, of_edges: bool = True) -> float:
         """Scatter of the elements that meet at the point, in the quantity, MPa.
 
@@ -107,6 +120,17 @@ class StaticPeak(Judged):
         """Von Mises stress at some surface points (n,) at the position of the peak, MPa."""
         return von_mises(level.history.at(level.peak.position)[points])
 
+    def bound(self, level: Stressed, points: IntArray) -> FloatArray:
+        """Largest von Mises stress (n,) over all positions, MPa."""
+        stress = level.history.basis[points] @ level.coefficients
+        return np.asarray(von_mises(np.moveaxis(stress, 1, -1)).max(axis=1))
+
+    def anew(
+        self, level: Stressed, points: IntArray, basis: FloatArray, coefficients: FloatArray
+    ) -> float:
+        """The peak at some surface points (n,) with another history, MPa."""
+        return float(von_mises(np.moveaxis(basis @ coefficients, 1, -1)).max())
+
     def states(self, level: Stressed) -> list[FloatArray]:
         """The load state of the peak."""
         return [level.coefficients[:, level.peak.position]]
@@ -143,7 +167,7 @@ def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float
         discretisation_error(values, sizes, order),
         judged.scatter(finest),
         (_truncation(judged, levels, by_arc[pi], sizes) if by_arc else 0.0)
-        + (0.0 if finest.contact is None else finest.contact.missed),
+        + _missed_of_contact(judged, finest),
         abs(value),
         exponent or grows,
         notch * abs(value),
@@ -220,6 +244,34 @@ def _truncation(
     before, finest = levels[-2], levels[-1]
     missing = [judged.direct(before, [pi])[0] - judged.value(before), direct - judged.value(finest)]
     return abs(missing[1]) + discretisation_error(missing, sizes[-2:], 1.0)
+
+
+def _missed_of_contact(judged: Judged, level: Level) -> float:
+    """How far the quantity is off by pressure that the patterns of short waves miss, MPa.
+
+    At its point, or as another point of a bore is used more with it: those that may be are judged
+    again, with all of their pressure.
+    """
+    contact = level.contact
+    if contact is None:
+        return 0.0
+    value, own = judged.value(level), judged.point(level)
+    points = np.flatnonzero(contact.most_missed)
+    may = judged.bound(level, points) + contact.most_missed[points] > value
+    points = np.setdiff1d(points[may], level.left_out)
+    off = 0.0
+    for some in (points, np.intersect1d(points, [own])):
+        if not len(some):
+            continue
+        stress, pressures = contact.with_missed(some)
+        found = judged.anew(
+            level,
+            some,
+            np.concatenate([level.history.basis[some], stress], axis=2),
+            np.concatenate([level.coefficients, pressures]),
+        )
+        off = max(off, found - value, abs(found - value) if own in some and len(some) == 1 else 0.0)
+    return off
 
 
 def sizes_at_peak(judged: Judged, levels: Sequence[Level]) -> list[float]:

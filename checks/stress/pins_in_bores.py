@@ -123,7 +123,8 @@ class Contact:
     pins          of the mesh
     solutions     unit loads with the waves of pressure of these bores
     coefficients  (n_basis, n_positions) of `solutions`
-    missed        MPa, the largest pressure that is missed of a short wave
+    missed        (n_points of the bore, n_positions) MPa, pressure of short waves that the patterns
+                  miss, bore by bore
     cycle         at all positions
     assumed       (n_basis_without_waves, n_positions), with the assumed pressure
     """
@@ -131,7 +132,7 @@ class Contact:
     pins: PinnedBores
     solutions: ContactSolutions
     coefficients: FloatArray
-    missed: float
+    missed: Sequence[FloatArray]
     cycle: ContactCycle
     assumed: FloatArray
 
@@ -179,6 +180,27 @@ class Contact:
             )
             for bore in bores
         ]
+
+    def with_missed(self, points: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Stress (n, 6, n) of pressures that patterns miss, a column for each of some points (n,).
+
+        And these pressures (n, n_positions), MPa.
+        """
+        stress = np.zeros((len(points), 6, len(points)))
+        pressures = np.zeros((len(points), self.coefficients.shape[1]))
+        for bore, missed in zip(self.pins.harmonics, self.missed, strict=True):
+            _, here, there = np.intersect1d(points, bore.points, return_indices=True)
+            stress[here, :, here] = bore.short_wave_stress[there]
+            pressures[here] = missed[there]
+        return stress, pressures
+
+    @cached_property
+    def most_missed(self) -> FloatArray:
+        """The largest pressure (n_points,), MPa, that patterns miss at each surface point."""
+        most = np.zeros(len(self.solutions.recovery.points))
+        for bore, missed in zip(self.pins.harmonics, self.missed, strict=True):
+            most[bore.points] = np.abs(missed).max(axis=1, initial=0.0)
+        return most
 
     @cached_property
     def short_waves(self) -> IntArray:

@@ -101,17 +101,17 @@ class ContactSolutions(UnitSolutions):
 
 def superposed(
     harmonics: Sequence[BoreHarmonics], cycle: ContactCycle, patterns: int = PATTERNS
-) -> tuple[ContactSolutions, FloatArray, float]:
+) -> tuple[ContactSolutions, FloatArray, list[FloatArray]]:
     """Superpose the contact of a part over a cycle.
 
     patterns  of short waves of all bores, at most; forces that turn all around need many of them
 
-    Returns the unit loads, the coefficients (n_basis, n_positions), and the largest pressure that
-    is missed of a short wave, MPa.
+    Returns the unit loads, the coefficients (n_basis, n_positions), and for each bore the pressure
+    of short waves that patterns miss (n_points of the bore, n_positions), MPa.
     """
     own: list[FloatArray] = []
     amounts: list[FloatArray] = []
-    missed = 0.0
+    missed: list[FloatArray] = []
     for bore in harmonics:
         found = cycle.bores[bore.loads.interface.name]
         # forces of few hats are the sum of fewer shapes than there are positions
@@ -125,7 +125,7 @@ def superposed(
         )
         own.append(kept)
         amounts.append(amount)
-        missed = max(missed, left)
+        missed.append(left)
     solutions = ContactSolutions(harmonics[0].solutions, harmonics, own)
     return solutions, _coefficients(harmonics, cycle, amounts), missed
 
@@ -149,8 +149,8 @@ def _coefficients(
 
 def _reduced(
     pressures: FloatArray, share: FloatArray, enough: float, most: int
-) -> tuple[FloatArray, FloatArray, float]:
-    """Patterns (n, k), their amounts (k, m), and the largest pressure that they miss.
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Patterns (n, k), their amounts (k, m), and the pressure (n, m) that they miss.
 
     pressures  (n, r), of which each position has its share (r, m)
     """
@@ -161,6 +161,6 @@ def _reduced(
     while True:
         left = float(np.abs(missed).max(initial=0.0))
         if left <= enough or kept == min(most, len(sizes)):
-            return shapes[:, :kept], amounts[:kept], left
+            return shapes[:, :kept], amounts[:kept], missed
         missed -= np.outer(shapes[:, kept], amounts[kept])
         kept += 1

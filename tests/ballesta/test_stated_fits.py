@@ -8,19 +8,21 @@ from numpy.testing import assert_array_equal
 
 from checks.derivations.bars import solid_bars
 from checks.design.errors import DesignError
-from checks.ladder.climb import BUILDERS
+from checks.ladder.climb import BUILDERS, start_climb
 from checks.ladder.part_facts import assumed_of, contact_facts, gates_of
-from checks.ladder.solid import Asked, check_solid, solve_levels
+from checks.ladder.result import solid_result
+from checks.ladder.solid import Asked, check_solid, first_level, solve_levels
 from checks.models.bands import NoBand
 from checks.models.checked import band_around, rung_estimates, rung_level
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
-from checks.result.verdict import Status
-from checks.result.ways import clearance_fact
+from checks.result.verdict import Check, Status
+from checks.result.ways import clearance_fact, mesh_that_settles
 from checks.strength.part_strength import endurance_of, fatigue_use
-from checks.stress.error_bars import StaticPeak, bars_of
+from checks.stress.error_bars import StaticPeak, _missed_of_contact, bars_of
 from checks.stress.pins_in_bores import CLEARANCES, LARGEST, LEAST, MIDDLE, fits_of
 from checks.stress.solid_mesh_level import Models
+from fem.contact.superposed import superposed
 
 from ..small_machine import machine
 
@@ -197,24 +199,100 @@ def test_models_below_the_solid_do_not_decide_stress_of_a_part_with_fits(tmp_pat
         assert "on a solid only" in band.why
 
 
-def test_a_way_out_names_clearances_up_to_which_contact_passes_and_it_does(tmp_path):
-    """A force at which the arcs' band holds the fatigue limit, and contact stays below it."""
-    free = rod(tmp_path)
-    _, (_, (value, bars)) = solved(free)
-    use = fatigue_use(free)
-    middle = value + bars.above / 2
-    force = FORCE * use.limit / free.required.fatigue / middle
-    loaded = rod(tmp_path, loads=pulled(force))
-    result = check_solid(loaded, Models(), asked=ASKED)
+def open_force(folder, stated=""):
+    """A force at which the arcs' band holds the fatigue limit."""
+    loaded = rod(folder, stated)
+    _, (_, (value, bars)) = solved(loaded)
+    limit = fatigue_use(loaded).limit / loaded.required.fatigue
+    return FORCE * limit / (value + bars.above / 2)
+
+
+def fatigue_of(result):
     (check,) = (one for one in result.checks if one.kind == "fatigue")
-    assert check.status is Status.UNDECIDED
+    return check
+
+
+def test_a_way_out_names_clearances_up_to_which_contact_passes_and_it_does(tmp_path):
+    """A running fit may press harder than the arcs' band says: it stays open, a closer one not."""
+    force = open_force(tmp_path)
+    result = check_solid(rod(tmp_path, loads=pulled(force)), Models(), asked=ASKED)
+    assert fatigue_of(result).status is Status.UNDECIDED
+    assert "ASSUMED" in " ".join(result.assumed)
     most = {name: result.facts[clearance_fact("fatigue", name)] for name in ("first", "second")}
     stated = ", ".join(f'{name} = "0 .. {value:g} mm"' for name, value in most.items())
     again = check_solid(
         rod(tmp_path, f"fits = {{ {stated} }}", pulled(force)), Models(), asked=ASKED
     )
-    (check,) = (one for one in again.checks if one.kind == "fatigue")
-    assert check.status is Status.PASS
+    assert fatigue_of(again).status is Status.PASS
+
+
+def test_a_running_fit_is_assumed_and_told_where_arcs_leave_a_check_open(tmp_path):
+    """As if it were stated, but for meshes that arcs were refined for."""
+    force = open_force(tmp_path)
+    result = check_solid(rod(tmp_path, loads=pulled(force)), Models(), asked=ASKED)
+    found = fatigue_of(result)
+    said = " ".join(result.assumed)
+    assert "0 to 0.043 mm of clearance (H7/f7 or closer ASSUMED: the design states no fit)" in said
+    assert "cosine" not in said
+    assert any(gate.name == "rod: contact of its pins" for gate in result.gates)
+    fits = 'fits = { first = "0 .. 0.043 mm", second = "0 .. 0.043 mm" }'
+    stated = check_solid(rod(tmp_path, fits, pulled(force)), Models(), asked=ASKED)
+    for name in ("value", "model", "model_below"):
+        known = getattr(fatigue_of(stated), name)
+        assert getattr(found, name) == pytest.approx(known, rel=0.02, abs=0.02 * found.value)
+    assert "ASSUMED" not in " ".join(stated.assumed)
+
+
+def test_where_arcs_decide_no_fit_is_assumed(tmp_path):
+    result = check_solid(rod(tmp_path, loads=pulled(FORCE / 4)), Models(), asked=ASKED)
+    assert all(check.status is Status.PASS for check in result.checks)
+    assert "cosine" in " ".join(result.assumed)
+    assert "ASSUMED" not in " ".join(result.assumed)
+
+
+def test_a_mesh_is_refined_beyond_the_accuracy_where_that_settles_a_check(tmp_path):
+    """A limit inside of a numerical bar of 20 %, with nothing else uncertain."""
+    arc = 'bearing_arc = "180 deg"'
+    loaded = rod(tmp_path, arc)
+    _, (_, (value, bars)) = solved(loaded)
+    limit = fatigue_use(loaded).limit / loaded.required.fatigue
+    force = FORCE * limit / (value + bars.numerical.value / 2)
+    loaded = rod(tmp_path, arc, pulled(force))
+    left = check_solid(loaded, Models(), asked=ASKED)
+    assert fatigue_of(left).status is Status.UNDECIDED
+    share, more = mesh_that_settles(fatigue_of(left))
+    assert 0 < share < 0.2
+    assert more > 1
+
+    def settling(checks, _unknowns):
+        return min(mesh_that_settles(one)[0] * one.value / one.numerical or 1.0 for one in checks)
+
+    settled = check_solid(loaded, Models(), asked=replace(ASKED, settling=settling))
+    assert fatigue_of(settled).status is not Status.UNDECIDED
+    assert len(settled.meshes) == len(left.meshes) + 1
+
+
+def test_auto_asks_for_a_mesh_that_settles_within_the_unknowns_allowed(tmp_path, monkeypatch):
+    loaded = rod(tmp_path)
+    asked = []
+
+    def stand_in(_loaded, _models, _say, given):
+        asked.append(given)
+        return check_solid(loaded, Models(), asked=ASKED)
+
+    monkeypatch.setattr("checks.ladder.result.check_solid", stand_in)
+    solid_result(start_climb(loaded), Models(), lambda _: None, everything=False)
+    (given,) = asked
+    check = Check(
+        part="rod", kind="static", quantity="", value=100.0, unit="MPa", numerical=4.0, model=0.0,
+        limit=153.0, required=1.5, cycle="", position="", place="", method="solid", basis="",
+    )  # fmt: skip
+    share, more = mesh_that_settles(check)
+    assert (share, more) == (pytest.approx(0.02), pytest.approx(2**1.5))
+    most = loaded.part.most_unknowns
+    assert given.settling([check], 0.9 * most / more) == share * 100.0 / 4.0
+    assert given.settling([check], 1.1 * most / more) == 1
+    assert given.settling([replace(check, numerical=1.0)], 1e3) == 1
 
 
 def test_a_force_and_its_opposite_reach_the_mesh_exactly(tmp_path):
@@ -228,3 +306,35 @@ def test_a_force_and_its_opposite_reach_the_mesh_exactly(tmp_path):
     contact = levels[-1].contact
     arcs = contact.cycle.bores["second"].arcs
     assert arcs[1] < arcs[0]  # half the force
+
+
+def test_pressure_that_patterns_miss_counts_as_what_it_changes(monkeypatch, tmp_path):
+    """A loose pin whose force turns all around, with hardly a pattern and with one a position."""
+    angles = 2 * np.pi * np.arange(24) / 24
+    second = np.zeros((24, 6))
+    second[:, 0], second[:, 1] = FORCE * np.cos(angles), FORCE * np.sin(angles)
+    first = -second
+    first[:, 5] = -48 * second[:, 1]
+    loads = PartLoads(
+        {"first": first, "second": second},
+        np.zeros((24, 4)),
+        {"turn": slice(0, 24)},
+        tuple(f"{k}" for k in range(24)),
+        ("turn",) * 24,
+    )
+    loaded = rod(tmp_path, 'fits = { first = "0.1 mm", second = "0.1 mm" }', loads)
+    judged = [StaticPeak(loads), fatigue_use(loaded)]
+    found, missed = {}, {}
+    for patterns in (4, 48):
+        monkeypatch.setattr(
+            "checks.stress.pins_in_bores.superposed",
+            lambda bores, cycle, most=patterns: superposed(bores, cycle, most),
+        )
+        level = first_level(loaded, Models())
+        found[patterns] = [(w.value(level), _missed_of_contact(w, level)) for w in judged]
+        missed[patterns] = level.contact.most_missed.max()
+    assert missed[4] > 10 > 1000 * missed[48]
+    for (rough, bar), (exact, none) in zip(found[4], found[48], strict=True):
+        assert none < 1e-3 * exact
+        assert abs(rough - exact) <= bar + 1e-3 * exact
+        assert bar < 1.1 * max(abs(rough - exact), 0.01 * exact)

@@ -145,9 +145,13 @@ def test_the_cheapest_way_comes_first_and_one_command_stands_once():
 
 
 def test_the_arc_that_is_named_passes_and_the_next_narrower_one_does_not(tmp_path, monkeypatch):
-    """A plate whose bearing band of 90 to 180 deg holds the limit, by solids."""
+    """A plate whose bearing band of 90 to 180 deg holds the limit, by solids.
+
+    Another check fails, so that contact is not asked.
+    """
     monkeypatch.setattr(bands, "_data", lambda: bands_of(formula=0.1))
-    given = ("duty.cycles.turn=1", 'drive.control="constant"')
+    arc = 'parts.rod.bearing_arc="90 deg"'
+    given = ("duty.cycles.turn=1", 'drive.control="constant"', "require.fatigue=1000", arc)
     solid = Effort("solid")
 
     def static(*more):

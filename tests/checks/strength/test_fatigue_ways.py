@@ -11,7 +11,7 @@ from checks.stress.solid_mesh_level import Models
 
 from ...small_machine import PLATE, machine, solved
 
-HEAVY = 'cycles.turn.phases[0].forces.push="36000 N"'
+HEAVY = 'cycles.turn.phases[0].forces.push="45000 N"'
 PULL = """
 [cycles.pull]
 like = "turn"
