@@ -94,9 +94,10 @@ def test_what_the_file_does_not_state_and_what_it_assumes_is_listed():
     [("knee", "H7/f7", (0.025, 0.075)), ("end", "0.02 .. 0.06 mm", (0.02, 0.06))],
 )
 def test_a_fit_becomes_the_clearances_of_its_bore(bore, fit, clearances):
-    """One bore of the press' bar: fits of both beside its bearing_arc are refused."""
+    """One bore of the press' bar; the other has H7/f7 in the file."""
     design = read_design(PRESS, [f"parts.bar_upper.fits.{bore}={fit}"])
-    assert design.parts["bar_upper"].clearances == {bore: clearances}
+    both = {"knee": (0.025, 0.075), "end": (0.025, 0.075), bore: clearances}
+    assert design.parts["bar_upper"].clearances == both
     assert design.parts["bar_lower"].clearances == design.parts["bar_upper"].clearances
     assert design.parts["pin_B"].clearances == {}
 

@@ -28,6 +28,7 @@ def read(tmp_path, *changes, overrides=()):
 
 
 UPPER = 'body = "upper"\nshape'
+FITS = 'fits = { knee = "H7/f7", end = "H7/f7" }'
 REFUSED = {
     "unknown key": (('width = "80 mm"', 'widht = "80 mm"'), r"parts\.bar_upper\.widht: unknown key, did you mean width\?"),
     "missing unit": (('wall = "6.3 mm"', "wall = 6.3"), r'press\.toml: parts\.bar_upper\.wall: must be a length such as "6\.3 mm", got 6\.3 without a unit'),
@@ -73,11 +74,11 @@ REFUSED = {
     "massless": (('mass = "10 kg"\n', ""), r"bodies\.mould\.mass: must be stated"),
     "assumed key": (('"duty.cycles.press" =', '"duty.cycle.press" ='), r"assumed\.duty\.cycle\.press: the design has no such key, did you mean duty\.cycles\.press\?"),
     "Poisson": (('[points] ', '[materials.odd]\nyoungs_modulus = "1 GPa"\npoisson_ratio = 0.5\ndensity = "1 t/m3"\nyield_stress = "1 MPa"\nultimate_stress = "2 MPa"\n[points] '), r"materials\.odd\.poisson_ratio: must be above -1 and below 0\.5, got 0\.5"),
-    "fit of no bore": (('bearing_arc = "120 deg"', 'fits = { kne = "H7/f7" }'), r"bar_upper\.fits\.kne: no bore of the part is named 'kne', did you mean knee\?"),
-    "fit unknown": (('bearing_arc = "120 deg"', 'fits = { knee = "H7/p6" }'), r"bar_upper\.fits\.knee: fits with clearance are known for bores D to H and pins d to h, not p"),
-    "clearance below 0": (('bearing_arc = "120 deg"', 'fits = { knee = "-0.01 .. 0.02 mm" }'), r"bar_upper\.fits\.knee: must be a clearance of at least 0 mm"),
-    "clearance of a tenth": (('bearing_arc = "120 deg"', 'fits = { knee = "6 mm" }'), r"fits\.knee: a clearance of 6 mm is more than a tenth of the bore's diameter of 44 mm"),
-    "clearance without unit": (('bearing_arc = "120 deg"', 'fits = { knee = "0.02 .. 0.06" }'), r'fits\.knee: must be a fit such as "H7/f7", or a clearance'),
+    "fit of no bore": ((FITS, 'fits = { kne = "H7/f7" }'), r"bar_upper\.fits\.kne: no bore of the part is named 'kne', did you mean knee\?"),
+    "fit unknown": ((FITS, 'fits = { knee = "H7/p6" }'), r"bar_upper\.fits\.knee: fits with clearance are known for bores D to H and pins d to h, not p"),
+    "clearance below 0": ((FITS, 'fits = { knee = "-0.01 .. 0.02 mm" }'), r"bar_upper\.fits\.knee: must be a clearance of at least 0 mm"),
+    "clearance of a tenth": ((FITS, 'fits = { knee = "6 mm" }'), r"fits\.knee: a clearance of 6 mm is more than a tenth of the bore's diameter of 44 mm"),
+    "clearance without unit": ((FITS, 'fits = { knee = "0.02 .. 0.06" }'), r'fits\.knee: must be a fit such as "H7/f7", or a clearance'),
     "not TOML": (('name = "Toggle press"', "name = Toggle press"), r"press\.toml: line 4, column \d+: is not TOML: Invalid value"),
     "table twice": (("[parts.bar_lower]", "[parts.bar_upper]"), r"line \d+, column \d+: is not TOML: Cannot declare"),
 }  # fmt: skip
