@@ -77,12 +77,14 @@ def refined_sizes(
     accuracy: float,
     most_elements: float,
     sharp: IntArray | None = None,
+    missed: FloatArray | None = None,
 ) -> tuple[SizeField, float]:
     """Return the sizes that bring every state's peak to an accuracy, and how far they go.
 
     accuracy       1, wanted error of the peak over the peak
     most_elements  what the mesh may have at most, as estimated: sizes are raised to fit
     sharp          nodes on sharp re-entrant edges: their stress may grow past today's peak
+    missed         (n_elements,) share by which the stress of each is too low in a notch
 
     The elements that decide a peak become smaller in any case. The second value is the least by
     which those of any state do: below _STEP the limit on the elements was in the way.
@@ -90,15 +92,18 @@ def refined_sizes(
     mesh = recovery.elements.mesh
     now = element_sizes(mesh)
     factor, deciding = np.ones(len(now)), np.zeros(len(now), dtype=bool)
+    too_low = np.zeros(len(now)) if missed is None else missed
     at_edge = np.isin(mesh.elements, [] if sharp is None else sharp).any(axis=1)
     for state in states:
         peak = float(state.stress.max())
         if not peak > 0:
             continue
-        hot = state.stress >= np.where(at_edge, _HOT_EDGE, _HOT) * peak
+        hot = state.stress * (1 + too_low) >= np.where(at_edge, _HOT_EDGE, _HOT) * peak
         allowed = np.where(hot, _NEAR, _FAR) * accuracy * peak
         with np.errstate(divide="ignore"):
             wanted = (allowed / state.error) ** (1 / _ORDER)
+            resolved = np.sqrt(_NEAR * accuracy / too_low)
+        wanted = np.where(hot, np.minimum(wanted, resolved), wanted)
         wanted = np.clip(wanted, 1 / _STEEPEST, np.where(hot, 1 / _STEP, 1.0))
         factor = np.minimum(factor, wanted)
         deciding |= hot

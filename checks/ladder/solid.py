@@ -548,7 +548,7 @@ def _next_sizes(
         for state in what.states(level)
     ]
     sharp = level.history.nodes[level.edges[0]]
-    sizes, step = refined_sizes(recovery, errors, asked_for, most, sharp)
+    sizes, step = refined_sizes(recovery, errors, asked_for, most, sharp, level.missed_in_notches)
     if step < _LEAST_STEP and len(levels) > 1:
         return (
             f"{level.unknowns} unknowns taken, at most {part.most_unknowns} allowed "

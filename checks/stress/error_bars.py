@@ -157,12 +157,14 @@ def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float
     values = [judged.value(level) for level in levels]
     sizes = sizes_at_peak(judged, levels)
     angle, exponent = _singular_edge(judged, levels)
-    notch = finest.notch_error(judged.point(finest))
+    own = float(finest.notch_errors[judged.point(finest)])
     order = finest.order(judged.point(finest))
-    # a notch that the mesh does not follow yet grows, too, and so does the stress beside a pressed
-    # edge while elements come nearer: finite both, with an error in the bar
-    finite = notch > _UNRESOLVED or order < ORDER
-    grows = 0.0 if exponent or finite else growth_exponent(values, sizes)
+    # while a mesh does not follow a notch yet the peak grows, too, and so does the stress beside a
+    # pressed edge as elements come nearer: finite both, with an error in the bar
+    follow = [k for k, size in enumerate(sizes) if own * (size / sizes[-1]) ** 2 <= _UNRESOLVED]
+    grows = 0.0
+    if not exponent and order >= ORDER:
+        grows = growth_exponent([values[k] for k in follow], [sizes[k] for k in follow])
     bar = ErrorBar(
         discretisation_error(values, sizes, order),
         judged.scatter(finest),
@@ -170,7 +172,7 @@ def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float
         + _missed_of_contact(judged, finest),
         abs(value),
         exponent or grows,
-        notch * abs(value),
+        _notch_bar(judged, finest),
         order,
     )
     notes = []
@@ -228,10 +230,26 @@ def mesh_bar(judged: Judged, levels: Sequence[Level]) -> float:
         return 0.0
     point = judged.point(finest)
     left = discretisation_error(values, sizes_at_peak(judged, levels), finest.order(point))
-    notch = finest.notch_error(point) * value
+    notch = _notch_bar(judged, finest)
     scatter = judged.scatter(finest, of_edges=False)
     order = finest.order(point)
     return ErrorBar(left, scatter, 0.0, value, 0.0, notch, order).mesh / value
+
+
+def _notch_bar(judged: Judged, level: Level) -> float:
+    """How far elements in notches may carry the quantity too low, MPa.
+
+    At its point, or at another one whose elements are so much larger that it may well be used more
+    than its own shows: a mesh that is fine somewhere finds its peak there, not where the peak is.
+    """
+    value, errors = judged.value(level), level.notch_errors
+    most = float(errors[judged.point(level)]) * abs(value)
+    points = np.setdiff1d(np.flatnonzero(errors > _UNRESOLVED), level.left_out)
+    points = points[judged.bound(level, points) * (1 + errors[points]) > value + most]
+    if len(points):
+        missed = judged.at(level, points) * (1 + errors[points]) - value
+        most = max(most, float(missed.max()))
+    return most
 
 
 def _truncation(

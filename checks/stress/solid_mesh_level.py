@@ -13,7 +13,7 @@ from checks.stress.place_words import depth_of
 from checks.stress.stress_result import Stressed, judge
 from fem.convergence import ORDER
 from fem.gradient import inward_normals
-from fem.notch_resolution import concave_curvature, notch_error
+from fem.notch_resolution import concave_curvatures, notch_error
 from fem.recovery import tensor, von_mises
 from fem.singularity import EdgePlaces, edge_places, pressed_edges, reentrant_edges
 from fem.stress_history import StressHistory
@@ -81,8 +81,22 @@ class Level(Stressed):
         return element_sizes(self.solutions.mesh)
 
     @cached_property
-    def _notch_errors(self) -> dict[int, float]:
-        return {}
+    def notch_errors(self) -> FloatArray:
+        """Errors (n,) of the stress at the surface points in notches, as shares of it."""
+        elements, count = self.solutions.mesh.elements, len(self.solutions.mesh.nodes)
+        met = np.bincount(elements.ravel(), minlength=count)
+        sizes = np.repeat(self._sizes, elements.shape[1])
+        mean = np.bincount(elements.ravel(), sizes, count) / np.maximum(met, 1)
+        nodes = self.history.nodes
+        return notch_error(mean[nodes], concave_curvatures(self.solutions.mesh)[nodes])
+
+    @property
+    def missed_in_notches(self) -> FloatArray:
+        """Largest of them (n_elements,) at the nodes of each element."""
+        mesh = self.solutions.mesh
+        of_nodes = np.zeros(len(mesh.nodes))
+        np.maximum.at(of_nodes, self.history.nodes, self.notch_errors)
+        return np.asarray(of_nodes[mesh.elements].max(axis=1))
 
     @cached_property
     def in_bores(self) -> IntArray:
@@ -114,13 +128,6 @@ class Level(Stressed):
         if self.half:
             place = np.array([place[0], place[1], abs(place[2])])
         return int(((self.history.points - place) ** 2).sum(axis=1).argmin())
-
-    def notch_error(self, point: int) -> float:
-        """Error of the stress at a surface point in a notch, as a share of it."""
-        if point not in self._notch_errors:
-            curvature = concave_curvature(self.solutions.mesh, int(self.history.nodes[point]))
-            self._notch_errors[point] = notch_error(self.size_at(point), curvature)
-        return self._notch_errors[point]
 
     def named(self, point: int) -> str:
         """Names of the surfaces that meet at a point."""

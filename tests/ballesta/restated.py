@@ -15,7 +15,7 @@ from ..lighter import without_fatigue
 DESIGNS = Path(__file__).parents[2] / "designs"
 MACHINES = ("slider_crank", "quick_return", "spring_hammer", "toggle_press")
 _NUMBER = r"[+-]?\d+\.?\d*(?:e[+-]?\d+)?"
-_QUANTITY = re.compile(rf"({_NUMBER}(?:, {_NUMBER})?)(?: ([A-Za-z0-9/% ]+))?")
+_QUANTITY = re.compile(rf"({_NUMBER}(?:(, | \.\. ){_NUMBER})?)(?: ([A-Za-z0-9/% ]+))?")
 _LBF = 4.4482216152605
 
 # unit: how it grows with lengths at the same density and stress; another unit, how much of this one
@@ -133,8 +133,9 @@ def each_quantity(data, change):
     match = _QUANTITY.fullmatch(data) if isinstance(data, str) else None
     if match is None:
         return data
-    values, unit = change([float(n) for n in match[1].split(",")], match[2] or "")
-    return (", ".join(repr(value) for value in values) + f" {unit}").strip()
+    between = match[2] or ", "
+    values, unit = change([float(n) for n in match[1].split(between)], match[3] or "")
+    return (between.join(repr(value) for value in values) + f" {unit}").strip()
 
 
 def in_other_units(data, chosen=lambda count: True):
@@ -156,7 +157,7 @@ def in_other_units(data, chosen=lambda count: True):
 
 
 def of_any_size(data, machine):
-    """The machine of materials that are as strong in every size as in that of its parts."""
+    """The machine of materials and fits that stay in every size as in that of its parts."""
     parts = read_design(DESIGNS / f"{machine}.toml").parts
     materials, named = dict(data.get("materials", {})), {}
     for name, part in data["parts"].items():
@@ -169,7 +170,12 @@ def of_any_size(data, machine):
             "ultimate_stress": f"{own.ultimate_stress!r} MPa",
             **({"endurance_ratio": own.endurance_ratio} if own.endurance_ratio else {}),
         }
-        named[name] = part | {"material": f"{name}_steel"}
+        fits = {
+            bore: f"{least!r} .. {most!r} mm"
+            for bore, (least, most) in parts[name].clearances.items()
+            if bore in part.get("fits", {})
+        }
+        named[name] = part | {"material": f"{name}_steel"} | ({"fits": fits} if fits else {})
     return data | {"materials": materials, "parts": named}
 
 
@@ -187,7 +193,7 @@ def pair(text, change, unit=""):
     """Two numbers and a unit in a text, changed."""
     match = _QUANTITY.fullmatch(text)
     x, y = change(*(float(n) for n in match[1].split(",")))
-    return f"{x!r}, {y!r} {match[2] or unit}".strip()
+    return f"{x!r}, {y!r} {match[3] or unit}".strip()
 
 
 def placed(data, point, vector, angle, axis):

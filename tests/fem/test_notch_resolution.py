@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fem.notch_resolution import concave_curvature, notch_error
+from fem.notch_resolution import concave_curvatures, notch_error
 from geometry.meshing import mesh_shape
 from geometry.parts import PlateLink
 
@@ -18,14 +18,20 @@ def at(mesh, *place):
 
 
 def test_a_hole_is_as_concave_as_its_radius(link):
-    assert concave_curvature(link, at(link, 0, 5, 0)) == pytest.approx(1 / 5, rel=0.03)
+    assert concave_curvatures(link)[at(link, 0, 5, 0)] == pytest.approx(1 / 5, rel=0.03)
 
 
 def test_flat_and_convex_surfaces_are_no_notch(link):
     for place in ((30, 15, 0), (-15, 0, 0)):
-        assert concave_curvature(link, at(link, *place)) < 1e-6
+        assert concave_curvatures(link)[at(link, *place)] < 1e-6
 
 
 def test_half_the_size_misses_a_quarter():
     assert notch_error(0.5, 1.0) == pytest.approx(0.0425)
     assert notch_error(0.25, 1.0) == pytest.approx(0.0425 / 4)
+
+
+def test_elements_larger_than_the_radius_see_a_sharp_corner():
+    """Four times the size, and so a corner's stress at four times the distance: half of it."""
+    assert (1 + notch_error(8.0, 1.0)) / (1 + notch_error(2.0, 1.0)) == pytest.approx(2.0)
+    assert notch_error(1.5 + 1e-9, 1.0) == pytest.approx(0.17 * 1.5**2)
