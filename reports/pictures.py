@@ -122,7 +122,11 @@ def _drawing(
             cure = f"Where GL libraries are missing: {INSTALL}"
             return Pictures(images, f"{lack}: {problem}. {cure}")
 
-        yield drawn
+        try:
+            yield drawn
+        finally:
+            if not drawn.cache_info().currsize:
+                _end(worker)  # it would miss the folder that goes now
 
 
 _running: dict[tuple[str, ...], StandingWorker] = {}

@@ -169,6 +169,15 @@ def test_one_process_draws_for_design_after_design(monkeypatch):
     assert len(started) == 3  # what has ended is started anew
 
 
+def test_pictures_that_nobody_waits_for_cost_the_next_design_none():
+    """Their folder vanishes while they are drawn; the process had died of it at the next ones."""
+    parts = results.mixed().parts
+    for _ in range(3):
+        with drawing(results.mixed()):
+            pass
+    assert render_stills(parts).reason == ""
+
+
 def test_the_process_that_draws_ends_with_the_one_that_started_it():
     """Also where that is killed: it is then told by the end of its input."""
     code = (
