@@ -18,13 +18,16 @@ from math import factorial
 from typing import Protocol
 
 import numpy as np
+from scipy.sparse import csc_matrix, csr_matrix, diags
+from scipy.sparse.linalg import splu
 
 from geometry.mesh import TET_EDGES, BoolArray, FloatArray, IntArray, shape_gradients
 
 ENOUGH = 0.1  # the least coefficient that needs no mending; gmsh's own limit
 _WANTED = 0.25  # up to which it is raised where edges bend
-_STEPS = 20  # more mend hardly one element more of a toggle bar
-_MOST_STEPS = 200  # where nodes move that lie on the surface
+_STEPS = 200
+_LITTLE = 1e-2  # of the sum of squares: a step that gains less is the last
+_STUCK = 1e9  # damping beyond which no step helps
 _FLAT = 1e-9  # of the size: edges bent by less are straight
 _STIFF = 1e-3  # share of an edge's own bending in what is made small
 
@@ -117,7 +120,7 @@ def moved(nodes: FloatArray, elements: IntArray, moves: Moves) -> FloatArray:
 
     No more than can be: elements may stay folded.
     """
-    return _minimised(nodes, elements, moves, _usual, _MOST_STEPS)
+    return _minimised(nodes, elements, moves, _usual)
 
 
 def _raised(nodes: FloatArray, elements: IntArray, inside: IntArray, low: BoolArray) -> FloatArray:
@@ -126,70 +129,88 @@ def _raised(nodes: FloatArray, elements: IntArray, inside: IntArray, low: BoolAr
     free[inside] = True
     free[elements[:, :4]] = False
     free &= np.isin(np.arange(len(nodes)), elements[low])
-    return _minimised(nodes, elements, _InSpace(nodes, np.flatnonzero(free)), _straight, _STEPS)
+    return _minimised(nodes, elements, _InSpace(nodes, np.flatnonzero(free)), _straight)
 
 
-def _minimised(
-    nodes: FloatArray, elements: IntArray, moves: Moves, scale: Scale, steps: int
-) -> FloatArray:
-    """Nodes (n_nodes, 3) where the energy of `_energy` is least, mm, as far as steps take it."""
-    moving = moves.moving
-    if not len(moving):
-        return nodes
-    from scipy.optimize import minimize
+def _minimised(nodes: FloatArray, elements: IntArray, moves: Moves, scale: Scale) -> FloatArray:
+    """Nodes (n_nodes, 3) where the sum of squares of `_Lacking` is least, mm.
 
-    touched = np.isin(elements, moving).any(axis=1)
-    energy = _energy(nodes, elements[touched], moves, scale)
-    start = np.zeros(3 * len(moving))
-    done = minimize(energy, start, jac=True, method="L-BFGS-B", options={"maxiter": steps})
-    found = nodes.copy()
-    found[moving] = moves.places(done.x.reshape(-1, 3))[0]
-    return found
-
-
-def _energy(
-    nodes: FloatArray, elements: IntArray, moves: Moves, scale: Scale
-) -> Callable[[FloatArray], tuple[float, FloatArray]]:
-    """Return the function to minimise, with its gradient, of some nodes' moves (3 n_moving,).
-
-    It sums the squares of what the coefficients lack, and of the moves over their elements' size.
+    By Levenberg's and Marquardt's method, until a step gains little. A step that gains as much as
+    the slopes foretold lowers the damping to a third at most; each that gains nothing raises it,
+    ever faster. Smaller steps, or those of a quasi-Newton method, would wander along the valleys of
+    this sum to where rounding leads them: to another place on another processor.
     """
-    moving = moves.moving
-    place = np.full(len(nodes), -1)
-    place[moving] = np.arange(len(moving))
-    local = place[elements]
-    element, node = np.nonzero(local >= 0)
-    rows = local[element, node]
-    start = nodes[elements]
-    whole = scale(start)
-    size = np.zeros(len(moving))
-    np.maximum.at(size, rows, np.ptp(start[:, :4], axis=1).max(axis=1)[element])
-    stiff = (_STIFF / size**2)[:, None]
+    if not len(moves.moving):
+        return nodes
+    touched = np.isin(elements, moves.moving).any(axis=1)
+    lacking = _Lacking(nodes, elements[touched], moves, scale)
+    at = np.zeros(3 * len(moves.moving))
+    damping, growth, (value, slopes, squares) = 1e-3, 2.0, lacking.normal(at)
+    for _ in range(_STEPS):
+        if not slopes.any():
+            break
+        scaled = damping * squares.diagonal()
+        step = -splu(csc_matrix(squares + diags(scaled))).solve(slopes)
+        found = lacking.normal(at + step)
+        gain = (value - found[0]) / (0.5 * step @ (scaled * step - slopes))
+        if gain > 0.0:
+            little = value - found[0] < _LITTLE * value
+            at, (value, slopes, squares) = at + step, found
+            damping, growth = damping * max(1 / 3, 1.0 - (2.0 * gain - 1.0) ** 3), 2.0
+            if little:
+                break
+        else:
+            damping, growth = damping * growth, 2.0 * growth
+            if damping > _STUCK:
+                break
+    result = nodes.copy()
+    result[moves.moving] = moves.places(at.reshape(-1, 3))[0]
+    return result
 
-    def energy(flat: FloatArray) -> tuple[float, FloatArray]:
-        steps = flat.reshape(-1, 3)
-        targets, tangents = moves.places(steps)
-        places = start.copy()
-        places[element, node] = targets[rows]
-        lacking = np.maximum(0.0, _WANTED - _coefficients(places)[0] / whole[:, None])
+
+class _Lacking:
+    """What the coefficients of some elements lack, and moves of nodes over their elements' size.
+
+    sizes  (3 n_moving,) mm, of the largest element at each node
+    """
+
+    def __init__(self, nodes: FloatArray, elements: IntArray, moves: Moves, scale: Scale) -> None:
+        self._moves = moves
+        place = np.full(len(nodes), -1)
+        place[moves.moving] = np.arange(len(moves.moving))
+        self._local = place[elements]
+        self._element, self._node = np.nonzero(self._local >= 0)
+        self._rows = self._local[self._element, self._node]
+        self._start = nodes[elements]
+        self._whole = scale(self._start)
+        size = np.zeros(len(moves.moving))
+        extent = np.ptp(self._start[:, :4], axis=1).max(axis=1)
+        np.maximum.at(size, self._rows, extent[self._element])
+        self.sizes = np.repeat(size, 3)
+        self._stiff = _STIFF / self.sizes**2
+
+    def normal(self, flat: FloatArray) -> tuple[float, FloatArray, csr_matrix]:
+        """Half the sum of squares, its gradient (n,), and the squares of its slopes (n, n)."""
+        targets, tangents = self._moves.places(flat.reshape(-1, 3))
+        places = self._start.copy()
+        places[self._element, self._node] = targets[self._rows]
+        coefficients, jacobians = _coefficients(places)
+        lacking = np.maximum(0.0, _WANTED - coefficients / self._whole[:, None])
+        value = 0.5 * float((lacking**2).sum() + (self._stiff * flat**2).sum())
         bad = np.flatnonzero(lacking.any(axis=1))
-        value = float((lacking[bad] ** 2).sum() + (stiff * steps**2).sum())
-        _, jacobians = _coefficients(places[bad])
-        by_coefficient = -2 * lacking[bad] / whole[bad, None]
-        by_node = np.zeros_like(places)
-        by_node[bad] = np.einsum(
-            "eq,eqxr,qar->eax",
-            by_coefficient @ _FROM_VALUES,
-            _cofactors(jacobians),
-            _GRADIENTS,
-            optimize=True,
+        by_value = np.einsum("eqxr,qar->eqax", _cofactors(jacobians[bad]), _GRADIENTS)
+        by_coefficient = np.tensordot(by_value, _FROM_VALUES, axes=(1, 1))  # e a x c
+        element, which = np.nonzero(lacking[bad] > 0)
+        by_place = by_coefficient[element, :, :, which] / -self._whole[bad][element, None, None]
+        pair, node = np.nonzero(self._local[bad[element]] >= 0)
+        rows = self._local[bad[element[pair]], node]
+        slopes = np.einsum("kx,kxm->km", by_place[pair, node], tangents[rows])
+        columns = 3 * rows[:, None] + np.arange(3)
+        table = csr_matrix(
+            (slopes.ravel(), (np.repeat(pair, 3), columns.ravel())), (len(element), len(flat))
         )
-        by_place = np.zeros_like(targets)
-        np.add.at(by_place, rows, by_node[element, node])
-        slopes = 2 * stiff * steps + np.einsum("nxm,nx->nm", tangents, by_place)
-        return value, slopes.ravel()
-
-    return energy
+        gradient = self._stiff * flat + table.T @ lacking[bad[element], which]
+        return value, gradient, csr_matrix(table.T @ table + diags(self._stiff))
 
 
 def _coefficients(places: FloatArray) -> tuple[FloatArray, FloatArray]:
