@@ -26,7 +26,8 @@ from geometry.mesh import TET_EDGES, BoolArray, FloatArray, IntArray, shape_grad
 ENOUGH = 0.1  # the least coefficient that needs no mending; gmsh's own limit
 _WANTED = 0.25  # up to which it is raised where edges bend
 _STEPS = 200
-_LITTLE = 1e-2  # of the sum of squares: a step that gains less is the last
+_LITTLE = 1e-2  # of the sum of squares: a free step that gains less is the last
+_FREE = 1.0  # damping up to which a step is free
 _STUCK = 1e9  # damping beyond which no step helps
 _FLAT = 1e-9  # of the size: edges bent by less are straight
 _STIFF = 1e-3  # share of an edge's own bending in what is made small
@@ -135,8 +136,8 @@ def _raised(nodes: FloatArray, elements: IntArray, inside: IntArray, low: BoolAr
 def _minimised(nodes: FloatArray, elements: IntArray, moves: Moves, scale: Scale) -> FloatArray:
     """Nodes (n_nodes, 3) where the sum of squares of `_Lacking` is least, mm.
 
-    By Levenberg's and Marquardt's method, until a step gains little. A step that gains as much as
-    the slopes foretold lowers the damping to a third at most; each that gains nothing raises it,
+    By Levenberg's and Marquardt's method, until a free step gains little. A step that gains as much
+    as the slopes foretold lowers the damping to a third at most; each that gains nothing raises it,
     ever faster. Smaller steps, or those of a quasi-Newton method, would wander along the valleys of
     this sum to where rounding leads them: to another place on another processor.
     """
@@ -145,20 +146,22 @@ def _minimised(nodes: FloatArray, elements: IntArray, moves: Moves, scale: Scale
     touched = np.isin(elements, moves.moving).any(axis=1)
     lacking = _Lacking(nodes, elements[touched], moves, scale)
     at = np.zeros(3 * len(moves.moving))
-    damping, growth, (value, slopes, squares) = 1e-3, 2.0, lacking.normal(at)
+    damping, growth, value = 1e-3, 2.0, lacking.move(at)
+    slopes, squares = lacking.normal()
     for _ in range(_STEPS):
         if not slopes.any():
             break
         scaled = damping * squares.diagonal()
         step = -splu(csc_matrix(squares + diags(scaled))).solve(slopes)
-        found = lacking.normal(at + step)
-        gain = (value - found[0]) / (0.5 * step @ (scaled * step - slopes))
+        found = lacking.move(at + step)
+        gain = (value - found) / (0.5 * step @ (scaled * step - slopes))
         if gain > 0.0:
-            little = value - found[0] < _LITTLE * value
-            at, (value, slopes, squares) = at + step, found
-            damping, growth = damping * max(1 / 3, 1.0 - (2.0 * gain - 1.0) ** 3), 2.0
+            little = value - found < _LITTLE * value and damping < _FREE
+            at, value = at + step, found
             if little:
                 break
+            slopes, squares = lacking.normal()
+            damping, growth = damping * max(1 / 3, 1.0 - (2.0 * gain - 1.0) ** 3), 2.0
         else:
             damping, growth = damping * growth, 2.0 * growth
             if damping > _STUCK:
@@ -189,43 +192,55 @@ class _Lacking:
         self.sizes = np.repeat(size, 3)
         self._stiff = _STIFF / self.sizes**2
 
-    def normal(self, flat: FloatArray) -> tuple[float, FloatArray, csr_matrix]:
-        """Half the sum of squares, its gradient (n,), and the squares of its slopes (n, n)."""
-        targets, tangents = self._moves.places(flat.reshape(-1, 3))
+    def move(self, flat: FloatArray) -> float:
+        """Half the sum of squares where nodes have moved by flat (n,) mm."""
+        targets, self._tangents = self._moves.places(flat.reshape(-1, 3))
         places = self._start.copy()
         places[self._element, self._node] = targets[self._rows]
-        coefficients, jacobians = _coefficients(places)
-        lacking = np.maximum(0.0, _WANTED - coefficients / self._whole[:, None])
-        value = 0.5 * float((lacking**2).sum() + (self._stiff * flat**2).sum())
-        bad = np.flatnonzero(lacking.any(axis=1))
-        by_value = np.einsum("eqxr,qar->eqax", _cofactors(jacobians[bad]), _GRADIENTS)
-        by_coefficient = np.tensordot(by_value, _FROM_VALUES, axes=(1, 1))  # e a x c
-        element, which = np.nonzero(lacking[bad] > 0)
-        by_place = by_coefficient[element, :, :, which] / -self._whole[bad][element, None, None]
-        pair, node = np.nonzero(self._local[bad[element]] >= 0)
-        rows = self._local[bad[element[pair]], node]
-        slopes = np.einsum("kx,kxm->km", by_place[pair, node], tangents[rows])
+        coefficients, self._jacobians = _coefficients(places)
+        self._lacking = np.maximum(0.0, _WANTED - coefficients / self._whole[:, None])
+        self._flat = flat
+        return 0.5 * float((self._lacking**2).sum() + (self._stiff * flat**2).sum())
+
+    def normal(self) -> tuple[FloatArray, csr_matrix]:
+        """Gradient (n,) of that half after the last move, and the squares of its slopes (n, n)."""
+        bad, which = np.nonzero(self._lacking)
+        elements, place = np.unique(bad, return_inverse=True)
+        cofactors = _cofactors(self._jacobians[elements]).reshape(-1, 3 * len(_POINTS), 3)
+        by_place = np.matmul(_SLOPES[which], cofactors[place]) / -self._whole[bad, None, None]
+        pair, node = np.nonzero(self._local[bad] >= 0)
+        rows = self._local[bad[pair], node]
+        slopes = np.matmul(by_place[pair, node][:, None], self._tangents[rows])
         columns = 3 * rows[:, None] + np.arange(3)
         table = csr_matrix(
-            (slopes.ravel(), (np.repeat(pair, 3), columns.ravel())), (len(element), len(flat))
+            (slopes.ravel(), (np.repeat(pair, 3), columns.ravel())), (len(bad), len(self._flat))
         )
-        gradient = self._stiff * flat + table.T @ lacking[bad[element], which]
-        return value, gradient, csr_matrix(table.T @ table + diags(self._stiff))
+        gradient = self._stiff * self._flat + table.T @ self._lacking[bad, which]
+        return gradient, csr_matrix(table.T @ table + diags(self._stiff))
 
 
 def _coefficients(places: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Bernstein coefficients (n, 20) of det J, and the Jacobians (n, 20, 3, 3) they come from."""
-    jacobians = np.tensordot(places, _GRADIENTS, axes=(1, 1)).transpose(0, 2, 1, 3)  # e q x r
-    first, second, third = (jacobians[..., k] for k in range(3))
-    determinants = np.einsum("eqx,eqx->eq", first, np.cross(second, third))
+    """Bernstein coefficients (n, 20) of det J, and the Jacobians (n, 20, 3, 3) they come from.
+
+    Jacobians of local by place: [..., r, x] is d x / d r.
+    """
+    jacobians = np.matmul(_BY_LOCAL, places).reshape(-1, len(_POINTS), 3, 3)
+    first, second, third = (jacobians[..., k, :] for k in range(3))
+    determinants = (first * _cross(second, third)).sum(axis=-1)
     return determinants @ _FROM_VALUES.T, jacobians
 
 
 def _cofactors(jacobians: FloatArray) -> FloatArray:
-    first, second, third = (jacobians[..., k] for k in range(3))
-    return np.stack(
-        [np.cross(second, third), np.cross(third, first), np.cross(first, second)], axis=-1
-    )
+    """Slopes (n, 20, 3, 3) of det J by the Jacobians' entries."""
+    first, second, third = (jacobians[..., k, :] for k in range(3))
+    return np.stack([_cross(second, third), _cross(third, first), _cross(first, second)], axis=-2)
+
+
+def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Cross products of the last axes; numpy's own takes three times as long."""
+    ax, ay, az = (a[..., k] for k in range(3))
+    bx, by, bz = (b[..., k] for k in range(3))
+    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
 
 
 def _straight(places: FloatArray) -> FloatArray:
@@ -250,3 +265,6 @@ def _lattice() -> tuple[FloatArray, FloatArray]:
 
 _POINTS, _FROM_VALUES = _lattice()
 _GRADIENTS = shape_gradients(_POINTS)
+_BY_LOCAL = _GRADIENTS.transpose(0, 2, 1).reshape(-1, 10)  # (20 x 3, 10): from places to Jacobians
+# (20, 10, 20 x 3): from cofactors at the points to slopes of a coefficient by nodes
+_SLOPES = np.einsum("cq,qar->caqr", _FROM_VALUES, _GRADIENTS).reshape(len(_POINTS), 10, -1)
