@@ -172,7 +172,7 @@ def _minimised(nodes: FloatArray, elements: IntArray, moves: Moves, scale: Scale
 
 
 class _Lacking:
-    """What the coefficients of some elements lack, and moves of nodes over their elements' size.
+    """Lack of the coefficients of some elements, and moves of nodes over their elements' size.
 
     sizes  (3 n_moving,) mm, of the largest element at each node
     """
