@@ -28,12 +28,14 @@ from loads.laws import Contact, Law, Opposing, Table
 from loads.linkage import Linkage
 from loads.measured import MeasuredBody, MeasuredLoad, MeasuredLoads
 from loads.motion import Geometry, Motion, move
-from loads.pace import Pace, SteadyPace, StrokePace
+from loads.motors import Geared, Motor
+from loads.pace import MotorPace, Pace, SteadyPace, StrokePace
 from loads.path import Path, trace
 from loads.phases import Cycle, Phase
 from loads.point_loads import PointLoad
 from loads.resolve_forces import forces_again, moves_alike
 from loads.reversals import split_at_reversals
+from loads.running import StallError, UnsettledError
 
 __all__ = [
     "GROUND",
@@ -54,6 +56,7 @@ __all__ = [
     "Force",
     "ForceSolution",
     "Friction",
+    "Geared",
     "Geometry",
     "Joint",
     "JointCompliance",
@@ -68,6 +71,8 @@ __all__ = [
     "MeasuredLoad",
     "MeasuredLoads",
     "Motion",
+    "Motor",
+    "MotorPace",
     "Opposing",
     "Pace",
     "Path",
@@ -79,9 +84,11 @@ __all__ = [
     "PullThrough",
     "Revolute",
     "Slot",
+    "StallError",
     "SteadyPace",
     "StrokePace",
     "Table",
+    "UnsettledError",
     "assembly_gap",
     "diagnose",
     "forces_again",

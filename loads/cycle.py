@@ -9,26 +9,30 @@ from math import ceil
 import numpy as np
 
 from loads.bodies import FloatArray, LinkageError
-from loads.breakpoints import with_extremes, with_roots
+from loads.breakpoints import with_extremes, with_middles, with_roots
 from loads.contact import Touch, contact_gaps, solve_laws
 from loads.cycle_loads import CycleLoads
 from loads.deflected import second_order
+from loads.driven import driven_by
 from loads.elasticity import check_compliance
 from loads.forces import ForceSolution, JointLoad
 from loads.joints import Prismatic, Slot
 from loads.laws import Contact, Opposing, Table
 from loads.linkage import Linkage
 from loads.motion import Geometry, Motion, move
-from loads.pace import SteadyPace
+from loads.pace import MotorPace, SteadyPace
 from loads.path import Path, trace
 from loads.phases import Cycle
 from loads.reversals import coordinate_speed
+from loads.running import running
 from loads.sampling_error import unresolved
 from loads.timing import Timing
 
 _LEAST_PER_PHASE = 20
 _LARGEST = 1e30  # N; squares and cubes of what is larger leave the range of numbers
 _COARSE = 201  # positions per phase that find where the loads change
+
+Rates = tuple[FloatArray, FloatArray]  # speed and acceleration (n,) of the pace
 
 
 class CycleError(LinkageError):
@@ -51,6 +55,8 @@ def run_cycle(linkage: Linkage, cycle: Cycle) -> CycleLoads:
     Raises LinkageError, which names the phase, where the cycle cannot be.
     """
     run = _begun(linkage, cycle)
+    if isinstance(cycle.pace, MotorPace):
+        run = run.at_motors_speed(cycle.pace)
     grids = _coarse(cycle)
     # the second time, what the first grid has stepped over is seen
     tried: list[list[_Stretch]] = []
@@ -74,7 +80,7 @@ def run_at_rates(
     """
     pace = cycle.pace
     if not isinstance(pace, SteadyPace):
-        raise LinkageError(f"cycle {cycle.name!r}: its pace is led from rest to rest")
+        raise LinkageError(f"cycle {cycle.name!r}: its pace is not steady")
     faster = replace(
         cycle,
         pace=replace(pace, speed=factor * pace.speed, acceleration=factor**2 * pace.acceleration),
@@ -83,9 +89,12 @@ def run_at_rates(
     stretches = []
     for k in range(len(cycle.phases)):
         rows = known.phase_of == k
-        stretches.append(
-            run.solve(k, known.positions[rows], None if surge is None else surge[rows])
-        )
+        grid = known.positions[rows]
+        rates = None
+        if surge is not None:
+            speed, acceleration = run.timing.rates(k, run.path.at(grid))
+            rates = speed, acceleration + surge[rows] * speed
+        stretches.append(run.solve(k, grid, rates))
     again = _joined(known.linkage, faster, run.timing, stretches, [])
     return replace(again, unresolved=known.unresolved)
 
@@ -93,7 +102,7 @@ def run_at_rates(
 def try_cycle(linkage: Linkage, cycle: Cycle) -> None:
     """Raise LinkageError where a cycle cannot be, as far as some 200 positions per phase tell.
 
-    It takes a fraction of the time of `run_cycle`, which tells the rest.
+    It takes a fraction of the time of `run_cycle`, which tells the rest: a motor's, too.
     """
     run = _begun(linkage, cycle)
     for k, grid in enumerate(_coarse(cycle)):
@@ -128,13 +137,41 @@ class _Run:
     cycle: Cycle
     timing: Timing
 
-    def solve(self, k: int, grid: FloatArray, surge: FloatArray | None = None) -> _Stretch:
-        """Return phase k at the positions of a grid; surge (n,) is more acceleration over speed."""
+    def solve(self, k: int, grid: FloatArray, rates: Rates | None = None) -> _Stretch:
+        """Return phase k at the positions of a grid; rates other than the timing's, if any."""
+        return self._solved(k, self.path.at(grid), rates)
+
+    def _solved(self, k: int, geometry: Geometry, rates: Rates | None) -> _Stretch:
         phase = self.cycle.phases[k]
         with self._told_of(k):
-            stretch = _Stretch(*solve_laws(self._motion(k, grid, surge), phase.given, phase.solve))
+            motion = self._motion(k, geometry, rates)
+            stretch = _Stretch(*solve_laws(motion, phase.given, phase.solve))
             _check_sizes(stretch)
         return stretch
+
+    def at_motors_speed(self, pace: MotorPace) -> "_Run":
+        """Return the run at the speeds at which the motor turns the linkage."""
+        fine = replace(self.cycle, n_positions=2 * _COARSE)
+        grids = _coarse(self.cycle)
+        solutions = [self.solve(k, grid).solution for k, grid in enumerate(grids)]
+        grids = [self.with_corners(k, g) for k, g in enumerate(_placed(fine, grids, solutions))]
+        places = [self.path.at(with_middles(grid)) for grid in grids]
+        ways = [self.timing.way(k, geometry) for k, geometry in enumerate(places)]
+        levers = driven_by(self.cycle, self.path.kinematics, places)
+
+        def demand(k: int, squares: FloatArray, accelerations: FloatArray) -> FloatArray:
+            solution = self._solved(k, places[k], (np.sqrt(squares), accelerations)).solution
+            return levers[k] * solution.efforts[self.cycle.phases[k].solve]
+
+        solved = running(
+            demand,
+            ways,
+            pace.motor,
+            pace.inertia,
+            pace.steady.speed,
+            lambda k, i: places[k].place(i),
+        )
+        return replace(self, timing=Timing(self.path, pace, self.cycle.spans, solved))
 
     @contextmanager
     def _told_of(self, k: int) -> Iterator[None]:
@@ -144,13 +181,10 @@ class _Run:
         except LinkageError as error:
             raise CycleError(self.cycle.name, k, self.cycle.phases[k].name, str(error)) from None
 
-    def _motion(self, k: int, grid: FloatArray, surge: FloatArray | None = None) -> Motion:
-        geometry = self.path.at(grid)
+    def _motion(self, k: int, geometry: Geometry, rates: Rates | None = None) -> Motion:
         _check_ends(self.path.kinematics.linkage, geometry)
-        speed, acceleration = self.timing.rates(k, geometry)
-        if surge is not None:
-            acceleration = acceleration + surge * speed
-        direction = 1 if grid[-1] > grid[0] else -1
+        speed, acceleration = self.timing.rates(k, geometry) if rates is None else rates
+        direction = 1 if geometry.values[-1] > geometry.values[0] else -1
         return move(geometry, self.cycle.pace.coordinate, speed, direction, acceleration)
 
     def with_corners(self, k: int, grid: FloatArray) -> FloatArray:
@@ -177,14 +211,14 @@ class _Run:
 
     def _speeds(self, k: int, name: str, law: Opposing, grid: FloatArray) -> FloatArray:
         """Speed (m, n) of a force's own coordinate above each corner of its table."""
-        speed = coordinate_speed(self._motion(k, grid), name)
+        speed = coordinate_speed(self._motion(k, self.path.at(grid)), name)
         return np.array([speed - corner for corner in law.speeds[1:]])
 
     def _gaps(self, k: int, name: str, grid: FloatArray) -> FloatArray:
         """Gap and lift (2, n) of a contact at the positions of a grid, mm."""
         phase = self.cycle.phases[k]
         with self._told_of(k):
-            return contact_gaps(self._motion(k, grid), phase.given, phase.solve, name)
+            return contact_gaps(self._motion(k, self.path.at(grid)), phase.given, phase.solve, name)
 
 
 def _check_sizes(stretch: _Stretch) -> None:

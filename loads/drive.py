@@ -88,7 +88,7 @@ def drive_figures(
     energy = 2.0 * kinetic_energy(kinematics, poses, heading, kinematics.linkage.body_names)
     reduced = np.divide(energy, lead**2, out=np.full(n, np.inf), where=lead != 0.0)
     duration = float(times[-1] - times[0])
-    closed = _closed(kinematics, poses)
+    closed = is_closed(kinematics, poses)
     rate = dot(gradient, velocities.reshape(n, -1))
     steady = bool(np.ptp(rate) <= _STEADY * np.abs(rate).max())
     ripple = None
@@ -135,7 +135,7 @@ def kinetic_energy(
     return total
 
 
-def _closed(kinematics: Kinematics, poses: FloatArray) -> bool:
+def is_closed(kinematics: Kinematics, poses: FloatArray) -> bool:
     """Return True if the last pose is the first, whole turns aside."""
     change = poses[-1, 1:] - poses[0, 1:]
     turns = change[:, 2] / (2.0 * np.pi)

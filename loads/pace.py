@@ -8,6 +8,7 @@ import numpy as np
 
 from loads.bodies import FloatArray, LinkageError
 from loads.joints import Coordinate
+from loads.motors import Geared
 
 STROKE_LAWS: Final = ("harmonic", "cycloidal", "polynomial")
 
@@ -53,7 +54,35 @@ class StrokePace:
             raise LinkageError(f"the time of a stroke must be above 0, got {self.time:g}")
 
 
-Pace = SteadyPace | StrokePace
+@dataclass(frozen=True)
+class MotorPace:
+    """An angle that a motor turns over and over, as fast as the linkage lets it.
+
+    steady   the angle and a speed to begin with
+    inertia  t mm2, of all that turns with it besides linkage and rotor
+    """
+
+    steady: SteadyPace
+    motor: Geared
+    inertia: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.coordinate.angular:
+            raise LinkageError(f"a motor turns an angle, not {self.coordinate.label}")
+        if self.steady.acceleration:
+            raise LinkageError(
+                f"the acceleration of {self.coordinate.label} follows from its motor"
+            )
+        if not (isfinite(self.inertia) and self.inertia >= 0.0):
+            raise LinkageError(f"the inertia of a flywheel is not negative, got {self.inertia:g}")
+
+    @property
+    def coordinate(self) -> Coordinate:
+        """The angle that the motor turns."""
+        return self.steady.coordinate
+
+
+Pace = SteadyPace | StrokePace | MotorPace
 
 
 def stroke_law(law: str, tau: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

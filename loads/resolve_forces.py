@@ -20,6 +20,7 @@ from loads.kinematics import Kinematics
 from loads.laws import Contact, Law
 from loads.linkage import Linkage
 from loads.motion import Motion
+from loads.pace import MotorPace
 from loads.phases import Cycle
 
 
@@ -27,9 +28,9 @@ def moves_alike(known: Linkage, cycle: Cycle, other: Linkage, other_cycle: Cycle
     """Return True if a linkage goes through a cycle as a known one does, at the same positions.
 
     Masses, gravity, friction and constant forces may differ. False for cycles with a contact, which
-    holds bodies still by an amount that depends on the forces.
+    holds bodies still by an amount that depends on the forces, and for those that a motor turns.
     """
-    if _has_contact(cycle) or _has_contact(other_cycle):
+    if _has_contact(cycle) or _has_contact(other_cycle) or isinstance(cycle.pace, MotorPace):
         return False
     return (
         _shape(known) == _shape(other)

@@ -8,15 +8,26 @@ import numpy as np
 from loads.bodies import FloatArray, LinkageError
 from loads.joints import in_words
 from loads.motion import Geometry, Motion
-from loads.pace import Pace, SteadyPace, stroke_law, stroke_time
+from loads.pace import MotorPace, Pace, SteadyPace, StrokePace, stroke_law, stroke_time
 from loads.path import Path
+from loads.running import SolvedPace
 
 
 class Timing:
-    """The pace of a cycle over its phases; way is how far the pace coordinate has gone."""
+    """The pace of a cycle over its phases; way is how far the pace coordinate has gone.
 
-    def __init__(self, path: Path, pace: Pace, spans: tuple[tuple[float, float], ...]) -> None:
-        self._pace: Final = pace
+    solved  the run of the motor of a MotorPace; None: at the speed that it begins with
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        pace: Pace,
+        spans: tuple[tuple[float, float], ...],
+        solved: SolvedPace | None = None,
+    ) -> None:
+        self._pace: Final = pace.steady if isinstance(pace, MotorPace) else pace
+        self._solved: Final = solved
         kinematics = path.kinematics
         kinematics.linkage.check_coordinate(pace.coordinate, "pace")
         borders = np.array([spans[0][0], *(stop for _, stop in spans)])
@@ -30,21 +41,24 @@ class Timing:
         for number, (_, group) in enumerate(groupby(rising)):
             first = phase
             for _ in group:
-                start = 0 if isinstance(pace, SteadyPace) else first
+                start = first if isinstance(pace, StrokePace) else 0
                 self._before[phase] = ways[start:phase].sum()
                 self._stroke_of[phase] = number
                 phase += 1
             self._strokes.append(float(ways[first:phase].sum()))
 
-    def _way(self, k: int, values: FloatArray) -> FloatArray:
+    def way(self, k: int, geometry: Geometry | Motion) -> FloatArray:
+        """Return how far the pace coordinate has gone (n,) at positions of phase k."""
+        values = geometry.kinematics.value(self._pace.coordinate, geometry.poses)
         way: FloatArray = self._before[k] + np.abs(values - self._values[k])
         return way
 
     def rates(self, k: int, geometry: Geometry) -> tuple[FloatArray, FloatArray]:
         """Return speed and acceleration of the pace (n,) at positions of phase k."""
         pace = self._pace
-        values = geometry.kinematics.value(pace.coordinate, geometry.poses)
-        way = self._way(k, values)
+        way = self.way(k, geometry)
+        if self._solved is not None:
+            return self._solved.rates(k, way)
         if isinstance(pace, SteadyPace):
             square = pace.speed**2 + 2.0 * pace.acceleration * way
             if (square <= 0.0).any():
@@ -62,7 +76,9 @@ class Timing:
     def times(self, k: int, motion: Motion) -> FloatArray:
         """Return the time since the start of the cycle (n,) [s] at positions of phase k."""
         pace = self._pace
-        way = self._way(k, motion.kinematics.value(pace.coordinate, motion.poses))
+        way = self.way(k, motion)
+        if self._solved is not None:
+            return self._solved.times(k, way)
         if isinstance(pace, SteadyPace):
             # way = v t + a t2 / 2, solved without losing digits where a is small
             root = np.sqrt(pace.speed**2 + 2.0 * pace.acceleration * way)

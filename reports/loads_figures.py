@@ -100,6 +100,31 @@ class DriveSummary:
     allowed: float
 
 
+@dataclass(frozen=True, eq=False)
+class MotorFigures:
+    """How a motor runs through a cycle.
+
+    slowest, fastest, mean  rad/s of the angle that it turns; the first two with shown positions
+    largest, effective, rated  N mm of torque at its own shaft; effective: the root mean square
+    power    N mm/s that it gives in the mean
+    missing  energy of a turn that motor and linkage do not agree on, over what is turned over
+    speed    (n,) rad/s of the angle; torque (n,) N mm on it
+    """
+
+    slowest: float
+    slowest_at: float
+    fastest: float
+    fastest_at: float
+    mean: float
+    largest: float
+    effective: float
+    rated: float
+    power: float
+    missing: float
+    speed: FloatArray
+    torque: FloatArray
+
+
 @dataclass(frozen=True)
 class ContactStated:
     """A contact as the design has it: from where on along the coordinate that was written there.

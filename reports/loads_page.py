@@ -79,7 +79,8 @@ def _chart(cycle: ShownCycle) -> str:
         ),
         (
             "Torques", "torque", True,
-            {f.name: loads.efforts[f.name] for f in loads.linkage.forces if f.coordinate.angular},
+            {f.name: loads.efforts[f.name] for f in loads.linkage.forces if f.coordinate.angular}
+            | ({} if cycle.motor is None else {"motor, geared": cycle.motor.torque}),
         ),
         (
             "Reactions of the joints", "resultant", False,
@@ -91,6 +92,9 @@ def _chart(cycle: ShownCycle) -> str:
             unit, factor = quantity_unit(angular, max(np.abs(c).max() for c in curves.values()))
             scaled = {name: np.asarray(values * factor) for name, values in curves.items()}
             panels.append((title, f"{quantity} [{unit}]", scaled))
+    if cycle.motor is not None:
+        speed = cycle.motor.speed * 60.0 / (2.0 * np.pi)
+        panels.append(("Speed by the motor", "speed [rpm]", {"angle that sets the pace": speed}))
     axis = f"{brief(cycle.shown_name, 20)} [{cycle.unit}]"
     return curves_chart(f"Loads {brief(cycle.name, 40)}", cycle.shown, phases, panels, axis)
 

@@ -30,6 +30,7 @@ from reports.loads_figures import (
     Extremes,
     FloatArray,
     JointSummary,
+    MotorFigures,
     ShownPhase,
     plain_fields,
 )
@@ -49,6 +50,7 @@ class ShownCycle:
     available  force -> what its drive can give with a positive and a negative sign [N, N mm]
     allowed_irregularity  of the speed, above which constant speed does not count
     stated     the contacts as the design has them, by the name of their force
+    motor      how a motor runs through it; None where none turns it
     """
 
     loads: CycleLoads
@@ -61,6 +63,7 @@ class ShownCycle:
     available: Mapping[str, tuple[float, float]]
     allowed_irregularity: float
     stated: Mapping[str, ContactStated] = field(default_factory=dict)
+    motor: MotorFigures | None = None
 
     @property
     def name(self) -> str:
@@ -246,6 +249,7 @@ class ShownCycle:
             ],
             "drives": [plain_fields(drive) for drive in self.drives],
             "contacts": [plain_fields(contact) for contact in self.contacts],
+            "motor": None if self.motor is None else plain_fields(self.motor),
         }
 
 

@@ -2,11 +2,17 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import inf
+from math import inf, pi
 
 from checks.result.verdict import DesignResult, Gate, PartResult
 from checks.result.words import brief, gate_sentence, number, place_text, quantity_unit
-from reports.loads_figures import ContactSpan, ContactSummary, Direction, DriveSummary
+from reports.loads_figures import (
+    ContactSpan,
+    ContactSummary,
+    Direction,
+    DriveSummary,
+    MotorFigures,
+)
 from reports.loads_summary import LoadsResult, ShownCycle
 
 SIGNS = (
@@ -63,6 +69,8 @@ def drive_sentences(drive: DriveSummary, cycle: ShownCycle) -> list[str]:
             "the mean power does not contain the impact of what is touched, "
             f"{number(drive.impact_energy * 1e-3)} J a cycle"
         )
+    if cycle.motor is not None and cycle.role(drive.name) == "solved":
+        said.append(motor_sentence(cycle.motor, cycle))
     even = flywheel_sentence(drive)
     return [*said, even] if even else said
 
@@ -78,6 +86,22 @@ def flywheel_sentence(drive: DriveSummary) -> str:
         f"ripple of {number(drive.ripple * 1e-3)} J would make the speed irregular by "
         f"{number(drive.irregularity)}; {number(drive.allowed)} needs "
         f"{number(drive.flywheel * 1e-3)} kg m2 in all"
+    )
+
+
+def motor_sentence(motor: MotorFigures, cycle: ShownCycle) -> str:
+    """Speed and torque of a motor over a cycle."""
+    unit, factor = quantity_unit(True, max(motor.largest, motor.rated))
+    per_minute = 60.0 / (2.0 * pi)
+    shown = brief(cycle.shown_name, 20)
+    even = (motor.fastest - motor.slowest) / motor.mean
+    return (
+        f"the motor turns it at {number(motor.mean * per_minute, 4)} rpm in the mean, "
+        f"{number(motor.slowest * per_minute, 4)} at {shown} = {place_text(motor.slowest_at)} and "
+        f"{number(motor.fastest * per_minute, 4)} at {place_text(motor.fastest_at)} {cycle.unit} "
+        f"(irregularity {number(even)}); effective torque {number(motor.effective * factor)} of "
+        f"{number(motor.rated * factor)} {unit} rated, largest {number(motor.largest * factor)} "
+        f"{unit}, {number(motor.power * 1e-3)} W in the mean at its shaft"
     )
 
 

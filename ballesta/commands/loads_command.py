@@ -39,10 +39,11 @@ from reports.loads_text import loads_text
 
 Masses = Mapping[str, tuple[float, tuple[float, float], float]]
 
+DRIVE_SPEED = "changes of speed that the drive itself would suffer"
 ABSENT = (
     "impact, where something is touched or a clearance closes",
     "clearances, and what they let the joints do",
-    "changes of speed that the drive itself would suffer",
+    DRIVE_SPEED,
     "vibration; bodies are rigid but for a stated elasticity in front of a contact",
     "forces out of the plane",
 )
@@ -101,7 +102,7 @@ def loads_of_file(
         gates=gates,
         warnings=warnings,
         runs=[shown_run(design, run) for run in measured.values()],
-        absent=(*(ABSENT if solved else ABSENT_MEASURED), *not_measured(design)),
+        absent=(*_absent(design, solved), *not_measured(design)),
         assumed=[
             *(pair for pair in design.assumed if not pair[0].startswith("parts.")),
             *speed_assumptions(evenness),
@@ -116,6 +117,13 @@ def loads_of_file(
             ]
         ),
     )
+
+
+def _absent(design: Design, solved: Mapping[str, loads.CycleLoads]) -> tuple[str, ...]:
+    """Effects that the loads leave out, in words."""
+    if not solved:
+        return ABSENT_MEASURED
+    return tuple(text for text in ABSENT if design.drive.motor is None or text != DRIVE_SPEED)
 
 
 def run_loads(path: Path, wanted: Wanted, overrides: Sequence[str] = ()) -> int:

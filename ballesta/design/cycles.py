@@ -13,7 +13,7 @@ from checks.design.data import Cycle, Design, Duty, Shown, Stop
 from checks.design.errors import Problems
 from checks.design.model import DesignFile
 from checks.design.names import no_such
-from checks.design.tables import CycleEntry, PaceEntry
+from checks.design.tables import CycleEntry, DriveEntry, MotorEntry, PaceEntry
 from checks.design.units import DIMENSIONS, Measured
 
 _MOST_TURNS = 100  # of a body in a cycle: 5 to 7 s of walking
@@ -120,6 +120,8 @@ def _cycle(
     if entry.friction is not None:
         friction = friction_of(f"{key}.friction", entry.friction, file, joints, problems)
     pace = _pace(f"{key}.pace", entry.pace, paced, problems)
+    if file.drive.motor is not None and pace is not None:
+        pace = _by_motor(f"{key}.pace", pace, file.drive, file.drive.motor, problems)
     if swept is None or pace is None or len(problems) > told:
         return None
     run = loads.Cycle(name, swept, start, pace, phases, entry.positions)
@@ -179,6 +181,33 @@ def _pace(
     assert entry.speed is not None
     acceleration = entry.acceleration.value if entry.acceleration else 0.0
     return loads.SteadyPace(coordinate, entry.speed.value, acceleration)
+
+
+def _by_motor(
+    key: str, pace: loads.Pace, drive: DriveEntry, entry: MotorEntry, problems: Problems
+) -> loads.Pace | None:
+    """Return the pace that the machine's motor sets to a cycle."""
+    if not isinstance(pace, loads.SteadyPace) or not pace.coordinate.angular:
+        problems.add(key, "must be the speed of an angle, which drive.motor turns")
+        return None
+    ratio = entry.speed / pace.speed if entry.ratio is None else entry.ratio
+    try:
+        motor = loads.Motor(
+            entry.power / entry.speed,
+            entry.speed,
+            entry.free_speed,
+            entry.breakdown,
+            entry.torque_limit,
+        )
+        geared = loads.Geared(motor, ratio, entry.efficiency, entry.inertia)
+    except loads.LinkageError as error:
+        problems.add("drive.motor", str(error))
+        return None
+    try:
+        return loads.MotorPace(pace, geared, drive.flywheel or 0.0)
+    except loads.LinkageError as error:
+        problems.add(key, str(error))
+        return None
 
 
 def _phases(

@@ -81,7 +81,7 @@ def _assembled(
         if _is_assumed(key, data, sources, problems)
     }
     held = [name for name, value in model.drive if value is not None]
-    if len(held) > 1:
+    if len(held) > 1 and set(held) != {"flywheel", "motor"}:
         problems.add(
             "drive", f"states {' and '.join(held)}; one of them says how it holds its speed"
         )

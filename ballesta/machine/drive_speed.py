@@ -58,8 +58,13 @@ class Evenness:
 
 
 def evenness_of(design: Design, solved: Solved) -> dict[str, Evenness]:
-    """Evenness of every closed cycle that a torque turns at one speed; others have none."""
-    found = {}
+    """Evenness of every closed cycle that a torque turns at one speed; others have none.
+
+    Nor those that a motor turns: their loads are those of the speed that it has.
+    """
+    found: dict[str, Evenness] = {}
+    if design.drive.motor is not None:
+        return found
     for name, cycle in solved.items():
         for drive in _turned(design, cycle):
             found[name] = _evenness(design, cycle, drive)

@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 
 import loads
+from ballesta.machine.motor_figures import motor_figures
 from checks.design.data import Cycle, Design
 from checks.part.part_loads import shown_name, shown_of, shown_position
 from checks.result.words import number
@@ -26,6 +27,7 @@ def shown_cycle(design: Design, cycle: loads.CycleLoads) -> ShownCycle:
         unit=unit,
         shown=shown_position(stated, cycle.positions),
         pace=_pace(stated.run.pace),
+        motor=motor_figures(design, cycle),
         duty=design.duty.cycles.get(cycle.name, 0.0),
         phases=_phases(cycle, stated),
         available=design.available,
@@ -115,5 +117,7 @@ def _pace(pace: loads.Pace) -> str:
     if isinstance(pace, loads.StrokePace):
         rest = f"from rest to rest in {number(pace.time)} s a stroke"
         return f"{pace.coordinate.label} {pace.law} {rest}"
+    if isinstance(pace, loads.MotorPace):
+        return f"{pace.coordinate.label} by drive.motor"
     rising = f", changing by {pace.acceleration:.4g} {unit}/s2" if pace.acceleration else ""
     return f"{pace.coordinate.label} at {pace.speed:.4g} {unit}/s{rising}"

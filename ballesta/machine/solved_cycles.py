@@ -9,7 +9,7 @@ import numpy as np
 
 import loads
 from checks.design.data import Cycle, Design, Part
-from checks.design.errors import DesignError
+from checks.design.errors import DesignError, NumericsError
 from checks.part.placing import interface_distance, part_placing
 from checks.part.too_fine import gave_up, told_of_size
 from checks.store.loads import stored_loads
@@ -131,6 +131,12 @@ def told_of_cycle(design: Design, name: str) -> Iterator[None]:
     """Tell of an error which of the design's cycles it is in."""
     try:
         yield
+    except loads.UnsettledError as error:
+        raise NumericsError(
+            str(error),
+            f"{design.file}: cycles.{name}",
+            "a larger drive.flywheel steadies the speed; drive.irregularity states it instead",
+        ) from error
     except loads.CycleError as error:
         key = f"cycles.{name}.phases[{design.cycles[name].entry(error.phase)}]"
         raise DesignError(design.file, key, error.problem) from error

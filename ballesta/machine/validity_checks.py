@@ -4,6 +4,7 @@ from collections.abc import Collection, Mapping
 from math import ceil, sqrt
 
 import loads
+from ballesta.machine.motor_figures import motor_figures
 from ballesta.machine.shown_loads import shown_cycle
 from checks.design.data import Design
 from checks.part.part_loads import shown_name, shown_position
@@ -17,6 +18,7 @@ _UNRESOLVED = 0.01  # share of the largest load that may lie between positions
 _SECOND_ORDER = 0.05  # share of the largest force
 _CONDITIONING = 0.02  # share of the motion that the solved force sees
 _FRICTION_SHARE = 0.3  # a coefficient is known to a third at best: the efforts then to 10 %
+_MOTOR_ENERGY = 1e-3  # the trapezoidal rule over some hundred positions
 _USED_TRAVEL = 0.98  # of a slot's length: closer than 1 % of it to an end, play lets it strike
 
 
@@ -49,6 +51,7 @@ def _cycle_gates(design: Design, name: str, cycle: loads.CycleLoads, doubted: bo
         *_slot_ends(name, cycle),
         *_drive_forces(design, name, cycle),
         *_cycle_time(design, name, cycle),
+        *_motor(design, name, cycle),
     ]
 
 
@@ -113,6 +116,29 @@ def _dead_centre(design: Design, name: str, cycle: loads.CycleLoads, doubted: bo
         else f"End the travel farther from it, or state cycles.{name}.stop.tolerance, so that the "
         "loads at both ends of it are in the error bars, where that does not reach the dead centre",
     )
+
+
+def _motor(design: Design, name: str, cycle: loads.CycleLoads) -> list[Gate]:
+    motor = motor_figures(design, cycle)
+    if motor is None:
+        return []
+    return [
+        Gate(
+            f"{name}: energy of the motor",
+            motor.missing,
+            _MOTOR_ENERGY,
+            "energy of a turn that motor and linkage do not agree on, over what is turned over",
+        ),
+        Gate(
+            f"{name}: effective torque of the motor",
+            motor.effective / motor.rated,
+            1.0,
+            "root mean square of its torque over the rated one: beyond the limit it gets too hot, "
+            "which changes no load",
+            binding=False,
+            cure="A larger drive.motor.power, or less load",
+        ),
+    ]
 
 
 def _deflected_shape(name: str, cycle: loads.CycleLoads) -> list[Gate]:

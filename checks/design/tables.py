@@ -20,11 +20,14 @@ from checks.design.units import (
     Mass,
     OffsetLength,
     Point2,
+    PositiveAngularSpeed,
     PositiveBending,
     PositiveDamping,
     PositiveForce,
     PositiveForceOrMoment,
     PositiveLength,
+    PositiveMoment,
+    PositivePower,
     PositiveStiffness,
     PositiveStress,
     PositiveTime,
@@ -340,8 +343,37 @@ class CycleEntry(Table):
     phases: list[PhaseEntry] = Field(min_length=1)
 
 
+class MotorEntry(Table):
+    """A motor by its plate, and the gear between it and the angle that sets the pace."""
+
+    power: PositivePower = Field(description="rated, at its shaft", examples=["5.5 kW"])
+    speed: PositiveAngularSpeed = Field(description="rated", examples=["1455 rpm"])
+    free_speed: PositiveAngularSpeed = Field(
+        description="without load; the synchronous speed of an asynchronous motor",
+        examples=["1500 rpm"],
+    )
+    breakdown: Annotated[Number, Field(gt=1)] | None = Field(
+        None,
+        description="breakdown torque of an asynchronous motor over its rated torque; without it "
+        "the torque falls along a straight line: direct current, servos",
+    )
+    torque_limit: PositiveMoment | None = Field(
+        None, description="torque that the controller of a motor without breakdown lets through"
+    )
+    inertia: Inertia = Field(0.0, description="of the rotor", examples=["0.018 kg m2"])
+    ratio: Positive | None = Field(
+        None,
+        description="speed of the motor over the angle's; without it the one that has the cycle's "
+        "speed at the rated speed",
+    )
+    efficiency: Annotated[Number, Field(gt=0, le=1)] = Field(1.0, description="of the gear")
+
+
 class DriveEntry(Table):
-    """How the machine's drive holds its speed; at most one of the three."""
+    """How the machine's drive holds its speed: at most one of control, irregularity and motor.
+
+    A flywheel goes alone or with a motor.
+    """
 
     control: Literal["constant"] | None = Field(
         None,
@@ -350,13 +382,20 @@ class DriveEntry(Table):
     )
     flywheel: Inertia | None = Field(
         None,
-        description="inertia about the driven coordinate besides the bodies' own; with it the "
-        "drive's torque is even",
+        description="inertia about the driven coordinate besides the bodies' own; without a "
+        "motor the drive's torque then is even",
         examples=["1.4 kg m2"],
     )
     irregularity: Irregularity | None = Field(
         None,
         description="(fastest - slowest) / mean speed over a turn, as the drive keeps it",
+    )
+    motor: MotorEntry | None = Field(
+        None,
+        description="turns the cycles, whose speed is then solved and not given",
+        examples=[
+            '{ power = "5.5 kW", speed = "1455 rpm", free_speed = "1500 rpm", breakdown = 2.9 }'
+        ],
     )
 
 

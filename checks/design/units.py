@@ -45,6 +45,7 @@ DIMENSIONS = {
     "angular speed": Dimension("an angular speed", "rad/s", "30 deg/s"),
     "acceleration": Dimension("an acceleration", "mm/s2", "9.81 m/s2"),
     "angle": Dimension("an angle", "rad", "120 deg"),
+    "power": Dimension("a power", "N mm/s", "5.5 kW"),
     "rate": Dimension("a rate", "1/s", "20 1/min"),
     "fraction": Dimension("a share", "", "5 %"),
     "time": Dimension("a time", "s", "1.5 s"),
@@ -63,7 +64,7 @@ DIMENSIONS = {
 PAIRS = {"length": "200, 150 mm", "acceleration": "0, -9.81 m/s2", "": "0, 1"}
 # only to name what was found where another dimension was expected
 _OTHER_TITLES = {
-    "mm2": "an area", "mm3": "a volume", "K": "a temperature", "W": "a power",
+    "mm2": "an area", "mm3": "a volume", "K": "a temperature",
 }  # fmt: skip
 _COMMON_UNITS = [
     *("mm", "cm", "m", "um", "inch", "N", "kN", "MN", "g", "kg", "t", "tonne", "Pa", "MPa", "GPa"),
@@ -424,6 +425,9 @@ SweepAcceleration = Annotated[
     Measured, Quantity(("acceleration", "angular acceleration"), keep_dimension=True)
 ]
 PositivePressureSpeed = Annotated[float, Quantity(("pressure speed",), above=0.0)]
+PositivePower = Annotated[float, Quantity(("power",), above=0.0)]
+PositiveAngularSpeed = Annotated[float, Quantity(("angular speed",), above=0.0)]
+PositiveMoment = Annotated[float, Quantity(("moment",), above=0.0)]
 PositiveTime = Annotated[float, Quantity(("time",), above=0.0)]
 PositiveStiffness = Annotated[float, Quantity(("stiffness",), above=0.0)]
 PositiveTurning = Annotated[float, Quantity(("turning stiffness",), above=0.0)]

@@ -1,0 +1,288 @@
+"""Motors that turn linkages: speeds against integration in time, by hand, and where they stall."""
+
+from dataclasses import replace
+from math import pi
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.integrate import quad, solve_ivp
+
+from loads import (
+    Angle,
+    Cycle,
+    Friction,
+    Geared,
+    LinkageError,
+    Motor,
+    MotorPace,
+    Phase,
+    PointCoordinate,
+    StallError,
+    SteadyPace,
+    StrokePace,
+    moves_alike,
+    run_cycle,
+    try_cycle,
+)
+from loads.running import UnsettledError, running
+
+from .machines import slider_crank
+
+CRANK, ROD, MASS, INERTIA = 100.0, 400.0, 5e-3, 20.0
+ANGLE = Angle("crank", point="O")
+FREE, RATED = 157.08, 140.0
+KLOSS = Motor(2e4, RATED, FREE, breakdown=2.8)
+GEARED = Geared(KLOSS, ratio=10.0, efficiency=0.9, inertia=0.02)
+FLYWHEEL = 200.0
+
+
+def machine(**more):
+    return slider_crank(CRANK, ROD, crank_body={"inertia": INERTIA}, slider_mass=MASS, **more)
+
+
+def cycle(pace, push=-800.0, n=361):
+    """The slider pushed back on its way out, from 180 to 360 deg of the crank."""
+    phases = (
+        Phase("back", pi, {"push": 0.0}, "drive"),
+        Phase("out", 2 * pi, {"push": push}, "drive"),
+    )
+    return Cycle("turn", ANGLE, 0.0, pace, phases, n)
+
+
+def driven(motor=GEARED, flywheel=FLYWHEEL, speed=14.0):
+    return MotorPace(SteadyPace(ANGLE, speed), motor, flywheel)
+
+
+def slider(q):
+    """First and second derivative of the slider's place by the crank's angle."""
+    reach = np.sqrt(ROD**2 - (CRANK * np.sin(q)) ** 2)
+    first = -CRANK * np.sin(q) - CRANK**2 * np.sin(q) * np.cos(q) / reach
+    second = -CRANK * np.cos(q) - (
+        CRANK**2 * np.cos(2 * q) / reach + (CRANK**2 * np.sin(q) * np.cos(q)) ** 2 / reach**3
+    )
+    return first, second
+
+
+def kloss(speed):
+    """Torque on the crank at its speed, by the formula as textbooks print it."""
+    slip, rated = 1 - 10 * speed / FREE, 1 - RATED / FREE
+    most = rated * (2.8 + np.sqrt(2.8**2 - 1))
+    torque = 10 * 2 * 2.8 * 2e4 / (slip / most + most / slip)
+    return torque * (0.9 if torque > 0 else 1 / 0.9)
+
+
+def test_an_asynchronous_motor_has_its_rated_and_its_breakdown_torque():
+    assert_allclose(KLOSS.torque(RATED)[0], 2e4, rtol=1e-12)
+    assert KLOSS.torque(FREE)[0] == 0.0
+    speeds = np.linspace(0.0, FREE, 100_001)
+    torques = np.array([KLOSS.torque(speed)[0] for speed in speeds])
+    assert_allclose(torques.max(), 2.8 * 2e4, rtol=1e-8)
+    assert KLOSS.largest_torque == 2.8 * 2e4
+    assert KLOSS.torque(1.1 * FREE)[0] < 0.0  # driven faster it brakes
+
+
+def test_a_motor_without_breakdown_torque_has_a_line_that_is_cut():
+    line = Motor(2e4, RATED, FREE, most=3e4)
+    assert_allclose(line.torque(RATED)[0], 2e4)
+    assert_allclose(line.torque((RATED + FREE) / 2)[0], 1e4)
+    assert line.torque(0.0) == (3e4, 0.0)
+    assert line.torque(10 * FREE) == (-3e4, 0.0)
+    assert_allclose(Motor(2e4, RATED, FREE).largest_torque, 2e4 * FREE / (FREE - RATED))
+
+
+@pytest.mark.parametrize("motor", [KLOSS, Motor(2e4, RATED, FREE, most=5e4), GEARED])
+def test_the_slope_is_the_change_of_the_torque(motor):
+    for speed in (1.0, 9.0, 15.0):
+        change = motor.torque(speed + 1e-4)[0] - motor.torque(speed - 1e-4)[0]
+        assert_allclose(motor.torque(speed)[1], change / 2e-4, rtol=1e-6, atol=1e-3)
+
+
+def test_a_gear_multiplies_torque_and_loses_either_way():
+    assert_allclose(GEARED.torque(14.0)[0], kloss(14.0), rtol=1e-12)
+    forward, back = Geared(KLOSS, 10.0), GEARED
+    assert_allclose(back.torque(16.0)[0], forward.torque(16.0)[0] / 0.9)
+    assert GEARED.reflected == 2.0
+
+
+def test_the_steady_state_is_that_of_a_long_integration_in_time():
+    """60 turns, some 30 time constants, step by step with the equation of motion by hand."""
+    found = run_cycle(machine(), cycle(driven(), n=720))
+    speed = found.velocities[:, 1, 2]
+
+    def rate(out):
+        def slope(_, state):
+            q, v = state
+            first, second = slider(q)
+            force = -800.0 * first if out else 0.0
+            whole = INERTIA + FLYWHEEL + 2.0 + MASS * first**2
+            return [v, (kloss(v) + force - MASS * first * second * v**2) / whole]
+
+        return slope
+
+    state, took = [0.0, 14.0], 0.0
+    for turn in range(60):
+        took = 0.0
+        for out in (False, True):
+            stop = 2 * pi * turn + (2 * pi if out else pi)
+
+            def there(_, state, stop=stop):
+                return state[0] - stop
+
+            there.terminal = True
+            run = solve_ivp(
+                rate(out), (0, 10), state, "DOP853", events=there, rtol=1e-11, atol=1e-12
+            )
+            state, took = [stop, run.y[1, -1]], took + run.t[-1]
+    assert_allclose(speed[[0, -1]], state[1], rtol=1e-9)
+    assert_allclose(found.times[-1], took, rtol=1e-8)
+    assert np.ptp(speed) > 0.5
+
+
+def test_motor_flywheel_and_linkage_balance_at_every_position():
+    """T - J dv/dt is the torque that the linkage takes, with its inertia; energy over a turn."""
+    found = run_cycle(machine(), cycle(driven(), n=720))
+    speed, change = found.velocities[:, 1, 2], found.accelerations[:, 1, 2]
+    given = np.array([kloss(v) for v in speed])
+    left = given - (FLYWHEEL + 2.0) * change - found.efforts["drive"]
+    assert np.abs(left).max() < 1e-4 * np.abs(given).max()
+    assert_allclose(found.drive("drive").work, 800.0 * 2 * CRANK, rtol=1e-5)
+    assert_allclose(np.trapezoid(given * speed, found.times), 800.0 * 2 * CRANK, rtol=1e-4)
+
+
+def test_the_irregularity_under_even_torque_is_the_ripple_over_the_energy():
+    """By hand: ripple / (J w^2), to 1 % at 0.02; a motor of 100 times the speed is even."""
+    push, mean = 800.0, 800.0 * 2 * CRANK / (2 * pi)
+    light = slider_crank(CRANK, ROD, crank_body={"inertia": INERTIA})
+    angle = np.linspace(0.0, 2 * pi, 20_001)
+    demand = np.where(angle > pi, push * slider(angle)[0], 0.0)
+    stored = np.concatenate([[0.0], np.cumsum(mean - 0.5 * (demand[1:] + demand[:-1]))])
+    ripple = np.ptp(stored * (angle[1] - angle[0]))
+    inertia = ripple / (0.02 * 14.0**2)
+    even = Geared(Motor(mean, 14.0, 1_400.0))
+    found = run_cycle(light, cycle(driven(even, inertia - INERTIA), n=720))
+    speed = found.velocities[:, 1, 2]
+    average = 2 * pi / found.times[-1]
+    assert_allclose(np.ptp(speed) / average, ripple / (inertia * average**2), rtol=1e-2)
+    assert_allclose(average, 14.0, rtol=1e-2)
+
+
+def test_energy_over_a_turn_is_kept_to_a_hundred_millionth():
+    """What the motor gives between the positions, too, is what is taken."""
+    ways = [np.linspace(0.0, 2 * pi, 801)]
+
+    def taken(_, squares, accelerations):
+        return 5e4 + 4e4 * np.sin(ways[0]) + 30.0 * squares + 40.0 * accelerations
+
+    found = running(taken, ways, GEARED, FLYWHEEL, 14.0, place)
+
+    def given(way):
+        return kloss(float(found.rates(0, np.array([way]))[0][0]))
+
+    def drag(way):
+        square = float(found.rates(0, np.array([way]))[0][0]) ** 2
+        return 5e4 + 4e4 * np.sin(way) + 30.0 * square
+
+    turn = quad(given, 0, 2 * pi, epsrel=1e-12, limit=400)[0]
+    assert_allclose(turn, quad(drag, 0, 2 * pi, epsrel=1e-12, limit=400)[0], rtol=1e-8)
+    start, end = found.rates(0, np.array([0.0, 2 * pi]))[0]
+    assert_allclose(start, end, rtol=1e-12)
+
+
+@pytest.mark.parametrize("mu", [0.1, 0.3])
+def test_friction_that_depends_on_the_acceleration_is_in_the_balance(mu):
+    rubbing = machine(mu_slider=mu, gravity=(0.0, -9810.0))
+    pins = {name: Friction(mu, 20.0) for name in ("O", "A", "B")}
+    rubbing = replace(rubbing, friction={"guide": Friction(mu), **pins})
+    found = run_cycle(rubbing, cycle(driven()))
+    speed, change = found.velocities[:, 1, 2], found.accelerations[:, 1, 2]
+    given = np.array([kloss(v) for v in speed])
+    left = given - (FLYWHEEL + 2.0) * change - found.efforts["drive"]
+    assert np.abs(left).max() < 1e-2 * np.abs(given).max()  # where a normal force turns its sign
+    assert np.median(np.abs(left)) < 1e-5 * np.abs(given).max()
+    even = run_cycle(machine(), cycle(driven()))
+    assert speed.mean() < even.velocities[:, 1, 2].mean()
+
+
+def place(k, i):
+    return f"way {i} of phase {k}"
+
+
+def test_a_torque_that_switches_with_the_acceleration_settles():
+    """As a contact that opens: it takes nothing while the speed falls quickly."""
+    ways = [np.linspace(0.0, 2 * pi, 401)]
+
+    def taken(_, squares, accelerations):
+        return 8e4 + 6e4 * np.sin(ways[0]) + 50.0 * np.maximum(accelerations, -2.0)
+
+    found = running(taken, ways, GEARED, 100.0, 14.0, place)
+    speed, change = found.rates(0, ways[0][::2])
+    given = np.array([kloss(v) for v in speed])
+    left = given - 102.0 * change - taken(0, found.rates(0, ways[0])[0] ** 2,
+                                         found.rates(0, ways[0])[1])[::2]  # fmt: skip
+    assert np.abs(left).max() < 1e-6 * np.abs(given).max()
+
+
+def test_a_motor_too_weak_stalls_where_it_stands_with_the_torque_that_is_missing():
+    with pytest.raises(StallError, match=r"stalls at crank\.angle = 3\d\d.* N m are missing"):
+        run_cycle(machine(), cycle(driven(), push=-6000.0))
+    heavy = run_cycle(machine(), cycle(driven(flywheel=2e4), push=-6000.0))
+    assert heavy.velocities[:, 1, 2].min() > 12.0
+
+
+def test_a_run_without_any_mass_is_refused():
+    light = slider_crank(CRANK, ROD)
+    with pytest.raises(LinkageError, match="nothing that the motor turns has a mass at crank"):
+        run_cycle(light, cycle(driven(replace(GEARED, inertia=0.0), 0.0)))
+
+
+def test_a_demand_that_never_settles_is_no_result():
+    ways, count = [np.linspace(0.0, 2 * pi, 41)], [0]
+
+    def taken(_, squares, __):
+        count[0] += 1
+        return np.full(len(squares), 5e4 + 1e3 * (count[0] % 7))
+
+    with pytest.raises(UnsettledError, match="do not settle on each other"):
+        running(taken, ways, GEARED, FLYWHEEL, 14.0, place)
+
+
+def one(stop=2 * pi, solve="drive", sweep=ANGLE, start=0.0):
+    other = {"drive": "push", "push": "drive"}[solve]
+    return Cycle("turn", sweep, start, driven(), (Phase("a", stop, {other: 0.0}, solve),))
+
+
+@pytest.mark.parametrize(
+    ("bad", "said"),
+    [
+        (one(stop=4.0), "end in the pose that it starts from"),
+        (one(solve="push", start=0.5, stop=2.5), "end in the pose"),
+        (one(sweep=PointCoordinate("slider", "B", (1.0, 0.0)), start=450.0, stop=400.0),
+         "must lead the cycle"),
+    ],
+)  # fmt: skip
+def test_cycles_that_no_motor_turns_are_refused(bad, said):
+    with pytest.raises(LinkageError, match=said):
+        run_cycle(machine(at=0.3), bad)
+
+
+def test_a_motor_is_refused_what_it_cannot_be():
+    with pytest.raises(LinkageError, match="without load lies above"):
+        Motor(2e4, FREE, RATED)
+    with pytest.raises(LinkageError, match="breakdown torque of a motor lies above"):
+        Motor(2e4, RATED, FREE, breakdown=1.0)
+    with pytest.raises(LinkageError, match="not both"):
+        Motor(2e4, RATED, FREE, breakdown=2.0, most=3e4)
+    with pytest.raises(LinkageError, match="efficiency of a gear"):
+        Geared(KLOSS, efficiency=1.1)
+    with pytest.raises(LinkageError, match="turns an angle"):
+        MotorPace(SteadyPace(PointCoordinate("slider", "B", (1.0, 0.0)), 1.0), GEARED)
+    assert isinstance(StrokePace(ANGLE, "harmonic", 1.0), StrokePace)
+
+
+def test_a_cycle_is_tried_at_the_speed_that_it_begins_with():
+    try_cycle(machine(), cycle(driven(), push=-6000.0))  # that it stalls only its masses tell
+
+
+def test_loads_of_a_motor_are_solved_anew_for_every_variation():
+    assert not moves_alike(machine(), cycle(driven()), machine(), cycle(driven()))
