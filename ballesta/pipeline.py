@@ -57,7 +57,6 @@ _FAR = 0.2  # use of a linkage's buckling load that no doubt about its speed bri
 _CAD = (".step", ".stp")
 
 NOT_CHECKED = (
-    "impact and any speed change within a cycle",
     "contact fatigue, wear and lubrication of pins and bushes",
     "welds, screws, circlips and other fasteners",
     "keys, splines and press fits that bring a couple into a bore",
@@ -176,7 +175,7 @@ def _frame(
             *speed_warnings(doubts.evenness),
             *design_warnings(design, machine.masses, machine.all),
         ],
-        not_checked=(*NOT_CHECKED, *_not_checked_here(design), *not_measured(design)),
+        not_checked=(*_not_checked(design), *_not_checked_here(design), *not_measured(design)),
         assumed=(
             *design.assumed,
             *_assumed_here(design),
@@ -238,6 +237,12 @@ def _of_linkage(
 def _linkage_share(design: Design, runs: Runs, motions: FreeMotions) -> float:
     mode = worst_mode(design, runs, motions)
     return 0.0 if mode is None else linkage_check(design, mode).value
+
+
+def _not_checked(design: Design) -> tuple[str, ...]:
+    """Effects that no check of a design knows."""
+    first = "impact" if design.drive.motor else "impact and any speed change within a cycle"
+    return (first, *NOT_CHECKED)
 
 
 def _not_checked_here(design: Design) -> list[str]:

@@ -15,13 +15,14 @@ coefficients. It is taken over the determinant of the element with straight edge
 from collections.abc import Callable
 from itertools import product
 from math import factorial
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from scipy.sparse import csc_matrix, csr_matrix, diags
-from scipy.sparse.linalg import splu
 
 from geometry.mesh import TET_EDGES, BoolArray, FloatArray, IntArray, shape_gradients
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
 
 ENOUGH = 0.1  # the least coefficient that needs no mending; gmsh's own limit
 _WANTED = 0.25  # up to which it is raised where edges bend
@@ -143,6 +144,9 @@ def _minimised(nodes: FloatArray, elements: IntArray, moves: Moves, scale: Scale
     """
     if not len(moves.moving):
         return nodes
+    from scipy.sparse import csc_matrix, diags
+    from scipy.sparse.linalg import splu
+
     touched = np.isin(elements, moves.moving).any(axis=1)
     lacking = _Lacking(nodes, elements[touched], moves, scale)
     at = np.zeros(3 * len(moves.moving))
@@ -202,8 +206,10 @@ class _Lacking:
         self._flat = flat
         return 0.5 * float((self._lacking**2).sum() + (self._stiff * flat**2).sum())
 
-    def normal(self) -> tuple[FloatArray, csr_matrix]:
+    def normal(self) -> "tuple[FloatArray, csr_matrix]":
         """Gradient (n,) of that half after the last move, and the squares of its slopes (n, n)."""
+        from scipy.sparse import csr_matrix, diags
+
         bad, which = np.nonzero(self._lacking)
         elements, place = np.unique(bad, return_inverse=True)
         cofactors = _cofactors(self._jacobians[elements]).reshape(-1, 3 * len(_POINTS), 3)

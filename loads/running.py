@@ -18,12 +18,15 @@ the motor stalls.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import sqrt
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
 
 from loads.bodies import FloatArray, LinkageError
 from loads.motors import Geared
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicHermiteSpline
 
 # torque (n,) that the linkage takes in phase k at squared speeds and accelerations (n,)
 Demand = Callable[[int, FloatArray, FloatArray], FloatArray]
@@ -57,7 +60,7 @@ class SolvedPace:
     starts  (phases,) s, the time at which each begins
     """
 
-    phases: Sequence[CubicHermiteSpline]
+    phases: "Sequence[CubicHermiteSpline]"
     starts: FloatArray
 
     def rates(self, k: int, way: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -70,7 +73,7 @@ class SolvedPace:
         return np.asarray(self.starts[k] + _time_along(self.phases[k], np.asarray(way)))
 
 
-def _time_along(squares: CubicHermiteSpline, way: FloatArray) -> FloatArray:
+def _time_along(squares: "CubicHermiteSpline", way: FloatArray) -> FloatArray:
     """Time from the start of a phase to ways of it (n,), s, by Gauss' rule between its knots."""
     knots = squares.x
     index = np.clip(np.searchsorted(knots, way, side="right") - 1, 0, len(knots) - 2)
@@ -132,6 +135,8 @@ def running(
 
 
 def _pace(ways: Sequence[FloatArray], found: Sequence[tuple[FloatArray, FloatArray]]) -> SolvedPace:
+    from scipy.interpolate import CubicHermiteSpline  # half a second that few linkages need
+
     splines = [
         CubicHermiteSpline(way[::2], w[::2], slope[::2])
         for way, (w, slope) in zip(ways, found, strict=True)
