@@ -484,6 +484,17 @@ def new(
 
 
 @app.command()
+def materials(
+    name: Annotated[str, typer.Argument(help="a material, to see all of its values")] = "",
+) -> None:
+    """List the materials that ballesta knows, or all values of one and where they are from."""
+    from ballesta.commands.materials_command import materials_text
+    from ballesta.run import guarded
+
+    raise typer.Exit(guarded(lambda: print(materials_text(name))))
+
+
+@app.command()
 def schema(
     result: Annotated[bool, typer.Option("--result", help="the schema of result.json")] = False,
 ) -> None:

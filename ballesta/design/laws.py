@@ -13,7 +13,7 @@ from ballesta.design.files import Sources
 from ballesta.design.forces import dimension_of, wrong_dimension
 from checks.design.errors import DesignError, Problems
 from checks.design.model import DesignFile
-from checks.design.tables import ContactLaw, ForceEntry, OpposingLaw, TableLaw
+from checks.design.tables import ContactLaw, ForceEntry, OpposingLaw, PistonLaw, TableLaw
 from checks.design.units import DIMENSIONS, Measured, measure
 from checks.result.words import brief
 
@@ -23,7 +23,7 @@ _EXAMPLE = 'over = "A.y", at = ["0 mm", "5 mm"], force = ["0 N", "80 N"]'
 def law_of(
     key: str,
     force: str,
-    entry: Measured | TableLaw | OpposingLaw | ContactLaw,
+    entry: Measured | TableLaw | PistonLaw | OpposingLaw | ContactLaw,
     file: DesignFile,
     forces: Mapping[str, loads.Force],
     sources: Sources,
@@ -37,6 +37,8 @@ def law_of(
         return _contact(key, forces[force], entry, file, problems) if force in forces else None
     if isinstance(entry, OpposingLaw):
         return _opposing(key, force, entry, stated, problems)
+    if isinstance(entry, PistonLaw):
+        return _piston(key, force, entry, file, forces, sources, problems)
     return _table(key, force, entry, file, forces, sources, problems)
 
 
@@ -139,6 +141,41 @@ def _opposing(
         return None
 
 
+def _piston(
+    key: str,
+    force: str,
+    entry: PistonLaw,
+    file: DesignFile,
+    forces: Mapping[str, loads.Force],
+    sources: Sources,
+    problems: Problems,
+) -> loads.Law | None:
+    """Return the pressure times the area of the piston, or of the ring around its rod."""
+    if file.forces[force].turns is not None:
+        problems.add(key, f"{force} is a torque, and a piston pushes")
+        return None
+    rod = entry.rod or 0.0
+    if rod >= entry.bore:
+        problems.add(
+            f"{key}.rod", f"must be thinner than the bore of {entry.bore:g} mm, got {rod:g} mm"
+        )
+        return None
+    area = math.pi / 4.0 * (entry.bore**2 - rod**2)
+    if isinstance(entry.pressure, float):
+        for field in ("over", "at", "table", "units"):
+            if getattr(entry, field) is not None:
+                problems.add(f"{key}.{field}", "is of a table; one pressure is the same everywhere")
+                return None
+        return area * entry.pressure
+    pressures = entry.pressure
+    stated = None if pressures is None else [Measured(value, "stress") for value in pressures]
+    columns = _columns(key, entry, "pressure", stated, sources, problems)
+    if columns is None:
+        return None
+    sizes = [Measured(area * value.value, "force") for value in columns[1]]
+    return _tabled(key, force, entry, (columns[0], sizes), "pressure", file, forces, problems)
+
+
 def _table(
     key: str,
     force: str,
@@ -148,32 +185,63 @@ def _table(
     sources: Sources,
     problems: Problems,
 ) -> loads.Table | None:
-    stated = file.forces[force]
-    over = coordinate_of(f"{key}.over", entry.over, file, forces, problems)
+    columns = _columns(key, entry, "force", entry.force, sources, problems)
+    if columns is None:
+        return None
+    return _tabled(key, force, entry, columns, "force", file, forces, problems)
+
+
+def _columns(
+    key: str,
+    entry: TableLaw | PistonLaw,
+    second: str,
+    sizes: Sequence[Measured] | None,
+    sources: Sources,
+    problems: Problems,
+) -> tuple[list[Measured], list[Measured]] | None:
+    """Return values and forces, or pressures, of a table; second names the key of the latter."""
     if entry.table is not None:
-        columns = _from_csv(key, entry, sources, problems)
-        for field in ("at", "force"):
-            if getattr(entry, field) is not None:
+        for field, there in (("at", entry.at), (second, sizes)):
+            if there is not None:
                 problems.add(f"{key}.{field}", "is in the file of table; leave one out")
                 return None
-    elif entry.at is None or entry.force is None:
-        missing = "at" if entry.at is None else "force"
+        kinds = ("force", "moment") if second == "force" else ("stress",)
+        return _from_csv(key, entry, kinds, sources, problems)
+    if entry.at is None or sizes is None:
+        missing = "at" if entry.at is None else second
         problems.add(f"{key}.{missing}", f"must be stated, such as {_EXAMPLE}, or table a file")
         return None
-    else:
-        columns = list(entry.at), list(entry.force)
-        if entry.units is not None:
-            problems.add(f"{key}.units", "is only used with table; leave it out")
-    if columns is None or over is None:
+    if entry.units is not None:
+        problems.add(f"{key}.units", "is only used with table; leave it out")
+    return list(entry.at), list(sizes)
+
+
+def _tabled(
+    key: str,
+    force: str,
+    entry: TableLaw | PistonLaw,
+    columns: tuple[list[Measured], list[Measured]],
+    second: str,
+    file: DesignFile,
+    forces: Mapping[str, loads.Force],
+    problems: Problems,
+) -> loads.Table | None:
+    """Return the table of a force over the coordinate that its entry names."""
+    stated = file.forces[force]
+    if entry.over is None:
+        problems.add(f"{key}.over", 'must be stated, such as "crank.angle": the table is over it')
+        return None
+    over = coordinate_of(f"{key}.over", entry.over, file, forces, problems)
+    if over is None:
         return None
     values, sizes = columns
     place = key if entry.table is None else f"{key}.table"
-    fields = ("at", "force") if entry.table is None else ("table", "table")
+    fields = ("at", second) if entry.table is None else ("table", "table")
     if len(values) != len(sizes) or len(values) < 2:
         problems.add(
             place,
-            "needs as many forces as values and at least two, got "
-            f"{len(values)} values and {len(sizes)} forces",
+            f"needs as many {second}s as values and at least two, got "
+            f"{len(values)} values and {len(sizes)} {second}s",
         )
         return None
     kind = dimension_along(over)
@@ -212,7 +280,11 @@ def _rising(
 
 
 def _from_csv(
-    key: str, entry: TableLaw, sources: Sources, problems: Problems
+    key: str,
+    entry: TableLaw | PistonLaw,
+    kinds: tuple[str, ...],
+    sources: Sources,
+    problems: Problems,
 ) -> tuple[list[Measured], list[Measured]] | None:
     """Read the two columns of a CSV file; a first line of words is passed over."""
     assert entry.table is not None
@@ -227,7 +299,7 @@ def _from_csv(
         problems.take(error)
         return None
     columns: tuple[list[Measured], list[Measured]] = ([], [])
-    accepted = (("length", "angle"), ("force", "moment"))
+    accepted = (("length", "angle"), kinds)
     delimiter = next((mark for mark in ";\t" if mark in text), ",")
     try:
         reader = csv.reader(io.StringIO(text), delimiter=delimiter)

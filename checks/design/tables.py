@@ -32,6 +32,7 @@ from checks.design.units import (
     PositiveStress,
     PositiveTime,
     SpeedFromZero,
+    Stress,
     SweepAcceleration,
     SweepSpeed,
 )
@@ -43,7 +44,7 @@ Coefficient = Annotated[Number, Field(ge=0)]
 Damping = Annotated[Number, Field(gt=0, lt=1)]
 Irregularity = Annotated[Number, Field(gt=0, le=0.5)]
 # by these pydantic names which of several forms a value has; messages leave them out
-TAGS = ("<value>", "<table>", "<against motion>", "<contact>")
+TAGS = ("<value>", "<table>", "<piston>", "<against motion>", "<contact>")
 Ends = Annotated[list[Length], Field(min_length=2, max_length=2)]
 
 
@@ -257,6 +258,34 @@ class TableLaw(Table):
     )
 
 
+Pressures = Annotated[
+    Annotated[Stress, Tag("<value>")] | Annotated[list[Stress], Tag("<table>")],
+    Discriminator(lambda value: "<table>" if isinstance(value, list | tuple) else "<value>"),
+]
+
+
+class PistonLaw(Table):
+    """A pressure on a piston that pushes along the force: constant, or in a table."""
+
+    pressure: Pressures | None = Field(
+        None, description="over the surroundings; a list beside `at`", examples=["60 bar"]
+    )
+    bore: PositiveLength = Field(description="diameter of the piston")
+    rod: PositiveLength | None = Field(
+        None, description="diameter of the rod, where the pressure is on its side"
+    )
+    over: str | None = Field(
+        None, description="the coordinate that a table depends on", examples=["crank.angle"]
+    )
+    at: list[LengthOrAngle] | None = Field(None, description="rising values of the coordinate")
+    table: str | None = Field(
+        None, description="instead of at and pressure: a CSV file of two columns"
+    )
+    units: Annotated[list[str], Field(min_length=2, max_length=2)] | None = Field(
+        None, description="units of the two columns", examples=[["deg", "bar"]]
+    )
+
+
 class OpposingLaw(Table):
     """A force against the motion of its own coordinate: dry, viscous, or a table over the speed."""
 
@@ -292,19 +321,29 @@ class ContactLaw(Table):
 
 def _kind_of_law(value: object) -> str:
     if isinstance(value, Mapping):
-        keys = [str(key) for key in value]
-        for tag, law in (("<contact>", ContactLaw), ("<against motion>", OpposingLaw)):
+        keys = [str(key) for key in value if key not in TableLaw.model_fields]
+        for tag, law in (
+            ("<contact>", ContactLaw),
+            ("<against motion>", OpposingLaw),
+            ("<piston>", PistonLaw),
+        ):
             own = set(law.model_fields) - set(TableLaw.model_fields)
             if any(nearest(key, own) for key in keys):
                 return tag
         return "<table>"
-    laws = {ContactLaw: "<contact>", OpposingLaw: "<against motion>", TableLaw: "<table>"}
+    laws = {
+        ContactLaw: "<contact>",
+        OpposingLaw: "<against motion>",
+        PistonLaw: "<piston>",
+        TableLaw: "<table>",
+    }
     return next((tag for law, tag in laws.items() if isinstance(value, law)), "<value>")
 
 
 LawEntry = Annotated[
     Annotated[ForceOrMoment, Tag("<value>")]
     | Annotated[TableLaw, Tag("<table>")]
+    | Annotated[PistonLaw, Tag("<piston>")]
     | Annotated[OpposingLaw, Tag("<against motion>")]
     | Annotated[ContactLaw, Tag("<contact>")],
     Discriminator(_kind_of_law),
@@ -318,7 +357,8 @@ class PhaseEntry(Table):
     to: LengthOrAngle = Field(description="where the swept coordinate arrives")
     forces: dict[str, LawEntry] = Field(
         default_factory=dict,
-        description="forces that are given: constant, tabled, against the motion, or a contact",
+        description="forces that are given: constant, tabled, of a piston, against the motion, "
+        "or a contact",
     )
     solve: str = Field(description="the force that follows from the others")
 

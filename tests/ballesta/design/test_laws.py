@@ -79,6 +79,26 @@ def test_a_table_may_stand_in_a_csv_file_which_counts_as_a_source(text, tmp_path
     assert read(tmp_path, change).sha256 != design.sha256
 
 
+def test_a_piston_pushes_with_its_area_or_the_ring_around_its_rod(tmp_path):
+    """60 bar on 40 mm are 7.540 kN, around a rod of 22 mm 5.259 kN."""
+    whole = 'push = { pressure = "60 bar", bore = "40 mm" }'
+    ring = 'push = { pressure = "6 MPa", bore = "40 mm", rod = "22 mm" }'
+    assert given(read(tmp_path, (PUSH, whole)), "bench", "push") == pytest.approx(7539.82, rel=1e-6)
+    assert given(read(tmp_path, (PUSH, ring)), "bench", "push") == pytest.approx(5259.03, rel=1e-6)
+
+
+def test_a_pressure_may_follow_a_table_or_an_indicator_diagram(tmp_path):
+    (tmp_path / "work.csv").write_text("angle,p\n0,1\n180,30\n360,1\n")
+    rest = 'bore = "40 mm", over = "crank.angle"'
+    at = 'at = ["0 deg", "180 deg", "360 deg"], pressure = ["1 bar", "30 bar", "0.1 MPa"]'
+    for columns in (at, 'table = "work.csv", units = ["deg", "bar"]'):
+        law = given(read(tmp_path, (PUSH, f"push = {{ {columns}, {rest} }}")), "bench", "push")
+        assert law.coordinate == loads.Angle("crank")
+        assert law.values == pytest.approx((0.0, math.pi, 2 * math.pi))
+        area = math.pi * 20.0**2
+        assert law.forces == pytest.approx((0.1 * area, 3.0 * area, 0.1 * area))
+
+
 def test_a_force_may_act_against_the_motion(tmp_path):
     """The phase ends where the slider reverses; what is told of phases keeps the file's numbers."""
     design = read(tmp_path, (PUSH, 'push = { dry = "40 N", viscous = "20 N s/m" }'))
@@ -252,6 +272,16 @@ REFUSED = {
     "touches at an angle": ((PUSH, 'push = { touches = "B.x", at = "1 deg", stiffness = "1 N/mm" }'), r"forces\.push\.at: must be a length .*, got an angle"),
     "touches nowhere": ((PUSH, 'push = { touches = "B.x", stiffness = "1 N/mm" }'), r"forces\.push\.at: must be stated: the coordinate at first touch"),
     "all is rigid": ((PUSH, 'push = { touches = "B.x", at = "1 mm" }'), r"forces\.push\.stiffness: must be stated such as \"80 kN/mm\": where nothing gives way"),
+    "piston without bore": ((PUSH, 'push = { pressure = "60 bar" }'), r"forces\.push\.bore: must be stated"),
+    "piston in newton": ((PUSH, 'push = { pressure = "60 N", bore = "40 mm" }'), r"forces\.push\.pressure: must be a stress .* which is a force"),
+    "rod thicker than its bore": ((PUSH, 'push = { pressure = "60 bar", bore = "40 mm", rod = "40 mm" }'), r"forces\.push\.rod: must be thinner than the bore of 40 mm, got 40 mm"),
+    "piston that turns": (('forces = { push = "0 N" }, solve = "drive"', 'forces = { drive = { pressure = "60 bar", bore = "40 mm" } }, solve = "push"'), r"forces\.drive: drive is a torque, and a piston pushes"),
+    "one pressure in a table": ((PUSH, 'push = { pressure = "60 bar", bore = "40 mm", over = "crank.angle" }'), r"forces\.push\.over: is of a table; one pressure"),
+    "pressures over nothing": ((PUSH, 'push = { pressure = ["1 bar", "2 bar"], bore = "40 mm", at = ["0 deg", "1 deg"] }'), r"forces\.push\.over: must be stated"),
+    "pressures without values": ((PUSH, 'push = { pressure = ["1 bar", "2 bar"], bore = "40 mm", over = "crank.angle" }'), r"forces\.push\.at: must be stated"),
+    "fewer pressures than values": ((PUSH, 'push = { pressure = ["1 bar", "2 bar"], bore = "40 mm", over = "crank.angle", at = ["0 deg", "90 deg", "360 deg"] }'), r"forces\.push: needs as many pressures as values and at least two, got 3 values and 2 pressures"),
+    "no pressure at all": ((PUSH, 'push = { bore = "40 mm" }'), r"forces\.push\.(at|pressure): must be stated"),
+    "pressure of a file in newton": ((PUSH, 'push = { bore = "40 mm", over = "B.x", table = "work.csv", units = ["mm", "N"] }'), r"forces\.push\.units\[1\]: work\.csv, line 2: must be a stress"),
     "soft as butter": ((PUSH, 'push = { touches = "B.x", at = "1 mm", stiffness = "0 N/mm" }'), r"forces\.push\.stiffness: must be above 0 kN/mm, got \"0 N/mm\""),
     "misspelt contact": ((PUSH, 'push = { toches = "B.x", at = "1 mm" }'), r"forces\.push\.toches: unknown key, did you mean touches\?"),
     "misspelt friction": ((PUSH, 'push = { dri = "1 N" }'), r"forces\.push\.dri: unknown key, did you mean dry\?"),
