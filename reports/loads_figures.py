@@ -107,6 +107,7 @@ class MotorFigures:
     slowest, fastest, mean  rad/s of the angle that it turns; the first two with shown positions
     largest, effective, rated  N mm of torque at its own shaft; effective: the root mean square
     power    N mm/s that it gives in the mean
+    ratio    its speed over the angle's
     missing  energy of a turn that motor and linkage do not agree on, over what is turned over
     speed    (n,) rad/s of the angle; torque (n,) N mm on it
     """
@@ -120,9 +121,14 @@ class MotorFigures:
     effective: float
     rated: float
     power: float
+    ratio: float
     missing: float
     speed: FloatArray
     torque: FloatArray
+
+    def to_dict(self) -> dict[str, Any]:
+        """The figures as plain data, without the history."""
+        return {k: v for k, v in vars(self).items() if k not in ("speed", "torque")}
 
 
 @dataclass(frozen=True)

@@ -249,7 +249,7 @@ class ShownCycle:
             ],
             "drives": [plain_fields(drive) for drive in self.drives],
             "contacts": [plain_fields(contact) for contact in self.contacts],
-            "motor": None if self.motor is None else plain_fields(self.motor),
+            "motor": None if self.motor is None else self.motor.to_dict(),
         }
 
 

@@ -96,7 +96,8 @@ def motor_sentence(motor: MotorFigures, cycle: ShownCycle) -> str:
     shown = brief(cycle.shown_name, 20)
     even = (motor.fastest - motor.slowest) / motor.mean
     return (
-        f"the motor turns it at {number(motor.mean * per_minute, 4)} rpm in the mean, "
+        f"the motor, geared {number(motor.ratio)} : 1, turns it at "
+        f"{number(motor.mean * per_minute, 4)} rpm in the mean, "
         f"{number(motor.slowest * per_minute, 4)} at {shown} = {place_text(motor.slowest_at)} and "
         f"{number(motor.fastest * per_minute, 4)} at {place_text(motor.fastest_at)} {cycle.unit} "
         f"(irregularity {number(even)}); effective torque {number(motor.effective * factor)} of "

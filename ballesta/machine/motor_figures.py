@@ -33,6 +33,7 @@ def motor_figures(design: Design, cycle: loads.CycleLoads) -> MotorFigures | Non
         effective=float(np.sqrt(_summed(own**2, cycle.times) / duration)),
         rated=geared.motor.rated_torque,
         power=float(_summed(own * speed * geared.ratio, cycle.times)) / duration,
+        ratio=geared.ratio,
         missing=_missing(cycle, drive, torque * speed),
         speed=speed,
         torque=torque,

@@ -102,9 +102,10 @@ def test_the_drive_says_how_the_motor_turns_it(tmp_path):
     (drive,) = shown.drives
     (said,) = [text for text in drive_sentences(drive, shown) if text.startswith("the motor")]
     mean = 2 * pi / shown.duration * 30 / pi
-    assert f"the motor turns it at {mean:.4g} rpm in the mean" in said
+    assert f"the motor, geared 15.0 : 1, turns it at {mean:.4g} rpm in the mean" in said
     assert "14.7 N m rated" in said
     assert shown.to_dict()["motor"]["rated"] == pytest.approx(14_691, rel=1e-4)
+    assert "speed" not in shown.to_dict()["motor"]
     assert shown.pace == "crank.angle by drive.motor"
 
 
