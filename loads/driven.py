@@ -32,6 +32,11 @@ def driven_by(cycle: Cycle, kinematics: Kinematics, places: Sequence[Geometry]) 
             f"cycle {cycle.name!r}: a motor turns {pace.label} over and over, so the cycle must go "
             "on in one direction and end in the pose that it starts from"
         )
+    if len({phase.solve for phase in cycle.phases}) > 1:
+        raise LinkageError(
+            f"cycle {cycle.name!r}: one torque on {pace.label} is the motor's, so all phases must "
+            "solve for the same"
+        )
     found = []
     for phase, geometry in zip(cycle.phases, places, strict=True):
         force = kinematics.linkage.force(phase.solve)

@@ -8,11 +8,11 @@ T the motor's torque, J the inertia of flywheel and rotor, D the torque that the
 this place, speed and acceleration: its joints' friction, too, depends on all of them. D is
 linearised about a run, D = a dv/dt + b w + c, which is exact where nothing rubs; the run is found,
 D is linearised about it, and so on until the run stays. Hermite-Simpson's steps (a cubic over each
-step that meets the equation at both ends and midway; order 4, stable for any stiffness) go from
-position to position. A turn that begins too fast ends slower and one that begins too slow ends
-faster, or stands: Newton's method between such two, from the motor's speed without load down, finds
-the speed that repeats. Where runs that slow down and runs that stand leave nothing between them,
-the motor stalls.
+step that meets the equation at both ends and midway; order 4) go from position to position. Steps
+in which the run settles many times over, of a strong motor on hardly any inertia, are refused. A
+turn that begins too fast ends slower and one that begins too slow ends faster, or stands: Newton's
+method between such two, from the motor's speed without load down, finds the speed that repeats.
+Where runs that slow down and runs that stand leave nothing between them, the motor stalls.
 """
 
 from collections.abc import Callable, Sequence
@@ -32,7 +32,8 @@ if TYPE_CHECKING:
 Demand = Callable[[int, FloatArray, FloatArray], FloatArray]
 Place = Callable[[int, int], str]
 
-_SAME = 1e-12  # of the squared speed: difference between start and end of a turn that repeats
+_SAME = 1e-8  # of the squared speed: how far from the run that repeats a turn may begin
+_MOST_SPEED = 2.0  # of the speed without load: a load that drives faster runs away
 _SETTLED = 1e-9  # of the squared speed: change by another linearisation of a run that stays
 _ROUGH = 1e-3  # of the squared speed: change that asks for slopes anew
 _STILL = 1e-8  # of the squared speed without load: the machine stands
@@ -46,6 +47,10 @@ _GAUSS = np.polynomial.legendre.leggauss(6)
 
 class StallError(LinkageError):
     """A motor that cannot turn a linkage over."""
+
+
+class RunawayError(LinkageError):
+    """A load that drives its motor away."""
 
 
 class UnsettledError(LinkageError):
@@ -104,8 +109,8 @@ def running(
     start    rad/s, a speed to begin with
     place    where way i of phase k is, in words
 
-    Raises StallError where the motor stops, LinkageError where nothing has a mass, UnsettledError
-    where no run is found.
+    Raises StallError where the motor stops, RunawayError where the load drives it on, LinkageError
+    where nothing has a mass, UnsettledError where no run is found.
     """
     runs = [(np.full(len(way), start**2), np.zeros(len(way))) for way in ways]
     turn = _Turn(motor, inertia + motor.reflected, ways, place)
@@ -190,7 +195,8 @@ class _Turn:
             else:
                 path, share = run
                 gain = float(path[-1][0][-1]) - begin
-                if abs(gain) <= _SAME * begin:
+                # Newton's distance to the run that repeats; share < 1: runs beside it come closer
+                if share < 1.0 and abs(gain) <= _SAME * (1.0 - share) * begin:
                     return path
                 low, high = (begin, high) if gain > 0.0 else (low, begin)
                 stall = None if gain > 0.0 else stall
@@ -200,7 +206,9 @@ class _Turn:
             if low < ahead < high:
                 begin = ahead
             else:
-                begin = sqrt(low * high) if high < np.inf else max(free, 4.0 * low)
+                begin = sqrt(low * high) if high < np.inf else max(free, 1.5 * low)
+            if begin > _MOST_SPEED**2 * free:
+                raise self._runaway() if stall is None else stall
         raise UnsettledError("the motor's speed does not repeat from cycle to cycle")
 
     def _check_masses(self) -> None:
@@ -216,7 +224,8 @@ class _Turn:
     def _from(self, begin: float) -> tuple[list[tuple[FloatArray, FloatArray]], float] | StallError:
         """The cycle that begins at a squared speed, and how its end changes with it.
 
-        A StallError where the motor stops on the way.
+        A StallError where the motor stops on the way. Raises RunawayError, and UnsettledError where
+        a step is too long for the motor.
         """
         found, w, share = [], begin, 1.0
         for k, way in enumerate(self.ways):
@@ -231,13 +240,16 @@ class _Turn:
                 try:
                     taken = self._step((w, slope, steep), step, rows[i + 1], rows[i + 2])
                 except ArithmeticError:
-                    raise UnsettledError(
-                        f"the speed of the motor cannot be followed beyond {self.place(k, i)}"
-                    ) from None
+                    raise self._too_stiff(k, i) from None
                 if taken is None:
+                    # it stands only where it is held at rest
+                    if self.motor.torque(0.0)[0] >= max(rows[i + 1][2], rows[i + 2][2]):
+                        raise self._too_stiff(k, i)
                     return self._stalled(k, i)
                 (half, half_slope), (w, slope, steep), own = taken
                 share *= own
+                if not w <= 4.0 * _MOST_SPEED**2 * self.motor.free_speed**2:
+                    raise self._runaway()
                 squares[i + 1], slopes[i + 1] = half, half_slope
                 squares[i + 2], slopes[i + 2] = w, slope
             found.append((squares, slopes))
@@ -284,6 +296,19 @@ class _Turn:
             if new < least:
                 return None
         raise ArithmeticError
+
+    def _runaway(self) -> RunawayError:
+        return RunawayError(
+            f"the load drives the motor to more than {_MOST_SPEED:g} times its speed without load, "
+            f"{self.motor.free_speed:.4g} rad/s at the angle: more than the motor can brake"
+        )
+
+    def _too_stiff(self, k: int, i: int) -> UnsettledError:
+        return UnsettledError(
+            f"the speed of the motor cannot be followed beyond {self.place(k, i)}: it is strong "
+            "beside the inertia that it turns; drive.motor.inertia and drive.flywheel add the "
+            "rotor's and the flywheel's"
+        )
 
     def _stalled(self, k: int, i: int) -> StallError:
         """The machine stands beyond way i of phase k: where, and what torque is missing."""

@@ -105,7 +105,8 @@ class MotorFigures:
     """How a motor runs through a cycle.
 
     slowest, fastest, mean  rad/s of the angle that it turns; the first two with shown positions
-    largest, effective, rated  N mm of torque at its own shaft; effective: the root mean square
+    largest, effective, rated  N mm of torque at its own shaft; of either sign; effective: the
+                                root mean square
     power    N mm/s that it gives in the mean
     ratio    its speed over the angle's
     missing  energy of a turn that motor and linkage do not agree on, over what is turned over

@@ -29,7 +29,7 @@ def motor_figures(design: Design, cycle: loads.CycleLoads) -> MotorFigures | Non
         fastest=float(speed[fastest]),
         fastest_at=float(shown[fastest]),
         mean=float(_summed(speed, cycle.times)) / duration,
-        largest=float(own.max()),
+        largest=float(np.abs(own).max()),
         effective=float(np.sqrt(_summed(own**2, cycle.times) / duration)),
         rated=geared.motor.rated_torque,
         power=float(_summed(own * speed * geared.ratio, cycle.times)) / duration,

@@ -122,12 +122,19 @@ def _motor(design: Design, name: str, cycle: loads.CycleLoads) -> list[Gate]:
     motor = motor_figures(design, cycle)
     if motor is None:
         return []
+    cure = key = ""
+    if motor.missing > _MOTOR_ENERGY:
+        enough = ceil(len(cycle.positions) * sqrt(motor.missing / _MOTOR_ENERGY) * 1.2 / 10) * 10
+        cure = f"State positions = {enough} or more: the sum over them is too coarse"
+        key = f"cycles.{name}.positions={enough}"
     return [
         Gate(
             f"{name}: energy of the motor",
             motor.missing,
             _MOTOR_ENERGY,
             "energy of a turn that motor and linkage do not agree on, over what is turned over",
+            cure=cure,
+            key=key,
         ),
         Gate(
             f"{name}: effective torque of the motor",

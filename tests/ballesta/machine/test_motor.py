@@ -64,7 +64,8 @@ def test_a_motor_that_stalls_is_an_input_that_is_wrong(tmp_path, capsys):
     path = tmp_path / "machine.toml"
     path.write_text(MACHINE + PLATE, encoding="utf-8")
     weak = MOTOR.replace("2.2 kW", "2.2 W").replace("0.4 kg", "1e-9 kg").replace("0.005", "1e-9")
-    assert main(["loads", str(path), "--set", weak]) == 2
+    against = 'cycles.turn.phases[0].forces.push={dry="400 N"}'
+    assert main(["loads", str(path), "--set", weak, "--set", against]) == 2
     said = " ".join(capsys.readouterr().err.split())
     assert "cycles.turn: the motor stalls at crank.angle =" in said
     assert "N m are missing" in said
