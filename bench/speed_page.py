@@ -222,7 +222,7 @@ def page(rows: dict[str, dict[str, Any]]) -> str:
             "Factorisation and solves of all unit loads, in seconds. The first that can be loaded "
             "is taken, and the result names it: CHOLMOD (the extra `cholmod`, what `make` "
             "installs), PARDISO (the extra `pardiso`), SciPy's SuperLU, of which the result warns. "
-            "All give the same numbers: to 1e-8, eigenvalues to 1e-6 "
+            "All give the same numbers: to 1e-9, eigenvalues to 1e-6 "
             "(tests/ballesta/test_solver_choice.py)."
         ),
         "",

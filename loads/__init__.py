@@ -35,7 +35,7 @@ from loads.phases import Cycle, Phase
 from loads.point_loads import PointLoad
 from loads.resolve_forces import forces_again, moves_alike
 from loads.reversals import split_at_reversals
-from loads.running import StallError, UnsettledError
+from loads.turning import RunawayError, StallError, UnsettledError
 
 __all__ = [
     "GROUND",
@@ -83,6 +83,7 @@ __all__ = [
     "Prismatic",
     "PullThrough",
     "Revolute",
+    "RunawayError",
     "Slot",
     "StallError",
     "SteadyPace",

@@ -13,13 +13,6 @@ _ROOT_STEPS = 9  # of the Illinois method: from a step of the grid to rounding
 _EXTREME_STEPS = 4  # parabolas, each through the best three points
 
 
-def with_middles(grid: FloatArray) -> FloatArray:
-    """Return the grid (n,) with a position midway between each two, (2 n - 1,)."""
-    result = np.empty(2 * len(grid) - 1)
-    result[::2], result[1::2] = grid, 0.5 * (grid[:-1] + grid[1:])
-    return result
-
-
 def with_roots(grid: FloatArray, function: Function) -> FloatArray:
     """Return the grid with the function's roots put in (Illinois method)."""
     values = np.atleast_2d(function(grid))

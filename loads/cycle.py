@@ -9,7 +9,7 @@ from math import ceil
 import numpy as np
 
 from loads.bodies import FloatArray, LinkageError
-from loads.breakpoints import with_extremes, with_middles, with_roots
+from loads.breakpoints import with_extremes, with_roots
 from loads.contact import Touch, contact_gaps, solve_laws
 from loads.cycle_loads import CycleLoads
 from loads.deflected import second_order
@@ -27,11 +27,11 @@ from loads.reversals import coordinate_speed
 from loads.running import running
 from loads.sampling_error import unresolved
 from loads.timing import Timing
+from loads.turning import with_points
 
 _LEAST_PER_PHASE = 20
 _LARGEST = 1e30  # N; squares and cubes of what is larger leave the range of numbers
 _COARSE = 201  # positions per phase that find where the loads change
-
 Rates = tuple[FloatArray, FloatArray]  # speed and acceleration (n,) of the pace
 
 
@@ -151,11 +151,11 @@ class _Run:
 
     def at_motors_speed(self, pace: MotorPace) -> "_Run":
         """Return the run at the speeds at which the motor turns the linkage."""
-        fine = replace(self.cycle, n_positions=2 * _COARSE)
+        fine = replace(self.cycle, n_positions=_COARSE)
         grids = _coarse(self.cycle)
         solutions = [self.solve(k, grid).solution for k, grid in enumerate(grids)]
         grids = [self.with_corners(k, g) for k, g in enumerate(_placed(fine, grids, solutions))]
-        places = [self.path.at(with_middles(grid)) for grid in grids]
+        places = [self.path.at(with_points(grid)) for grid in grids]
         ways = [self.timing.way(k, geometry) for k, geometry in enumerate(places)]
         levers = driven_by(self.cycle, self.path.kinematics, places)
 

@@ -71,7 +71,7 @@ def drive_sentences(drive: DriveSummary, cycle: ShownCycle) -> list[str]:
         )
     if cycle.motor is not None and cycle.role(drive.name) == "solved":
         said.append(motor_sentence(cycle.motor, cycle))
-    even = flywheel_sentence(drive)
+    even = flywheel_sentence(drive) if cycle.motor is None else ""
     return [*said, even] if even else said
 
 

@@ -15,6 +15,7 @@ from checks.design.model import DesignFile
 from checks.design.names import no_such
 from checks.design.tables import CycleEntry, DriveEntry, MotorEntry, PaceEntry
 from checks.design.units import DIMENSIONS, Measured
+from checks.result.words import number
 
 _MOST_TURNS = 100  # of a body in a cycle: 5 to 7 s of walking
 _MOST_TRAVEL = 1e7  # mm, 10 km
@@ -33,6 +34,7 @@ def cycles_of(
         cycle = _cycle(name, entry, file, forces, joints, sources, problems)
         if cycle is not None:
             cycles[name] = cycle
+    _check_gear(file, cycles, problems)
     return cycles
 
 
@@ -181,6 +183,20 @@ def _pace(
     assert entry.speed is not None
     acceleration = entry.acceleration.value if entry.acceleration else 0.0
     return loads.SteadyPace(coordinate, entry.speed.value, acceleration)
+
+
+def _check_gear(file: DesignFile, cycles: Mapping[str, Cycle], problems: Problems) -> None:
+    """Note that cycles of several speeds do not say which gear the machine has."""
+    paces = [cycle.run.pace for cycle in cycles.values()]
+    speeds = sorted({pace.steady.speed for pace in paces if isinstance(pace, loads.MotorPace)})
+    motor = file.drive.motor
+    if motor is not None and motor.ratio is None and len(speeds) > 1:
+        gears = [f"{number(motor.speed / speed)} for {speed:g} rad/s" for speed in speeds]
+        problems.add(
+            "drive.motor.ratio",
+            f"must be stated where cycles have different speeds; {' and '.join(gears)} bring the "
+            "rated speed",
+        )
 
 
 def _by_motor(

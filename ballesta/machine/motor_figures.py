@@ -28,11 +28,11 @@ def motor_figures(design: Design, cycle: loads.CycleLoads) -> MotorFigures | Non
         slowest_at=float(shown[slowest]),
         fastest=float(speed[fastest]),
         fastest_at=float(shown[fastest]),
-        mean=float(_summed(speed, cycle.times)) / duration,
+        mean=float(_summed(cycle, speed)) / duration,
         largest=float(np.abs(own).max()),
-        effective=float(np.sqrt(_summed(own**2, cycle.times) / duration)),
+        effective=float(np.sqrt(_summed(cycle, own**2) / duration)),
         rated=geared.motor.rated_torque,
-        power=float(_summed(own * speed * geared.ratio, cycle.times)) / duration,
+        power=float(_summed(cycle, own * speed * geared.ratio)) / duration,
         ratio=geared.ratio,
         missing=_missing(cycle, drive, torque * speed),
         speed=speed,
@@ -44,9 +44,13 @@ def _missing(cycle: loads.CycleLoads, drive: str, power: FloatArray) -> float:
     """Energy of a turn that motor and drive do not agree on, over what the drive turns over."""
     sign = cycle.linkage.force(drive).sign
     taken = sign * cycle.efforts[drive] * cycle.rate(drive)
-    whole = _summed(np.abs(taken), cycle.times)
-    return float(abs(_summed(power - taken, cycle.times)) / whole) if whole else 0.0
+    whole = _summed(cycle, np.abs(taken))
+    return float(abs(_summed(cycle, power - taken)) / whole) if whole else 0.0
 
 
-def _summed(values: FloatArray, times: FloatArray) -> float:
-    return float(np.trapezoid(values, times))
+def _summed(cycle: loads.CycleLoads, values: FloatArray) -> float:
+    """Integral over the time of a cycle, by parabolas within each phase."""
+    from scipy.integrate import simpson
+
+    rows = [cycle.phase_of == k for k in range(len(cycle.phases))]
+    return float(sum(simpson(values[row], x=cycle.times[row]) for row in rows))

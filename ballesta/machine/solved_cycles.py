@@ -135,7 +135,8 @@ def told_of_cycle(design: Design, name: str) -> Iterator[None]:
         raise NumericsError(
             str(error),
             f"{design.file}: cycles.{name}",
-            "a larger drive.flywheel steadies the speed; drive.irregularity states it instead",
+            "a larger drive.flywheel steadies the speed; or state drive.irregularity in place of a "
+            "motor",
         ) from error
     except loads.CycleError as error:
         key = f"cycles.{name}.phases[{design.cycles[name].entry(error.phase)}]"

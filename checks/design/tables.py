@@ -403,8 +403,8 @@ class MotorEntry(Table):
     inertia: Inertia = Field(0.0, description="of the rotor", examples=["0.018 kg m2"])
     ratio: Positive | None = Field(
         None,
-        description="speed of the motor over the angle's; without it the one that has the cycle's "
-        "speed at the rated speed",
+        description="speed of the motor over the angle's; without it the one that has the cycles' "
+        "speed, if they have one, at the rated speed",
     )
     efficiency: Annotated[Number, Field(gt=0, le=1)] = Field(1.0, description="of the gear")
 

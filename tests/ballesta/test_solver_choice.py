@@ -14,7 +14,7 @@ from ..small_machine import PLATE, machine
 PRESS = Path(__file__).parents[2] / "designs" / "toggle_press.toml"
 HIDDEN = {"CHOLMOD": (), "PARDISO": ("sksparse",), "SuperLU": ("sksparse", "pypardiso")}
 ROD = ["accuracy=30 %", "parts.rod.mesh.fineness=0.4"]
-SAME, SAME_MODE = 1e-8, 1e-6  # relative: stresses and forces; eigenvalues and what follows of them
+SAME, SAME_MODE = 1e-9, 1e-6  # relative: stresses and forces; eigenvalues and what follows of them
 ROUND_OFF = 1e-12  # of the largest number of its kind
 pytestmark = pytest.mark.usefixtures("unshared")  # what one solver found is no other's
 

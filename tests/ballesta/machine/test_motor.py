@@ -125,3 +125,12 @@ def test_a_check_judges_the_loads_of_the_motors_speed(tmp_path):
     for a, b in zip(motored.parts[0].checks, even.parts[0].checks, strict=True):
         assert a.kind == b.kind
         assert_allclose(a.value, b.value, rtol=1e-4)
+
+
+def test_cycles_of_two_speeds_do_not_say_which_gear_the_machine_has(tmp_path):
+    pace = '{ coordinate = "crank.angle", speed = "5 rad/s" }'
+    second = f'\n[cycles.slow]\nlike = "turn"\npace = {pace}\n'
+    with pytest.raises(DesignError, match=r"drive\.motor\.ratio: must be stated .* 29\.9 for 5"):
+        machine(tmp_path, second + PLATE, MOTOR)
+    geared = machine(tmp_path, second + PLATE, MOTOR, "drive.motor.ratio=20.0")
+    assert {cycle.run.pace.motor.ratio for cycle in geared.cycles.values()} == {20.0}
