@@ -52,6 +52,7 @@ _SURE = 1e-6  # of the squared speed: how far that may leave it
 _MOST_SPEED = 2.0  # of the speed without load: a load that drives faster runs away
 _STILL = 1e-8  # of the squared speed without load: the machine stands
 _STALLS = 1e-6  # of the squared speed: turns that stand and turns that slow down lie as close
+_STIFFEST = 1e9  # 1/rad, of a difference in squared speed: rounding moves dw/ds by 1e-7 of w
 _MOST_TURNS = 200
 _MOST_STEPS = 12  # of Newton's method
 _MOST_HALVES = 20
@@ -127,6 +128,7 @@ class Turn:
                 gain = float(path[-1][0][-1]) - begin
                 # share < 1: turns beside it come closer; Newton's distance is gain / (1 - share)
                 if share < 1.0 and self._is_repeated(abs(gain) / begin, 1.0 - share):
+                    self._check_digits(path)
                     return path
                 low, high = (begin, high) if gain > 0.0 else (low, begin)
                 stall = None if gain > 0.0 else stall
@@ -151,6 +153,17 @@ class Turn:
         return np.array(
             [self._slope(w, row)[0] for w, row in zip(squares.tolist(), between, strict=True)]
         )
+
+    def _check_digits(self, path: Sequence[tuple[FloatArray, FloatArray]]) -> None:
+        """Raise where rounding of the speed leaves its change no digits."""
+        for k, (squares, _) in enumerate(path):
+            rows = np.column_stack([self.inertia[k], *self.linear[k]]).tolist()
+            for i, (w, row) in enumerate(zip(squares.tolist(), rows, strict=True)):
+                if abs(self._slope(w, row)[1]) > _STIFFEST:
+                    raise UnsettledError(
+                        "the motor holds its speed to what rounding leaves of it, at "
+                        f'{self.place(k, i)}: drive.control = "constant" states that'
+                    )
 
     @staticmethod
     def _is_repeated(gain: float, closer: float) -> bool:

@@ -17,7 +17,10 @@ from checks.design.tables import ContactLaw, ForceEntry, OpposingLaw, PistonLaw,
 from checks.design.units import DIMENSIONS, Measured, measure
 from checks.result.words import brief
 
-_EXAMPLE = 'over = "A.y", at = ["0 mm", "5 mm"], force = ["0 N", "80 N"]'
+_EXAMPLES = {
+    "force": 'over = "A.y", at = ["0 mm", "5 mm"], force = ["0 N", "80 N"]',
+    "pressure": 'over = "A.y", at = ["0 mm", "5 mm"], pressure = ["0 bar", "6 bar"]',
+}
 
 
 def law_of(
@@ -209,7 +212,9 @@ def _columns(
         return _from_csv(key, entry, kinds, sources, problems)
     if entry.at is None or sizes is None:
         missing = "at" if entry.at is None else second
-        problems.add(f"{key}.{missing}", f"must be stated, such as {_EXAMPLE}, or table a file")
+        problems.add(
+            f"{key}.{missing}", f"must be stated, such as {_EXAMPLES[second]}, or table a file"
+        )
         return None
     if entry.units is not None:
         problems.add(f"{key}.units", "is only used with table; leave it out")

@@ -401,7 +401,7 @@ class MotorEntry(Table):
         None, description="torque that the controller of a motor without breakdown lets through"
     )
     inertia: Inertia = Field(0.0, description="of the rotor", examples=["0.018 kg m2"])
-    ratio: Positive | None = Field(
+    ratio: Annotated[Number, Field(ge=1e-3, le=1e5)] | None = Field(
         None,
         description="speed of the motor over the angle's; without it the one that has the cycles' "
         "speed, if they have one, at the rated speed",

@@ -394,6 +394,13 @@ def test_random_motors_run_stall_and_run_away_as_integration_in_time_says():
     assert {"runs", "stands"} <= set(outcomes)
 
 
+def test_a_motor_that_holds_its_speed_to_rounding_has_no_acceleration_to_compute():
+    """1 GW at a slip of 7e-8: rounding of the speed is more torque than the load's."""
+    stiff = Geared(Motor(6.4e9, 1499.9999 * pi / 30, 1500 * pi / 30, breakdown=50.0), 5.0)
+    with pytest.raises(UnsettledError, match=r'drive\.control = "constant"'):
+        run_cycle(machine(), cycle(driven(stiff, speed=31.4)))
+
+
 def test_phases_that_solve_for_different_torques_have_no_one_motor():
     twice = machine()
     twice = replace(twice, forces=(*twice.forces, Force("second", ANGLE)))
