@@ -33,8 +33,11 @@ def test_a_plate_becomes_a_motor_whose_gear_gives_the_cycles_speed(tmp_path):
     assert_allclose(pace.motor.ratio, 1430 * pi / 30 / 10.0)
     assert_allclose(pace.motor.inertia, 5.0)  # 0.005 kg m2 in t mm2
     assert_allclose(pace.inertia, 400.0)
-    own = MOTOR.replace("breakdown=2.6", "breakdown=2.6, ratio=20.0")
-    assert machine(tmp_path, PLATE, own).cycles["turn"].run.pace.motor.ratio == 20.0
+    own = MOTOR.replace("breakdown=2.6", "breakdown=2.6, ratio=20.0, efficiency=0.9")
+    geared = machine(tmp_path, PLATE, own).cycles["turn"].run.pace.motor
+    assert (geared.ratio, geared.efficiency) == (20.0, 0.9)
+    line = MOTOR.replace("breakdown=2.6", 'torque_limit="20 N m"')
+    assert machine(tmp_path, PLATE, line).cycles["turn"].run.pace.motor.motor.most == 2e4
 
 
 @pytest.mark.parametrize(
@@ -86,6 +89,22 @@ def test_the_speed_is_the_motors_and_no_doubt_about_it_is_left(tmp_path):
     gates = {gate.name: gate for gate in load_gates(design, cycles)}
     assert gates["turn: energy of the motor"].holds
     assert gates["turn: effective torque of the motor"].holds
+
+
+def test_the_effective_torque_is_the_root_mean_square_of_the_motors(tmp_path):
+    """By Kloss' formula over the speeds of the cycle; loads of 400 N against the motion."""
+    against = 'cycles.turn.phases[0].forces.push={dry="400 N"}'
+    design = machine(tmp_path, PLATE, MOTOR, against, "cycles.turn.positions=361")
+    cycle = solved(design)["turn"]
+    figures = motor_figures(design, cycle)
+    slip = 1 - np.abs(cycle.rate("drive")) * (1430 * pi / 30 / 10) / (1500 * pi / 30)
+    most = (1 - 1430 / 1500) * (2.6 + np.sqrt(2.6**2 - 1))
+    torque = 2 * 2.6 * 2.2e6 / (1430 * pi / 30) / (slip / most + most / slip)
+    mean_square = np.trapezoid(torque**2, cycle.times) / cycle.times[-1]
+    assert_allclose(figures.effective, np.sqrt(mean_square), rtol=1e-3)
+    assert_allclose(figures.largest, torque.max(), rtol=1e-9)
+    work = 400.0 * 2 * np.ptp(cycle.coordinate("push"))
+    assert_allclose(figures.power, work / cycle.times[-1], rtol=1e-3)
 
 
 def test_a_motor_that_gets_too_hot_is_told_but_does_not_bind(tmp_path):
