@@ -12,8 +12,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from bench.rung_variations import SCENES, Machines, Variation
-from checks.ladder.solid import COARSE, FIRST, LOOSE, Asked, solve_levels
-from checks.part.loaded_part import LoadedPart
+from checks.ladder.levels import COARSE, LOOSE, Asked, solve_levels
+from checks.part.loaded_part import FIRST, LoadedPart
 from checks.strength.part_strength import endurance_of, fatigue_use
 from checks.stress.error_bars import Judged, StaticPeak, bars_of
 from checks.stress.solid_mesh_level import Models

@@ -27,7 +27,8 @@ from bench.rung_variations import SCENES, SEED, Machines, Scene, varied
 from checks.design.data import Design, Part
 from checks.design.errors import DesignError
 from checks.ladder.climb import BUILDERS
-from checks.ladder.solid import Asked, check_solid
+from checks.ladder.levels import Asked
+from checks.ladder.solid import check_solid
 from checks.models.bands import distance_from, known_band
 from checks.models.checked import BUCKLING, FATIGUE, STATIC, rung_level, stress_share
 from checks.models.families import family_of

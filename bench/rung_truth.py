@@ -15,7 +15,8 @@ from time import perf_counter
 from typing import Any
 
 from bench.rung_variations import SCENES, Machines, Variation
-from checks.ladder.solid import Asked, check_solid
+from checks.ladder.levels import Asked
+from checks.ladder.solid import check_solid
 from checks.part.loaded_part import LoadedPart
 from checks.stress.solid_mesh_level import Models
 from fem.solvers import SolverError

@@ -11,8 +11,8 @@ from ballesta.design.read import read_design
 from ballesta.machine.runs import run_machine
 from checks.design.data import Design, Part
 from checks.design.errors import DesignError, NumericsError
-from checks.ladder.solid import FIRST, first_mesh
-from checks.part.loaded_part import LoadedPart
+from checks.ladder.levels import first_mesh
+from checks.part.loaded_part import FIRST, LoadedPart
 from checks.stress.cost import (
     SECOND_MESH,
     mesh_seconds,

@@ -10,7 +10,7 @@ from scipy.linalg import block_diag
 import loads
 from ballesta.machine.solved_cycles import parts_that_give
 from checks.design.data import Design, Pair, Part
-from checks.ladder.solid import FIRST
+from checks.part.loaded_part import FIRST
 from checks.part.part_loads import interface_heights
 from checks.part.placing import part_placing
 from checks.part.too_fine import gave_up, told_of_size

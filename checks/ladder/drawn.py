@@ -7,8 +7,8 @@ settled its verdict. One mesh is enough for that; it has no error bar, and the p
 from collections.abc import Sequence
 from dataclasses import replace
 
+from checks.ladder.levels import Say, first_level
 from checks.ladder.part_fields import solid_fields
-from checks.ladder.solid import Say, first_level
 from checks.part.loaded_part import LoadedPart
 from checks.result.live_fields import LiveFields
 from checks.result.verdict import PartResult

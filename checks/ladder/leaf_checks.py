@@ -14,7 +14,7 @@ import numpy as np
 
 import loads
 from checks.design.data import Part
-from checks.ladder.solid import first_level
+from checks.ladder.levels import first_level
 from checks.part.derived import VALUE, at_value
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads, loads_on

@@ -17,8 +17,7 @@ from checks.ladder.drawn import undrawn, with_drawn_fields
 from checks.ladder.explained import explained
 from checks.ladder.pinned import climb_pinned
 from checks.ladder.result import cheap_result, solid_result
-from checks.ladder.solid import FIRST
-from checks.part.loaded_part import LoadedPart
+from checks.part.loaded_part import FIRST, LoadedPart
 from checks.part.part_loads import Doubt, Runs
 from checks.part.too_fine import gave_up, told_of_size
 from checks.result.live_fields import LiveFields

@@ -12,9 +12,10 @@ from checks.derivations.proven import with_derivation
 from checks.ladder.chart_data import charts_of
 from checks.ladder.climb import SOLID, Climb, answered
 from checks.ladder.leaf_checks import leaf_band, with_leaf_checks
+from checks.ladder.levels import Asked, Say, first_level, first_of
 from checks.ladder.part_facts import SMALL_DISPLACEMENT, facts_of
 from checks.ladder.section_fields import section_fields
-from checks.ladder.solid import RESCALED, Asked, Say, check_solid, first_level, first_of
+from checks.ladder.solid import RESCALED, check_solid
 from checks.models.checked import BALANCE, BUCKLING, FATIGUE, STATIC
 from checks.models.estimate import Estimate
 from checks.result.verdict import NOT_MESHED, Check, Gate, PartResult, RungTried, Status, Surface

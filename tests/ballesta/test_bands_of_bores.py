@@ -12,7 +12,7 @@ from checks.derivations.bars import solid_bars
 from checks.handbook.lugs import lug_factor
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
 from checks.ladder.climb import BUILDERS
-from checks.ladder.solid import Asked, solve_levels
+from checks.ladder.levels import Asked, solve_levels
 from checks.models.checked import band_around, rung_estimates, rung_level
 from checks.models.raised_bores import raised_in_bores
 from checks.part.loaded_part import LoadedPart

@@ -11,7 +11,7 @@ import pytest
 
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import solve_cycles
-from checks.ladder.solid import Asked, solve_levels
+from checks.ladder.levels import Asked, solve_levels
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
 from checks.strength.part_strength import endurance_of, fatigue_use

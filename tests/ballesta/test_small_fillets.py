@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from checks.ladder.solid import solve_levels
+from checks.ladder.levels import solve_levels
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.stress.error_bars import StaticPeak, bars_of

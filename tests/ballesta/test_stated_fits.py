@@ -9,9 +9,10 @@ from numpy.testing import assert_array_equal
 from checks.derivations.bars import solid_bars
 from checks.design.errors import DesignError
 from checks.ladder.climb import BUILDERS, start_climb
+from checks.ladder.levels import Asked, first_level, solve_levels
 from checks.ladder.part_facts import assumed_of, contact_facts, gates_of
 from checks.ladder.result import solid_result
-from checks.ladder.solid import Asked, check_solid, first_level, solve_levels
+from checks.ladder.solid import check_solid
 from checks.models.bands import NoBand
 from checks.models.checked import band_around, rung_estimates, rung_level
 from checks.part.loaded_part import LoadedPart

@@ -14,7 +14,7 @@ from ballesta.design.read import read_design
 from ballesta.machine.elastic_parts import body_compliance, compliances_of
 from ballesta.machine.solved_cycles import linkage_of, part_masses, solve_cycles
 from checks.design.errors import DesignError
-from checks.ladder.solid import FIRST
+from checks.part.loaded_part import FIRST
 from checks.strength.part_strength import elastic_of
 from checks.stress.solid_mesh_level import Models
 from fem.compliance import compliance

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from checks.ladder.solid import COARSE, FIRST, LOOSE, Asked, first_of, solve_levels
-from checks.part.loaded_part import LoadedPart
+from checks.ladder.levels import COARSE, LOOSE, Asked, first_of, solve_levels
+from checks.part.loaded_part import FIRST, LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.strength.part_strength import endurance_of
 from checks.stress.error_bars import StaticPeak, bars_of

@@ -13,8 +13,7 @@ from checks.design.materials import known_materials
 from checks.ladder import leaf_checks
 from checks.ladder.hand_bodies import leaf_hand_checks
 from checks.ladder.leaf_checks import gap_gate, with_leaf_checks
-from checks.ladder.solid import FIRST
-from checks.part.loaded_part import LoadedPart
+from checks.part.loaded_part import FIRST, LoadedPart
 from checks.part.part_loads import PartLoads, loads_on
 from checks.result.verdict import Check, PartResult
 from checks.strength.part_strength import elastic_of, endurance_of

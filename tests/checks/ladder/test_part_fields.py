@@ -10,8 +10,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort
 from checks.ladder import part_fields
+from checks.ladder.levels import EVERYTHING, first_level
 from checks.ladder.part_fields import solid_fields
-from checks.ladder.solid import EVERYTHING, check_solid, first_level
+from checks.ladder.solid import check_solid
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
 from checks.result.live_fields import von_mises

@@ -10,12 +10,12 @@ from numpy.testing import assert_allclose
 
 from ballesta.cli import main
 from checks.ladder.climb import AUTO, climb_cheap, start_climb
-from checks.ladder.solid import elastic_of
 from checks.models.bands import NoBand, band_of
 from checks.models.families import family_of
 from checks.models.formula import model_of
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads, loads_on
+from checks.strength.part_strength import elastic_of
 from checks.stress.solid_mesh_level import Models
 from fem.recovery import von_mises
 from geometry.parts.step_part import NamedHole, StepPart

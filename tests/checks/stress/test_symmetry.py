@@ -41,7 +41,7 @@ def half():
 @pytest.fixture(scope="module")
 def whole():
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("checks.ladder.solid.half_of", lambda part, loads: None)
+        patch.setattr("checks.ladder.levels.half_of", lambda part, loads: None)
         return checked()
 
 
