@@ -127,25 +127,26 @@ def _motor(design: Design, name: str, cycle: loads.CycleLoads) -> list[Gate]:
         enough = ceil(len(cycle.positions) * sqrt(motor.missing / _MOTOR_ENERGY) * 1.2 / 10) * 10
         cure = f"State positions = {enough} or more: the sum over them is too coarse"
         key = f"cycles.{name}.positions={enough}"
-    return [
-        Gate(
-            f"{name}: energy of the motor",
-            motor.missing,
-            _MOTOR_ENERGY,
-            "energy of a turn that motor and linkage do not agree on, over what is turned over",
-            cure=cure,
-            key=key,
-        ),
-        Gate(
-            f"{name}: effective torque of the motor",
-            motor.effective / motor.rated,
-            1.0,
-            "root mean square of its torque over the rated one: beyond the limit it gets too hot, "
-            "which changes no load",
-            binding=False,
-            cure="A larger drive.motor.power, or less load",
-        ),
-    ]
+    energy = Gate(
+        f"{name}: energy of the motor",
+        motor.missing,
+        _MOTOR_ENERGY,
+        "energy of a turn that motor and linkage do not agree on, over what is turned over",
+        cure=cure,
+        key=key,
+    )
+    if motor.effective <= motor.rated:
+        return [energy]
+    heat = Gate(
+        f"{name}: effective torque of the motor",
+        motor.effective / motor.rated,
+        1.0,
+        "root mean square of its torque over the rated one: beyond the limit it gets too hot, "
+        "which changes no load",
+        binding=False,
+        cure="A larger drive.motor.power, or less load",
+    )
+    return [energy, heat]
 
 
 def _deflected_shape(name: str, cycle: loads.CycleLoads) -> list[Gate]:
