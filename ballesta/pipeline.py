@@ -15,7 +15,7 @@ import loads
 from ballesta.design.read import read_design
 from ballesta.design.step_parts import told_of_steps
 from ballesta.machine.balance import balance_gates, not_measured
-from ballesta.machine.drive_speed import speed_assumptions, speed_gates, speed_warnings
+from ballesta.machine.drive_speed import speed_assumptions, speed_warnings
 from ballesta.machine.motion import motions_of
 from ballesta.machine.quasi_static import assumptions_of, quasi_static_gates
 from ballesta.machine.runs import MachineDoubts, MachineRuns, doubts_of, run_machine
@@ -165,8 +165,8 @@ def _frame(
         parts=(),
         cycles=_cycle_data(design, machine.all),
         gates=[
-            *load_gates(design, machine.solved, doubts.stops),
-            *speed_gates(doubts.evenness),
+            *load_gates(design, machine.solved, doubts.covered),
+            *doubts.gates,
             *quasi_static_gates(design, vibration),
             *balance_gates(design, machine.measured),
         ],

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import loads
+from ballesta.machine.load_pairs import LoadPair, Solved
 from ballesta.machine.shown_loads import EVEN, shown_cycle
 from checks.design.data import Design
 from checks.result.verdict import Gate
@@ -23,16 +24,6 @@ _LARGEST = (
     0.3  # irregularity up to which the energy of the ripple gives it, as the mean speed holds
 )
 _NOTHING = 1e-6
-
-Solved = Mapping[str, loads.CycleLoads]
-
-
-@dataclass(frozen=True, eq=False)
-class SpeedDoubt:
-    """A doubt about the drive's speed, by the cycles at its two ends."""
-
-    words: str
-    ends: tuple[Solved, Solved]
 
 
 @dataclass(frozen=True)
@@ -150,7 +141,7 @@ def speed_assumptions(found: Mapping[str, Evenness]) -> list[tuple[str, str]]:
     return [("drive", reason)] if any(even.assumed for even in found.values()) else []
 
 
-def speed_doubts(design: Design, solved: Solved, found: Mapping[str, Evenness]) -> list[SpeedDoubt]:
+def speed_doubts(design: Design, solved: Solved, found: Mapping[str, Evenness]) -> list[LoadPair]:
     """The loads that the cycles may have as their drive does not run at one speed."""
     uneven = {name: even for name, even in found.items() if even.irregularity > _NOTHING}
     if not uneven:
@@ -169,11 +160,11 @@ def speed_doubts(design: Design, solved: Solved, found: Mapping[str, Evenness]) 
         return again
 
     return [
-        SpeedDoubt(
+        LoadPair(
             f"speed up to {100 * half:.2g} % slower or faster than its mean",
             (ends(-1.0, surging=False), ends(1.0, surging=False)),
         ),
-        SpeedDoubt(
+        LoadPair(
             "changes of speed between its slowest and fastest",
             (ends(-1.0, surging=True), ends(1.0, surging=True)),
         ),

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import loads
 from ballesta.machine.balance import measured_loads
-from ballesta.machine.drive_speed import Evenness, evenness_of, speed_doubts
+from ballesta.machine.drive_speed import Evenness, evenness_of, speed_doubts, speed_gates
 from ballesta.machine.elastic_parts import compliances_of
+from ballesta.machine.load_pairs import friction_pairs
 from ballesta.machine.quasi_static import (
     Vibration,
     vibration_of,
@@ -23,6 +24,7 @@ from ballesta.machine.solved_cycles import (
 from ballesta.machine.stop_doubts import stop_doubts
 from checks.design.data import Design
 from checks.part.part_loads import Doubt, Runs
+from checks.result.verdict import Gate
 from checks.store.store import Store
 from checks.stress.kept_models import Models
 
@@ -91,28 +93,33 @@ class MachineDoubts:
     """Doubts about the loads of a machine.
 
     evenness  cycle -> how evenly its drive turns
-    stops     cycles whose nearness to a dead centre is among them
+    covered   names of the validity checks of the loads that they take the place of
+    gates     validity checks of doubts that have no loads at one of their ends
     all       each by the runs at its ends
     """
 
     evenness: Mapping[str, Evenness]
-    stops: AbstractSet[str]
+    covered: AbstractSet[str]
+    gates: Sequence[Gate]
     all: Sequence[Doubt]
 
 
 def doubts_of(design: Design, machine: MachineRuns) -> MachineDoubts:
     """Solve the cycles at the ends of every doubt about their loads."""
     evenness = evenness_of(design, machine.rigid)
-    uneven = speed_doubts(design, machine.rigid, evenness)
-    at_stops = stop_doubts(design, machine.rigid)
-    told = [(doubt.words, doubt.ends) for doubt in uneven]
-    told += [(doubt.words, doubt.ends) for doubt in at_stops]
+    rubbing, unsolved = friction_pairs(design, machine.rigid)
+    pairs = [
+        *speed_doubts(design, machine.rigid, evenness),
+        *stop_doubts(design, machine.rigid),
+        *rubbing,
+    ]
 
     def runs(end: Mapping[str, loads.CycleLoads]) -> Runs:
         return {**with_dynamics(design, end, machine.vibration), **machine.measured}
 
     return MachineDoubts(
         evenness,
-        {doubt.cycle for doubt in at_stops},
-        [Doubt(words, tuple(map(runs, ends))) for words, ends in told],
+        {pair.gate for pair in pairs if pair.gate},
+        [*speed_gates(evenness), *unsolved],
+        [Doubt(pair.words, tuple(map(runs, pair.ends))) for pair in pairs],
     )

@@ -5,31 +5,21 @@ off by at most is stated (`stop.tolerance`), so the loads at both ends of that a
 bars. Where one of them comes next to the dead centre itself no bar tells anything: the gate binds.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 import loads
-from ballesta.machine.validity_checks import is_near_dead_centre
+from ballesta.machine.load_pairs import LoadPair, Solved
+from ballesta.machine.validity_checks import dead_centre_gate, is_near_dead_centre
 from checks.design.data import Design
 from checks.part.part_loads import shown_name
 
-Solved = Mapping[str, loads.CycleLoads]
 _AT_END = 1e-9  # of the travel
 _LEFT = 0.2  # of the share of the motion that the solved force sees: less is the dead centre
 
 
-@dataclass(frozen=True, eq=False)
-class StopDoubt:
-    """A doubt about where a cycle's travel ends, by the cycles at its two ends."""
-
-    words: str
-    cycle: str
-    ends: tuple[Solved, Solved]
-
-
-def stop_doubts(design: Design, solved: Solved) -> list[StopDoubt]:
+def stop_doubts(design: Design, solved: Solved) -> list[LoadPair]:
     """The loads of every cycle that comes too near to a dead centre at a stop with a tolerance.
 
     None with `dynamics.apply`: what vibration adds is known at the cycle's own positions only.
@@ -45,7 +35,7 @@ def stop_doubts(design: Design, solved: Solved) -> list[StopDoubt]:
             size = float(np.degrees(stop.tolerance)) if unit == "deg" else stop.tolerance
             first, second = ({**solved, name: end} for end in moved if end is not None)
             words = f"{name}: end of its travel off by up to {size:.3g} {unit}"
-            found.append(StopDoubt(words, name, (first, second)))
+            found.append(LoadPair(words, (first, second), dead_centre_gate(name)))
     return found
 
 

@@ -4,6 +4,7 @@ from collections.abc import Collection, Mapping
 from math import ceil, sqrt
 
 import loads
+from ballesta.machine.load_pairs import friction_gate
 from ballesta.machine.motor_figures import motor_figures
 from ballesta.machine.shown_loads import shown_cycle
 from checks.design.data import Design
@@ -23,17 +24,22 @@ _USED_TRAVEL = 0.98  # of a slot's length: closer than 1 % of it to an end, play
 
 
 def load_gates(
-    design: Design, solved: Mapping[str, loads.CycleLoads], doubted: Collection[str] = ()
+    design: Design, solved: Mapping[str, loads.CycleLoads], covered: Collection[str] = ()
 ) -> list[Gate]:
     """Every gate of the loads, cycle by cycle.
 
-    doubted  cycles whose end of travel beside a dead centre is in the bars (stop_doubts.py)
+    covered  names of gates whose doubt is in the bars, by a pair of load histories
     """
     return [
         gate
         for name, cycle in solved.items()
-        for gate in _cycle_gates(design, name, cycle, name in doubted)
+        for gate in _cycle_gates(design, name, cycle, covered)
     ]
+
+
+def dead_centre_gate(cycle: str) -> str:
+    """Name of the gate of a cycle that comes near to a dead centre."""
+    return f"{cycle}: nearness to a dead centre"
 
 
 def is_near_dead_centre(cycle: loads.CycleLoads) -> bool:
@@ -41,12 +47,14 @@ def is_near_dead_centre(cycle: loads.CycleLoads) -> bool:
     return float(cycle.conditioning.min()) < _CONDITIONING
 
 
-def _cycle_gates(design: Design, name: str, cycle: loads.CycleLoads, doubted: bool) -> list[Gate]:
+def _cycle_gates(
+    design: Design, name: str, cycle: loads.CycleLoads, covered: Collection[str]
+) -> list[Gate]:
     return [
         *_numerical(name, cycle),
         _positions(name, cycle),
-        _dead_centre(design, name, cycle, doubted),
-        *_friction(name, cycle),
+        _dead_centre(design, name, cycle, dead_centre_gate(name) in covered),
+        *_friction(name, cycle, friction_gate(name) in covered),
         *_deflected_shape(name, cycle),
         *_slot_ends(name, cycle),
         *_drive_forces(design, name, cycle),
@@ -102,7 +110,7 @@ def _dead_centre(design: Design, name: str, cycle: loads.CycleLoads, doubted: bo
     shown, unit = shown_name(stated)
     at = float(shown_position(stated, cycle.positions)[worst])
     return Gate(
-        f"{name}: nearness to a dead centre",
+        dead_centre_gate(name),
         1.0 / float(cycle.conditioning[worst]),
         1.0 / _CONDITIONING,
         "1 where the solved force sees the whole motion, growing without bound towards a dead "
@@ -163,16 +171,18 @@ def _deflected_shape(name: str, cycle: loads.CycleLoads) -> list[Gate]:
     ]
 
 
-def _friction(name: str, cycle: loads.CycleLoads) -> list[Gate]:
+def _friction(name: str, cycle: loads.CycleLoads, covered: bool) -> list[Gate]:
     if not cycle.linkage.friction:
         return []
     return [
         Gate(
-            f"{name}: share of friction",
+            friction_gate(name),
             cycle.friction_share,
             _FRICTION_SHARE,
             "work that friction takes over the work turned over; beyond the limit the loads are as "
-            "uncertain as the coefficients of friction",
+            "uncertain as the coefficients of friction"
+            + (": those a third lower and higher are in the error bars" if covered else ""),
+            binding=not covered,
         )
     ]
 

@@ -55,7 +55,7 @@ def test_a_dead_centre_beside_a_stop_of_known_tolerance_is_a_pair_of_load_histor
 
 def test_its_gate_does_not_bind_then_and_without_the_pair_says_what_to_state(near):
     design, solved = near
-    gate = dead_centre(design, solved, {"press"})
+    gate = dead_centre(design, solved, {"press: nearness to a dead centre"})
     assert not gate.holds
     assert not gate.binding
     assert "at both ends of the stop's tolerance are in the error bars" in gate.told

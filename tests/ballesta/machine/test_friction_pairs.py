@@ -1,0 +1,109 @@
+"""Friction that is known to a third: the loads at both ends, in place of a validity check."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ballesta.design.read import read_design
+from ballesta.machine.load_pairs import friction_gate, friction_pairs
+from ballesta.machine.solved_cycles import solve_cycles
+from ballesta.machine.validity_checks import load_gates
+from ballesta.pipeline import check_design
+from checks.design.effort import Effort
+
+PRESS = Path(__file__).parents[3] / "designs" / "toggle_press.toml"
+BAR = (4.14134e-3, (125.0, 0.0), 21.56947917)
+FEW = "cycles.press.positions=61"
+LOCKS = 3.0  # solvable, and four thirds of it are not: no force moves the knee at A.y = 300 mm
+
+
+def press(*friction):
+    design = read_design(PRESS, (*(f"friction.{one}" for one in friction), FEW))
+    solved = solve_cycles(design, dict.fromkeys(("lower", "upper"), BAR))
+    return design, {"press": solved["press"]}
+
+
+def pins(coefficient, diameter="40 mm"):
+    return f'pins={{ coefficient = {coefficient}, diameter = "{diameter}" }}'
+
+
+@pytest.fixture(scope="module")
+def rubbing():
+    return press(pins(0.09))
+
+
+def test_friction_is_a_pair_of_the_loads_with_a_third_less_and_a_third_more(rubbing):
+    """Designs written with 0.06 and 0.12 have the efforts of the ends."""
+    design, solved = rubbing
+    (pair,), gates = friction_pairs(design, solved)
+    assert not gates
+    assert pair.words == "press: coefficients of friction a third lower or higher"
+    for end, written in zip(pair.ends, (0.06, 0.12), strict=True):
+        efforts = press(pins(written))[1]["press"].efforts
+        for name, effort in efforts.items():
+            largest = np.abs(effort).max()
+            np.testing.assert_allclose(end["press"].efforts[name], effort, atol=1e-9 * largest)
+
+
+def test_the_press_force_falls_with_friction_in_the_sense_of_its_work(rubbing):
+    """Less friction leaves more force; both thirds change it alike to the first order.
+
+    The rest is of second order, as large as the share of friction in the force.
+    """
+    design, solved = rubbing
+    (pair,), _ = friction_pairs(design, solved)
+    low, mid, high = (
+        np.abs(one["press"].efforts["process"]).max()
+        for one in (pair.ends[0], solved, pair.ends[1])
+    )
+    assert low > mid > high
+    share = (low - mid) / mid
+    assert (mid - high) / (low - mid) == pytest.approx(1.0, abs=3 * share)
+
+
+def test_the_share_of_friction_does_not_bind_where_the_pair_is_in_the_bars():
+    design, solved = press(pins(0.3, "80 mm"))
+    pairs, _ = friction_pairs(design, solved)
+    covered = {pair.gate for pair in pairs}
+    name = friction_gate("press")
+    alone, beside = (
+        next(gate for gate in load_gates(design, solved, names) if gate.name == name)
+        for names in ((), covered)
+    )
+    assert alone.value == beside.value > alone.limit
+    assert alone.binding
+    assert not beside.binding
+    assert "a third lower and higher are in the error bars" in beside.told
+
+
+def test_without_friction_there_is_no_pair():
+    assert friction_pairs(*press()) == ([], [])
+    assert friction_pairs(*press(pins(0.0))) == ([], [])
+
+
+def test_friction_that_locks_a_third_higher_breaks_a_validity_check():
+    """A pin of the knee that rubs at four thirds of the arm at which no effort moves it."""
+    design, solved = press(pins(LOCKS))
+    pairs, (gate,) = friction_pairs(design, solved)
+    assert not pairs
+    assert gate.binding
+    assert not gate.holds
+    assert "press: friction a third" in gate.name
+
+
+def test_bars_of_a_check_reach_to_the_loads_with_other_friction():
+    """By formula: value and bars of 0.09 hold the values of 0.06 and 0.12."""
+    effort = Effort(fidelity="formula")
+
+    def fatigue(coefficient):
+        over = ("friction." + pins(coefficient), FEW, "parts.bar_lower.mesh.fineness=0.4")
+        result = check_design(read_design(PRESS, over), effort=effort)
+        part = next(part for part in result.parts if part.name == "bar_upper")
+        return next(check for check in part.checks if check.kind == "fatigue")
+
+    own, low, high = (fatigue(value) for value in (0.09, 0.06, 0.12))
+    values = sorted((low.value, high.value))
+    assert own.value - own.loads_below <= values[0] * (1 + 1e-6)
+    assert own.value + own.loads >= values[1] * (1 - 1e-6)
+    assert own.loads + own.loads_below >= 0.999 * (values[1] - values[0]) > 0.0
