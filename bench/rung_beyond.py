@@ -1,7 +1,8 @@
 """Solids of parts beyond the proportions that the rungs are calibrated on, beside the formula.
 
-    python -m bench.rung_beyond [--scene design/part]... [--most N] [--buckling]
-                                 adds to rungs/beyond.jsonl; stresses, or buckling by one mesh
+    python -m bench.rung_beyond [--scene design/part]... [--most N] [--buckling] [--way pulled]
+                                 adds to rungs/beyond.jsonl; stresses, or buckling by one mesh;
+                                 the parts all loaded in one way, or each in a way by chance
     python -m bench.rung_beyond --fit   writes how the bars grow to checks/models/beyond.json
 
 Dimensions, length and the way a part is loaded are drawn so that at least one of its proportions
@@ -84,24 +85,27 @@ def loaded(loads: PartLoads, design: Design, part: Part, way: str) -> PartLoads 
     )
 
 
-def drawn(machines: Machines, scene: Scene) -> Iterator[Drawn]:
-    """Parts beyond the ranges: name, how it was drawn, design, part and loads."""
+def drawn(machines: Machines, scene: Scene, only: str = "") -> Iterator[Drawn]:
+    """Parts beyond the ranges: name, how it was drawn, design, part and loads.
+
+    only  the way in which all are loaded, which alone may lie beyond what was compared; or ""
+    """
     first = next(machines.variations(scene))
     design, part = first.design, first.part
-    random = np.random.default_rng([SEED, crc32(scene.name.encode())])
+    random = np.random.default_rng([SEED, crc32(f"{scene.name}{only}".encode())])
     bounds = dict(scene.bounds)
     # a toggle bar's columns are as long as its joints stand apart in the design
     if not isinstance(part.geometry, Pin | ToggleBar) and hasattr(part.geometry, "length"):
         bounds["length"] = (0.15, 1.0) if isinstance(part.geometry, TubeRod) else (0.7, 1.4)
     made = 0
     for _ in range(_DRAWS):
-        reach = _NEAR if made % 2 == 0 else _FAR
+        reach = _NEAR if made % 2 == 0 and not only else _FAR
         factors = {
             name: float(exp(random.uniform(log(low / reach**0.5), log(high * reach**0.5))))
             for name, (low, high) in bounds.items()
             if name == "seat width" or getattr(part.geometry, name, None)
         }
-        way = "as it is" if isinstance(part.geometry, Pin) else str(random.choice(_WAYS))
+        way = "as it is" if isinstance(part.geometry, Pin) else only or str(random.choice(_WAYS))
         some = loaded(first.loads, design, part, way)
         try:
             shape = varied(part.geometry, factors)
@@ -120,7 +124,8 @@ def drawn(machines: Machines, scene: Scene) -> Iterator[Drawn]:
         if far is None or not 0.0 < far <= 2 * log(reach):
             continue
         made += 1
-        yield f"{scene.name}/beyond {made}", {"factors": factors, "way": way}, design, changed, some
+        name = f"{scene.name}/beyond {only} {made}".replace("  ", " ")
+        yield name, {"factors": factors, "way": way}, design, changed, some
 
 
 def line_of(
@@ -249,6 +254,7 @@ def main() -> None:
     parser.add_argument("--scene", action="append", default=[])
     parser.add_argument("--most", type=int, default=12, help="parts of each scene")
     parser.add_argument("--buckling", action="store_true", help="by one mesh, not the stresses")
+    parser.add_argument("--way", default="", choices=["", *_WAYS], help="all are loaded like this")
     parser.add_argument("--fit", action="store_true", help="write the growth of the bars")
     options = parser.parse_args()
     if options.fit:
@@ -257,7 +263,7 @@ def main() -> None:
     machines = Machines()
     by_name = {scene.name: scene for scene in SCENES}
     for scene in map(by_name.__getitem__, options.scene or by_name):
-        for number, (name, *rest) in enumerate(drawn(machines, scene), 1):
+        for number, (name, *rest) in enumerate(drawn(machines, scene, options.way), 1):
             if number > options.most:
                 break
             name += " buckled" if options.buckling else ""

@@ -157,6 +157,7 @@ def _assembled(
         ),
         drive=model.drive,
         dynamics=model.dynamics,
+        forks=model.forks,
         cycles=cycles,
         measured=measured,
         duty=duty,

@@ -10,6 +10,8 @@ soft   where a body is pinned to the ground or to a guided body it may tilt abou
        slot is not held sideways by it
 stiff  all bodies at a pin share all tilts, bodies in a slot hold each other sideways
 
+A design may state which of them its forks are (`forks`).
+
 The load factor multiplies all forces of the position together, inertia included.
 """
 
@@ -70,14 +72,15 @@ _Place = tuple[str, int]  # cycle and position
 class LinkageMode:
     """The lowest buckling mode of a linkage over all positions.
 
-    factor            load factor, forks soft
+    factor            load factor, forks as stated, or soft
     plane             "in plane" or "out of plane"
+    forks             as the design states them; None where it does not
     stiff_factor      lowest over all positions in either plane, forks stiff; None: none above 0
     error             of the factor, by its change from 8 to 16 pieces per bar; no less than its
                       round-off
     rise              of 1/factor, what it may be more between this position and its neighbours
     cycle, index      where it is; `position` is that in words
-    other_plane       lowest over all positions in the other plane, forks soft; None: none above 0
+    other_plane       the same in the other plane, forks as of `factor`; None: none above 0
     shares            body -> share of the strain energy of the mode
     body              the bar in compression with the largest share, None if none is compressed
     compression       of that body, N
@@ -89,6 +92,7 @@ class LinkageMode:
 
     factor: float
     plane: str
+    forks: str | None
     stiff_factor: float | None
     error: float
     rise: float
@@ -146,28 +150,34 @@ def worst_mode(
         ranked = coarse.ranked()
     fine = _Search(design, cycles, FINE, motions, slots_hold=coarse.slots_hold)
     lowest = {case: fine.lowest(case, places) for case, places in ranked.items()}
-    soft = [(*lowest[case], case.plane) for case in (_IN, _SOFT) if case in lowest]
-    if not soft:
+    asked = _STIFF if design.forks == "stiff" else _SOFT
+    worst = [(*lowest[case], case) for case in (_IN, asked) if case in lowest]
+    if not worst:
         return None
-    factor, name, k, plane = min(soft)
+    factor, name, k, case = min(worst)
     middle = _Search(design, cycles, MIDDLE, motions, slots_hold=coarse.slots_hold)
     return fine.told(
         name,
         k,
-        plane,
-        error=abs(factor - (middle.factor(name, k, plane) or np.inf)),
-        rise=fine.rise(name, k, plane, factor),
-        other=next((f for f, _, _, p in soft if p != plane), None),
+        case,
+        error=abs(factor - (middle.factor(name, k, case) or np.inf)),
+        rise=fine.rise(name, k, case, factor),
+        other=next((f for f, _, _, other in worst if other != case), None),
         stiff=min((lowest[case][0] for case in (_IN, _STIFF) if case in lowest), default=None),
     )
 
 
 def linkage_check(design: Design, mode: LinkageMode) -> Check:
-    """Return the verdict's line about the assembly, value 1/factor with soft forks."""
+    """Return the verdict's line about the assembly, value 1/factor with soft or stated forks."""
     value = 1 / mode.factor
     # without a mode of stiff forks nothing of the value is certain
     below = value if mode.stiff_factor is None else max(value - 1 / mode.stiff_factor, 0.0)
-    stiff = "none" if mode.stiff_factor is None else f"{mode.stiff_factor:.3g}"
+    forks = f"{mode.forks} forks as stated"
+    if mode.forks is None:
+        stiff = "none" if mode.stiff_factor is None else f"{mode.stiff_factor:.3g}"
+        forks = f"with forks that share all tilts: {stiff}"
+    else:
+        below = 0.0
     other = "in plane" if mode.plane == "out of plane" else "out of plane"
     beside = "none" if mode.other_plane is None else f"{mode.other_plane:.3g}"
     column = ""
@@ -196,8 +206,8 @@ def linkage_check(design: Design, mode: LinkageMode) -> Check:
         method="frame",
         basis="linear eigenvalue of all bars and rigid bodies together, drive held: knows neither "
         "yield nor crookedness nor snapping through",
-        note=f"lowest factor {mode.factor:.3g} {mode.plane}, {beside} {other}; with forks that "
-        f"share all tilts: {stiff}; strain energy: {shares}{column}{slots}{rigid}",
+        note=f"lowest factor {mode.factor:.3g} {mode.plane}, {beside} {other}; {forks}; strain "
+        f"energy: {shares}{column}{slots}{rigid}",
     )
     return with_sampling(check, mode.rise)
 
@@ -242,6 +252,9 @@ class _Search:
         slots_hold: bool = False,
     ) -> None:
         self._design, self._cycles, self.slots_hold = design, cycles, slots_hold
+        self._cases = {None: (_IN, _SOFT, _STIFF), "soft": (_IN, _SOFT), "stiff": (_IN, _STIFF)}[
+            design.forks
+        ]
         first = next(iter(cycles.values()))
         self.model: LinkModel = link_model(design, first.linkage, pieces)
         turning = shafts(cycles.values())
@@ -294,7 +307,7 @@ class _Search:
         sizes = {name: forces.sizes() for name, forces in self._forces.items()}
         largest = {
             case: max((value for value, _ in found.get(case, ())), default=0.0)
-            for case in (_IN, _SOFT, _STIFF)
+            for case in self._cases
         }
         for members in self._alike(places).values():
             name, k = members[0]
@@ -333,7 +346,7 @@ class _Search:
         best: tuple[float, str, int] = (np.inf, *ranked[0][1])
         for (name, k), inverse in found.items():
             if inverse > (1 - _ROUND_OFF) * largest:
-                factor = self.factor(name, k, case.plane, stiff=case.stiff)
+                factor = self.factor(name, k, case)
                 if factor is not None:
                     best = min(best, (factor, name, k))
         return best
@@ -393,21 +406,21 @@ class _Search:
             )
         return loads.LinkageError(f"buckling of the linkage, {plane}: {error}{apart}")
 
-    def _modes(self, name: str, k: int, plane: str, *, stiff: bool) -> FrameModes:
+    def _modes(self, name: str, k: int, case: _Case) -> FrameModes:
         placed = self._placed(name, k)
-        rows = self._rows[name].rows(placed, k, stiff=stiff)
+        rows = self._rows[name].rows(placed, k, stiff=case.stiff)
         geometric = self._forces[name].geometric(placed, k)
         try:
-            return placed.buckling(rows, geometric, _PLANES[plane])
+            return placed.buckling(rows, geometric, _PLANES[case.plane])
         except LooseFrameError as error:
-            raise self._loose(plane, error) from error
+            raise self._loose(case.plane, error) from error
 
-    def factor(self, name: str, k: int, plane: str, *, stiff: bool = False) -> float | None:
-        """The lowest factor of a position in a plane, proven to be the lowest; None for none."""
-        factors = self._modes(name, k, plane, stiff=stiff).factors
+    def factor(self, name: str, k: int, case: _Case) -> float | None:
+        """The lowest factor of a position in a case, proven to be the lowest; None for none."""
+        factors = self._modes(name, k, case).factors
         return float(factors[0]) if len(factors) else None
 
-    def rise(self, name: str, k: int, plane: str, factor: float) -> float:
+    def rise(self, name: str, k: int, case: _Case, factor: float) -> float:
         """Rise of 1/factor between a position and its neighbours, by the parabola through them.
 
         A smooth peak over three positions is at most an eighth of the second difference higher.
@@ -415,7 +428,7 @@ class _Search:
         run = self._cycles[name]
         if not 0 < k < len(run.positions) - 1 or run.phase_of[k - 1] != run.phase_of[k + 1]:
             return 0.0
-        beside = [self.factor(name, other, plane) for other in (k - 1, k + 1)]
+        beside = [self.factor(name, other, case) for other in (k - 1, k + 1)]
         before, after = (0.0 if one is None else 1 / one for one in beside)
         return max(0.0, 2 / factor - before - after) / 8
 
@@ -423,7 +436,7 @@ class _Search:
         self,
         name: str,
         k: int,
-        plane: str,
+        case: _Case,
         *,
         error: float,
         rise: float,
@@ -431,7 +444,7 @@ class _Search:
         stiff: float | None,
     ) -> LinkageMode:
         """Everything about the lowest mode of a position."""
-        modes = self._modes(name, k, plane, stiff=False)
+        modes = self._modes(name, k, case)
         factor, shape = float(modes.factors[0]), modes.shapes[:, 0]
         placed, forces = self._placed(name, k), self._forces[name]
         strain = placed.stiffness * shape[:, None] * shape
@@ -446,7 +459,7 @@ class _Search:
         body, compression, length = None, 0.0, None
         if number is not None:
             body, compression = placed.links[number].name, pressed[number]
-            bending = self.model.bars[number].bending_at_middle(plane)
+            bending = self.model.bars[number].bending_at_middle(case.plane)
             length = float(np.pi * np.sqrt(bending / (factor * compression)))
         shown, unit, values = shown_of(self._design, name, self._cycles[name])
         phase = self._cycles[name].phases[int(self._cycles[name].phase_of[k])]
@@ -454,7 +467,8 @@ class _Search:
         total = sum(energy.values())
         return LinkageMode(
             factor=factor,
-            plane=plane,
+            plane=case.plane,
+            forks=self._design.forks,
             stiff_factor=stiff,
             error=max(error, factor * modes.round_off),
             rise=rise,

@@ -98,16 +98,24 @@ def linkage_share(design: Design, mode: LinkageMode, check: Check) -> Derivation
 def _bars(mode: LinkageMode) -> tuple[Bars, list[Item]]:
     """From 8 to 16 pieces of each bar; below, forks that share all tilts."""
     page = "docs/theory/linkage_frames.md"
-    below = "share"
+    below = "share" if mode.forks is None else "0*share"
     items: list[Item] = [
         Given("e", "change of the factor from 8 to 16 pieces of each bar", mode.error, "", page),
         Step("e_num", "numerical error bar", "share*e/lam"),
     ]
-    if mode.stiff_factor is not None:
+    if mode.forks is None and mode.stiff_factor is not None:
         said = "lowest factor with forks that share all tilts"
         items.append(Given("lam_2", said, mode.stiff_factor, "", page))
         below = "max(0, share - 1/lam_2)"
-    items.append(Step("b_lo", "model band below: stiff forks", below))
+    items.append(
+        Step(
+            "b_lo",
+            "model band below: stiff forks"
+            if mode.forks is None
+            else f"model band below: forks stated as {mode.forks}",
+            below,
+        )
+    )
     return Bars("e_num", below="b_lo"), items
 
 

@@ -160,6 +160,7 @@ class Design:
     as_parts         bodies that give way as their meshed parts do
     drive            how the drive holds its speed
     dynamics         how the vibration of the linkage is judged
+    forks            how pins hold tilts as the linkage buckles, "soft" or "stiff"; None: not known
     defaults_used    (key, value) that the file does not state and ballesta took
     assumed          (key, reason) that the file marks as an assumption
     claims           (part, kind of check) -> the claimed safety and who claims it
@@ -189,6 +190,7 @@ class Design:
     as_parts: tuple[str, ...]
     drive: DriveEntry
     dynamics: DynamicsEntry
+    forks: str | None
     cycles: Mapping[str, Cycle]
     measured: Mapping[str, MeasuredRun]
     duty: Duty

@@ -347,6 +347,11 @@ class DesignFile(Table):
     duty: DutyEntry = Field(default=DutyEntry.model_validate({}))
     drive: DriveEntry = Field(default=DriveEntry.model_validate({}))
     dynamics: DynamicsEntry = Field(default=DynamicsEntry.model_validate({}))
+    forks: Literal["soft", "stiff"] | None = Field(
+        None,
+        description="how pins hold their bodies against tilting out of the plane as the linkage "
+        "buckles: stiff, they share all tilts; soft, they do not; without it both are in the bars",
+    )
     materials: dict[Name, MaterialEntry] = Field(default_factory=dict)
     parts: dict[Name, _union()] = Field(default_factory=dict)  # type: ignore[valid-type]
     claims: dict[Name, dict[SafetyKey, Claim]] = Field(

@@ -73,7 +73,9 @@ def _of_check(
     if check.status is not Status.UNDECIDED:
         return
     ways = [*_by_drive(result, check, settles)]
-    if part is not None:
+    if part is None:
+        ways += _by_forks(result, check, settles)
+    else:
         ways += [
             *_by_clearance(result, check, settles, part),
             *_by_arc(result, check, settles, part),
@@ -118,6 +120,19 @@ def _by_drive(result: DesignResult, check: Check, settles: str) -> Iterator[Way]
             settles,
             f"state how the drive holds its speed: without its bar it is a {known.status}",
             _with(result, 'drive.control="constant"'),
+            _again(result),
+        )
+
+
+def _by_forks(result: DesignResult, check: Check, settles: str) -> Iterator[Way]:
+    """Where a linkage buckles only if its pins let its bodies tilt out of the plane."""
+    held = replace(check, value=check.value - check.below, model_below=0.0)
+    if held.status is Status.PASS:
+        yield Way(
+            settles,
+            "state that pins and forks hold all tilts out of the plane, where they do (two frames "
+            f"side by side, long bearings): its safety is then {number(held.safety, 3)}",
+            _with(result, 'forks="stiff"'),
             _again(result),
         )
 

@@ -191,7 +191,7 @@ def test_a_position_that_only_the_fine_frame_shows_to_be_the_lowest_is_found():
         asked.append(place[1])
         return {4: 1.001, 7: 1.005, 1: 1.002}[place[1]]
 
-    def factor(name, k, plane, *, stiff):
+    def factor(name, k, case):
         proven.append(k)
         return 1 / 1.005
 
@@ -239,7 +239,7 @@ def test_positions_are_ranked_by_their_own_loads_and_none_near_the_lowest_is_lef
         assert len(known) == len(inverses)
         for name, run in runs.items():
             for k in range(0, len(run.positions), 3):
-                factor = search.factor(name, k, case.plane, stiff=case.stiff)
+                factor = search.factor(name, k, case)
                 inverse = 0.0 if factor is None else 1 / factor
                 if (name, k) in known:
                     assert known[name, k] == pytest.approx(inverse, rel=1e-6)
@@ -252,8 +252,8 @@ def test_the_lowest_with_stiff_forks_is_that_of_frames_with_stiff_forks(two_push
     _, search = two_pushes
     ranked = search.ranked()[_STIFF]
     factor, name, k = search.lowest(_STIFF, ranked)
-    assert factor == pytest.approx(search.factor(name, k, "out of plane", stiff=True))
-    assert factor > 1.5 * search.factor(name, k, "out of plane")
+    assert factor == pytest.approx(search.factor(name, k, _STIFF))
+    assert factor > 1.5 * search.factor(name, k, _SOFT)
 
 
 def test_forks_that_hold_all_tilts_leave_the_mode_in_the_plane_as_the_lowest(tmp_path):

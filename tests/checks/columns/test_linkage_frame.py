@@ -13,6 +13,9 @@ from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import solve_cycles
 from checks.columns.link_joints import JointRows
 from checks.columns.linkage_frame import (
+    _IN,
+    _SOFT,
+    _STIFF,
     COARSE,
     FINE,
     FreeMotions,
@@ -129,10 +132,10 @@ def test_the_toggle_as_built_is_so_stiff_that_the_cheeks_beside_its_cut_out_sway
 def test_the_pull_of_the_cylinder_holds_the_knee_sideways():
     design, runs = press("toggle_press_30x30")
     search = _Search(design, runs, COARSE)
-    pulled = search.factor("capacity", 24, "out of plane")
+    pulled = search.factor("capacity", 24, _SOFT)
     efforts = {**runs["capacity"].efforts, "cylinder": np.zeros(25)}
     without = _Search(design, {"capacity": replace(runs["capacity"], efforts=efforts)}, COARSE)
-    alone = without.factor("capacity", 24, "out of plane")
+    alone = without.factor("capacity", 24, _SOFT)
     share = pulled_sideways(runs, largest_compression(runs))
     assert_allclose(alone / pulled, 1 - share, rtol=2e-3)
 
@@ -150,9 +153,7 @@ def test_no_position_has_a_lower_factor_than_the_one_that_is_told(tmp_path, turn
     mode = worst_mode(design, runs)
     search = _Search(design, runs, FINE)
     factors = {
-        (plane, k): search.factor("turn", k, plane)
-        for plane in ("in plane", "out of plane")
-        for k in range(25)
+        (case.plane, k): search.factor("turn", k, case) for case in (_IN, _SOFT) for k in range(25)
     }
     known = {place: factor for place, factor in factors.items() if factor is not None}
     least = min(known, key=lambda place: known[place])
@@ -165,9 +166,25 @@ def test_stiffer_forks_never_lower_the_factor(tmp_path):
     runs = solved(design)
     search = _Search(design, runs, COARSE)
     for k in range(25):
-        soft = search.factor("turn", k, "out of plane")
-        stiff = search.factor("turn", k, "out of plane", stiff=True)
+        soft = search.factor("turn", k, _SOFT)
+        stiff = search.factor("turn", k, _STIFF)
         assert stiff is None or (soft is not None and soft <= stiff * (1 + 1e-9))
+
+
+def test_stated_forks_have_the_bound_that_they_state_and_no_band(tmp_path):
+    """Stiff ones the lower end of the check that knows neither, soft ones its value."""
+    design = machine(tmp_path, BAR, 'cycles.turn.phases[0].to="449 deg"')  # else on a shaft
+    runs = solved(design)
+    unknown = linkage_check(design, worst_mode(design, runs))
+    assert unknown.below > 0.1 * unknown.value
+    for forks, value in (("soft", unknown.value), ("stiff", unknown.value - unknown.below)):
+        stated = replace(design, forks=forks)
+        mode = worst_mode(stated, runs)
+        check = linkage_check(stated, mode)
+        assert mode.forks == forks
+        assert check.value == pytest.approx(value, rel=1e-9)
+        assert check.below == check.model == 0.0
+        assert f"{forks} forks as stated" in check.note
 
 
 def test_the_rod_of_a_crank_and_slider_buckles_in_the_plane_between_its_hinges(tmp_path):
@@ -183,7 +200,7 @@ def test_the_rod_of_a_crank_and_slider_buckles_in_the_plane_between_its_hinges(t
     for k in (4, 12, 20):
         axial = forces.axial(k)
         assert axial.max() < 0
-        found = search.factor("turn", k, "in plane")
+        found = search.factor("turn", k, _IN)
         assert_allclose(found, critical / -axial.mean(), rtol=3e-3)  # inertia varies along it
 
 
@@ -198,9 +215,9 @@ def test_twice_the_force_halves_the_factor():
         efforts={name: 2 * effort for name, effort in run.efforts.items()},
     )
     one, two = (_Search(design, {"capacity": r}, COARSE) for r in (run, twice))
-    for plane in ("in plane", "out of plane"):
-        halves = two.factor("capacity", 24, plane)
-        assert halves == pytest.approx(one.factor("capacity", 24, plane) / 2, rel=1e-9)
+    for case in (_IN, _SOFT):
+        halves = two.factor("capacity", 24, case)
+        assert halves == pytest.approx(one.factor("capacity", 24, case) / 2, rel=1e-9)
 
 
 def test_runs_in_the_same_poses_share_the_motions_their_joints_leave_free(tmp_path, monkeypatch):
@@ -291,7 +308,7 @@ def test_a_crank_that_turns_round_holds_a_four_bar_that_would_swing_about_its_su
     search = _Search(design, runs, COARSE)
     search._rows = {name: JointRows(search.model, run) for name, run in runs.items()}
     with pytest.raises(ValueError, match="can move without strain"):
-        search.factor("turn", 0, "out of plane")
+        search.factor("turn", 0, _SOFT)
     mode = worst_mode(design, runs)
     assert mode.compression > 1e3
     assert mode.plane == "out of plane"

@@ -101,6 +101,21 @@ def test_a_drive_counts_where_its_load_bar_alone_holds_the_limit():
     assert not only(design(part(checks=[loads]))).command  # the drive is stated
 
 
+def test_forks_count_where_the_linkage_passes_with_stiff_ones():
+    """A share of 0.5 against 1/3; stiff forks leave 0.5 - 0.4 = 0.1, a safety of 10."""
+    share = check(kind="buckling", value=0.5, limit=1.0, required=3.0, unit="", numerical=0.0,
+                  model=0.0, model_below=0.4, method="frame")  # fmt: skip
+    way = only(replace(design(), linkage=[share]))
+    assert share.status is Status.UNDECIDED
+    assert way.settles == "buckling of the linkage"
+    assert way.text.endswith("its safety is then 10.0")
+    assert way.command.endswith("--set 'forks=\"stiff\"'")
+    little = replace(share, model_below=0.2, value=0.45)  # 0.25 of 0.333
+    assert only(replace(design(), linkage=[little])).command
+    hard = replace(share, numerical=0.3)
+    assert "nothing here settles it" in only(replace(design(), linkage=[hard])).text
+
+
 def test_a_better_model_is_a_way_only_for_what_it_may_settle():
     by_formula = replace(BY_MODEL, method="formula")
     told = RungTried("formula", 0.1, 0, [], "goes on", ["static"])
