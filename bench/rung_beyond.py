@@ -32,7 +32,7 @@ from checks.ladder.levels import Asked
 from checks.ladder.solid import check_solid
 from checks.models.bands import distance_from, known_band
 from checks.models.checked import BUCKLING, FATIGUE, STATIC, rung_level, stress_share
-from checks.models.families import family_of
+from checks.models.formula import family_of
 from checks.models.proportions import of_buckling, proportions_of
 from checks.part.loaded_part import LoadedPart, check_reach
 from checks.part.part_loads import PartLoads

@@ -90,20 +90,22 @@ press. Pictures show parts that are shorter than most.
 TAIL = """\
 ## Another part
 
-A part is one file. Copy a short one, `geometry/parts/prismatic_tube.py`, and
+The geometry of a shape is one file, its formulas are another ([extending](extending.md)). Copy a
+short one, `geometry/parts/prismatic_tube.py`, and
 
-1. declare its parameters as fields of the frozen dataclass, with `a_length`, `a_number` or
+1. give the shape its `name`, by which design files call it: it is found by being there;
+2. declare its parameters as fields of the frozen dataclass, with `a_length`, `a_number` or
    `a_count` of `geometry/parameters.py`: that one line serves the design file, its schema, its
    messages and this page;
-2. refuse in `__post_init__` what cannot be built, with a `ParameterError` that names the parameter,
+3. refuse in `__post_init__` what cannot be built, with a `ParameterError` that names the parameter,
    the value found and the nearest right one;
-3. name its places in `interfaces`, the two pins first, and say whether it is `stressed_evenly`;
-   give `stressed_section` (for the size factor), `sections` (for columns, or `()`) and
-   `notch_factors` (by surface, for what the mesh does not show, or `{}`);
-4. build it in `build(gmsh)` with gmsh's OpenCASCADE kernel and return a `Body`: CAD faces by name,
+4. name its places in `interfaces`, the two pins first, and state what `geometry/shape.py` asks of
+   every shape (`placed_interfaces`, `stressed_section`, `ruling_sections`), and of what has it
+   `sections` (for columns), `proportions` (for error bars) and `notch_factors`;
+5. build it in `build(gmsh)` with gmsh's OpenCASCADE kernel and return a `Body`: CAD faces by name,
    an `Interface` for each place, a general element size, and regions of smaller ones;
-5. enter it in `SHAPES` of `geometry/parts/__init__.py`, and in `DRAWN` of this tool;
-6. test what you can work out by hand: mass, centre, inertia, areas of its surfaces, and every
+6. enter it in `DRAWN` of this tool;
+7. test what you can work out by hand: mass, centre, inertia, areas of its surfaces, and every
    refusal (`tests/geometry/`).
 """
 

@@ -10,7 +10,7 @@ from checks.design.materials import Material
 from checks.design.model import Column, Requirements, StackEntry
 from checks.design.strength import FkmStrength
 from checks.design.tables import DriveEntry, DynamicsEntry
-from geometry.parts import Pin, PrismaticTube, ToggleBar
+from geometry.shape import Shape
 from loads import MeasuredLoads
 
 Pair = tuple[float, float]
@@ -112,7 +112,7 @@ class Part:
 
     name: str
     shape: str
-    geometry: ToggleBar | PrismaticTube | Pin
+    geometry: Shape
     material: Material
     body: str | None
     joint: str | None

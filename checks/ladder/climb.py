@@ -11,7 +11,7 @@ from checks.models import beam, formula
 from checks.models.bands import known_band
 from checks.models.checked import BUCKLING, FATIGUE, STATIC, rung_estimates, rung_level
 from checks.models.estimate import Estimate
-from checks.models.families import family_of
+from checks.models.formula import family_of
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check, RungTried, Status

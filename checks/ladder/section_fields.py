@@ -13,8 +13,8 @@ from checks.design.data import Duty, Part
 from checks.joints.pin_diagrams import pin_diagram
 from checks.ladder.part_fields import ENDLESS
 from checks.models.formula_bars import Stretches, bar_loads
-from checks.models.formula_leaves import leaf_bar
 from checks.models.formula_points import XX, XY, YZ, ZX, ZZ
+from checks.models.shapes.leaf_pack import leaf_bar
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.live_fields import FATIGUE, LiveFields

@@ -8,7 +8,7 @@ from checks.columns.stability import ELASTIC
 from checks.design.data import Part
 from checks.models.bands import Band, NoBand, band_of
 from checks.models.estimate import Estimate
-from checks.models.families import family_of
+from checks.models.formula import family_of
 from checks.models.proportions import (
     SHARE,
     proportions_known,

@@ -18,7 +18,7 @@ from checks.models.unit_names import acceleration_units, wrench_units
 from checks.part.first_maximum import first_largest
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import Item
-from checks.stress.part_model import ElasticLoad
+from checks.stress.part_model import ElasticLoad, RungModel
 from geometry.mesh import FloatArray
 
 _STATIONS = 33  # of deflection and lateral buckling
@@ -123,6 +123,26 @@ def left_over(bar: BarLoads, loads: PartLoads, length: float) -> float:
     couples = sum(wrench[:, 3:5] for _, wrench in bar.points)
     largest = loads.largest_force * length
     return float(np.abs(couples).max()) / largest if largest else 0.0
+
+
+def bar_model(
+    part: Part,
+    loads: PartLoads,
+    points: Points,
+    bar: BarLoads,
+    mass: Stretches,
+    length: float,
+    *,
+    neglects: str,
+    local: float = 0.0,
+) -> RungModel:
+    """The rung `formula` of a bar between two pins; `local` as in `elastic_load`."""
+    return points.model(
+        residual=left_over(bar, loads, length),
+        deflection=most_deflected(bar, part, mass, length),
+        buckling=elastic_load(part, loads, bar, mass, length, local=local),
+        neglects=neglects,
+    )
 
 
 def fine_cells(cuts: FloatArray, count: int) -> FloatArray:

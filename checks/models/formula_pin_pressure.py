@@ -66,11 +66,6 @@ class PinSection:
         return "pin" if self.seat is None else f"{self.seat.name} on the pin"
 
 
-def neck_of(shape: Pin, seat: Seat) -> float:
-    """Diameter of the pin in a seat, mm."""
-    return shape.diameter if seat.diameter is None else seat.diameter
-
-
 def pressure_shares(
     shape: Pin, seat: Seat, sides: FloatArray, poisson_ratio: float
 ) -> tuple[FloatArray, FloatArray]:
@@ -78,7 +73,7 @@ def pressure_shares(
 
     Of the half cosine's waves, and of the waves x and y of a couple: 1/mm3.
     """
-    radius = neck_of(shape, seat) / 2
+    radius = shape.neck(seat) / 2
     middles = np.array(seat.places)
     half = seat.width / 2
     even = under_band(sides, middles - half, middles + half, radius, poisson_ratio).sum(axis=2)
@@ -125,7 +120,7 @@ def add_edge(
     """
     seat = section.seat
     assert seat is not None
-    radius, count = neck_of(shape, seat) / 2, len(seat.places)
+    radius, count = shape.neck(seat) / 2, len(seat.places)
     centre = 0.0 if seat.paired else seat.at
     arm = section.middle + section.edge * seat.width / 2 - centre
     second = sum(seat.width**3 / 12 + seat.width * (z - centre) ** 2 for z in seat.places)

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from checks.stress.part_model import UnitName
+from checks.stress.part_model import ElasticLoad, RungModel, UnitName
 from fem.stress_history import StressHistory
 from geometry.mesh import FloatArray, IntArray
 
@@ -92,6 +92,30 @@ class Points:
             start += len(stress)
         return StressHistory(
             np.arange(len(points)), points, np.ascontiguousarray(basis[:, :, acts]), rows[acts]
+        )
+
+    def model(
+        self,
+        *,
+        residual: float,
+        deflection: float,
+        buckling: ElasticLoad | None,
+        neglects: str,
+        ring: int = 0,
+    ) -> RungModel:
+        """The rung `formula` of these points; parameters as `RungModel` has them."""
+        return RungModel(
+            rung="formula",
+            history=self.history(),
+            places=self.places,
+            units=self.units,
+            fretting=self.fretting,
+            numerical=0.0,
+            residual=residual,
+            deflection=deflection,
+            buckling=buckling,
+            neglects=neglects,
+            ring=ring,
         )
 
     def _acting(self) -> IntArray:

@@ -5,28 +5,17 @@ shape's proportions, in how its loads pull, push and bend it, and in the arc on 
 """
 
 from collections.abc import Mapping
-from itertools import pairwise
 from math import degrees, inf
-from typing import Any
 
 import numpy as np
 
 from checks.design.data import Part
+from checks.models.shapes import shape_model
 from checks.part.part_loads import PartLoads
-from geometry.parts import (
-    LeafPack,
-    Pin,
-    PlateLink,
-    PrismaticTube,
-    SlottedLever,
-    ToggleBar,
-    TubeRod,
-)
 
 ARC = "arc of contact, deg"
 SHARE = "share of the largest force: "
 PULLED = SHARE + "pulled"
-_KNOWS_TILT = (PlateLink, SlottedLever, Pin)
 # Proportions up to which no wall buckles by itself below yield under what bends a pulled part or
 # what a pin presses: docs/theory/buckling.md.
 _STOCKY = {
@@ -41,7 +30,7 @@ _COUPLE = 1e-6  # of force times size: couples out of the plane that are more th
 def proportions_of(part: Part, loads: PartLoads) -> dict[str, float]:
     """All of them, by name; shares of the largest force begin with SHARE."""
     return {
-        **_of_shape(part.geometry),
+        **part.geometry.proportions,
         ARC: degrees(part.bearing_arc),
         **_of_loads(part, loads),
         **_of_tilt(part, loads),
@@ -66,15 +55,14 @@ def of_buckling(proportions: Mapping[str, float]) -> dict[str, float]:
 
 def tilting_couple(part: Part, loads: PartLoads) -> float:
     """Largest couple out of the plane, N mm; 0 where it is not more than round-off."""
-    shape: Any = part.geometry
-    size = loads.largest_force * shape.length
+    size = loads.largest_force * part.geometry.length
     couple = max(float(np.abs(wrench[:, 3:5]).max()) for wrench in loads.wrenches.values())
     return couple if couple > _COUPLE * size else 0.0
 
 
 def unknown_load(part: Part, loads: PartLoads) -> str:
     """Load on a part that no rung of its shape knows, in words; "" if there is none."""
-    if isinstance(part.geometry, _KNOWS_TILT):
+    if _knows_tilt(part):
         return ""
     couple = tilting_couple(part, loads)
     if couple:
@@ -84,9 +72,14 @@ def unknown_load(part: Part, loads: PartLoads) -> str:
     return ""
 
 
+def _knows_tilt(part: Part) -> bool:
+    model = shape_model(part.geometry)
+    return model is not None and model.tilts
+
+
 def proportions_known(part: Part) -> bool:
     """True for the shapes that are built from dimensions: what comes from CAD tells no walls."""
-    return bool(_of_shape(part.geometry))
+    return bool(part.geometry.proportions)
 
 
 def thin_wall(proportions: Mapping[str, float]) -> str:
@@ -98,105 +91,20 @@ def thin_wall(proportions: Mapping[str, float]) -> str:
     return ""
 
 
-def _of_shape(shape: object) -> dict[str, float]:
-    match shape:
-        case PlateLink():
-            second = shape.hole if shape.second_hole is None else shape.second_hole
-            return {
-                "hole / width": max(shape.hole, second) / shape.width,
-                "thickness / hole": shape.thickness / min(shape.hole, second),
-                "length / width": shape.length / shape.width,
-            }
-        case ToggleBar():
-            free = shape.cutout_length - shape.overhang  # of the cheeks, beyond the knee's axis
-            return {
-                "hole / width": shape.hole / shape.width,
-                "overhang / hole": shape.overhang / shape.hole,
-                "hole / wall": shape.hole / shape.wall,
-                "width / wall": shape.width / shape.wall,
-                "cut-out / width": shape.cutout_length / shape.width,
-                "cut-out corner / wall": shape.cutout_corner / shape.wall,
-                "hole to the cut-out's end / width": (free - shape.hole / 2) / shape.width,
-                "length / width": shape.length / shape.width,
-            }
-        case PrismaticTube():
-            return {
-                "width / wall": shape.width / shape.wall,
-                "length / width": shape.length / shape.width,
-            }
-        case SlottedLever():
-            return _of_lever(shape)
-        case TubeRod():
-            wall = shape.tube_diameter / 2 if shape.wall is None else shape.wall
-            return {
-                "hole / eye": shape.hole / shape.eye_diameter,
-                "eye width / eye": shape.eye_width / shape.eye_diameter,
-                "tube / eye": shape.tube_diameter / shape.eye_diameter,
-                "wall / tube": wall / shape.tube_diameter,
-                "fillet / tube": shape.fillet / shape.tube_diameter,
-                "length / eye": shape.length / shape.eye_diameter,
-            }
-        case LeafPack():
-            beside = shape.contact_from - shape.clamp_length / 2
-            return {
-                "leaves": float(shape.leaves),
-                "width / thickness": shape.width / shape.thickness,
-                "clamp / thickness": shape.clamp_length / shape.thickness,
-                "contact / thickness": shape.contact_length / shape.thickness,
-                "clamp to contact / thickness": beside / shape.thickness,
-            }
-        case Pin():
-            return _of_pin(shape)
-        case _:
-            return {}
-
-
 def _of_tilt(part: Part, loads: PartLoads) -> dict[str, float]:
     """How far beside a plate its forces stand, over its width."""
-    shape = part.geometry
-    if not isinstance(shape, PlateLink | SlottedLever):
+    if part.body is None or not _knows_tilt(part):
         return {}
-    couple = tilting_couple(part, loads)
+    couple, width = tilting_couple(part, loads), part.geometry.stressed_section[0]
     if not couple:
         return {}
-    return {"couple out of the plane / force x width": couple / (loads.largest_force * shape.width)}
-
-
-def _of_lever(shape: SlottedLever) -> dict[str, float]:
-    rail = (shape.width - shape.slot_width) / 2
-    ligaments = (shape.slot_from - shape.hole / 2, shape.length - shape.slot_to - shape.hole / 2)
-    return {
-        "hole / width": shape.hole / shape.width,
-        "slot / width": shape.slot_width / shape.width,
-        "rail / slot length": rail / (shape.slot_to - shape.slot_from),
-        "thickness / rail": shape.thickness / rail,
-        "boss height / thickness": shape.boss_height / shape.thickness,
-        "pivot's ligament / hole": ligaments[0] / shape.hole,
-        "tip's ligament / hole": ligaments[1] / shape.hole,
-        "length / width": shape.length / shape.width,
-    }
-
-
-def _of_pin(shape: Pin) -> dict[str, float]:
-    seated = shape.seated()
-    gaps = [upper[1] - lower[2] for lower, upper in pairwise(seated)]
-    widths = [high - low for _, low, high in seated]
-    neck = min(shape.diameter if seat.diameter is None else seat.diameter for seat in shape.seats)
-    scales = {
-        "lug width / diameter": min(widths) / shape.diameter,
-        "widest lug / diameter": max(widths) / shape.diameter,
-        "gap / diameter": max([*gaps, 0.0]) / shape.diameter,
-        "neck / diameter": neck / shape.diameter,
-    }
-    if neck < shape.diameter:
-        scales["fillet / neck"] = shape.step_fillet / neck
-    return scales
+    return {"couple out of the plane / force x width": couple / (loads.largest_force * width)}
 
 
 def _of_loads(part: Part, loads: PartLoads) -> dict[str, float]:
     """How it is pulled and pushed at its second interface, pressed across and turned."""
     largest = loads.largest_force
-    if isinstance(part.geometry, Pin) or not largest or len(loads.wrenches) < 2:
+    if part.body is None or not largest or len(loads.wrenches) < 2:
         return {}
     second = loads.wrenches[part.geometry.interfaces[1]]
     across, turned = (

@@ -12,7 +12,6 @@ from checks.part.part_loads import PartLoads
 from checks.strength.fatigue_assessment import FatigueUse
 from checks.stress.part_model import RungLevel
 from fem.stress_history import StressHistory
-from geometry.parts import Pin
 
 WORDS = f"model band: {100 * BEYOND_ARCS:g} % more in bores, whose arc is not stated"
 _PRESSURE = " cos 0"  # the unit load that only an interface with a bearing pressure has
@@ -31,7 +30,7 @@ def raised_in_bores(
     use  how fatigue is judged; None for von Mises stress
     """
     model, history = level.model, level.history
-    if part.arc_stated or isinstance(part.geometry, Pin) or loads.is_nothing:
+    if part.arc_stated or part.body is None or loads.is_nothing:
         return 0.0
     units = [name for name, _ in model.units]
     bores = {name.removesuffix(_PRESSURE) for name in units if name.endswith(_PRESSURE)}

@@ -11,7 +11,6 @@ from checks.design.data import Cycle, Design, Part
 from checks.design.model import StackEntry
 from checks.part.placing import Placing, part_placing
 from geometry.mesh import FloatArray, IntArray
-from geometry.parts import Pin
 
 _LARGEST = 1e33  # N, N mm; squares and cubes of what is larger leave the range of numbers
 
@@ -281,10 +280,7 @@ def _tilt(
 
 def interface_heights(part: Part) -> Mapping[str, float]:
     """Height z, mm, of the middle of each interface that is not in the part's middle plane."""
-    if isinstance(part.geometry, Pin):
-        return {seat.name: seat.at for seat in part.geometry.seats if seat.single and seat.at}
-    heights: Mapping[str, float] = getattr(part.geometry, "heights", {})
-    return heights
+    return part.geometry.heights
 
 
 def _history(part: Part, cycle_loads: loads.CycleLoads | loads.MeasuredLoads) -> loads.LoadHistory:

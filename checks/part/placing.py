@@ -9,7 +9,6 @@ import numpy as np
 import loads
 from checks.design.data import Design, Part
 from geometry.mesh import FloatArray, MassProperties
-from geometry.parts.step_part import StepPart
 
 
 @dataclass(frozen=True)
@@ -84,8 +83,7 @@ def part_placing(design: Design, part: Part) -> Placing:
     points = design.bodies[part.body].points
     first, second = (points[part.interfaces[name]] for name in part.geometry.interfaces[:2])
     angle = atan2(second[1] - first[1], second[0] - first[0])
-    shape = part.geometry
-    return Placing(first, angle, shape.shifts if isinstance(shape, StepPart) else {})
+    return Placing(first, angle, part.geometry.shifts)
 
 
 def _pin_angle(design: Design, part: Part) -> float:

@@ -1,4 +1,14 @@
-"""The parametric parts, by the name of their shape in a design file."""
+"""The parametric parts, by the name of their shape in a design file.
+
+Every module here has one shape, a subclass of `Shape` with a name, and is found by being here; one
+of another package is named by an entry point of the group `ballesta.shapes` (docs/extending.md).
+Own shapes come in the order of their names, then those of others.
+"""
+
+from collections.abc import Iterator
+from importlib import import_module
+from importlib.metadata import entry_points
+from pkgutil import iter_modules
 
 from geometry.parts.leaf_pack import LeafPack
 from geometry.parts.pin import Pin, Seat
@@ -7,18 +17,21 @@ from geometry.parts.prismatic_tube import PrismaticTube
 from geometry.parts.slotted_lever import SlottedLever
 from geometry.parts.toggle_bar import ToggleBar
 from geometry.parts.tube_rod import TubeRod
+from geometry.shape import Shape
 
-Shape = ToggleBar | PrismaticTube | Pin | PlateLink | TubeRod | SlottedLever | LeafPack
+GROUP = "ballesta.shapes"
 
-SHAPES: dict[str, type[Shape]] = {
-    "toggle_bar": ToggleBar,
-    "prismatic_tube": PrismaticTube,
-    "pin": Pin,
-    "plate_link": PlateLink,
-    "tube_rod": TubeRod,
-    "slotted_lever": SlottedLever,
-    "leaf_pack": LeafPack,
-}
+
+def _found() -> Iterator[type[Shape]]:
+    for module in sorted(iter_modules(__path__), key=lambda one: one.name):
+        for one in vars(import_module(f"{__name__}.{module.name}")).values():
+            if isinstance(one, type) and issubclass(one, Shape) and one.name:
+                yield one
+    for point in sorted(entry_points(group=GROUP)):
+        yield point.load()
+
+
+SHAPES: dict[str, type[Shape]] = {shape.name: shape for shape in _found()}
 
 __all__ = [
     "SHAPES",

@@ -19,11 +19,12 @@ from geometry.parameters import (
     check_at_most,
     within,
 )
-from geometry.sections import RulingSection, Section
+from geometry.sections import RulingSection
+from geometry.shape import Shape
 
 
 @dataclass(frozen=True)
-class LeafPack:
+class LeafPack(Shape):
     """Equal flat leaves along x, stacked along y, their width along z; the pack's middle is y = 0.
 
     They are clamped at x = 0 (interface "pivot") and, by the rod's bracket, at x = `length`
@@ -33,7 +34,7 @@ class LeafPack:
     through the middle of the clamp, at x = 0, keeps them together along x and, in their middle, z.
     """
 
-    stressed_evenly: ClassVar[bool] = False
+    name: ClassVar[str] = "leaf_pack"
     interfaces: ClassVar[tuple[str, ...]] = ("pivot", "rod", "contact")
 
     length: float = a_length("distance from the pivot to the rod's pin", given_by=GIVEN_BY_LINKAGE)
@@ -87,11 +88,6 @@ class LeafPack:
         return (self.thickness, self.width)
 
     @property
-    def sections(self) -> tuple[Section, ...]:
-        """None: leaves are bent, not compressed along their length."""
-        return ()
-
-    @property
     def notch_factors(self) -> Mapping[str, float]:
         """Fatigue notch factors by surface: fretting at the edges of the clamp."""
         return {"pivot": self.clamp_factor}
@@ -105,6 +101,18 @@ class LeafPack:
     def inertia_bonded(self) -> float:
         """Second moment of area of leaves glued together, b (n t)^3 / 12, mm4."""
         return self.width * (self.leaves * self.thickness) ** 3 / 12
+
+    @property
+    def proportions(self) -> Mapping[str, float]:
+        """Number of leaves, and lengths over the thickness of one."""
+        beside = self.contact_from - self.clamp_length / 2
+        return {
+            "leaves": float(self.leaves),
+            "width / thickness": self.width / self.thickness,
+            "clamp / thickness": self.clamp_length / self.thickness,
+            "contact / thickness": self.contact_length / self.thickness,
+            "clamp to contact / thickness": beside / self.thickness,
+        }
 
     @property
     def ruling_sections(self) -> tuple[RulingSection, ...]:

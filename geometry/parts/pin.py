@@ -19,7 +19,8 @@ from geometry.parameters import (
     within,
 )
 from geometry.parts._outline import Outline
-from geometry.sections import RulingSection, Section
+from geometry.sections import RulingSection
+from geometry.shape import Shape
 
 
 @dataclass(frozen=True)
@@ -62,14 +63,14 @@ class Seat:
 
 
 @dataclass(frozen=True)
-class Pin:
+class Pin(Shape):
     """Round pin along z, one interface per seat; z = 0 is the mid-plane of the pairs of lugs.
 
     Where lugs sit on one side only, the pin is not in balance by forces alone: then it also carries
     couples out of the linkage's plane.
     """
 
-    stressed_evenly: ClassVar[bool] = False
+    name: ClassVar[str] = "pin"
     interfaces: ClassVar[tuple[str, ...]] = ()  # the names of the seats
 
     seats: tuple[Seat, ...]
@@ -94,7 +95,7 @@ class Pin:
                     f"{seat.name!r}: a neck of {seat.diameter:g} mm is thicker than the pin of "
                     f"{self.diameter:g} mm",
                 )
-            step = (self.diameter - (seat.diameter or self.diameter)) / 2
+            step = (self.diameter - self.neck(seat)) / 2
             if 0 < step < self.step_fillet:
                 raise ParameterError(
                     "step_fillet",
@@ -117,8 +118,7 @@ class Pin:
         """A fillet stands beyond its lug: not in the next one, nor beyond the pin's end."""
         seated = self.seated()
         taken = [
-            self.step_fillet if (seat.diameter or self.diameter) < self.diameter else 0.0
-            for seat, _, _ in seated
+            self.step_fillet if self.neck(seat) < self.diameter else 0.0 for seat, _, _ in seated
         ]
         if max(taken[0], taken[-1]) > self.overhang:
             raise ParameterError(
@@ -142,14 +142,19 @@ class Pin:
         return (self.diameter,)
 
     @property
-    def sections(self) -> tuple[Section, ...]:
-        """None: a pin is bent and sheared, not compressed along its axis."""
-        return ()
-
-    @property
-    def notch_factors(self) -> Mapping[str, float]:
-        """None: the mesh has every notch."""
-        return {}
+    def proportions(self) -> Mapping[str, float]:
+        """Lugs, gaps, necks and fillets over the diameter."""
+        seated = self.seated()
+        gaps = [upper[1] - lower[2] for lower, upper in pairwise(seated)]
+        widths = [high - low for _, low, high in seated]
+        neck = min(self.neck(seat) for seat in self.seats)
+        scales = {
+            "lug width / diameter": min(widths) / self.diameter,
+            "widest lug / diameter": max(widths) / self.diameter,
+            "gap / diameter": max([*gaps, 0.0]) / self.diameter,
+            "neck / diameter": neck / self.diameter,
+        }
+        return scales | ({"fillet / neck": self.step_fillet / neck} if self.necked else {})
 
     @property
     def ruling_sections(self) -> tuple[RulingSection, ...]:
@@ -165,7 +170,7 @@ class Pin:
                 seat.name,
                 "journal",
                 np.array([0.0, 0.0, seat.at if seat.single else 0.0]),
-                (seat.diameter or self.diameter) / 2,
+                self.neck(seat) / 2,
                 seat.width * len(seat.places),
                 tilts=tilts,
             )
@@ -186,8 +191,22 @@ class Pin:
         highest = max(upper for _, _, upper in seated)
         return lowest - self.overhang, highest + self.overhang
 
+    def neck(self, seat: Seat) -> float:
+        """Diameter of the pin in a seat, mm."""
+        return self.diameter if seat.diameter is None else seat.diameter
+
     @property
-    def total_length(self) -> float:
+    def necked(self) -> bool:
+        """True if the pin is thinner in one of its lugs."""
+        return any(self.neck(seat) < self.diameter for seat in self.seats)
+
+    @property
+    def heights(self) -> Mapping[str, float]:
+        """Height z, mm, of single lugs that are not in the middle plane."""
+        return {seat.name: seat.at for seat in self.seats if seat.single and seat.at}
+
+    @property
+    def length(self) -> float:
         """Length of the pin, mm."""
         lower, upper = self.ends
         return upper - lower
@@ -207,7 +226,7 @@ class Pin:
         outline.line_to(0.0, lowest)
         outline.line_to(radius, lowest)
         for seat, lower, upper in self.seated():
-            neck = (seat.diameter or self.diameter) / 2
+            neck = self.neck(seat) / 2
             if neck < radius:
                 outline.line_to(radius, lower - fillet)
                 outline.line_to(neck + fillet, lower - fillet)
@@ -230,7 +249,7 @@ class Pin:
         necks = [
             (2, tag)
             for seat in self.seats
-            if (seat.diameter or self.diameter) < self.diameter
+            if self.neck(seat) < self.diameter
             for tag in faces[seat.name]
         ]
         edges = gmsh.model.getBoundary(necks, oriented=False) if necks else []

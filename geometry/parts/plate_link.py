@@ -12,17 +12,18 @@ from geometry.meshing import Body, Region
 from geometry.parameters import GIVEN_BY_LINKAGE, ParameterError, a_length, check_above, check_below
 from geometry.parts._plates import bore_at, drill, stadium
 from geometry.sections import RulingSection, Section, plate_section
+from geometry.shape import Shape
 
 
 @dataclass(frozen=True)
-class PlateLink:
+class PlateLink(Shape):
     """Flat plate along x; holes along z at x = 0 (interface "first") and x = `length` ("second").
 
     Its ends are round about the holes. Plates are mounted side by side, so that their pins also
     tilt in the holes.
     """
 
-    stressed_evenly: ClassVar[bool] = False
+    name: ClassVar[str] = "plate_link"
     middle_plane: ClassVar[bool] = True
     interfaces: ClassVar[tuple[str, ...]] = ("first", "second")
 
@@ -63,9 +64,14 @@ class PlateLink:
         return (plate_section("plate", self.width, self.thickness),)
 
     @property
-    def notch_factors(self) -> Mapping[str, float]:
-        """None: the mesh has every notch."""
-        return {}
+    def proportions(self) -> Mapping[str, float]:
+        """Holes, thickness and length over the width or the holes."""
+        holes = self._holes.values()
+        return {
+            "hole / width": max(holes) / self.width,
+            "thickness / hole": self.thickness / min(holes),
+            "length / width": self.length / self.width,
+        }
 
     @property
     def ruling_sections(self) -> tuple[RulingSection, ...]:

@@ -12,12 +12,14 @@ from geometry.meshing import Body, faces_where
 from geometry.parameters import GIVEN_BY_LINKAGE, a_length, check_square_tube
 from geometry.parts._solids import square_tube
 from geometry.sections import RulingSection, Section, square_tube_section
+from geometry.shape import Shape
 
 
 @dataclass(frozen=True)
-class PrismaticTube:
+class PrismaticTube(Shape):
     """Square tube along x from x = 0 (interface "start") to x = `length` (interface "end")."""
 
+    name: ClassVar[str] = "prismatic_tube"
     stressed_evenly: ClassVar[bool] = True
     middle_plane: ClassVar[bool] = True
     interfaces: ClassVar[tuple[str, ...]] = ("start", "end")
@@ -41,13 +43,13 @@ class PrismaticTube:
         return (square_tube_section("tube", self.width, self.wall, self.inner_radius),)
 
     @property
-    def notch_factors(self) -> Mapping[str, float]:
-        """None: the mesh has every notch."""
-        return {}
-
-    @property
     def _places(self) -> Mapping[str, float]:
         return {"start": 0.0, "end": self.length}
+
+    @property
+    def proportions(self) -> Mapping[str, float]:
+        """Width over wall and length over width."""
+        return {"width / wall": self.width / self.wall, "length / width": self.length / self.width}
 
     @property
     def ruling_sections(self) -> tuple[RulingSection, ...]:

@@ -19,18 +19,19 @@ from geometry.parameters import (
     within,
 )
 from geometry.parts._plates import bore_at, drill, stadium
-from geometry.sections import RulingSection, Section
+from geometry.sections import RulingSection
+from geometry.shape import Shape
 
 
 @dataclass(frozen=True)
-class SlottedLever:
+class SlottedLever(Shape):
     """Flat plate along x; holes along z at x = 0 (interface "pivot") and x = `length` ("tip").
 
     Between them a block or pin slides in a slot ("slot"): a force along +y presses on the flank at
     y > 0. The tip may be made thicker by a round boss on either side.
     """
 
-    stressed_evenly: ClassVar[bool] = False
+    name: ClassVar[str] = "slotted_lever"
     middle_plane: ClassVar[bool] = True
     interfaces: ClassVar[tuple[str, ...]] = ("pivot", "tip", "slot")
 
@@ -162,14 +163,21 @@ class SlottedLever:
         return (self.width, self.thickness)
 
     @property
-    def sections(self) -> tuple[Section, ...]:
-        """None: a lever is bent, not compressed along its length."""
-        return ()
-
-    @property
-    def notch_factors(self) -> Mapping[str, float]:
-        """None: the mesh has every notch."""
-        return {}
+    def proportions(self) -> Mapping[str, float]:
+        """Rails, slot, ligaments and boss over width, hole and thickness."""
+        rail = (self.width - self.slot_width) / 2
+        near = self.slot_from - self.hole / 2
+        far = self.length - self.slot_to - self.hole / 2
+        return {
+            "hole / width": self.hole / self.width,
+            "slot / width": self.slot_width / self.width,
+            "rail / slot length": rail / (self.slot_to - self.slot_from),
+            "thickness / rail": self.thickness / rail,
+            "boss height / thickness": self.boss_height / self.thickness,
+            "pivot's ligament / hole": near / self.hole,
+            "tip's ligament / hole": far / self.hole,
+            "length / width": self.length / self.width,
+        }
 
     @property
     def ruling_sections(self) -> tuple[RulingSection, ...]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from math import cos, degrees, hypot, radians
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +13,8 @@ from geometry.mesh import FloatArray, Interface, MeshError
 from geometry.meshing import Body, Region
 from geometry.parameters import ParameterError, check_above
 from geometry.round_faces import Hole
-from geometry.sections import RulingSection, Section
+from geometry.sections import RulingSection
+from geometry.shape import Shape
 from geometry.step_file import StepSolid, file_hash, import_solid
 from geometry.step_survey import surveyed
 
@@ -51,7 +52,7 @@ class NamedHole:
 
 
 @dataclass(frozen=True)
-class StepPart:
+class StepPart(Shape):
     """The one solid of a STEP file, moved into the part's frame; its interfaces are named holes.
 
     The first hole's axis is z, its middle the origin, and the second hole stands on +x. z points
@@ -65,8 +66,6 @@ class StepPart:
 
     Raises ParameterError for a file or holes that cannot be meant.
     """
-
-    stressed_evenly: ClassVar[bool] = False
 
     path: Path = field(compare=False)
     holes: tuple[NamedHole, ...]
@@ -205,7 +204,7 @@ class StepPart:
             )
 
     @property
-    def interfaces(self) -> tuple[str, ...]:
+    def interfaces(self) -> tuple[str, ...]:  # type: ignore[override]  # those of the file
         """Names of the holes; the first two make the frame."""
         return tuple(hole.name for hole in self.holes)
 
@@ -264,16 +263,6 @@ class StepPart:
         if self.section is not None:
             return self.section
         return float(self._extents[1]), min(float(self._extents[2]), 2 * self.solid.wall)
-
-    @property
-    def sections(self) -> tuple[Section, ...]:
-        """None: no column formula is known for a shape from CAD."""
-        return ()
-
-    @property
-    def notch_factors(self) -> Mapping[str, float]:
-        """None: the mesh has every notch."""
-        return {}
 
     @property
     def told(self) -> tuple[str, ...]:

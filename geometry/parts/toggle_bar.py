@@ -18,17 +18,18 @@ from geometry.parameters import (
 )
 from geometry.parts._solids import square_tube
 from geometry.sections import RulingSection, Section, plate_pair_section, square_tube_section
+from geometry.shape import Shape
 
 
 @dataclass(frozen=True)
-class ToggleBar:
+class ToggleBar(Shape):
     """Square tube along x; pin axes along z at x = 0 (interface "knee") and x = `length` ("end").
 
     The cheeks are the two walls normal to z. The two other walls are cut away over
     `cutout_length` from the knee's end, with corners of radius `cutout_corner`.
     """
 
-    stressed_evenly: ClassVar[bool] = False
+    name: ClassVar[str] = "toggle_bar"
     middle_plane: ClassVar[bool] = True
     interfaces: ClassVar[tuple[str, ...]] = ("knee", "end")
 
@@ -107,13 +108,23 @@ class ToggleBar:
         return tube, cheeks
 
     @property
-    def notch_factors(self) -> Mapping[str, float]:
-        """None: the mesh has every notch."""
-        return {}
-
-    @property
     def _places(self) -> Mapping[str, float]:
         return {"knee": 0.0, "end": self.length}
+
+    @property
+    def proportions(self) -> Mapping[str, float]:
+        """Holes, walls and cut-out over the width and the walls."""
+        free = self.cutout_length - self.overhang  # of the cheeks, beyond the knee's axis
+        return {
+            "hole / width": self.hole / self.width,
+            "overhang / hole": self.overhang / self.hole,
+            "hole / wall": self.hole / self.wall,
+            "width / wall": self.width / self.wall,
+            "cut-out / width": self.cutout_length / self.width,
+            "cut-out corner / wall": self.cutout_corner / self.wall,
+            "hole to the cut-out's end / width": (free - self.hole / 2) / self.width,
+            "length / width": self.length / self.width,
+        }
 
     @property
     def ruling_sections(self) -> tuple[RulingSection, ...]:

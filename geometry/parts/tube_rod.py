@@ -21,17 +21,18 @@ from geometry.parameters import (
 from geometry.parts._outline import Outline
 from geometry.parts._plates import bore_at, drill
 from geometry.sections import RulingSection, Section, round_tube_section
+from geometry.shape import Shape
 
 
 @dataclass(frozen=True)
-class TubeRod:
+class TubeRod(Shape):
     """Round tube along x; holes along z at x = 0 (interface "first") and x = `length` ("second").
 
     Each eye is a ball about the pin's middle with flats at z = +-`eye_width` / 2, and the tube runs
     into it with a fillet. The tube's bore ends in hemispheres that stop where the balls end.
     """
 
-    stressed_evenly: ClassVar[bool] = False
+    name: ClassVar[str] = "tube_rod"
     middle_plane: ClassVar[bool] = True
     interfaces: ClassVar[tuple[str, ...]] = ("first", "second")
 
@@ -96,11 +97,6 @@ class TubeRod:
         name = "tube" if self._bore else "rod"
         return (round_tube_section(name, self.tube_diameter, self._bore),)
 
-    @property
-    def notch_factors(self) -> Mapping[str, float]:
-        """None: the mesh has every notch."""
-        return {}
-
     def build(self, gmsh: Any) -> Body:
         """Build the rod in gmsh's current model."""
         occ = gmsh.model.occ
@@ -141,6 +137,19 @@ class TubeRod:
         outline.line_to(radius, self.length - start - radius)
         outline.arc_to(0.0, self.length - start, (0.0, self.length - start - radius))
         return outline
+
+    @property
+    def proportions(self) -> Mapping[str, float]:
+        """Sizes over the eyes' and the tube's diameter."""
+        wall = self.tube_diameter / 2 if self.wall is None else self.wall
+        return {
+            "hole / eye": self.hole / self.eye_diameter,
+            "eye width / eye": self.eye_width / self.eye_diameter,
+            "tube / eye": self.tube_diameter / self.eye_diameter,
+            "wall / tube": wall / self.tube_diameter,
+            "fillet / tube": self.fillet / self.tube_diameter,
+            "length / eye": self.length / self.eye_diameter,
+        }
 
     @property
     def ruling_sections(self) -> tuple[RulingSection, ...]:

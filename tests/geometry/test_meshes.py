@@ -142,7 +142,7 @@ def test_a_stepped_pin_has_the_profile_of_its_stack(fillet):
     """
     shape = replace(PIN, step_fillet=fillet)
     mesh = mesh_shape(shape, fineness=0.4)
-    sharp = np.pi / 4 * (400 * (shape.total_length - 20) + 256 * 20)
+    sharp = np.pi / 4 * (400 * (shape.length - 20) + 256 * 20)
     if fillet:
         ring = 2 * np.pi / 4 * (400 - 256) * fillet
         spandrel, centroid = (1 - np.pi / 4) * fillet**2, 8 + 0.2234 * fillet

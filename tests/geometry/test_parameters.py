@@ -75,7 +75,7 @@ def test_lugs_that_touch_are_allowed():
     """Cheek against cheek: 0 + 8/2 is exactly 7 - 6/2."""
     pin = Pin(seats=(Seat("outer", at=7, width=6), Seat("inner", width=8)), diameter=20, overhang=2)
     assert [seat.name for seat, _, _ in pin.seated()] == ["outer", "inner", "outer"]
-    assert pin.total_length == 2 * (7 + 3 + 2)
+    assert pin.length == 2 * (7 + 3 + 2)
 
 
 def test_the_sections_of_a_bar_are_its_tube_and_its_free_cheeks():

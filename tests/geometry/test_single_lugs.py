@@ -30,7 +30,7 @@ def shear():
 
 def test_a_pin_reaches_from_its_lowest_to_its_highest_lug():
     assert SHEAR.ends == (-8.5, 12)
-    assert SHEAR.total_length == 20.5
+    assert SHEAR.length == 20.5
     assert [(seat.name, lower, upper) for seat, lower, upper in SHEAR.seated()] == [
         ("rod", -6.5, -0.5),
         ("crank", 0, 10),

@@ -61,7 +61,7 @@ def test_the_toggle_press_is_read_whole():
     }
     assert design.parts["bar_lower"].geometry.length == pytest.approx(250.0)
     assert design.parts["bar_lower"].geometry.wall == 6.3
-    assert design.parts["pin_B"].geometry.total_length == pytest.approx(2 * (42.95 + 3.15 + 5))
+    assert design.parts["pin_B"].geometry.length == pytest.approx(2 * (42.95 + 3.15 + 5))
     assert design.forces["cylinder"].coordinate == Distance("ground", "D", "lower", "B")
     assert design.duty.cycles == {"press": 1.1e7}
     assert design.gravity == pytest.approx((0.0, -9810.0))

@@ -8,7 +8,7 @@ import pytest
 from checks.ladder import climb
 from checks.ladder.climb import AUTO, climb_cheap, start_climb
 from checks.models import bands
-from checks.models.families import family_of
+from checks.models.formula import family_of
 from checks.models.proportions import ARC, SHARE, proportions_of, unknown_load
 from checks.part.loaded_part import LoadedPart
 from geometry.parts import Pin, Seat

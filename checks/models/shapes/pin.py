@@ -1,4 +1,4 @@
-"""The rung `formula` of pins."""
+"""Pins by formula."""
 
 import numpy as np
 
@@ -12,10 +12,10 @@ from checks.models.formula_pin_pressure import (
     PinSection,
     add_edge,
     add_pressure,
-    neck_of,
     pressure_shares,
 )
 from checks.models.formula_points import Points
+from checks.models.shape_model import ShapeModel
 from checks.models.unit_names import bearing_units, interface_units
 from checks.part.part_loads import PartLoads
 from checks.stress.part_model import RungModel
@@ -27,15 +27,16 @@ _ROWS = (0, 1, 3, 4, 5)  # of a wrench: F_x, F_y, M_x, M_y, M_z
 # F_x, F_y and M_z have columns among those of the pressure: a lug presses against its force
 _PUSHING = (PATTERNS.index("cos 1"), PATTERNS.index("sin 1"))
 _SIGNS = (-1.0, -1.0, 1.0, 1.0, 1.0)
+_PRESSED = 1.75  # mean pressure over a neck's bending stress, up to which the neck decides
 _BESIDE = 1e-6  # of the way to the middle of a stretch
 
 
-def pin_model(part: Part, shape: Pin, loads: PartLoads) -> RungModel | None:
+def stress(part: Part, shape: Pin, loads: PartLoads) -> RungModel | None:
     """A pin as a bar in its stack: every lug presses evenly over its width, as on the solid.
 
     None for a pin with a step without a fillet, where the elastic stress has no bound.
     """
-    if not shape.step_fillet and any(neck_of(shape, seat) < shape.diameter for seat in shape.seats):
+    if shape.necked and not shape.step_fillet:
         return None
     points = Points(len(loads.accelerations))
     names = [seat.name for seat in shape.seats]
@@ -74,19 +75,44 @@ def pin_model(part: Part, shape: Pin, loads: PartLoads) -> RungModel | None:
             [radius * np.cos(ANGLES), radius * np.sin(ANGLES), np.full(len(ANGLES), place)]
         )
         points.add_block(section.name, at, every, at_section)
-    return RungModel(
-        rung="formula",
+    return points.model(
         ring=len(ANGLES),
-        history=points.history(),
-        places=points.places,
-        units=points.units,
-        fretting=points.fretting,
-        numerical=0.0,
         residual=_left_over(shape, loads, diagram, names),
         deflection=_deflection(part, shape, loads, diagram, names),
         buckling=None,
         neglects="that a short pin is no slender bar; that lugs press less where it gives way",
     )
+
+
+def family(part: Part, shape: Pin, loads: PartLoads, _kind: str) -> str:
+    """By the lugs, and by a neck.
+
+    A pin in lugs that all stand on one side is bent out of a couple, one with a neck at the neck,
+    unless a short arc of contact presses harder on a seat: then no half circle tells its stress.
+    """
+    if shape.necked:
+        weaker = _pressed_over_bent(shape, loads) > _PRESSED
+        return f"{part.shape} with a neck" + (" and short seats" if weaker else "")
+    if not any(seat.single for seat in shape.seats):
+        return part.shape
+    if all(seat.single or (not seat.paired and seat.at == 0.0) for seat in shape.seats):
+        return f"{part.shape} in single lugs"
+    return f"{part.shape} in single and paired lugs"
+
+
+def _pressed_over_bent(shape: Pin, loads: PartLoads) -> float:
+    """Largest mean pressure on a seat over the largest bending stress of the necks.
+
+    Nominal both, F/(d w) and 32 M/(pi d^3), each over all positions.
+    """
+    pressures = [
+        float(np.hypot(*loads.wrenches[seat.name][:, :2].T).max())
+        / (shape.neck(seat) * seat.width * len(seat.places))
+        for seat in shape.seats
+    ]
+    diagram = pin_diagram(shape, dict(loads.wrenches), spread=True, ends_only=True)
+    bent = float(diagram.bending_stress[:, diagram.diameter < shape.diameter].max())
+    return max(pressures) / bent if bent else np.inf
 
 
 def _unit_wrenches(names: list[str]) -> dict[str, FloatArray]:
@@ -201,5 +227,8 @@ def _left_over(shape: Pin, loads: PartLoads, diagram: PinDiagram, names: list[st
         return 0.0
     unit = np.concatenate([loads.wrenches[name][:, list(_ROWS)] for name in names], axis=1)
     force, moment = unit @ diagram.shear[:, -1], unit @ diagram.moment[:, -1]
-    left = max(float(np.abs(force).max()), float(np.abs(moment).max()) / shape.total_length)
+    left = max(float(np.abs(force).max()), float(np.abs(moment).max()) / shape.length)
     return left / largest
+
+
+MODEL = ShapeModel(Pin, stress, family=family, tilts=True)

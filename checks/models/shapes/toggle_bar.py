@@ -1,12 +1,10 @@
-"""The rung `formula` of square tubes, with pin holes through two walls or with loaded end faces."""
+"""Square tubes with pin holes through two walls, by formula."""
 
 from math import pi
 
 import numpy as np
 
 from checks.design.data import Part
-from checks.handbook.bar_forces import BarForces
-from checks.handbook.edge_buckling import pressed_edge_stress
 from checks.handbook.lateral_buckling import plate_stress
 from checks.handbook.lug_outlines import strip_outline
 from checks.handbook.lug_stress import Lug
@@ -16,24 +14,24 @@ from checks.models.formula_bars import (
     SectionForces,
     Stretches,
     bar_loads,
-    elastic_load,
+    bar_model,
     fine_cells,
-    left_over,
-    most_deflected,
 )
 from checks.models.formula_lugs import add_bore, strip_edges
-from checks.models.formula_points import XX, XY, Points
+from checks.models.formula_points import Points
+from checks.models.shape_model import ShapeModel
+from checks.models.tube_fibres import add_fibres, add_tube_fibres, fibre_stress
 from checks.part.part_loads import PartLoads
 from checks.stress.part_model import RungModel
 from geometry.mesh import FloatArray
-from geometry.parts import PrismaticTube, ToggleBar
+from geometry.parts import ToggleBar
 from geometry.sections import Section, plate_section, square_tube_section
 
 _CUT = 1.25  # widths from a hole to where the cheek's stress is that of the bar
 _STATIONS = 9
 
 
-def toggle_bar_model(part: Part, shape: ToggleBar, loads: PartLoads) -> RungModel:
+def stress(part: Part, shape: ToggleBar, loads: PartLoads) -> RungModel:
     """Two cheeks with a hole at each end, stiffened by the side walls but where these are cut away.
 
     Each cheek carries half of a pin's force, as a plane lug whose edges are stringers: half of a
@@ -64,51 +62,20 @@ def toggle_bar_model(part: Part, shape: ToggleBar, loads: PartLoads) -> RungMode
     start, stop = max(free, 0.0), shape.length - shape.hole / 2
     if start < stop:
         along = np.linspace(start, stop, _STATIONS + 1)[:-1]
-        _add_tube_fibres(points, "tube", along, sections, tube, (shape.width, shape.wall))
+        add_tube_fibres(points, "tube", along, sections, tube, (shape.width, shape.wall))
     _add_cheek_fibres(points, shape, min(free, stop), cheeks, sections)
     if 0 < free < shape.length:
         _add_cut_out(points, shape, free, cheeks, sections)
-    return RungModel(
-        rung="formula",
-        history=points.history(),
-        places=points.places,
-        units=points.units,
-        fretting=points.fretting,
-        numerical=0.0,
-        residual=left_over(bar, loads, shape.length),
-        deflection=most_deflected(bar, part, mass, shape.length),
-        buckling=elastic_load(
-            part, loads, bar, mass, shape.length, local=_local_share(part, shape, free)
-        ),
+    return bar_model(
+        part,
+        loads,
+        points,
+        bar,
+        mass,
+        shape.length,
+        local=_local_share(part, shape, free),
         neglects="bending of the walls across themselves; that the side walls lag in taking their "
         "share",
-    )
-
-
-def prismatic_tube_model(part: Part, shape: PrismaticTube, loads: PartLoads) -> RungModel:
-    """An even tube: axial force and bending at its sections, as its end faces bring them in."""
-    (tube,) = shape.sections
-    cuts = fine_cells(np.array([0.0, shape.length]), 64)
-    mass = _cells(cuts, np.zeros(len(cuts) - 1, bool), tube, tube, shape.width, shape.wall)
-    bar = bar_loads(part, loads, {"start": 0.0, "end": shape.length}, mass)
-    points = Points(len(loads.accelerations))
-    inside = 1e-9 * shape.length  # the ends' own forces are beyond the first section
-    along = np.linspace(inside, shape.length - inside, 2 * _STATIONS + 1)
-    sections = SectionForces(points, bar)
-    _add_tube_fibres(points, "tube", along, sections, tube, (shape.width, shape.wall))
-    return RungModel(
-        rung="formula",
-        history=points.history(),
-        places=points.places,
-        units=points.units,
-        fretting=points.fretting,
-        numerical=0.0,
-        residual=left_over(bar, loads, shape.length),
-        deflection=most_deflected(bar, part, mass, shape.length),
-        buckling=elastic_load(
-            part, loads, bar, mass, shape.length, local=_pressed_ends(part, tube)
-        ),
-        neglects="how the end faces bring forces in; bending of the walls across themselves",
     )
 
 
@@ -117,15 +84,6 @@ def _plate(part: Part, shape: ToggleBar) -> float:
     steel = part.material
     apart = shape.width - shape.wall
     return plate_stress(shape.wall, apart, steel.youngs_modulus, steel.poisson_ratio)
-
-
-def _pressed_ends(part: Part, tube: Section) -> float:
-    """Share of the walls' buckling load at the tube's free, pressed ends that 1 N is, 1/N."""
-    shape, steel = part.geometry, part.material
-    assert isinstance(shape, PrismaticTube)
-    apart = shape.width - shape.wall
-    stress = pressed_edge_stress(shape.wall, apart, steel.youngs_modulus, steel.poisson_ratio)
-    return 1 / (tube.area * stress)
 
 
 def _local_share(part: Part, shape: ToggleBar, free: float) -> float:
@@ -188,51 +146,6 @@ def _cells(
     )
 
 
-def _add_tube_fibres(
-    points: Points,
-    name: str,
-    places: FloatArray,
-    sections: SectionForces,
-    tube: Section,
-    size: tuple[float, float],
-) -> None:
-    """Add corners and middles of the walls: sigma of N, M_z, M_y; shear of V in the cheeks."""
-    width, wall = size
-    half = width / 2
-    y = half * np.array([1.0, 1.0, -1.0, -1.0, 0.0, 0.0, 1.0, -1.0])
-    z = half * np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 0.0, 0.0])
-    cheek = (y == 0).astype(float)
-    columns, forces = sections.at(places)
-    stress = _fibre_stress(forces, tube.area, y / tube.inertia_in_plane)
-    stress[:, :, XX] += z[:, None] / tube.inertia_out_of_plane * forces.moment_y[:, None]
-    # V S/(2 t I) in the middle of a thin square box: S = 3/8 of w^2 t, I = 2/3 w^3 t
-    sheared = cheek[:, None] * 9 / (16 * (width - wall) * wall)
-    stress[:, :, XY] = sheared * forces.shear[:, None]
-    _add_fibres(points, name, places, (y, z), columns, stress)
-
-
-def _fibre_stress(forces: BarForces, area: float, levers: FloatArray) -> FloatArray:
-    """Stress (k, fibres, 6, columns) of N and M_z; levers (fibres,) y/I, 1/mm3."""
-    stress = np.zeros((len(forces.axial), len(levers), 6, forces.axial.shape[1]))
-    stress[:, :, XX] = forces.axial[:, None] / area - levers[:, None] * forces.moment_z[:, None]
-    return stress
-
-
-def _add_fibres(
-    points: Points,
-    name: str,
-    places: FloatArray,
-    at: tuple[FloatArray, FloatArray],
-    columns: list[int],
-    stress: FloatArray,
-) -> None:
-    """Add fibres at y and z (fibres,) of the sections at places (k,)."""
-    y, z = at
-    x = np.repeat(places, len(y))
-    found = np.column_stack([x, np.tile(y, len(places)), np.tile(z, len(places))])
-    points.add_block(name, found, columns, stress.reshape(len(found), 6, -1))
-
-
 def _add_cheek_fibres(
     points: Points, shape: ToggleBar, free: float, cheeks: Section, sections: SectionForces
 ) -> None:
@@ -242,8 +155,8 @@ def _add_cheek_fibres(
     places = np.linspace(shape.hole / 2, free, 4)
     columns, forces = sections.at(places)
     y = np.array([1.0, -1.0]) * shape.width / 2
-    stress = _fibre_stress(forces, cheeks.area, y / cheeks.inertia_in_plane)
-    _add_fibres(points, "cheeks", places, (y, np.full(2, shape.width / 2)), columns, stress)
+    stress = fibre_stress(forces, cheeks.area, y / cheeks.inertia_in_plane)
+    add_fibres(points, "cheeks", places, (y, np.full(2, shape.width / 2)), columns, stress)
 
 
 def _add_cut_out(
@@ -258,6 +171,9 @@ def _add_cut_out(
     places = np.array([free])
     columns, forces = sections.at(places)
     y = np.array([1.0, -1.0]) * shape.width / 2
-    stress = factor * _fibre_stress(forces, cheeks.area, y / cheeks.inertia_in_plane)
+    stress = factor * fibre_stress(forces, cheeks.area, y / cheeks.inertia_in_plane)
     z = np.full(2, shape.width / 2 - shape.wall)
-    _add_fibres(points, "cut-out corner", places, (y, z), columns, stress)
+    add_fibres(points, "cut-out corner", places, (y, z), columns, stress)
+
+
+MODEL = ShapeModel(ToggleBar, stress)

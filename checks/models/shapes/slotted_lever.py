@@ -1,4 +1,4 @@
-"""The rung `formula` of levers with a slot."""
+"""Levers with a slot, by formula."""
 
 from dataclasses import dataclass
 
@@ -15,13 +15,12 @@ from checks.models.formula_bars import (
     Stretches,
     add_rectangle_fibres,
     bar_loads,
-    elastic_load,
+    bar_model,
     fine_cells,
-    left_over,
-    most_deflected,
 )
 from checks.models.formula_lugs import add_bore, strip_edges
 from checks.models.formula_points import Points, along_x, in_section
+from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.part_model import RungModel
 from fem.frame_sections import rectangle_torsion
@@ -32,7 +31,7 @@ _CUT = 1.25  # widths from a hole to where the plate is a bar again
 _STATIONS = 25  # along the slot
 
 
-def slotted_lever_model(part: Part, shape: SlottedLever, loads: PartLoads) -> RungModel | None:
+def stress(part: Part, shape: SlottedLever, loads: PartLoads) -> RungModel | None:
     """Two lugs, and between them two rails beside the slot that are clamped at its ends.
 
     None for a boss without a fillet, where the elastic stress has no bound.
@@ -48,16 +47,13 @@ def slotted_lever_model(part: Part, shape: SlottedLever, loads: PartLoads) -> Ru
         _add_lug(part, points, shape, name, bosses, loads.wrenches[name], room[name])
     _add_rails(part, points, shape, loads, bar)
     _add_foot(points, shape, bar)
-    return RungModel(
-        rung="formula",
-        history=points.history(),
-        places=points.places,
-        units=points.units,
-        fretting=points.fretting,
-        numerical=0.0,
-        residual=left_over(bar, loads, shape.length),
-        deflection=most_deflected(bar, part, mass, shape.length),
-        buckling=elastic_load(part, loads, bar, mass, shape.length),
+    return bar_model(
+        part,
+        loads,
+        points,
+        bar,
+        mass,
+        shape.length,
         neglects="that the ends of the slot give way; that holes, slot and boss disturb each "
         "other; how wide the contact presses",
     )
@@ -246,3 +242,6 @@ def _stretches(shape: SlottedLever) -> Stretches:
 
 def _chord(diameter: float, x: FloatArray) -> FloatArray:
     return np.asarray(2 * np.sqrt(np.maximum(diameter**2 / 4 - x**2, 0.0)))
+
+
+MODEL = ShapeModel(SlottedLever, stress, tilts=True)

@@ -1,4 +1,4 @@
-"""The rung `formula` of parts from CAD: a bar of the section that the user states."""
+"""Parts from CAD by formula: a bar of the section that the user states."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -16,6 +16,7 @@ from checks.models.formula_bars import (
     most_deflected,
 )
 from checks.models.formula_points import Points, in_section
+from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.part_model import RungModel
 from fem.frame_fibres import Fibres, rectangle_fibres
@@ -29,7 +30,7 @@ _BETWEEN = 13  # stations between two neighbouring holes
 _CELLS = 96  # of the mass
 
 
-def step_part_model(part: Part, shape: StepPart, loads: PartLoads) -> RungModel | None:
+def stress(part: Part, shape: StepPart, loads: PartLoads) -> RungModel | None:
     """A straight bar of the stated section along the line of the holes, as heavy as the solid.
 
     None without a stated section, where the holes do not stand on one line along x with their
@@ -51,13 +52,7 @@ def step_part_model(part: Part, shape: StepPart, loads: PartLoads) -> RungModel 
     points = Points(len(loads.accelerations))
     fibres = rectangle_fibres(height, thickness)
     _add_fibres(points, stations, start, bar.at(stations), fibres)
-    return RungModel(
-        rung="formula",
-        history=points.history(),
-        places=points.places,
-        units=points.units,
-        fretting=points.fretting,
-        numerical=0.0,
+    return points.model(
         residual=left_over(bar, own, span),
         deflection=most_deflected(bar, part, stiff, span),
         buckling=elastic_load(part, own, bar, stiff, span) if len(places) == 2 else None,
@@ -65,6 +60,11 @@ def step_part_model(part: Part, shape: StepPart, loads: PartLoads) -> RungModel 
         "section with its middle on the line of the holes; that the solid's mass is not spread "
         "evenly along it",
     )
+
+
+def family(_part: Part, _shape: StepPart, _loads: PartLoads, _kind: str) -> str:
+    """One for all: a part is named after its file, whatever that is called."""
+    return "CAD part"
 
 
 def _stations(along: FloatArray) -> FloatArray:
@@ -131,3 +131,6 @@ def _add_fibres(
             for kind, values, unit in acting
         }
         points.add("section", at, stress)
+
+
+MODEL = ShapeModel(StepPart, stress, family=family)

@@ -1,4 +1,4 @@
-"""The rung `formula` of round rods with an eye at each end."""
+"""Round rods with an eye at each end, by formula."""
 
 from math import sqrt
 
@@ -14,13 +14,12 @@ from checks.handbook.pin_loaded_hole import ComplexArray, pin_loaded_hole
 from checks.models.formula_bars import (
     Stretches,
     bar_loads,
-    elastic_load,
+    bar_model,
     fine_cells,
-    left_over,
-    most_deflected,
 )
 from checks.models.formula_lugs import add_bore
 from checks.models.formula_points import Points, along_x, in_section, sheared
+from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.part_model import RungModel
 from geometry.mesh import FloatArray
@@ -30,7 +29,7 @@ _AROUND = np.radians(np.arange(0.0, 360.0, 45.0))
 _STATIONS = 9
 
 
-def tube_rod_model(part: Part, shape: TubeRod, loads: PartLoads) -> RungModel | None:
+def stress(part: Part, shape: TubeRod, loads: PartLoads) -> RungModel | None:
     """Two eyes as round lugs as thick as they are wide, and the tube between them.
 
     An eye is a ball cut flat: as a lug it gets the outline that leaves it the same ligament. None
@@ -53,16 +52,13 @@ def tube_rod_model(part: Part, shape: TubeRod, loads: PartLoads) -> RungModel | 
         own = mirrored(edge) if x > 0 else edge
         add_bore(points, name, x, lug, loads.wrenches[name], (0.0,), edges=own)
     _add_tube(points, shape, bar)
-    return RungModel(
-        rung="formula",
-        history=points.history(),
-        places=points.places,
-        units=points.units,
-        fretting=points.fretting,
-        numerical=0.0,
-        residual=left_over(bar, loads, shape.length),
-        deflection=most_deflected(bar, part, mass, shape.length),
-        buckling=elastic_load(part, loads, bar, mass, shape.length),
+    return bar_model(
+        part,
+        loads,
+        points,
+        bar,
+        mass,
+        shape.length,
         neglects="that a ball's eye is thinner towards its outline; where the tube's bore ends",
     )
 
@@ -136,3 +132,6 @@ def _stretches(shape: TubeRod) -> Stretches:
         ones * section.inertia_out_of_plane,
         ones * 2 * section.inertia_in_plane,
     )
+
+
+MODEL = ShapeModel(TubeRod, stress)

@@ -1,4 +1,4 @@
-"""The rung `formula` of flat links."""
+"""Flat links by formula."""
 
 import numpy as np
 
@@ -10,13 +10,13 @@ from checks.models.formula_bars import (
     Stretches,
     add_rectangle_fibres,
     bar_loads,
-    elastic_load,
+    bar_model,
     fine_cells,
-    left_over,
-    most_deflected,
 )
 from checks.models.formula_lugs import add_bore, strip_edges
 from checks.models.formula_points import Points
+from checks.models.proportions import tilting_couple
+from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.part_model import RungModel
 from fem.frame_sections import rectangle_torsion
@@ -26,7 +26,7 @@ _CUT = 1.25  # widths from a hole to where the plate is a bar again
 _STATIONS = 13
 
 
-def plate_link_model(part: Part, shape: PlateLink, loads: PartLoads) -> RungModel:
+def stress(part: Part, shape: PlateLink, loads: PartLoads) -> RungModel:
     """A flat link: two lugs that are round about their pins, and the bar between them."""
     second = shape.hole if shape.second_hole is None else shape.second_hole
     holes = {"first": (0.0, shape.hole), "second": (shape.length, second)}
@@ -45,18 +45,21 @@ def plate_link_model(part: Part, shape: PlateLink, loads: PartLoads) -> RungMode
     low, high = shape.hole / 2, shape.length - second / 2
     places = np.linspace(low, high, _STATIONS + 2)[1:-1]
     add_rectangle_fibres(points, "plate", places, bar.at(places), (shape.width, thickness), modulus)
-    return RungModel(
-        rung="formula",
-        history=points.history(),
-        places=points.places,
-        units=points.units,
-        fretting=points.fretting,
-        numerical=0.0,
-        residual=left_over(bar, loads, shape.length),
-        deflection=most_deflected(bar, part, mass, shape.length),
-        buckling=elastic_load(part, loads, bar, mass, shape.length),
+    return bar_model(
+        part,
+        loads,
+        points,
+        bar,
+        mass,
+        shape.length,
         neglects="stress not linear through the thickness; that the holes disturb each other",
     )
+
+
+def family(part: Part, _shape: PlateLink, loads: PartLoads, kind: str) -> str:
+    """A plate beside others is bent out of its plane, too; buckling is compared by shape alone."""
+    beside = kind != "buckling" and tilting_couple(part, loads)
+    return f"{part.shape} beside others" if beside else part.shape
 
 
 def _stretches(shape: PlateLink, holes: dict[str, tuple[float, float]]) -> Stretches:
@@ -78,3 +81,6 @@ def _stretches(shape: PlateLink, holes: dict[str, tuple[float, float]]) -> Stret
         ones * shape.width * thickness**3 / 12,
         ones * torsion,
     )
+
+
+MODEL = ShapeModel(PlateLink, stress, family=family, tilts=True)

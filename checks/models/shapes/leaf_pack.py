@@ -1,4 +1,4 @@
-"""The rung `formula` of leaf packs."""
+"""Leaf packs by formula."""
 
 import numpy as np
 
@@ -6,6 +6,7 @@ from checks.design.data import Part
 from checks.handbook.bar_forces import BarLoads, balanced_bar, deflection
 from checks.models.formula_bars import fine_cells, left_over
 from checks.models.formula_points import Points, along_x, in_section, sheared
+from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.part_model import RungModel
 from geometry.mesh import FloatArray
@@ -16,7 +17,7 @@ _INSIDE = 9  # places inside the clamp at the pivot
 _BESIDE = 6  # places between clamps and contact
 
 
-def leaf_pack_model(part: Part, shape: LeafPack, loads: PartLoads) -> RungModel:
+def stress(part: Part, shape: LeafPack, loads: PartLoads) -> RungModel:
     """Leaves that slide on each other freely: each bears an equal share of the bending moment.
 
     Pivot and rod hold them by a pressure that is even over their clamps, as on the solid.
@@ -33,13 +34,7 @@ def leaf_pack_model(part: Part, shape: LeafPack, loads: PartLoads) -> RungModel:
     ]
     for name, places, fretting in stretches:
         _add_fibres(points, shape, name, places, bar, fretting)
-    return RungModel(
-        rung="formula",
-        history=points.history(),
-        places=points.places,
-        units=points.units,
-        fretting=points.fretting,
-        numerical=0.0,
+    return points.model(
         residual=left_over(bar, loads, shape.length),
         deflection=_deflection(part, shape, bar),
         buckling=None,
@@ -118,3 +113,6 @@ def _deflection(part: Part, shape: LeafPack, bar: BarLoads) -> float:
     chosen = np.unique(np.abs(moment).argmax(axis=1))
     stiffness = np.full(len(places), part.material.youngs_modulus * shape.inertia_separate)
     return float(np.abs(deflection(moment[:, chosen], stiffness, places)).max())
+
+
+MODEL = ShapeModel(LeafPack, stress)

@@ -1,0 +1,33 @@
+"""The model of a shape by formula: what a module of `checks.models.shapes` states of its shape."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+from checks.design.data import Part
+from checks.part.part_loads import PartLoads
+from checks.stress.part_model import RungModel
+from geometry.shape import Shape
+
+S = TypeVar("S", bound=Shape)
+
+
+def _by_name(part: Part, _shape: Shape, _loads: PartLoads, _kind: str) -> str:
+    return part.shape
+
+
+@dataclass(frozen=True)
+class ShapeModel(Generic[S]):
+    """A shape's stress by formula over all positions, and what its error bars depend on.
+
+    shape   the class in `geometry.parts`
+    stress  of a part, its shape and loads: the rung `formula`; None where no formula is known
+    family  of a part, its shape, loads and a kind of check: name of the solids that error bars are
+            from, which carry their loads as it does; the shape's name where nothing else is said
+    tilts   True if couples out of the linkage's plane are in the stress
+    """
+
+    shape: type[S]
+    stress: Callable[[Part, S, PartLoads], RungModel | None]
+    family: Callable[[Part, S, PartLoads, str], str] = _by_name
+    tilts: bool = False

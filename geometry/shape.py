@@ -1,0 +1,90 @@
+"""The part shapes of design files: what geometry says of one, and its refusals.
+
+A shape is a frozen dataclass that derives from `Shape`, in a module of its own in `geometry/parts`;
+its formula model is a module of its own in `checks/models/shapes` (docs/extending.md).
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from geometry.mesh import Interface
+from geometry.meshing import Body
+from geometry.sections import RulingSection, Section
+
+
+@dataclass(frozen=True)
+class Shape(ABC):
+    """A part in its own axes: x along it, z along the pins, lengths in mm.
+
+    The first interface is at the origin, the second at x = `length`.
+
+    name             by which design files call the shape; "" for one that has another way in
+    stressed_evenly  True where axial force decides, for Marin's load factor
+    middle_plane     True if z = 0 is a plane of symmetry, at which `named` finds a half, too
+    interfaces       names of the places where other parts press; empty where a pin's stack has them
+    """
+
+    name: ClassVar[str] = ""
+    stressed_evenly: ClassVar[bool] = False
+    middle_plane: ClassVar[bool] = False
+    interfaces: ClassVar[tuple[str, ...]] = ()
+    if TYPE_CHECKING:  # a field of most shapes
+
+        @property
+        def length(self) -> float:
+            """Distance of the first two interfaces; of a pin its whole length, mm."""
+            ...
+
+    @abstractmethod
+    def build(self, gmsh: Any) -> Body:
+        """Build the solid in gmsh's current model and say what stands where."""
+
+    def named(self, gmsh: Any) -> Body:
+        """Return the body that stands in gmsh's current model, the solid or its half at z >= 0."""
+        raise NotImplementedError(f"{type(self).__name__} has no middle plane")
+
+    @property
+    @abstractmethod
+    def placed_interfaces(self) -> list[Interface]:
+        """The interfaces, where they stand and how large they are."""
+
+    @property
+    @abstractmethod
+    def stressed_section(self) -> tuple[float, ...]:
+        """Height in the plane and thickness, or one diameter, mm, for Marin's size factor."""
+
+    @property
+    @abstractmethod
+    def ruling_sections(self) -> tuple[RulingSection, ...]:
+        """Sizes that grade the strength of its material."""
+
+    @property
+    def sections(self) -> Sequence[Section]:
+        """Sections that are compressed along the length, as columns; none of what is bent."""
+        return ()
+
+    @property
+    def notch_factors(self) -> Mapping[str, float]:
+        """Fatigue notch factors by surface, of what the mesh does not show."""
+        return {}
+
+    @property
+    def proportions(self) -> Mapping[str, float]:
+        """Ratios of its sizes, by name, on which the error of its formula model depends.
+
+        Names such as "hole / width"; one that begins with "length / " has no upper end in buckling.
+        Empty for a shape whose proportions are not known: then no band of solids holds for it.
+        """
+        return {}
+
+    @property
+    def heights(self) -> Mapping[str, float]:
+        """Height z, mm, of the middle of each interface that is not in the middle plane."""
+        return {}
+
+    @property
+    def shifts(self) -> Mapping[str, tuple[float, float]]:
+        """Interface -> mm, from its point of the linkage to where the part has it."""
+        return {}
