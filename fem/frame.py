@@ -17,9 +17,9 @@ import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.csgraph
 
-from fem.frame_sections import Sections
 from fem.solvers import Factor, factorize
 from fem.unit_solutions import Elastic, rigid_modes
+from geometry.bars import Sections
 from geometry.mesh import FloatArray, IntArray
 
 FORCES = ("N", "V_y", "V_z", "T", "M_y", "M_z")

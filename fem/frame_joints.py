@@ -17,8 +17,10 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.frame import Frame
+from fem.frame import Frame, gauss_points
 from fem.frame_buckling import FrameModes, buckling_modes, whitening, work_of_axial_force
+from fem.unit_solutions import Elastic
+from geometry.bars import Bar
 from geometry.mesh import FloatArray, IntArray
 
 IN_PLANE, OUT_OF_PLANE = (0, 1, 5), (2, 3, 4)
@@ -102,6 +104,16 @@ class Link:
 def chain(n_nodes: int) -> IntArray:
     """Members from one node to the next, (n - 1, 2)."""
     return np.column_stack([np.arange(n_nodes - 1), np.arange(1, n_nodes)])
+
+
+def bar_frame(bar: Bar, material: Elastic, pieces: int, places: Sequence[float] = ()) -> Frame:
+    """Members of a bar between its cuts and `places`, its longest stretch in at least `pieces`."""
+    stations = bar.stations(pieces, places)
+    nodes = np.zeros((len(stations), 3))
+    nodes[:, 0] = stations
+    members = chain(len(stations))
+    sections = bar.at(gauss_points(nodes, members)[..., 0])
+    return Frame(nodes, members, np.array([0.0, 1.0, 0.0]), sections, material)
 
 
 def _carried(x: float, y: float) -> FloatArray:

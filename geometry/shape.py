@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from geometry.bars import Bar
 from geometry.mesh import Interface
 from geometry.meshing import Body
 from geometry.sections import RulingSection, Section
@@ -78,6 +79,22 @@ class Shape(ABC):
         Empty for a shape whose proportions are not known: then no band of solids holds for it.
         """
         return {}
+
+    def link(self, poisson_ratio: float) -> Bar | None:
+        """The bar that it is between its first two interfaces; None for a shape that is no bar.
+
+        Sections are taken without the bores: a pin fills them, and in compression its force enters
+        beyond. With the linkage's other links it makes the frame whose buckling is checked.
+        """
+        return None
+
+    @property
+    def profile(self) -> Bar | None:
+        """The bar that it is from end to end, bores taken out; None where that is not known.
+
+        With it a shape has the rung `beam`: buckling as a Timoshenko frame.
+        """
+        return None
 
     @property
     def heights(self) -> Mapping[str, float]:

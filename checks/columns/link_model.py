@@ -7,10 +7,11 @@ from math import cos, sin
 import numpy as np
 
 import loads
-from checks.columns.link_sections import Bar, bar_of
 from checks.design.data import Design
 from checks.part.placing import Placing, part_placing
-from fem.frame_joints import Link, PlacedLinks
+from checks.strength.part_strength import elastic_of
+from fem.frame_joints import Link, PlacedLinks, bar_frame
+from geometry.bars import Bar
 from geometry.mesh import FloatArray
 
 _ASIDE = 1e-6  # of a bar's length: how far from its axis a point may be to be on it
@@ -40,6 +41,14 @@ class LinkModel:
         """Return the link of a body; None for the ground."""
         names = self.linkage.body_names
         return None if body == loads.GROUND else names.index(body) - 1
+
+    def bending(self, number: int, plane: str) -> float:
+        """E I in the middle of a bar's longest stretch, N mm2, "in plane" or out of it."""
+        bar, frame = self.bars[number], self.links[number].frame
+        assert frame is not None
+        sections = bar.at(np.full((1, 6), sum(bar.main) / 2))
+        inertia = sections.inertia_z if plane == "in plane" else sections.inertia_y
+        return float(frame.material.youngs_modulus * np.ravel(inertia)[0])
 
     def own(self, link: int, places: FloatArray) -> FloatArray:
         """Places (..., 2) in a link's axes, for those in its body's."""
@@ -77,14 +86,15 @@ def link_model(design: Design, linkage: loads.Linkage, pieces: int) -> LinkModel
     links, bars, placings = [], {}, []
     for k, body in enumerate(linkage.moving):
         part = parts.get(body.name)
-        bar = None if part is None else bar_of(part)
+        bar = None if part is None else part.geometry.link(part.material.poisson_ratio)
         placing = Placing((0.0, 0.0), 0.0) if part is None else part_placing(design, part)
         placings.append(placing)
-        if bar is None:
+        if part is None or bar is None:
             links.append(Link(body.name))
             continue
         bars[k] = bar
-        links.append(Link(body.name, bar.frame(pieces, _on_axis(placing, body, bar))))
+        places = _on_axis(placing, body, bar)
+        links.append(Link(body.name, bar_frame(bar, elastic_of(part), pieces, places)))
     return LinkModel(linkage, tuple(links), bars, tuple(placings))
 
 

@@ -392,8 +392,8 @@ class _Search:
     def _loose(self, plane: str, error: LooseFrameError) -> loads.LinkageError:
         """The error of a frame that moves without strain, with bars of very unlike stiffness."""
         stiffness = {
-            self.model.links[n].name: bar.bending_at_middle(plane)
-            / (bar.cuts[bar.main + 1] - bar.cuts[bar.main]) ** 3
+            self.model.links[n].name: self.model.bending(n, plane)
+            / (bar.main[1] - bar.main[0]) ** 3
             for n, bar in self.model.bars.items()
         }
         stiff, soft = (pick(stiffness, key=stiffness.__getitem__) for pick in (max, min))
@@ -459,7 +459,7 @@ class _Search:
         body, compression, length = None, 0.0, None
         if number is not None:
             body, compression = placed.links[number].name, pressed[number]
-            bending = self.model.bars[number].bending_at_middle(case.plane)
+            bending = self.model.bending(number, case.plane)
             length = float(np.pi * np.sqrt(bending / (factor * compression)))
         shown, unit, values = shown_of(self._design, name, self._cycles[name])
         phase = self._cycles[name].phases[int(self._cycles[name].phase_of[k])]

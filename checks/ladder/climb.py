@@ -1,6 +1,6 @@
 """Climbing the ladder: the cheapest model of a part whose error bars leave its verdict alone."""
 
-from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
 from time import perf_counter
@@ -28,6 +28,10 @@ GAVE_UP = "gave up"
 BUILDERS: Mapping[str, Callable[..., RungModel | None]] = {  # of part and its loads
     "formula": formula.model_of,
     "beam": beam.model_of,
+}
+ANSWERS: Mapping[str, tuple[str, ...]] = {  # kinds of checks that a rung has an answer to
+    "formula": (STATIC, FATIGUE, BUCKLING),
+    "beam": (BUCKLING,),
 }
 FIDELITIES = (AUTO, *BUILDERS, SOLID)
 FKM_NEEDS_SOLID = "FKM's notch support needs the stress below a solid's surface"
@@ -84,7 +88,11 @@ class Climb:
 
     def take(self, rung: str, kinds: Sequence[str] | None = None) -> bool:
         """Try a rung, for some kinds of checks only; whether it has a model of the part."""
-        wanted = self.asked if kinds is None else kinds
+        asked = self.asked if kinds is None else kinds
+        wanted = [kind for kind in asked if kind in ANSWERS[rung]]
+        if not wanted:
+            self.skip(rung, f"it answers {' and '.join(ANSWERS[rung])} only")
+            return False
         start = perf_counter()
         try:
             model = BUILDERS[rung](self.part, self.loads)
@@ -144,6 +152,8 @@ class Climb:
         """Why a rung would settle nothing that is open; nothing where it may."""
         narrow = []
         for kind in self.open:
+            if kind not in ANSWERS[rung]:
+                continue
             band = known_band(family_of(self.part, self.loads, kind), rung, kind)
             if band is None:
                 continue
@@ -246,8 +256,8 @@ def start_climb(loaded: LoadedPart) -> Climb:
 def climb_cheap(climb: Climb, fidelity: str, say: Say = lambda _: None) -> bool:
     """Climb the rungs below the solid; whether the solid is wanted.
 
-    fidelity  "auto", or the one rung that was asked for; where it has no model of the part the
-              next better one stands for it
+    fidelity  "auto", or the one rung that was asked for; where it has no answer the others below
+              the solid stand for it, and the solid where there are none
     """
     rungs = climb_rungs(climb, fidelity, say)
     while True:
@@ -278,27 +288,20 @@ def climb_rungs(
                 return False
             yield
         return True
-    for rung in _from(fidelity):
-        say(f"{climb.part.name}: {rung}")
-        if climb.take(rung):
-            complete(climb)
-            return False
+    say(f"{climb.part.name}: {fidelity}")
+    complete(climb, fidelity)
+    if not climb.levels:
         yield
-    return True
+    return not climb.levels
 
 
-def _from(fidelity: str) -> Iterable[str]:
-    rungs = list(BUILDERS)
-    return rungs[rungs.index(fidelity) :]
-
-
-def complete(climb: Climb) -> None:
-    """Ask the cheaper rungs for the checks that the one that was asked for has no answer to."""
-    for rung in BUILDERS:
-        missing = [k for k in climb.asked if k not in climb.best and not climb.unbuckled]
-        if not missing:
-            return
-        if rung not in climb.levels:
+def complete(climb: Climb, first: str = "") -> None:
+    """Ask a rung, then the cheaper ones for the checks that it has no answer to."""
+    for rung in sorted(BUILDERS, key=lambda rung: rung != first):
+        missing = [kind for kind in climb.asked if kind not in climb.best]
+        if climb.unbuckled:
+            missing = [kind for kind in missing if kind != BUCKLING]
+        if missing and rung not in climb.levels:
             climb.take(rung, missing)
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 
 from checks.design.errors import DesignError, NumericsError
-from checks.ladder.climb import BUILDERS, FKM_NEEDS_SOLID, GAVE_UP, SOLID, Climb, complete
+from checks.ladder.climb import ANSWERS, BUILDERS, FKM_NEEDS_SOLID, GAVE_UP, SOLID, Climb, complete
 
 _ANEW = "--update-baselines --baseline-fidelity auto chooses the rungs anew"
 
@@ -26,6 +26,8 @@ def climb_pinned(
         if climb.part.fkm is not None:
             _refuse(climb, rung, kinds, FKM_NEEDS_SOLID)
         say(f"{climb.part.name}: {rung}")
+        if others := [kind for kind in kinds if kind not in ANSWERS[rung]]:
+            _refuse(climb, rung, others, f"it answers {' and '.join(ANSWERS[rung])} only")
         if not climb.take(rung, kinds):
             _refuse(climb, rung, kinds, climb.tried[-1].why)
     solids = frozenset(kind for kind in climb.asked if rungs.get(kind) == SOLID)

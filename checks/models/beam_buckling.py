@@ -10,18 +10,15 @@ from functools import cached_property, partial
 import numpy as np
 import scipy.linalg
 
-from checks.columns.column_moments import axial_compression
 from checks.design.data import Part
-from checks.handbook.edge_buckling import pressed_edge_stress
-from checks.handbook.lateral_buckling import plate_stress
 from checks.models.beam_solution import BeamSolution
+from checks.models.shapes import shape_model
 from checks.part.first_maximum import first_largest
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import Given, Item, Step
 from checks.stress.part_model import ElasticLoad
 from fem.frame_lateral import geometric_forms
 from geometry.mesh import FloatArray
-from geometry.parts import PrismaticTube, ToggleBar
 
 _MOST = 6  # positions that are solved
 _PATTERNS = 4  # load states whose modes are taken to begin with
@@ -36,14 +33,12 @@ _BLOCK = 4096  # positions at a time
 
 def buckling_of(
     part: Part, loads: PartLoads, solved: BeamSolution, coefficients: FloatArray
-) -> ElasticLoad | None:
-    """Largest share of the elastic buckling load; None for pins and leaf packs."""
-    if part.body is None or len(solved.part.pins) < 2:
-        return None
+) -> ElasticLoad:
+    """Largest share of the elastic buckling load over all positions."""
     search = _Search(solved, coefficients)
     found = search.worst()
     told = (
-        f"the frame's factor is the eigenvalue of a frame of {6 * len(solved.part.frame.nodes)} "
+        f"the frame's factor is the eigenvalue of a frame of {6 * len(solved.frame.nodes)} "
         "unknowns, which no formula gives"
     )
     plane, share, position = "nothing presses or bends it", 0.0, 0
@@ -51,16 +46,8 @@ def buckling_of(
         position, factor, shape = found
         share = 1 / factor
         plane = f"{search.plane(shape)}: eigenvalue of the frame, its pins let it tilt"
-    walls = _wall_shares(part, loads)
-    if isinstance(part.geometry, ToggleBar) and walls[position] > 0:
-        together = "with its cheeks as plates between their edges (Dunkerley's sum)"
-        return ElasticLoad(
-            share + float(walls[position]),
-            position,
-            f"{plane}, {together}",
-            partial(_items, share, float(walls[position])),
-            told,
-        )
+    model = shape_model(part.geometry)
+    walls = np.zeros(1) if model is None else model.walls(part, part.geometry, loads)
     if walls.max() > share:
         (position,) = first_largest(walls)
         wall = float(walls[position])
@@ -70,45 +57,18 @@ def buckling_of(
 
 
 def _items(share: float, walls: float) -> list[Item]:
-    """How the share comes about: frame and walls."""
-    items: list[Item] = []
-    if share:
-        items += [
-            Given("lam", "lowest factor on all loads at which the frame buckles", 1 / share, "",
-                  "eigenvalue: docs/theory/rungs_beam.md", main=True),
-            Step("f_1", "share that the loads are of the frame's", "1/lam"),
-        ]  # fmt: skip
+    """How the share comes about: frame or walls."""
     if walls:
         said = "share that the stress in the walls is of that under which plates buckle"
-        items.append(Given("f_2", said, walls, "", "Timoshenko and Gere, 2nd ed., 9.2"))
-    terms = [name for name, size in (("f_1", share), ("f_2", walls)) if size] or ["0"]
-    said = "share of the elastic buckling load" + (" (Dunkerley's sum)" if len(terms) > 1 else "")
-    return [*items, Step("share", said, " + ".join(terms), main=True)]
-
-
-def _wall_shares(part: Part, loads: PartLoads) -> FloatArray:
-    """Share (n,) that the stress in a tube's walls is of that under which these buckle.
-
-    Beside a toggle bar's pins its cheeks carry the whole force, as long plates that the side walls
-    hold; the end of a plain tube has free edges.
-    """
-    shape, steel = part.geometry, part.material
-    compression = np.maximum(axial_compression(part, loads), 0.0)
-    match shape:
-        case ToggleBar():
-            sizes = shape.wall, shape.width - shape.wall
-            limit = plate_stress(*sizes, steel.youngs_modulus, steel.poisson_ratio)
-            return compression / (2 * shape.width * shape.wall * limit)
-        case PrismaticTube():
-            (tube,) = shape.sections
-            sizes = shape.wall, shape.width - shape.wall
-            limit = pressed_edge_stress(*sizes, steel.youngs_modulus, steel.poisson_ratio)
-            couples = np.stack([np.abs(loads.wrenches[name][:, 5]) for name in shape.interfaces])
-            bent = couples.max(axis=0) * shape.width / 2 / tube.inertia_in_plane
-            stress = axial_compression(part, loads) / tube.area + bent
-            return np.asarray(np.maximum(stress, 0.0) / limit)
-        case _:
-            return np.zeros(len(compression))
+        source = "Timoshenko and Gere, 2nd ed., 9.2"
+        first: Item = Given("f", said, walls, "", source, main=True)
+    elif share:
+        first = Given("lam", "lowest factor on all loads at which the frame buckles", 1 / share, "",
+                      "eigenvalue: docs/theory/rungs_beam.md", main=True)  # fmt: skip
+    else:
+        return [Step("share", "share of the elastic buckling load", "0", main=True)]
+    formula = "f" if walls else "1/lam"
+    return [first, Step("share", "share of the elastic buckling load", formula, main=True)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,10 +80,10 @@ class _Search:
     def fields(self) -> FloatArray:
         """Motions (6 n, k) that the pins allow: the softest of the frame, of unit strain energy.
 
-        Held are the mean displacements of each pin's nodes, along the part at the first only, and
-        the turn about the part's axis there (fem.end_conditions.link_solid).
+        Held are the displacements at each pin, along the part at the first only, and the turn about
+        the part's axis there (fem.end_conditions.link_solid).
         """
-        frame = self.solved.part.frame
+        frame = self.solved.frame
         scale = np.tile(np.r_[np.ones(3), np.full(3, 1 / self.solved.size)], len(frame.nodes))
         rows = self._held() * scale
         free = np.linalg.qr(rows.T, mode="complete")[0][:, len(rows) :] * scale[:, None]
@@ -133,25 +93,14 @@ class _Search:
         return np.asarray(free @ (vectors / np.sqrt(values)))
 
     def _held(self) -> FloatArray:
-        nodes = self.solved.part.frame.nodes
-        rows = []
-        for number, pin in enumerate(self.solved.part.pins[:2]):
-            own = np.array(pin)
-            for axis in (0, 1, 2) if number == 0 else (1, 2):
-                row = np.zeros(6 * len(nodes))
-                row[6 * own + axis] = 1.0
-                rows.append(row)
-            if number == 0:
-                row = np.zeros(6 * len(nodes))
-                row[6 * own + 3] = self.solved.part.entries[0].interface.radius ** 2 / 2 or 1.0
-                row[6 * own + 1] = -nodes[own, 2]
-                rows.append(row)
-        return np.array([row / np.linalg.norm(row) for row in rows])
+        first, second = (6 * entry.node for entry in self.solved.entries[:2])
+        held = [first, first + 1, first + 2, first + 3, second + 1, second + 2]
+        return np.eye(6 * len(self.solved.frame.nodes))[held]
 
     @cached_property
     def forms(self) -> FloatArray:
         """Second-order work (n_basis, k, k) of each unit case between the fields."""
-        return geometric_forms(self.solved.part.frame, self.solved.at_points, self.fields)
+        return geometric_forms(self.solved.frame, self.solved.at_points, self.fields)
 
     def modes(self, state: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Lowest factors above 0 of a state (n_basis,) of the loads, and shapes by the fields."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from checks.models.beam_entries import BEARING
+from checks.handbook.pin_loaded_hole import PATTERNS
 from checks.stress.part_model import UnitName
 from fem.unit_loads import ACCELERATIONS
 
@@ -18,7 +18,7 @@ def interface_units(interface: str, columns: Sequence[str]) -> list[UnitName]:
 
 def bearing_units(interface: str) -> list[UnitName]:
     """Names of a bore's columns: harmonics of the pressure and the friction couple."""
-    return interface_units(interface, BEARING)
+    return interface_units(interface, PATTERNS)
 
 
 def wrench_units(place: str) -> list[UnitName]:

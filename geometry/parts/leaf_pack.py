@@ -1,11 +1,12 @@
 """A leaf spring that rocks: flat leaves on top of each other, clamped at a pivot."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from typing import Any, ClassVar
 
 import numpy as np
 
+from geometry.bars import Bar, Sections, even, rectangle
 from geometry.mesh import Interface
 from geometry.meshing import Body, Region, faces_where
 from geometry.parameters import (
@@ -101,6 +102,12 @@ class LeafPack(Shape):
     def inertia_bonded(self) -> float:
         """Second moment of area of leaves glued together, b (n t)^3 / 12, mm4."""
         return self.width * (self.leaves * self.thickness) ** 3 / 12
+
+    def link(self, poisson_ratio: float) -> Bar:
+        """Leaves that slide on each other in the plane, side by side out of it; no clamp."""
+        one = rectangle(self.thickness, self.width)
+        pack = Sections(*(self.leaves * getattr(one, f.name) for f in fields(Sections)))
+        return replace(even(pack, -self.arm, self.length), cuts=(-self.arm, 0.0, self.length))
 
     @property
     def proportions(self) -> Mapping[str, float]:

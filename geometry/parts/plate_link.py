@@ -7,7 +7,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from geometry.mesh import Interface
+from geometry.bars import Bar, Sections, bored, chord, even, rectangle
+from geometry.mesh import FloatArray, Interface
 from geometry.meshing import Body, Region
 from geometry.parameters import GIVEN_BY_LINKAGE, ParameterError, a_length, check_above, check_below
 from geometry.parts._plates import bore_at, drill, stadium
@@ -62,6 +63,23 @@ class PlateLink(Shape):
     def sections(self) -> tuple[Section, ...]:
         """The plate's one section, away from the holes."""
         return (plate_section("plate", self.width, self.thickness),)
+
+    def link(self, poisson_ratio: float) -> Bar:
+        """The plate from hole to hole."""
+        return even(rectangle(self.width, self.thickness), 0.0, self.length)
+
+    @property
+    def profile(self) -> Bar:
+        """The plate with its round ends and holes."""
+        half, thick = self.width / 2, self.thickness
+        holes = [(float(one.centre[0]), one.radius) for one in self.placed_interfaces]
+
+        def at(x: FloatArray) -> Sections:
+            ends = np.maximum(np.maximum(-x, x - self.length), 0.0)
+            height = 2 * np.sqrt(half**2 - ends**2)
+            return bored(rectangle(height, thick), chord(x, holes), height, thick)
+
+        return Bar((-half, 0.0, self.length, self.length + half), at)
 
     @property
     def proportions(self) -> Mapping[str, float]:

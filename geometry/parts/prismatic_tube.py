@@ -7,6 +7,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from geometry.bars import Bar, even
+from geometry.bars import square_tube as square_section
 from geometry.mesh import Interface
 from geometry.meshing import Body, faces_where
 from geometry.parameters import GIVEN_BY_LINKAGE, a_length, check_square_tube
@@ -45,6 +47,17 @@ class PrismaticTube(Shape):
     @property
     def _places(self) -> Mapping[str, float]:
         return {"start": 0.0, "end": self.length}
+
+    def link(self, poisson_ratio: float) -> Bar:
+        """The tube from end to end."""
+        return self.profile
+
+    @property
+    def profile(self) -> Bar:
+        """The tube from end to end."""
+        (tube,) = self.sections
+        one = square_section(self.width, self.wall, tube.area, tube.inertia_in_plane)
+        return even(one, 0.0, self.length)
 
     @property
     def proportions(self) -> Mapping[str, float]:

@@ -1,13 +1,15 @@
 """A toggle bar: square tube with a hole through both cheeks at each end, cut open at the knee."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
 
-from geometry.mesh import Interface
+from geometry.bars import Bar, Sections, even, rectangle
+from geometry.bars import square_tube as square_section
+from geometry.mesh import FloatArray, Interface
 from geometry.meshing import Body, Region, faces_where
 from geometry.parameters import (
     GIVEN_BY_LINKAGE,
@@ -110,6 +112,38 @@ class ToggleBar(Shape):
     @property
     def _places(self) -> Mapping[str, float]:
         return {"knee": 0.0, "end": self.length}
+
+    def link(self, poisson_ratio: float) -> Bar:
+        """A tube, and its cheeks alone beside the cut-out at the knee.
+
+        The cheeks alone carry out-of-plane bending by pushing and pulling, as the pin makes them
+        turn together, and the shear by their own bending, hinged at the pin. Without an axial force
+        their shear stiffness were 6 E I/free^2; they sway aside under pi^2/2 E I/free^2, I of one
+        cheek, and the bar buckles where its force is its shear stiffness, so this lower one is
+        taken.
+        """
+        free, tube = self.cutout_length - self.overhang, self.sections[0]
+        whole = square_section(self.width, self.wall, tube.area, tube.inertia_in_plane)
+        if not free > 0:
+            return even(whole, 0.0, self.length)
+        beside, cheek = (self.width - self.wall) / 2, rectangle(self.width, self.wall)
+        ratio = 2 * (1 + poisson_ratio)  # E/G
+        sway = np.pi**2 / 2 * ratio * cheek.inertia_y / free**2
+        cheeks = Sections(
+            area=2 * cheek.area,
+            inertia_y=2 * (cheek.area * beside**2 + cheek.inertia_y),
+            inertia_z=2 * cheek.inertia_z,
+            torsion=2 * (cheek.shear_area_y * beside**2 + cheek.torsion),
+            shear_area_y=2 * cheek.shear_area_y,
+            shear_area_z=np.minimum(sway, 2 * cheek.shear_area_z),
+        )
+
+        def at(x: FloatArray) -> Sections:
+            pairs = ((getattr(cheeks, f.name), getattr(whole, f.name)) for f in fields(Sections))
+            return Sections(*(np.where(x < free, own, other) for own, other in pairs))
+
+        cuts = (0.0, free, self.length) if free < self.length else (0.0, self.length)
+        return Bar(cuts, at)
 
     @property
     def proportions(self) -> Mapping[str, float]:

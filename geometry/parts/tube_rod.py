@@ -7,7 +7,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from geometry.mesh import Interface
+from geometry.bars import Bar, Sections, bored, chord, even, round_tube
+from geometry.mesh import FloatArray, Interface
 from geometry.meshing import Body, Region, faces_where
 from geometry.parameters import (
     GIVEN_BY_LINKAGE,
@@ -22,6 +23,8 @@ from geometry.parts._outline import Outline
 from geometry.parts._plates import bore_at, drill
 from geometry.sections import RulingSection, Section, round_tube_section
 from geometry.shape import Shape
+
+_ANGLES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
 
 
 @dataclass(frozen=True)
@@ -58,10 +61,10 @@ class TubeRod(Shape):
         check_below("hole", self.hole, self.eye_diameter, "the diameter of the eye")
         flat = sqrt(self.eye_diameter**2 - self.hole**2)
         check_below("eye_width", self.eye_width, flat, "where the eye's flats hold the hole")
-        if not self._shank_end < self.length / 2:
+        if not self.shank_end < self.length / 2:
             raise ParameterError(
                 "fillet",
-                f"{self.fillet:g} mm: eyes and fillets take {2 * self._shank_end:.4g} mm, the pins "
+                f"{self.fillet:g} mm: eyes and fillets take {2 * self.shank_end:.4g} mm, the pins "
                 f"are {self.length:g} mm apart",
             )
         ends = self.eye_diameter + self._bore
@@ -81,7 +84,7 @@ class TubeRod(Shape):
         return 0.0 if self.wall is None else self.tube_diameter - 2 * self.wall
 
     @property
-    def _shank_end(self) -> float:
+    def shank_end(self) -> float:
         """Distance from the pin axis to where the tube's fillet begins, mm."""
         radius, reach = self.eye_diameter / 2, self.tube_diameter / 2 + self.fillet
         return sqrt((radius + self.fillet) ** 2 - reach**2)
@@ -117,7 +120,7 @@ class TubeRod(Shape):
     def _outside(self) -> Outline:
         """Ball, fillet, tube, fillet, ball, along the axis of revolution."""
         eye, tube, fillet = self.eye_diameter / 2, self.tube_diameter / 2, self.fillet
-        centre = (tube + fillet, self._shank_end)
+        centre = (tube + fillet, self.shank_end)
         r, z = (eye / hypot(*centre) * place for place in centre)
         outline = Outline()
         outline.line_to(0.0, -eye)
@@ -137,6 +140,58 @@ class TubeRod(Shape):
         outline.line_to(radius, self.length - start - radius)
         outline.arc_to(0.0, self.length - start, (0.0, self.length - start - radius))
         return outline
+
+    def link(self, poisson_ratio: float) -> Bar:
+        """The tube, its eyes left out."""
+        return even(round_tube(self.tube_diameter, self._bore), 0.0, self.length)
+
+    @property
+    def profile(self) -> Bar:
+        """Eyes, fillets and tube: discs cut at the eyes' flats, less the tube's bore and the holes.
+
+        The areas of a cut disc are integrals over z, by Gauss.
+        """
+        eye, end = self.eye_diameter / 2, self.shank_end
+        hollow = eye + self._bore / 2 if self._bore else end
+        marks = {0.0, self._joint, end, *((eye, hollow) if self._bore else ())}
+        far = self.length + eye
+        return Bar(tuple(sorted({-eye, far, *marks, *(self.length - x for x in marks)})), self._at)
+
+    @property
+    def _joint(self) -> float:
+        """Distance from the pin axis to where an eye's ball goes over into the fillet, mm."""
+        eye = self.eye_diameter / 2
+        return self.shank_end * eye / (eye + self.fillet)
+
+    def _outer_radius(self, from_pin: FloatArray) -> FloatArray:
+        """Outer radius at places beside a pin's axis: ball, fillet, tube; 0 beyond."""
+        eye, tube, end = self.eye_diameter / 2, self.tube_diameter / 2, self.shank_end
+        ball = np.sqrt(np.maximum(eye**2 - from_pin**2, 0.0))
+        below = np.maximum(self.fillet**2 - (end - from_pin) ** 2, 0.0)
+        fillet = tube + self.fillet - np.sqrt(below)
+        return np.where(from_pin < self._joint, ball, np.where(from_pin < end, fillet, tube))
+
+    def _at(self, x: FloatArray) -> Sections:
+        eye, bore = self.eye_diameter / 2, self._bore / 2
+        from_pin = np.where(x > self.length / 2, self.length - x, x)
+        outer = self._outer_radius(from_pin)
+        inside = np.maximum(bore**2 - np.maximum(eye + bore - from_pin, 0.0) ** 2, 0.0)
+        inner = np.where(from_pin > eye, np.sqrt(inside), 0.0) if bore else np.zeros_like(outer)
+        half = np.minimum(outer, self.eye_width / 2)
+        most = np.arcsin(np.minimum(half / outer, 1.0))[..., None]
+        angle, weight = most * _ANGLES, most * _WEIGHTS
+        width, z = outer[..., None] * np.cos(angle), outer[..., None] * np.sin(angle)
+        strip = weight * width  # dz
+        area = (2 * width * strip).sum(axis=-1) - np.pi * inner**2
+        about_z = (2 / 3 * width**3 * strip).sum(axis=-1) - np.pi / 4 * inner**4
+        about_y = (2 * width * z**2 * strip).sum(axis=-1) - np.pi / 4 * inner**4
+        # Saint-Venant's of an ellipse, and so of a full disc or tube: 4 I_y I_z / (I_y + I_z)
+        torsion = 4 * about_y * about_z / (about_y + about_z)
+        round_one = round_tube(2 * outer, 2 * inner)
+        shear = area * round_one.shear_area_y / round_one.area
+        solid = Sections(area, about_y, about_z, torsion, shear, shear)
+        holes = [(place, self.hole / 2) for place in self._places.values()]
+        return bored(solid, chord(x, holes), 2 * outer, 2 * half)
 
     @property
     def proportions(self) -> Mapping[str, float]:

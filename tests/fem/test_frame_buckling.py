@@ -29,8 +29,8 @@ from fem.frame_joints import (
     slide,
     slot_force,
 )
-from fem.frame_sections import Sections, rectangle
 from fem.unit_solutions import Elastic
+from geometry.bars import Sections, rectangle
 
 STEEL = Elastic(210e3, 0.3, 7.85e-9)
 UP = np.array([0.0, 1.0, 0.0])

@@ -10,8 +10,8 @@ from fem.frame_buckling import buckling_modes
 from fem.frame_buckling import geometric_stiffness as of_axial_force
 from fem.frame_joints import chain
 from fem.frame_lateral import geometric_forms, geometric_stiffness
-from fem.frame_sections import rectangle
 from fem.unit_solutions import Elastic
+from geometry.bars import rectangle
 
 STEEL = Elastic(210e3, 0.3, 7.85e-9)
 LENGTH, HEIGHT, WIDTH = 1000.0, 60.0, 5.0

@@ -19,7 +19,7 @@ from checks.models.proportions import tilting_couple
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.part_model import RungModel
-from fem.frame_sections import rectangle_torsion
+from geometry.bars import rectangle_torsion
 from geometry.parts import PlateLink
 
 _CUT = 1.25  # widths from a hole to where the plate is a bar again

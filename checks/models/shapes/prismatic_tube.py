@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from checks.columns.column_moments import axial_compression
 from checks.design.data import Part
 from checks.handbook.edge_buckling import pressed_edge_stress
 from checks.models.formula_bars import (
@@ -16,6 +17,7 @@ from checks.models.shape_model import ShapeModel
 from checks.models.tube_fibres import add_tube_fibres
 from checks.part.part_loads import PartLoads
 from checks.stress.part_model import RungModel
+from geometry.mesh import FloatArray
 from geometry.parts import PrismaticTube
 
 _STATIONS = 19
@@ -34,8 +36,6 @@ def stress(part: Part, shape: PrismaticTube, loads: PartLoads) -> RungModel:
     along = np.linspace(inside, shape.length - inside, _STATIONS)
     sections = SectionForces(points, bar)
     add_tube_fibres(points, "tube", along, sections, tube, (shape.width, shape.wall))
-    steel, apart = part.material, shape.width - shape.wall
-    limit = pressed_edge_stress(shape.wall, apart, steel.youngs_modulus, steel.poisson_ratio)
     return bar_model(
         part,
         loads,
@@ -43,9 +43,24 @@ def stress(part: Part, shape: PrismaticTube, loads: PartLoads) -> RungModel:
         bar,
         mass,
         shape.length,
-        local=1 / (tube.area * limit),  # the walls at the free, pressed ends
+        local=1 / (tube.area * _pressed_edges(part, shape)),  # the walls at the free, pressed ends
         neglects="how the end faces bring forces in; bending of the walls across themselves",
     )
 
 
-MODEL = ShapeModel(PrismaticTube, stress)
+def _pressed_edges(part: Part, shape: PrismaticTube) -> float:
+    """Stress, MPa, under which the walls buckle at an end, whose edges are free."""
+    steel, apart = part.material, shape.width - shape.wall
+    return pressed_edge_stress(shape.wall, apart, steel.youngs_modulus, steel.poisson_ratio)
+
+
+def walls(part: Part, shape: PrismaticTube, loads: PartLoads) -> FloatArray:
+    """Share (n,) of the walls' buckling stress, by the force and the couple at an end."""
+    (tube,) = shape.sections
+    couples = np.stack([np.abs(loads.wrenches[name][:, 5]) for name in shape.interfaces])
+    bent = couples.max(axis=0) * shape.width / 2 / tube.inertia_in_plane
+    pressed = axial_compression(part, loads) / tube.area + bent
+    return np.asarray(np.maximum(pressed, 0.0) / _pressed_edges(part, shape))
+
+
+MODEL = ShapeModel(PrismaticTube, stress, walls=walls)

@@ -23,7 +23,7 @@ from checks.models.formula_points import Points, along_x, in_section
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.part_model import RungModel
-from fem.frame_sections import rectangle_torsion
+from geometry.bars import rectangle_torsion
 from geometry.mesh import FloatArray
 from geometry.parts import SlottedLever
 

@@ -20,7 +20,7 @@ from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.part_model import RungModel
 from fem.frame_fibres import Fibres, rectangle_fibres
-from fem.frame_sections import rectangle
+from geometry.bars import rectangle
 from geometry.mesh import FloatArray
 from geometry.parts.step_part import Pair, StepPart
 

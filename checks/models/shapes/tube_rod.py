@@ -1,7 +1,5 @@
 """Round rods with an eye at each end, by formula."""
 
-from math import sqrt
-
 import numpy as np
 
 from checks.design.data import Part
@@ -63,19 +61,9 @@ def stress(part: Part, shape: TubeRod, loads: PartLoads) -> RungModel | None:
     )
 
 
-def _bore(shape: TubeRod) -> float:
-    return 0.0 if shape.wall is None else shape.tube_diameter - 2 * shape.wall
-
-
-def _shank_end(shape: TubeRod) -> float:
-    """Distance from the pin axis to where the tube's fillet begins, mm."""
-    radius, reach = shape.eye_diameter / 2, shape.tube_diameter / 2 + shape.fillet
-    return sqrt((radius + shape.fillet) ** 2 - reach**2)
-
-
 def _add_tube(points: Points, shape: TubeRod, bar: BarLoads) -> None:
     """Add the tube's fibres all round, with the fillets' factors where these begin."""
-    end = _shank_end(shape)
+    end = shape.shank_end
     places = np.linspace(end, shape.length - end, _STATIONS)
     forces = bar.at(places)
     (section,) = shape.sections

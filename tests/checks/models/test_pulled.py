@@ -20,7 +20,7 @@ from checks.models.formula import model_of
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Status
-from fem.frame_sections import rectangle_torsion
+from geometry.bars import rectangle_torsion
 
 DESIGNS = Path(__file__).parents[3] / "designs"
 PULL, PRESS = 20e3, 300.0  # N, along and across

@@ -10,8 +10,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fem.frame import Frame, gauss_points
-from fem.frame_sections import Sections, rectangle, rectangle_torsion
 from fem.unit_solutions import Elastic
+from geometry.bars import Sections, rectangle, rectangle_torsion
 
 SPRING = Elastic(206e3, 0.3, 7.85e-9)
 STEEL = Elastic(210e3, 0.3, 7.85e-9)

@@ -6,9 +6,9 @@ import numpy as np
 
 from fem.boundary_value import SolidProblem, traction_load, unknowns
 from fem.frame import Frame
-from fem.frame_sections import rectangle
 from fem.recovery import von_mises
 from fem.unit_solutions import Elastic, solve_unit_loads
+from geometry.bars import rectangle
 
 from ...fem.blocks import block, wrench
 

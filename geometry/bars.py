@@ -1,6 +1,8 @@
-"""Cross sections of a frame's members: areas, second moments, torsion constants."""
+"""A part as a straight bar: its cross sections along x, with holes filled or taken out."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
+from itertools import pairwise
 
 import numpy as np
 
@@ -107,3 +109,81 @@ def round_tube(diameter: FloatArray | float, bore: FloatArray | float = 0.0) -> 
     ratio = (bore / diameter) ** 2
     shear = 6 * (1 + ratio) ** 2 / (7 * (1 + ratio) ** 2 + 20 * ratio) * area
     return Sections(area, inertia, inertia, 2 * inertia, shear, shear)
+
+
+def square_tube(width: float, wall: float, area: float, inertia: float) -> Sections:
+    """Square tubes, mm: Bredt's torsion, shear coefficient 20/48 of a thin box.
+
+    The coefficient is Cowper's (J. Appl. Mech. 33 (1966) 335) with nu = 0. Area, mm2, and second
+    moment, mm4, count the fillets inside.
+    """
+    torsion = wall * (width - wall) ** 3
+    values = (area, inertia, inertia, torsion, 20 / 48 * area, 20 / 48 * area)
+    return Sections(*(np.array(value) for value in values))
+
+
+@dataclass(frozen=True, eq=False)
+class Bar:
+    """A part as a straight bar along its x axis.
+
+    cuts  (k,) mm, rising: its ends and where its section changes its kind
+    at    sections at places x (m, 6), mm, none of which is on a cut
+    """
+
+    cuts: tuple[float, ...]
+    at: Callable[[FloatArray], Sections]
+
+    @property
+    def main(self) -> tuple[float, float]:
+        """Its longest stretch, mm: from where to where."""
+        return max(pairwise(self.cuts), key=lambda one: one[1] - one[0])
+
+    def stations(self, pieces: int, places: Sequence[float] = ()) -> list[float]:
+        """Ends of members between the cuts and `places`, the longest stretch in `pieces`, mm."""
+        ends = sorted({*self.cuts, *(x for x in places if self.cuts[0] < x < self.cuts[-1])})
+        start, stop = self.main
+        least = (stop - start) / pieces * (1 + 1e-9)
+        stations = [ends[0]]
+        for start, stop in pairwise(ends):
+            count = int(np.ceil((stop - start) / least))
+            stations += np.linspace(start, stop, count + 1)[1:].tolist()
+        return stations
+
+
+def even(sections: Sections, start: float, stop: float) -> Bar:
+    """A bar of one section all along."""
+    return Bar((start, stop), lambda x: sections.broadcast((x.shape[0], x.shape[1])))
+
+
+Holes = Sequence[tuple[float, float]]
+_ARCS = 8  # of half a bore's rim
+
+
+def chord(x: FloatArray, holes: Holes) -> FloatArray:
+    """Height (mm) that holes (centre, radius) along z take away at places x, mm."""
+    taken = np.zeros(np.shape(x))
+    for centre, radius in holes:
+        taken += 2 * np.sqrt(np.maximum(radius**2 - (x - centre) ** 2, 0.0))
+    return taken
+
+
+def bore_places(holes: Holes) -> list[float]:
+    """Where nodes stand within holes (centre, radius): at even angles of the rim."""
+    cosines = np.cos(np.linspace(0.0, np.pi, _ARCS + 1))
+    cosines[_ARCS // 2] = 0.0
+    return [float(c + r * cosine) for c, r in holes for cosine in cosines]
+
+
+def bored(
+    sections: Sections, taken: FloatArray, height: FloatArray | float, depth: FloatArray | float
+) -> Sections:
+    """Sections less a hole along z of chord `taken`; `height` and `depth` of the solid, mm."""
+    left = 1 - taken / height
+    return Sections(
+        sections.area - taken * depth,
+        sections.inertia_y - taken * depth**3 / 12,
+        sections.inertia_z - depth * taken**3 / 12,
+        sections.torsion * left,
+        sections.shear_area_y * left,
+        sections.shear_area_z * left,
+    )
