@@ -29,6 +29,7 @@ from fatigue.stress_path import (
     deviatoric_basis,
     point_blocks,
     principal_stresses,
+    with_fewer_loads,
 )
 
 # Positions whose coefficients agree to this fraction of each unit load's largest are one position.
@@ -162,13 +163,18 @@ def goodman(
     weights = coefficients[:, distinct]
     largest = np.abs(weights).max(axis=1)
     centred = weights - weights.mean(axis=1, keepdims=True)  # chords stay, numbers get smaller
+    fewer, swings = with_fewer_loads(basis, centred)
     amplitude, mean = np.empty(n_points), np.empty(n_points)
     pair = np.empty((n_points, 2), dtype=np.intp)
     for block in point_blocks(n_points, 5 * len(distinct)):
         vectors = deviatoric_basis(basis[block])
         # a sum of n products is known to n eps of the sum of their sizes; and _SAME above
         round_off = _SAME * (np.linalg.norm(vectors, axis=1) @ largest)
-        chords = longest_chords(vectors @ centred, round_off)
+        if fewer is not basis:
+            vectors = deviatoric_basis(fewer[block])
+        # one product of all rows: several times as fast as one of five rows for each point
+        paths = vectors.reshape(-1, len(swings)) @ swings
+        chords = longest_chords(paths.reshape(len(vectors), 5, -1), round_off)
         amplitude[block] = chords.length / 2.0
         mean[block], ends = _highest_means(basis[block], weights, chords)
         pair[block] = distinct[ends]

@@ -37,6 +37,7 @@ from fatigue.stress_path import (
     check_history,
     deviatoric_basis,
     point_blocks,
+    with_fewer_loads,
 )
 
 # A width up to which a path counts as proportional.
@@ -82,7 +83,7 @@ def path_bounds(basis: FloatArray, coefficients: FloatArray, k: float) -> PathBo
     basis (n_points, 6, n_basis) and coefficients (n_basis, n_positions) as in `stress_path`. Costs
     about as much as the product that rebuilds the stress histories once more or twice.
     """
-    basis, coefficients = check_history(basis, coefficients)
+    basis, coefficients = with_fewer_loads(*check_history(basis, coefficients))
     mean = coefficients.mean(axis=1)
     swing = coefficients - mean[:, None]
     root = _moment_root(swing)

@@ -39,6 +39,10 @@ _DEVIATOR = np.array(
 # Numbers in one block of the stress history, 8 bytes each; measured, the caches like this size.
 BLOCK = 400_000
 
+_MANY = 1000  # points from which on fewer unit loads pay for being found
+_WORTH = 0.7  # of the unit loads: with more left nothing is gained
+_NOTHING = 1e-14  # of the largest singular value
+
 
 def deviatoric_basis(basis: FloatArray) -> FloatArray:
     """Return (n_points, 5, n_basis) vectors whose Euclidean norm is the von Mises stress.
@@ -98,6 +102,28 @@ def check_history(basis: FloatArray, coefficients: FloatArray) -> tuple[FloatArr
             f"({len(bad)} of {coefficients.shape[1]} positions)"
         )
     return basis, coefficients
+
+
+def with_fewer_loads(basis: FloatArray, coefficients: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the same history by as few unit loads as it has to round-off.
+
+    Unit loads that act in step, such as the waves of a pressure that only grows, are one load. What
+    is left out is below 1e-14 of the largest singular value of the coefficients, each times the
+    largest stress of its unit load. Of few points, or where hardly anything would go, both come
+    back as they are.
+    """
+    n_loads, n_positions = coefficients.shape
+    if len(basis) < max(_MANY, n_positions):
+        return basis, coefficients
+    sizes = np.maximum(basis.max(axis=(0, 1)), -basis.min(axis=(0, 1)))
+    sizes[sizes == 0.0] = 1.0
+    turn, values, paths = np.linalg.svd(sizes[:, None] * coefficients, full_matrices=False)
+    count = max(1, int(np.count_nonzero(values > _NOTHING * values[0])))
+    if count > _WORTH * n_loads:
+        return basis, coefficients
+    turn = turn[:, :count] / sizes[:, None]
+    rows = basis.reshape(-1, n_loads) @ turn
+    return rows.reshape(len(basis), 6, count), values[:count, None] * paths[:count]
 
 
 def point_blocks(n_points: int, numbers_per_point: int) -> Iterator[slice]:

@@ -20,6 +20,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from fatigue.coarse_path import coarse_path
 from fatigue.goodman import FatigueResult, check_strengths, goodman, goodman_utilisation
 from fatigue.invariants import ComparedCriteria, compared_criteria
 from fatigue.proportionality import PROPORTIONAL, PathBounds, path_bounds
@@ -27,6 +28,8 @@ from fatigue.shear_planes import DUCTILE, CriticalPlane, critical_plane, findley
 from fatigue.stress_path import FloatArray, IntArray, check_history
 
 _TOGETHER = 64  # points that Goodman judges at once where not every point is asked for
+_SKETCHED = 256  # points whose paths are made coarse together
+_FEW = 8  # points whose planes are sought at once without
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,17 +176,34 @@ def ductile_verdict(
     value = np.full(len(basis), np.nan)
     planes: dict[int, CriticalPlane] = {}
     n_searched = 0
-    for point in np.argsort(-bound, kind="stable"):
-        if bound[point] <= worst:
+    order = np.argsort(-bound, kind="stable")
+    order = order[bound[order] > worst]
+    for start in range(0, len(order), _SKETCHED):
+        some = order[start : start + _SKETCHED]
+        some = some[bound[some] > worst]
+        if not len(some):
             break
-        stress = basis[point] @ coefficients
-        plane = critical_plane(stress, criterion.k, floor=worst * limit[point])
-        n_searched += 1
-        bound[point] = min(bound[point], plane.bound / limit[point])
-        used = plane.value / limit[point]
-        if used > worst:
-            worst = value[point] = used
-            planes = {int(point): plane}
+        coarse = coarse_path(basis[some], coefficients, criterion.k) if len(some) > _FEW else None
+        for row, point in enumerate(some):
+            if bound[point] <= worst:
+                break
+            floor = worst * limit[point]
+            n_searched += 1
+            if coarse is not None:
+                least = floor - coarse.slack[row]
+                stress = basis[point] @ coefficients[:, coarse.kept]
+                plane = critical_plane(stress, criterion.k, floor=least)
+                if plane.bound <= least:
+                    most = (plane.bound + coarse.slack[row]) / limit[point]
+                    bound[point] = min(bound[point], most)
+                    continue
+            stress = basis[point] @ coefficients
+            plane = critical_plane(stress, criterion.k, floor=floor)
+            bound[point] = min(bound[point], plane.bound / limit[point])
+            used = plane.value / limit[point]
+            if used > worst:
+                worst = value[point] = used
+                planes = {int(point): plane}
     critical = int(np.fmax(known, value).argmax())
     if critical not in points:
         points = np.sort(np.append(points, critical))

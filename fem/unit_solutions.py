@@ -12,6 +12,7 @@ which stands for the other half, and at three displacements in its plane.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -114,6 +115,15 @@ class UnitSolutions:
     def basis(self) -> FloatArray:
         """Stress of the unit loads at the surface nodes, (n_points, 6, n_basis), MPa per unit."""
         return self.recovery.surface_stress(self.displacement)
+
+    @cached_property
+    def bore_waves(self) -> dict[str, Any]:
+        """Solved waves of pressure in its bores, by name, for all parts that have this body."""
+        return {}
+
+    def moved(self, coefficients: FloatArray) -> FloatArray:
+        """Displacement (3 n_nodes, ...), mm, of coefficients (n_basis, ...)."""
+        return np.asarray(self.displacement @ coefficients)
 
     @property
     def raw_deviation(self) -> float:

@@ -166,7 +166,7 @@ def _next_sizes(
     if half_of(part, loaded.loads) is not None and not level.half:
         most *= 2  # the next mesh has half of the elements that are estimated on this one
     errors = [
-        stress_error(recovery, level.solutions.displacement @ state)
+        stress_error(recovery, level.solutions.moved(state))
         for what in judged
         for state in what.states(level)
     ]

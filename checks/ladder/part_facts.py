@@ -42,7 +42,7 @@ def gates_of(
     part, loads = loaded.part, loaded.loads
     level = levels[-1]
     solutions = level.solutions
-    slender = np.abs(solutions.displacement @ level.coefficients[:, level.peak.position]).max()
+    slender = np.abs(solutions.moved(level.coefficients[:, level.peak.position])).max()
     size = float(np.ptp(solutions.mesh.nodes, axis=0).max())
     gates = []
     if not _stated_mass(loaded):

@@ -164,12 +164,16 @@ def _solved(
             doubts.append(load_bars(loaded.loads, _values(loaded, levels[0])))
         return doubts[0]
 
-    known: dict[int, list[Check]] = {}
+    known: dict[tuple[int, Judged], _Judgement] = {}
+
+    def judgements_of(levels: Sequence[Level], wanted: Sequence[Judged]) -> list[_Judgement]:
+        for what in wanted:
+            if (len(levels), what) not in known:
+                known[len(levels), what] = _judgement(loaded, levels, what, widened(levels))
+        return [known[len(levels), what] for what in wanted]
 
     def checks_of(levels: Sequence[Level]) -> list[Check]:
-        if len(levels) not in known:
-            known[len(levels)] = _stress_checks(loaded, levels, judged, widened(levels))
-        return known[len(levels)]
+        return [judgement.check for judgement in judgements_of(levels, judged)]
 
     def enough(levels: Sequence[Level]) -> str:
         checks = checks_of(levels)
@@ -191,9 +195,10 @@ def _solved(
     expect("judging, buckling, fields", judging_seconds(finest.unknowns))
     by_hand = hand_checks(loaded.part, loaded.loads, finest)
     # buckling alone is asked of one mesh, on which a stress has no error bar
-    stressed = _stress_checks(
-        loaded, levels, both if len(levels) > 1 else judged, widened(levels), by_hand
-    )
+    wanted = both if len(levels) > 1 else judged
+    stressed = [
+        judgement.derived(loaded, finest, by_hand) for judgement in judgements_of(levels, wanted)
+    ]
     if stopped:
         stressed = [
             replace(check, note=f"{check.note}; {stopped}")
@@ -204,28 +209,49 @@ def _solved(
     return _Solved(loaded, levels, sizes, stopped, widened(levels), by_hand, stressed)
 
 
-def _stress_checks(
-    loaded: LoadedPart,
-    levels: Sequence[Level],
-    wanted: Sequence[Judged],
-    doubts: LoadBars,
-    by_hand: Sequence[HandCheck] | None = None,
-) -> list[Check]:
-    """Check what is wanted on the last mesh; with derivations where hand checks are given."""
-    part = loaded.part
-    found = []
-    for what in wanted:
-        bars = bars_of(what, part, levels, loaded.accuracy)
-        check = doubts(_stress_check(loaded, levels[-1], what, bars))
-        at_edges = _edges_judged(loaded, levels, what, bars)
-        if isinstance(at_edges, Check):
-            check = doubts(at_edges)
-        elif by_hand is not None:
-            check = of_solid(part, loaded.loads, levels[-1], what, bars, check, by_hand)
-        if isinstance(at_edges, str) and at_edges:
-            check = replace(check, note=f"{check.note}; {at_edges}")
-        found.append(check)
-    return found
+@dataclass(frozen=True, eq=False)
+class _Judgement:
+    """A stress judged on the last of some meshes.
+
+    bars      of it
+    own       its check by the stress itself, without a derivation; None where edges are judged
+    at_edges  the check of a part with sharp edges, or why there is none; "" if they decide nothing
+    """
+
+    what: Judged
+    bars: Bars
+    own: Check | None
+    at_edges: Check | str
+
+    @property
+    def check(self) -> Check:
+        """The check, without a derivation."""
+        return self._of(self.own)
+
+    def derived(self, loaded: LoadedPart, level: Level, by_hand: Sequence[HandCheck]) -> Check:
+        """The check, with its derivation where it is one of the stress itself."""
+        if self.own is None:
+            return self.check
+        part, loads = loaded.part, loaded.loads
+        return self._of(of_solid(part, loads, level, self.what, self.bars, self.own, by_hand))
+
+    def _of(self, own: Check | None) -> Check:
+        if isinstance(self.at_edges, Check):
+            return self.at_edges
+        assert own is not None
+        return replace(own, note=f"{own.note}; {self.at_edges}") if self.at_edges else own
+
+
+def _judgement(
+    loaded: LoadedPart, levels: Sequence[Level], what: Judged, doubts: LoadBars
+) -> _Judgement:
+    """Judge a stress on the last mesh."""
+    bars = bars_of(what, loaded.part, levels, loaded.accuracy)
+    own = doubts(_stress_check(loaded, levels[-1], what, bars))
+    at_edges = _edges_judged(loaded, levels, what, bars)
+    if isinstance(at_edges, Check):
+        return _Judgement(what, bars, None, doubts(at_edges))
+    return _Judgement(what, bars, own, at_edges)
 
 
 def _edges_judged(
@@ -266,8 +292,7 @@ def _arcs_that_pass(
 
     def passes(what: Judged, arc: float) -> bool:
         closer = replace(loaded, part=replace(loaded.part, bearing_arc=arc, arc_stated=True))
-        (again,) = _stress_checks(closer, levels, [what], doubts)
-        return again.status is Status.PASS
+        return _judgement(closer, levels, what, doubts).check.status is Status.PASS
 
     found = {}
     for what in judged:

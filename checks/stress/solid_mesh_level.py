@@ -221,7 +221,7 @@ class Level(Stressed):
         of_edges  whether it is, beside an edge where a pressure ends, not less than a share of that
                   pressure, which finer meshes leave
         """
-        displacement = self.solutions.displacement @ coefficients
+        displacement = self.solutions.moved(coefficients)
         found = self.solutions.recovery.scatter(displacement, np.array([point]))[0]
         if not (of_edges and self._beside_pressed_edge(point)):
             return float(found)

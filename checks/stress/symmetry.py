@@ -48,7 +48,7 @@ def shown_surface(loads: PartLoads, level: Level) -> Surface:
     nodes = level.history.nodes
     triangles = surface_triangles(level.solutions.mesh, nodes)
     state = level.coefficients[:, level.peak.position]
-    displacement = (level.solutions.displacement @ state).reshape(-1, 3)[nodes]
+    displacement = level.solutions.moved(state).reshape(-1, 3)[nodes]
     stress = level.history.at(level.peak.position)
     fields = {"von Mises [MPa]": von_mises(stress)}
     if level.duty is not None:

@@ -166,11 +166,18 @@ class BoreHarmonics:
 
 
 def bore_harmonics(solutions: UnitSolutions, name: str) -> BoreHarmonics:
-    """Solve the unit harmonics of a bore on the factor of the part.
+    """Solve the unit harmonics of a bore on the factor of the part, once.
 
     Raises MeshError for an interface that is no bore or whose mesh is too coarse for its waves,
     KeyError for an unknown one.
     """
+    if name not in solutions.bore_waves:
+        solutions.bore_waves[name] = _solved_harmonics(solutions, name)
+    found: BoreHarmonics = solutions.bore_waves[name]
+    return found
+
+
+def _solved_harmonics(solutions: UnitSolutions, name: str) -> BoreHarmonics:
     known = {loads.interface.name: loads for loads in solutions.interfaces}
     loads = known[name]
     interface = loads.interface

@@ -14,10 +14,12 @@ set: a few solutions, one or two from a good start. Where it cycles, a primal ac
 cannot, starts from forces that balance the load.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-import scipy.linalg
+from scipy.linalg.lapack import dgesv
 
 from geometry.mesh import BoolArray, FloatArray
 
@@ -84,34 +86,36 @@ class CondensedContact:
         self, openings: FloatArray, force: FloatArray, touching: BoolArray
     ) -> tuple[FloatArray, FloatArray] | None:
         """Forces (n,) and motion (m,) with the gaps closed where it touches; None if singular."""
-        at = np.flatnonzero(touching)
-        arms = self.directions[at]
-        count, m = arms.shape
+        at = touching.nonzero()[0]
+        count, m = len(at), self.directions.shape[1]
         if count < m:
             return None
-        scale = np.abs(self.flexibility.diagonal()).max()  # brings both blocks to one size
-        system = np.zeros((count + m, count + m))
-        system[:count, :count] = self.flexibility[np.ix_(at, at)] / scale
-        system[:count, count:] = -arms
-        system[count:, :count] = -arms.T
-        right = np.r_[-openings[at] / scale, -force]
-        try:
-            with np.errstate(all="ignore"):
-                factor = scipy.linalg.lu_factor(system, check_finite=False)
-                answer = scipy.linalg.lu_solve(factor, right, check_finite=False)
-                miss = np.abs(system @ answer - right).max()
-        except (np.linalg.LinAlgError, scipy.linalg.LinAlgWarning):
-            return None
-        if not miss <= 1e-9 * np.abs(right).max():
+        scale, whole = self._whole
+        rows = np.concatenate([at, np.arange(len(whole) - m, len(whole))])
+        system = whole[rows[:, None], rows]
+        right = np.concatenate([openings[at] / -scale, -force])
+        *_, answer, singular = dgesv(system, right)
+        if singular or not np.abs(system @ answer - right).max() <= 1e-9 * np.abs(right).max():
             return None
         forces = np.zeros(len(self.flexibility))
         forces[at] = answer[:count]
         return forces, scale * answer[count:]
 
+    @cached_property
+    def _whole(self) -> tuple[float, FloatArray]:
+        """Scale of the flexibility, and the equations (n + m, n + m) where every gap is closed."""
+        n, m = self.directions.shape
+        scale = float(np.abs(self.flexibility.diagonal()).max())  # brings both blocks to one size
+        whole = np.zeros((n + m, n + m))
+        whole[:n, :n] = self.flexibility / scale
+        whole[:n, n:] = -self.directions
+        whole[n:, :n] = -self.directions.T
+        return scale, whole
+
     def gaps(self, openings: FloatArray, forces: FloatArray, motion: FloatArray) -> FloatArray:
         """Mean gaps (n,) of the patches, mm."""
-        at = np.flatnonzero(forces)
-        pressed = self.flexibility[:, at] @ forces[at]
+        at = forces.nonzero()[0]
+        pressed = forces[at] @ self.flexibility[at]
         return np.asarray(openings + pressed - self.directions @ motion)
 
     def _newton(
@@ -217,9 +221,7 @@ class ContactState:
     @property
     def unbalanced(self) -> float:
         """The largest part of the load that the forces miss, over the largest load."""
-        missed = np.abs(self.problem.directions.T @ self.forces - self.force).max(initial=0.0)
-        size = np.abs(self.force).max(initial=0.0) or np.abs(self.forces).max(initial=1.0)
-        return float(missed / size)
+        return largest_misses([self])[1]
 
     @property
     def not_complementary(self) -> float:
@@ -228,7 +230,25 @@ class ContactState:
         Gaps by the largest opening or approach, forces by their mean where it touches: the largest
         of a gap below 0, a force below 0 and the smaller one of each pair.
         """
-        approach = np.abs(self.problem.directions @ self.motion).max(initial=0.0)
-        gaps = self.gaps / max(np.abs(self.openings).max(initial=0.0), approach)
-        forces = self.forces / self.forces[self.touching].mean()
-        return float(np.abs(np.minimum(gaps, forces)).max(initial=0.0))
+        return largest_misses([self])[0]
+
+
+def largest_misses(states: Sequence[ContactState]) -> tuple[float, float]:
+    """Largest `not_complementary` and `unbalanced` of states of one contact."""
+    problem = states[0].problem
+    openings, loads, forces, motions = (
+        np.stack([getattr(state, name) for state in states], axis=1)
+        for name in ("openings", "force", "forces", "motion")
+    )
+    approach = problem.directions @ motions
+    gaps = openings + problem.flexibility @ forces - approach
+    widest = np.maximum(
+        np.abs(openings).max(axis=0, initial=0.0), np.abs(approach).max(axis=0, initial=0.0)
+    )
+    touching = np.stack([state.touching for state in states], axis=1)
+    mean = (forces * touching).sum(axis=0) / touching.sum(axis=0)
+    complementary = np.abs(np.minimum(gaps / widest, forces / mean)).max(initial=0.0)
+    missed = np.abs(problem.directions.T @ forces - loads).max(axis=0, initial=0.0)
+    size = np.abs(loads).max(axis=0, initial=0.0)
+    most = np.abs(forces).max(axis=0, initial=1.0)
+    return float(complementary), float((missed / np.where(size > 0.0, size, most)).max())

@@ -15,7 +15,12 @@ import numpy as np
 import scipy.linalg
 
 from fem.contact.bore import BoreHarmonics
-from fem.contact.condensed import CondensedContact, ContactError, ContactState
+from fem.contact.condensed import (
+    CondensedContact,
+    ContactError,
+    ContactState,
+    largest_misses,
+)
 from fem.contact.hats import Hats, disc_flexibility
 from fem.contact.persson import persson_half_arc
 from geometry.mesh import BoolArray, FloatArray, IntArray
@@ -50,14 +55,17 @@ class BorePressure:
     hats       around the bore
     forces     (n_hats, n_positions) N of the hats
     pressures  (n_hats, n_positions) MPa at the hats' angles, even along the pin
-    arcs       (n_positions,) rad, 0 where nothing presses
     """
 
     harmonics: BoreHarmonics
     hats: Hats
     forces: FloatArray
     pressures: FloatArray
-    arcs: FloatArray
+
+    @cached_property
+    def arcs(self) -> FloatArray:
+        """Arc of contact (n_positions,), rad; 0 where nothing presses."""
+        return np.array([self.hats.arc(column) for column in self.pressures.T])
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,12 +90,7 @@ class ContactCycle:
         """One of its positions alone."""
         one = slice(position, position + 1)
         bores = {
-            name: replace(
-                bore,
-                forces=bore.forces[:, one],
-                pressures=bore.pressures[:, one],
-                arcs=bore.arcs[one],
-            )
+            name: replace(bore, forces=bore.forces[:, one], pressures=bore.pressures[:, one])
             for name, bore in self.bores.items()
         }
         return replace(self, bores=bores, others=self.others[:, one])
@@ -101,6 +104,7 @@ class _Bore:
         self.columns = harmonics.pressing
         self.forces = coefficients[[self.columns[name] for name in ("cos 1", "sin 1")]]
         self.sizes = np.hypot(*self.forces)
+        self.directions = np.arctan2(*self.forces[::-1])
         if not self.sizes.max(initial=0.0) > 0 and pin.clearance >= 0:
             raise ContactError(
                 f"nothing presses in {self.name!r} at any position: its pin floats, and has no "
@@ -122,10 +126,10 @@ class _Bore:
 
     def start(self, position: int, before: BoolArray | None) -> BoolArray:
         """Hats that may touch at a position: those of the position before, turned, or Persson's."""
-        x, y = self.forces[:, position]
         if before is not None and before.any():
-            turn = np.arctan2(y, x) - np.arctan2(*self.forces[::-1, position - 1])
-            turned = np.roll(before, round(turn / self.hats.widths[0]))
+            turn = self.directions[position] - self.directions[position - 1]
+            hats = -round(turn / self.hats.widths[0]) % len(before)
+            turned = np.concatenate([before[hats:], before[:hats]]) if hats else before
             if np.count_nonzero(turned) >= _FEW:
                 return turned
             # a light force touched few hats, which may not hold a heavier one
@@ -135,8 +139,7 @@ class _Bore:
 
     def _about(self, position: int, half: float) -> BoolArray:
         """Hats up to some angle, rad, on both sides of the force."""
-        x, y = self.forces[:, position]
-        away = np.cos(self.hats.angles - np.arctan2(y, x))
+        away = np.cos(self.hats.angles - self.directions[position])
         return np.asarray(away >= np.cos(half) - 1e-12)
 
     @property
@@ -211,7 +214,8 @@ class PartContact:
                 for bore in self._bores
             ]
         )
-        forces, complementary, unbalanced, steps = np.zeros(opened.shape), 0.0, 0.0, 0
+        forces, steps = np.zeros(opened.shape), 0
+        solved: dict[tuple[int, ...], list[ContactState]] = {}
         before: list[BoolArray | None] = [None] * len(self._bores)
         following = -1
         for column, position in enumerate(chosen):
@@ -226,15 +230,15 @@ class PartContact:
             state = self._state(problem, pressed, opened[at, column], position, before)
             forces[at, column] = state.forces
             before = [forces[a:b, column] > 0 for a, b in pairwise(self._limits)]
-            complementary = max(complementary, state.not_complementary)
-            unbalanced = max(unbalanced, state.unbalanced)
+            solved.setdefault(pressed, []).append(state)
             steps += state.steps
+        misses = [largest_misses(states) for states in solved.values()]
+        complementary, unbalanced = np.max([(0.0, 0.0), *misses], axis=0).tolist()
         bores = {}
         for bore, (low, high) in zip(self._bores, pairwise(self._limits), strict=True):
             own = forces[low:high]
             pressures = own / bore.areas[:, None]
-            arcs = np.array([bore.hats.arc(column) for column in pressures.T])
-            bores[bore.name] = BorePressure(bore.harmonics, bore.hats, own, pressures, arcs)
+            bores[bore.name] = BorePressure(bore.harmonics, bore.hats, own, pressures)
         return ContactCycle(bores, others, complementary, unbalanced, steps)
 
     def _pressed(self, position: int) -> tuple[int, ...]:

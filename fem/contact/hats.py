@@ -13,7 +13,7 @@ up. A sheet's has no size (a logarithm of the distance), so here it is 0 of both
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 
@@ -36,10 +36,11 @@ class Hats:
         if len(self.angles) < 3 or not (widths.min() > 0 and widths.max() < np.pi):
             raise ValueError("hats need at least three rising angles around a circle, in rad")
 
-    @classmethod
-    def even(cls, count: int) -> "Hats":
+    @staticmethod
+    @cache
+    def even(count: int) -> "Hats":
         """Return `count` hats, the first at 0 rad."""
-        return cls(2 * np.pi * np.arange(count) / count)
+        return Hats(2 * np.pi * np.arange(count) / count)
 
     @cached_property
     def widths(self) -> FloatArray:
@@ -108,13 +109,17 @@ class Hats:
         mean  mm/MPa: even displacement per even pressure, over the radius times the length
         wave  the same of cos(number angle), for numbers (m,) from 2
         """
+        numbers, waves = self._series
+        parts = waves * np.tile(np.sqrt(wave(numbers) / np.pi), 2)
+        return np.asarray(parts @ parts.T + mean / (2 * np.pi))
+
+    @cached_property
+    def _series(self) -> tuple[FloatArray, FloatArray]:
+        """Numbers (m,) of waves from 2, and their cosines and sines (n, 2 m) over the hats."""
         last = int(np.ceil(_WAVES * 2 * np.pi / self.widths.min()))
         numbers = np.arange(2.0, last + 1)
         waves = self.waves(numbers)
-        parts = np.concatenate([waves.real, waves.imag], axis=1) * np.tile(
-            np.sqrt(wave(numbers) / np.pi), 2
-        )
-        return np.asarray(parts @ parts.T + mean / (2 * np.pi))
+        return numbers, np.concatenate([waves.real, waves.imag], axis=1)
 
 
 def disc_flexibility(

@@ -35,32 +35,34 @@ class ContactSolutions(UnitSolutions):
         patterns   for each bore (n_points of the bore, k) MPa, pressures of short waves
         """
         bores = {one.loads.interface.name: k for k, one in enumerate(harmonics)}
-        interfaces, loads, displacement, basis, first = [], [], [], [], 0
+        same = [bore.solutions is of for bore in harmonics]
+        moved = [
+            bore.displacement if one else of.solve(bore.vectors)
+            for bore, one in zip(harmonics, same, strict=True)
+        ]
+        interfaces, basis, first = [], [], 0
+        parts: list[slice | tuple[int, int]] = []
         for unit in of.interfaces:
             columns = slice(first, first + len(unit.names))
             first = columns.stop
-            loads.append(of.loads[:, columns])
-            displacement.append(of.displacement[:, columns])
             basis.append(of.basis[:, :, columns])
+            parts.append(columns)
             k = bores.get(unit.interface.name)
             if k is not None:
                 bore, own = harmonics[k], patterns[k]
                 none = np.zeros((len(of.loads), own.shape[1]))
-                same = bore.solutions is of
-                moved = bore.displacement if same else of.solve(bore.vectors)
-                loads += [bore.vectors, none]
-                displacement += [moved, none]
                 local = np.zeros((len(of.basis), 6, own.shape[1]))
                 local[bore.points] = bore.short_wave_stress[:, :, None] * own[:, None]
-                basis += [bore.stress if same else of.recovery.surface_stress(moved), local]
+                basis += [bore.stress if same[k] else of.recovery.surface_stress(moved[k]), local]
                 names = [f"short wave {m}" for m in range(1, own.shape[1] + 1)]
                 unit = replace(
                     unit,
                     names=(*unit.names, *bore.names, *names),
                     vectors=np.concatenate([unit.vectors, bore.vectors, none], axis=1),
                 )
+                parts.append((k, own.shape[1]))
             interfaces.append(unit)
-        rest = slice(first, None)
+        rest = slice(first, of.loads.shape[1])
         self.__dict__.update(
             {
                 name: getattr(of, name)
@@ -68,12 +70,47 @@ class ContactSolutions(UnitSolutions):
                              "ties", "softened", "recovery")
             },
             interfaces=tuple(interfaces),
-            loads=np.concatenate([*loads, of.loads[:, rest]], axis=1),
-            displacement=np.concatenate([*displacement, of.displacement[:, rest]], axis=1),
             basis=np.concatenate([*basis, of.basis[:, :, rest]], axis=2),
             _of=of,
             _added=(harmonics, patterns),
+            _moved=moved,
+            _parts=[*parts, rest],
         )  # fmt: skip
+
+    @cached_property
+    def loads(self) -> FloatArray:
+        """Unit loads (3 n_nodes, n_basis), N; short waves have none."""
+        harmonics, _ = self.__dict__["_added"]
+        return self._joined(self.__dict__["_of"].loads, [bore.vectors for bore in harmonics])
+
+    @cached_property
+    def displacement(self) -> FloatArray:
+        """Displacements (3 n_nodes, n_basis), mm; short waves have none."""
+        return self._joined(self.__dict__["_of"].displacement, self.__dict__["_moved"])
+
+    def _joined(self, of: FloatArray, waves: Sequence[FloatArray]) -> FloatArray:
+        blocks: list[FloatArray] = []
+        for part in self.__dict__["_parts"]:
+            if isinstance(part, slice):
+                blocks.append(of[:, part])
+            else:
+                blocks += [waves[part[0]], np.zeros((len(of), part[1]))]
+        return np.concatenate(blocks, axis=1)
+
+    def moved(self, coefficients: FloatArray) -> FloatArray:
+        """Displacement (3 n_nodes, ...), mm, of coefficients (n_basis, ...)."""
+        of, first, own = self.__dict__["_of"].displacement, 0, []
+        waves = np.zeros((len(of), *coefficients.shape[1:]))
+        for part in self.__dict__["_parts"]:
+            if isinstance(part, slice):
+                count = part.stop - part.start
+                own.append(coefficients[first : first + count])
+            else:
+                wave = self.__dict__["_moved"][part[0]]
+                waves += wave @ coefficients[first : first + wave.shape[1]]
+                count = wave.shape[1] + part[1]
+            first += count
+        return np.asarray(of @ np.concatenate(own) + waves)
 
     def on(self, of: UnitSolutions) -> "ContactSolutions":
         """The same columns on another stiffness of the same mesh."""
