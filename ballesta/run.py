@@ -236,6 +236,7 @@ def check_to_folder(
     prepare_drawing(stress=effort.shows_stress)
 
     from ballesta.pipeline import check_design
+    from ballesta.sweeps.improve import with_changes
     from checks.store.results import keep_result
     from reports.live.payload import with_encoded_fields
 
@@ -250,6 +251,9 @@ def check_to_folder(
             begun=begun,
             keep=_kept() if telling.is_supervised() else None,
         )
+        if effort.within is None:  # a limit of time is for the checks
+            say("seeking single changes by formula")
+            shown = with_changes(design, shown)
         with drawing(shown) as pictures, _told_of_folder(folder):
             say("encoding the fields of the live view")
             shown = with_encoded_fields(shown)

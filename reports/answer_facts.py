@@ -6,9 +6,17 @@ The terminal (reports/answer.py) and the first screen of the page write the same
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
+from math import isfinite
 
 from checks.result.verdict import Check, DesignResult, PartResult, Status, deciding_of
-from checks.result.ways import NOTHING, improve_command, lower_by, way_text
+from checks.result.ways import (
+    NOTHING,
+    SAVED,
+    change_text,
+    improve_command,
+    lower_by,
+    way_text,
+)
 from checks.result.words import (
     assumptions,
     check_titles,
@@ -24,9 +32,10 @@ from checks.result.words import (
 )
 from reports.loads_words import broken_of
 
-_MOST_WARNINGS = 4
+_MOST_WARNINGS = 2
 _MOST_GATES = 2
-_MOST_WAYS = 3
+_MOST_WAYS = 2
+_MOST_SUBJECTS = 4
 _LONGEST_MEANING = 160  # letters of what a validity check measures, told beside its number
 _LONGEST = 300  # letters of one sentence, so that no name floods the answer
 
@@ -167,7 +176,7 @@ def _headline(result: DesignResult, titles: dict[int, str]) -> Iterator[Fact]:
         yield Fact("why open", open_reason(check))
     if check.status is Status.FAIL:
         yield Fact("why", "the limit is exceeded even at the lower end of the error bars")
-    yield _change(result)
+    yield from _changes(result)
     broken = broken_of(result)
     for gates in broken[:_MOST_GATES]:
         label = "NOT VALID" if gates.binding else "not valid"
@@ -193,12 +202,27 @@ def _ways(result: DesignResult) -> list[Fact]:
     return [Fact("way out", _short(text), clean(command)) for text, command in told]
 
 
-def _change(result: DesignResult) -> Fact:
-    """Changes that would make it pass, or save mass."""
+def _changes(result: DesignResult) -> Iterator[Fact]:
+    """Single changes that would make it pass, or save mass, and the command that checks them."""
     command = _short(clean(improve_command(result)))
-    if all(check.status is Status.PASS for check in result.checks):
-        return Fact("to save", "least mass by single changes", command)
-    return Fact("to pass", lower_by(result.deciding), command)
+    passes = all(check.status is Status.PASS for check in result.checks)
+    label = "to save" if passes else "to pass"
+    if not result.changes and not (passes or isfinite(result.deciding.upper)):
+        yield Fact(label, "first of all a model that knows its error bar")
+        return
+    if not result.changes:
+        yield Fact(label, SAVED if passes else lower_by(result.deciding), command)
+        return
+    for change in result.changes:
+        yield Fact(label, _short(change_text(change)))
+        label = "or"
+    models = " and ".join(sorted({clean(change.model) for change in result.changes}))
+    by = "by formula" + ("" if models == "formula" else f", set against the {models}")
+    settled = {part for change in result.changes for part in change.parts}
+    open_ = [p.name for p in result.parts if any(c.status is not Status.PASS for c in p.checks)]
+    if left := [_short(name) for name in open_ if name not in settled]:
+        by += f"; {', '.join(left)} {'does' if len(left) == 1 else 'do'} not pass by these"
+    yield Fact("estimated", f"{by}; checked by", f"{command} --verify")
 
 
 def _safety(check: Check) -> str:
@@ -206,7 +230,10 @@ def _safety(check: Check) -> str:
 
 
 def _rows(result: DesignResult) -> list[PartRow]:
-    """One row for each part's governing check; parts that differ in their name alone share it."""
+    """One row for each part's governing check; parts whose safeties read the same share it.
+
+    Its value is that of the part nearest to its limit.
+    """
     owners: list[tuple[str, list[Check]]] = [(p.name, list(p.checks)) for p in result.parts]
     owners.append(("linkage", list(result.linkage)))
     found = []
@@ -215,13 +242,15 @@ def _rows(result: DesignResult) -> list[PartRow]:
             check = deciding_of(checks)
             title = check_titles(checks)[next(k for k, c in enumerate(checks) if c is check)]
             found.append((name, check, _row(check, title)))
-    found.sort(key=lambda row: row[2])
-    merged = [list(group) for _, group in groupby(found, key=lambda row: row[2])]
+    found.sort(key=lambda row: (_shared(row[2]), -row[1].value * row[1].required / row[1].limit))
+    merged = [list(group) for _, group in groupby(found, key=lambda row: _shared(row[2]))]
     order = {name: k for k, (name, _) in enumerate(owners)}
     merged.sort(key=lambda group: min(order[name] for name, _, _ in group))
     return [
         PartRow(
-            ", ".join(_short(name) for name, _, _ in group),
+            ", ".join(
+                _short(name) for name in sorted((g[0] for g in group), key=order.__getitem__)
+            ),
             *group[0][2],
             check=group[0][1],
             count=len(group),
@@ -229,6 +258,12 @@ def _rows(result: DesignResult) -> list[PartRow]:
         )
         for group in merged
     ]
+
+
+def _shared(cells: tuple[str, str, str, str, str]) -> tuple[str, str, str, str]:
+    """The cells that parts of one row have alike: all but the value."""
+    title, _, limit, safety, verdict = cells
+    return title, limit, safety, verdict
 
 
 def _others(result: DesignResult, rows: Sequence[PartRow]) -> str:
@@ -271,8 +306,10 @@ def _beside(result: DesignResult) -> Iterator[Fact]:
         ]
         yield Fact("assumed", "; ".join([" and ".join(counts), *first]))
     if result.not_checked:
-        subjects = ", ".join(dict.fromkeys(_first(s).partition(",")[0] for s in result.not_checked))
-        yield Fact("not checked", f"{subjects} and the like")
+        subjects = list(dict.fromkeys(_first(s).partition(",")[0] for s in result.not_checked))
+        first, more = subjects[:_MOST_SUBJECTS], len(subjects) - _MOST_SUBJECTS
+        said = f"{', '.join(first)} and {more} more subjects" if more > 1 else ", ".join(subjects)
+        yield Fact("not checked", said)
 
 
 def _warnings(result: DesignResult) -> Iterator[Fact]:

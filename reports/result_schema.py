@@ -14,7 +14,7 @@ Schema = dict[str, Any]
 def result_schema() -> Schema:
     """Return the JSON schema (draft 2020-12) of result.json; numbers are N, mm, s, tonne, MPa."""
     parts = {"Check": _CHECK, "PartCheck": _PART_CHECK, "ValidityCheck": _GATE, "Part": _PART}
-    parts |= {"Cycle": _CYCLE, "Derivation": _DERIVATION, "Way": _WAY}
+    parts |= {"Cycle": _CYCLE, "Derivation": _DERIVATION, "Way": _WAY, "Change": _CHANGE}
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "Result of a check by ballesta",
@@ -45,6 +45,11 @@ def result_schema() -> Schema:
             command=_text("that repeats the check"),
             timings=_by_name(_number(), "stage: s"),
             ways_out=_list(_of("Way"), "out of what is open, the cheapest first"),
+            changes=_list(
+                _of("Change"),
+                "single changes that make the design pass or save mass, best first; empty where "
+                "none were sought, as in batches",
+            ),
         ),
         "$defs": parts,
     }
@@ -177,6 +182,22 @@ _CYCLE = _closed(
 _DERIVATION = _told(
     {"type": "object", "required": ["cases", "sections", "value", "limit", "bars"]},
     "given values and formulas from which value, limit and bars follow (docs/derivations.md)",
+)
+_CHANGE = _closed(
+    key=_text("of the design file"),
+    was=_text("its value"),
+    value=_text("its other value"),
+    least=_text("the value at which it just passes, where `value` is the next standard size"),
+    parts=_list(_text(), "that pass with it"),
+    safety=_or_null(_number(), "of the check that then governs these parts; null: no load"),
+    lower_safety=_or_null(_number(), "the same at the end of its error bars"),
+    required=_number("safety that this check must show"),
+    governing=_text("that check: part and kind"),
+    model=_text("whose error bars the safety has"),
+    mass_kg=_number("of all parts"),
+    saved_kg=_number("less than before"),
+    verified=_or_null(_STATUS, "verdict of a check with it; null: an estimate"),
+    verified_safety=_or_null(_number(), "that this check found"),
 )
 _WAY = _closed(
     settles=_text("checks or validity check"),

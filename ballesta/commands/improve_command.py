@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ballesta.run import guarded
-from ballesta.sweeps.improve import MOST, Change, Improved, improve
+from ballesta.sweeps.improve import MOST, Improved, improve
 from checks.design.effort import effort_of
 from checks.design.errors import DesignError
 from checks.design.names import listed
-from checks.result.verdict import Status
+from checks.result.verdict import Change, Status
 from checks.result.words import need_text, number, safety_text
 from reports.terminal import labelled, table_row
 
@@ -93,7 +93,7 @@ def _text(found: Improved, width: int = 100) -> str:
             [
                 f"{change.key} = {change.was} -> {change.value}",
                 safety_text(change.verified_safety or change.safety, change.required),
-                safety_text(change.least, change.required),
+                safety_text(change.lower, change.required),
                 need,
                 f"{number(1e3 * change.mass, 4)} ({0.0 - 1e3 * change.saved:+.2g})",
                 change.governing,

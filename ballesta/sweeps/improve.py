@@ -4,67 +4,44 @@ Every dimension of a part, and its material, is varied by formula (`ballesta.swe
 change multiplies the demand that the deciding model has found, and its upper end, by the ratio of
 the formula's demands after and before; where the formula decided, by the ratio of its upper ends.
 With the reserve r, the least of limit over (upper demand times required safety) of a part's checks,
-and a dimension x, r ~ x^p locally: p from two steps of 3 %, then three secant steps on log r over
-log x, rounded to the safe side. A change is an estimate until a check by the deciding model has
-verified it.
+and a dimension x, r ~ x^p locally: p from a step of 3 %, then three secant steps on log r over
+log x, rounded to the safe side; then the next length of R20, the preferred numbers of ISO 3, if it
+is a change as well. A change is an estimate until a check by the deciding model has verified it.
 """
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from math import ceil, exp, floor, inf, isfinite, log, log10
 from pathlib import Path
 from typing import Any
 
 from ballesta.design.read import read_design
-from ballesta.sweeps.screen import Screened, screen
+from ballesta.sweeps.screen import Screened, Screening
 from checks.design.data import Design
 from checks.design.effort import DEFAULT_EFFORT, Effort
 from checks.design.materials import known_materials
-from checks.result.verdict import Check, DesignResult, Status
+from checks.result.verdict import Change, Check, DesignResult, Status
 
 _DIMENSION = re.compile(r"^\s*(\d+(?:\.\d+)?)\s*(mm|cm|m|deg)\s*$")
-_STEP = 0.03  # of a dimension, to find its exponent
+_STEP = 1.03  # of a dimension, as a factor, to find its exponent
 _MATTERS = 0.05  # the least exponent: what changes the reserve less is no way out
 MOST = 2.0  # the largest change that is looked at, as a factor
 _SECANTS = 3
 _NEXT = 1e-6  # of a dimension: to the next rounded value
 _DIGITS = 2  # of the change, to which a dimension is rounded
 _BEST = 3
+_HEAVIEST = 2  # shapes that a check of what passes seeks to make lighter
+_TRIES = 4  # of materials, from the weakest that may be strong enough
+_MAY = 0.8  # of the strength that is needed: weaker ones are not tried
+_MATERIAL = ".material"
+# R20 of ISO 3:1973, as the package renard 1.3 lists it: steps of about 12 %.
+_R20 = (
+    1.0, 1.12, 1.25, 1.4, 1.6, 1.8, 2.0, 2.24, 2.5, 2.8, 3.15, 3.55, 4.0, 4.5, 5.0, 5.6, 6.3, 7.1,
+    8.0, 9.0,
+)  # fmt: skip
 
 Verify = Callable[[tuple[str, ...]], DesignResult]
-
-
-@dataclass(frozen=True)
-class Change:
-    """One input with another value, and what it does.
-
-    key, was, value  the input and its values as written
-    parts            that pass with it, of those that it is meant for
-    safety, least    of the check that then governs these: at its value, at the end of its bars
-    required         safety that this check must show
-    governing        that check in words
-    mass             t, of all parts; saved is what it is less than before
-    verified         the verdict of a check by the deciding model; None where none was made
-    """
-
-    key: str
-    was: str
-    value: str
-    parts: tuple[str, ...]
-    safety: float
-    least: float
-    required: float
-    governing: str
-    mass: float
-    saved: float
-    verified: Status | None = None
-    verified_safety: float | None = None
-
-    @property
-    def override(self) -> str:
-        """The change as `--set` takes it."""
-        return f"{self.key}={self.value}"
 
 
 @dataclass(frozen=True)
@@ -94,28 +71,11 @@ class Improved:
             "status": str(self.result.status),
             "open": list(self.open),
             "changes": [
-                {
-                    "key": change.key,
-                    "was": change.was,
-                    "value": change.value,
-                    "parts": list(change.parts),
-                    "safety": _number(change.safety),
-                    "least safety": _number(change.least),
-                    "required": change.required,
-                    "governing": change.governing,
-                    "mass [kg]": 1e3 * change.mass,
-                    "saved [kg]": 1e3 * change.saved,
-                    "verified": None if change.verified is None else str(change.verified),
-                    "verified safety": change.verified_safety,
-                    "command": f"ballesta check {self.result.file} --set '{change.override}'",
-                }
+                change.to_dict()
+                | {"command": f"ballesta check {self.result.file} --set '{change.override}'"}
                 for change in self.changes
             ],
         }
-
-
-def _number(value: float) -> float | None:
-    return value if isfinite(value) else None
 
 
 def improve(
@@ -139,14 +99,24 @@ def improve(
     checked = check or _checker(path, overrides, effort)
     result = checked(())
     search = _Search(design, result)
-    wanted = search.open or tuple(part.name for part in result.parts)
-    found = search.dimensions(wanted, say)
-    if search.open:
-        found += search.materials(search.open)
-    best = _ranked(found)
+    best = _ranked(search.changes(say))
     if verify:
         best = [_verified(change, checked((change.override,)), say) for change in best]
     return Improved(result, search.open, tuple(best))
+
+
+def with_changes(
+    design: Design, result: DesignResult, say: Callable[[str], None] = lambda _: None
+) -> DesignResult:
+    """The result with its three best single changes for the part that decides, and its like.
+
+    None where only the linkage does not pass. Where all pass, the two heaviest shapes are tried.
+    """
+    search = _Search(design, result)
+    found = search.changes(say, shapes=_HEAVIEST)
+    if search.open:
+        found = [change for change in found if result.deciding.part in change.parts]
+    return replace(result, changes=_ranked(found)[:_BEST])
 
 
 def _checker(path: Path, overrides: Sequence[str], effort: Effort) -> Verify:
@@ -159,15 +129,20 @@ def _checker(path: Path, overrides: Sequence[str], effort: Effort) -> Verify:
 
 
 def _ranked(found: Iterable[Change]) -> list[Change]:
-    """The three best for each set of parts: the lightest dimensions, then materials.
+    """The three best for each set of parts, one of them a material if one helps.
 
-    Those for more parts come first.
+    Dimensions by mass, the lightest first, then the material. Those for more parts come first.
     """
     sets: dict[tuple[str, ...], list[Change]] = {}
-    for change in sorted(found, key=lambda change: (change.saved == 0, change.mass, change.key)):
+    for change in sorted(found, key=lambda change: (change.mass, change.key)):
         sets.setdefault(change.parts, []).append(change)
     ordered = sorted(sets.items(), key=lambda item: (-len(item[0]), item[0]))
-    return [change for _, changes in ordered for change in changes[:_BEST]]
+    best: list[Change] = []
+    for _, changes in ordered:
+        materials = [change for change in changes if change.key.endswith(_MATERIAL)][:1]
+        sizes = [change for change in changes if not change.key.endswith(_MATERIAL)]
+        best += [*sizes[: _BEST - len(materials)], *materials]
+    return best
 
 
 def _verified(change: Change, result: DesignResult, say: Callable[[str], None]) -> Change:
@@ -196,8 +171,11 @@ class _Search:
             for part in result.parts
             if any(check.status is not Status.PASS for check in part.checks)
         )
-        (self.base,) = screen(design, [{}])
+        self._linkage_open = any(check.status is not Status.PASS for check in result.linkage)
+        self._screening = Screening(design)
+        self.base = self._screening.of({})
         known = {_name(check): check for part in result.parts for check in part.checks}
+        self._methods = {name: check.method for name, check in known.items()}
         self._ratios: dict[tuple[str, str, str], tuple[float, float, bool]] = {}
         for check in self.base.checks:
             better = known.get(_name(check))
@@ -207,56 +185,87 @@ class _Search:
                 ratios = better.value / check.value, reach, same
                 self._ratios[_name(check)] = ratios
 
+    def changes(self, say: Callable[[str], None], *, shapes: int | None = None) -> list[Change]:
+        """Changes with which the open parts pass, or that save mass where all passes.
+
+        shapes  that may save mass: the heaviest; None for all
+        """
+        if self.open:
+            known = tuple(part for part in self.open if self.reserve(self.base, (part,)) > 0)
+            return self.dimensions(known, say) + self.materials(known)
+        if self._linkage_open or not self.base.checks:  # no formula screens the linkage
+            return []
+        shared: dict[str, list[str]] = {}
+        for part in self.result.parts:
+            shared.setdefault(self._owners(part.name)[-1], []).append(part.name)
+        heaviest = sorted(
+            shared.values(), key=lambda parts: -sum(self.base.masses[part] for part in parts)
+        )
+        return self.dimensions(tuple(part for parts in heaviest[:shapes] for part in parts), say)
+
     def dimensions(self, wanted: tuple[str, ...], say: Callable[[str], None]) -> list[Change]:
         """Changes of one dimension each, for the wanted parts that it matters for."""
-        was = {
-            key: dimension
-            for key, value in self.design.inputs
-            if (dimension := _dimension(key, value)) is not None
-        }
-        tried = self._screened(
-            [(key, value * factor) for key, (value, _) in was.items() for factor in _ASIDE], was
-        )
         found: list[Change | None] = []
-        for key, (value, _) in was.items():
-            below, above = (tried[key, value * factor] for factor in _ASIDE)
-            if below.problem or above.problem:
+        for key, text in self.design.inputs:
+            dimension = _dimension(key, text)
+            own = self._parts_of(key, wanted)
+            if dimension is None or not own:
+                continue
+            value, unit = dimension
+            aside = self._screened(key, value * _STEP, unit, own)
+            if aside.problem:
                 continue
             exponents = {
-                part: self._exponent(part, below, above)
-                for part in wanted
+                part: self._exponent(part, aside)
+                for part in own
                 if isfinite(self.reserve(self.base, (part,)))
             }
             parts = tuple(part for part, p in exponents.items() if abs(p) > _MATTERS)
-            saves = below.mass != above.mass
+            saves = aside.mass != self.base.mass
             if parts and (self.open or saves):
                 say(f"{key}: {', '.join(parts)}")
-                found.append(self._change(key, was, parts, exponents[parts[0]]))
+                found.append(self._change(key, value, unit, parts, exponents[parts[0]]))
         return [change for change in found if change is not None]
 
     def materials(self, wanted: tuple[str, ...]) -> list[Change]:
         """The weakest of the known materials with which parts pass, for each key of one."""
-        materials = sorted(known_materials().values(), key=lambda found: found.ultimate_stress)
+        known = known_materials()
         found = []
         for key, value in self.design.inputs:
-            match = re.fullmatch(r"parts\.(\w+)\.material", key)
-            if not match or value not in known_materials():
+            own = self._parts_of(key, wanted)
+            if not key.endswith(_MATERIAL) or value not in known or not own:
                 continue
-            others = [m.name for m in materials if m.name != value and m.ductile]
-            for name, one in zip(
-                others, screen(self.design, [{key: name} for name in others]), strict=True
-            ):
+            least = known[value].ultimate_stress * _MAY / self.reserve(self.base, own)
+            others = sorted(
+                (m for m in known.values() if m.ductile and m.ultimate_stress >= least),
+                key=lambda m: m.ultimate_stress,
+            )
+            for name in [m.name for m in others if m.name != value][:_TRIES]:
+                one = self._screening.of({key: name}, own)
                 if one.problem:
                     continue
                 parts = tuple(
                     part
-                    for part in wanted
+                    for part in own
                     if self.reserve(one, (part,)) >= 1 > self.reserve(self.base, (part,))
                 )
                 if parts:
-                    found.append(self._told(key, value, name, parts, one))
+                    found.append(self._told(key, value, name, name, parts, one))
                     break
         return found
+
+    def _parts_of(self, key: str, wanted: tuple[str, ...]) -> tuple[str, ...]:
+        """The wanted parts whose shape or material a key states: its own, and those like it."""
+        match = re.match(r"parts\.(\w+)\.", key)
+        return tuple(part for part in wanted if match and match[1] in self._owners(part))
+
+    def _owners(self, part: str) -> list[str]:
+        """A part, the part that it is like, and so on."""
+        stated = dict(self.design.inputs)
+        owners = [part]
+        while (like := stated.get(f"parts.{owners[-1]}.like")) and like not in owners:
+            owners.append(like)
+        return owners
 
     def reserve(self, one: Screened, parts: Sequence[str]) -> float:
         """The least reserve of some parts' checks; 0 where a check has no upper end."""
@@ -276,24 +285,39 @@ class _Search:
             found.append((least / check.required, safety, least, check))
         return found
 
-    def _exponent(self, part: str, below: Screened, above: Screened) -> float:
-        first, second = (self.reserve(one, (part,)) for one in (below, above))
+    def _exponent(self, part: str, aside: Screened) -> float:
+        first, second = (self.reserve(one, (part,)) for one in (self.base, aside))
         if not 0 < first < inf or not 0 < second < inf:
             return 0.0
-        return log(second / first) / log(_ASIDE[1] / _ASIDE[0])
+        return log(second / first) / log(_STEP)
 
     def _change(
-        self,
-        key: str,
-        was: Mapping[str, tuple[float, str]],
-        parts: tuple[str, ...],
-        exponent: float,
+        self, key: str, old: float, unit: str, parts: tuple[str, ...], exponent: float
     ) -> Change | None:
+        """The least change of a dimension with which the parts pass, at a standard size."""
+        outward = exponent > 0  # whether larger is safer
+        least = self._least(key, old, unit, parts, exponent)
+        if least is None:
+            return None
+        value, one = least
+        if unit != "deg" and value != old:
+            size = _standard(value, up=outward)
+            beyond = (size > old) if (value > old) else (size < old)
+            if beyond and 1 / MOST <= size / old <= MOST:
+                other = self._screened(key, size, unit, parts)
+                if not other.problem and self.reserve(other, parts) >= 1:
+                    value, one = size, other
+        was, now, just = (_written(number, unit) for number in (old, value, least[0]))
+        change = self._told(key, was, now, just, parts, one)
+        return change if self.open or change.saved > 0 else None
+
+    def _least(
+        self, key: str, old: float, unit: str, parts: tuple[str, ...], exponent: float
+    ) -> tuple[float, Screened] | None:
         """The value of a dimension at which the parts just pass."""
-        old, unit = was[key]
         points = [(old, self.reserve(self.base, parts))]
         best: tuple[float, Screened] | None = None
-        outward = exponent > 0  # whether larger is safer
+        outward = exponent > 0
         p = exponent
         for step in range(_SECANTS):
             x, r = points[-1]
@@ -304,7 +328,7 @@ class _Search:
                 aim = _rounded(x * (1 + (_NEXT if outward else -_NEXT)), old, up=outward)
             if any(aim == x for x, _ in points):
                 break
-            one = self._screened([(key, aim)], was)[key, aim]
+            one = self._screened(key, aim, unit, parts)
             if one.problem:
                 return None
             reached = self.reserve(one, parts)
@@ -317,37 +341,30 @@ class _Search:
                 (x0, r0), (x1, r1) = points[-2:]
                 slope = log(r1 / r0) / log(x1 / x0)
                 p = slope if slope * exponent > 0 else exponent
-        if best is None:
-            return None
-        value, one = best
-        change = self._told(key, _written(old, unit), _written(value, unit), parts, one)
-        return change if self.open or change.saved > 0 else None
+        return best
 
     def _told(
-        self, key: str, was: str, value: str, parts: tuple[str, ...], one: Screened
+        self, key: str, was: str, value: str, least: str, parts: tuple[str, ...], one: Screened
     ) -> Change:
-        _, safety, least, check = min(self._reserves(one, parts), key=lambda found: found[0])
+        _, safety, lower, check = min(self._reserves(one, parts), key=lambda found: found[0])
+        decided = self._methods.get(_name(check), check.method)
         return Change(
             key,
             was,
             value,
+            least,
             parts,
             safety,
-            least,
+            lower,
             check.required,
             f"{check.part} {check.kind}",
+            decided,
             float(one.mass),
             float(self.base.mass - one.mass),
         )
 
-    def _screened(
-        self, values: Sequence[tuple[str, float]], was: Mapping[str, tuple[float, str]]
-    ) -> dict[tuple[str, float], Screened]:
-        found = screen(self.design, [{key: _written(x, was[key][1])} for key, x in values])
-        return dict(zip(values, found, strict=True))
-
-
-_ASIDE = (1 - _STEP, 1 + _STEP)
+    def _screened(self, key: str, value: float, unit: str, parts: tuple[str, ...]) -> Screened:
+        return self._screening.of({key: _written(value, unit)}, parts)
 
 
 def _name(check: Check) -> tuple[str, str, str]:
@@ -372,6 +389,19 @@ def _rounded(value: float, old: float, *, up: bool) -> float:
     unit = 10.0 ** max(floor(log10(change)) - _DIGITS + 1, floor(log10(old)) - 2)
     count = value / unit
     return round((ceil(count - 1e-9) if up else floor(count + 1e-9)) * unit, 9)
+
+
+def _standard(value: float, *, up: bool) -> float:
+    """The next length of R20 on one side, or the value if it is one.
+
+    >>> _standard(6.42, up=True), _standard(5.42, up=False), _standard(80.0, up=True)
+    (7.1, 5.0, 80.0)
+    """
+    decade = 10.0 ** floor(log10(value))
+    sizes = [round(decade * size * ten, 9) for ten in (0.1, 1.0, 10.0) for size in _R20]
+    if up:
+        return next(size for size in sizes if size >= value * (1 - 1e-9))
+    return next(size for size in reversed(sizes) if size <= value * (1 + 1e-9))
 
 
 def _written(value: float, unit: str) -> str:

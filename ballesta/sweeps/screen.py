@@ -8,7 +8,7 @@ rung `formula` with its error bars and by the checks that are formulas anyway.
 """
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from math import ceil
@@ -96,25 +96,25 @@ def screen(
     A variation's `problem` says what is wrong with it. Raises DesignError and NumericsError
     for the design itself. What a whole check asks besides is `NOT_ASKED`.
     """
-    wanted = [_overrides(variation) for variation in variations]
-    known = _Known(design)  # what is wrong with the design itself is raised here
+    screening = Screening(design)  # what is wrong with the design itself is raised here
     if processes == 1:
-        return [_screened(known, overrides) for overrides in wanted]
+        return [screening.of(variation) for variation in variations]
+    wanted = [_overrides(variation) for variation in variations]
     size = max(1, ceil(len(wanted) / (_SHARES * processes)))
     shares = [wanted[start : start + size] for start in range(0, len(wanted), size)]
     with ProcessPoolExecutor(processes, initializer=_begin, initargs=(design,)) as pool:
         return [one for found in pool.map(_share_screened, shares) for one in found]
 
 
-_begun: list["_Known"] = []  # in a process of a pool: the design that it screens by
+_begun: list["Screening"] = []  # in a process of a pool: the design that it screens by
 
 
 def _begin(design: Design) -> None:
-    _begun.append(_Known(design))
+    _begun.append(Screening(design))
 
 
 def _share_screened(share: list[tuple[str, ...]]) -> list[Screened]:
-    return [_screened(_begun[-1], overrides) for overrides in share]
+    return [_begun[-1].of(overrides) for overrides in share]
 
 
 def _overrides(variation: Variation) -> tuple[str, ...]:
@@ -123,8 +123,11 @@ def _overrides(variation: Variation) -> tuple[str, ...]:
     return tuple(variation)
 
 
-class _Known:
-    """A design whose cycles are solved, to solve those of its variations by."""
+class Screening:
+    """A design whose cycles are solved, to screen its variations one by one.
+
+    Raises DesignError and NumericsError for the design itself.
+    """
 
     def __init__(self, design: Design) -> None:
         self.design = design
@@ -156,17 +159,22 @@ class _Known:
                     afresh = True
         return solved, afresh
 
+    def of(self, variation: Variation, parts: Collection[str] = ()) -> Screened:
+        """Check one variation by formula; its `problem` says what is wrong with it.
 
-def _screened(known: _Known, overrides: tuple[str, ...]) -> Screened:
-    design = known.design
-    try:
-        varied = read_design(design.file, (*design.overrides, *overrides))
-        return _checked(known, varied, overrides)
-    except (DesignError, NumericsError) as error:
-        return Screened(overrides=overrides, problem=str(error))
+        parts  whose checks are wanted; none for all
+        """
+        overrides = _overrides(variation)
+        try:
+            varied = read_design(self.design.file, (*self.design.overrides, *overrides))
+            return _checked(self, varied, overrides, parts)
+        except (DesignError, NumericsError) as error:
+            return Screened(overrides=overrides, problem=str(error))
 
 
-def _checked(known: _Known, design: Design, overrides: tuple[str, ...]) -> Screened:
+def _checked(
+    known: Screening, design: Design, overrides: tuple[str, ...], parts: Collection[str] = ()
+) -> Screened:
     masses = part_masses(design, known.models)
     solved, afresh = known.solve(design, masses)
     if design.dynamics.apply:
@@ -183,6 +191,8 @@ def _checked(known: _Known, design: Design, overrides: tuple[str, ...]) -> Scree
         with told_of_part(design, part):
             body = known.models.body(part.geometry)
             weights[part.name] = body.mass_properties(part.material.density).mass
+            if parts and part.name not in parts:
+                continue
             loaded = LoadedPart.of(design, part, runs, known.models)
             why = _check_part(loaded, body, checks, gates)
         if why:

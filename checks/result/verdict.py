@@ -237,6 +237,61 @@ class Way:
         return {name: getattr(self, name) for name in self.__dataclass_fields__}
 
 
+@dataclass(frozen=True)
+class Change:
+    """One input with another value, and its effect: an estimate until a check has verified it.
+
+    key, was, value  the input and its values as written; least is the value at which it just
+                     passes, where `value` is the next standard size
+    parts            that pass with it, of those that it is meant for
+    safety, lower    of the check that then governs these: at its value, at the end of its bars
+    required         safety that this check must show
+    governing        that check in words
+    model            whose error bars the safety has
+    mass             t, of all parts; saved is the mass that it takes away
+    verified         the verdict of a check by the deciding model; None where none was made
+    """
+
+    key: str
+    was: str
+    value: str
+    least: str
+    parts: tuple[str, ...]
+    safety: float
+    lower: float
+    required: float
+    governing: str
+    model: str
+    mass: float
+    saved: float
+    verified: Status | None = None
+    verified_safety: float | None = None
+
+    @property
+    def override(self) -> str:
+        """The change as `--set` takes it."""
+        return f"{self.key}={self.value}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """The change as plain data; masses in kg."""
+        return {
+            "key": self.key,
+            "was": self.was,
+            "value": self.value,
+            "least": self.least,
+            "parts": list(self.parts),
+            "safety": self.safety if isfinite(self.safety) else None,
+            "lower_safety": self.lower if isfinite(self.lower) else None,
+            "required": self.required,
+            "governing": self.governing,
+            "model": self.model,
+            "mass_kg": 1e3 * self.mass,
+            "saved_kg": 1e3 * self.saved,
+            "verified": None if self.verified is None else str(self.verified),
+            "verified_safety": self.verified_safety,
+        }
+
+
 def check_ids(checks: Sequence[Check]) -> list[str]:
     """Identifiers of the checks of a part or of the linkage, for programs that compare results.
 
@@ -415,6 +470,7 @@ class DesignResult:
     motion    cycle -> how the parts move in it; none of a run that was measured
     assumed_by_design  keys of `assumed` that the design itself marks; the others are the tool's
     ways     out of what is open, the cheapest first (checks/result/ways.py)
+    changes  single changes that make it pass, or save mass, best first; none where none were sought
     date     of the check, as 2026-11-23; "" if not known
     """
 
@@ -438,6 +494,7 @@ class DesignResult:
     motion: "Mapping[str, Motion]" = field(default_factory=dict)
     assumed_by_design: Sequence[str] = ()
     ways: Sequence[Way] = ()
+    changes: Sequence[Change] = ()
     date: str = ""
 
     @property
@@ -499,4 +556,5 @@ class DesignResult:
             "command": self.command,
             "timings": dict(self.timings),
             "ways_out": [way.to_dict() for way in self.ways],
+            "changes": [change.to_dict() for change in self.changes],
         }

@@ -10,11 +10,28 @@ from dataclasses import replace
 from math import ceil, floor, inf, isfinite, log10
 from shlex import quote
 
-from checks.result.verdict import Check, DesignResult, Gate, PartResult, RungTried, Status, Way
-from checks.result.words import check_titles, gate_sentence, number, open_reason
+from checks.result.verdict import (
+    Change,
+    Check,
+    DesignResult,
+    Gate,
+    PartResult,
+    RungTried,
+    Status,
+    Way,
+)
+from checks.result.words import (
+    check_titles,
+    gate_sentence,
+    need_text,
+    number,
+    open_reason,
+    safety_text,
+)
 
 SOLID = "solid"
 NOTHING = "nothing here settles it"  # begins the text of a way that is none
+SAVED = "least mass by single changes"
 LEAST = "least single changes"  # of a dimension or a material
 _FINEST = 0.003  # of a value: a smaller numerical bar is not asked of a mesh
 _MOST_UNKNOWNS = 300_000  # that a design allows where it states nothing
@@ -98,6 +115,19 @@ def _excess(check: Check) -> float:
     demand = check.upper * check.required
     known = demand > check.limit and isfinite(demand)
     return 100.0 * (1.0 - check.limit / demand) if known else 0.0
+
+
+def change_text(change: Change) -> str:
+    """A single change in words: its values, safety with its range, and mass."""
+    now = f"now {change.was}"
+    if change.least != change.value:
+        now += f", least {change.least}"
+    safety = safety_text(change.safety, change.required)
+    lower = safety_text(change.lower, change.required)
+    within = "" if lower == safety else f", {lower} with its bars"
+    need = f"; {need_text(change.required)} required"
+    mass = f"{number(1e3 * change.mass)} kg ({-1e3 * change.saved:+.2g})"
+    return f"{change.key}={change.value} ({now}): safety {safety}{within}{need}; {mass}"
 
 
 def improve_command(result: DesignResult) -> str:
