@@ -17,6 +17,7 @@ from scipy.stats import qmc
 from ballesta.design.read import read_design
 from ballesta.machine.elastic_parts import compliances_of
 from ballesta.machine.solved_cycles import part_masses, solve_cycles
+from bench.levers import TURNS, drawn_levers
 from checks.design.data import Design, Part
 from checks.design.errors import DesignError
 from checks.part.loaded_part import LoadedPart, check_reach
@@ -127,6 +128,8 @@ SCENES = (
             "contact_length": (0.7, 1.5),
         },
     ),
+    Scene("straight", "lever", 40, {}),
+    Scene("bent", "lever", 40, {}),
 )
 
 
@@ -168,7 +171,16 @@ class Machines:
         return self._solved[name]
 
     def variations(self, scene: Scene) -> Iterator[Variation]:
-        """The part of a scene as it is, then its variations."""
+        """The part of a scene as it is, then its variations; of levers the random ones."""
+        if scene.design in TURNS:
+            for number, (numbers, design, cycles) in enumerate(
+                drawn_levers(scene.design, scene.count)
+            ):
+                part = design.parts[scene.part]
+                yield Variation(
+                    scene, number, numbers, design, part, loads_on(design, part, cycles)
+                )
+            return
         design, cycles = self.solved(scene.design)
         part = design.parts[scene.part]
         loads = loads_on(design, part, cycles)

@@ -13,6 +13,7 @@ import numpy as np
 from geometry.cad_body import SolidBody
 from geometry.mesh import FloatArray
 from geometry.parts import LeafPack, Pin, PlateLink, PrismaticTube, ToggleBar
+from geometry.parts.plate import Plate
 
 _GAUSS_POINTS = 24  # per piece; the pieces are smooth in the root of the distance to their start
 
@@ -32,6 +33,8 @@ def closed_body(shape: object) -> SolidBody | None:
             return _plate_link(shape)
         case LeafPack():
             return _leaf_pack(shape)
+        case Plate():
+            return _plate(shape)
         case _:
             return None
 
@@ -94,6 +97,14 @@ def _plate_link(shape: PlateLink) -> SolidBody:
     for interface in shape.placed_interfaces:
         solid -= _disc(float(interface.centre[0]), interface.radius, thick)
     return solid.body(shape, max(shape.length + shape.width, thick))
+
+
+def _plate(shape: Plate) -> SolidBody:
+    found, thick = shape.outline.moments, shape.thickness
+    interfaces = {interface.name: interface for interface in shape.placed_interfaces}
+    centre = np.array([found.centre.real, found.centre.imag, 0.0])
+    extent = max(shape.outline.size, thick)
+    return SolidBody(interfaces, found.area * thick, centre, found.polar * thick, extent)
 
 
 def _leaf_pack(shape: LeafPack) -> SolidBody:

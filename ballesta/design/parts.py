@@ -7,11 +7,12 @@ from typing import Any
 
 import loads
 from ballesta.design.files import Sources
+from ballesta.design.plate_parts import plate_geometry, shape_name
 from ballesta.design.step_parts import step_geometry
 from checks.design.data import Part, Roller
 from checks.design.errors import DesignError, Problems
 from checks.design.materials import Material, known_materials
-from checks.design.model import BodyPartEntry, DesignFile, StepPartEntry
+from checks.design.model import BodyPartEntry, DesignFile, PlatePartEntry, StepPartEntry
 from checks.design.names import LINKAGE, listed, no_such
 from checks.design.stacks import check_stacks
 from checks.design.strength import FkmStrength, fkm_of
@@ -21,6 +22,7 @@ from geometry.parameters import GIVEN_BY_DESIGN, GIVEN_BY_LINKAGE, ParameterErro
 from geometry.part_sizes import check_sizes, key_of
 from geometry.parts import SHAPES, Pin, Seat
 
+_WITH_HOLES = (StepPartEntry, PlatePartEntry)  # whose interfaces are holes that the entry names
 SLIDING = ("contact", "slot")  # interfaces of shapes on which a slot or guide of the linkage runs
 _LONGEST = 200  # bytes of a name: systems allow 255 for a file, with its suffix
 _SHOWN = 40  # letters of a name that is longer
@@ -90,7 +92,11 @@ def parts_of(
             continue
         try:
             if isinstance(entry, StepPartEntry):
-                geometry = step_geometry(key, entry, bodies[entry.body].points, sources)
+                geometry: Any = step_geometry(key, entry, bodies[entry.body].points, sources)
+            elif isinstance(entry, PlatePartEntry):
+                points = bodies[entry.body].points
+                order = file.bodies[entry.body].pins
+                geometry = plate_geometry(key, entry, order, points, sources)
             else:
                 geometry = _geometry(entry, bodies)
         except DesignError as error:
@@ -98,7 +104,7 @@ def parts_of(
             continue
         except ParameterError as error:
             field = "stack" + error.field[5:] if error.field.startswith("seats") else error.field
-            if not isinstance(entry, StepPartEntry):
+            if not isinstance(entry, _WITH_HOLES):
                 field = key_of(SHAPES[entry.shape], field)
             problems.add(f"{key}.{field}", error.problem)
             continue
@@ -128,7 +134,7 @@ def _rollers(
     sliding = [name for name in entry.interfaces if name in SLIDING]
     rollers = {}
     for name, contact in entry.contacts.items():
-        if name not in sliding or isinstance(entry, StepPartEntry):
+        if name not in sliding or isinstance(entry, _WITH_HOLES):
             known = no_such("sliding interface of the part", name, sliding)
             problems.add(f"{key}.contacts.{name}", known)
         elif contact.material is not None and contact.material not in materials:
@@ -195,7 +201,7 @@ def _part(
     beside = _beside(entry, file) if is_body else {}
     return Part(
         name=name,
-        shape=entry.shape.step if isinstance(entry, StepPartEntry) else entry.shape,
+        shape=_shape_name(entry),
         geometry=geometry,
         material=material,
         body=entry.body if is_body else None,
@@ -219,6 +225,14 @@ def _part(
         beside=beside,
         clearances=clearances,
     )
+
+
+def _shape_name(entry: Any) -> str:
+    if isinstance(entry, StepPartEntry):
+        return entry.shape.step
+    if isinstance(entry, PlatePartEntry):
+        return shape_name(entry)
+    return str(entry.shape)
 
 
 def _beside(entry: Any, file: DesignFile) -> dict[str, dict[str, float]]:
@@ -266,11 +280,11 @@ def _sits_in_body(
         problems.add(f"{key}.body", no_such("body", entry.body, file.bodies))
         return False
     right = True
-    step = isinstance(entry, StepPartEntry)
-    wanted = tuple(entry.holes) if step else SHAPES[entry.shape].interfaces
-    kind = "hole of the part" if step else f"interface of {entry.shape}"
+    holes = isinstance(entry, _WITH_HOLES)
+    wanted = tuple(entry.holes) if holes else SHAPES[entry.shape].interfaces
+    kind = "hole of the part" if holes else f"interface of {entry.shape}"
     pins = file.bodies[entry.body].pins
-    sliding = () if step else SLIDING
+    sliding = () if holes else SLIDING
     lines = [
         name
         for name, joined in joints.items()

@@ -7,6 +7,7 @@ from ballesta.design.files import Sources
 from checks.design.data import Pair, Part
 from checks.design.model import StepPartEntry
 from geometry.bounded_files import MOST_CAD, read_bounded
+from geometry.parts.plate import Plate
 from geometry.parts.step_part import NamedHole, StepPart
 
 
@@ -19,7 +20,7 @@ def step_geometry(
     """
     shape = f"{key}.shape.step"
     path = sources.file_of(shape).parent / entry.shape.step
-    _add_to_sources(shape, entry.shape.step, sources)
+    add_to_sources(shape, entry.shape.step, sources)
     at = [points[point] for point in entry.interfaces.values()]
     return StepPart(
         path=path,
@@ -28,7 +29,7 @@ def step_geometry(
             for name in entry.interfaces
             for hole in (entry.holes[name],)
         ),
-        places=tuple(_from(at[0], at[1], point) for point in at),
+        places=tuple(from_frame(at[0], at[1], point) for point in at),
         tolerance=entry.hole_tolerance,
         flip=entry.flip,
         section=entry.section,
@@ -36,15 +37,15 @@ def step_geometry(
 
 
 def told_of_steps(parts: Mapping[str, Part]) -> Iterator[tuple[str, str]]:
-    """Reading of each part's STEP file: its key, and solid, unit and holes in words."""
+    """Reading of each part's STEP file or drawing: its key, and unit and holes in words."""
     for name, part in parts.items():
         shape: object = part.geometry
-        if isinstance(shape, StepPart):
+        if isinstance(shape, StepPart | Plate):
             yield from ((f"parts.{name}.shape", said) for said in shape.told)
 
 
-def _add_to_sources(key: str, name: str, sources: Sources) -> None:
-    """Read the text; CAD programs write names in whatever encoding, which changes no geometry."""
+def add_to_sources(key: str, name: str, sources: Sources) -> None:
+    """Read a CAD file's text; names in it may be in any encoding, which changes no geometry."""
     path = sources.file_of(key).parent / name
     try:
         text = read_bounded(path, MOST_CAD)
@@ -56,7 +57,7 @@ def _add_to_sources(key: str, name: str, sources: Sources) -> None:
     sources.read_beside(key, name, MOST_CAD)
 
 
-def _from(origin: Pair, towards: Pair, point: Pair) -> Pair:
+def from_frame(origin: Pair, towards: Pair, point: Pair) -> Pair:
     """Return a point in the frame with its x axis from one point towards another."""
     angle = atan2(towards[1] - origin[1], towards[0] - origin[0])
     x, y = point[0] - origin[0], point[1] - origin[1]

@@ -12,7 +12,7 @@ import numpy as np
 from checks.design.data import Part
 from checks.handbook.lugs import ball_ligament
 from checks.joints.lugs import lugs_of
-from checks.joints.tear_planes import tear_lengths
+from checks.joints.tear_planes import plate_tear_lengths, tear_lengths
 from checks.part.derived import EXACT, Heading, Series, shear_yield, yield_stress
 from checks.part.first_maximum import first_largest
 from checks.part.kind import Kind
@@ -22,6 +22,7 @@ from checks.result.verdict import Check
 from geometry.cad_body import SolidBody
 from geometry.mesh import FloatArray, Mesh
 from geometry.parts import PlateLink, SlottedLever, ToggleBar, TubeRod
+from geometry.parts.plate import Plate
 from geometry.parts.step_part import StepPart
 
 SHEAR_OUT = Kind(
@@ -125,11 +126,20 @@ def ligaments(part: Part, body: Mesh | SolidBody, interface: str) -> list[Ligame
             Ligament(outward, (shape.thickness * (beyond - shape.hole / 2),), end),
             Ligament(inward, (shape.thickness * (inner - shape.hole / 2),), "the slot"),
         ]
+    if isinstance(shape, Plate):
+        return [_of_plate(shape, interface)]
     if isinstance(shape, StepPart):
         if not isinstance(body, Mesh):
             raise TypeError("the ligaments of a CAD part are measured on its mesh")
         return [ligament_all_round(body, interface)]
     return []
+
+
+def _of_plate(plate: Plate, name: str) -> Ligament:
+    """The ligament of a plate's hole in every direction, by its outline."""
+    angles = 2 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
+    areas = plate.thickness * plate_tear_lengths(plate, name, angles.tolist())
+    return Ligament(None, tuple(areas.tolist()), "the wall that the force points at")
 
 
 def ligament_all_round(mesh: Mesh, name: str) -> Ligament:

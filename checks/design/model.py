@@ -11,6 +11,7 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, create_model
 
 from checks.design.materials import MaterialEntry
 from checks.design.measured_entry import MeasuredEntry
+from checks.design.plate_entry import PlateHoleEntry, PlateShapeEntry, is_plate
 from checks.design.step_entry import STEP_SUFFIXES, HoleEntry, Section2, StepFile, StepShape
 from checks.design.tables import (
     BodyEntry,
@@ -245,6 +246,26 @@ class StepPartEntry(BodyPartEntry):
     )
 
 
+class PlatePartEntry(BodyPartEntry):
+    """A flat plate with any number of pins: a lever, or a plate from a drawing.
+
+    Its interfaces are holes that the entry names; the points of the linkage say where they are. Of
+    a drawing the point of the first pin of the body is the origin of the part's frame.
+    """
+
+    shape: PlateShapeEntry
+    thickness: PositiveLength = Field(description="thickness of the plate")
+    holes: dict[Name, PlateHoleEntry] = Field(min_length=2, description="interface = its hole")
+    hole_tolerance: PositiveLength = Field(
+        "0.05 mm",
+        validate_default=True,
+        description="largest difference of diameters and places between drawing and linkage",
+    )
+    flip: Annotated[bool, Field(strict=True)] = Field(
+        False, description="drawing: turn the plate round, so that its other side is up"
+    )
+
+
 class PinPartEntry(PartEntry):
     """A part that joins bodies at a point."""
 
@@ -272,16 +293,19 @@ def shape_model(name: str, shape: type[Any]) -> type[PartEntry]:
     return model
 
 
-STEP = "step"
+STEP, PLATE = "step", "plate"
 PART_MODELS: dict[str, type[PartEntry]] = {
     **{name: shape_model(name, shape) for name, shape in SHAPES.items()},
     STEP: StepPartEntry,
+    PLATE: PlatePartEntry,
 }
 
 
 def _kind_of_part(value: Any) -> Any:
-    """Return the name of the model of a part: its shape, or `step` where that is a table."""
+    """Return the name of the model of a part: its shape, `step` or `plate` where it is a table."""
     shape = value.get("shape") if isinstance(value, dict) else getattr(value, "shape", None)
+    if is_plate(shape):
+        return PLATE
     if isinstance(shape, dict | StepFile):
         return STEP
     return STEP if isinstance(shape, str) and shape.lower().endswith(STEP_SUFFIXES) else shape

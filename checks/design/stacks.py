@@ -7,6 +7,7 @@ from typing import Any
 from checks.design.data import Part
 from checks.design.errors import Problems
 from geometry.parts import Pin
+from geometry.parts.plate import Plate
 from geometry.parts.step_part import StepPart
 
 APART = 0.1  # mm, between where a force acts and where the model of a part has it
@@ -66,13 +67,15 @@ def _hole(part: Part, interface: str) -> float | None:
     if isinstance(shape, StepPart):
         hole = next(hole for hole in shape.holes if hole.name == interface)
         return float(hole.diameter) if hole.kind == "bore" else None
+    if isinstance(shape, Plate):
+        return next(bore.diameter for bore in shape.bores if bore.name == interface)
     found: float | None = getattr(shape, _hole_field(part, interface), None)
     return found
 
 
 def _hole_key(part: Part, interface: str) -> str:
     """The key that states that hole."""
-    if isinstance(part.geometry, StepPart):
+    if isinstance(part.geometry, StepPart | Plate):
         return f"parts.{part.name}.holes.{interface}.diameter"
     return f"parts.{part.name}.{_hole_field(part, interface)}"
 

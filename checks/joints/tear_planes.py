@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from geometry.mesh import FloatArray, IntArray, Mesh
+from geometry.parts.plate import Plate
 
 FAR = 3.0  # hole diameters of material behind which nothing tears (docs/theory/fits.md)
 _SECTOR = np.radians(np.linspace(-40.0, 40.0, 9))  # where on the hole's edge a plane may begin
@@ -62,6 +63,34 @@ def tear_lengths(mesh: Mesh, name: str, angles: Sequence[float]) -> FloatArray:
         [min(cut.shortest(radius, angle) for cut in outlines) for angle in angles], dtype=np.float64
     )
     lengths[lengths > FAR * 2 * radius] = np.inf
+    return lengths
+
+
+def plate_tear_lengths(plate: Plate, name: str, angles: Sequence[float]) -> FloatArray:
+    """The same of a plate's bore, mm, by the contours of its outline."""
+    own = next(bore for bore in plate.bores if bore.name == name)
+    starts, ends, pinned = [], [], []
+    for contour in (plate.outline.outer, *plate.outline.inner):
+        flat = contour.flat[:: 1 if contour is plate.outline.outer else -1]
+        circle = contour.circle
+        is_bore = circle is not None and any(
+            abs(circle[0] - bore.centre) < bore.diameter / 4
+            for bore in plate.bores
+            if contour is not plate.outline.outer
+        )
+        if is_bore and circle is not None and abs(circle[0] - own.centre) < own.diameter / 4:
+            is_bore = False
+        starts.append(flat)
+        ends.append(np.roll(flat, -1))
+        pinned.append(np.full(len(flat), is_bore))
+    from_, to = (np.concatenate(rows) - own.centre for rows in (starts, ends))
+    outward = -1j * (to - from_)
+    starts_, ends_, normals = (
+        np.column_stack([rows.real, rows.imag]) for rows in (from_, to, outward)
+    )
+    outline = _Outline(starts_, ends_, normals, np.concatenate(pinned))
+    lengths = np.array([outline.shortest(own.diameter / 2, angle) for angle in angles])
+    lengths[lengths > FAR * own.diameter] = np.inf
     return lengths
 
 

@@ -1,0 +1,290 @@
+"""Outlines from DXF files: entities of the model space, block references resolved."""
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geometry.biarcs import Row, as_arcs
+from geometry.bounded_files import MOST_CAD, read_bounded
+from geometry.drawings import Chain, DrawingError, Drawn, outline_of, told_place
+from geometry.outlines import bulge_of
+
+UNITS = {"in": 25.4, "ft": 304.8, "mm": 1.0, "cm": 10.0, "m": 1000.0}  # in mm
+_HEADER = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m"}  # of $INSUNITS
+_SILENT = frozenset(
+    ["TEXT", "MTEXT", "ATTDEF", "ATTRIB", "DIMENSION", "ARC_DIMENSION", "LEADER", "MULTILEADER",
+     "TOLERANCE", "HATCH", "POINT", "VIEWPORT", "IMAGE", "WIPEOUT"]
+)  # fmt: skip
+_DEFPOINTS = "defpoints"
+_PLANE = 1e-6  # mm, that a line may rise out of the drawing's plane
+_DEEPEST = 8  # blocks within blocks
+_FULL = 1e-9  # rad, short of a full turn
+
+
+@dataclass(frozen=True, eq=False)
+class DxfDrawing:
+    """What a file has: its outline, mm, and in words what was read and what was not."""
+
+    drawn: Drawn
+    told: tuple[str, ...]
+
+
+def read_dxf(path: Path, unit: str | None = None, layers: Sequence[str] = ()) -> DxfDrawing:
+    """Read the outline of a DXF file.
+
+    unit    of the drawing, a key of UNITS, where the file's header states none
+    layers  that bound the plate; without it all that are on, but Defpoints
+
+    Raises DrawingError that names the entity and its place for what is no outline.
+    """
+    document = _document(path)
+    scale, said = _unit(document, unit)
+    known = {layer.dxf.name.lower(): layer for layer in document.layers}
+    for name in layers:
+        if name.lower() not in known:
+            raise DrawingError(f"has no layer {name!r}; it has {', '.join(sorted(known))}")
+    wanted = {name.lower() for name in layers}
+    chains: list[Chain] = []
+    silent: Counter[str] = Counter()
+    for entity, name in _entities(document.modelspace(), ""):
+        layer = str(entity.dxf.layer)
+        if not _is_read(layer, wanted, known):
+            continue
+        kind = entity.dxftype()
+        if kind in _SILENT:
+            silent[kind] += 1
+            continue
+        if rows := _rows(entity, name, scale):
+            chains.append(Chain(f"{name} on layer {layer}", layer, rows))
+    try:
+        drawn = outline_of(chains)
+    except DrawingError as error:
+        if not chains and wanted:
+            raise DrawingError(f"{error} on layers {', '.join(layers)}") from None
+        raise
+    told = [said, f"{1 + len(drawn.outline.inner)} contours of {len(chains)} entities"]
+    if silent:
+        left_out = ", ".join(f"{count} {kind}" for kind, count in sorted(silent.items()))
+        told.append(f"not read, as they bound nothing: {left_out}")
+    return DxfDrawing(drawn, tuple(told))
+
+
+def _document(path: Path) -> Any:
+    from ezdxf.filemanagement import readfile
+    from ezdxf.lldxf.const import DXFError
+
+    try:
+        read_bounded(path, MOST_CAD)
+        return readfile(path)
+    except OSError as error:
+        raise DrawingError(f"cannot be read: {error.strerror or error}") from None
+    except (DXFError, ValueError, KeyError, IndexError, AttributeError) as error:
+        raise DrawingError(f"is no whole DXF file: {error}") from None
+
+
+def _unit(document: Any, unit: str | None) -> tuple[float, str]:
+    """Length of the drawing's unit, mm, and who states it."""
+    stated = _HEADER.get(int(document.header.get("$INSUNITS", 0)))
+    if stated is None and unit is None:
+        raise DrawingError(
+            f"states no unit that is read ($INSUNITS = {document.header.get('$INSUNITS', 0)}): "
+            f"state `unit`, one of {', '.join(UNITS)}"
+        )
+    if stated is not None and unit is not None and stated != unit:
+        raise DrawingError(
+            f"is drawn in {stated} by its header ($INSUNITS) and in {unit} by `unit`: leave "
+            "`unit` out, or mend the header"
+        )
+    name = unit or stated or "mm"
+    who = "by its header" if stated is not None else "as `unit` states"
+    return UNITS[name], f"drawn in {name}, {who}"
+
+
+def _is_read(layer: str, wanted: set[str], known: Any) -> bool:
+    if wanted:
+        return layer.lower() in wanted
+    entry = known.get(layer.lower())
+    hidden = entry is not None and (entry.is_off() or entry.is_frozen())
+    return not hidden and layer.lower() != _DEFPOINTS
+
+
+def _entities(space: Any, owner: str, depth: int = 0) -> Iterator[tuple[Any, str]]:
+    """Entities and their names; those of a block stand where its reference puts them."""
+    for entity in space:
+        handle = f" {entity.dxf.handle}" if entity.dxf.handle else ""
+        name = f"{entity.dxftype()}{handle}{owner}"
+        if entity.dxftype() != "INSERT":
+            yield entity, name
+            continue
+        if depth == _DEEPEST:
+            raise DrawingError(f"the {name} nests blocks more than {_DEEPEST} deep")
+        inside = f" of block {entity.dxf.name} (INSERT{handle}{owner})"
+        references = entity.multi_insert() if entity.mcount > 1 else [entity]
+        for reference in references:
+            for own, named in _entities(reference.virtual_entities(), inside, depth + 1):
+                if own.dxf.layer == "0":  # layer 0 in a block is the reference's
+                    own.dxf.layer = entity.dxf.layer
+                yield own, named
+
+
+def _rows(entity: Any, name: str, scale: float) -> list[Row]:
+    """Edges of one entity, mm."""
+    from ezdxf.upright import upright
+
+    kind = entity.dxftype()
+    if kind in ("ARC", "CIRCLE", "ELLIPSE", "LWPOLYLINE", "POLYLINE"):
+        upright(entity)  # drawn from below: turned over where it is the same in the plane
+        extrusion = entity.dxf.get("extrusion", (0.0, 0.0, 1.0))
+        if abs(extrusion[0]) + abs(extrusion[1]) > _PLANE or extrusion[2] < 0:
+            raise DrawingError(f"the {name} does not lie in the drawing's plane")
+    readers = {
+        "LINE": _line,
+        "ARC": _arc,
+        "CIRCLE": _arc,
+        "ELLIPSE": _ellipse,
+        "LWPOLYLINE": _light_polyline,
+        "POLYLINE": _polyline,
+        "SPLINE": _spline,
+    }
+    if kind not in readers:
+        place = _somewhere(entity, scale)
+        raise DrawingError(
+            f"the {name} on layer {entity.dxf.layer}{place} is nothing that bounds a plate: lines, "
+            "arcs, circles, ellipses, polylines and splines do; explode it, or leave its layer out"
+        )
+    try:
+        return [
+            (start * scale, end * scale, bulge)
+            for start, end, bulge in readers[kind](entity, name, scale)
+        ]
+    except (ValueError, ZeroDivisionError) as error:
+        if isinstance(error, DrawingError):
+            raise
+        place = _somewhere(entity, scale)
+        raise DrawingError(f"the {name}{place} cannot be followed: {error}") from None
+
+
+def _somewhere(entity: Any, scale: float) -> str:
+    """Where an entity begins, in words; nothing where it does not say."""
+    for key in ("start", "center", "insert", "location", "vtx0"):
+        if entity.dxf.hasattr(key):
+            return f" at {told_place(complex(*tuple(entity.dxf.get(key))[:2]) * scale)}"
+    points = getattr(entity, "control_points", None)
+    if points is not None and len(points):
+        return f" at {told_place(complex(*tuple(points[0])[:2]) * scale)}"
+    return ""
+
+
+def _flat(point: Any, name: str, scale: float) -> complex:
+    x, y, z = (float(value) for value in (*point, 0.0)[:3])
+    if not np.isfinite([x, y, z]).all():
+        raise DrawingError(f"the {name} has a coordinate that is no number")
+    if abs(z) * scale > _PLANE:
+        raise DrawingError(
+            f"the {name} stands out of the drawing's plane, by z = {z * scale:.4g} mm at "
+            f"{told_place(complex(x, y) * scale)}"
+        )
+    return complex(x, y)
+
+
+def _line(entity: Any, name: str, scale: float) -> list[Row]:
+    start, end = (_flat(point, name, scale) for point in (entity.dxf.start, entity.dxf.end))
+    return [(start, end, 0.0)] if start != end else []
+
+
+def _arc(entity: Any, name: str, scale: float) -> list[Row]:
+    centre, radius = _flat(entity.dxf.center, name, scale), float(entity.dxf.radius)
+    if not radius > 0:
+        raise DrawingError(
+            f"the {name} at {told_place(centre * scale)} has a radius of {radius * scale:g} mm"
+        )
+    if entity.dxftype() == "CIRCLE":
+        return [(centre + radius, centre - radius, 1.0), (centre - radius, centre + radius, 1.0)]
+    start, end = (
+        centre + radius * np.exp(1j * np.radians(angle))
+        for angle in (entity.dxf.start_angle, entity.dxf.end_angle)
+    )
+    middle = (
+        np.radians(entity.dxf.start_angle)
+        + np.radians((entity.dxf.end_angle - entity.dxf.start_angle) % 360 or 360) / 2
+    )
+    between = complex(centre + radius * np.exp(1j * middle))
+    return [
+        (complex(start), between, bulge_of(start, between, centre)),
+        (between, complex(end), bulge_of(between, end, centre)),
+    ]
+
+
+def _ellipse(entity: Any, name: str, scale: float) -> list[Row]:
+    centre, major = (_flat(entity.dxf.get(key), name, scale) for key in ("center", "major_axis"))
+    minor = 1j * major * float(entity.dxf.ratio)
+    start, end = float(entity.dxf.start_param), float(entity.dxf.end_param)
+    while end <= start + _FULL:
+        end += 2 * np.pi
+
+    def at(angle: float) -> tuple[complex, complex]:
+        c, s = np.cos(angle), np.sin(angle)
+        place = centre + c * major + s * minor
+        return place * scale, (c * minor - s * major) * scale
+
+    return _scaled(at, np.linspace(start, end, 5), scale)
+
+
+def _spline(entity: Any, name: str, scale: float) -> list[Row]:
+    curve = entity.construction_tool()
+    for point in curve.control_points:
+        _flat(point, name, scale)
+
+    def at(parameter: float) -> tuple[complex, complex]:
+        place, slope = curve.derivative(parameter, 1)
+        return complex(place.x, place.y) * scale, complex(slope.x, slope.y) * scale
+
+    knots = np.array(curve.knots(), dtype=float)
+    first, last = knots[curve.order - 1], knots[len(curve.control_points)]
+    inside = np.unique(knots[(knots >= first) & (knots <= last)])
+    return _scaled(at, inside, scale)
+
+
+def _scaled(curve: Any, knots: Any, scale: float) -> list[Row]:
+    """Edges along a curve that is given in mm, in the drawing's unit."""
+    rows: list[Row] = []
+    for first, last in pairwise(knots):
+        rows += as_arcs(curve, float(first), float(last))
+    return [(start / scale, end / scale, bulge) for start, end, bulge in rows]
+
+
+def _light_polyline(entity: Any, name: str, scale: float) -> list[Row]:
+    height = float(entity.dxf.get("elevation", 0.0))
+    points = [
+        (_flat((x, y, height), name, scale), bulge) for x, y, bulge in entity.get_points("xyb")
+    ]
+    return _of_points(points, closed=bool(entity.closed), name=name)
+
+
+def _polyline(entity: Any, name: str, scale: float) -> list[Row]:
+    if not (entity.is_2d_polyline or entity.is_3d_polyline):
+        raise DrawingError(f"the {name} is a mesh, which bounds no plate")
+    points = [
+        (_flat(vertex.dxf.location, name, scale), float(vertex.dxf.get("bulge", 0.0)))
+        for vertex in entity.vertices
+    ]
+    return _of_points(points, closed=bool(entity.is_closed), name=name)
+
+
+def _of_points(points: Sequence[tuple[complex, float]], *, closed: bool, name: str) -> list[Row]:
+    if len(points) < 2:
+        raise DrawingError(f"the {name} has fewer than two points")
+    after = [*points[1:], points[0]]
+    rows = [
+        (here, there, bulge)
+        for (here, bulge), (there, _) in zip(points, after, strict=True)
+        if here != there
+    ]
+    if closed or points[-1][0] == points[0][0]:
+        return rows
+    return rows[:-1]

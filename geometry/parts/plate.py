@@ -1,0 +1,309 @@
+"""A flat plate with any outline and any number of pins: a lever, a bell crank, a drawn part."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+from math import hypot
+from typing import Any, ClassVar
+
+import numpy as np
+
+from geometry.mesh import FloatArray, Interface
+from geometry.meshing import Body, Region, faces_where
+from geometry.outlines import Contour, Edges, PlateOutline
+from geometry.parameters import ParameterError, check_above
+from geometry.sections import RulingSection
+from geometry.shape import Shape
+
+_BORE_ELEMENTS = 7.0  # elements along the radius of a bore
+_FILLET_ELEMENTS = 2.0  # along the radius of a hollow edge
+_FINEST = 8.0  # times smaller than in general at the most, before any error is known
+_QUARTER = (
+    0.42  # bulge of an arc a little longer than a quarter: longer ones are cut for the kernel
+)
+_NEAR = 1e-4  # of a radius: how exactly faces are found
+_STATED = 1e-3  # mm, how exactly points are usually stated
+
+Pair = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class PlateBore:
+    """A hole of a plate in which a pin sits.
+
+    diameter  mm
+    at        mm, its middle in the plate's frame
+    """
+
+    name: str
+    diameter: float
+    at: Pair
+
+    @property
+    def centre(self) -> complex:
+        """The middle as a complex number."""
+        return complex(*self.at)
+
+
+@dataclass(frozen=True)
+class Plate(Shape):
+    """Flat plate of one thickness; its holes for pins stand along z, z = 0 is its middle plane.
+
+    The first bore's middle is the origin and the second bore stands on +x. Plates are mounted side
+    by side, so that their pins also tilt in the holes.
+
+    bores    at least two; each is one of the outline's inner contours
+    outline  in the plate's frame, mm
+    moved    mm, bore -> from its point of the linkage to where the plate has it
+    notes    on how its drawing was read, for reports
+
+    Raises ParameterError for a thickness or bores that no plate has.
+    """
+
+    middle_plane: ClassVar[bool] = True
+
+    outline: PlateOutline
+    bores: tuple[PlateBore, ...]
+    thickness: float
+    moved: tuple[tuple[str, Pair], ...] = ()
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        check_above("thickness", self.thickness, 0)
+        if len(self.bores) < 2:
+            raise ParameterError("holes", f"needs at least two holes, got {len(self.bores)}")
+        circles = [contour.circle for contour in self.outline.inner]
+        for bore in self.bores:
+            if not any(
+                circle is not None
+                and abs(circle[0] - bore.centre) <= _STATED
+                and abs(2 * circle[1] - bore.diameter) <= _STATED
+                for circle in circles
+            ):
+                raise ParameterError(
+                    f"holes.{bore.name}", f"is no round hole of the plate: {bore.diameter:g} mm"
+                )
+
+    @property
+    def shifts(self) -> Mapping[str, Pair]:
+        """Bore -> mm, from its point of the linkage to where the plate has it."""
+        return dict(self.moved)
+
+    @property
+    def interfaces(self) -> tuple[str, ...]:
+        """Names of the bores; the first two make the frame."""
+        return tuple(bore.name for bore in self.bores)
+
+    @property
+    def length(self) -> float:
+        """Distance of the first two bores, mm."""
+        return abs(self.bores[1].centre - self.bores[0].centre)
+
+    @cached_property
+    def neighbours(self) -> tuple[tuple[int, int], ...]:
+        """Pairs of bores that are joined: the shortest lines that hold all of them together."""
+        count = len(self.bores)
+        lines = sorted(
+            (round(abs(self.bores[i].centre - self.bores[j].centre), 9), i, j)
+            for i, j in combinations(range(count), 2)
+        )
+        group = list(range(count))
+        found = []
+        for _, i, j in lines:
+            if group[i] != group[j]:
+                found.append((i, j))
+                group = [group[i] if one == group[j] else one for one in group]
+        return tuple(sorted(found))
+
+    @cached_property
+    def windows(self) -> tuple[Contour, ...]:
+        """Inner contours that are no bores."""
+        middles = [bore.centre for bore in self.bores]
+        return tuple(
+            contour
+            for contour in self.outline.inner
+            if contour.circle is None
+            or min(abs(contour.circle[0] - middle) for middle in middles) > _STATED
+        )
+
+    @cached_property
+    def stressed_section(self) -> Pair:
+        """Height and thickness in mm, for Marin's size factor: its highest section.
+
+        Of those across the lines between neighbouring bores, away from the bores.
+        """
+        heights = [0.0]
+        for i, j in self.neighbours:
+            first, last = self.bores[i].centre, self.bores[j].centre
+            for share in (0.25, 0.5, 0.75):
+                cut = self.outline.cut(first + share * (last - first), last - first)
+                if cut is not None:
+                    heights.append(cut.ends[1] - cut.ends[0])
+        return max(heights) or self.outline.size, self.thickness
+
+    @property
+    def ruling_sections(self) -> tuple[RulingSection, ...]:
+        """Sizes that grade the strength of its material."""
+        return (RulingSection(self.thickness),)
+
+    @property
+    def told(self) -> tuple[str, ...]:
+        """Notes on its drawing: sentences for the report."""
+        said = list(self.notes)
+        for name, (x, y) in self.moved:
+            if hypot(x, y) > _STATED:
+                said.append(
+                    f"{name} is {hypot(x, y):.2g} mm from where the linkage has it; its force acts "
+                    "in the hole, with the couple that balances it"
+                )
+        return tuple(said)
+
+    @property
+    def placed_interfaces(self) -> list[Interface]:
+        """Where other parts press on it."""
+        return [
+            Interface(
+                bore.name,
+                "bore",
+                np.array([*bore.at, 0.0]),
+                bore.diameter / 2,
+                self.thickness,
+                tilts=True,
+            )
+            for bore in self.bores
+        ]
+
+    def build(self, gmsh: Any) -> Body:
+        """Build the plate in gmsh's current model."""
+        occ = gmsh.model.occ
+        low = -self.thickness / 2
+        loops = [_loop(occ, self.outline.outer.edges, low)]
+        for contour in self.outline.inner:
+            if contour.circle is None:
+                loops.append(_loop(occ, contour.edges, low))
+                continue
+            (centre, radius) = contour.circle
+            loops.append(occ.addCurveLoop([occ.addCircle(centre.real, centre.imag, low, radius)]))
+        occ.extrude([(2, occ.addPlaneSurface(loops))], 0, 0, self.thickness)
+        occ.synchronize()
+        return self.named(gmsh)
+
+    def named(self, gmsh: Any) -> Body:
+        """Return the body of the model, of the whole plate or its half at z >= 0."""
+        bores = {bore.name: _faces_in(gmsh, bore.centre, bore.diameter / 2) for bore in self.bores}
+        size = self._size
+        return Body(
+            surfaces=bores,
+            interfaces=self.placed_interfaces,
+            size=size,
+            regions=[
+                *(
+                    Region(
+                        [(2, tag) for tag in bores[bore.name]],
+                        min(bore.diameter / 2 / _BORE_ELEMENTS, size),
+                        bore.diameter / 2,
+                    )
+                    for bore in self.bores
+                ),
+                *self._hollow_regions(gmsh, size),
+            ],
+        )
+
+    @property
+    def _size(self) -> float:
+        """General element size, mm: of a strip as wide as its area is over its half girth."""
+        edges = self.outline.outer.edges
+        straight = np.abs(edges.ends - edges.starts)
+        girth = np.where(
+            edges.curved, np.abs(edges.angles) * np.abs(_finite(edges.radii)), straight
+        )
+        width = 2 * self.outline.moments.area / float(girth.sum())
+        return min(width / 4, max(self.thickness / 2, width / 8))
+
+    def _hollow_regions(self, gmsh: Any, size: float) -> list[Region]:
+        """Hollow edges that are sharper than the elements, but for the bores."""
+        groups: dict[float, list[tuple[int, int]]] = {}
+        for low, high, radius in self._hollow():
+            wanted = max(radius / _FILLET_ELEMENTS, size / _FINEST)
+            if wanted >= size:
+                continue
+            near = _NEAR * radius + 1e-6
+            box = np.array([low.real, low.imag, high.real, high.imag])
+
+            def on_it(
+                found: FloatArray, kind: str, box: FloatArray = box, near: float = near
+            ) -> bool:
+                return kind == "Cylinder" and bool(
+                    np.allclose(found[[0, 1, 3, 4]], box, rtol=0, atol=near)
+                )
+
+            tags = [(2, tag) for tag in faces_where(gmsh, on_it)]
+            if tags:
+                groups.setdefault(round(wanted, 3), []).extend(tags)
+        return [Region(tags, wanted, 2 * wanted) for wanted, tags in sorted(groups.items())]
+
+    def _hollow(self) -> Iterator[tuple[complex, complex, float]]:
+        """Corners of the boxes around hollow arcs, as the kernel has them, and their radii."""
+        outer, sign = self.outline.outer, -1.0
+        for contour in (outer, *self.windows):
+            sign = -1.0 if contour is outer else 1.0
+            if contour.circle is not None and contour is not outer:
+                centre, radius = contour.circle
+                reach = complex(radius, radius)
+                yield centre - reach, centre + reach, radius
+                continue
+            edges = contour.edges
+            for k in np.flatnonzero(sign * edges.bulges > 0):
+                for piece in _arcs(edges, int(k)):
+                    yield *piece.box(), float(edges.radii[k])
+
+
+def _finite(radii: FloatArray) -> FloatArray:
+    return np.where(np.isfinite(radii), radii, 0.0)
+
+
+def _arcs(edges: Edges, k: int) -> list[Edges]:
+    """The pieces, at most a quarter of a circle, in which the kernel has an edge."""
+    count = max(1, int(np.ceil(abs(edges.angles[k]) / (4 * np.arctan(_QUARTER)))))
+    rows = [edges.part(k, n / count, (n + 1) / count) for n in range(count)]
+    return [Edges(*(np.array([value]) for value in row)) for row in rows]
+
+
+def _loop(occ: Any, edges: Edges, z: float) -> int:
+    """Curve loop of a closed row of edges at a height, in gmsh's kernel."""
+    points: dict[complex, int] = {}
+
+    def point(place: complex) -> int:
+        if place not in points:
+            points[place] = int(occ.addPoint(place.real, place.imag, z))
+        return points[place]
+
+    curves = []
+    corners = [complex(start) for start in edges.starts]
+    for k, corner in enumerate(corners):
+        last = corners[(k + 1) % len(corners)]
+        if not edges.curved[k]:
+            curves.append(occ.addLine(point(corner), point(last)))
+            continue
+        centre = complex(edges.centres[k])
+        middle = occ.addPoint(centre.real, centre.imag, z)
+        pieces = _arcs(edges, k)
+        ends = [corner, *(complex(piece.starts[0]) for piece in pieces[1:]), last]
+        for n in range(len(pieces)):
+            curves.append(occ.addCircleArc(point(ends[n]), middle, point(ends[n + 1])))
+    return int(occ.addCurveLoop(curves))
+
+
+def _faces_in(gmsh: Any, centre: complex, radius: float) -> list[int]:
+    """Tags of the cylindrical faces of a whole hole."""
+    wanted = (
+        centre.real - radius, centre.imag - radius, centre.real + radius, centre.imag + radius
+    )  # fmt: skip
+    return faces_where(
+        gmsh,
+        lambda box, kind: (
+            kind == "Cylinder"
+            and bool(np.allclose(box[[0, 1, 3, 4]], wanted, rtol=0, atol=2 * _NEAR * radius + 1e-6))
+        ),
+    )
