@@ -205,34 +205,24 @@ def von_mises(stress: npt.NDArray[Any]) -> FloatArray:
     return np.asarray(np.sqrt(((stress @ DEVIATOR.T) ** 2).sum(axis=-1)))
 
 
-def principal_range(stress: npt.NDArray[Any]) -> tuple[float, float]:
-    """Smallest and largest principal stress of stress (..., 6), MPa; 0 is counted in."""
-    rows = stress.reshape(-1, 6).astype(np.float64)
-    return -largest_principal(-rows), largest_principal(rows)
-
-
 def largest_principal(rows: FloatArray, known: float = 0.0) -> float:
-    """Largest principal stress of stress (n, 6), MPa, or `known` if that is larger.
+    """Largest size of a principal stress of stress (n, 6), MPa, or `known` if that is larger.
 
     No principal value of a deviator exceeds 2/3 of its von Mises stress: points that cannot hold
     the extreme by that bound are not looked at.
     """
-    bounds = rows[:, :3].mean(axis=1) + von_mises(rows) * (2 / 3)
+    bounds = np.abs(rows[:, :3].mean(axis=1)) + von_mises(rows) * (2 / 3)
     left = np.flatnonzero(bounds > known)
-    if len(left) > _TOGETHER:  # what the most promising hold leaves few of the others
-        high = left[np.argpartition(bounds[left], -_TOGETHER)[-_TOGETHER:]]
-        known = max(known, _highest(rows[high]))
-        left = left[bounds[left] > known]
-        left = left[np.argsort(-bounds[left], kind="stable")]
+    left = left[np.argsort(-bounds[left], kind="stable")]
     for first in range(0, len(left), _TOGETHER):
         some = left[first : first + _TOGETHER]
-        if bounds[some].max() <= known:
+        if bounds[some[0]] <= known:
             break
         known = max(known, _highest(rows[some]))
     return known
 
 
 def _highest(rows: FloatArray) -> float:
-    """Largest principal stress of rows (n, 6)."""
+    """Largest size of a principal stress of rows (n, 6)."""
     tensor = rows[:, [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(-1, 3, 3)
-    return float(np.linalg.eigvalsh(tensor).max(initial=-np.inf))
+    return float(np.abs(np.linalg.eigvalsh(tensor)).max(initial=0.0))

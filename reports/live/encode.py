@@ -5,28 +5,34 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from checks.result.live_fields import FATIGUE, EncodedPart, IntArray, LiveFields, von_mises
+from checks.result.live_fields import FATIGUE, EncodedPart, FloatArray, IntArray, LiveFields
 from checks.result.words import brief
-from reports.live.accuracy import LENGTH_METRIC, STRESS_METRIC, lost_in_single
-from reports.live.extremes import displacements, scales
-from reports.live.fitting import FLOOR, Fitted, fitted, kept_positions, sizes_with_floor
-from reports.live.planes import Writer
-from reports.live.sampling import Sample, looked_at
-from reports.live.surface import (
+from reports.live.extremes import (
+    LENGTH_METRIC,
+    STRESS_METRIC,
+    largest_principal_stress,
+    largest_sizes,
+    lost_in_single,
+)
+from reports.live.fitting import FLOOR, Fitted, Sums, fewest, fitted, sizes_with_floor
+from reports.live.packing import (
     Neighbours,
+    Writer,
+    bent,
     morton_order,
     neighbours,
     ordered_triangles,
     placed,
+    relative,
 )
 
 TOLERANCE = 1e-3  # of a cycle's peak
 FATIGUE_LEVELS = 4095
 # A shear stress counts thrice in the square of the von Mises stress.
 _STRESS_STEPS = 2**0.5 * np.array([1.0, 1.0, 1.0, 3**-0.5, 3**-0.5, 3**-0.5])
-_ROUND_OFF = 1e-6  # of a cycle's peak
+_ALIKE = 1e-5  # of a cycle's peak: round-off between fields and the peaks told beside them
+_SINGLE = 2.0**-24
 
 
 def encode(live: LiveFields, cycles: Sequence[str], tolerance: float = TOLERANCE) -> EncodedPart:
@@ -47,8 +53,8 @@ def encode(live: LiveFields, cycles: Sequence[str], tolerance: float = TOLERANCE
     triangles = ordered_triangles(rank[live.triangles])
     near = neighbours(triangles, len(order))
     writer = Writer()
-    writer.add("triangles", _relative(triangles))
-    writer.add("positions", _less_expected(grid.positions[:, order], near))
+    writer.add("triangles", relative(triangles))
+    writer.add("positions", near.less_expected(grid.positions[:, order]))
     head: dict[str, Any] = {
         "nodes": len(order),
         "triangles": triangles.shape[1],
@@ -91,18 +97,16 @@ def encode(live: LiveFields, cycles: Sequence[str], tolerance: float = TOLERANCE
 class _Fit:
     """The fields over the cycles, in whole steps.
 
-    sample    positions at which the stress was looked at, and what it is there
-    kept      cycle -> (k,) numbers of the positions that the page carries
-    groups    "stress", and "displacement" where that is known and not nothing
-    measured  largest error of the von Mises stress that was found, over its cycle's peak
-    ways      cycle -> mm, the largest displacement
+    groups  "stress", and "displacement" where that is known and not nothing
+    peaks   cycle -> MPa, largest von Mises stress
+    ways    cycle -> mm, the largest displacement
+    most    MPa, largest size of a principal stress
     """
 
-    sample: Sample
-    kept: Mapping[str, IntArray]
     groups: Mapping[str, Fitted]
-    measured: float
+    peaks: Mapping[str, float]
     ways: Mapping[str, float]
+    most: float
 
     @property
     def stress(self) -> Fitted:
@@ -112,33 +116,50 @@ class _Fit:
 
 def _fit(live: LiveFields, tolerance: float) -> _Fit | None:
     """Fit the stress and displacement fields at the kept positions; None where nothing loads."""
-    sample = looked_at(live)
-    peaks = sizes_with_floor(sample.peaks)
-    if not any(peaks.values()):
+    if not live.coefficients:
         return None
-    wanted = {name: at.tolist() for name, at in sample.positions.items()}
+    lost = lost_in_single(live.stress, live.coefficients, STRESS_METRIC)
+    peaks = {name: float(peak.max()) for name, peak in live.peaks.items()}
+    loaded = any(peaks.values())
+    sums = fewest(live.stress, live.coefficients, sizes_with_floor(peaks) if loaded else None)
+    _refuse_other_peaks(live, sums, lost)
+    if not loaded:
+        return None
+    wanted = {name: [int(peak.argmax())] for name, peak in live.peaks.items()}
     if live.peak is not None:  # of equal ones it may be another than the largest to the last digit
         wanted[live.peak.cycle].append(live.peak.position)
-    combined, kept = kept_positions(live.stress, live.coefficients, peaks, STRESS_METRIC, wanted)
-    stress = fitted(
-        combined, kept, STRESS_METRIC, _STRESS_STEPS, tolerance, _shares(sample.lost, peaks)
-    )
-    measured = _measured(live, sample, kept, stress)
-    if measured > stress.bound + _ROUND_OFF:
-        raise AssertionError(
-            f"the proven error of the live stress is {stress.bound:.3g} of a cycle's peak, but "
-            f"{measured:.3g} was found"
-        )
-    groups = {"stress": stress}
-    ways = displacements(live, kept)
-    if live.displacement is not None and any(ways.values()):
-        moved = sizes_with_floor(ways)
-        lost = _shares(lost_in_single(live.displacement, live.coefficients, LENGTH_METRIC), moved)
-        combined, _ = kept_positions(
-            live.displacement, live.coefficients, moved, LENGTH_METRIC, wanted
-        )
-        groups["displacement"] = fitted(combined, kept, LENGTH_METRIC, np.ones(3), tolerance, lost)
-    return _Fit(sample, kept, groups, measured, ways)
+
+    def fit(
+        sums: Sums, sizes: Mapping[str, float], lost: Mapping[str, float], metric: FloatArray
+    ) -> Fitted:
+        steps = _STRESS_STEPS if metric is STRESS_METRIC else np.ones(3)
+        sizes = sizes_with_floor(sizes)
+        share = max(lost[name] / size for name, size in sizes.items() if size > 0)
+        return fitted(sums, wanted, sizes, metric, steps, tolerance, share)
+
+    groups = {"stress": fit(sums, peaks, lost, STRESS_METRIC)}
+    ways = dict.fromkeys(peaks, 0.0)
+    if live.displacement is not None:
+        moved = fewest(live.displacement, live.coefficients)
+        for name, weights in moved.weights.items():
+            ways[name] = float(largest_sizes(moved.fields, weights, LENGTH_METRIC)[0].max())
+        if any(ways.values()):
+            lost_ways = lost_in_single(live.displacement, live.coefficients, LENGTH_METRIC)
+            groups["displacement"] = fit(moved, ways, lost_ways, LENGTH_METRIC)
+    return _Fit(groups, peaks, ways, largest_principal_stress(live, lost))
+
+
+def _refuse_other_peaks(live: LiveFields, sums: Sums, lost: Mapping[str, float]) -> None:
+    """Raise ValueError if the fields do not have the peaks that the solver found."""
+    for name, weights in sums.weights.items():
+        peak, found = live.peaks[name], largest_sizes(sums.fields, weights, STRESS_METRIC)[0]
+        off = np.abs(found - peak)
+        if off.max() > _ALIKE * peak.max() + lost[name]:
+            worst = int(off.argmax())
+            raise ValueError(
+                f"live fields: the peak at position {worst} of {name!r} is {peak[worst]:.6g} MPa, "
+                f"but the fields have {found[worst]:.6g}"
+            )
 
 
 def _write_fields(
@@ -147,11 +168,11 @@ def _write_fields(
     """Write the fields, and behind them their weights at the kept positions, cycle by cycle."""
     for name, group in found.groups.items():
         arrays = [row for field in group.fields[:, order] for row in field.T]
-        writer.add(name, _less_expected(arrays, near))
+        writer.add(name, near.less_expected(arrays))
     for number, cycle in enumerate(cycles):
-        if cycle in found.kept:
+        if cycle in found.stress.kept:
             for name, group in found.groups.items():
-                writer.add(f"{name} weights {number}", _bent(group.weights[cycle]))
+                writer.add(f"{name} weights {number}", bent(group.weights[cycle]))
 
 
 def _tell_fields(
@@ -162,7 +183,7 @@ def _tell_fields(
     tolerance: float,
 ) -> None:
     """Write the number of fields, the kept positions and the accuracy into the header."""
-    kept, stress = found.kept, found.stress
+    stress, kept = found.stress, found.stress.kept
     head |= {
         "fields": len(stress.fields),
         "displacement": "displacement" in found.groups,
@@ -170,7 +191,12 @@ def _tell_fields(
         "accuracy": _accuracy(found, _thinned(live, kept), cycles),
     }
     head["notes"] += [*_left_out(live, kept, stress), *_cancelling(stress, tolerance)]
-    head["scale"] |= scales(live, found.sample, kept, found.ways)
+    head["scale"] |= {
+        "mises": {"from": 0.0, "to": max(found.peaks.values()), "unit": "MPa"},
+        "principal": {"from": -found.most, "to": found.most, "unit": "MPa"},  # 0 in the middle
+    }
+    if any(found.ways.values()):
+        head["scale"]["displacement"] = {"from": 0.0, "to": max(found.ways.values()), "unit": "mm"}
     head["coding"] |= {
         name: {
             "fields": len(group.fields),
@@ -192,64 +218,39 @@ def _left_out(live: LiveFields, kept: Mapping[str, IntArray], stress: Fitted) ->
     left = _thinned(live, kept)
     if not left:
         return []
+    off = 100 * stress.between.norm
     told = ", ".join(f"{len(kept[name])} of {counts[name]} of {brief(name)}" for name in left)
     return [
         f"the page carries the loads of some positions of long cycles ({told}), the peaks among "
-        f"them; between these it takes straight lines, {100 * stress.between:.2g} % of the cycle's "
-        "peak off at most"
+        f"them; between these it takes straight lines, {off:.2g} % of the cycle's peak off at "
+        "most"
     ]
-
-
-def _measured(
-    live: LiveFields, sample: Sample, kept: Mapping[str, IntArray], stress: Fitted
-) -> float:
-    """Largest difference of the von Mises stress at the sampled positions, over its cycle's peak.
-
-    Of all nodes, in full precision, against what the page is handed.
-    """
-    worst = 0.0
-    written = (stress.fields * stress.steps).reshape(len(stress.fields), -1)
-    for name, positions in sample.positions.items():
-        at = np.searchsorted(kept[name], positions)
-        weights = stress.weights[name][:, at] * stress.sizes[name]
-        shown = (written.T @ weights).reshape(len(live.nodes), 6, -1)
-        off = np.abs(von_mises(shown.swapaxes(1, 2)) - sample.mises[name])
-        size = sizes_with_floor(sample.peaks)[name]
-        worst = max(worst, float(off.max()) / size if size else 0.0)
-    return worst
-
-
-def _shares(lost: Mapping[str, float], sizes: Mapping[str, float]) -> float:
-    """The largest share of a cycle's size that is lost."""
-    return max(lost[name] / size for name, size in sizes.items() if size > 0)
 
 
 def _cancelling(stress: Fitted, tolerance: float) -> list[str]:
     """Notes for the reader where single precision costs more than the tolerance."""
-    if stress.bound <= tolerance:
+    if stress.bound.norm <= tolerance:
         return []
     return [
-        f"its unit loads nearly cancel each other: its stress is drawn to {100 * stress.bound:.2g} "
-        f"% of the cycle's peak, not to {100 * tolerance:g} %"
+        f"its unit loads nearly cancel each other: its stress is drawn to "
+        f"{100 * stress.bound.norm:.2g} % of the cycle's peak, not to {100 * tolerance:g} %"
     ]
 
 
 def _accuracy(found: _Fit, thinned: Collection[str], cycles: Sequence[str]) -> dict[str, Any]:
     """Error bounds of the drawing. thinned: cycles of which some positions are left out."""
-    stress, sample, moved = found.stress, found.sample, found.groups.get("displacement")
-    sizes, ways = sizes_with_floor(sample.peaks), sizes_with_floor(found.ways)
-    count = sum(len(at) for at in sample.positions.values())
+    stress, moved = found.stress, found.groups.get("displacement")
+    sizes, ways = sizes_with_floor(found.peaks), sizes_with_floor(found.ways)
     floor = kept = between = ""
-    if any(0 < sample.peaks[name] < size for name, size in sizes.items()):
+    if any(0 < found.peaks[name] < size for name, size in sizes.items()):
         floor = f" (or of {100 * FLOOR:g} % of the largest cycle's, if that is more)"
     if thinned:
         kept = " that the page keeps"
-        between = f", and by at most {100 * stress.between:.2g} % between those"
+        between = f", and by at most {100 * stress.between.norm:.2g} % between those"
     words = (
         f"What is drawn differs from the solver's von Mises stress by at most "
-        f"{100 * stress.bound:.2g} % of the cycle's peak{floor} at any node and position{kept}"
-        f"{between}, proven when the page was written; at {count} positions "
-        f"{100 * found.measured:.2g} % was measured."
+        f"{100 * stress.bound.norm:.2g} % of the cycle's peak{floor} at any node and position"
+        f"{kept}{between}, measured at all of them when the page was written."
     )
 
     def off(own: Mapping[str, float], at_kept: float, left_out: float) -> list[float | None]:
@@ -257,15 +258,15 @@ def _accuracy(found: _Fit, thinned: Collection[str], cycles: Sequence[str]) -> d
         share = {name: left_out if name in thinned else at_kept for name in own}
         return [share[name] * own[name] if name in own else None for name in cycles]
 
+    single = _SINGLE * found.most  # a principal stress may exceed the cycle's peak
+    principal = off(sizes, stress.bound.principal, stress.between.principal)
     return {
-        "share": stress.bound,
-        "between": stress.between,
-        "measured": found.measured,
-        "positions": count,
-        "mises": off(sizes, stress.bound, stress.between),
-        "principal": off(sizes, stress.principal, stress.principal_between),
-        "displacement": None if moved is None else moved.bound,
-        "moved": None if moved is None else off(ways, moved.bound, moved.between),
+        "share": stress.bound.norm,
+        "between": stress.between.norm,
+        "mises": off(sizes, stress.bound.norm, stress.between.norm),
+        "principal": [None if each is None else each + single for each in principal],
+        "displacement": None if moved is None else moved.bound.norm,
+        "moved": None if moved is None else off(ways, moved.bound.norm, moved.between.norm),
         "words": words,
     }
 
@@ -283,26 +284,10 @@ def _add_fatigue(
         largest = float(np.abs(values).max())
         steps[name] = largest / FATIGUE_LEVELS if largest else 1.0
         whole = np.rint(values / steps[name]).astype(np.int64)
-        writer.add(name, _less_expected([whole[order]], near))
+        writer.add(name, near.less_expected([whole[order]]))
         head["scale"][name] = {
             "from": min(0.0, float(values.min())),
             "to": max(0.0, float(values.max())),
             "unit": "" if name == "utilisation" else "MPa",
         }
     head["coding"]["fatigue"] = steps
-
-
-def _relative(triangles: npt.NDArray[np.int32]) -> list[npt.NDArray[np.int64]]:
-    """First nodes as steps from the last triangle's, the others as steps from the first."""
-    first, second, third = triangles.astype(np.int64)
-    return [np.diff(first, prepend=0), second - first, third - first]
-
-
-def _less_expected(arrays: Any, near: Neighbours) -> list[npt.NDArray[np.int64]]:
-    """Values at the nodes less the values that their neighbours predict."""
-    return [values.astype(np.int64) - near.expected(values.astype(np.int32)) for values in arrays]
-
-
-def _bent(weights: npt.NDArray[np.int64]) -> list[npt.NDArray[np.int64]]:
-    """Second differences of a row of weights: each less the line through the last two."""
-    return list(np.diff(weights, n=2, axis=1, prepend=np.zeros((len(weights), 2), dtype=np.int64)))

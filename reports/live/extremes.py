@@ -1,117 +1,82 @@
-"""Ends of the colour scales: extremes over all nodes and all positions that a page keeps."""
+"""Largest sums of fields times weights over all nodes: peaks, ends of scales, errors."""
 
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
-from checks.result.live_fields import (
-    FloatArray,
-    IntArray,
-    LiveFields,
-    RealArray,
-    largest_principal,
-)
-from reports.live.accuracy import LENGTH_METRIC, lost_in_single
-from reports.live.sampling import Sample
+from checks.result.live_fields import DEVIATOR, FloatArray, LiveFields, largest_principal
 
-_TOGETHER, _AT_ONCE = 64, 16  # positions
+# Rows whose squares sum up to that of the von Mises stress, and the mean stress.
+STRESS_METRIC = np.vstack([DEVIATOR, [1 / 3, 1 / 3, 1 / 3, 0.0, 0.0, 0.0]])
+LENGTH_METRIC = np.eye(3)
+_TOGETHER = 24  # positions
+_SINGLE = 2.0**-24
 _MORE = 1.0 + 1e-5  # peaks are known in double precision, fields in single
 
 
-def scales(
-    live: LiveFields, sample: Sample, kept: Mapping[str, IntArray], moved: Mapping[str, float]
-) -> dict[str, dict[str, Any]]:
-    """Field -> smallest and largest value, and its unit.
+def largest_sizes(fields: FloatArray, weights: FloatArray, metric: FloatArray) -> FloatArray:
+    """Largest sizes (2, K) of sums of fields (r, n, c) times weights (r, K), over the nodes.
 
-    kept   cycle -> positions that count
-    moved  cycle -> largest displacement at these, of `displacements`
+    metric  STRESS_METRIC, or LENGTH_METRIC
+
+    Row 0 is the von Mises stress, or the length of a displacement; row 1 a bound of any principal
+    stress: no principal value of a deviator exceeds 2/3 of its von Mises stress. Both are norms of
+    the sum, hence convex in the weights: between two positions they do not exceed the larger of
+    both. Sums are in single precision.
     """
-    most = largest_size(live, sample, kept)
-    scale: dict[str, dict[str, Any]] = {
-        "mises": {"from": 0.0, "to": max(sample.peaks.values(), default=0.0), "unit": "MPa"},
-        "principal": {"from": -most, "to": most, "unit": "MPa"},  # 0 is in the middle
+    found = np.zeros((2, weights.shape[1]))
+    rows = np.tensordot(metric, fields, axes=(1, 2)).astype(np.float32)  # (m, r, n)
+    for first in range(0, weights.shape[1] if fields.size else 0, _TOGETHER):
+        some = slice(first, first + _TOGETHER)
+        sums = weights[:, some].T.astype(np.float32) @ rows  # (m, k, n)
+        sizes = np.sqrt((sums[:5] ** 2).sum(axis=0))
+        found[0, some] = sizes.max(axis=1)
+        if metric is STRESS_METRIC:
+            found[1, some] = (2 / 3 * sizes + np.abs(sums[5])).max(axis=1)
+    return found
+
+
+def lost_in_single(
+    fields: npt.NDArray[Any], coefficients: Mapping[str, FloatArray], metric: FloatArray
+) -> dict[str, float]:
+    """Cycle -> largest error of a sum at any node by single precision of unit fields (M, n, c).
+
+    In the unit of the sum; of its norm, and of any principal stress. It is much where unit loads
+    nearly cancel each other: their sizes count, not the size of their sum.
+    """
+    # v' G v is at most the sum of v_i^2 times the sizes in row i of G
+    rows = np.abs(metric.T @ metric).sum(axis=1)
+    sizes = np.array([np.sqrt((field.astype(np.float64) ** 2 @ rows).max()) for field in fields])
+    return {
+        name: _SINGLE * float((sizes @ np.abs(c)).max(initial=0.0))
+        for name, c in coefficients.items()
     }
-    if any(moved.values()):
-        scale["displacement"] = {"from": 0.0, "to": max(moved.values()), "unit": "mm"}
-    return scale
 
 
-def displacements(live: LiveFields, kept: Mapping[str, IntArray]) -> dict[str, float]:
-    """Cycle -> largest displacement at some positions, mm; 0 where it is not known."""
-    moved = dict.fromkeys(kept, 0.0)
-    if live.displacement is None:
-        return moved
-    ways = np.ascontiguousarray(live.displacement.transpose(2, 0, 1))
-    lost = lost_in_single(live.displacement, live.coefficients, LENGTH_METRIC)
-    for name, positions in kept.items():
-        weights = live.coefficients[name][:, positions]
-        about = _lengths(ways, weights.astype(ways.dtype))
-        close = about >= about.max(initial=0.0) - 4 * (len(weights) + 4) * lost[name]
-        moved[name] = float(_lengths(ways.astype(np.float64), weights[:, close]).max())
-    return moved
+def largest_principal_stress(live: LiveFields, lost: Mapping[str, float]) -> float:
+    """Largest size of a principal stress at any node and position, MPa.
 
-
-def _lengths(ways: RealArray, weights: RealArray) -> FloatArray:
-    """Largest length over the nodes (K,) of sums of fields (3, M, n) times weights (M, K)."""
-    found = [np.zeros(0)]
-    for first in range(0, weights.shape[1], _TOGETHER):
-        some = weights[:, first : first + _TOGETHER].T
-        square = np.zeros((len(some), ways.shape[2]), dtype=ways.dtype)
-        for way in ways:
-            part = some @ way
-            part *= part
-            square += part
-        found.append(np.sqrt(square.max(axis=1).astype(np.float64)))
-    return np.concatenate(found)
-
-
-def largest_size(live: LiveFields, sample: Sample, kept: Mapping[str, IntArray]) -> float:
-    """Largest size of a principal stress at some positions, MPa.
+    lost  cycle -> what single precision of the unit fields may cost, MPa
 
     No principal stress exceeds the mean stress by more than 2/3 of the von Mises stress, and that
-    one is not above its peak at the position: only nodes that this bound leaves are looked at.
-    Pull and push are bounded together: one that stays far below the other is not searched for.
+    one is not above its peak at the position: only nodes that this bound leaves are looked at, the
+    most promising position first.
     """
+    means = live.stress[..., :3].astype(np.float64).mean(axis=2)
+    order = []
+    for name, weights in live.coefficients.items():
+        reach = 2 / 3 * _MORE * live.peaks[name] + (live.n_fields + 4) * lost[name]
+        about = reach + largest_sizes(means[..., None], weights, np.eye(1))[0] * _MORE
+        order += [(-most, name, k) for k, most in enumerate(about.tolist())]
     known = 0.0
-    fields = live.stress
-    means = (fields[..., 0] + fields[..., 1] + fields[..., 2]) / 3
-    for name, positions in kept.items():
-        weights = live.coefficients[name][:, positions]
-        reach = 2 / 3 * _MORE * live.peaks[name][positions]
-        reach += (len(fields) + 4) * sample.lost[name]  # sums in single precision, too
-        most, least = np.zeros(len(positions)), np.zeros(len(positions))
-        for first in range(0, len(positions), _TOGETHER):
-            some = slice(first, first + _TOGETHER)
-            block = weights[:, some].T.astype(means.dtype) @ means
-            most[some], least[some] = block.max(axis=1), block.min(axis=1)
-        ways = [(weights, most), (-weights, -least)]
-        for signed, mean in sorted(ways, key=lambda way: -float((way[1] + reach).max(initial=0))):
-            known = _highest(fields, means, signed, reach, mean, known)
-    return known
-
-
-def _highest(
-    fields: RealArray,
-    means: RealArray,
-    weights: FloatArray,
-    reach: FloatArray,
-    most: FloatArray,
-    known: float,
-) -> float:
-    """Largest principal stress over positions, or `known` if that is larger.
-
-    means (M, n) of the fields; reach and most (K,): how far a principal stress is above the mean
-    stress at a position at most, and the largest mean stress there.
-    """
-    order = np.argsort(-(most + reach), kind="stable")
-    first, together = 0, 1  # what the most promising position holds leaves few nodes of the others
-    while first < len(order) and (most + reach)[order[first]] > known:
-        positions = order[first : first + together]
-        drive = weights[:, positions].T
-        bounds = drive.astype(means.dtype) @ means + reach[positions, None].astype(means.dtype)
-        some = np.flatnonzero(bounds.max(axis=0) > known)
-        stress = np.tensordot(drive, fields[:, some].astype(np.float64), axes=1)
-        known = largest_principal(stress.reshape(-1, 6), known)
-        first, together = first + together, _AT_ONCE
+    for most, name, k in sorted(order):
+        if -most <= known:
+            break
+        weights = live.coefficients[name][:, k]
+        reach = 2 / 3 * _MORE * live.peaks[name][k] + (live.n_fields + 4) * lost[name]
+        some = np.flatnonzero(np.abs(weights @ means) + reach > known)
+        stress = np.tensordot(weights, live.stress[:, some].astype(np.float64), axes=1)
+        known = largest_principal(stress, known)
     return known

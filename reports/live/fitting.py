@@ -1,4 +1,11 @@
-"""Fields in whole steps, as large as a tolerance allows, and the proof that they keep it."""
+"""Fields in whole steps, as large as a tolerance allows, and their error at every position shown.
+
+A stress is a sum of unit fields times coefficients. Its proper orthogonal decomposition gives the
+same sum with the fewest fields: they are orthogonal over the nodes and their weights over the
+positions, so that the small ones take few digits. Unit loads that always act in proportion become
+one field; what never acts becomes none. The fields are rounded to whole steps; the error is then
+measured at all nodes and positions, and the steps are made smaller until it is small enough.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -8,43 +15,64 @@ import numpy as np
 import numpy.typing as npt
 
 from checks.result.live_fields import FloatArray, IntArray
-from reports.live.accuracy import Corners, corners, error_bound, largest_sizes
-from reports.live.combine import NOTHING, Combined, combine
+from reports.live.extremes import largest_sizes
 
 MOST_POSITIONS = 3601  # of a cycle in a page
 FLOOR = 1e-4  # of the largest cycle's size: cycles below that are as exact as if they had it
+NOTHING = 1e-6  # of a cycle's size: what may be left out with fields that hardly act
+_DEPENDENT = 1e-13  # of the largest singular value: below are loads that others make in proportion
 _WEIGHT_BITS = 18
-_DOUBLE = 2.0**-51  # over root 3: precision of the browser's sums
-_SINGLE = 2.0**-24  # and of what it makes of them
-_CORNERS, _NEAR = 256, 0.02
-_SAMPLE = 8  # every n-th node tells the size of the steps; all of them prove it
+_SINGLE = 2.0**-24  # precision of the browser's values
+_SAMPLE = 8  # every n-th node tells the size of the steps; all of them show that it is enough
 _FIRST, _LESS, _ROUNDS = 0.4, 0.95, 20
 _LEAST = 0.25  # of the tolerance: what the steps may take even if all of it is lost elsewhere
 _LARGEST = 2**30
 
 
 @dataclass(frozen=True, eq=False)
+class Sums:
+    """Sums of fields times weights at the positions of cycles.
+
+    fields   (r, n, c)
+    weights  cycle -> (r, n_positions)
+    """
+
+    fields: FloatArray
+    weights: Mapping[str, FloatArray]
+
+
+@dataclass(frozen=True)
+class Error:
+    """Largest errors, in shares of the size of a position's cycle.
+
+    norm       of the von Mises stress, or the length of a displacement
+    principal  of any principal stress; 0 of displacements
+    """
+
+    norm: float
+    principal: float
+
+
+@dataclass(frozen=True, eq=False)
 class Fitted:
     """Fields and weights in whole steps: sum_j steps * fields[j] * sizes[q] * weights[q][j, k].
 
-    fields     (r, n, c) whole numbers
-    steps      (c,) what one is worth
-    weights    cycle -> (r, n_kept) whole numbers at the kept positions
-    sizes      cycle -> what one whole step of a weight is worth, in the unit of the sum
-    bound      proven largest error at kept positions, over the size of the position's cycle
-    principal  the same of a principal stress; 0 of displacements
-    between    as bound, at positions that were left out, taken from the straight line
-    principal_between  as principal, at those
+    fields   (r, n, c) whole numbers
+    steps    (c,) what one is worth
+    kept     cycle -> (k,) numbers of the positions that the page carries
+    weights  cycle -> (r, k) whole numbers at the kept positions
+    sizes    cycle -> what one whole step of a weight is worth, in the unit of the sum
+    bound    largest error at kept positions, measured at all nodes, with what was lost before
+    between  as bound, over all positions: those left out are taken from the straight line
     """
 
     fields: npt.NDArray[np.int64]
     steps: FloatArray
+    kept: Mapping[str, IntArray]
     weights: Mapping[str, npt.NDArray[np.int64]]
     sizes: Mapping[str, float]
-    bound: float
-    principal: float
-    between: float
-    principal_between: float
+    bound: Error
+    between: Error
 
 
 def sizes_with_floor(sizes: Mapping[str, float]) -> dict[str, float]:
@@ -53,37 +81,81 @@ def sizes_with_floor(sizes: Mapping[str, float]) -> dict[str, float]:
     return {name: max(size, floor) if size > 0 else 0.0 for name, size in sizes.items()}
 
 
-def kept_positions(
+def fewest(
     fields: npt.NDArray[Any],
     coefficients: Mapping[str, FloatArray],
-    sizes: Mapping[str, float],
-    metric: FloatArray,
-    wanted: Mapping[str, Sequence[int]],
-) -> tuple[Combined, dict[str, IntArray]]:
-    """Combine unit fields, and choose the positions of each cycle that a page carries.
+    sizes: Mapping[str, float] | None = None,
+) -> Sums:
+    """Return the fewest fields with the sums of unit fields (M, n, c) times coefficients.
 
-    wanted  cycle -> positions that must be among them
+    sizes  cycle -> the size of its sums, such as its peak; None: their largest root of the mean
+           square over the nodes
+
+    The fields that are left out make less than NOTHING of that at any node and position.
     """
-    combined = combine(fields, coefficients, sizes, metric)
-    kept = {}
-    for name, path in combined.weights.items():
-        if path.shape[1] <= MOST_POSITIONS:
-            kept[name] = np.arange(path.shape[1])
-        else:
-            kept[name] = corners([path], MOST_POSITIONS, wanted=[wanted[name]]).kept[0]
-    return combined, kept
+    flat = fields.reshape(len(fields), -1).astype(np.float64)
+    scale = np.abs(flat).max(axis=1, initial=0.0)
+    paths = {name: scale[:, None] * c for name, c in coefficients.items()}
+    driven = {name: float(np.linalg.norm(path, axis=0).max()) for name, path in paths.items()}
+    alike = np.concatenate([path / (driven[name] or 1.0) for name, path in paths.items()], axis=1)
+    # combined by how they are driven: loads that cancel, or act in proportion, are one field now
+    mix, values, along = np.linalg.svd(alike, full_matrices=False)
+    used = values > _DEPENDENT * values.max(initial=0.0)
+    if not used.any():
+        nothing = {name: np.zeros((0, c.shape[1])) for name, c in coefficients.items()}
+        return Sums(np.zeros((0, *fields.shape[1:])), nothing)
+    scale[scale == 0] = 1.0
+    mixed = (mix[:, used] * values[used] / scale[:, None]).T @ flat
+    squares, turn = np.linalg.eigh(mixed @ mixed.T)
+    squares, turn = np.maximum(squares[::-1], 0.0), turn[:, ::-1]
+    along = turn.T @ along[used]
+    ends = np.cumsum([path.shape[1] for path in paths.values()])[:-1]
+    shares = dict(zip(paths, np.split(along, ends, axis=1), strict=True))
+    left = np.zeros(len(squares))  # length of all nodes' numbers without a field and those after it
+    for name, share in shares.items():
+        rest = np.sqrt(np.cumsum((squares[:, None] * share**2)[::-1], axis=0).max(axis=1))[::-1]
+        size = (
+            sizes[name] if sizes else driven[name] * rest.max(initial=0.0) * flat.shape[1] ** -0.5
+        )
+        left = np.maximum(left, driven[name] * rest / size if size else 0.0)
+    used = left > NOTHING
+    # a field's sign is anyone's choice: the same one everywhere
+    signs = np.sign(turn[np.abs(turn).argmax(axis=0), np.arange(len(turn))])[used]
+    return Sums(
+        ((turn[:, used] * signs).T @ mixed).reshape(-1, *fields.shape[1:]),
+        {name: driven[name] * signs[:, None] * share[used] for name, share in shares.items()},
+    )
+
+
+def thinned(path: FloatArray, wanted: Sequence[int], most: int) -> IntArray:
+    """Choose about `most` positions of a path (r, K): its ends, `wanted`, and others.
+
+    A quarter of them is evenly spread, the others are where the path bends most: between them the
+    page takes straight lines.
+    """
+    count = path.shape[1]
+    if count <= most:
+        return np.arange(count)
+    even = np.rint(np.linspace(0, count - 1, most // 4)).astype(np.int64)
+    bend = np.zeros(count)
+    bend[1:-1] = np.linalg.norm(np.diff(path, n=2, axis=1), axis=0)
+    bend[even], bend[list(wanted)] = -1.0, np.inf
+    return np.union1d(even, np.argsort(-bend, kind="stable")[: most - len(even)])
 
 
 def fitted(
-    combined: Combined,
-    kept: Mapping[str, IntArray],
+    sums: Sums,
+    wanted: Mapping[str, Sequence[int]],
+    sizes: Mapping[str, float],
     metric: FloatArray,
     components: FloatArray,
     tolerance: float,
     lost: float,
 ) -> Fitted:
-    """Round fields to the largest steps whose proven error stays within a tolerance.
+    """Round fields to the largest steps whose error stays within a tolerance.
 
+    wanted      cycle -> positions that must be among those kept
+    sizes       cycle -> the size of its sums, such as its peak; 0 where nothing acts
     components  (c,) how large the steps of the components are beside each other
     tolerance   of a cycle's size
     lost        of a cycle's size, by which the fields are off before they are rounded; where this
@@ -91,79 +163,70 @@ def fitted(
 
     Raises ArithmeticError if no step does, which needs fields without any bound.
     """
+    fields, paths = _shares(sums, sizes)
+    kept = {name: thinned(path, wanted[name], MOST_POSITIONS) for name, path in paths.items()}
     whole = {
-        name: np.rint(combined.weights[name][:, at] * 2.0**_WEIGHT_BITS).astype(np.int64)
-        for name, at in kept.items()
+        name: np.rint(path[:, kept[name]] * 2.0**_WEIGHT_BITS).astype(np.int64)
+        for name, path in paths.items()
     }
-    rounded = {
-        name: np.asarray(weights * 2.0**-_WEIGHT_BITS, dtype=np.float64)
-        for name, weights in whole.items()
-    }
-    reach, plain = largest_sizes(combined.fields, metric)
-    at_kept, between = _missed(combined.weights, kept, rounded)
-    rank = len(combined.fields)
-    digits = rank * _DOUBLE * plain + _SINGLE  # no norm is above root 3 times the plain length
-    digits += lost + NOTHING
-    other = reach.norm * at_kept + digits
-    around = corners(list(rounded.values()), _CORNERS, _NEAR) if rounded and rank else None
-    fields, steps, bound, principal = _stepped(
-        combined.fields, around, metric, components, max(tolerance - other, _LEAST * tolerance)
-    )
-    reached = max(between, at_kept)
-    more = digits + _SINGLE * reach.principal  # a principal stress may exceed the cycle's size
-    used = np.flatnonzero(fields.reshape(rank, -1).any(axis=1))
-    return Fitted(
-        fields=fields[used],
-        steps=steps,
-        weights={name: weights[used] for name, weights in whole.items()},
-        sizes={name: combined.sizes[name] * 2.0**-_WEIGHT_BITS for name in kept},
-        bound=bound + other,
-        principal=principal + reach.principal * at_kept + more if principal else 0.0,
-        between=bound + reach.norm * reached + digits,
-        principal_between=principal + reach.principal * reached + more if principal else 0.0,
-    )
+    shown = {name: _drawn(whole[name], kept[name], path.shape[1]) for name, path in paths.items()}
+    digits = lost + 2 * NOTHING + _SINGLE
 
+    def largest(fields: FloatArray, weights: Mapping[str, FloatArray]) -> tuple[FloatArray, ...]:
+        """Largest norm and principal stress of sums at kept positions, and at all."""
+        found = {name: largest_sizes(fields, row, metric) for name, row in weights.items()}
+        at_kept = [sizes[:, kept[name]].max(axis=1) for name, sizes in found.items()]
+        at_all = [sizes.max(axis=1) for sizes in found.values()]
+        return np.max(at_kept, axis=0), np.max(at_all, axis=0)
 
-def _stepped(
-    fields: FloatArray,
-    around: Corners | None,
-    metric: FloatArray,
-    components: FloatArray,
-    tolerance: float,
-) -> tuple[npt.NDArray[np.int64], FloatArray, float, float]:
-    """Whole numbers, the steps, and the proven bounds of the norm and of principal stresses."""
-    if around is None or not fields.size:
-        return np.zeros(fields.shape, dtype=np.int64), components.copy(), 0.0, 0.0
-    step = _FIRST * tolerance
+    by_weights = largest(fields, {name: shown[name] - path for name, path in paths.items()})
+    other = by_weights[0][0] + digits
+    target = max(tolerance - other, _LEAST * tolerance)
     sample = np.ascontiguousarray(fields[:, ::_SAMPLE])
+    step = _FIRST * tolerance
     for looked in (sample, sample, *[fields] * _ROUNDS):
         steps = step * components
-        if not float(np.abs(fields).max()) < _LARGEST * float(steps.min()):
+        if not float(np.abs(fields).max(initial=0.0)) < _LARGEST * float(steps.min()):
             raise ArithmeticError(
                 f"live fields need more than 30 bits for an error of {tolerance:.2g} of the peak"
             )
         numbers = np.rint(looked / steps)
-        bound = error_bound(numbers * steps - looked, around, metric)
-        if looked is fields and bound.norm <= tolerance:
-            return numbers.astype(np.int64), steps, bound.norm, bound.principal
+        by_steps = largest(numbers * steps - looked, shown)
+        norm = float(by_steps[0][0])
+        if looked is fields and norm <= target:
+            break
         # an error that is all of a small field tells nothing of steps: never more than 4 times
-        step *= _LESS * min(4.0, tolerance / bound.norm if bound.norm else 4.0)
-    raise ArithmeticError(f"no steps were found for an error of {tolerance:.2g} of the peak")
+        step *= _LESS * min(4.0, target / norm if norm else 4.0)
+    else:
+        raise ArithmeticError(f"no steps were found for an error of {tolerance:.2g} of the peak")
+    bound, between = (
+        Error(*(rounded + weights + digits).tolist())
+        for rounded, weights in zip(by_steps, by_weights, strict=True)
+    )
+    used = np.flatnonzero(numbers.reshape(len(numbers), -1).any(axis=1))
+    return Fitted(
+        fields=numbers[used].astype(np.int64),
+        steps=steps,
+        kept=kept,
+        weights={name: weights[used] for name, weights in whole.items()},
+        sizes={name: sizes[name] * 2.0**-_WEIGHT_BITS for name in kept},
+        bound=bound,
+        between=between,
+    )
 
 
-def _missed(
-    weights: Mapping[str, FloatArray],
-    kept: Mapping[str, IntArray],
-    rounded: Mapping[str, FloatArray],
-) -> tuple[float, float]:
-    """Largest errors of weights in whole steps, at kept positions and over all positions."""
-    at_kept, between = 0.0, 0.0
-    for name, path in weights.items():
-        count = path.shape[1]
-        if not path.size:
-            continue
-        line = np.stack([np.interp(np.arange(count), kept[name], row) for row in rounded[name]])
-        away = np.sqrt(((path - line) ** 2).sum(axis=0))
-        at_kept = max(at_kept, float(away[kept[name]].max()))
-        between = max(between, float(away.max()))
-    return at_kept, between
+def _shares(sums: Sums, sizes: Mapping[str, float]) -> tuple[FloatArray, dict[str, FloatArray]]:
+    """Fields and weights of the sums in shares of their cycles' sizes, the weights up to 1."""
+    paths = {
+        name: path / sizes[name] if sizes[name] else np.zeros_like(path)
+        for name, path in sums.weights.items()
+    }
+    most = np.max([np.abs(path).max(axis=1) for path in paths.values()], axis=0)
+    most[most == 0] = 1.0
+    return sums.fields * most[:, None, None], {q: path / most[:, None] for q, path in paths.items()}
+
+
+def _drawn(whole: npt.NDArray[np.int64], kept: IntArray, count: int) -> FloatArray:
+    """Weights (r, count) as the page has them: straight lines between the kept positions."""
+    lines = [np.interp(np.arange(count), kept, row) for row in whole * 2.0**-_WEIGHT_BITS]
+    return np.array(lines).reshape(len(whole), count)

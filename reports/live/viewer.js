@@ -3,7 +3,7 @@
 // WHAT STANDS IN THE PAGE
 // <script type="application/json" id="live-header"> tells of every part what there is; a part's
 // numbers stand in <script type="text/plain" id="live-part-K">: base64 of gzip of planes of bytes.
-// reports/live/encode.py writes them, reports/live/decode.py reads them in Python as is done here.
+// reports/live/encode.py writes them, tests/reports/live/decode.py reads them in Python as here.
 //
 // Everything is whole numbers. An array of `length` numbers in p planes is p * length bytes: the
 // lowest byte of every number, then the next byte of every number, and so on; p = 0 says that all
@@ -21,7 +21,7 @@
 //                   positions of cycle Q, coding.stress.weights[Q] * number, MPa (or mm)
 //
 // stress at a position = sum over the fields of weight * field. The fields are no unit loads any
-// more but the fewest combinations of them that give the same sum (reports/live/combine.py).
+// more but the fewest combinations of them that give the same sum (reports/live/fitting.py).
 // cycles[Q].positions are the kept positions, numbers of the cycle's own; between them the weights,
 // never the stresses, are taken from the straight line.
 //
@@ -32,9 +32,10 @@
 // agree to the last bit.
 //
 // What is lost is the rounding to whole steps, and of the unit fields to single precision before.
-// The largest error of the von Mises stress that both can make at any node and kept position is
-// proven when the page is written: accuracy.share, of the peak of the position's cycle, or of 1e-4
-// of the largest cycle's peak, if that is more; accuracy.between at positions that were left out.
+// The largest error of the von Mises stress by rounding is measured at all nodes and positions when
+// the page is written, and what single precision may cost is added: accuracy.share, of the peak of
+// the position's cycle, or of 1e-4 of the largest cycle's peak, if that is more; accuracy.between
+// is the largest of all positions, those that were left out among them.
 // accuracy.mises[Q] and .principal[Q] are the same in MPa over all of cycle Q, .moved[Q] of the
 // displacement in mm; fields over the duty are off by half of coding.fatigue[name].
 //

@@ -89,3 +89,10 @@ def usual(positions=61, count=8, **more):
         stress, coefficients, surface, displacement=moved, fatigue=fatigue, peak=peak_of(fields),
         **more,
     )  # fmt: skip
+
+
+def principal_range(stress):
+    """Smallest and largest principal stress of stress (..., 6), MPa; 0 is counted in."""
+    rows = stress.reshape(-1, 6)
+    values = np.linalg.eigvalsh(rows[:, [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(-1, 3, 3))
+    return min(0.0, values.min()), max(0.0, values.max())

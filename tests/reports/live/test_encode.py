@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from checks.result.live_fields import LiveFields, grey, principal_range, von_mises
-from reports.live.decode import decode
+from checks.result.live_fields import LiveFields, grey, von_mises
 from reports.live.encode import TOLERANCE, encode
-from reports.live.planes import Writer, read_planes
+from reports.live.packing import Writer
 
-from .surfaces import live, peak_of, smooth, torus, turning, usual
+from .decode import decode, read_planes
+from .surfaces import live, peak_of, principal_range, smooth, torus, turning, usual
 
 CYCLES = ["work", "idle"]
 SINGLE = 1e-6  # unit fields are in single precision
@@ -50,16 +50,15 @@ def largest_error(fields, head, text, cycles):
     return worst
 
 
-def test_stress_is_within_the_proven_error_at_every_node_and_position(fields, written):
+def test_stress_is_within_the_measured_error_at_every_node_and_position(fields, written):
     share = written.head["accuracy"]["share"]
     assert share <= TOLERANCE
     found = largest_error(fields, written.head, written.text, CYCLES)
     assert found <= share + SINGLE
-    assert found > share / 4  # the proof is no more careful than that, and steps are used
-    assert written.head["accuracy"]["measured"] <= found + SINGLE
+    assert found > share / 2  # the bound is no more careful than that, and steps are used
 
 
-def test_displacement_is_within_its_proven_error(fields, written):
+def test_displacement_is_within_its_measured_error(fields, written):
     part = decode(written.head, written.text)
     order = order_of(fields, part)
     for number, name in enumerate(CYCLES):
@@ -163,7 +162,7 @@ def jumps(nodes):
     [hot_node, random_numbers, huge_coefficient, huge_and_cancelling, small_cycle, units_apart,
      pressure, one_position, jumps],
 )  # fmt: skip
-def test_the_error_is_proven_for_fields_of_any_kind(case):
+def test_the_error_is_measured_for_fields_of_any_kind(case):
     surface = torus(24, 12)
     stress, coefficients = case(surface[0])
     fields = live(stress, coefficients, surface)
@@ -195,7 +194,7 @@ def largest_principal_error(fields, head, text):
 
 
 @pytest.mark.parametrize("case", [random_numbers, pressure])
-def test_what_weights_in_whole_steps_cost_is_in_the_proven_errors(case, monkeypatch):
+def test_what_weights_in_whole_steps_cost_is_in_the_error_tolds(case, monkeypatch):
     """Of 8 bits they cost more than the fields; of a pressure most of it is mean stress."""
     monkeypatch.setattr("reports.live.fitting._WEIGHT_BITS", 8)
     surface = torus(24, 12)
@@ -212,7 +211,7 @@ def test_what_weights_in_whole_steps_cost_is_in_the_proven_errors(case, monkeypa
 
 
 @pytest.mark.parametrize("large", [1e4, 1e5, 1e7])
-def test_what_single_precision_costs_is_in_the_proven_error(large):
+def test_what_single_precision_costs_is_in_the_error_told(large):
     """Two unit loads of opposite sign, so large that their sum is what single precision loses."""
     surface = torus(24, 12)
     first, second = smooth(surface[0], 1)[0], smooth(surface[0], 1, seed=3)[0]

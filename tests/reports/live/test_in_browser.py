@@ -10,9 +10,9 @@ from numpy.testing import assert_allclose
 
 import reports.live
 from checks.result.live_fields import grey, von_mises
-from reports.live.decode import decode
 from reports.live.encode import TOLERANCE, encode
 
+from .decode import decode
 from .surfaces import live, smooth, torus, turning, usual
 
 CYCLES = ["work", "idle"]
@@ -70,7 +70,7 @@ def nodal(page, *asked):
 
 
 def test_the_peak_of_25_positions_is_the_solvers(shown, fields):
-    """0.2 % of the cycle's peak is what the page promises; 0.1 % is proven."""
+    """0.2 % of the cycle's peak is what the page promises; 0.1 % is what is written."""
     page, _, _ = shown(fields)
     for number, name in enumerate(CYCLES):
         exact = fields.peaks[name]

@@ -9,7 +9,6 @@ import pytest
 
 from checks.result.live_fields import EncodedPart, grey
 from checks.result.verdict import Surface
-from reports.live.decode import decode
 from reports.live.payload import (
     Budget,
     has_fields,
@@ -19,6 +18,7 @@ from reports.live.payload import (
 )
 
 from ..results import HOSTILE, mixed
+from .decode import decode
 from .surfaces import live, smooth, torus, turning, usual
 
 

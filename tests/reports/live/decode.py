@@ -1,5 +1,7 @@
 """A part's text read again in Python: what viewer.js does, to test what is written."""
 
+import zlib
+from base64 import b64decode
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -8,8 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from checks.result.live_fields import FATIGUE, FloatArray, IntArray
-from reports.live.planes import read_planes
-from reports.live.surface import Neighbours, neighbours
+from reports.live.packing import GZIP, Neighbours, neighbours
 
 _Whole = npt.NDArray[np.int64]
 
@@ -106,3 +107,27 @@ def _nodal(left: Sequence[_Whole], near: Neighbours) -> _Whole:
 def _straight(left: Sequence[_Whole]) -> FloatArray:
     """Return rows of weights from their second differences."""
     return np.cumsum(np.cumsum(np.stack(left).astype(np.float64), axis=1), axis=1)
+
+
+def read_planes(
+    text: str, layout: Sequence[dict[str, object]]
+) -> dict[str, list[npt.NDArray[np.int64]]]:
+    """Sections of a payload by name: what was added to its `Writer`; ValueError if damaged."""
+    data = np.frombuffer(zlib.decompress(b64decode(text), GZIP), dtype=np.uint8)
+    found: dict[str, list[npt.NDArray[np.int64]]] = {}
+    place = 0
+    for section in layout:
+        length, planes = section["length"], section["planes"]
+        assert isinstance(length, int)
+        assert isinstance(planes, list)
+        arrays = []
+        for count in planes:
+            folded = np.zeros(length, dtype=np.int64)
+            for plane in range(count):
+                folded |= data[place : place + length].astype(np.int64) << 8 * plane
+                place += length
+            arrays.append(np.where(folded & 1, -(folded + 1) // 2, folded // 2))
+        found[str(section["name"])] = arrays
+    if place != len(data):
+        raise ValueError(f"live payload: {len(data)} bytes, its header tells of {place}")
+    return found

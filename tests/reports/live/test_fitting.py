@@ -1,24 +1,28 @@
-"""The bound of an error over paths of weights, and the corners that prove it."""
+"""Sums of fields with fewer fields, their extremes, and the positions that a page carries."""
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 from checks.result import live_fields
-from checks.result.live_fields import largest_principal, principal_range, von_mises
-from reports.live.accuracy import (
+from checks.result.live_fields import largest_principal, von_mises
+from reports.live.encode import encode
+from reports.live.extremes import (
     LENGTH_METRIC,
     STRESS_METRIC,
-    corners,
-    error_bound,
+    largest_principal_stress,
     largest_sizes,
+    lost_in_single,
 )
-from reports.live.combine import NOTHING, combine
-from reports.live.extremes import displacements, largest_size
-from reports.live.fitting import FLOOR, sizes_with_floor
-from reports.live.sampling import looked_at
+from reports.live.fitting import FLOOR, NOTHING, fewest, sizes_with_floor, thinned
 
-from .surfaces import live, smooth, torus, turning
+from .surfaces import live, principal_range, smooth, torus, turning
+
+
+def largest_of(fields):
+    """The largest size of a principal stress of fields, MPa."""
+    lost = lost_in_single(fields.stress, fields.coefficients, STRESS_METRIC)
+    return largest_principal_stress(fields, lost)
 
 
 @pytest.fixture(scope="module")
@@ -32,105 +36,87 @@ def test_the_von_mises_metric_is_the_von_mises_stress(errors):
     assert_allclose(rows[:, 5], errors[0, :, :3].mean(axis=1))
 
 
-@pytest.mark.parametrize("most", [3, 10, 60, 400])
-def test_the_bound_holds_for_every_position_and_between_them(errors, most):
+def test_largest_sizes_hold_at_every_position_and_between_them(errors):
     path = turning(5, 361)
-    bound = error_bound(errors, corners([path], most), STRESS_METRIC)
-    fine = np.stack([np.interp(np.arange(0, 360, 0.25), np.arange(361), row) for row in path])
-    sums = np.einsum("jnc,jk->knc", errors, fine)
-    true = von_mises(sums).max()
-    low, high = principal_range(sums)
-    assert true <= bound.norm
-    assert max(-low, high) <= bound.principal
-    if most >= 60:
-        assert bound.norm <= 1.15 * true
-        assert bound.principal <= 1.4 * max(-low, high)
+    found = largest_sizes(errors, path, STRESS_METRIC)
+    sums = np.einsum("jnc,jk->knc", errors, path)
+    assert_allclose(found[0], von_mises(sums).max(axis=1), rtol=1e-5)
+    for k in range(0, 361, 20):
+        low, high = principal_range(sums[k])
+        assert max(-low, high) <= found[1, k] * (1 + 1e-6)
+        assert found[1, k] <= 1.4 * max(-low, high)
+    between = np.stack([np.interp(np.arange(360) + 0.5, np.arange(361), row) for row in path])
+    half = largest_sizes(errors, between, STRESS_METRIC)
+    assert (half <= np.maximum(found[:, 1:], found[:, :-1]) * (1 + 1e-6)).all()
 
 
-def test_the_bound_of_a_length_holds(errors):
+def test_largest_lengths_are_those_of_the_sums(errors):
     path = turning(5, 100)
-    bound = error_bound(errors[:, :, :3], corners([path], 40), LENGTH_METRIC)
+    found = largest_sizes(errors[:, :, :3], path, LENGTH_METRIC)
     lengths = np.linalg.norm(np.einsum("jnc,jk->knc", errors[:, :, :3], path), axis=2)
-    assert lengths.max() <= bound.norm <= 1.15 * lengths.max()
-    assert bound.principal == 0.0
+    assert_allclose(found[0], lengths.max(axis=1), rtol=1e-5)
+    assert not found[1].any()
 
 
-def test_corners_keep_ends_and_what_is_wanted_and_tell_how_far_the_path_leaves_them():
-    path = turning(3, 500)
-    chosen = corners([path, path[:, :1]], 30, wanted=[[123], []])
-    kept, single = chosen.kept
-    assert {0, 123, 499} <= set(kept.tolist())
-    assert single.tolist() == [0]
-    assert len(kept) + len(single) == 30
-    line = np.stack([np.interp(np.arange(500), kept, row[kept]) for row in path])
-    away = np.linalg.norm(path - line, axis=0).max()
-    assert_allclose(chosen.distance, away, rtol=1e-12)
-    assert corners([path], 500).distance == 0.0
-    few = corners([path], 500, tolerance=0.05)
-    assert len(few.kept[0]) < 200
-    assert few.distance <= 0.05
+def test_thinned_positions_keep_ends_what_is_wanted_and_the_bends():
+    path = np.interp(np.arange(5000), [0, 700, 705, 710, 4999], [0.0, 0.0, 9.0, 0.0, 1.0])[None]
+    kept = thinned(path, [123, 4567], 300)
+    assert {0, 123, 700, 705, 710, 4567, 4999} <= set(kept.tolist())
+    assert (np.diff(kept) > 0).all()
+    assert np.diff(kept).max() <= 68  # 4999 / 74
+    assert len(kept) <= 300
+    assert_allclose(np.interp(np.arange(5000), kept, path[0, kept]), path[0], atol=1e-12)
+    assert thinned(path, [], 5000).tolist() == list(range(5000))
 
 
-def test_largest_size_is_not_below_any_sum_of_weights_of_length_one(errors):
-    weights = np.random.default_rng(1).normal(size=(5, 1000))
-    weights /= np.linalg.norm(weights, axis=0)
-    true = von_mises(np.einsum("jnc,jk->knc", errors, weights)).max()
-    sums = np.einsum("jnc,jk->knc", errors, weights)
-    low, high = principal_range(sums)
-    bound, plain = largest_sizes(errors, STRESS_METRIC)
-    assert true <= bound.norm
-    assert max(-low, high) <= bound.principal
-    assert np.linalg.norm(sums, axis=2).max() <= plain
-
-
-def test_combined_fields_have_the_same_sums_and_weights_in_the_unit_ball():
+def test_the_fewest_fields_have_the_same_sums_and_are_orthogonal():
     nodes, _ = torus(24, 12)
     fields, c = (
         smooth(nodes, 7),
         {"a": turning(7, 80), "b": 3 * turning(7, 40, seed=4), "c": np.zeros((7, 9))},
     )
-    sizes = {"a": 50.0, "b": 80.0, "c": 0.0}
-    done = combine(fields, c, sizes, STRESS_METRIC)
-    lengths = np.concatenate([np.linalg.norm(done.weights[q], axis=0) for q in "ab"])
-    assert lengths.max() <= 1 + 1e-12
-    assert (lengths > 0.9).sum() >= 7  # the ball is no larger than it must be
+    done = fewest(fields, c)
+    assert len(done.fields) == 7
+    products = np.einsum("inc,jnc->ij", done.fields, done.fields)
+    assert_allclose(products, np.diag(np.diag(products)), rtol=0, atol=1e-9 * products.max())
     for name in "abc":
         exact = np.einsum("jnc,jk->knc", fields, c[name])
-        again = sizes[name] * np.einsum("jnc,jk->knc", done.fields, done.weights[name])
-        assert_allclose(again, exact, rtol=0, atol=1e-6 * max(sizes[name], 1e-300))
+        again = np.einsum("jnc,jk->knc", done.fields, done.weights[name])
+        assert_allclose(again, exact, rtol=0, atol=1e-6 * max(np.abs(exact).max(), 1e-300))
+
+
+def test_loads_that_cancel_are_one_small_field():
+    """Their difference is a millionth of each: it is what acts."""
+    nodes, _ = torus(24, 12)
+    first, second = smooth(nodes, 1)[0], smooth(nodes, 1, seed=3)[0]
+    turn = 1e6 * turning(1, 30)
+    c = np.concatenate([-turn, turn])
+    done = fewest(np.stack([first, first + 1e-6 * second]), {"a": c})
+    assert len(done.fields) == 1
+    again = np.einsum("jnc,jk->knc", done.fields, done.weights["a"])
+    exact = 1e-6 * turn[0][:, None, None] * second
+    assert_allclose(again, exact, rtol=0, atol=1e-8 * np.abs(exact).max())
 
 
 def test_what_hardly_acts_is_kept_unless_it_is_below_what_may_be_left_out():
-    """Of the cycle's size: the third load makes 1e-6 of it, the fourth 1e-12."""
+    """Of the cycle's size: the third load makes 1e-5 of it, the fourth 1e-12."""
     nodes, _ = torus(24, 12)
     fields = smooth(nodes, 4)
-    path = turning(4, 80) * np.array([1.0, 1.0, 1e-7, 1e-12])[:, None]
-    done = combine(fields, {"a": path}, {"a": 1.0}, STRESS_METRIC)
+    path = turning(4, 80) * np.array([1.0, 1.0, 1e-5, 1e-12])[:, None]
+    done = fewest(fields, {"a": path}, {"a": 1.0})
     assert len(done.fields) == 3
     off = np.einsum("jnc,jk->knc", fields, path)
     off -= np.einsum("jnc,jk->knc", done.fields, done.weights["a"])
     assert von_mises(off).max() <= NOTHING
 
 
-def test_the_peak_of_every_cycle_is_looked_at():
-    surface = torus(12, 8)
-    fields = live(smooth(surface[0], 3), {"a": turning(3, 997), "b": turning(3, 499, 5)}, surface)
-    sample = looked_at(fields)
-    for name, peaks in fields.peaks.items():
-        at = sample.positions[name].tolist()
-        assert int(peaks.argmax()) in at
-        assert sample.mises[name][:, at.index(int(peaks.argmax()))].max() == pytest.approx(
-            sample.peaks[name], rel=1e-6
-        )
-
-
 def test_loads_in_proportion_become_one_field_and_idle_ones_none():
     nodes, _ = torus(24, 12)
     alike = turning(1, 50)
     c = np.concatenate([alike, -2 * alike, 5 * alike, 0 * alike])
-    done = combine(smooth(nodes, 4), {"a": c}, {"a": 1.0}, STRESS_METRIC)
+    done = fewest(smooth(nodes, 4), {"a": c})
     assert len(done.fields) == 1
-    nothing = combine(np.zeros((4, len(nodes), 6)), {"a": c}, {"a": 1.0}, STRESS_METRIC)
+    nothing = fewest(np.zeros((4, len(nodes), 6)), {"a": c})
     assert nothing.fields.shape == (0, len(nodes), 6)
     assert nothing.weights["a"].shape == (0, 50)
 
@@ -140,13 +126,15 @@ def test_small_cycles_are_as_exact_as_large_ones_down_to_a_floor():
     assert sizes == {"a": 100.0, "b": 1.0, "c": FLOOR * 100.0, "d": 0.0}
 
 
-def test_the_range_of_principal_stresses_is_exact():
+def test_the_largest_size_of_a_principal_stress_is_exact():
     stress = np.random.default_rng(2).normal(size=(4000, 6))
     tensor = stress[:, [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(-1, 3, 3)
     values = np.linalg.eigvalsh(tensor)
-    assert principal_range(stress) == (values.min(), values.max())
-    assert principal_range(np.zeros((300, 6))) == (0.0, 0.0)
-    assert largest_principal(stress, 0.99 * values.max()) == values.max()
+    most = max(-values.min(), values.max())
+    assert largest_principal(stress) == most
+    assert largest_principal(-stress) == most
+    assert largest_principal(np.zeros((300, 6))) == 0.0
+    assert largest_principal(stress, 0.99 * most) == most
     assert largest_principal(stress, 1e3) == 1e3
 
 
@@ -165,21 +153,20 @@ def test_a_bar_that_is_pushed_all_over_is_not_searched_for_the_pull_that_it_lack
         return highest(rows)
 
     monkeypatch.setattr(live_fields, "_highest", counted)
-    most = largest_size(fields, looked_at(fields), {"work": np.arange(400)})
+    most = largest_of(fields)
     assert most == pytest.approx(100.0, rel=1e-4)
     assert sum(looked) < 3 * 3600, "of 1 440 000 nodes at positions"
 
 
-@pytest.mark.parametrize("most", [3, 10])
-def test_the_bound_of_a_principal_stress_holds_between_corners_of_a_hydrostatic_error(errors, most):
-    """It has no von Mises stress at all: the mean must be followed between the corners, too."""
+def test_the_bound_of_a_principal_stress_holds_for_a_hydrostatic_error(errors):
+    """It has no von Mises stress at all: the mean must be counted, too."""
     even = np.repeat(errors[:, :, :1], 3, axis=2)
     pushed = np.concatenate([even, np.zeros_like(even)], axis=2)
     path = turning(5, 361)
-    bound = error_bound(pushed, corners([path], most), STRESS_METRIC)
+    norm, principal = largest_sizes(pushed, path, STRESS_METRIC).max(axis=1)
     low, high = principal_range(np.einsum("jnc,jk->knc", pushed, path))
-    assert max(-low, high) <= bound.principal
-    assert bound.norm < 1e-3 * bound.principal
+    assert principal == pytest.approx(max(-low, high), rel=1e-5)
+    assert norm < 1e-3 * principal
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -190,7 +177,7 @@ def test_the_largest_principal_stress_is_found_where_the_mean_stress_is_small(si
     fields[0, 5, :3] = 80.0, 79.0, 79.0
     fields[1, 40, 0] = 100.0
     pulled = live(fields, {"work": sign * np.eye(2)}, surface)
-    assert largest_size(pulled, looked_at(pulled), {"work": np.arange(2)}) == pytest.approx(100.0)
+    assert largest_of(pulled) == pytest.approx(100.0)
 
 
 def test_the_largest_push_is_found_where_another_node_is_pulled_at_the_same_position():
@@ -200,7 +187,7 @@ def test_the_largest_push_is_found_where_another_node_is_pulled_at_the_same_posi
     fields[1, 40, :3] = -100.0, -99.0, -99.0
     fields[1, 7, :3] = 10.0, 9.0, 9.0
     pushed = live(fields, {"work": np.eye(2)}, surface)
-    assert largest_size(pushed, looked_at(pushed), {"work": np.arange(2)}) == pytest.approx(100.0)
+    assert largest_of(pushed) == pytest.approx(100.0)
 
 
 def test_no_size_of_a_principal_stress_at_any_node_and_position_is_above_the_largest():
@@ -210,9 +197,8 @@ def test_no_size_of_a_principal_stress_at_any_node_and_position_is_above_the_lar
         fields = smooth(surface[0], 3, seed) * random.uniform(0.1, 3, size=(3, 1, 6))
         fields[:, :, :3] += random.normal(size=(3, 1, 1)) * smooth(surface[0], 3, seed + 50, 1) * 3
         made = live(fields, {"work": turning(3, 40, seed)}, surface)
-        kept = np.arange(0, 40, 2)
-        low, high = principal_range(np.stack([made.at("work", k) for k in kept.tolist()]))
-        most = largest_size(made, looked_at(made), {"work": kept})
+        low, high = principal_range(np.stack([made.at("work", k) for k in range(40)]))
+        most = largest_of(made)
         assert most == pytest.approx(max(-low, high), rel=1e-9)
 
 
@@ -227,7 +213,7 @@ def test_single_precision_of_unit_loads_that_cancel_hides_no_largest_principal_s
     fields[1:, :, :3] = 2.0**23
     fields[1, 40, 0] += 100.0
     made = live(fields, {"work": np.array([[1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])}, surface)
-    most = largest_size(made, looked_at(made), {"work": np.arange(2)})
+    most = largest_of(made)
     assert most == pytest.approx(100.0, rel=1e-9)
 
 
@@ -241,5 +227,5 @@ def test_single_precision_of_unit_loads_that_cancel_hides_no_largest_displacemen
         np.ones((2, len(surface[0]), 6)) * np.arange(1, 7),
         {"work": np.stack([share, -share])}, surface, displacement=moved,
     )  # fmt: skip
-    found = displacements(made, {"work": np.arange(41)})
-    assert found["work"] == pytest.approx(share.max(), rel=1e-9)
+    scale = encode(made, ["work"]).head["scale"]
+    assert scale["displacement"]["to"] == pytest.approx(share.max(), rel=1e-6)
