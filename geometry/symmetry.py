@@ -13,7 +13,7 @@ import numpy as np
 from geometry.mesh import SYMMETRY, FloatArray, MeshError
 from geometry.meshing import Body, Buildable, faces_where
 
-_UNEVEN = 2e-5  # of volume and size: the kernel integrates round bodies to some 4e-6
+_UNEVEN = 1e-4  # of volume and size: the kernel integrates slender rods to some 3e-5
 
 
 class Mirrored(Buildable, Protocol):
