@@ -205,7 +205,7 @@ class _Search:
     def _divide(self, cells: IntArray) -> IntArray:
         edges, four = divided(len(self.normals), cells)
         normals = middles(self.normals, edges)
-        self._add(normals, _plane_rows(normals))
+        self._add(normals, plane_rows(normals))
         return four
 
     def _add(self, normals: FloatArray, rows: FloatArray) -> None:
@@ -256,7 +256,7 @@ class _Search:
 
 def resolved_shear(normals: FloatArray, stress: FloatArray) -> FloatArray:
     """Return the shear stress (n, 2, n_positions) in planes with normals (n, 3), in some axes."""
-    rows = _plane_rows(normals)[:, :2]
+    rows = plane_rows(normals)[:, :2]
     return np.asarray((rows.reshape(-1, 6) @ stress).reshape(len(normals), 2, -1))
 
 
@@ -264,10 +264,10 @@ def resolved_shear(normals: FloatArray, stress: FloatArray) -> FloatArray:
 def _start() -> tuple[FloatArray, IntArray, FloatArray, FloatArray]:
     """Normals, triangles, rows and edges of the grid that every search begins with."""
     normals, cells = half_sphere(_START)
-    return normals, cells, _plane_rows(normals), longest_edges(normals, cells)
+    return normals, cells, plane_rows(normals), longest_edges(normals, cells)
 
 
-def _plane_rows(normals: FloatArray) -> FloatArray:
+def plane_rows(normals: FloatArray) -> FloatArray:
     """Return rows (n, 3, 6) that take a stress to its shear along two axes of a plane, normal."""
     along, across = _plane_axes(normals)
     found = np.empty((len(normals), 3, 6))

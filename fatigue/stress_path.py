@@ -107,23 +107,33 @@ def check_history(basis: FloatArray, coefficients: FloatArray) -> tuple[FloatArr
 def with_fewer_loads(basis: FloatArray, coefficients: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the same history by as few unit loads as it has to round-off.
 
-    Unit loads that act in step, such as the waves of a pressure that only grows, are one load. What
-    is left out is below 1e-14 of the largest singular value of the coefficients, each times the
-    largest stress of its unit load. Of few points, or where hardly anything would go, both come
-    back as they are.
+    Of few points, or where hardly any unit load would go, both come back as they are.
     """
     n_loads, n_positions = coefficients.shape
     if len(basis) < max(_MANY, n_positions):
         return basis, coefficients
+    turn, fewer = fewer_loads(basis, coefficients)
+    if len(fewer) > _WORTH * n_loads:
+        return basis, coefficients
+    return (basis.reshape(-1, n_loads) @ turn).reshape(len(basis), 6, -1), fewer
+
+
+def fewer_loads(
+    basis: FloatArray, coefficients: FloatArray, lost: float = _NOTHING
+) -> tuple[FloatArray, FloatArray]:
+    """Return the shares (n_basis, m) of unit loads in as few that do for a history, and these.
+
+    Their coefficients are (m, n_positions). Unit loads that act in step, such as the waves of a
+    pressure that only grows, are one load.
+
+    lost  of the largest singular value of the coefficients, each times the largest stress of its
+          unit load: less is left out
+    """
     sizes = np.maximum(basis.max(axis=(0, 1)), -basis.min(axis=(0, 1)))
     sizes[sizes == 0.0] = 1.0
     turn, values, paths = np.linalg.svd(sizes[:, None] * coefficients, full_matrices=False)
-    count = max(1, int(np.count_nonzero(values > _NOTHING * values[0])))
-    if count > _WORTH * n_loads:
-        return basis, coefficients
-    turn = turn[:, :count] / sizes[:, None]
-    rows = basis.reshape(-1, n_loads) @ turn
-    return rows.reshape(len(basis), 6, count), values[:count, None] * paths[:count]
+    count = max(1, int(np.count_nonzero(values > lost * values[0])))
+    return turn[:, :count] / sizes[:, None], values[:count, None] * paths[:count]
 
 
 def point_blocks(n_points: int, numbers_per_point: int) -> Iterator[slice]:

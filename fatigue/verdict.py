@@ -23,13 +23,14 @@ import numpy.typing as npt
 from fatigue.coarse_path import coarse_path
 from fatigue.goodman import FatigueResult, check_strengths, goodman, goodman_utilisation
 from fatigue.invariants import ComparedCriteria, compared_criteria
+from fatigue.plane_bounds import plane_bounds
 from fatigue.proportionality import PROPORTIONAL, PathBounds, path_bounds
 from fatigue.shear_planes import DUCTILE, CriticalPlane, critical_plane, findley_criterion
 from fatigue.stress_path import FloatArray, IntArray, check_history
 
 _TOGETHER = 64  # points that Goodman judges at once where not every point is asked for
-_SKETCHED = 256  # points whose paths are made coarse together
-_FEW = 8  # points whose planes are sought at once without
+_TOGETHER_ON_PLANES = 256  # points whose planes are bounded together
+_FEW = 4  # points whose planes are sought one by one
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +45,7 @@ class Verdict:
     plane_bound        (n_points,)  not less than Findley's; 0 where the path is proportional
     plane              Findley's plane at the critical point, None if the path is proportional
                        there, or if Goodman decides and the verdict was asked for less
-    n_searched         points whose planes were searched
+    n_searched         points whose planes were looked at
     path               (6, n_positions)  MPa, stress of the critical point
     reversed_limits    MPa, its limits in reversed bending and torsion
     """
@@ -178,27 +179,21 @@ def ductile_verdict(
     n_searched = 0
     order = np.argsort(-bound, kind="stable")
     order = order[bound[order] > worst]
-    for start in range(0, len(order), _SKETCHED):
-        some = order[start : start + _SKETCHED]
+    for start in [0, *range(1, len(order), _TOGETHER_ON_PLANES)]:
+        some = order[start : start + _TOGETHER_ON_PLANES] if start else order[:1]
         some = some[bound[some] > worst]
-        if not len(some):
-            break
-        coarse = coarse_path(basis[some], coefficients, criterion.k) if len(some) > _FEW else None
-        for row, point in enumerate(some):
+        if len(some) > _FEW:
+            sketched = _bound_by_few(basis[some], coefficients, criterion.k, worst * limit[some])
+            bound[some] = np.minimum(bound[some], sketched / limit[some])
+            left = some[bound[some] > worst]
+            n_searched += len(some) - len(left)
+            some = left
+        for point in some:
             if bound[point] <= worst:
                 break
-            floor = worst * limit[point]
-            n_searched += 1
-            if coarse is not None:
-                least = floor - coarse.slack[row]
-                stress = basis[point] @ coefficients[:, coarse.kept]
-                plane = critical_plane(stress, criterion.k, floor=least)
-                if plane.bound <= least:
-                    most = (plane.bound + coarse.slack[row]) / limit[point]
-                    bound[point] = min(bound[point], most)
-                    continue
             stress = basis[point] @ coefficients
-            plane = critical_plane(stress, criterion.k, floor=floor)
+            plane = critical_plane(stress, criterion.k, floor=worst * limit[point])
+            n_searched += 1
             bound[point] = min(bound[point], plane.bound / limit[point])
             used = plane.value / limit[point]
             if used > worst:
@@ -228,6 +223,15 @@ def ductile_verdict(
         path=at_critical,
         reversed_limits=(reversed_limit, torsion_ratio * reversed_limit),
     )
+
+
+def _bound_by_few(
+    basis: FloatArray, coefficients: FloatArray, k: float, floors: FloatArray
+) -> FloatArray:
+    """Bounds (n,) of Findley's parameter by few positions of each path; infinite above a floor."""
+    coarse = coarse_path(basis, coefficients, k)
+    stress = basis @ coefficients[:, coarse.kept]
+    return plane_bounds(stress, k, floors - coarse.slack) + coarse.slack
 
 
 def _governing(

@@ -99,11 +99,13 @@ class StressHistory:
                 where[block] = points[top]
         return np.sqrt(best), where
 
-    def peaks_by_point(self) -> FloatArray:
-        """Largest von Mises stress (n_points,) of each point over the positions."""
-        vectors = np.ascontiguousarray(_DEVIATOR @ self.basis)
-        found = np.zeros(len(self.nodes))
-        batch = max(1, _NUMBERS // (5 * max(len(self.nodes), 1)))
+    def peaks_by_point(self, points: IntArray | slice = slice(None)) -> FloatArray:
+        """Largest von Mises stress (n,) of each point, or of some, over the positions."""
+        vectors = np.ascontiguousarray(_DEVIATOR @ self.basis[points])
+        found = np.zeros(len(vectors))
+        if not len(vectors):
+            return found
+        batch = max(1, _NUMBERS // (5 * max(len(vectors), 1)))
         for first in range(0, self.coefficients.shape[1], batch):
             paths = _product(vectors, self.coefficients[:, first : first + batch])
             paths *= paths

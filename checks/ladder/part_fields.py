@@ -10,10 +10,12 @@ from checks.stress.duty_verdict import DutyVerdict, NodalUse
 from checks.stress.solid_mesh_level import Level
 from checks.stress.stress_result import Stressed
 from checks.stress.symmetry import mirrored, surface_triangles
+from fatigue.stress_path import fewer_loads
 from fem.unit_solutions import rigid_modes
 from geometry.mesh import FloatArray, IntArray
 
 _IMAGE = np.array([1.0, 1.0, 1.0, 1.0, -1.0, -1.0])  # of xx, yy, zz, xy, yz, zx, mirrored at z = 0
+_LOST = 1e-9  # of the largest stress: single precision, in which the page has fields, loses more
 _UNJUDGED = "fatigue was not judged: no cycle of the duty loads this part"
 ENDLESS = (
     "the utilisation that is drawn is that of endless life; the verdict counts a finite life "
@@ -33,8 +35,11 @@ def solid_fields(loads: PartLoads, level: Level, use: FatigueUse | None) -> Live
     history, mesh = level.history, level.solutions.mesh
     nodes = history.nodes
     points, triangles = history.points, surface_triangles(mesh, nodes)
-    stress = np.moveaxis(history.basis, 2, 0)
-    unit = level.solutions.displacement
+    shares, coefficients = fewer_loads(history.basis, history.coefficients, _LOST)
+    stress = np.moveaxis(
+        (history.basis.reshape(-1, len(shares)) @ shares).reshape(len(nodes), 6, -1), 2, 0
+    )
+    unit = level.solutions.moved(shares)
     moved = np.moveaxis(unit.reshape(len(mesh.nodes), 3, -1)[nodes], 2, 0)
     fatigue, missing, notes = _fatigue(level, use)
     if level.half:
@@ -48,7 +53,7 @@ def solid_fields(loads: PartLoads, level: Level, use: FatigueUse | None) -> Live
         triangles=triangles,
         stress=stress,
         displacement=without_rigid_motion(points, moved),
-        coefficients=_by_cycle(loads, history.coefficients),
+        coefficients=_by_cycle(loads, coefficients),
         peaks=_by_cycle(loads, level.peaks_by_position),
         fatigue=fatigue,
         judged=bool(fatigue) and not isinstance(use, LifeUse),

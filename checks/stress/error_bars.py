@@ -4,6 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import degrees, pi
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -122,8 +123,7 @@ class StaticPeak(Judged):
 
     def bound(self, level: Stressed, points: IntArray) -> FloatArray:
         """Largest von Mises stress (n,) over all positions, MPa."""
-        stress = level.history.basis[points] @ level.coefficients
-        return np.asarray(von_mises(np.moveaxis(stress, 1, -1)).max(axis=1))
+        return level.history.peaks_by_point(points)
 
     def anew(
         self, level: Stressed, points: IntArray, basis: FloatArray, coefficients: FloatArray
@@ -237,11 +237,21 @@ def mesh_bar(judged: Judged, levels: Sequence[Level]) -> float:
 
 
 def _notch_bar(judged: Judged, level: Level) -> float:
-    """How far elements in notches may carry the quantity too low, MPa.
+    """How far elements in notches may carry the quantity too low, MPa, sought once.
 
     At its point, or at another one whose elements are so much larger that it may well be used more
     than its own shows: a mesh that is fine somewhere finds its peak there, not where the peak is.
     """
+    known = _notch_bars.setdefault(level, WeakKeyDictionary())
+    if judged not in known:
+        known[judged] = _missed_in_notches(judged, level)
+    return known[judged]
+
+
+_notch_bars: WeakKeyDictionary[Level, WeakKeyDictionary[Judged, float]] = WeakKeyDictionary()
+
+
+def _missed_in_notches(judged: Judged, level: Level) -> float:
     value, errors = judged.value(level), level.notch_errors
     most = float(errors[judged.point(level)]) * abs(value)
     points = np.setdiff1d(np.flatnonzero(errors > _UNRESOLVED), level.left_out)
