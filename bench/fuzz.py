@@ -3,9 +3,11 @@
 python -m bench.fuzz [--mutants 10000] [--seconds 3600] [--seed 1] [--workers 4]
 python -m bench.fuzz --replay
 
-Writes bench/fuzz.json: how many ended how, and every finding with the text that leads to it. One in
-a hundred climbs as far as it needs (auto), one in ten writes its page, the others are formulas.
-`--replay` runs the recorded findings again: those that end well now move to `mended`, with how.
+Writes bench/fuzz.json after every few hundred: how many ended how, and every finding with the text
+that leads to it. A run that was stopped, or whose time was up, goes on from there when it is called
+again with the same seed and the same code. One in a hundred climbs as far as it needs (auto), one
+in ten writes its page, the others are formulas. `--replay` runs the recorded findings again: those
+that end well now move to `mended`, with how.
 """
 
 import argparse
@@ -24,9 +26,11 @@ from typing import Any
 
 from ballesta.batches.memory import Admission
 from ballesta.batches.pool import Limits, Pool
+from checks.store.fingerprints import code_digest
 
 ROOT = Path(__file__).parent.parent
 SECONDS, MEMORY = 120.0, 4 * 2**30  # that a mutant may take
+_CHUNK = 200  # mutants between two records
 _DESIGNS = ("toggle_press", "slider_crank", "quick_return", "spring_hammer", "toggle_press_30x30",
             "toggle_press_friction")  # fmt: skip
 _FACTORS = ("0", "-1", "1e-12", "1e-3", "0.5", "0.9", "0.999999", "1.000001", "1.1", "2", "10",
@@ -163,9 +167,9 @@ class Found:
     findings: list[dict[str, Any]] = field(default_factory=list)
 
 
-def fuzz(numbers: Sequence[int], seed: int, workers: int, seconds: float = float("inf")) -> Found:
-    """Run mutants side by side, until time is up."""
-    found, until = Found(), monotonic() + seconds
+def fuzz(numbers: Sequence[int], seed: int, workers: int) -> Found:
+    """Run mutants side by side."""
+    found = Found()
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder)
         jobs = dict(_jobs(numbers, seed, place))
@@ -187,8 +191,6 @@ def fuzz(numbers: Sequence[int], seed: int, workers: int, seconds: float = float
                         "ended": told, "error": one.error, "warned": outcome.get("warned", []),
                         "changed": _changed(name, text),
                     })  # fmt: skip
-                if monotonic() > until:
-                    break
     return found
 
 
@@ -244,19 +246,48 @@ def main() -> int:
     if wanted.replay:
         record = replayed(json.loads(wanted.out.read_text(encoding="utf-8")), wanted.workers)
         return _recorded(record, wanted.out)
-    begun = monotonic()
-    found = fuzz(range(wanted.mutants), wanted.seed, wanted.workers, wanted.seconds)
-    record = {
-        "seed": wanted.seed, "asked": wanted.mutants, "ran": sum(found.counts.values()),
-        "seconds": round(monotonic() - begun), "ended": dict(sorted(found.counts.items())),
-        "findings": found.findings,
-    }  # fmt: skip
-    return _recorded(record, wanted.out)
+    return _recorded(recorded(wanted.out, wanted.seed, wanted.mutants, wanted.workers,
+                              wanted.seconds), wanted.out)  # fmt: skip
+
+
+def recorded(out: Path, seed: int, mutants: int, workers: int, seconds: float) -> dict[str, Any]:
+    """Run mutants from where the record in a file stops, and write it after each chunk of them.
+
+    No chunk is begun that would end later than in so many seconds, if it took as long as the last.
+    """
+    begun, took = monotonic(), 0.0
+    record = _begun(out, seed) | {"asked": mutants}
+    before = record["seconds"]
+    while record["ran"] < mutants and monotonic() - begun + took <= seconds:
+        start = monotonic()
+        numbers = range(record["ran"], min(record["ran"] + _CHUNK, mutants))
+        found = fuzz(numbers, seed, workers)
+        took = monotonic() - start
+        record |= {
+            "ran": record["ran"] + len(numbers),
+            "seconds": round(before + monotonic() - begun),
+            "ended": dict(sorted((Counter(record["ended"]) + found.counts).items())),
+            "findings": [*record["findings"], *found.findings],
+        }
+        _write(record, out)
+    return record
+
+
+def _begun(out: Path, seed: int) -> dict[str, Any]:
+    """Return the record in a file if it is of this seed and this code, or else an empty one."""
+    fresh = {"seed": seed, "asked": 0, "ran": 0, "seconds": 0, "code": code_digest()}
+    old = json.loads(out.read_text(encoding="utf-8")) if out.exists() else {}
+    same = old.get("seed") == seed and old.get("code") == fresh["code"]
+    return old if same else {**fresh, "ended": {}, "findings": []}
+
+
+def _write(record: Mapping[str, Any], out: Path) -> None:
+    out.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
 
 
 def _recorded(record: Mapping[str, Any], out: Path) -> int:
     """Write a record and tell its counts; the exit code, 1 with findings."""
-    out.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
+    _write(record, out)
     counted = {key: len(record[key]) for key in ("findings", "mended") if key in record}
     print(json.dumps({**record, **counted}))
     return 1 if record["findings"] else 0

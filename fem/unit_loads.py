@@ -123,12 +123,16 @@ def with_resultants(
                             a part takes half of them, in its plane only
     smooth   (3 n_nodes, k) loads of which the smallest sum that closes the gap is added
     reach    mm, by which moments are compared with forces
+
+    Errors are shares of a load's own resultant, of 1 N where it has none: any size is judged alike.
     """
     rows = IN_PLANE if elements.mesh.half else list(range(6))
     scale = np.r_[np.ones(3), np.full(3, 1 / reach)][rows, None] / elements.mesh.share
     wanted = elements.mesh.share * targets[rows]
+    own = np.abs(wanted * scale).max(axis=0)
+    own = np.where(own > 0.0, own, 1.0)
     error = (wanted - resultants(elements, vectors, centre)[rows]) * scale
-    raw = float(np.abs(error).max())
+    raw = float(np.abs(error / own).max())
     if raw > _RAW_LIMIT:
         raise MeshError(
             f"loads on {name!r} miss their resultant by {raw:.1e} on this mesh "
@@ -139,7 +143,7 @@ def with_resultants(
         correction, *_ = np.linalg.lstsq(available, error, rcond=1e-9)
         vectors = vectors + smooth @ correction
         error = (wanted - resultants(elements, vectors, centre)[rows]) * scale
-    left = float(np.abs(error).max())
+    left = float(np.abs(error / own).max())
     if left > 1e-9:
         raise MeshError(f"loads on {name!r} keep an unbalanced {left:.1e}")
     return vectors, raw

@@ -12,6 +12,7 @@ import numpy as np
 
 from geometry.element_count import check_skin
 from geometry.mesh import FloatArray, IntArray, Interface, MassProperties, MeshError
+from geometry.mesh_unit import in_unit, unit_of
 from geometry.meshing import Body, Buildable, gmsh_session
 from geometry.skin import skin_of
 
@@ -59,9 +60,15 @@ class Skin:
 def cad_body(shape: Buildable) -> SolidBody:
     """Build a shape and ask the CAD kernel for what it knows; raises MeshError."""
 
-    def known(gmsh: Any, body: Body) -> SolidBody:
-        interfaces = {interface.name: interface for interface in body.interfaces}
-        return SolidBody(interfaces, *_integrals(gmsh), _extent(gmsh))
+    def known(gmsh: Any, body: Body, unit: float) -> SolidBody:
+        volume, centre, second = _integrals(gmsh)
+        return SolidBody(
+            interfaces={one.name: one.in_mm(unit) for one in body.interfaces},
+            volume=unit**3 * volume,
+            centre=unit * centre,
+            second=unit**5 * second,
+            size=unit * _extent(gmsh),
+        )
 
     return _built(shape, known)
 
@@ -71,11 +78,12 @@ def cad_skin(shape: Buildable) -> Skin:
     return _built(shape, _skin)
 
 
-def _built(shape: Buildable, known: Callable[[Any, Body], T]) -> T:
-    """Return known(gmsh, body), with the shape built in gmsh's model."""
+def _built(shape: Buildable, known: Callable[[Any, Body, float], T]) -> T:
+    """Return known(gmsh, body, unit) of the shape in gmsh's model, in a unit of so many mm."""
+    unit = unit_of(shape)
     with gmsh_session() as gmsh:
         try:
-            return known(gmsh, shape.build(gmsh))
+            return known(gmsh, in_unit(shape, unit).build(gmsh), unit)
         except MeshError:
             raise
         except Exception as error:  # gmsh raises bare Exception only
@@ -96,17 +104,17 @@ def _integrals(gmsh: Any) -> tuple[float, FloatArray, float]:
 
 
 def _extent(gmsh: Any) -> float:
-    """Largest size of all solids together along an axis, mm."""
+    """Largest size of all solids together along an axis."""
     boxes = [gmsh.model.getBoundingBox(3, tag) for _, tag in gmsh.model.getEntities(3)]
     low, high = np.moveaxis(np.reshape(boxes, (-1, 2, 3)), 1, 0)
     return float((high.max(axis=0) - low.min(axis=0)).max())
 
 
-def _skin(gmsh: Any, body: Body) -> Skin:
+def _skin(gmsh: Any, body: Body, unit: float) -> Skin:
     """Flat triangles on all faces of the solids; TooFineError for too many of them."""
     radii = [interface.radius for interface in body.interfaces if interface.radius]
     least = _SMALLEST * 2 * pi / _CURVED * min(radii, default=0.0)
-    check_skin(gmsh, (least, _COARSE * body.size), _CURVED)
+    check_skin(gmsh, (least, _COARSE * body.size), _CURVED, unit)
     for name, value in (
         ("Mesh.ElementOrder", 1),
         ("Mesh.MeshSizeMax", _COARSE * body.size),
@@ -115,4 +123,5 @@ def _skin(gmsh: Any, body: Body) -> Skin:
     ):
         gmsh.option.setNumber(name, value)
     gmsh.model.mesh.generate(2)
-    return Skin(*skin_of(gmsh))
+    nodes, triangles = skin_of(gmsh)
+    return Skin(unit * nodes, triangles)

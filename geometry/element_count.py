@@ -23,13 +23,16 @@ _NODES_INSIDE, _NODES_IN_REGIONS, _NODES_ON_SURFACE = 1.4, 1.1, 1.5
 SURE = 2.0  # an estimate of the unknowns may be wrong by this factor
 
 
-def check_skin(gmsh: Any, sizes: tuple[float, float], per_turn: float) -> None:
-    """Raise TooFineError where the faces of gmsh's model would take too many triangles."""
+def check_skin(gmsh: Any, sizes: tuple[float, float], per_turn: float, unit: float = 1.0) -> None:
+    """Raise TooFineError where the faces of gmsh's model would take too many triangles.
+
+    unit  mm, of the lengths in the model and of the sizes
+    """
     count = skin_triangles(gmsh, sizes, per_turn)
     if not count <= _MOST_TRIANGLES:
         raise TooFineError(
             f"its faces would need about {count:.1e} triangles, more than {_MOST_TRIANGLES:.1e}: "
-            f"elements of {sizes[1]:.2g} mm where it is thinnest, smaller ones on its curves"
+            f"elements of {unit * sizes[1]:.2g} mm where it is thinnest, smaller ones on its curves"
         )
 
 

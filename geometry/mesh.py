@@ -84,6 +84,20 @@ class Interface:
         """
         return (f"{self.name}+", f"{self.name}-") if self.kind == "slide" else (self.name,)
 
+    def in_mm(self, unit: float) -> "Interface":
+        """Return it in mm, where its lengths are in a unit of so many mm."""
+        if unit == 1.0:
+            return self
+        low, high = self.travel
+        return replace(
+            self,
+            centre=unit * self.centre,
+            radius=unit * self.radius,
+            length=unit * self.length,
+            travel=(unit * low, unit * high),
+            patch=unit * self.patch,
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class Tie:
@@ -124,6 +138,7 @@ class Mesh:
     ties        between the bodies of a stack, such as the leaves of a spring
     half        True if it is the half at z >= 0 of a part that is its own mirror image about z = 0;
                 it ends at the surface SYMMETRY, and its interfaces are those of the whole part
+    unit        mm, in which it was meshed: sizes of a finer mesh are steps of that unit
     """
 
     nodes: FloatArray
@@ -134,6 +149,7 @@ class Mesh:
     mesher: str = "HXT"
     ties: tuple[Tie, ...] = ()
     half: bool = False
+    unit: float = 1.0
 
     def __post_init__(self) -> None:
         if self.nodes.ndim != 2 or self.nodes.shape[1] != 3:

@@ -29,6 +29,7 @@ from geometry.mesh import (
     TooManyUnknownsError,
     UnsafeMesherError,
 )
+from geometry.mesh_unit import in_unit, unit_of
 from geometry.sizing import SizeField
 from geometry.stacks import split_bodies, ties_of
 
@@ -59,7 +60,7 @@ _TELLING = {"General.Verbosity": 6.0}  # of HXT's memory
 _FILLING = {"Mesh.Optimize": 0.0, "Mesh.ElementOrder": 1.0}
 _LAYERS = (0, 1, 2, 3)  # of elements around those that fold whose nodes move
 _LOADS = 8  # unit loads of a pin
-_IN_PLANE = 1e-7  # mm: how far the nodes of a half may be beside its cut, by gmsh's round-off
+_IN_PLANE = 1e-7  # units: how far the nodes of a half may be beside its cut, by gmsh's round-off
 _FROM_GMSH_TO_VTK = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
 
 
@@ -81,13 +82,15 @@ class Region:
 class Body:
     """A solid built in the running gmsh session, and what the mesher must know of it.
 
+    Its lengths are in the unit in which it is built, mm but for very small and very large parts.
+
     surfaces    name -> tags of its CAD faces
     interfaces  the places where other parts press
-    size        mm, general element size
+    size        general element size
     regions     where elements are smaller
     stacked     True if it is several solids that share faces normal to y (made conformal in gmsh);
                 they keep nodes of their own there, with equal displacement along y
-    bolted_at   mm, x of the plane in which a stack's solids do not slide on each other either
+    bolted_at   x of the plane in which a stack's solids do not slide on each other either
     half        True if it is the half at z >= 0 of a part (geometry/symmetry.py)
     """
 
@@ -142,7 +145,9 @@ def mesh_shape(
 
     Raises MeshError if the body is not one solid, gmsh gives up, or the mesh is not usable, and
     TooManyUnknownsError where it would surely have more unknowns than `most_unknowns`. The mesh's
-    `mesher` says so where the second algorithm had to be taken.
+    `mesher` says so where the second algorithm had to be taken. Very small and very large shapes
+    are meshed in another unit than mm (geometry/mesh_unit.py): 1000 times as large a shape has a
+    mesh 1000 times as large.
     """
     if not fineness > 0:
         raise ValueError(f"fineness must be above 0, got {fineness}")
@@ -164,12 +169,13 @@ def _mesh_with(
     mesher: str,
     algorithm: int,
 ) -> Mesh:
+    unit = unit_of(shape)
     with gmsh_session() as gmsh:
         gmsh.option.setNumber("Mesh.Algorithm3D", algorithm)
         try:
-            body = shape.build(gmsh)
-            unknowns = _check_count(gmsh, body, fineness, most_unknowns)
-            _set_sizes(gmsh, body, fineness, sizes)
+            body = in_unit(shape, unit).build(gmsh)
+            unknowns = _check_count(gmsh, body, fineness, most_unknowns, unit)
+            _set_sizes(gmsh, body, fineness, sizes and sizes.in_unit(unit))
             hxt = algorithm == _HXT[1]
             if hxt and unknowns < _SMALL:
                 _try_hxt(gmsh)
@@ -178,11 +184,13 @@ def _mesh_with(
             raise
         except Exception as error:  # gmsh raises bare Exception only
             raise MeshError(f"gmsh could not mesh the part: {error}") from error
-        return _read_mesh(gmsh, body, mesher)
+        return _read_mesh(gmsh, body, mesher, unit)
 
 
-def _check_count(gmsh: Any, body: Body, fineness: float, most_unknowns: float) -> float:
-    """Return a body's unknowns, estimated before it is meshed.
+def _check_count(
+    gmsh: Any, body: Body, fineness: float, most_unknowns: float, unit: float
+) -> float:
+    """Return a body's unknowns, estimated before it is meshed in a unit of so many mm.
 
     Refuses a body that would take more unknowns than allowed, or more memory than there is. What a
     field of sizes makes finer is not counted: the solve counts again on the mesh.
@@ -190,7 +198,7 @@ def _check_count(gmsh: Any, body: Body, fineness: float, most_unknowns: float) -
     unknowns = solid_unknowns(gmsh, body, fineness)
     if unknowns > SURE * most_unknowns:
         raise TooManyUnknownsError(unknowns)
-    check_elements(solid_elements(gmsh, body, fineness), body.size / fineness)
+    check_elements(solid_elements(gmsh, body, fineness), unit * body.size / fineness)
     volume = sum(gmsh.model.occ.getMass(3, tag) for _, tag in gmsh.model.getEntities(3))
     box = np.array(gmsh.model.getBoundingBox(-1, -1)).reshape(2, 3)
     check_memory(int(unknowns), _LOADS * len(body.interfaces) + 4, compactness_of(box, volume))
@@ -330,7 +338,8 @@ def _rounded(nodes: FloatArray) -> FloatArray:
     return np.asarray(np.round(nodes, digits))
 
 
-def _read_mesh(gmsh: Any, body: Body, mesher: str) -> Mesh:
+def _read_mesh(gmsh: Any, body: Body, mesher: str, unit: float) -> Mesh:
+    """The mesh in gmsh's model, which stands there in a unit of so many mm."""
     volumes = [tag for _, tag in gmsh.model.getEntities(3)]
     if len(volumes) != 1 and not (body.stacked and volumes):
         raise MeshError(f"the part must be one solid, the CAD kernel built {len(volumes)}")
@@ -359,14 +368,15 @@ def _read_mesh(gmsh: Any, body: Body, mesher: str) -> Mesh:
     if body.half:
         placed[np.abs(placed[:, 2]) <= _IN_PLANE, 2] = 0.0
     return Mesh(
-        nodes=placed,
+        nodes=unit * placed,
         elements=renumber[elements],
         surfaces={name: renumber[facets] for name, facets in surfaces.items()},
-        interfaces={interface.name: interface for interface in body.interfaces},
-        volume_cad=float(sum(gmsh.model.occ.getMass(3, tag) for tag in volumes)),
+        interfaces={one.name: one.in_mm(unit) for one in body.interfaces},
+        volume_cad=unit**3 * float(sum(gmsh.model.occ.getMass(3, tag) for tag in volumes)),
         mesher=mesher,
         ties=ties_of(placed, renumber[split.pairs], body.bolted_at),
         half=body.half,
+        unit=unit,
     )
 
 

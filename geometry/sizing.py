@@ -44,6 +44,10 @@ class SizeField:
     def __hash__(self) -> int:
         return hash(self._content)
 
+    def in_unit(self, unit: float) -> "SizeField":
+        """Return the field with its lengths in a unit of so many mm."""
+        return SizeField(self.nodes / unit, self.elements, self.sizes / unit)
+
     def to_gmsh(self, gmsh: Any) -> int:
         """Add the field to gmsh's current model and return its tag."""
         corners = self.nodes[self.elements]  # (m, 4, 3)
@@ -71,7 +75,7 @@ def size_field(mesh: Mesh, wanted: FloatArray) -> SizeField:
     as a mesh can. Sizes come in steps of 1 %, so that the round-off of the stress that they follow
     does not change the mesh.
     """
-    wanted = np.exp(np.round(np.log(wanted) * _STEPS) / _STEPS)
+    wanted = mesh.unit * np.exp(np.round(np.log(wanted / mesh.unit) * _STEPS) / _STEPS)
     corners = mesh.elements[:, :4]
     sizes = np.full(len(mesh.nodes), np.inf)
     np.minimum.at(sizes, corners, wanted[:, None])

@@ -1,9 +1,12 @@
 """Mutated designs end as the contract says: no traceback, no warning, in time and memory."""
 
+import json
+from collections import Counter
+
 import pytest
 
 import bench.fuzz
-from bench.fuzz import Found, fuzz, mutant, replayed
+from bench.fuzz import Found, fuzz, mutant, recorded, replayed
 
 
 def test_a_mutant_is_the_same_whenever_it_is_asked_for():
@@ -17,6 +20,34 @@ def test_two_hundred_mutants_end_with_an_exit_code_of_the_contract():
     found = fuzz(range(200), seed=1, workers=2)
     assert sum(found.counts.values()) == 200
     assert found.findings == []
+
+
+def test_a_run_that_was_stopped_goes_on_where_its_record_stops(monkeypatch, tmp_path):
+    """Of the same seed and code; else it begins anew. Each chunk is recorded when it is done."""
+    ran, out = [], tmp_path / "fuzz.json"
+
+    def chunk(numbers, seed, workers):
+        if len(ran) == 3:
+            raise KeyboardInterrupt
+        ran.append((seed, numbers[0], len(numbers)))
+        return Found(Counter({"exit code 2": len(numbers)}), {}, [{"mutant": numbers[0]}])
+
+    monkeypatch.setattr(bench.fuzz, "fuzz", chunk)
+    with pytest.raises(KeyboardInterrupt):
+        recorded(out, 5, 1000, 1, 3600.0)
+    assert json.loads(out.read_text())["ran"] == 600
+    ran.clear()
+    record = recorded(out, 5, 1000, 1, 3600.0)
+    assert ran == [(5, 600, 200), (5, 800, 200)]
+    assert (record["ran"], record["ended"]) == (1000, {"exit code 2": 1000})
+    assert [one["mutant"] for one in record["findings"]] == [0, 200, 400, 600, 800]
+    ran.clear()
+    assert recorded(out, 6, 300, 1, 3600.0)["ran"] == 300
+    assert ran == [(6, 0, 200), (6, 200, 100)]
+    monkeypatch.setattr(bench.fuzz, "code_digest", lambda: "another")
+    ran.clear()
+    assert recorded(out, 6, 100, 1, 3600.0)["ran"] == 100
+    assert ran == [(6, 0, 100)]
 
 
 def test_a_finding_that_ends_well_now_is_recorded_as_mended(monkeypatch):

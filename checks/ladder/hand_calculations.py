@@ -78,7 +78,7 @@ def _cheeks(shape: ToggleBar, force: float, level: Level, stress: FloatArray) ->
     half = shape.width / 2 - shape.wall
     behind = points[:, 0] - shape.hole / 2
     near = (behind > 0.5 * shape.wall) & (behind < 1.5 * shape.wall)
-    near &= np.abs(points[:, 2]) > half - 1e-6
+    near &= np.abs(points[:, 2]) > half - 1e-6 * shape.width
     strips = np.digitize(points[near, 1], np.linspace(-shape.width / 2, shape.width / 2, 9)[1:-1])
     means = [stress[near, 0][strips == strip].mean() for strip in np.unique(strips)]
     return HandCheck(
