@@ -449,24 +449,32 @@ def export(
     at: Annotated[
         str, typer.Option("--at", metavar="POSITION", help="worst, or a position as shown")
     ] = "worst",
-    inp: Annotated[
-        bool, typer.Option("--inp", help="write an input deck of CalculiX, the only format so far")
-    ] = True,
+    inp: Annotated[bool, typer.Option("--inp", help="write an input deck of CalculiX")] = True,
+    pvd: Annotated[
+        bool,
+        typer.Option("--pvd", help="instead write the volume at every position for ParaView"),
+    ] = False,
     cycle: Annotated[
         str | None, typer.Option("--cycle", metavar="NAME", help="the cycle of the position")
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="FILE", help="the deck; else out/DESIGN/PART.inp"),
+        typer.Option(
+            "--out", metavar="FILE", help="the deck, of --pvd the folder; else in out/DESIGN"
+        ),
     ] = None,
     overrides: Overrides = None,
 ) -> None:
-    """Write mesh, supports and loads of a part at one position for CalculiX and PrePoMax.
+    """Write a part at one position for CalculiX and PrePoMax, or over its cycles for ParaView.
 
     Exit code 0: written; 2: an input is wrong; 3: the numerics gave up.
     """
-    from ballesta.commands.export import run_export
+    from ballesta.commands.export import run_export, run_export_cycle
 
+    if pvd:
+        raise typer.Exit(
+            run_export_cycle(design, part, cycle=cycle, out=out, overrides=overrides or [])
+        )
     raise typer.Exit(run_export(design, part, at, cycle=cycle, out=out, overrides=overrides or []))
 
 

@@ -174,6 +174,7 @@ def _frame(
             *machine.warnings,
             *speed_warnings(doubts.evenness),
             *design_warnings(design, machine.masses, machine.all),
+            *_load_factor_warnings(design),
         ],
         not_checked=(*_not_checked(design), *_not_checked_here(design), *not_measured(design)),
         assumed=(
@@ -227,6 +228,7 @@ def _warnings_of_parts(design: Design, results: Sequence[PartResult]) -> list[st
 def _of_linkage(
     design: Design, mode: LinkageMode, doubts: Sequence[Doubt], motions: FreeMotions
 ) -> Check:
+    mode = mode.under(design.load_factor)
     check = linkage_check(design, mode)
     if check.utilisation > _FAR:
         ends = {d.words: [_linkage_share(design, end, motions) for end in d.ends] for d in doubts}
@@ -236,7 +238,7 @@ def _of_linkage(
 
 def _linkage_share(design: Design, runs: Runs, motions: FreeMotions) -> float:
     mode = worst_mode(design, runs, motions)
-    return 0.0 if mode is None else linkage_check(design, mode).value
+    return 0.0 if mode is None else linkage_check(design, mode.under(design.load_factor)).value
 
 
 def _not_checked(design: Design) -> tuple[str, ...]:
@@ -259,6 +261,15 @@ def _not_checked_here(design: Design) -> list[str]:
             "direction is held fixed there) and flutter"
         )
     return left
+
+
+def _load_factor_warnings(design: Design) -> list[str]:
+    if design.load_factor == 1.0:
+        return []
+    return [
+        f"load_factor: loads of all parts and of the linkage are multiplied by "
+        f"{design.load_factor:g}; motion, drives and the joint forces beside them are without it"
+    ]
 
 
 def _assumed_by_design(design: Design) -> list[str]:

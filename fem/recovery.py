@@ -141,6 +141,26 @@ class Recovery:
         stress[np.isin(self.points, self.elements.mesh.cut_nodes), 4:] = 0.0  # the mirror's cancel
         return np.asarray(stress[at])
 
+    def node_stress(self, displacement: FloatArray) -> FloatArray:
+        """Stress (n_nodes, 6, m) at all nodes, MPa: averaged inside, at the surface as it counts.
+
+        displacement (3 n_nodes, m), mm
+        """
+        mesh = self.elements.mesh
+        columns = displacement.reshape(len(displacement), -1)
+        total = np.zeros((len(mesh.nodes), 6 * columns.shape[1]))
+        weight = np.zeros(len(mesh.nodes))
+        for part in _chunks(np.arange(len(mesh.elements)), _CHUNK):
+            stress = self.quadrature_stress(columns, part)
+            at_nodes = np.einsum("kq,eqcm->ekcm", self._continuation, stress)
+            at_nodes *= self._volumes[part][:, None, None, None]
+            nodes = mesh.elements[part].ravel()
+            np.add.at(total, nodes, at_nodes.reshape(len(nodes), -1))
+            weight += np.bincount(nodes, np.repeat(self._volumes[part], 10), len(weight))
+        stress = (total / weight[:, None]).reshape(len(mesh.nodes), 6, -1)
+        stress[self.points] = self.surface_stress(columns)
+        return np.asarray(stress)
+
     def scatter(self, displacement: FloatArray, at: IntArray | slice = slice(None)) -> FloatArray:
         """Von Mises size (n_points,) of the elements' scatter about the recovered stress, MPa.
 

@@ -8,8 +8,10 @@ from contextlib import contextmanager
 from math import isfinite
 from pathlib import Path
 from typing import Any
+from xml.sax.saxutils import quoteattr
 
 import numpy as np
+import numpy.typing as npt
 
 from checks.result.verdict import DesignResult, PartResult
 
@@ -84,6 +86,36 @@ def read_json(path: str | Path) -> dict[str, Any]:
 
 def _refuse(constant: str) -> None:
     raise ValueError(f"a result holds no {constant}, it would be null")
+
+
+def write_volume(
+    path: Path,
+    nodes: npt.NDArray[np.float64],
+    elements: npt.NDArray[np.int64],
+    fields: Mapping[str, npt.NDArray[np.float64]],
+) -> None:
+    """Write ten-node tetrahedra with fields at their nodes as .vtu, in single precision."""
+    import meshio
+
+    mesh = meshio.Mesh(
+        nodes.astype(np.float32),
+        [("tetra10", elements)],
+        point_data={name: values.astype(np.float32) for name, values in fields.items()},
+    )
+    with replacing(path) as temporary:
+        meshio.write(temporary, mesh, file_format="vtu")
+
+
+def write_pvd(path: Path, steps: Sequence[tuple[float, str]]) -> None:
+    """Write a ParaView collection: (time, file beside it) for each step."""
+    lines = [
+        f'<DataSet timestep="{time:.9g}" part="0" file={quoteattr(file)}/>' for time, file in steps
+    ]
+    text = "\n".join(
+        ['<?xml version="1.0"?>', '<VTKFile type="Collection" version="0.1"><Collection>', *lines]
+    )
+    with replacing(path) as temporary:
+        temporary.write_text(f"{text}\n</Collection></VTKFile>\n", encoding="utf-8")
 
 
 def write_vtu(part: PartResult, path: str | Path) -> None:

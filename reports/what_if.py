@@ -1,7 +1,8 @@
 """What-if of the page: checks under other settings, where a formula or a proportion gives them.
 
 No part is solved again: the stresses stay, and the formulas of the checks' derivations are
-evaluated with other numbers put in. Error bars stay in proportion to their value.
+evaluated with other numbers put in. Error bars stay in proportion to their value. A factor on all
+loads divides the safeties, but where pins press by contact, whose arc it changes.
 """
 
 import re
@@ -19,15 +20,36 @@ from checks.design.materials import Material, known_materials
 from checks.result.derivation import BARS, Derivation, Given, Item, Step, Sum, value_of
 from checks.result.formulas import FormulaError, Value, evaluate
 from checks.result.verdict import Check, DesignResult, PartResult
-from checks.result.words import check_titles, clipped, need_text
+from checks.result.words import CONTACT, check_titles, clipped, need_text
 from reports.templating import json_markup
 
 _STEPS = (0.7, 0.75, 0.8, 0.85, 0.9, 0.95, 1.0, 1.05, 1.1, 1.15, 1.2, 1.3, 1.4, 1.5)
 _COUNTS = (0.01, 0.03, 0.1, 0.3, 0.5, 1.0, 2.0, 3.0, 10.0, 30.0, 100.0)
 _SURVIVAL = (0.5, 0.9, 0.99, 0.999, 0.9999)
+_FACTORS = (
+    0.5,
+    0.6,
+    0.7,
+    0.8,
+    0.85,
+    0.9,
+    0.95,
+    1.0,
+    1.05,
+    1.1,
+    1.15,
+    1.2,
+    1.3,
+    1.4,
+    1.5,
+    1.75,
+    2.0,
+)
 _UNTOLD = "untold"  # among changes: no formula tells what they do
 _HALVINGS = 20  # of the range of a factor that is sought
 _REQUIRED = ("buckling", "fatigue", "bush")  # kinds with a required safety of their own
+_LOAD = "load_factor"
+_HERTZ = "Hertz pressure"
 _SHARED = re.compile(r"the (weaker|softer)")  # limits that another part may give, too
 Changes = Mapping[str, float]  # symbol -> other value; of a column the factor on it
 
@@ -65,17 +87,23 @@ class Lever:
 def what_if(result: DesignResult) -> Markup | None:
     """Data of the what-if as the page holds it; None where there is nothing to set."""
     levers = _Levers(result)
+    contacts = {gate.name.removesuffix(CONTACT) for part in result.parts for gate in part.gates}
     checks = [
         found
         for check, title in zip(result.checks, check_titles(result.checks), strict=True)
         if (found := _check(check, title, levers, check is result.deciding)) is not None
     ]
-    if not levers.found:
+    for each, check in zip(checks, (check for check in result.checks if check.value), strict=True):
+        each["load"] = None if check.part in contacts else _exponent_of_load(check)
+    if not checks:
         return None
+    load = levers.number(levers.load())
     data = {
         "command": result.command,
         "doubted": any(gate.binding and not gate.holds for gate in result.gates),
         "levers": [lever.to_dict() for lever in levers.found],
+        "load": load,
+        "loaded": float(levers.found[load].now),
         "checks": checks,
     }
     return json_markup(data)
@@ -104,6 +132,15 @@ def _check(check: Check, title: str, levers: "_Levers", governs: bool) -> dict[s
         "shared": _is_shared(check),
         "status": str(check.status),
     } | ({"fixed": True} if required is None else {})
+
+
+def _exponent_of_load(check: Check) -> float:
+    """Exponent p of value ~ factor^p, for a factor on all loads.
+
+    A Hertz pressure of a line goes with the root of the force; every other value is linear in the
+    loads, or one over the factor on all of them at which the limit is met.
+    """
+    return 0.5 if check.quantity.startswith(_HERTZ) else 1.0
 
 
 def _is_shared(check: Check) -> bool:
@@ -201,6 +238,14 @@ class _Levers:
             self.found.append(lever)
             return len(keys)
         return keys.index(lever.key)
+
+    def load(self) -> Lever:
+        """Factor on all loads; the page divides safeties by it, no formula is evaluated."""
+        now = float(self.inputs.get(_LOAD, "1"))
+        texts = {f"{now * step:.4g}" if step != 1.0 else f"{now:g}" for step in _FACTORS}
+        return Lever(
+            _LOAD, "load factor", f"{now:g}", {text: {} for text in sorted(texts, key=float)}
+        )
 
     def required(self, check: Check) -> Lever | None:
         """Required safety of a check's kind; None where another one is required of it."""

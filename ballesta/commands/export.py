@@ -1,7 +1,8 @@
 """A part under the loads of one position, for another finite-element program: `ballesta export`."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,7 +24,7 @@ from fem.recovery import von_mises
 from fem.solvers import SolverError
 from geometry.mesh import FloatArray, IntArray, MeshError, TooManyElementsError
 from geometry.progress import step
-from reports.files import replacing
+from reports.files import replacing, write_pvd, write_volume
 
 FINENESS = 1.0  # of the exported mesh, times the part's own
 WORST = "worst"
@@ -85,24 +86,8 @@ def export_part(
 
     Raises DesignError for an input that is wrong, NumericsError where the numerics gave up.
     """
-    design = read_design(path, overrides)
-    if name not in design.parts:
-        raise DesignError(design.file, "--part", no_such("part", name, design.parts))
-    part = design.parts[name]
-    try:
-        models = Models()
-        solved = _solved(design, models, say)
-        part_loads = loads_on(design, part, solved)
-        candidates = _candidates(design, part_loads, solved, at, cycle)
-        level = _solve(part, part_loads, models, say)
-    except (loads.LinkageError, TooManyElementsError) as error:
-        raise told_of_size(design, part, error) from error
-    except (MeshError, SolverError) as error:
-        raise NumericsError(
-            str(error),
-            f"{design.file}: parts.{name}",
-            "check the part's dimensions, or change mesh.fineness",
-        ) from error
+    design, solved, part_loads, level = _prepared(path, name, overrides, say)
+    candidates = _candidates(design, part_loads, solved, at, cycle)
     position = int(candidates[level.peaks_by_position[candidates].argmax()])
     stress = von_mises(level.history.at(position))
     point = int(stress.argmax())
@@ -121,6 +106,75 @@ def export_part(
     )
     _write(exported, design, level, position)
     return exported
+
+
+def export_cycle(
+    path: Path,
+    name: str,
+    *,
+    cycle: str | None = None,
+    out: Path | None = None,
+    overrides: Sequence[str] = (),
+    say: Say = lambda _: None,
+) -> list[Path]:
+    """Write a part's volume mesh at every position for ParaView: a .pvd for each cycle.
+
+    Beside each a folder of .vtu files with displacement [mm] as a vector and stress [MPa] as a
+    tensor at all nodes; of a halved part its half at z >= 0. Pins press with a half cosine.
+
+    cycle  the only one that is written; None for all
+    out    folder; without it out/DESIGN
+
+    Raises DesignError for an input that is wrong, NumericsError where the numerics gave up.
+    """
+    design, solved, part_loads, level = _prepared(path, name, overrides, say)
+    slices = part_loads.cycles
+    if cycle is not None:
+        _among_cycles(design, part_loads, cycle)
+        slices = {cycle: slices[cycle]}
+    solutions, mesh = level.solutions, level.solutions.mesh
+    stress = solutions.recovery.node_stress(solutions.displacement)
+    folder = out or Path("out") / design.file.stem
+    written = []
+    for run, places in slices.items():
+        times = solved[run].times
+        say(f"{name}: writing {places.stop - places.start} positions of {run}")
+        steps = []
+        for k, position in enumerate(range(places.start, places.stop)):
+            weights = level.coefficients[:, position]
+            file = f"{name}_{run}/{k:04d}.vtu"
+            fields = {
+                "displacement [mm]": (solutions.displacement @ weights).reshape(-1, 3),
+                "stress [MPa]": stress @ weights,  # xx, yy, zz, xy, yz, zx as ParaView has it
+            }
+            steps.append((float(k) if times is None else float(times[k]), file))
+            with _told_of(folder):
+                (folder / f"{name}_{run}").mkdir(parents=True, exist_ok=True)
+                write_volume(folder / file, mesh.nodes, mesh.elements, fields)
+        with _told_of(folder):
+            write_pvd(folder / f"{name}_{run}.pvd", steps)
+        written.append(folder / f"{name}_{run}.pvd")
+    return written
+
+
+def run_export_cycle(
+    path: Path,
+    name: str,
+    *,
+    cycle: str | None = None,
+    out: Path | None = None,
+    overrides: Sequence[str] = (),
+) -> int:
+    """Write a part over its cycles for ParaView, print the files; returns the exit code."""
+
+    def say(text: str) -> None:
+        step(f"{path.stem}: {text}")
+
+    def work() -> None:
+        for file in export_cycle(path, name, cycle=cycle, out=out, overrides=overrides, say=say):
+            print(file)
+
+    return guarded(work)
 
 
 def run_export(
@@ -147,6 +201,44 @@ def run_export(
     return guarded(work)
 
 
+def _prepared(
+    path: Path, name: str, overrides: Sequence[str], say: Say
+) -> tuple[Design, Runs, PartLoads, Level]:
+    """A design, its runs, the loads of a part and its solution as a solid."""
+    design = read_design(path, overrides)
+    if name not in design.parts:
+        raise DesignError(design.file, "--part", no_such("part", name, design.parts))
+    part = design.parts[name]
+    try:
+        models = Models()
+        solved = _solved(design, models, say)
+        part_loads = loads_on(design, part, solved)
+        return design, solved, part_loads, _solve(part, part_loads, models, say)
+    except (loads.LinkageError, TooManyElementsError) as error:
+        raise told_of_size(design, part, error) from error
+    except (MeshError, SolverError) as error:
+        raise NumericsError(
+            str(error),
+            f"{design.file}: parts.{name}",
+            "check the part's dimensions, or change mesh.fineness",
+        ) from error
+
+
+def _among_cycles(design: Design, part_loads: PartLoads, cycle: str) -> None:
+    if cycle not in part_loads.cycles:
+        raise DesignError(
+            design.file, "--cycle", no_such("cycle that loads the part", cycle, part_loads.cycles)
+        )
+
+
+@contextmanager
+def _told_of(file: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise DesignError(file, "--out", f"cannot be written: {error.strerror}") from error
+
+
 def _solved(design: Design, models: Models, say: Say) -> Runs:
     """Solve the cycles of a design and balance its measured runs, as a check does."""
     try:
@@ -167,10 +259,8 @@ def _candidates(
     design: Design, part_loads: PartLoads, solved: Runs, at: str, cycle: str | None
 ) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
     """Return the positions (indices over all cycles) that `at` leaves to choose from."""
-    if cycle is not None and cycle not in part_loads.cycles:
-        raise DesignError(
-            design.file, "--cycle", no_such("cycle that loads the part", cycle, part_loads.cycles)
-        )
+    if cycle is not None:
+        _among_cycles(design, part_loads, cycle)
     names = list(part_loads.cycles) if cycle is None else [cycle]
     if at == WORST:
         slices = [part_loads.cycles[name] for name in names]
@@ -266,15 +356,12 @@ def _write(exported: Exported, design: Design, level: Level, position: int) -> N
             "Nodal forces hold these, inertia and weight; they balance, the supports carry nothing",
         ]
     )
-    try:
-        with replacing(exported.file) as temporary:
-            write_deck(
-                temporary,
-                solutions.mesh,
-                solutions.material,
-                solutions.held,
-                solutions.loads @ level.coefficients[:, position],
-                title,
-            )
-    except OSError as error:
-        raise DesignError(exported.file, "--out", f"cannot be written: {error.strerror}") from error
+    with _told_of(exported.file), replacing(exported.file) as temporary:
+        write_deck(
+            temporary,
+            solutions.mesh,
+            solutions.material,
+            solutions.held,
+            solutions.loads @ level.coefficients[:, position],
+            title,
+        )

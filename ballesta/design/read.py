@@ -134,6 +134,7 @@ def _assembled(
         overrides=overrides,
         accuracy=model.accuracy,
         require=model.require,
+        load_factor=model.load_factor,
         gravity=model.gravity,
         points=dict(model.points),
         ground=ground_of(model),

@@ -16,8 +16,8 @@ The load factor multiplies all forces of the position together, inertia included
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, replace
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -108,6 +108,18 @@ class LinkageMode:
     slots_hold: bool
     places: Mapping[str, FloatArray]
     shape: Mapping[str, FloatArray]
+
+    def under(self, load_factor: float) -> Self:
+        """The mode where all loads are multiplied by a load factor."""
+        return replace(
+            self,
+            factor=self.factor / load_factor,
+            stiff_factor=None if self.stiff_factor is None else self.stiff_factor / load_factor,
+            error=self.error / load_factor,
+            rise=self.rise * load_factor,
+            other_plane=None if self.other_plane is None else self.other_plane / load_factor,
+            compression=self.compression * load_factor,
+        )
 
 
 class FreeMotions:

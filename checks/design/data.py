@@ -175,6 +175,7 @@ class Design:
     overrides: tuple[str, ...]
     accuracy: float
     require: Requirements
+    load_factor: float
     gravity: Pair
     points: Mapping[str, Pair]
     ground: loads.Body

@@ -344,6 +344,11 @@ class DesignFile(Table):
         description="numerical error of the judged stress to which meshes are refined",
     )
     require: Requirements = Field(default=Requirements.model_validate({}))
+    load_factor: Positive = Field(
+        1.0,
+        description="factor on all loads of parts and of the linkage, inertia included; motion, "
+        "drives and contacts of the linkage are found without it",
+    )
     gravity: Acceleration2 = Field(
         "0, -9.81 m/s2",
         validate_default=True,

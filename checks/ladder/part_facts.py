@@ -10,6 +10,7 @@ from checks.design.data import Part
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Gate
+from checks.result.words import CONTACT
 from checks.stress.pins_in_bores import CLEARANCES, MIDDLE, Contact
 from checks.stress.solid_mesh_level import Level
 from fem.contact.condensed import ALLOWED as CONTACT_LIMIT
@@ -69,7 +70,7 @@ def gates_of(
             if level.contact is None
             else (
                 Gate(
-                    f"{part.name}: contact of its pins",
+                    f"{part.name}{CONTACT}",
                     level.contact.residual,
                     CONTACT_LIMIT,
                     "gaps and pressures that do not exclude each other, or forces that the "

@@ -141,6 +141,9 @@ def is_loaded(part: Part, cycle: loads.CycleLoads | loads.MeasuredLoads) -> bool
 def loads_on(design: Design, part: Part, solved: Runs, doubts: Sequence[Doubt] = ()) -> PartLoads:
     """Gather a part's loads over the solved cycles and the measured runs that have any.
 
+    All of them, inertia included, are multiplied by the design's load factor, which leaves them in
+    equilibrium.
+
     doubts  what the runs may be instead
 
     Raises loads.LinkageError where a force meets the part at no interface, or nothing loads it.
@@ -159,12 +162,13 @@ def loads_on(design: Design, part: Part, solved: Runs, doubts: Sequence[Doubt] =
         history = _history(part, cycle_loads)
         part_wrenches, part_accelerations = placing.to_part(history)
         for interface in part.beside:
-            handed.setdefault(interface, []).append(_handed(part, interface, placing, cycle_loads))
+            couples = _handed(part, interface, placing, cycle_loads)
+            handed.setdefault(interface, []).append(design.load_factor * couples)
         for interface, wrench in part_wrenches.items():
-            wrenches.setdefault(interface, []).append(wrench)
+            wrenches.setdefault(interface, []).append(design.load_factor * wrench)
         for interface, reach in placing.reaches(history).items():
             reaches.setdefault(interface, []).append(reach)
-        accelerations.append(part_accelerations)
+        accelerations.append(design.load_factor * part_accelerations)
         shown, unit, values = shown_of(design, name, cycle_loads)
         told = {name, *loads.MeasuredLoads.phases}
         phases = tuple("" if phase in told else f" {phase}" for phase in history.phases)

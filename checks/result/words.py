@@ -8,6 +8,7 @@ from math import inf, isfinite, isinf, isnan
 from checks.result.verdict import Check, DesignResult, Gate, Status
 
 # Marks that turn the direction of text and so could make a name read as something else.
+CONTACT = ": contact of its pins"  # ends the name of the gate of a part whose pins press by contact
 _TURNING = {0x061C, 0x200E, 0x200F, *range(0x202A, 0x202F), *range(0x2066, 0x206A)}
 
 

@@ -1,7 +1,7 @@
 // Sliders of what a formula follows: the verdict under other settings, an estimate at once.
 {
   const section = document.getElementById("what-if");
-  const start = ({ levers, checks, command, doubted }) => {
+  const start = ({ levers, checks, command, doubted, load, loaded }) => {
     const [near, other] = section.querySelectorAll(".levers");
     const [told, list, line] = ["p[role=status]", "ul", "pre"].map((c) => section.querySelector(c));
     const places = levers.map((lever) => lever.now);
@@ -10,8 +10,11 @@
 
     const judged = (check) => { // safety, required, status, and utilisation at the bars' upper end
       const place = check.levers.reduce((at, k) => at * levers[k].texts.length + places[k], 0);
-      const open = check.shared && levers.some((lever, k) => lever.material && moved(k));
-      const safety = open ? null : check.safety[place];
+      const open = (check.shared && levers.some((lever, k) => lever.material && moved(k))) ||
+        (check.load === null && moved(load));
+      const known = open ? null : check.safety[place];
+      const factor = Number(levers[load].texts[places[load]]) / loaded;
+      const safety = known === null ? null : known / factor ** check.load;
       const required = check.fixed ? check.required
         : Number(levers[check.required].texts[places[check.required]]);
       if (safety === null) return { check, status: "not followed" };
@@ -48,7 +51,7 @@
     };
 
     const first = new Set(checks.filter((check) => check.governs)
-      .flatMap((check) => [...check.levers, ...(check.fixed ? [] : [check.required])]));
+      .flatMap((check) => [load, ...check.levers, ...(check.fixed ? [] : [check.required])]));
     levers.forEach((lever, k) => {
       const label = document.createElement("label"), slider = document.createElement("input");
       const value = document.createElement("output");

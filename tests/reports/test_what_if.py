@@ -60,11 +60,12 @@ def test_a_slider_tells_what_a_fresh_check_of_its_command_finds(page, press):
     slide(page, "material, ", "C45_QT")
     slide(page, "parts that survive", "99.9 %")
     slide(page, "required safety, fatigue", "1.43")
+    slide(page, "load factor", "0.9")
     shown = page.evaluate(STATE)
     assert shown["command"].startswith(press.command)
     words = shlex.split(shown["command"])
     sets = [words[k + 1] for k, word in enumerate(words) if word == "--set"]
-    assert len(sets) == 3
+    assert len(sets) == 4
     fresh = checked(sets)
     told = re.match(r"(\w+)\s+Estimate: (.+), safety ([\d.]+) \(([\d.]+) required\)", shown["told"])
     assert told[1] == str(fresh.status).upper()
@@ -112,3 +113,28 @@ def test_fewer_runs_of_a_finite_life_are_followed_and_what_miners_sum_does_not_t
         if check.kind == "fatigue"
     )
     assert followed[0] == pytest.approx(fresh.safety, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    "design",
+    [
+        pytest.param("gallery/yoke_actuator", id="a slot, whose Hertz pressure goes with the root"),
+        pytest.param("toggle_press", id="press", marks=pytest.mark.slow),
+        pytest.param("spring_hammer", id="hammer", marks=pytest.mark.slow),
+        pytest.param("gallery/crank_rocker", id="crank rocker", marks=pytest.mark.slow),
+    ],
+)
+def test_a_load_factor_divides_every_safety_as_a_fresh_check_finds_it(design):
+    """Values are linear in the loads, or one over a factor on them; 0.2 % is asked, 1e-6 is met."""
+    file = PRESS.parent / f"{design}.toml"
+    before, after = (
+        ballesta.check(file, [f"load_factor={factor}"], fidelity="formula") for factor in (1, 1.3)
+    )
+    data = json.loads(what_if(before))
+    assert data["loaded"] == 1.0
+    assert data["levers"][data["load"]]["sets"][-1] == "load_factor=2"
+    pairs = [(a, b) for a, b in zip(before.checks, after.checks, strict=True) if a.value]
+    for each, (old, new) in zip(data["checks"], pairs, strict=True):
+        assert new.safety == pytest.approx(old.safety / 1.3 ** each["load"], rel=1e-6), old.quantity
+    assert any("load_factor" in warning for warning in after.warnings)
+    assert not any("load_factor" in warning for warning in before.warnings)

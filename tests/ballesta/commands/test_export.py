@@ -4,12 +4,14 @@ import re
 import shutil
 import subprocess
 from pathlib import Path
+from xml.etree import ElementTree
 
+import meshio
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from ballesta.commands.export import export_part, run_export
+from ballesta.commands.export import export_cycle, export_part, run_export
 from checks.design.errors import DesignError
 from fem.frd_file import read_frd
 from fem.recovery import von_mises
@@ -47,6 +49,22 @@ def test_the_worst_position_is_where_the_press_pushes_hardest(worst):
     assert_allclose(worst.peak, 206.9, rtol=0.01)
     assert worst.place.startswith("knee")
     assert_allclose(worst.resultants["knee"][0], 61568, rtol=1e-3)
+
+
+def test_a_volume_over_the_cycle_has_the_peak_of_the_deck_at_its_position(worst, tmp_path):
+    """Stress in single precision, 1e-6; displacement is continuous, stress a tensor of six."""
+    (file,) = export_cycle(PRESS, "bar_upper", cycle="press", out=tmp_path, overrides=COARSE)
+    steps = ElementTree.parse(file).getroot().findall("Collection/DataSet")
+    times = [float(step.get("timestep")) for step in steps]
+    assert len(steps) >= 31
+    assert times == sorted(times)
+    peaks = []
+    for step in steps:
+        mesh = meshio.read(tmp_path / step.get("file"))
+        assert mesh.cells[0].type == "tetra10"
+        assert mesh.point_data["displacement [mm]"].shape == mesh.points.shape
+        peaks.append(von_mises(mesh.point_data["stress [MPa]"].astype(float)).max())
+    assert_allclose(max(peaks), worst.peak, rtol=1e-5)
 
 
 def test_the_forces_in_the_deck_balance_and_hold_the_pin_forces(worst):
