@@ -80,9 +80,12 @@ def _document(path: Path) -> Any:
 
     try:
         read_bounded(path, MOST_CAD)
-        return readfile(path)
     except OSError as error:
         raise DrawingError(f"cannot be read: {error.strerror or error}") from None
+    try:
+        return readfile(path)
+    except OSError:
+        raise DrawingError("is no DXF file") from None
     except (DXFError, ValueError, KeyError, IndexError, AttributeError) as error:
         raise DrawingError(f"is no whole DXF file: {error}") from None
 

@@ -5,13 +5,16 @@
 
 import dataclasses
 import inspect
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import parts_pictures
 
+from geometry.lever_outline import Eye, lever_outline
 from geometry.mesh import Interface
 from geometry.meshing import gmsh_session, mesh_shape
+from geometry.outlines import Contour, PlateOutline
 from geometry.parameters import GIVEN_BY_DESIGN, GIVEN_BY_LINKAGE
 from geometry.parts import (
     SHAPES,
@@ -24,6 +27,14 @@ from geometry.parts import (
     ToggleBar,
     TubeRod,
 )
+from geometry.parts.plate import Plate, PlateBore
+
+
+def plate_of(outline: PlateOutline, eyes: Sequence[Eye], thickness: float) -> Plate:
+    """A plate with bores where the eyes are."""
+    bores = [PlateBore(eye.name, eye.hole, (eye.centre.real, eye.centre.imag)) for eye in eyes]
+    return Plate(outline, tuple(bores), thickness)
+
 
 ROOT = Path(__file__).parent.parent
 PAGE = ROOT / "docs" / "parts.md"
@@ -66,6 +77,29 @@ DRAWN: dict[str, tuple[Any, float]] = {
             rod_length=30, contact_from=90, contact_to=125, contact_length=10,
         ),
         0.6,
+    ),
+}  # fmt: skip
+_EYES = (Eye("tail", 0j, 12.0, 30.0), Eye("pivot", 80 + 0j, 20.0, 46.0),
+         Eye("head", 80 + 60j, 12.0, 30.0))  # fmt: skip
+_CURVED = Contour.of(
+    (-24 - 20j, 60 - 20j, 110 + 6j, 110 + 46j, 40 + 62j, -24 + 16j),
+    (0.0, 0.25, 1.0, -0.12, 0.2, 0.3),
+)
+# Plates are no shapes with parameters of their own: docs/plates.md shows these.
+PLATES: dict[str, tuple[Any, float]] = {
+    "lever": (plate_of(lever_outline(_EYES, 12.0), _EYES, 12.0), 0.5),
+    "plate": (
+        plate_of(
+            PlateOutline(
+                _CURVED,
+                (Contour.round(0j, 8), Contour.round(110 + 26j, 9), Contour.round(38 + 40j, 6),
+                 Contour.round(56 + 12j, 14)),
+            ),
+            (Eye("A", 0j, 16.0, 0.0), Eye("B", 110 + 26j, 18.0, 0.0),
+             Eye("C", 38 + 40j, 12.0, 0.0)),
+            10.0,
+        ),
+        0.5,
     ),
 }  # fmt: skip
 KINDS = {
@@ -170,7 +204,7 @@ def _default(value: object, dimension: str) -> str:
 def main() -> None:
     """Draw the pictures."""
     PICTURES.mkdir(exist_ok=True)
-    for name, (shape, fineness) in DRAWN.items():
+    for name, (shape, fineness) in (DRAWN | PLATES).items():
         parts_pictures.draw(mesh_shape(shape, fineness=fineness), PICTURES / f"{name}.svg")
 
 

@@ -20,6 +20,7 @@ from checks.design.model import (
     DesignFile,
     PartEntry,
     PinPartEntry,
+    PlatePartEntry,
     StepPartEntry,
 )
 from checks.design.step_entry import Point
@@ -43,6 +44,7 @@ PARTS = {  # heading -> model, whose keys stand in addition to those of the one 
     "parts.NAME": PartEntry,
     "parts.NAME of a body": BodyPartEntry,
     "parts.NAME from a STEP file": StepPartEntry,
+    "parts.NAME of a lever or a drawn plate": PlatePartEntry,
     "parts.NAME of a pin": PinPartEntry,
 }
 _BOUNDS = ((Gt, "gt", "above"), (Ge, "ge", "at least"), (Lt, "lt", "below"), (Le, "le", "at most"))
@@ -72,7 +74,12 @@ def design_file_page() -> str:
 
 def _keys_above(model: type[BaseModel]) -> set[str]:
     """Keys that stand in the table of a model that this one adds to."""
-    above = {BodyPartEntry: PartEntry, PinPartEntry: PartEntry, StepPartEntry: BodyPartEntry}
+    above = {
+        BodyPartEntry: PartEntry,
+        PinPartEntry: PartEntry,
+        StepPartEntry: BodyPartEntry,
+        PlatePartEntry: BodyPartEntry,
+    }
     return set(above[model].model_fields) if model in above else set()
 
 

@@ -1,10 +1,11 @@
 """A flat plate with any outline and any number of pins: a lever, a bell crank, a drawn part."""
 
-from collections.abc import Iterator, Mapping
+from cmath import phase
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations
-from math import hypot
+from itertools import combinations, pairwise
+from math import degrees, hypot
 from typing import Any, ClassVar
 
 import numpy as np
@@ -91,7 +92,7 @@ class Plate(Shape):
         return dict(self.moved)
 
     @property
-    def interfaces(self) -> tuple[str, ...]:
+    def interfaces(self) -> tuple[str, ...]:  # type: ignore[override]  # those of the entry
         """Names of the bores; the first two make the frame."""
         return tuple(bore.name for bore in self.bores)
 
@@ -115,6 +116,74 @@ class Plate(Shape):
                 found.append((i, j))
                 group = [group[i] if one == group[j] else one for one in group]
         return tuple(sorted(found))
+
+    def beyond(self, bore: PlateBore, towards: PlateBore) -> tuple[int, ...]:
+        """Bores that hang on a neighbour of a bore, itself included."""
+        start, found = self.bores.index(bore), [self.bores.index(towards)]
+        for k in found:
+            for pair in self.neighbours:
+                if k in pair:
+                    other = pair[1 - pair.index(k)]
+                    if other != start and other not in found:
+                        found.append(other)
+        return tuple(found)
+
+    @cached_property
+    def longest_way(self) -> tuple[int, ...]:
+        """Bores along the longest way from neighbour to neighbour."""
+        ways: list[tuple[int, ...]] = [(k,) for k in range(len(self.bores))]
+        for way in ways:
+            for pair in self.neighbours:
+                if way[-1] in pair:
+                    other = pair[1 - pair.index(way[-1])]
+                    if other not in way:
+                        ways.append((*way, other))
+
+        def length(way: tuple[int, ...]) -> float:
+            places = [self.bores[k].centre for k in way]
+            return round(sum(abs(b - a) for a, b in pairwise(places)), 9)
+
+        return max(ways, key=lambda way: (length(way), [-k for k in way]))
+
+    @cached_property
+    def bend(self) -> float:
+        """Largest turn at a bore of the longest way, deg."""
+        places = [self.bores[k].centre for k in self.longest_way]
+        steps = [b - a for a, b in pairwise(places)]
+        return max((abs(degrees(phase(b / a))) for a, b in pairwise(steps)), default=0.0)
+
+    def hollow_edges(self, shares: Sequence[float]) -> Iterator[tuple[complex, complex, float]]:
+        """Points at shares of every hollow arc of the outer contour, its centre and angle, rad."""
+        edges = self.outline.outer.edges
+        for k in np.flatnonzero(edges.bulges < 0):
+            for point in edges.at(np.array(shares))[k]:
+                yield complex(point), complex(edges.centres[k]), float(abs(edges.angles[k]))
+
+    @property
+    def proportions(self) -> Mapping[str, float]:
+        """Bores over their ligaments, thickness over bores, arms over eyes, fillets over depths."""
+        eyes = {
+            bore.name: 2
+            * min(self.outline.reach(bore.centre, 1j**k) for k in np.arange(0, 4, 0.25))
+            for bore in self.bores
+        }
+        holes = [bore.diameter for bore in self.bores]
+        arms = [abs(self.bores[j].centre - self.bores[i].centre) for i, j in self.neighbours]
+        found = {
+            "hole / eye": max(bore.diameter / eyes[bore.name] for bore in self.bores),
+            "thickness / hole": self.thickness / min(holes),
+            "length / eye": min(arms) / max(eyes.values()),
+        }
+        fillets = []
+        for point, centre, _ in self.hollow_edges((0.5,)):
+            inward = (point - centre) / abs(point - centre)
+            depth = self.outline.reach(point + 1e-6 * inward * abs(point - centre), inward)
+            fillets.append(abs(point - centre) / depth if depth else 1.0)
+        if self.bend > 1.0:
+            found["bend, deg"] = self.bend
+            if fillets:
+                found["fillet / depth"] = min(fillets)
+        return found
 
     @cached_property
     def windows(self) -> tuple[Contour, ...]:

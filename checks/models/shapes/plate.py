@@ -1,0 +1,285 @@
+"""Plates and levers with any number of pins, by formula."""
+
+from cmath import phase
+from collections.abc import Mapping
+from itertools import product
+
+import numpy as np
+
+from checks.design.data import Part
+from checks.handbook.lug_outlines import strip_outline
+from checks.handbook.lug_stress import Lug
+from checks.handbook.pin_loaded_hole import PATTERNS, pin_loaded_hole
+from checks.handbook.plate_holes import CurvedSection, open_hole
+from checks.models.formula_lugs import ANGLES
+from checks.models.formula_points import Points
+from checks.models.plate_buckling import deflected, elastic_load
+from checks.models.plate_forces import FlatSection, PlateForces, directed
+from checks.models.shape_model import ShapeModel
+from checks.models.unit_names import bearing_units
+from checks.part.part_loads import PartLoads
+from checks.stress.part_model import RungModel
+from fem.unit_loads import HARMONICS, bearing_coefficients
+from geometry.mesh import FloatArray
+from geometry.parts.plate import Plate, PlateBore
+
+_STATIONS = 13  # between two bores
+_CUT = 1.25  # widths from a hole to where the plate is a bar again
+_ON_ARC = (0.1, 0.3, 0.5, 0.7, 0.9)  # of a hollow edge, where it is asked
+_ROUND = 0.05  # of half a width: an end that is as far as the sides are is round
+_STRAIGHT = 1e-6  # of a unit vector
+_LEAST_ARC = 0.15  # of the depth behind a hollow edge: a shorter arc counts as so long
+_BENT = 5.0  # deg of turning, from which on a lever is bent
+
+
+def stress(part: Part, shape: Plate, loads: PartLoads) -> RungModel | None:
+    """Sections between neighbouring bores, hollow edges as curved bars, and the bores.
+
+    None where the line between two neighbours leaves the plate, or a window is not round: what
+    carries the load there, and the stress at the window's corners, is a solid's to say.
+    """
+    if any(window.circle is None for window in shape.windows):
+        return None
+    points = Points(len(loads.accelerations))
+    forces = PlateForces(part, shape, loads, points)
+    if not _add_arms(points, forces):
+        return None
+    for bore in shape.bores:
+        _add_bore(part, points, forces, bore)
+    for window in shape.windows:
+        assert window.circle is not None
+        _add_window(points, forces, *window.circle)
+    _add_hollow_edges(points, forces)
+    return points.model(
+        residual=forces.residual,
+        deflection=deflected(part, forces),
+        buckling=elastic_load(part, forces),
+        neglects="that the load paths of the arms disturb each other; stress not linear across "
+        "the arms; couples out of the plane",
+    )
+
+
+def family(part: Part, shape: Plate, _loads: PartLoads, kind: str) -> str:
+    """Levers that go straight on and bent ones scatter each in their own way."""
+    if part.shape != "lever":
+        return "drawn plate"
+    return "bent lever" if shape.bend > _BENT else "lever"
+
+
+def _add_arms(points: Points, forces: PlateForces) -> bool:
+    """Add fibres of the sections between neighbours; whether all of them have a straight way."""
+    shape = forces.shape
+    for i, j in shape.neighbours:
+        first, last = shape.bores[i], shape.bores[j]
+        way = (last.centre - first.centre) / abs(last.centre - first.centre)
+        ends = (
+            first.centre + way * first.diameter / 2,
+            last.centre - way * last.diameter / 2,
+        )
+        for share in (np.arange(_STATIONS) + 0.5) / _STATIONS:
+            cut = shape.outline.cut(ends[0] + share * (ends[1] - ends[0]), way)
+            if cut is None:
+                return False
+            section = FlatSection(cut, shape.thickness)
+            if not forces.met(section):
+                ahead = forces.is_ahead(section)
+                _add_fibres(points, forces, section, ahead, f"arm {first.name} to {last.name}")
+    return True
+
+
+def _add_fibres(
+    points: Points,
+    forces: PlateForces,
+    section: FlatSection,
+    ahead: Mapping[str, float],
+    name: str,
+) -> None:
+    """Add the ends of a section's spans, and the middle of its highest with the largest shear."""
+    axial, shear, moment = forces.across(section, ahead)
+    spans = section.cut.spans
+    highest = spans[int(np.argmax(np.diff(spans, axis=1)[:, 0]))]
+    at = np.r_[spans.ravel(), highest.mean()]
+    along = axial / section.area - np.outer(at - section.middle, moment) / section.inertia
+    sheared = np.zeros_like(along)
+    sheared[-1] = 1.5 * shear / section.area
+    _add(points, forces, name, section.cut.point + 1j * section.cut.along * at,
+         directed(section.cut.along, along, sheared))  # fmt: skip
+
+
+def _add(
+    points: Points, forces: PlateForces, name: str, places: FloatArray, stress: FloatArray
+) -> None:
+    """Add points x + i y (k,) of the middle plane with stress (k, columns, 6)."""
+    at = np.column_stack([places.real, places.imag, np.zeros(len(places))])
+    points.add_block(name, at, forces.columns, np.moveaxis(stress, 2, 1))
+
+
+def _add_bore(part: Part, points: Points, forces: PlateForces, bore: PlateBore) -> None:
+    """Add a bore's rim: the lug that holds its pin, and what the arms pass on past it.
+
+    At an end the arm holds the lug. Between two arms the one holds it and the other passes on
+    through it, along the mean of their ways; where they bend, the pin may as well pull away from
+    both, and then they hold it together as one shank on the inner side of the bend.
+    """
+    shape, middle = forces.shape, bore.centre
+    ways = _ways(shape, bore)
+    wrench = forces.loads.wrenches[bore.name][:, [0, 1, 5]]
+    pressed = points.columns(bearing_coefficients(wrench, inward=False).T, bearing_units(bore.name))
+    if len(ways) == 1:
+        lug = _lug(part, shape, bore, ways[0], round_end=True)
+        _add_rim(points, forces, bore, pressed, lug, None)
+        return
+    mean = (ways[0] - ways[1]) / abs(ways[0] - ways[1])
+    inner = ways[0] + ways[1]
+    cut = shape.outline.cut(middle, mean)
+    assert cut is not None, "a bore's middle is inside of the outer contour"
+    section = FlatSection(cut, shape.thickness)
+    passing = _passing(forces, section, bore, 1.0)
+    lug = _lug(part, shape, bore, mean, round_end=False)
+    _add_rim(points, forces, bore, pressed, lug, passing)
+    if abs(inner) > _STRAIGHT:
+        lug = _lug(part, shape, bore, inner / abs(inner), round_end=True)
+        passing = _passing(forces, section, bore, 0.5)
+        _add_rim(points, forces, bore, pressed, lug, passing)
+    for share in (0.0, 1.0):
+        ahead = forces.is_ahead(section) | {bore.name: share}
+        _add_fibres(points, forces, section, ahead, f"beside the bore {bore.name}")
+
+
+def _ways(shape: Plate, bore: PlateBore) -> list[complex]:
+    """Unit vectors from a bore to its neighbours."""
+    number = shape.bores.index(bore)
+    others = (
+        shape.bores[pair[1 - pair.index(number)]].centre
+        for pair in shape.neighbours
+        if number in pair
+    )
+    return [(other - bore.centre) / abs(other - bore.centre) for other in others]
+
+
+def _lug(
+    part: Part, shape: Plate, bore: PlateBore, along: complex, *, round_end: bool
+) -> FloatArray:
+    """Stress (k, 6, 8) at ANGLES of a lug's rim, by patterns of the pin's pressure.
+
+    along  to where it is held
+    """
+    middle, radius = bore.centre, bore.diameter / 2
+    half = min(shape.outline.reach(middle, along * side) for side in (1j, -1j))
+    behind = min(shape.outline.reach(middle, -along), 2 * _CUT * half)
+    end = None if round_end and abs(behind / half - 1) < _ROUND else behind
+    outline = strip_outline(half, end, max(2 * _CUT * half, 1.5 * radius))
+    found = pin_loaded_hole(radius, outline, part.material.poisson_ratio)
+    own = np.zeros((len(ANGLES), 6, len(PATTERNS)))
+    turn = phase(along)
+    rim = radius * np.exp(1j * (ANGLES - turn))
+    own[:, [0, 1, 3]] = Lug(found, shape.thickness).stress(rim)
+    basis = own.copy()
+    for n in HARMONICS:
+        if n:
+            cosine, sine = PATTERNS.index(f"cos {n}"), PATTERNS.index(f"sin {n}")
+            c, s = np.cos(n * turn), np.sin(n * turn)
+            basis[:, :, cosine] = c * own[:, :, cosine] - s * own[:, :, sine]
+            basis[:, :, sine] = s * own[:, :, cosine] + c * own[:, :, sine]
+    return _turned(basis, along)
+
+
+def _add_rim(
+    points: Points,
+    forces: PlateForces,
+    bore: PlateBore,
+    pressed: list[int],
+    lug: FloatArray,
+    passing: FloatArray | None,
+) -> None:
+    """Add the rim with the stress of its lug and of what passes it."""
+    at = bore.centre + bore.diameter / 2 * np.exp(1j * ANGLES)
+    places = np.column_stack([at.real, at.imag, np.zeros(len(at))])
+    if passing is None:
+        points.add_block(bore.name, places, pressed, lug)
+        return
+    points.add_block(
+        bore.name, places, [*pressed, *forces.columns], np.concatenate([lug, passing], axis=2)
+    )
+
+
+def _passing(
+    forces: PlateForces, section: FlatSection, bore: PlateBore, share: float
+) -> FloatArray:
+    """Stress (k, 6, columns) at ANGLES of a bore's rim, of what the arms pass on past it.
+
+    share  of the pin's own force that is counted to the arm ahead
+    """
+    filled, along = section.filled(), section.cut.along
+    axial, shear, moment = forces.across(filled, forces.is_ahead(section) | {bore.name: share})
+    at = (bore.centre - section.cut.point) / along
+    even = axial / filled.area - moment * (at.imag - filled.middle) / filled.inertia
+    rate = -moment / filled.inertia * bore.diameter / 2
+    sheared = 1.5 * shear / filled.area
+    width = 2 * min(forces.shape.outline.reach(bore.centre, along * side) for side in (1j, -1j))
+    waves = open_hole(ANGLES - phase(along), bore.diameter / width)
+    hoop = waves @ np.stack([even, rate, sheared])
+    s, c = np.sin(ANGLES)[:, None], np.cos(ANGLES)[:, None]
+    found = np.zeros((len(ANGLES), 6, hoop.shape[1]))
+    found[:, 0], found[:, 1], found[:, 3] = hoop * s**2, hoop * c**2, -hoop * s * c
+    return found
+
+
+def _turned(basis: FloatArray, along: complex) -> FloatArray:
+    """Stress (k, 6, m) of a plane state from axes turned by `along` to those of the plate."""
+    c, s = along.real, along.imag
+    xx, yy, xy = basis[:, 0], basis[:, 1], basis[:, 3]
+    found = np.zeros_like(basis)
+    found[:, 0] = xx * c**2 + yy * s**2 - 2 * xy * s * c
+    found[:, 1] = xx * s**2 + yy * c**2 + 2 * xy * s * c
+    found[:, 3] = (xx - yy) * s * c + xy * (c**2 - s**2)
+    return found
+
+
+def _add_window(points: Points, forces: PlateForces, middle: complex, radius: float) -> None:
+    """Add the rim of a round hole without a pin, across the nearest line between bores."""
+    shape = forces.shape
+    lines = [(shape.bores[i].centre, shape.bores[j].centre) for i, j in shape.neighbours]
+    first, last = min(lines, key=lambda line: _distance(middle, *line))
+    along = (last - first) / abs(last - first)
+    cut = shape.outline.cut(middle, along)
+    if cut is None:
+        return
+    own = PlateBore("", 2 * radius, (middle.real, middle.imag))
+    basis = _passing(forces, FlatSection(cut, shape.thickness), own, 0.0)
+    at = middle + radius * np.exp(1j * ANGLES)
+    places = np.column_stack([at.real, at.imag, np.zeros(len(at))])
+    points.add_block("round window", places, forces.columns, basis)
+
+
+def _distance(point: complex, first: complex, last: complex) -> float:
+    way = last - first
+    share = ((point - first) * way.conjugate()).real / abs(way) ** 2
+    return abs(point - first - min(max(share, 0.0), 1.0) * way)
+
+
+def _add_hollow_edges(points: Points, forces: PlateForces) -> None:
+    """Add hollow edges of the outer contour: sections along their radii, as of a curved bar."""
+    shape = forces.shape
+    for middle, centre, turn in shape.hollow_edges(_ON_ARC):
+        radius = abs(middle - centre)
+        inward = (middle - centre) / radius
+        cut = shape.outline.cut(middle + 1e-6 * radius * inward, -1j * inward)
+        if cut is None:
+            continue
+        section = FlatSection(cut, shape.thickness)
+        turned = max(radius, _LEAST_ARC * (cut.ends[1] - cut.ends[0]) / turn)
+        curved = CurvedSection(cut.spans + turned, shape.thickness)
+        at = cut.spans.ravel()
+        met = forces.met(section)
+        near = min(shape.bores, key=lambda bore: abs(bore.centre - middle))
+        for shares in product((0.0, 1.0), repeat=len(met)):
+            ahead = forces.is_ahead(section) | dict(zip(met, shares, strict=True))
+            axial, _, moment = forces.across(section, ahead)
+            along = curved.stress(at + turned) @ np.stack([axial, moment])
+            _add(points, forces, f"hollow edge beside {near.name}",
+                 cut.point + 1j * cut.along * at,
+                 directed(cut.along, along, np.zeros_like(along)))  # fmt: skip
+
+
+MODEL = ShapeModel(Plate, stress, family=family)
