@@ -13,8 +13,7 @@ from tempfile import TemporaryDirectory
 
 from geometry.graphics import INSTALL
 from reports.files import replacing
-from reports.window_files import write_scene
-from reports.window_scene import Scene
+from reports.window_scene import Scene, write_scene
 from reports.window_worker import NO_WINDOW
 from reports.worker import run_worker
 

@@ -15,8 +15,7 @@ from checks.design.errors import DesignError
 from checks.design.names import no_such
 from checks.result.words import brief, verdict_sentence
 from reports.window import Trouble, open_window, probe_window, window_picture
-from reports.window_files import scene_of
-from reports.window_scene import Scene
+from reports.window_scene import Scene, scene_of
 
 _FIELDLESS = ("formula", "beam")  # rungs without a mesh
 

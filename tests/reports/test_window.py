@@ -14,8 +14,7 @@ from PIL import Image
 
 from checks.result.live_fields import LiveFields, LivePeak, grey
 from reports.window import open_window, probe_window, window_picture
-from reports.window_files import read_scene, scene_of, write_scene
-from reports.window_scene import LINKAGE, View, Worst, signed_principal
+from reports.window_scene import View, Worst, read_scene, scene_of, signed_principal, write_scene
 from reports.window_worker import NO_WINDOW, SIZE
 from reports.worker import run_worker
 
@@ -77,7 +76,7 @@ def test_utilisation_counts_the_required_safety_as_the_page_does(result):
     part, *others = result.parts
     judged = results.check(part.name, kind="fatigue", required=1.25)
     made = replace(result, parts=[replace(part, checks=[judged]), *others])
-    shown = scene_of(made).values(0, View(0, field="utilisation"))
+    shown = scene_of(made).values(View(0, field="utilisation"))
     assert_allclose(shown, 1.25 * part.live.fatigue["utilisation"], rtol=1e-6)
 
 
@@ -91,11 +90,7 @@ def test_a_scene_comes_back_from_its_folder(tmp_path, scene):
         assert one.live.missing == other.live.missing
         assert one.live.peak == other.live.peak
         assert one.worst == other.worst
-    view = replace(scene.first_view(), part=LINKAGE)
-    assert again.shown(view) == scene.shown(view) == [0, 1, 2]
-    assert_allclose(again.matrix(1, view), scene.matrix(1, view))
-    assert again.told(view) == scene.told(view)
-    assert len(again.pins(view)) == len(scene.pins(view)) == 4
+    assert again.told(scene.first_view()) == scene.told(scene.first_view())
 
 
 def test_it_begins_at_the_worst_position_of_the_part_that_is_asked_for(scene):
@@ -140,16 +135,15 @@ def test_stress_that_decides_no_check_is_told_to_be_for_looking_at(scene):
     assert said in mixed.told(View(0))
     assert said not in mixed.told(View(1))
     assert said not in mixed.told(View(0, field="amplitude"))  # not known: nothing is seen
-    assert "to look at (of bar_upper): no error bar, decides no check" in mixed.told(View(LINKAGE))
-    assert not any("to look at" in line for line in scene.told(View(LINKAGE)))
+    assert not any("to look at" in line for line in scene.told(View(0)))
 
 
 def test_the_field_is_the_superposition_and_its_limits_hold_over_the_cycle(scene):
     part = scene.parts[0].live
     view = View(0, 0, 40)
     expected = part.at("press", 40)[:, 0]
-    assert_allclose(scene.values(0, view), np.abs(expected), rtol=1e-5, atol=1e-4)
-    assert_allclose(scene.values(0, replace(view, field="principal")), expected, atol=1e-4)
+    assert_allclose(scene.values(view), np.abs(expected), rtol=1e-5, atol=1e-4)
+    assert_allclose(scene.values(replace(view, field="principal")), expected, atol=1e-4)
     low, high = scene.limits(view)
     assert low == 0
     assert high == pytest.approx(100, rel=1e-5)
@@ -161,7 +155,7 @@ def test_the_field_is_the_superposition_and_its_limits_hold_over_the_cycle(scene
 def test_displacements_are_drawn_so_large_that_they_are_seen(scene):
     last = scene.cycles[0].n - 1
     view = View(0, 0, last, deformed=True)
-    moved = np.linalg.norm(scene.shape(0, view) - scene.shape(0, View(0, 0, last)), axis=1).max()
+    moved = np.linalg.norm(scene.shape(view) - scene.shape(View(0, 0, last)), axis=1).max()
     assert moved == pytest.approx(0.05 * scene.parts[0].size, rel=1e-6)
     assert any("displacements drawn" in line for line in scene.told(view))
 
@@ -171,23 +165,6 @@ def test_what_is_not_known_is_told_with_the_reason(scene):
     told = scene.told(View(0, field="amplitude"))
     assert any("no cycle of the duty loads this part" in line for line in told)
     assert any("nothing loads this part in this cycle" in line for line in scene.told(View(0, 1)))
-
-
-def test_the_linkage_is_shown_where_the_parts_are_and_its_pins_with_them(scene, result):
-    motion = result.motion["press"]
-    view = View(LINKAGE, 0, 41)
-    for k, name in enumerate(("bar_upper", "bar_lower")):
-        turn = scene.matrix(k, view)
-        node = np.array([[250.0, 0.0, 5.0]])
-        expected = motion_results.placed(motion, name, node, motion.row_of(41))[0]
-        assert_allclose((turn @ [*node[0], 1])[:3], expected, atol=1e-9)
-    place, force = scene.pins(view)[0]
-    own_place, own_force = scene.pins(View(0, 0, 41))[0]  # the same one in the part's own frame
-    turn = scene.matrix(0, view)
-    assert_allclose((turn @ [*own_place, 1])[:3], place, atol=1e-9)
-    assert_allclose(turn[:3, :3] @ own_force, force, atol=1e-9)
-    assert len(scene.pins(View(0, 0, 41))) == 2
-    assert scene.shown(View(LINKAGE, 1)) == []  # measured: nobody knows where they are
 
 
 def test_the_signed_principal_stress_is_that_of_the_eigenvalues():
@@ -205,9 +182,8 @@ def pictures(scene, tmp_path_factory):
     folder = tmp_path_factory.mktemp("window")
     write_scene(scene, folder)
     steps = {
-        "first": [], "moved": ["Right"], "back": ["Left"], "worst": ["Right", "p"], "field": ["2"],
-        "bands": ["1", "b"],
-        "displaced": ["b", "d"], "linkage": ["d", "l"], "next": ["n", "n"], "grey": ["n"],
+        "first": [], "field": ["6"], "back": ["1"], "cycle": ["c"], "worst": ["p"],
+        "displaced": ["d"], "next": ["d", "n"], "grey": ["n"],
     }  # fmt: skip
     order = [each for name, keys in steps.items() for each in (*keys, str(folder / f"{name}.png"))]
     ended = run_worker([*STRICT, str(folder), "", *order], folder, 120)
@@ -221,14 +197,12 @@ def pictures(scene, tmp_path_factory):
 
 def test_a_picture_is_written_in_place_of_a_window(scene, tmp_path):
     file = tmp_path / "out" / "window.png"
-    assert window_picture(scene, file, "bar_lower", ["l"], worker=STRICT) is None
+    assert window_picture(scene, file, "bar_lower", ["d"], worker=STRICT) is None
     with Image.open(file) as image:
         assert image.size == SIZE
 
 
-@pytest.mark.parametrize(
-    "name", ["moved", "field", "bands", "linkage", "next", "grey", "displaced"]
-)
+@pytest.mark.parametrize("name", ["field", "cycle", "next", "grey", "displaced"])
 def test_every_key_changes_the_picture(pictures, name):
     """Below the words, so that it is not they alone that changed."""
     changed = np.abs(pictures[name] - pictures["first"]).max(axis=2)[150:650] > 30
@@ -236,8 +210,8 @@ def test_every_key_changes_the_picture(pictures, name):
 
 
 @pytest.mark.parametrize("name", ["back", "worst"])
-def test_a_step_back_and_the_worst_position_bring_the_first_picture_back(pictures, name):
-    """The first picture is of the last position, which is the worst: a step on is the first one."""
+def test_the_field_and_the_worst_position_bring_the_first_picture_back(pictures, name):
+    """The first picture is of the von Mises stress at the worst position."""
     assert np.abs(pictures[name] - pictures["first"]).max() == 0
 
 
@@ -314,30 +288,33 @@ def test_a_display_that_does_not_answer_is_told(monkeypatch):
 DRIVE = """
 import sys
 from pathlib import Path
-from reports.window_files import read_scene
+from reports.window_scene import read_scene
 from reports.window_worker import Window
 window = Window(read_scene(Path(sys.argv[1])), None, False)
-steps = ["space", "", "space", "2", "l", "n", "q"]
-seen, ticks, tick = [], [0], window.tick
+steps = ["2", "n", "c", "p", "q"]
+seen, ticks = [], [0]
 def told():
-    tick()
     ticks[0] += 1
     if ticks[0] % 6 or not steps:
         return
-    seen.append((window.view.field, window.view.part, window.playing, window.view.position))
+    seen.append((window.view.field, window.view.part, window.view.cycle))
     key, keys = steps.pop(0), window.plotter.iren.interactor
     if key:
         keys.SetKeySym(key)
         keys.SetKeyCode(key if len(key) == 1 else " ")
         keys.KeyPressEvent()
         keys.CharEvent()
-window.tick = told
+window.plotter.iren.add_observer("TimerEvent", lambda *_: told())
+start = window.plotter.iren.start
+def started():
+    window.plotter.iren.interactor.CreateRepeatingTimer(40)
+    start()
+window.plotter.iren.start = started
 window.show()
-fields, parts, playing, positions = zip(*seen)
-assert playing == (False, True, True, False, False, False, False), playing
-assert positions[2] != positions[1], positions
-assert fields == ("mises",) * 4 + ("principal",) * 3, fields
-assert parts == (0, 0, 0, 0, 0, -1, 0), parts
+fields, parts, cycles = zip(*seen)
+assert fields == ("mises",) + ("principal",) * 4, fields
+assert parts == (0, 0, 1, 1, 1), parts
+assert cycles == (0, 0, 0, 1, 0), cycles
 """
 
 
@@ -368,7 +345,7 @@ def display():
 
 
 @pytest.mark.slow
-def test_the_window_opens_plays_obeys_its_keys_and_closes(scene, tmp_path, display, monkeypatch):
+def test_the_window_opens_obeys_its_keys_and_closes(scene, tmp_path, display, monkeypatch):
     """The keys go through the window's own interactor; q ends it, so the process ends."""
     monkeypatch.setenv("DISPLAY", display)
     assert probe_window() is None
