@@ -47,11 +47,11 @@ class PlateShape(Table):
 class PlateHoleEntry(Table):
     """A hole of a plate in which a pin sits."""
 
-    diameter: PositiveLength | None = Field(
-        None, description="diameter of the hole; of a drawing it may say which hole is meant"
-    )
     eye: PositiveLength | None = Field(
         None, description="lever: outer diameter of the round eye about the hole"
+    )
+    diameter: PositiveLength | None = Field(
+        None, description="diameter of the hole; of a drawing it may say which hole is meant"
     )
     at: Point2 | None = Field(
         None, description="drawing: the hole's middle in the drawing's own frame"

@@ -350,6 +350,36 @@ def tail_lift(m):
     ]
 
 
+def pumpjack(m):
+    inch = 25.4
+    front, rear, across, pitman, up, shaft, radius = (
+        inch * size for size in (64, 48.17, 48, 57.5, 98.5, 37, 18)
+    )
+    crank = complex(across, shaft - up)  # from the saddle; the tail is pitman - radius away
+    apart, far = pitman - radius, abs(crank)
+    along = (rear**2 - apart**2 + far**2) / (2 * far)
+    tail = crank / far * (along + 1j * np.sqrt(rear**2 - along**2))
+    pull = (crank - tail) / apart
+    force = 30e3 * front / abs((tail.conjugate() * pull).imag)
+
+    def arm(a, b, c):  # two discs and what their common tangents enclose
+        share = (a - b) / c
+        turn = np.arccos(share)
+        return (a + b) * c * np.sin(turn) + a * a * (np.pi - turn) + b * b * turn
+
+    area = arm(200, 70, front) + arm(200, 90, rear) - np.pi * 200**2
+    area -= np.pi / 4 * (60**2 + 120**2 + 70**2)
+    weight = area * 40 * 7.85e-6 * G
+    head = -1j * tail / abs(tail) * 30e3
+    saddle = abs(head + force * pull - 1j * weight)
+    at = 277.76246
+    return [  # the beam's weight acts 0.1 m from the saddle, its inertia is left out
+        Value("pitman at the tail", m.force("beam T", at), force, 0.005),
+        Value("saddle", m.force("beam S", at), saddle, 0.005),
+        Value("tail's bearing", m.check("beam", "bearing"), force / (70 * 40), 0.005, "MPa"),
+    ]
+
+
 def riveting_press(m):
     a, b = np.radians(3), np.arcsin(240 * np.sin(np.radians(3)) / 540)
     toggle = 60e3 / np.cos(b)
@@ -380,6 +410,7 @@ MACHINES = (
     crank_rocker,
     gas_engine,
     gripper,
+    pumpjack,
     punching_press,
     push_pull_clamp,
     riveting_press,

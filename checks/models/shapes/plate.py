@@ -21,6 +21,7 @@ from checks.part.part_loads import PartLoads
 from checks.stress.part_model import RungModel
 from fem.unit_loads import HARMONICS, bearing_coefficients
 from geometry.mesh import FloatArray
+from geometry.outlines import ComplexArray
 from geometry.parts.plate import Plate, PlateBore
 
 _STATIONS = 13  # between two bores
@@ -102,12 +103,12 @@ def _add_fibres(
     along = axial / section.area - np.outer(at - section.middle, moment) / section.inertia
     sheared = np.zeros_like(along)
     sheared[-1] = 1.5 * shear / section.area
-    _add(points, forces, name, section.cut.point + 1j * section.cut.along * at,
-         directed(section.cut.along, along, sheared))  # fmt: skip
+    places = np.asarray(section.cut.point + 1j * section.cut.along * at)
+    _add(points, forces, name, places, directed(section.cut.along, along, sheared))
 
 
 def _add(
-    points: Points, forces: PlateForces, name: str, places: FloatArray, stress: FloatArray
+    points: Points, forces: PlateForces, name: str, places: ComplexArray, stress: FloatArray
 ) -> None:
     """Add points x + i y (k,) of the middle plane with stress (k, columns, 6)."""
     at = np.column_stack([places.real, places.imag, np.zeros(len(places))])
@@ -277,9 +278,9 @@ def _add_hollow_edges(points: Points, forces: PlateForces) -> None:
             ahead = forces.is_ahead(section) | dict(zip(met, shares, strict=True))
             axial, _, moment = forces.across(section, ahead)
             along = curved.stress(at + turned) @ np.stack([axial, moment])
-            _add(points, forces, f"hollow edge beside {near.name}",
-                 cut.point + 1j * cut.along * at,
-                 directed(cut.along, along, np.zeros_like(along)))  # fmt: skip
+            places = np.asarray(cut.point + 1j * cut.along * at)
+            stresses = directed(cut.along, along, np.zeros_like(along))
+            _add(points, forces, f"hollow edge beside {near.name}", places, stresses)
 
 
 MODEL = ShapeModel(Plate, stress, family=family)
