@@ -15,7 +15,7 @@ from checks.models.plate_forces import FlatSection, PlateForces
 from checks.part.first_maximum import first_largest
 from checks.result.derivation import Item
 from checks.stress.part_model import ElasticLoad
-from fem.frame_sections import rectangle_torsion
+from geometry.bars import rectangle_torsion
 from geometry.mesh import FloatArray
 
 _STATIONS = 33
