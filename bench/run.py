@@ -2,7 +2,8 @@
 
 Each measurement runs in a process of its own. Times are medians of the stated number of runs and
 belong to the machine named beside them; nothing here is asserted in a test. docs/speed.md is
-written from the results. `python bench/run.py solid` runs that one and keeps the other rows.
+written from the results. `python bench/run.py solid` runs that one and keeps the other rows; those
+that want a quiet machine are `short peer batch million installed`, in 3, 3, 5, 3 and 15 minutes.
 """
 
 import json
@@ -232,11 +233,8 @@ def buckling_modes() -> list[dict[str, Any]]:
     return rows
 
 
-def main_job() -> list[dict[str, Any]]:
-    """The check of the press as a user has it: over a bound environment, over CalculiX, in batches.
-
-    Ratios are medians over pairs of whole processes in turns (bench/main_job.py).
-    """
+def as_installed() -> list[dict[str, Any]]:
+    """The check of the press as installed over the same with bound threads, ten pairs in turns."""
     rows = []
     for name, row in measured_by("bench.main_job", "installed").items():
         limit = 1.05 if name == "idle" else 1.15
@@ -244,17 +242,45 @@ def main_job() -> list[dict[str, Any]]:
             ("verdict", "all files"), row["verdict and all files over bound"], strict=True
         ):
             rows.append(
-                entry(f"main job: {what} as installed over bound, {name}", value, "1", limit)
+                entry(f"installed: {what} as installed over bound, {name}", value, "1", limit)
             )
-    ratios = measured_by("bench.main_job", "peer")["verdict and all files over CalculiX"]
-    rows.append(entry("main job: verdict over CalculiX's step", ratios[0], "1", 0.6))
-    rows.append(entry("main job: all files over CalculiX's step", ratios[1], "1", 1.0))
+    return rows
+
+
+def beside_peer() -> list[dict[str, Any]]:
+    """The check of the press over one step of CalculiX, five pairs of whole processes in turns."""
+    measured = measured_by("bench.main_job", "peer")
+    verdict, files, theirs = measured["seconds: verdict, all files, CalculiX"]
+    ratios = measured["verdict and all files over CalculiX"]
+    return [
+        entry("peer: verdict over CalculiX's step", ratios[0], "1", 0.6),
+        entry("peer: all files over CalculiX's step", ratios[1], "1", 1.0),
+        entry("peer, s: verdict", verdict, "s"),
+        entry("peer, s: all files", files, "s"),
+        entry(f"peer, s: {measured['peer']}", theirs, "s"),
+    ]
+
+
+def batches() -> list[dict[str, Any]]:
+    """Batches of N workers over N runs side by side that know nothing of each other."""
+    rows = []
     for workers in (2, 4):
         if workers <= (os.cpu_count() or 1):
             found = measured_by("bench.main_job", "batch", str(workers))
             share = found["throughput over independent runs, s, s"][0]
-            name = f"main job: {workers} independent runs over {workers} workers of a batch, time"
+            name = f"batch: {workers} workers over {workers} independent runs, time"
             rows.append(entry(name, 1 / share, "1", 1 / 0.93))
+    return rows
+
+
+def a_million() -> list[dict[str, Any]]:
+    """Memory of a million unknowns with all unit loads and the whole cycle."""
+    measured = measured_by("bench.solid", "million")
+    rows = [
+        entry("million: unknowns", measured["unknowns"], "1"),
+        entry("million: peak memory", measured["memory"], "GiB", 12.0),
+        entry("million: whole process", measured["process"], "s"),
+    ]
     return rows
 
 
@@ -320,7 +346,10 @@ BENCHMARKS = {
     "fatigue": fatigue_verdict,
     "ladder": ladder_of_the_press,
     "loads": loads_of_machines,
-    "main": main_job,
+    "installed": as_installed,
+    "peer": beside_peer,
+    "batch": batches,
+    "million": a_million,
     "short": short_commands,
     "solid": solid_and_its_peer,
     "threads": threads_by_size,

@@ -1,7 +1,8 @@
 """A lug bar solved by ballesta and by CalculiX on one mesh, each run a process of its own.
 
 `python -m bench.solid` prints everything as a line of JSON; the other commands are its children:
-prepare, ours, stock, solver. CalculiX is `ccx`, with as many threads as ballesta.
+prepare, ours, stock, solver; `million` is one run on a million
+unknowns. CalculiX is `ccx`, with as many threads as ballesta.
 """
 
 import json
@@ -22,6 +23,7 @@ THREADS = "2"
 PAIRS = 5
 FINENESS = 1.1  # 170 000 unknowns
 SIZES = (0.34, 0.6, FINENESS, 1.45, 1.87)  # 20 000 to 500 000 unknowns
+MILLION = 2.45  # 1.05 million unknowns
 SMALL = 0.6  # what SuperLU can do in reasonable time
 POSITIONS = 720
 YOUNG, POISSON, DENSITY = 210e3, 0.3, 7.85e-9
@@ -287,6 +289,14 @@ def costs(root: Path) -> dict[str, Any]:
     return {"rows": rows, "exponents": exponents}
 
 
+def million() -> dict[str, Any]:
+    """One run on a million unknowns: seconds and peak memory of the process."""
+    with tempfile.TemporaryDirectory() as folder:
+        python("prepare", folder, str(MILLION))
+        process, memory, measured = python("ours", folder)
+        return measured | {"process": process, "memory": memory}
+
+
 def ladder(folder: Path, root: Path) -> dict[str, Any]:
     """Every solver that is there on a small mesh, and the first two on the large one."""
     small = root / "small"
@@ -330,6 +340,8 @@ def main(arguments: list[str]) -> None:
         answer = prepare(Path(arguments[1]), float(arguments[2]), "decks" in arguments[3:])
     elif arguments[0] == "ours":
         answer = ours(Path(arguments[1]))
+    elif arguments[0] == "million":
+        answer = million()
     elif arguments[0] == "stock":
         answer = stock(Path(arguments[1]))
     else:

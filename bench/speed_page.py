@@ -303,16 +303,15 @@ def short_lines(rows: dict[str, dict[str, Any]]) -> list[str]:
 
 def main_job_lines(rows: dict[str, dict[str, Any]]) -> list[str]:
     """The section on whole checks as a user has them, and on threads."""
-    names = {name: name.partition(": ")[2] for name in rows if name.startswith("main job: ")}
+    words = ("peer: ", "installed: ", "batch: ")
+    names = {name: name.partition(": ")[2] for name in rows if name.startswith(words)}
     if not names:
         return []
+    spent = {name.partition(": ")[2]: row for name, row in rows.items() if name[:7] == "peer, s"}
+    seconds = ", ".join(f"{name} {row['value']:.1f}" for name, row in spent.items())
+    large = {name: rows[f"million: {name}"]["value"] for name in ("unknowns", "peak memory")
+             if f"million: {name}" in rows}  # fmt: skip
     machine = rows[next(iter(names))]["machine"]
-    sizes: dict[str, dict[str, float]] = {}
-    for name, row in rows.items():
-        match = re.fullmatch(r"threads: (\d+) unknowns, (\d+) threads", name)
-        if match:
-            sizes.setdefault(match[1], {})[match[2]] = row["value"]
-    counts = sorted({n for row in sizes.values() for n in row}, key=int)
     return [
         "## The main job",
         "",
@@ -325,6 +324,31 @@ def main_job_lines(rows: dict[str, dict[str, Any]]) -> list[str]:
         "",
         *ratio_lines(rows, names),
         "",
+        *([paragraph(f"Seconds: {seconds}."), ""] if seconds else []),
+        *(
+            [
+                f"{large['unknowns']:.0f} unknowns, all unit loads and the whole cycle take "
+                f"{large['peak memory']:.1f} GiB.",
+                "",
+            ]
+            if large
+            else []
+        ),
+        *thread_lines(rows),
+    ]
+
+
+def thread_lines(rows: dict[str, dict[str, Any]]) -> list[str]:
+    """The table of threads by size."""
+    sizes: dict[str, dict[str, float]] = {}
+    for name, row in rows.items():
+        match = re.fullmatch(r"threads: (\d+) unknowns, (\d+) threads", name)
+        if match:
+            sizes.setdefault(match[1], {})[match[2]] = row["value"]
+    counts = sorted({n for row in sizes.values() for n in row}, key=int)
+    if not counts:
+        return []
+    return [
         "Factorisation and 24 solves, seconds, by threads of OpenBLAS:",
         "",
         "| Unknowns | " + " | ".join(counts) + " |",
