@@ -37,7 +37,7 @@ Verify = Callable[[tuple[str, ...]], DesignResult]
 
 @dataclass(frozen=True)
 class Change:
-    """One input with another value, and what it does.
+    """One input with another value, and its effect.
 
     key, was, value  the input and its values as written
     parts            that pass with it, of those that it is meant for
