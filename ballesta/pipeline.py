@@ -273,7 +273,7 @@ def _load_factor_warnings(design: Design) -> list[str]:
 
 
 def _assumed_by_design(design: Design) -> list[str]:
-    """Keys of what the design marks as assumed, without what was assumed where it is silent."""
+    """Keys that the file marks as assumed; program defaults excluded."""
     ours = {
         *told_of_steps(design.parts),
         *(pair for run in design.measured.values() for pair in run.assumed),
@@ -375,7 +375,7 @@ def _all_sources(design: Design) -> str:
 
 
 def versions() -> dict[str, str]:
-    """Return what a result was made with; of the extras those that are installed."""
+    """Return the versions of Python, our packages, libraries and installed extras."""
     names = ("ballesta", "gmsh", "scikit-fem", "numpy", "scipy", "meshio")
     found = {name: version(name) for name in names}
     for extra in ("scikit-sparse", "pypardiso", "mkl"):

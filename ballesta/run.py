@@ -148,7 +148,7 @@ def _printed(result: "DesignResult", report: Path, *, verbose: bool) -> str:
 
 
 def _ended_to_folder(folder: Path) -> "DesignResult | None":
-    """Write what a predecessor had finished of a design before it was ended, without pictures.
+    """Write the parts that an ended process had finished of a design, without pictures.
 
     None where nothing was.
     """

@@ -142,7 +142,7 @@ class _Run:
         return self._deadline - monotonic() - self._slowness() * report
 
     def _slowness(self) -> float:
-        """How much longer work takes by the clock than on a processor of its own."""
+        """Ratio of clock time to processor time of the work."""
         if self._deadline == inf:
             return 1.0
         return max(1.0, (monotonic() - self._since) / max(self._child.processor_seconds(), 0.1))
@@ -250,7 +250,7 @@ def _signal(number: int) -> str:
 
 
 def _likely(number: int) -> str:
-    """Why the system may have sent a signal."""
+    """Likely cause of a signal from the system."""
     if _signal(number) == "SIGKILL":
         return ": likely for want of memory; lower mesh.fineness or mesh.most_unknowns"
     return ": a library crashed on this input"

@@ -1,4 +1,4 @@
-"""A check that was ended before its end: what it had handed over, as a result that says so."""
+"""Partial result of a check that was stopped, from the parts that it had finished."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""Which interface of a part each load of its body belongs to."""
+"""Assignment of the loads of a body to the interfaces of its part."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -201,7 +201,7 @@ def _sentence(
 
 
 def position_text(loads: MeasuredLoads, row: int) -> str:
-    """Where in the run a row is, in words."""
+    """Position of a row in the run, in words."""
     value = float(loads.positions[row])
     shown = degrees(value) if loads.position_unit == "deg" else value
     return f"{loads.position_name} {shown:.4g} {loads.position_unit}"

@@ -97,7 +97,7 @@ class _JointTable:
 
 @dataclass(frozen=True, eq=False)
 class _Placed:
-    """Where the ends of all joints are: arms of both, and the vector from a to b (n, joints, 2).
+    """Arms of both ends of all joints, and the vectors from a to b (n, joints, 2).
 
     tangents  (n, lines, 2)  unit vectors along guides and slots, ground axes
     """

@@ -1,4 +1,4 @@
-"""Which joint is missing or one too many in a linkage that has not one degree of freedom."""
+"""Missing and redundant joints of a linkage whose mobility is not 1."""
 
 from typing import TYPE_CHECKING
 

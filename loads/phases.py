@@ -59,6 +59,6 @@ class Cycle:
 
     @property
     def spans(self) -> tuple[tuple[float, float], ...]:
-        """Where each phase starts and stops."""
+        """Start and stop of each phase."""
         stops = [phase.stop for phase in self.phases]
         return tuple(zip([self.start, *stops[:-1]], stops, strict=True))

@@ -100,7 +100,7 @@ def _on_beam(
 
 
 def _n_rows(beam: BeamCompliance, n_places: int) -> int:
-    """How many rows `_beam_rows` has of so many loads."""
+    """Number of rows of `_beam_rows` for a number of loads."""
     return (n_places - 1) * (2 * (beam.bending is not None) + (beam.axial is not None))
 
 

@@ -1,4 +1,4 @@
-"""When a cycle is where: its pace turned into speeds and times, phase by phase."""
+"""Times and speeds of a cycle from its pace, phase by phase."""
 
 from itertools import groupby
 from typing import Final

@@ -241,7 +241,7 @@ def legend(derivation: Derivation) -> list[str]:
 
 
 def bar_texts(check: Check, *, formulas: bool = True) -> list[str]:
-    """Where each error bar comes from; without `formulas` in words alone."""
+    """Source of each error bar; without `formulas` in words alone."""
     derivation = check.derivation
     assert derivation is not None
     unit = f" {check.unit}".rstrip()
@@ -283,7 +283,7 @@ def _bar_formula(derivation: Derivation, symbol: str) -> str:
 
 
 def status_texts(check: Check) -> list[str]:
-    """Which rule gives the status, with numbers put in."""
+    """Rule that gives the status, with numbers put in."""
     unit = f" {check.unit}".rstrip()
     need, limit = need_text(check.required), f"{number_text(check.limit)}{unit}"
 

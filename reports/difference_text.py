@@ -1,10 +1,14 @@
-"""A difference as text for a terminal or a pipe, verdicts first, then the largest changes."""
+"""A difference as text, verdicts first, then the largest changes; and the page with that text."""
 
 from collections.abc import Sequence
 from decimal import ROUND_FLOOR, ROUND_HALF_EVEN
+from functools import cache
 from math import isinf
+from pathlib import Path
 from shutil import get_terminal_size
+from typing import Any
 
+from markupsafe import Markup
 from rich.cells import cell_len
 
 from checks.result.words import brief, number
@@ -17,6 +21,9 @@ from reports.difference_summary import (
     DesignDifference,
     Difference,
 )
+from reports.files import replacing
+from reports.svg import colour_variables
+from reports.templating import environment
 from reports.terminal import labelled, table_row
 
 SHOWN = 12  # changes of a group in text, but verdicts; the page and JSON have all
@@ -156,7 +163,7 @@ def _value_text(value: float | str | None, unit: str, digits: int, rounding: str
 
 
 def change_text(change: Change) -> str:
-    """The relative change in %, from three digits down to what is left of it."""
+    """Relative change in %, with three digits at most."""
     if change.relative is None:
         return ""
     if isinf(change.relative):
@@ -171,3 +178,30 @@ def _few(names: Sequence[str], everything: bool) -> str:
     shown = names if everything else names[: 5 * _LISTED]
     more = f", and {len(names) - len(shown)} more" if len(names) > len(shown) else ""
     return ", ".join(brief(name, 60) for name in shown) + more
+
+
+def difference_html(difference: Difference) -> str:
+    """Page as text. The same difference gives the same page."""
+    text: str = _template().render(
+        difference=difference,
+        sentence=summary_sentence(difference),
+        groups=GROUPS,
+        round_off=f"{ROUND_OFF:g}",
+        light=Markup(colour_variables(dark=False)),
+        dark=Markup(colour_variables(dark=True)),
+    )
+    return text
+
+
+def write_difference(difference: Difference, path: str | Path) -> None:
+    """Write the page as a file, which is there whole or not at all."""
+    text = difference_html(difference)
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8", newline="\n")
+
+
+@cache
+def _template() -> Any:
+    pages = environment()
+    pages.filters |= {"change": change_text, "amounts": values_text}
+    return pages.get_template("difference.html.j2")

@@ -32,6 +32,14 @@ def replacing(path: str | Path) -> Iterator[Path]:
         temporary.unlink(missing_ok=True)
 
 
+def write_whole(path: Path, data: bytes) -> None:
+    """Write a file so that it is whole or as before, also after the machine has lost its power."""
+    with replacing(path) as temporary, temporary.open("wb") as stream:
+        stream.write(data)
+        stream.flush()
+        os.fsync(stream.fileno())
+
+
 def plain(data: Any) -> Any:
     """Plain data as JSON knows it: arrays as lists, null for what is infinite or no number."""
     if isinstance(data, str) or data is None or isinstance(data, bool):

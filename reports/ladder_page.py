@@ -8,9 +8,10 @@ from markupsafe import Markup
 
 from checks.result.verdict import Check
 from checks.result.words import brief, number
-from reports.ladder_summary import LadderPart, LadderResult
-from reports.ladder_words import (
+from reports.ladder_summary import (
     AUTO,
+    LadderPart,
+    LadderResult,
     check_of,
     chosen_sentence,
     needed,

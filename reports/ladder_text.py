@@ -8,9 +8,10 @@ from rich.cells import cell_len
 
 from checks.result.verdict import Check, RungTried
 from checks.result.words import brief, clean, number
-from reports.ladder_summary import LadderPart, LadderResult
-from reports.ladder_words import (
+from reports.ladder_summary import (
     AUTO,
+    LadderPart,
+    LadderResult,
     check_of,
     chosen_sentence,
     needed,

@@ -1,4 +1,4 @@
-"""Where the contacts of a cycle push, from where to where, how hard and how fast they are met."""
+"""Contacts of a cycle: place, range, force and speed of impact."""
 
 from collections.abc import Mapping
 

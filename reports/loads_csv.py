@@ -98,7 +98,7 @@ def _columns(cycle: CycleLoads) -> Iterator[tuple[str, FloatArray]]:
 
 
 def _run_columns(run: MeasuredLoads) -> Iterator[tuple[str, FloatArray]]:
-    """Heading and values (n,) of what a run says of its bodies."""
+    """Headings and values (n,) of motion and loads of the bodies in a run."""
     for name, body in run.bodies.items():
         yield f"{name}.angle [rad]", body.angle
         yield f"{name}.omega [rad/s]", body.angular_velocity

@@ -102,7 +102,7 @@ class DriveSummary:
 
 @dataclass(frozen=True, eq=False)
 class MotorFigures:
-    """How a motor runs through a cycle.
+    """Speed and torque of a motor over a cycle.
 
     slowest, fastest, mean  rad/s of the angle that it turns; the first two with shown positions
     largest, effective, rated  N mm of torque at its own shaft; of either sign; effective: the
@@ -163,7 +163,7 @@ class ContactSpan:
 
 @dataclass(frozen=True)
 class ContactSummary:
-    """Where a force touches, how hard and how fast; N, mm (or N mm, rad), N mm of energy.
+    """Contact of a force: place, force and speed; N, mm (or N mm, rad), N mm of energy.
 
     body           what is pushed
     always         True if it touches at every position

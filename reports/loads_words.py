@@ -107,7 +107,7 @@ def motor_sentence(motor: MotorFigures, cycle: ShownCycle) -> str:
 
 
 def contact_sentence(contact: ContactSummary, cycle: ShownCycle) -> str:
-    """Where a contact touches, how hard and how fast, and what it does to the body."""
+    """Contact in words: place, force, speed, and its effect on the body."""
     length = "rad" if contact.angular else "mm"
     said = brief(contact.name, 30)
     if contact.stated is not None:
@@ -200,7 +200,7 @@ def _excess(gate: Gate) -> float:
 
 
 def broken_by_kind(gates: Sequence[Gate]) -> list[BrokenGates]:
-    """The gates that do not hold, those of the same kind in several cycles as one."""
+    """Validity checks that do not hold, those of one kind in several cycles as one."""
     kinds: dict[tuple[str, bool], list[tuple[str, Gate]]] = {}
     for gate in gates:
         if not gate.holds:

@@ -1,4 +1,4 @@
-"""Where everything in a mechanism's picture is, over one or several cycles of a linkage.
+"""Layout of a mechanism's picture over one or several cycles of a linkage.
 
 Lengths are mm of the machine; y points down in SVG, so places of the picture have their y changed
 in sign. Widths, letters and marks are shares of the picture's size.
@@ -52,7 +52,7 @@ class Drawable(Protocol):
         """(k,) N or N mm of each force and torque of the linkage."""
 
     def point(self, body: str, point: str) -> FloatArray:
-        """Where a point of a body is (k, 2), mm."""
+        """Positions (k, 2) of a point of a body, mm."""
 
     def travel(self, joint: str) -> FloatArray:
         """Travel of a pin along its slot or guide (k,), mm."""
@@ -135,7 +135,7 @@ class Layout:
         return shares
 
     def point(self, body: str, point: str) -> FloatArray:
-        """Where a point of a body is (n, 2), mm."""
+        """Positions (n, 2) of a point of a body, mm."""
         return np.concatenate([cycle.point(body, point) for cycle in self.cycles])
 
     @property
@@ -223,7 +223,7 @@ class Layout:
         return np.concatenate(ends, axis=1)
 
     def _push(self, name: str) -> tuple[FloatArray, FloatArray]:
-        """Where a force acts on its (second) body, and its force there (n, 2)."""
+        """Point of action of a force on its (second) body, and the force there (n, 2)."""
         force = self.linkage.force(name)
         coordinate, effort = force.coordinate, force.sign * self._effort(name)[:, None]
         if isinstance(coordinate, PointCoordinate):

@@ -124,7 +124,7 @@ def _table(result: DesignResult, cycle: str) -> dict[str, Any]:
 
 
 def _tidy(value: float, largest: float, factor: float) -> str:
-    """A force in the unit of its table; what is rounding beside the largest is 0."""
+    """A force in the unit of its table; rounding error beside the largest becomes 0."""
     return "0" if abs(value) <= 1e-9 * largest else number(float(value) * factor, 4)
 
 

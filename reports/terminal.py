@@ -25,7 +25,7 @@ from checks.result.words import (
     verdict_sentence,
     where,
 )
-from reports.ladder_words import tried_sentence
+from reports.ladder_summary import tried_sentence
 
 _HEADINGS = (
     "part", "check", "value ±num ±model", "limit", "safety (required)", "util.", "status",

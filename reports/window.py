@@ -29,7 +29,7 @@ _NO_DISPLAY = (
 
 @dataclass(frozen=True)
 class Trouble:
-    """Why nothing could be shown; display: whether it is for lack of one, not of graphics."""
+    """Reason that nothing could be shown; display: True for lack of one, not of graphics."""
 
     words: str
     display: bool = False

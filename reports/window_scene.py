@@ -38,7 +38,7 @@ _TREE, _ARRAYS = "scene.json", "scene.npz"
 
 @dataclass(frozen=True)
 class Worst:
-    """Where a part is stressed most: number of the cycle, position of it, MPa."""
+    """Largest stress of a part: number of the cycle, position in it, MPa."""
 
     cycle: int
     position: int
@@ -98,7 +98,7 @@ class Scene:
     cycles: Sequence[ShownCycle]
 
     def first_view(self, part: str | None = None) -> View:
-        """Where to begin: the part that is asked for, else one with stress, at its peak."""
+        """First view: the part that is asked for, else one with stress, at its peak."""
         k = next((k for k, shown in enumerate(self.parts) if shown.name == part), None)
         if k is None:
             k = next((k for k, p in enumerate(self.parts) if p.live.peak is not None), None)
@@ -208,7 +208,7 @@ class Scene:
         return lines
 
     def place(self, view: View) -> str:
-        """Which of the cycle's positions is shown, as people count."""
+        """Number of the position shown in the cycle, counted from 1."""
         return f"position {view.position + 1} of {self.cycles[view.cycle].n}"
 
 
@@ -237,7 +237,7 @@ def scene_of(result: DesignResult) -> Scene:
 
 
 def _worst(part: str, result: DesignResult) -> Worst | None:
-    """Where a part's stress is largest, from the peaks of the cycles; None where nobody knows."""
+    """Largest stress of a part by the peaks of the cycles; None if no cycle has any."""
     found = None
     for k, cycle in enumerate(result.cycles.values()):
         peaks = np.asarray((cycle.get("peaks") or {}).get(part, ()), dtype=np.float64)

@@ -169,7 +169,7 @@ class Window:
 
 
 def windowless(plotter: Any) -> bool:
-    """Return True if the window that was opened is one that nobody sees."""
+    """Return True if the render window that was opened is off-screen."""
     return plotter.render_window.GetClassName() in _WINDOWLESS
 
 

@@ -114,13 +114,13 @@ class Cluster:
 
     @property
     def at_a_time(self) -> int:
-        """How many jobs run beside each other: threads of the dask workers that are there."""
+        """Number of jobs that run beside each other: the threads of the dask workers."""
         with self._asked() as client:
             return sum(client.nthreads().values())
 
     @property
     def running(self) -> list[tuple[int, float, Sequence[str]]]:
-        """Nothing: what is being run is not told here."""
+        """Always empty: dask does not report the step of a running job."""
         return []
 
     def start(self, jobs: int) -> None:

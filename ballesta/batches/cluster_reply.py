@@ -53,7 +53,7 @@ def to_text(reply: Reply) -> str:
 
 
 def from_text(text: str) -> Reply:
-    """The reply that a text holds; raises ValueError with what is wrong in it."""
+    """Parse a reply; raises ValueError with the first field that is wrong."""
     try:
         return _REPLY.validate_json(text)
     except ValidationError as error:
@@ -123,7 +123,7 @@ _TBLIB = {
 
 
 class _Pickle:
-    """The module pickle with a `loads` that makes nothing but what is known."""
+    """The module pickle with a `loads` restricted to known classes."""
 
     def __getattr__(self, name: str) -> Any:
         return getattr(pickle, name)
@@ -136,7 +136,7 @@ class _Pickle:
 
 @contextmanager
 def nothing_unpickled() -> Iterator[None]:
-    """Let dask.distributed make nothing of pickles in this process but what is known.
+    """Restrict unpickling by dask.distributed in this process to known classes.
 
     A failure has no traceback then: dask stumbles over one that is none, and waits for ever.
     """

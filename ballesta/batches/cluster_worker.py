@@ -22,7 +22,7 @@ _LOOK_EVERY = 1.0  # s, whether the batch is still there
 
 @dataclass(frozen=True)
 class Site:
-    """Where the jobs of a batch come from.
+    """Origin of the jobs of a batch: key, folder, versions and limits.
 
     key       of the batch, another one each time that it is started
     mark      file that holds the key as long as the batch runs
@@ -103,7 +103,7 @@ def leave(key: str) -> None:
 
 
 def refusal(site: Site) -> str:
-    """Why jobs of a batch must not be run here; "" if they may."""
+    """Reason not to run jobs of a batch here; "" if there is none."""
     here = versions()
     for name, wanted in site.versions.items():
         if here.get(name) != wanted:

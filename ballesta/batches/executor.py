@@ -16,7 +16,7 @@ SCRATCH = ".work"  # in the batch's folder, while it runs
 
 @dataclass(frozen=True)
 class Settings:
-    """How a batch is run; none of it changes a result.
+    """Settings of a batch run: time, memory, processes; none of them changes a result.
 
     workers    processes at a time at most; None for one per core
     seconds    that a design may take; None for any time
@@ -47,7 +47,7 @@ class Executor(Protocol):
 
     @property
     def at_a_time(self) -> int:
-        """How many jobs run beside each other, as far as is known by now."""
+        """Number of jobs that run beside each other, as estimated so far."""
 
     def results(self, jobs: Sequence[tuple[int, Mapping[str, Any]]]) -> Iterator[list[Finished]]:
         """Run jobs, (place, data as JSON knows it); yields those that ended since the last time.

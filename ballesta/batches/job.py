@@ -1,8 +1,11 @@
-"""One design of a batch: what is to be checked, and the check itself. Plain data in and out."""
+"""One design of a batch and its check, from plain data to plain data."""
 
 import errno
+import io
 import os
+import re
 import sys
+from base64 import b64decode
 from collections.abc import Mapping
 from contextlib import redirect_stderr
 from functools import cache
@@ -15,6 +18,8 @@ from typing import TYPE_CHECKING, Any, TextIO
 from ballesta.batches.outcome import GAVE_UP, OUT_OF_MEMORY, WRONG_INPUT, Job, ended, judged
 from checks.design.errors import DesignError, NumericsError
 
+_WIDTH = 180  # pixels
+_STILL = re.compile(r'<img alt="([^"]*)"[^>]*? src="data:image/png;base64,([^"]*)"')
 if TYPE_CHECKING:
     from checks.design.data import Design
     from checks.result.verdict import DesignResult
@@ -65,7 +70,6 @@ def run_plain(job: Mapping[str, Any]) -> dict[str, Any]:
 
 def _checked(job: Job, sources: dict[str, str]) -> "DesignResult":
     """Result of a design; the digests of the files it is read from are put into `sources`."""
-    from ballesta.batches.thumbnail import write_thumbnail
     from ballesta.design.read import read_design
     from ballesta.pipeline import check_design
     from ballesta.run import check_to_folder, progress
@@ -136,7 +140,7 @@ def text_digest(file: Path) -> str | None:
 
 
 def _status_of(error: Exception) -> str:
-    """How a check ended that raised this: for want of memory, by its input or by its numerics."""
+    """Status of a check that raised an error: out of memory, wrong input, or numerics."""
     from geometry.memory import TooLargeError
 
     cause: BaseException | None = error
@@ -178,3 +182,25 @@ def step_of(text: str) -> str:
     """
     lines = [line for line in text.splitlines() if line.strip()]
     return lines[-1].partition(" s  ")[2].strip() if lines else ""
+
+
+def write_thumbnail(folder: Path, part: str) -> None:
+    """Write thumbnail.png from the first still of a part in report.html; nothing without stills."""
+    from markupsafe import escape
+
+    from checks.result.words import brief
+    from reports.files import write_whole
+
+    stills = _STILL.findall((folder / "report.html").read_text(encoding="utf-8"))
+    named = f" of {escape(brief(part, 60))}, "
+    found = next((data for words, data in stills if named in words), None)
+    if found is None:
+        return
+    from PIL import Image
+
+    with Image.open(io.BytesIO(b64decode(found))) as image:
+        small = image.convert("RGB")
+        small.thumbnail((_WIDTH, _WIDTH))
+        out = io.BytesIO()
+        small.quantize(64).save(out, "PNG", optimize=True)
+    write_whole(folder / "thumbnail.png", out.getvalue())

@@ -1,4 +1,4 @@
-"""Memory: what there is, what a job takes, and how many jobs fit beside each other."""
+"""Memory of the machine and of a job, and the number of jobs that fit beside each other."""
 
 import os
 import re
@@ -34,7 +34,7 @@ def parse_memory(text: str) -> int:
 
 @dataclass
 class Admission:
-    """How many jobs may run beside each other, from the largest that has been seen.
+    """Number of jobs that fit beside each other, by the largest job so far.
 
     budget    bytes that all of them may take together
     estimate  bytes that one takes, before one has been measured

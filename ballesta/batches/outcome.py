@@ -50,7 +50,7 @@ class Job:
 
 
 def ended(job: Job, status: str, error: str, stage: str) -> dict[str, Any]:
-    """Outcome of a design that has no verdict: its status, the cause, and what was being done."""
+    """Outcome of a design without a verdict: status, cause, and the step that was running."""
     return _outcome(job, status) | {"error": error, "stage": stage}
 
 

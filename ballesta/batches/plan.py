@@ -1,4 +1,4 @@
-"""Which jobs a batch has: designs from files and folders, each with its variations."""
+"""Jobs of a batch: designs from files and folders, each with its variations."""
 
 import json
 import os
@@ -8,11 +8,11 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from ballesta.batches.files import write_whole
 from ballesta.batches.outcome import Job
 from ballesta.run import folder_name
 from checks.design.errors import DesignError
 from geometry.bounded_files import read_bounded
+from reports.files import write_whole
 
 REPORTS_UP_TO = 50  # jobs have a report each unless asked otherwise
 _FORMAT = "ballesta-batch/1"
@@ -54,7 +54,7 @@ class Plan:
 
 @dataclass(frozen=True)
 class _Design:
-    """A design file, its variations, what is to be told of it, and why it has none."""
+    """A design file, its variations, notes on it, and the reason if it has none."""
 
     file: Path
     variations: Sequence[tuple[str, ...]]

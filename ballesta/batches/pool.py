@@ -100,7 +100,7 @@ class Pool:
 
     @property
     def at_a_time(self) -> int:
-        """How many jobs run beside each other, as far as is known by now."""
+        """Number of jobs that run beside each other, as estimated so far."""
         return self._admission.fitting(self._most)
 
     @property

@@ -45,7 +45,7 @@ def die_with_parent() -> None:
 
 
 def ending(code: int) -> str:
-    """How a process ended, in words.
+    """End of a process in words: its exit code or its signal.
 
     >>> ending(-11), ending(1)
     ('was killed by signal SIGSEGV', 'ended with exit code 1')
@@ -59,7 +59,7 @@ def ending(code: int) -> str:
 
 
 def _kill_children(pid: int) -> None:
-    """Kill what a process has started and what that has, as far as it is still there."""
+    """Kill the descendants of a process that are still running."""
     import psutil
 
     with suppress(psutil.Error):

@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ballesta.batches.files import write_whole
 from ballesta.batches.outcome import TIMINGS
 from ballesta.batches.plan import Plan
 from ballesta.batches.table import csv_text, parquet_bytes, result_rows, varied_inputs
 from checks.result.words import clean
+from reports.files import write_whole
 
 
 def prepare() -> None:

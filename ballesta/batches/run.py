@@ -1,4 +1,4 @@
-"""A batch as a Python function: what is done is left alone, the rest is run, tables are written."""
+"""A batch as a Python function: runs the jobs without a result and writes the tables."""
 
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -55,7 +55,7 @@ def run_batch(
     function: str = RUN,
     write: Write = os.write,
 ) -> list[dict[str, Any]]:
-    """Run what is not done yet and write the tables; returns all outcomes in the jobs' order.
+    """Run the jobs without a result, write the tables; returns all outcomes in the jobs' order.
 
     out        folder that `claim_folder` has made the batch's
     function   what a worker calls with a job's data, "module:function"

@@ -48,7 +48,7 @@ def varied_inputs(outcomes: Sequence[Mapping[str, Any]]) -> tuple[dict[str, list
 
 
 def _stated(outcome: Mapping[str, Any]) -> dict[str, str]:
-    """Inputs of a design; of one without a result what was set from outside."""
+    """Inputs of a design; without a result only those that the command line sets."""
     if outcome["inputs"]:
         return dict(outcome["inputs"])
     pairs = (text.partition("=") for text in outcome["overrides"])

@@ -109,7 +109,7 @@ class WorkerProcess:
             return []
 
     def ending(self) -> str:
-        """How a worker whose replies have stopped has ended, in words."""
+        """Exit of a worker that has stopped replying, in words."""
         try:
             return ending(self._process.wait(1.0))
         except subprocess.TimeoutExpired:

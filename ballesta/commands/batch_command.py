@@ -92,7 +92,7 @@ def outcomes_of(designs: Sequence[Path], wanted: Wanted) -> list[dict[str, Any]]
 
 
 def summary(outcomes: Sequence[Mapping[str, Any]], out: Path) -> str:
-    """How the designs of a batch ended, and where it stands."""
+    """Count of each status of a batch, and the folder of its tables."""
     counts = Counter(outcome["status"] for outcome in outcomes)
     found = ", ".join(f"{counts[status]} {status}" for status in EXIT_CODES if counts[status])
     many = "1 design" if len(outcomes) == 1 else f"{len(outcomes)} designs"

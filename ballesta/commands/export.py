@@ -303,7 +303,7 @@ def _candidates(
 
 @dataclass(frozen=True, eq=False)
 class _Shown:
-    """How the positions of a cycle are shown: a name, a unit, and the values (n,) in it."""
+    """Axis of a cycle: name, unit, and the values (n,) of its positions."""
 
     history: loads.CycleLoads | loads.MeasuredLoads
     shown: str

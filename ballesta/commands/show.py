@@ -109,7 +109,7 @@ def _refuse_result(path: Path) -> None:
 
 
 def _why_no_picture(file: Path) -> str:
-    """Why no picture can be written to a file, as far as that is known beforehand; "" for none."""
+    """Reason that a picture cannot be written to a file; "" for none."""
     if file.suffix.lower() != ".png":
         return f'must be named .png, got "{file.name}"'
     if file.is_dir():

@@ -47,7 +47,7 @@ class Wanted:
 
 
 def run_until(designs: Sequence[Path], sweeps: Sequence[str], wanted: Wanted) -> int:
-    """Search every design, print what was found and write OUT/DESIGN/until.json.
+    """Search every design, print the threshold and write OUT/DESIGN/until.json.
 
     Returns the highest exit code: 0 a value passes, 1 none does, 2 an input is wrong, 3 the
     numerics gave up.

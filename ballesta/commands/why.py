@@ -141,7 +141,7 @@ def _read(target: Path) -> list[Check]:
 
 
 def _check_at(key: str, data: Any) -> Check:
-    """A check from its data; raises ValueError with the key of what is wrong."""
+    """A check from its data; raises ValueError with the key that is wrong."""
     try:
         return Check.from_dict(data)
     except (TypeError, ValueError) as error:

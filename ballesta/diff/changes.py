@@ -10,7 +10,7 @@ Data = Mapping[str, Any]
 
 
 class Changes:
-    """Collects changes, by group, and counts what was compared."""
+    """Collects changes by group and counts the comparisons."""
 
     def __init__(self) -> None:
         self.changes: dict[str, list[Change]] = {}

@@ -195,7 +195,7 @@ def run_diff(a: Path, b: Path, wanted: Wanted) -> int:
 
 
 def _write(difference: Difference, page: Path) -> None:
-    from reports.difference_page import write_difference
+    from reports.difference_text import write_difference
 
     try:
         write_difference(difference, page)

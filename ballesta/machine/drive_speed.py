@@ -28,7 +28,7 @@ _NOTHING = 1e-6
 
 @dataclass(frozen=True)
 class Evenness:
-    """How evenly a drive turns in a cycle.
+    """Speed fluctuation of a drive over a cycle.
 
     drive          name of its force
     irregularity   (fastest - slowest) / mean speed, as stated, computed or assumed
@@ -117,7 +117,7 @@ def speed_gates(found: Mapping[str, Evenness]) -> list[Gate]:
 
 
 def speed_warnings(found: Mapping[str, Evenness]) -> list[str]:
-    """Say of drives whose evenness is assumed what it is, and which keys state it."""
+    """Warn of drives whose speed fluctuation is assumed, with the keys that state it."""
     silent = {name: even for name, even in found.items() if even.assumed}
     if not silent:
         return []

@@ -116,7 +116,7 @@ class _InPart:
         return float(x), float(y)
 
     def line(self, through: str, direction: Pair, interface: str) -> tuple[FloatArray, float]:
-        """Where a line starts, and 1 or -1: whether it runs along x or against it."""
+        """Start of a line, and its sense: 1 along x, -1 against it."""
         x, y = self._turn @ np.array(direction)
         if abs(y) > _ASKEW:
             raise loads.LinkageError(

@@ -11,7 +11,7 @@ from checks.part.part_loads import shown_name, shown_position
 
 
 def stop_warnings(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list[str]:
-    """Say what the largest load becomes if an assumed stop is passed by its tolerance."""
+    """Warn of the largest load if an assumed stop is passed by its tolerance."""
     warnings, told = [], set()
     for cycle in design.cycles.values():
         if cycle.stop is None or cycle.stop.basis != "assumed":

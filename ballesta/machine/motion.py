@@ -20,7 +20,7 @@ _STEP = np.radians(6.0) + 1e-9  # that a body turns by between two kept position
 def motions_of(
     design: Design, solved: Mapping[str, loads.CycleLoads], results: Sequence[PartResult]
 ) -> dict[str, Motion]:
-    """How the parts move in every cycle that was solved; of the parts with a result.
+    """Motion of the parts with a result in every cycle that was solved.
 
     Measured runs have none: nobody knows where their bodies are.
     """
@@ -122,7 +122,7 @@ def _pins(
 
 
 def _place(part: Part, interface: str, cycle: loads.CycleLoads) -> FloatArray:
-    """Where an interface's point of the linkage is (n, 2), mm."""
+    """Positions (n, 2) of the linkage's point at an interface, mm."""
     body, named = _carrier(part), part.interfaces[interface]
     if part.body is None:
         assert part.joint is not None

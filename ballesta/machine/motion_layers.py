@@ -1,4 +1,4 @@
-"""Where parts stand across the linkage's plane in a picture: as stated, else side by side."""
+"""Heights of parts across the linkage's plane in a picture: as stated, else side by side."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -38,7 +38,7 @@ class _Meeting:
 
 
 def layers(design: Design, skins: Mapping[str, Skin]) -> tuple[dict[str, float], str]:
-    """Height of every part's own plane z = 0 over the machine's [mm], and what it comes from.
+    """Height of every part's plane z = 0 over the machine's [mm], and its origin in words.
 
     A pin's stack of lugs and the offsets of interfaces say it, where they are stated. Parts that
     would stand in each other at a joint are moved apart, by as little as it takes.

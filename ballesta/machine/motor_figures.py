@@ -41,7 +41,7 @@ def motor_figures(design: Design, cycle: loads.CycleLoads) -> MotorFigures | Non
 
 
 def _missing(cycle: loads.CycleLoads, drive: str, power: FloatArray) -> float:
-    """Energy of a turn that motor and drive do not agree on, over what the drive turns over."""
+    """Energy balance error of a turn: motor less drive, over the energy the drive turns over."""
     sign = cycle.linkage.force(drive).sign
     taken = sign * cycle.efforts[drive] * cycle.rate(drive)
     whole = _summed(cycle, np.abs(taken))

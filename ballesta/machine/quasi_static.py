@@ -66,7 +66,7 @@ class Vibration:
 
     @property
     def deviation(self) -> float:
-        """How far off the loads are that ignore vibration.
+        """Error of loads that ignore vibration.
 
         The deviation of the worst telling mode, or `summed` where that is more: in resonance a
         mode of little share can deform as much as all the others.
@@ -79,7 +79,7 @@ def _counted(mode: ModeResponse) -> float:
 
 
 def vibration_of(design: Design, solved: Mapping[str, loads.CycleLoads]) -> dict[str, Vibration]:
-    """Return what is known of the vibration of every cycle that something elastic moves in.
+    """Return the vibration of every cycle in which an elastic body moves.
 
     Where its modes cannot be followed through a cycle, `unasked` says so.
     Bodies without stated elasticity give way by the least section of their part, all along it.

@@ -18,7 +18,7 @@ _FINE = 5  # digits
 
 
 def shown_cycle(design: Design, cycle: loads.CycleLoads) -> ShownCycle:
-    """Return a solved cycle of a design with what people call its positions and forces."""
+    """Return a solved cycle with the names and units of its positions and forces."""
     stated = design.cycles[cycle.name]
     name, unit = shown_name(stated)
     return ShownCycle(
@@ -65,7 +65,7 @@ def _contacts(linkage: loads.Linkage, run: loads.Cycle) -> dict[str, ContactStat
 
 
 def _touched(linkage: loads.Linkage, force: str, law: loads.Contact) -> tuple[str, float]:
-    """Where a contact touches, as the design has it: the coordinate without the force's sign."""
+    """Coordinate at which a contact touches, as the design states it, without the force's sign."""
     coordinate = linkage.force(force).coordinate
     way = sum(coordinate.direction) if isinstance(coordinate, loads.PointCoordinate) else 1.0
     return coordinate.label.removeprefix("-"), way * law.at

@@ -12,7 +12,6 @@ from checks.design.data import Cycle, Design, Part
 from checks.design.errors import DesignError, NumericsError
 from checks.part.placing import interface_distance, part_placing
 from checks.part.too_fine import gave_up, told_of_size
-from checks.store.loads import stored_loads
 from checks.store.store import Store
 from checks.stress.kept_models import Models
 from geometry.closed_form import closed_body
@@ -21,6 +20,7 @@ from geometry.parts.plate import Plate
 from geometry.parts.step_part import StepPart
 from geometry.progress import expect
 
+_PACKAGES = ("loads",)
 Say = Callable[[str], None]
 
 
@@ -178,3 +178,14 @@ def _untouched(cycle: Cycle) -> Cycle:
         for phase in cycle.run.phases
     )
     return replace(cycle, run=replace(cycle.run, phases=phases))
+
+
+def stored_loads(
+    store: Store | None, linkage: loads.Linkage, cycle: loads.Cycle
+) -> loads.CycleLoads:
+    """Return the loads of a cycle; raises CycleError and LinkageError."""
+
+    def run() -> loads.CycleLoads:
+        return loads.run_cycle(linkage, cycle)
+
+    return run() if store is None else store.remember("loads", _PACKAGES, (linkage, cycle), run)

@@ -137,7 +137,7 @@ def solver_warnings(results: Sequence[PartResult]) -> list[str]:
 
 
 def _drives(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list[str]:
-    """Drives that can do their work, but only just; what they cannot do breaks a gate."""
+    """Warn of drives with little reserve; a lack of torque breaks a validity check instead."""
     warnings = []
     for name in design.available:
         reserves = [

@@ -41,7 +41,7 @@ class Baseline:
 
 
 def baseline_path(design_file: str | Path) -> Path:
-    """Where a design's baseline stands: beside it."""
+    """Path of a design's baseline, beside the design."""
     path = Path(design_file)
     return path.with_name(path.stem + SUFFIX)
 
@@ -159,7 +159,7 @@ def _kinds(checks: Iterable[str]) -> list[str]:
 
 
 def _check_record(data: Mapping[str, Any]) -> None:
-    """Raise ValueError unless the data have what a comparison reads."""
+    """Raise ValueError unless the data have all keys that a comparison reads."""
     _table(data, "parts")
     _text_of(data, "status", "")
     for stage, digest in _table(data, "stages").items():

@@ -183,7 +183,7 @@ class DesignItem(pytest.Item):
         return read_baseline(self.baseline)
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
-        """The words of what a person can act on; a traceback of anything else."""
+        """Message of an error in the input; a traceback of any other."""
         error = excinfo.value
         if isinstance(error, CheckError) and error.exit_code is not None:
             return f"{self.name} could not be checked (exit code {error.exit_code}):\n{error}"

@@ -1,4 +1,4 @@
-"""Where a check begins to pass along one input, by bisection; where a number is greatest.
+"""Threshold of a check along one input, by bisection, and the largest value of a number.
 
 Bisection needs an input of which more is safer all along the range, or less: that is looked at, at
 both ends and at values spread between them, and where it is not so no value is given.

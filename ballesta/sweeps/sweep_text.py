@@ -77,7 +77,7 @@ def refusal(text: str, problem: str) -> DesignError:
 
 
 def parse_sweep(text: str) -> Sweep:
-    """Return what a sweep asks for; raises DesignError.
+    """Parse a sweep; raises DesignError.
 
     >>> parse_sweep("leaves = 2..4 : 3").choices
     (('2',), ('3',), ('4',))

@@ -201,7 +201,7 @@ def _better(effort: Effort) -> list[Effort]:
 
 
 def _unranged(checks: Sequence[Check], gates: Sequence[Gate]) -> str:
-    """Why models tell nothing of a check, where nothing fails and the loads hold; "" elsewhere."""
+    """Reason that a check stays open although nothing fails and the loads hold; "" elsewhere."""
     open_ones = [check for check in checks if check.status is not Status.PASS]
     if any(check.status is Status.FAIL for check in open_ones):
         return ""
@@ -245,7 +245,7 @@ def _where(check: Check) -> str:
 
 
 def until_text(result: UntilResult, width: int = 100) -> str:
-    """The trials and what they say, as plain lines of at most `width` columns."""
+    """The trials and the threshold as plain lines of at most `width` columns."""
     lines = labelled(
         "", f"until pass: {brief(result.sweep, 120)} ({brief(result.file, 60)})", width
     )

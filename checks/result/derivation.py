@@ -302,7 +302,7 @@ class Derivation:
         return replace(self, sections=(*self.sections, Section(title, tuple(items))))
 
     def with_sampling(self, check: "Check") -> "Derivation":
-        """Return it with what the positions of the cycle miss among its numerical bars."""
+        """Return it with the sampling error of the cycle among its numerical bars."""
         bars = self.bars
         if (
             not check.sampling
@@ -316,7 +316,7 @@ class Derivation:
         return replace(self._with_bar(item), bars=replace(bars, numerical=numerical))
 
     def with_loads(self, check: "Check") -> "Derivation":
-        """Return it with what is not known of the loads among its model bands."""
+        """Return it with the uncertainty of the loads among its model bands."""
         found = self
         for side, symbol, size, whole in (
             ("above", "e_load", check.loads, check.model),

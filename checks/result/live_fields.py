@@ -173,7 +173,7 @@ class EncodedPart:
 
 
 def with_required_safety(live: LiveFields, required: float | None) -> LiveFields:
-    """The fields with the utilisation that a part's checks have: 1 just leaves what is required.
+    """The fields with the required safety in the utilisation: 1 is the limit.
 
     required  safety against fatigue; None where no check asks for one
     """

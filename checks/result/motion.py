@@ -38,7 +38,7 @@ class PinForce:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Where every part is in the machine's frame, at the positions of a cycle that are kept.
+    """Pose of every part in the machine's frame at the kept positions of a cycle.
 
     index        (k,)    rows of the cycle's positions that are kept, rising
     times        (k,)    s, from the start of the cycle
@@ -91,7 +91,7 @@ class Motion:
         return Kinematics(self.linkage)
 
     def point(self, body: str, point: str) -> FloatArray:
-        """Where a point of a body is (k, 2), mm."""
+        """Positions (k, 2) of a point of a body, mm."""
         return self._kinematics.point(self.poses, body, point)
 
     def travel(self, joint: str) -> FloatArray:

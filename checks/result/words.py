@@ -213,7 +213,7 @@ def gate_sentence(gate: Gate) -> str:
 
 
 def reason(check: Check) -> str:
-    """Why a check has the status that it has, in words."""
+    """Reason for the status of a check, in words."""
     has = f"safety {_safety_of(check)}, {need_text(check.required)} required"
     if not check.value:
         has = f"not loaded: a value of 0 has no safety ({need_text(check.required)} required)"

@@ -1,4 +1,4 @@
-"""Digests of what a result is made from: inputs by stage, the code, the libraries.
+"""Digests of all that a result depends on: inputs by stage, code, libraries.
 
 Equal digests mean equal bits in. Nothing is compared by its printed form: what has no canonical
 form here is refused.

@@ -74,7 +74,7 @@ class Store:
         *,
         keep: Callable[[T], bool] = lambda _: True,
     ) -> T:
-        """Return what was computed from equal inputs by equal code, else compute and keep it.
+        """Return the kept result of equal inputs and equal code, else compute and keep it.
 
         packages  whose code the answer depends on
         inputs    all else that it depends on, as `fingerprints.digest` takes it
@@ -145,7 +145,7 @@ class Store:
                 )
 
     def _make_room(self, written: int) -> None:
-        """Remove what was used longest ago once the entries take more than the limit."""
+        """Remove the entries used longest ago once all of them exceed the limit."""
         self._unseen += written
         if self._size is None or self._unseen > _SHARE * self.limit:
             self._size = sum(size for _, size, _ in _files(self.folder))

@@ -1,4 +1,7 @@
-"""Meshes and unit solutions of a run; nothing that solves is imported before it is needed."""
+"""Bodies, meshes and unit solutions of a run, from the store where they are in it.
+
+Nothing that solves is imported before it is needed.
+"""
 
 from collections.abc import Iterable, Set
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -6,19 +9,20 @@ from math import inf
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from checks.store.meshes import stored_body, stored_mesh, stored_skin
 from checks.store.store import Store
 from checks.stress.cost import SECOND_MESH, solve_seconds
-from geometry.cad_body import Skin, SolidBody
+from geometry.cad_body import Skin, SolidBody, cad_body, cad_skin
 from geometry.closed_form import closed_body
 from geometry.mesh import Mesh
-from geometry.meshing import Buildable
+from geometry.meshing import Buildable, mesh_shape
 from geometry.progress import expect
 from geometry.sizing import SizeField
 from geometry.symmetry import Half
 
 if TYPE_CHECKING:
     from fem.unit_solutions import Elastic, UnitSolutions
+
+_PACKAGES = ("geometry",)
 
 
 class Models:
@@ -127,3 +131,34 @@ class Models:
 def _whole(shape: Buildable) -> Buildable:
     """The shape itself, or the one whose half it is."""
     return shape.whole if isinstance(shape, Half) else shape
+
+
+def stored_body(store: Store | None, shape: Buildable) -> SolidBody:
+    """Return what the CAD kernel knows of a shape; raises MeshError."""
+    if store is None:
+        return cad_body(shape)
+    return store.remember("body", _PACKAGES, shape, lambda: cad_body(shape))
+
+
+def stored_skin(store: Store | None, shape: Buildable) -> Skin:
+    """Return a coarse surface of a shape, to draw it; raises MeshError."""
+    if store is None:
+        return cad_skin(shape)
+    return store.remember("skin", _PACKAGES, shape, lambda: cad_skin(shape))
+
+
+def stored_mesh(
+    store: Store | None,
+    shape: Buildable,
+    fineness: float,
+    sizes: SizeField | None,
+    most_unknowns: float = inf,
+) -> Mesh:
+    """Return the mesh of a shape, as mesh_shape does; raises MeshError."""
+
+    def mesh() -> Mesh:
+        return mesh_shape(shape, fineness=fineness, sizes=sizes, most_unknowns=most_unknowns)
+
+    if store is None:
+        return mesh()
+    return store.remember("mesh", _PACKAGES, (shape, fineness, sizes), mesh)

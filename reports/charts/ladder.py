@@ -8,7 +8,7 @@ from checks.result.words import brief, check_titles, number
 from reports.charts.chart import Chart, Missing
 from reports.charts.numbers import decimals_of, fixed
 from reports.charts.plane import Plane, drawing, ink
-from reports.ladder_words import needed, seconds_text, value_and_bar, whole_bar
+from reports.ladder_summary import needed, seconds_text, value_and_bar, whole_bar
 from reports.svg import SERIES, Drawing, colour
 
 _TITLE = "Ladder of models"

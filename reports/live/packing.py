@@ -79,7 +79,7 @@ def placed(nodes: FloatArray) -> Placed:
 
 
 def morton_order(positions: Integers) -> IntArray:
-    """Order of nodes along Morton's curve, so that what is near stands near."""
+    """Order of nodes along Morton's curve, which keeps neighbours together."""
     code = np.zeros(positions.shape[1], dtype=np.uint64)
     for bit in range(BITS):
         for axis in range(3):

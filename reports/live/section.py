@@ -1,4 +1,4 @@
-"""The live view as a section of the page: its markup, its data blocks and its style."""
+"""The live view as a section of the page: its markup, data blocks and style, and its tables."""
 
 import json
 from base64 import b64encode
@@ -13,13 +13,12 @@ from markupsafe import Markup
 
 from checks.result.motion import motion_gaps
 from checks.result.verdict import DesignResult, PartResult
-from checks.result.words import brief, clean
-from reports.live.linkage import motion_text
-from reports.live.payload import LivePayload, live_payload
-from reports.live.words import peak_tables
+from checks.result.words import brief, clean, number, place_text
+from reports.live.payload import LivePayload, live_payload, motion_text
 from reports.places import deciding_place, shown_of
 from reports.templating import environment, json_markup
 
+ROWS = 8  # positions of a cycle, evenly spread; the worst one is added
 # name of a colour map -> (its name in matplotlib, what it is called)
 MAPS = {
     "viridis": ("viridis", "Viridis (safe for colour-blind eyes)"),
@@ -160,7 +159,7 @@ def _start(
 
 
 def _gaps(result: DesignResult) -> dict[str, str]:
-    """Why the motion of a cycle is not known, by the cycle's name."""
+    """Reason that a cycle has no motion, by the cycle's name."""
     missing = [name for name in result.cycles if name not in result.motion]
     return {clean(name): clean(why) for name, why in zip(missing, motion_gaps(result), strict=True)}
 
@@ -217,3 +216,66 @@ def _rounded(values: Sequence[float], digits: int) -> list[float]:
 @cache
 def _template() -> Any:
     return environment().get_template("live.html.j2")
+
+
+@dataclass(frozen=True)
+class PeakRow:
+    """A part's peak stress at a position, as text; `worst` of the cycle."""
+
+    position: str
+    phase: str
+    value: str
+    worst: bool
+
+
+@dataclass(frozen=True)
+class PeakTable:
+    """Peaks of one part over one cycle; `kind` says what the numbers are, and where they stand."""
+
+    cycle: str
+    quantity: str
+    kind: str
+    rows: Sequence[PeakRow]
+
+
+def peak_tables(part: PartResult, head: Mapping[str, Any], result: DesignResult) -> list[PeakTable]:
+    """Peak stress at some positions of every cycle that loads the part, from the solver.
+
+    head  the part's entry in the header of the live view
+    """
+    tables = []
+    for index, (name, cycle) in enumerate(result.cycles.items()):
+        peaks = np.asarray((cycle.get("peaks") or {}).get(part.name, ()), dtype=float)
+        if not len(peaks) or len(peaks) != len(cycle["position"]):
+            continue
+        kind = "largest stress of the part's model, which is no field on its surface"
+        if head["fields"] and not head["decides"]:
+            kind = "largest stress of the model that decides, which is not the one that is drawn"
+        elif head["fields"]:
+            kind = "largest von Mises stress on the surface"
+            if head["peak"] and head["peak"]["cycle"] == index:
+                kind += f"; the reported peak is at {brief(head['peak']['place'], 120)}"
+        rows = [_row(cycle, peaks, k) for k in rows_of(peaks)]
+        tables.append(PeakTable(brief(name, 60), shown_axis(cycle), kind, rows))
+    return tables
+
+
+def rows_of(peaks: Any) -> list[int]:
+    """Positions that a table tells: evenly spread ones and the worst; peaks (n,)."""
+    spread = np.linspace(0, len(peaks) - 1, min(ROWS, len(peaks))).round().astype(int)
+    return sorted({*spread.tolist(), int(np.argmax(peaks))})
+
+
+def shown_axis(cycle: Mapping[str, Any]) -> str:
+    """Name of the quantity shown along a cycle, with its unit."""
+    unit = brief(cycle["unit"], 20)
+    return f"{brief(cycle['shown_name'], 40)}{f' [{unit}]' if unit else ''}"
+
+
+def _row(cycle: Mapping[str, Any], peaks: Any, index: int) -> PeakRow:
+    return PeakRow(
+        position=place_text(cycle["position"][index]),
+        phase=brief(cycle["phase"][index], 40),
+        value=number(peaks[index], 4),
+        worst=index == int(np.argmax(peaks)),
+    )

@@ -13,10 +13,9 @@ import pytest
 
 from ballesta.commands.loads_command import loads_of_file
 from ballesta.design.read import read_design
-from ballesta.machine.solved_cycles import solve_cycles
+from ballesta.machine.solved_cycles import solve_cycles, stored_loads
 from ballesta.machine.validity_checks import load_gates
 from checks.design.errors import DesignError
-from checks.store.loads import stored_loads
 
 ROOT = Path(__file__).parents[3]
 PRESS = "designs/toggle_press.toml"

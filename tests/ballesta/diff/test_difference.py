@@ -10,9 +10,8 @@ from ballesta.diff.difference import Wanted, differences_of, run_diff
 from ballesta.pipeline import check_file
 from checks.design.effort import Effort
 from checks.design.errors import DesignError
-from reports.difference_page import difference_html
 from reports.difference_summary import INPUTS, LIMITS, LOADS, MASSES, SAFETY, STRESSES, VERDICTS
-from reports.difference_text import difference_text, values_text
+from reports.difference_text import difference_html, difference_text, values_text
 from reports.files import plain
 
 from ...small_machine import MACHINE, PLATE

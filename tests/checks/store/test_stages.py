@@ -8,18 +8,19 @@ import pytest
 
 import fem.mode_count
 import fem.unit_solutions
+import loads
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import solve_cycles
 from ballesta.pipeline import check_design
 from checks.columns import linkage_store
 from checks.columns.linkage_store import stored_mode
 from checks.design.effort import Effort
-from checks.store import loads, meshes
 from checks.store import solutions as solutions_module
 from checks.store.fingerprints import digest
 from checks.store.solutions import StoredSolutions
 from checks.store.store import Store
 from checks.strength.part_strength import elastic_of
+from checks.stress import kept_models
 from checks.stress.solid_mesh_level import Models
 from fem.solvers import chosen_solver
 from geometry.sizing import SizeField
@@ -48,9 +49,9 @@ class Calls(Counter):
     """How often the work was done that a store is to spare."""
 
     WORK = (
-        (loads.loads, "run_cycle"),
-        (meshes, "cad_skin"),
-        (meshes, "mesh_shape"),
+        (loads, "run_cycle"),
+        (kept_models, "cad_skin"),
+        (kept_models, "mesh_shape"),
         (solutions_module, "solve_unit_loads"),
         (fem.unit_solutions, "factorize"),
         (fem.mode_count, "factorize"),
@@ -236,9 +237,9 @@ def test_a_mesh_of_other_wanted_sizes_is_another_mesh(tmp_path, monkeypatch):
         made.append((fineness, sizes))
         return len(made)
 
-    monkeypatch.setattr(meshes, "mesh_shape", mesh_shape)
+    monkeypatch.setattr(kept_models, "mesh_shape", mesh_shape)
     store = Store(tmp_path / "store")
     wanted = [(1.0, None), (1.0, fields[0]), (1.0, fields[1]), (2.0, None)]
-    first = [meshes.stored_mesh(store, "shape", *each) for each in wanted]
-    again = [meshes.stored_mesh(store, "shape", *each) for each in wanted]
+    first = [kept_models.stored_mesh(store, "shape", *each) for each in wanted]
+    again = [kept_models.stored_mesh(store, "shape", *each) for each in wanted]
     assert first == again == [1, 2, 3, 4]

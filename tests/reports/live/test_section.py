@@ -14,17 +14,17 @@ from markupsafe import Markup
 from matplotlib import colormaps
 
 from checks.result.verdict import Status
-from reports.live.linkage import motion_text
-from reports.live.payload import live_payload
+from reports.live.payload import live_payload, motion_text
 from reports.live.section import (
     FIELDS,
     MAPS,
     cycles_data,
     first_part,
     live_section,
+    peak_tables,
+    rows_of,
     table_text,
 )
-from reports.live.words import peak_tables, rows_of
 from reports.packed import series
 from reports.page_script import LIVE
 
