@@ -30,7 +30,8 @@ BALLESTA = (sys.executable, "-m", "ballesta.cli")
 BOUND = {"OMP_THREAD_LIMIT": "1", "OPENBLAS_NUM_THREADS": "1"}
 ONE = {**BOUND, "OMP_NUM_THREADS": "1"}
 _LIBRARIES = "import scipy.interpolate, scipy.optimize, gmsh, jinja2, meshio, matplotlib.figure"
-_TOLD_AFTER = ("encoding the fields", "writing the report")  # the verdict is there
+# the verdict is there
+_TOLD_AFTER = ("seeking single changes", "encoding the fields", "writing the report")
 
 
 def environment(**stated: str) -> dict[str, str]:

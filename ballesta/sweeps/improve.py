@@ -111,8 +111,10 @@ def with_changes(
     """The result with its three best single changes for the part that decides, and its like.
 
     None where only the linkage does not pass. Where all pass, the two heaviest shapes are tried.
+    The share of the bars that the positions miss is taken as that of the result, which `improve`
+    makes anew for each variation.
     """
-    search = _Search(design, result)
+    search = _Search(design, result, between=False)
     found = search.changes(say, shapes=_HEAVIEST)
     if search.open:
         found = [change for change in found if result.deciding.part in change.parts]
@@ -164,7 +166,7 @@ def _reserve(check: Check) -> float:
 class _Search:
     """Formula estimates of a design's variations, set against its result."""
 
-    def __init__(self, design: Design, result: DesignResult) -> None:
+    def __init__(self, design: Design, result: DesignResult, *, between: bool = True) -> None:
         self.design, self.result = design, result
         self.open = tuple(
             part.name
@@ -172,7 +174,7 @@ class _Search:
             if any(check.status is not Status.PASS for check in part.checks)
         )
         self._linkage_open = any(check.status is not Status.PASS for check in result.linkage)
-        self._screening = Screening(design)
+        self._screening = Screening(design, between=between)
         self.base = self._screening.of({})
         known = {_name(check): check for part in result.parts for check in part.checks}
         self._methods = {name: check.method for name, check in known.items()}
