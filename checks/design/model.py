@@ -41,6 +41,7 @@ from checks.design.units import (
     Rate,
     Roughness,
     StatedFit,
+    Survival,
 )
 from geometry.parameters import GIVEN_BY_DESIGN
 from geometry.parts import SHAPES, Pin
@@ -169,7 +170,7 @@ class PartEntry(Table):
         "where it is not stated 7 % further in bores, and contact up to H7/f7 decides what stays "
         "open",
     )
-    reliability: Fraction = Field(
+    reliability: Survival = Field(
         "99 %",
         validate_default=True,
         description="share of parts that must survive; of Marin's chain only",

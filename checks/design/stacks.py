@@ -6,6 +6,7 @@ from typing import Any
 
 from checks.design.data import Part
 from checks.design.errors import Problems
+from geometry.parameters import within
 from geometry.parts import Pin
 from geometry.parts.plate import Plate
 from geometry.parts.step_part import StepPart
@@ -16,12 +17,15 @@ _ROUND_OFF = 1e-9  # of a length that is stated in two units
 
 
 def check_stacks(parts: Mapping[str, Part], stated: Mapping[str, Any], problems: Problems) -> None:
-    """Note pins that do not fit the holes of parts on them, and offsets that a stack contradicts.
+    """Note pins that do not fit the holes of parts on them, and what a stack contradicts.
+
+    Those are bushes longer than their lugs, fits and offsets.
 
     stated  the entry of each part, as the design file has it
     """
     for pin in parts.values():
         if isinstance(pin.geometry, Pin):
+            _check_bushes(pin, problems)
             for part, interface in _carried(pin, parts):
                 _check_fit(pin, part, interface, problems)
                 if interface in stated[part.name].offsets:
@@ -38,6 +42,18 @@ def _carried(pin: Part, parts: Mapping[str, Part]) -> Iterator[tuple[Part, str]]
                     yield part, interface
 
 
+def _check_bushes(pin: Part, problems: Problems) -> None:
+    """A bush bears on the pin no longer than its lug is wide there."""
+    for index, lug in enumerate(pin.stack):
+        if lug.bush is not None and not within(lug.bush.length, lug.width):
+            key = f"parts.{pin.name}.stack[{index}]"
+            problems.add(
+                f"{key}.bush.length",
+                f"a bush of {lug.bush.length:g} mm is longer than the lug, which is "
+                f"{lug.width:g} mm wide on the pin ({key}.width); `width` is all that bears there",
+            )
+
+
 def _check_fit(pin: Part, part: Part, interface: str, problems: Problems) -> None:
     assert isinstance(pin.geometry, Pin)
     hole = _hole(part, interface)
@@ -50,9 +66,19 @@ def _check_fit(pin: Part, part: Part, interface: str, problems: Problems) -> Non
         )
     index, lug = next((k, lug) for k, lug in enumerate(pin.stack) if lug.body == part.body)
     neck = pin.geometry.diameter if lug.diameter is None else lug.diameter
-    if hole is None or lug.bush is not None or hole <= _LOOSE * neck:
+    if hole is None or lug.bush is not None:
         return
     own = "diameter" if lug.diameter is None else f"stack[{index}].diameter"
+    most = part.clearances.get(interface, (0.0, math.inf))[1]
+    if hole - neck > most + _ROUND_OFF * hole and hole <= _LOOSE * neck:
+        problems.add(
+            f"parts.{part.name}.fits.{interface}",
+            f"leaves the pin a clearance of at most {most:.3g} mm, but parts.{pin.name}.{own} of "
+            f"{neck:g} mm leaves {hole - neck:.3g} mm in a hole of {hole:g} mm "
+            f"({_hole_key(part, interface)}); state one of them otherwise",
+        )
+    if hole <= _LOOSE * neck:
+        return
     problems.add(
         f"parts.{pin.name}.{own}",
         f"the pin has {neck:g} mm where parts.{part.name} has a hole of {hole:g} mm for it "

@@ -411,6 +411,8 @@ BearingArc = Annotated[float, Quantity(("angle",), above=math.radians(30 - 1e-9)
 Rate = Annotated[float, Quantity(("rate",), above=0.0)]
 StatedFit = Annotated[str | Pair, FitOrClearance()]
 Fraction = Annotated[float, Quantity(("fraction",), above=0.0, below=1.0)]
+# where the normal distribution of endurance limits is meant (fatigue.marin.reliability_factor)
+Survival = Annotated[float, Quantity(("fraction",), at_least=0.5, at_most=0.999999)]
 LengthOrAngle = Annotated[Measured, Quantity(("length", "angle"), keep_dimension=True)]
 SweepSpeed = Annotated[
     Measured,

@@ -45,9 +45,11 @@ FRICTION = [
     'friction.pins={coefficient=0.1, diameter="40 mm"}',
     "friction.guides={coefficient=0.1}",
 ]
+BUSH = 'bush={length="6.3 mm", allowable="140 MPa"}'
 PLAIN_PIN = (
     "parts.pin_B.stack=["
-    '{body="upper", at="42.95 mm", width="6.3 mm"}, {body="lower", at="32.65 mm", width="6.3 mm"},'
+    f'{{body="upper", at="42.95 mm", width="6.3 mm", {BUSH}}},'
+    f'{{body="lower", at="32.65 mm", width="6.3 mm", {BUSH}}},'
     '{force="cylinder", at="0 mm", width="43 mm"}]'
 )
 

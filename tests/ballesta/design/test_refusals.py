@@ -77,6 +77,8 @@ REFUSED = {
     "fit of no bore": ((FITS, 'fits = { kne = "H7/f7" }'), r"bar_upper\.fits\.kne: no bore of the part is named 'kne', did you mean knee\?"),
     "fit unknown": ((FITS, 'fits = { knee = "H7/p6" }'), r"bar_upper\.fits\.knee: fits with clearance are known for bores D to H and pins d to h, not p"),
     "clearance below 0": ((FITS, 'fits = { knee = "-0.01 .. 0.02 mm" }'), r"bar_upper\.fits\.knee: must be a clearance of at least 0 mm"),
+    "survival of all": ((FITS, 'reliability = "99.99999 %"'), r"bar_upper\.reliability: must be at most 99\.9999 %, got"),
+    "survival of few": ((FITS, 'reliability = "1 %"'), r"bar_upper\.reliability: must be at least 50 %, got"),
     "clearance of a tenth": ((FITS, 'fits = { knee = "6 mm" }'), r"fits\.knee: a clearance of 6 mm is more than a tenth of the bore's diameter of 44 mm"),
     "clearance without unit": ((FITS, 'fits = { knee = "0.02 .. 0.06" }'), r'fits\.knee: must be a fit such as "H7/f7", or a clearance'),
     "not TOML": (('name = "Toggle press"', "name = Toggle press"), r"press\.toml: line 4, column \d+: is not TOML: Invalid value"),

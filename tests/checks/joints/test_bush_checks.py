@@ -199,9 +199,10 @@ def test_the_eye_of_a_force_turns_with_the_line_that_the_force_acts_along():
     601 positions over two strokes from rest to rest: 2 % in the peak.
     """
     bush = '{length="43 mm", allowable="140 MPa", pv="1 MPa m/s"}'
+    cheek = '{length="6.3 mm", allowable="140 MPa"}'
     lugs = [
-        '{body="upper", at="42.95 mm", width="6.3 mm"}',
-        '{body="lower", at="32.65 mm", width="6.3 mm"}',
+        f'{{body="upper", at="42.95 mm", width="6.3 mm", bush={cheek}}}',
+        f'{{body="lower", at="32.65 mm", width="6.3 mm", bush={cheek}}}',
         f'{{force="cylinder", at="0 mm", width="43 mm", bush={bush}}}',
     ]
     masses = [

@@ -24,8 +24,10 @@ BRIEF = [
         for key in ('mass="4.14134 kg"', 'inertia="0.0215695 kg m2"', 'centre="125, 0 mm"')
     ),
 ]
+BUSH = 'bush={length="6.3 mm", allowable="140 MPa"}'
 LUGS = (
-    '{body="upper", at="42.95 mm", width="6.3 mm"}, {body="lower", at="32.65 mm", width="6.3 mm"}'
+    f'{{body="upper", at="42.95 mm", width="6.3 mm", {BUSH}}}, '
+    f'{{body="lower", at="32.65 mm", width="6.3 mm", {BUSH}}}'
 )
 PLAIN_PIN = f'parts.pin_B.stack=[{LUGS}, {{force="cylinder", at="0 mm", width="43 mm"}}]'
 

@@ -153,6 +153,40 @@ def test_a_pin_that_does_not_fit_its_hole_is_refused_with_both(tmp_path, overrid
     assert caught.value.key == f"parts.{key}"
 
 
+@pytest.mark.parametrize(
+    ("diameter", "fit", "said"),
+    [
+        ("11.5 mm", "0.02 .. 0.06 mm", r"at most 0.06 mm, but parts.pin_A.diameter .* leaves 0.5"),
+        ("11.9 mm", "H7/f7", r"at most 0.052 mm, .* of 11.9 mm leaves 0.1 mm .*parts.rod.hole"),
+    ],
+)
+def test_a_fit_that_the_diameters_contradict_is_refused_with_both(tmp_path, diameter, fit, said):
+    """The contact was solved for the fit, though the pin is ten times as loose by its diameter."""
+    loose = f'parts.rod.fits={{first="{fit}"}}', f'parts.pin_A.diameter="{diameter}"'
+    with pytest.raises(DesignError, match=said) as caught:
+        design_of(tmp_path, *loose, *offsets("10.5 mm", "0 mm"))
+    assert caught.value.key == "parts.rod.fits.first"
+
+
+def test_a_fit_goes_with_nominal_diameters_and_with_those_that_are_within_it(tmp_path):
+    for diameter in ("12 mm", "11.95 mm"):
+        fitted = 'parts.rod.fits={first="H7/f7"}', f'parts.pin_A.diameter="{diameter}"'
+        assert design_of(tmp_path, *fitted, *offsets("10.5 mm", "0 mm"))
+
+
+def test_a_bush_longer_than_its_lug_is_refused_with_both(tmp_path):
+    """Its mean pressure came out ten times too low: F / (d 80 mm) in a lug 8 mm wide."""
+    bush = 'bush={length="80 mm",allowable="140 MPa"}'
+    stack = (
+        'parts.pin_A.stack=[{body="crank",at="0 mm",width="8 mm",single=true},'
+        f'{{body="rod",at="10.5 mm",width="8 mm",single=true,{bush}}}]'
+    )
+    said = r"a bush of 80 mm is longer than the lug, .* 8 mm wide .*stack\[1\]\.width"
+    with pytest.raises(DesignError, match=said) as caught:
+        design_of(tmp_path, stack, *offsets("10.5 mm", "0 mm"))
+    assert caught.value.key == "parts.pin_A.stack[1].bush.length"
+
+
 def test_a_bush_stands_between_a_pin_and_a_wider_hole(tmp_path):
     bush = 'bush={length="8 mm",allowable="140 MPa"}'
     stack = (
