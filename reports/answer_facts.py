@@ -214,7 +214,7 @@ def _changes(result: DesignResult) -> Iterator[Fact]:
         yield Fact(label, SAVED if passes else lower_by(result.deciding), command)
         return
     for change in result.changes:
-        yield Fact(label, _short(change_text(change, result.deciding.required)))
+        yield Fact(label, _short(change_text(change, result.deciding)))
         label = "or"
     models = " and ".join(sorted({clean(change.model) for change in result.changes}))
     by = "by formula" + ("" if models == "formula" else f", set against the {models}")
