@@ -32,7 +32,7 @@ from checks.result.words import (
 )
 from reports.loads_words import broken_of
 
-_MOST_WARNINGS = 2
+_MOST_WARNINGS = 1
 _MOST_GATES = 2
 _MOST_WAYS = 2
 _MOST_SUBJECTS = 4
@@ -214,7 +214,7 @@ def _changes(result: DesignResult) -> Iterator[Fact]:
         yield Fact(label, SAVED if passes else lower_by(result.deciding), command)
         return
     for change in result.changes:
-        yield Fact(label, _short(change_text(change)))
+        yield Fact(label, _short(change_text(change, result.deciding)))
         label = "or"
     models = " and ".join(sorted({clean(change.model) for change in result.changes}))
     by = "by formula" + ("" if models == "formula" else f", set against the {models}")
@@ -302,7 +302,9 @@ def _beside(result: DesignResult) -> Iterator[Fact]:
     if counts:
         own = [part for part in result.parts if result.checks and part.name == result.deciding.part]
         first = [
-            f"of {_short(part.name)}: {_first(part.assumed[0])}" for part in own if part.assumed
+            f"of {_short(part.name)}: {_first(part.assumed[0]).partition(',')[0]}"
+            for part in own
+            if part.assumed
         ]
         yield Fact("assumed", "; ".join([" and ".join(counts), *first]))
     if result.not_checked:

@@ -10,7 +10,7 @@ LIVE = (
     "data", "numbers", "viewer", "fields", "camera", "scene", "motion", "overlay", "controls",
     "positions", "transport", "picture", "readings", "app",
 )  # fmt: skip
-BESIDE = ("arrows", "mechanism", "cursors", "what_if", "page")
+BESIDE = ("arrows", "mechanism", "cursors", "hover", "what_if", "page")
 SCRIPTS = (*(f"live/{name}.js" for name in LIVE), *(f"scripts/{name}.js" for name in BESIDE))
 
 

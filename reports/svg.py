@@ -124,6 +124,8 @@ class Drawing:
             "viewBox": f"0 0 {_short(self.width)} {_short(self.height)}", "role": "img",
             "aria-label": clean(label), **(attributes or {}), "style": _STYLE,
         }  # fmt: skip
+        if self._frames:
+            whole["data-frames"] = ";".join(frame.scales for frame in self._frames)
         told = " ".join(f'{key}="{escape(value)}"' for key, value in whole.items())
         return f'<svg xmlns="http://www.w3.org/2000/svg" {told}>{inside.replace(_MARK, mark)}</svg>'
 
@@ -153,6 +155,12 @@ class Frame:
         self.inside: list[str] = []
         self._areas: list[str] = []
         self._texts: list[str] = []
+
+    @property
+    def scales(self) -> str:
+        """Box, both axes' ends and the logarithmic axes, for a script that reads values off."""
+        numbers = (*self.box, *self.across, *self.up)
+        return " ".join([*(f"{number:.5g}" for number in numbers), self._logarithmic or "-"])
 
     def places(self, points: npt.ArrayLike) -> FloatArray:
         """Where points (k, 2) are in the drawing."""

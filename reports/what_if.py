@@ -20,6 +20,7 @@ from checks.design.materials import Material, known_materials
 from checks.result.derivation import BARS, Derivation, Given, Item, Step, Sum, value_of
 from checks.result.formulas import FormulaError, Value, evaluate
 from checks.result.verdict import Check, DesignResult, PartResult
+from checks.result.ways import SOLID
 from checks.result.words import CONTACT, check_titles, clipped, need_text
 from reports.templating import json_markup
 
@@ -94,7 +95,8 @@ def what_if(result: DesignResult) -> Markup | None:
         if (found := _check(check, title, levers, check is result.deciding)) is not None
     ]
     for each, check in zip(checks, (check for check in result.checks if check.value), strict=True):
-        each["load"] = None if check.part in contacts else _exponent_of_load(check)
+        pressed = check.part in contacts and check.method.startswith(SOLID)
+        each["load"] = None if pressed else _exponent_of_load(check)
     if not checks:
         return None
     load = levers.number(levers.load())

@@ -117,16 +117,21 @@ def _excess(check: Check) -> float:
     return 100.0 * (1.0 - check.limit / demand) if known else 0.0
 
 
-def change_text(change: Change) -> str:
-    """A single change in words: its values, safety with its range, and mass."""
-    now = f"now {change.was}"
-    if change.least != change.value:
-        now += f", least {change.least}"
+def change_text(change: Change, deciding: Check) -> str:
+    """A single change in words: its values, safety with its lower end, and mass.
+
+    deciding  the check of which the reader knows; another one that then governs is named
+    """
+    unit = f" {change.value.partition(' ')[2]}"
+    was, least = (text.removesuffix(unit) for text in (change.was, change.least))
+    now = f"now {was}" + ("" if change.least == change.value else f", least {least}")
     safety = safety_text(change.safety, change.required)
     lower = safety_text(change.lower, change.required)
-    within = "" if lower == safety else f", {lower} with its bars"
-    need = f"; {need_text(change.required)} required"
-    mass = f"{number(1e3 * change.mass)} kg ({-1e3 * change.saved:+.2g})"
+    within = "" if lower == safety else f", bars {lower}"
+    same = change.governing == f"{deciding.part} {deciding.kind}"
+    need = "" if same else f" of {change.governing} ({need_text(change.required)} required)"
+    more = f" ({-1e3 * change.saved:+.2g})" if change.saved else ""
+    mass = f"{number(1e3 * change.mass)} kg{more}"
     return f"{change.key}={change.value} ({now}): safety {safety}{within}{need}; {mass}"
 
 

@@ -134,8 +134,12 @@
       };
       svg.addEventListener("click", set);
       svg.addEventListener("pointermove", (event) => {
-        if (event.pointerType === "mouse" && event.buttons === 1) set(event);
+        if (event.pointerType !== "mouse") return;
+        if (event.buttons === 1) return set(event);
+        const found = nearest(chart, event);
+        if (found) show(chart, chart.shown = { cycle: found[0], index: found[1] });
       });
+      svg.addEventListener("pointerleave", () => page.current && follow(chart, page.current));
     }
     page.onPosition((state) => charts.forEach((chart) => follow(chart, state)));
   }

@@ -6,7 +6,7 @@ from math import inf
 import pytest
 from rich.cells import cell_len
 
-from checks.result.verdict import Gate
+from checks.result.verdict import Change, Gate
 from reports.answer import answer_text
 
 from . import results
@@ -38,6 +38,61 @@ def test_the_first_25_lines_answer_what_a_designer_asks():
     assert "assumed 2 assumptions" in text
     assert "not checked " in text
     assert "warning a: the stop is ASSUMED; it may be lower more" in text
+
+
+WALL = Change(
+    key="parts.bar_upper.wall",
+    was="6.3 mm",
+    value="7.1 mm",
+    least="6.42 mm",
+    parts=("bar_upper",),
+    safety=1.4821,
+    lower=1.3712,
+    required=1.3,
+    governing="bar_upper fatigue",
+    model="solid",
+    mass=10.06e-3,
+    saved=-0.84e-3,
+)
+
+
+def test_changes_that_make_it_pass_stand_in_the_answer_with_the_command_that_checks_them():
+    """Least value and standard size, safety with its end, mass; a part they leave open is named."""
+    steel = replace(
+        WALL, key="parts.bar_upper.material", was="S355", value="S450J0", least="S450J0",
+        lower=1.4821, saved=0.0, mass=9.21e-3,
+    )  # fmt: skip
+    failing = [replace(results.FAILING, part=name) for name in ("bar_upper", "bar_lower")]
+    parts = [results.part(check.part, [check]) for check in failing]
+    text = words(answer_text(replace(results.design(*parts), changes=[WALL, steel]), 100))
+    assert (
+        "to pass parts.bar_upper.wall=7.1 mm (now 6.3, least 6.42): safety 1.48, bars 1.37; "
+        "10.1 kg (+0.84)" in text
+    )
+    assert "or parts.bar_upper.material=S450J0 (now S355): safety 1.48; 9.21 kg" in text
+    assert (
+        "estimated by formula, set against the solid; bar_lower does not pass by these; checked "
+        "by: ballesta improve" in text
+    )
+    assert "--verify" in text
+
+
+def test_without_a_known_error_bar_no_change_is_promised():
+    unknown = results.check(value=300.0, model=inf, model_below=0.0)
+    text = words(answer_text(results.design(results.part(checks=[unknown])), 100))
+    assert "a model that knows its error bar" in text
+    assert "ballesta improve" not in text
+
+
+def test_parts_whose_safeties_read_the_same_share_a_row_with_the_larger_value():
+    """200 and 200.1 MPa against 355 MPa are both 1.77."""
+    values = {"a": 200.0, "b": 200.1}
+    same = [results.part(n, [results.check(part=n, value=v)]) for n, v in values.items()]
+    rows = [line.split() for line in answer_text(results.design(*same), 140).splitlines()]
+    (row,) = (row for row in rows if row[:1] == [">"])
+    assert row[1:3] == ["a,", "b"]
+    assert row[4] == "200"
+    assert "1.77" in row
 
 
 def test_parts_of_one_outcome_share_a_row_and_others_do_not():

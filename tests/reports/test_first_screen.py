@@ -1,5 +1,6 @@
 """The ten questions of a designer, answered without scrolling and in the first 25 lines."""
 
+import re
 from math import isfinite
 from pathlib import Path
 
@@ -18,6 +19,7 @@ ROOT = Path(__file__).parents[2]
 DESIGNS = ROOT / "designs"
 ALL = sorted([*DESIGNS.glob("*.toml"), *DESIGNS.glob("gallery/*.toml")])
 FAST = "toggle_press_30x30"
+MOST_SHEETS = 8  # without the annex
 
 # Text that is seen without scrolling, each piece of it whole.
 SEEN = """() => {
@@ -97,4 +99,7 @@ def test_page_and_terminal_answer_ten_questions_at_once(design, tmp_path, opened
     frame = found.page.locator(".live-frame").bounding_box()
     assert frame["y"] + frame["height"] <= 900
     assert found.page.evaluate("ballesta.live.field") is not None  # never a grey part
+    found.page.add_style_tag(content=".annex-title, .annex-title ~ * { display: none !important; }")
+    printed = found.page.pdf(format="A4", print_background=True)
+    assert len(re.findall(rb"/Type /Page\b", printed)) <= MOST_SHEETS
     found.assert_quiet()
