@@ -21,7 +21,6 @@ from loads import (
     Revolute,
     Slot,
 )
-from reports.loads_contacts import contact_summaries
 from reports.loads_figures import (
     ContactStated,
     ContactSummary,
@@ -32,6 +31,7 @@ from reports.loads_figures import (
     JointSummary,
     MotorFigures,
     ShownPhase,
+    contact_summaries,
     plain_fields,
 )
 from reports.loads_runs import ShownRun

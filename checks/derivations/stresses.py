@@ -1,5 +1,9 @@
 """Derivations of the stress checks: the largest von Mises stress, and fatigue by each criterion."""
 
+from collections.abc import Sequence
+from dataclasses import replace
+
+from checks.derivations.bars import solid_bars
 from checks.derivations.findley import findley
 from checks.derivations.fkm import fkm
 from checks.derivations.marin import BOOK, at_point, limit_section
@@ -8,8 +12,11 @@ from checks.derivations.superposed import patterns_of, superposed
 from checks.design.data import Part
 from checks.part.derived import amplitude_and_mean, load_case, yield_stress
 from checks.part.part_loads import PartLoads
-from checks.result.derivation import Derivation, Section, Step
+from checks.result.derivation import BARS, Comparison, Derivation, Section, Step
+from checks.result.verdict import Check, HandCheck
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse, LifeUse
+from checks.stress.error_bars import Bars, Judged
+from checks.stress.solid_mesh_level import Level
 from checks.stress.stress_result import Stressed
 
 
@@ -80,4 +87,30 @@ def _goodman(part: Part, loads: PartLoads, level: Stressed, use: FatigueUse) -> 
         value="sigma",
         limit="S_e",
         notes=(patterns_of(level),),
+    )
+
+
+def of_solid(
+    part: Part,
+    part_loads: PartLoads,
+    level: Level,
+    judged: Judged,
+    bars: Bars,
+    check: Check,
+    by_hand: Sequence[HandCheck],
+) -> Check:
+    """Return a solid's stress check with its derivation."""
+    more = 0.0
+    if isinstance(judged, FatigueUse):
+        found, (more, _) = fatigue(part, part_loads, level, judged), judged.band(level)
+    else:
+        found = static(part, part_loads, level)
+    told, items = solid_bars(bars, found.value, more)
+    compared = tuple(
+        Comparison(hand.quantity, hand.hand, hand.model, hand.unit, hand.formula)
+        for hand in by_hand
+    )
+    sections = (*found.sections, Section(BARS, tuple(items)))
+    return replace(
+        check, derivation=replace(found, bars=told, sections=sections, compared=compared)
     )

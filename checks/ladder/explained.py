@@ -30,7 +30,7 @@ def known_kinds() -> list[Kind]:
 def explained(climb: Climb, checks: Sequence[Check]) -> list[Check]:
     """Return the checks of a part by its models of stress, each with its derivation.
 
-    Those of a solid have theirs already (`checks.derivations.solids`): its mesh is gone by now.
+    Those of a solid have theirs already (`checks.derivations.stresses`): its mesh is gone by now.
     Those at sharp edges have none yet, and say so (`checks.derivations.proven.unknown`).
     """
     done = []

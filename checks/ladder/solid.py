@@ -7,7 +7,7 @@ from math import degrees, isfinite, radians
 import numpy as np
 
 from checks import by_formula
-from checks.derivations.solids import of_solid
+from checks.derivations.stresses import of_solid
 from checks.ladder.chart_data import charts_of
 from checks.ladder.edge_checks import edge_fatigue, edge_static, known_at_edges
 from checks.ladder.hand_calculations import hand_checks

@@ -12,7 +12,7 @@ from jsonschema import Draft202012Validator
 
 from ballesta.api import DesignResult
 from ballesta.batches.outcome import Job, judged
-from ballesta.batches.table import csv_text, result_rows
+from ballesta.batches.results import csv_text, result_rows
 from ballesta.design.read import read_design
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort

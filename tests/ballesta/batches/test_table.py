@@ -5,7 +5,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from ballesta.batches.outcome import Job, ended, judged
-from ballesta.batches.table import csv_text, parquet_bytes, result_rows, varied_inputs
+from ballesta.batches.results import csv_text, parquet_bytes, result_rows, varied_inputs
 
 from ...reports import results
 
