@@ -251,10 +251,10 @@ def check_to_folder(
             begun=begun,
             keep=_kept() if telling.is_supervised() else None,
         )
-        if effort.within is None:  # a limit of time is for the checks
-            say("seeking single changes by formula")
-            shown = with_changes(design, shown)
         with drawing(shown) as pictures, _told_of_folder(folder):
+            if effort.within is None:  # a limit of time is for the checks
+                say("seeking single changes by formula")
+                shown = with_changes(design, shown)
             say("encoding the fields of the live view")
             shown = with_encoded_fields(shown)
             result = without_fields(shown)
