@@ -124,7 +124,7 @@ class Shape(ABC):
         return least.inertia_in_plane, min(one.area for one in self.sections), least.name
 
     def ligaments(self, interface: str) -> Sequence[Ligament] | None:
-        """What a pin can tear out of a bore; None where that is measured on the mesh."""
+        """Ligaments that a pin can tear out of a bore; None where they are measured on the mesh."""
         return ()
 
     def outward(self, interface: str) -> tuple[tuple[float, float], str]:
@@ -144,7 +144,7 @@ class Shape(ABC):
 
     @property
     def clear_width(self) -> float | None:
-        """Room for a pin between the walls of a part that is loaded on its end faces, mm."""
+        """Clear width, mm, between the walls of a part that is loaded on its end faces."""
         return None
 
     @property

@@ -61,7 +61,7 @@ class PrismaticTube(Shape):
 
     @property
     def clear_width(self) -> float:
-        """Room for a pin between the walls, mm."""
+        """Clear width between the walls, mm."""
         return self.width - 2 * self.wall
 
     @property
