@@ -7,7 +7,7 @@
 
 import json
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -206,22 +206,13 @@ def draw(rows: Sequence[Compared]) -> None:
     from matplotlib import pyplot as plt
 
     figure, axes = plt.subplots(figsize=(7.0, 4.2))
-    marks: dict[str, tuple[str, Callable[[Compared], bool]]] = {
-        "formula": ("o", lambda row: row.rung == "formula"),
-        "beam": ("s", lambda row: row.rung == "beam"),
-    }
     stress = [row for row in rows if row.kind in ("static", "fatigue")]
-    for name, (mark, wanted) in marks.items():
-        some = [row for row in stress if wanted(row)]
-        errors = [100 * max(abs(row.value / row.truth - 1), 1e-4) for row in some]
-        axes.scatter(
-            [row.seconds for row in some], errors, s=14, marker=mark, label=name, alpha=0.6
-        )
+    errors = [100 * max(abs(row.value / row.truth - 1), 1e-4) for row in stress]
+    seconds = [row.seconds for row in stress]
+    axes.scatter(seconds, errors, s=14, marker="o", label="formula", alpha=0.6)
     truths = known()
     solid = [
-        (truths[row.variation]["seconds"], 100 * max(row.bar / row.truth, 1e-4))
-        for row in stress
-        if row.rung == "formula"
+        (truths[row.variation]["seconds"], 100 * max(row.bar / row.truth, 1e-4)) for row in stress
     ]
     axes.scatter(*zip(*solid, strict=True), s=14, marker="D", label="solid (its bar)", alpha=0.6)
     axes.set(xscale="log", yscale="log", xlabel="s", ylabel="error of the stress, %")
@@ -244,7 +235,7 @@ def page() -> str:
         "Written by `python -m bench.trade_page` (`make trade` makes its data too).",
         "",
         "A part is checked by the cheapest model whose error bars leave its verdict alone:",
-        "`formula`, `beam` frame, `solid`. This page measures them on the parts of",
+        "`formula`, `beam` frame (buckling only), `solid`. This page measures them on the parts of",
         f"the four machines under their own loads, and on variations of their dimensions ({count}",
         f"variations; Sobol, seed {SEED}; bounds in `bench/rung_variations.py`). Truth is a solid",
         f"refined to {100 * ACCURACY:g} % ({100 * PIN_ACCURACY:g} % for pins).",

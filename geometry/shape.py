@@ -16,12 +16,27 @@ from geometry.sections import RulingSection, Section
 
 
 @dataclass(frozen=True)
+class Ligament:
+    """Material behind a hole: mm2 in one shear plane, and the name of its other side.
+
+    direction  unit vector in the part's axes in which a force on the part tears it; None: any,
+               and `area` is then given for 72 directions from +x on, counter-clockwise; infinite
+               where nothing tears
+    """
+
+    direction: tuple[float, float] | None
+    area: tuple[float, ...]
+    until: str
+
+
+@dataclass(frozen=True)
 class Shape(ABC):
     """A part in its own axes: x along it, z along the pins, lengths in mm.
 
     The first interface is at the origin, the second at x = `length`.
 
     name             by which design files call the shape; "" for one that has another way in
+    may_buckle       False for what has no compression along x worth a check
     stressed_evenly  True where axial force decides, for Marin's load factor
     middle_plane     True if z = 0 is a plane of symmetry, at which `named` finds a half, too
     interfaces       names of the places where other parts press; empty where a pin's stack has them
@@ -30,6 +45,7 @@ class Shape(ABC):
     name: ClassVar[str] = ""
     stressed_evenly: ClassVar[bool] = False
     middle_plane: ClassVar[bool] = False
+    may_buckle: ClassVar[bool] = True
     interfaces: ClassVar[tuple[str, ...]] = ()
     if TYPE_CHECKING:  # a field of most shapes
 
@@ -95,6 +111,51 @@ class Shape(ABC):
         With it a shape has the rung `beam`: buckling as a Timoshenko frame.
         """
         return None
+
+    @property
+    def bending(self) -> tuple[float, float, str] | None:
+        """Least second moment in the plane, mm4, least area, mm2, and what it is of, in words.
+
+        All along the part, for the vibration of the linkage; None for a shape that is no bar.
+        """
+        if not self.sections:
+            return None
+        least = min(self.sections, key=lambda section: section.inertia_in_plane)
+        return least.inertia_in_plane, min(one.area for one in self.sections), least.name
+
+    def ligaments(self, interface: str) -> Sequence[Ligament] | None:
+        """Ligaments that a pin can tear out of a bore; None where they are measured on the mesh."""
+        return ()
+
+    def outward(self, interface: str) -> tuple[tuple[float, float], str]:
+        """Direction from a bore to the end of the part behind it, and that end in words."""
+        if interface == self.interfaces[0]:
+            return (-1.0, 0.0), "the end at x < 0"
+        return (1.0, 0.0), f"the end at x > {self.length:g} mm"
+
+    def stated_bore(self, interface: str) -> float | None:
+        """Stated diameter of the bore at an interface, mm; None where it has no bore there."""
+        bores = {one.name: 2 * one.radius for one in self.placed_interfaces if one.kind == "bore"}
+        return bores.get(interface)
+
+    def bore_key(self, interface: str) -> str:
+        """Key of the part's entry that states that diameter."""
+        return "hole"
+
+    @property
+    def clear_width(self) -> float | None:
+        """Clear width, mm, between the walls of a part that is loaded on its end faces."""
+        return None
+
+    @property
+    def cheeks_at(self) -> float | None:
+        """Height +-z of the middles of the cheeks of a part that has two, mm."""
+        return None
+
+    @property
+    def told(self) -> Sequence[str]:
+        """Notes on the reading of its file: sentences for the report."""
+        return ()
 
     @property
     def heights(self) -> Mapping[str, float]:

@@ -2,7 +2,7 @@
 
 import dataclasses
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import loads
@@ -21,6 +21,7 @@ from checks.result.words import clipped
 from geometry.parameters import GIVEN_BY_DESIGN, GIVEN_BY_LINKAGE, ParameterError
 from geometry.part_sizes import check_sizes, key_of
 from geometry.parts import SHAPES, Pin, Seat
+from geometry.shape import Shape
 
 _WITH_HOLES = (StepPartEntry, PlatePartEntry)  # whose interfaces are holes that the entry names
 SLIDING = ("contact", "slot")  # interfaces of shapes on which a slot or guide of the linkage runs
@@ -91,8 +92,9 @@ def parts_of(
         if not sits or entry.material not in materials or (kind == "body" and place not in bodies):
             continue
         try:
+            geometry: Shape
             if isinstance(entry, StepPartEntry):
-                geometry: Any = step_geometry(key, entry, bodies[entry.body].points, sources)
+                geometry = step_geometry(key, entry, bodies[entry.body].points, sources)
             elif isinstance(entry, PlatePartEntry):
                 points = bodies[entry.body].points
                 order = file.bodies[entry.body].pins
@@ -153,7 +155,7 @@ def _rollers(
 
 
 def _clearances(
-    key: str, entry: Any, geometry: Any, problems: Problems
+    key: str, entry: Any, geometry: Shape, problems: Problems
 ) -> dict[str, tuple[float, float]]:
     """Least and largest clearance of the pin in each bore whose fit is stated, mm on diameter."""
     found: dict[str, tuple[float, float]] = {}
@@ -190,7 +192,7 @@ def _part(
     name: str,
     entry: Any,
     file: DesignFile,
-    geometry: Any,
+    geometry: Shape,
     material: Material,
     rollers: Mapping[str, Roller],
     fkm: FkmStrength | None,
@@ -370,8 +372,8 @@ def _sits_in_joint(
     return right
 
 
-def _geometry(entry: Any, bodies: Mapping[str, loads.Body]) -> Any:
-    shape: Any = SHAPES[entry.shape]
+def _geometry(entry: Any, bodies: Mapping[str, loads.Body]) -> Shape:
+    shape = SHAPES[entry.shape]
     values: dict[str, Any] = {}
     for parameter in dataclasses.fields(shape):
         given_by = parameter.metadata.get("given_by")
@@ -383,7 +385,8 @@ def _geometry(entry: Any, bodies: Mapping[str, loads.Body]) -> Any:
             values[parameter.name] = _rounded(math.dist(points[first], points[second]))
     if shape is Pin:
         values["seats"] = tuple(_seat(index, lug) for index, lug in enumerate(entry.stack))
-    made = shape(**values)
+    make: Callable[..., Shape] = shape
+    made = make(**values)
     check_sizes(made)
     return made
 

@@ -7,7 +7,6 @@ from ballesta.design.files import Sources
 from checks.design.data import Pair, Part
 from checks.design.model import StepPartEntry
 from geometry.bounded_files import MOST_CAD, read_bounded
-from geometry.parts.plate import Plate
 from geometry.parts.step_part import NamedHole, StepPart
 
 
@@ -39,9 +38,7 @@ def step_geometry(
 def told_of_steps(parts: Mapping[str, Part]) -> Iterator[tuple[str, str]]:
     """Reading of each part's STEP file or drawing: its key, and unit and holes in words."""
     for name, part in parts.items():
-        shape: object = part.geometry
-        if isinstance(shape, StepPart | Plate):
-            yield from ((f"parts.{name}.shape", said) for said in shape.told)
+        yield from ((f"parts.{name}.shape", said) for said in part.geometry.told)
 
 
 def add_to_sources(key: str, name: str, sources: Sources) -> None:

@@ -10,7 +10,6 @@ from checks.design.data import Design, Part
 from checks.part.part_loads import shown_name, shown_position
 from checks.result.verdict import Gate
 from checks.result.words import number
-from geometry.parts.leaf_pack import LeafPack
 from loads.harmonics import CycleResponse, Harmonic, ModeResponse, cycle_response, with_vibration
 from loads.vibration import closes, cycle_modes
 
@@ -161,18 +160,8 @@ def with_sections(
 
 def _stiffness(part: Part) -> tuple[float, float, str] | None:
     """Return E I in plane [N mm2], E A [N] and the section's name; None for a shape without."""
-    young = part.material.youngs_modulus
-    shape: object = part.geometry
-    if isinstance(shape, LeafPack):
-        area = shape.leaves * shape.width * shape.thickness
-        words = f"{shape.leaves} leaves that slide on each other"
-        return young * area * shape.thickness**2 / 12, young * area, words
-    sections = part.geometry.sections
-    if not sections:
-        return None
-    least = min(sections, key=lambda section: section.inertia_in_plane)
-    area = min(section.area for section in sections)
-    return young * least.inertia_in_plane, young * area, least.name
+    young, known = part.material.youngs_modulus, part.geometry.bending
+    return None if known is None else (young * known[0], young * known[1], known[2])
 
 
 def _beam_like(linkage: loads.Linkage, name: str) -> bool:

@@ -13,7 +13,8 @@ from checks.part.part_loads import is_loaded
 from checks.part.placing import interface_distance
 from checks.result.verdict import PartResult
 from checks.result.words import quantity_unit
-from geometry.parts import Pin, PrismaticTube, ToggleBar
+from geometry.parts import Pin
+from geometry.parts.pin import as_pin
 
 _STATED = 1e-3  # mm, how exactly points are usually stated
 _FAR = 3.0  # diameters of its hole that a plate beside another may stand away
@@ -177,24 +178,26 @@ def _assembly(
     warnings = []
     for part in design.parts.values():
         warnings += _far_offsets(part)
-        if isinstance(part.geometry, Pin):
-            warnings += _necks(part.name, part.geometry)
+        pin = as_pin(part.geometry)
+        if pin is not None:
+            warnings += _necks(part.name, pin)
             for entry in part.stack:
                 warnings += _cheek_offset(design, part.name, entry.body, entry.at)
-        elif isinstance(part.geometry, PrismaticTube):
+        elif part.geometry.clear_width is not None:
             warnings.append(
                 f"{part.name}: loaded on its end faces, neither pin nor lug is modelled"
-                + _pin_too_thick(part, solved)
+                + _pin_too_thick(part, part.geometry.clear_width, solved)
             )
     return warnings
 
 
-def _pin_too_thick(part: Part, solved: Mapping[str, loads.CycleLoads | loads.MeasuredLoads]) -> str:
+def _pin_too_thick(
+    part: Part, clear: float, solved: Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
+) -> str:
     """That the thinnest pin for the load cannot pass the tube, if so.
 
     Double shear at 250 MPa: von Mises yield of a 650 MPa steel over a safety of 1.5.
     """
-    assert isinstance(part.geometry, PrismaticTube)
     assert part.body is not None
     force = max(
         float(np.hypot(*load.force.T).max())
@@ -203,7 +206,6 @@ def _pin_too_thick(part: Part, solved: Mapping[str, loads.CycleLoads | loads.Mea
         for load in cycle.body_loads(part.body)
     )
     pin = float(np.sqrt(2 * force / (np.pi * 250.0)))
-    clear = part.geometry.width - 2 * part.geometry.wall
     if pin <= clear:
         return ""
     return (
@@ -215,7 +217,7 @@ def _pin_too_thick(part: Part, solved: Mapping[str, loads.CycleLoads | loads.Mea
 def _necks(name: str, pin: Pin) -> list[str]:
     seated = pin.seated()
     for number, (seat, _, _) in enumerate(seated):
-        neck = seat.diameter or pin.diameter
+        neck = pin.neck(seat)
         if neck < pin.diameter and 0 < number < len(seated) - 1:
             return [
                 f"{name}: a one-piece pin with {pin.diameter:g} mm on both sides of the "
@@ -238,12 +240,11 @@ def _far_offsets(part: Part) -> list[str]:
 def _cheek_offset(design: Design, pin: str, body: str | None, at: float) -> list[str]:
     """Name a bar whose cheeks do not stand where the pin's stack has them."""
     for part in design.parts.values():
-        if part.body == body and body and isinstance(part.geometry, ToggleBar):
-            cheek = (part.geometry.width - part.geometry.wall) / 2
-            if abs(cheek - at) > 0.1:
-                return [
-                    f"{pin}: has the cheeks of {part.name} at +-{at:g} mm, the bar's tube has them "
-                    f"at +-{cheek:g} mm; the offset of {at - cheek:+.2f} mm is not in the "
-                    "bar's model"
-                ]
+        cheek = part.geometry.cheeks_at
+        if part.body == body and body and cheek is not None and abs(cheek - at) > 0.1:
+            return [
+                f"{pin}: has the cheeks of {part.name} at +-{at:g} mm, the bar's tube has them "
+                f"at +-{cheek:g} mm; the offset of {at - cheek:+.2f} mm is not in the "
+                "bar's model"
+            ]
     return []

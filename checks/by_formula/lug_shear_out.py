@@ -4,13 +4,11 @@ The plane taken is the shortest, straight behind the hole's crown (Melcon and Ho
 Engineering 24 (1953) no. 6, start theirs at 40 degrees, where it is longer).
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from checks.design.data import Part
-from checks.handbook.lugs import ball_ligament
 from checks.joints.lugs import lugs_of
 from checks.joints.tear_planes import plate_tear_lengths, tear_lengths
 from checks.part.derived import EXACT, Heading, Series, shear_yield, yield_stress
@@ -21,9 +19,8 @@ from checks.result.derivation import Step
 from checks.result.verdict import Check
 from geometry.cad_body import SolidBody
 from geometry.mesh import FloatArray, Mesh
-from geometry.parts import PlateLink, SlottedLever, ToggleBar, TubeRod
-from geometry.parts.plate import Plate
-from geometry.parts.step_part import StepPart
+from geometry.parts.plate import Plate, as_plate
+from geometry.shape import Ligament
 
 SHEAR_OUT = Kind(
     name="shear-out",
@@ -52,20 +49,6 @@ def checks(loaded: LoadedPart) -> Iterator[Check]:
     if found and max(check.value for check in found) > 0:
         (most,) = first_largest(np.array([check.value for check in found]))
         yield found[most]
-
-
-@dataclass(frozen=True)
-class Ligament:
-    """Material behind a hole: mm2 in one shear plane, and the name of its other side.
-
-    direction  unit vector in the part's axes in which a force on the part tears it; None: any,
-               and `area` is then given for 72 directions from +x on, counter-clockwise; infinite
-               where nothing tears
-    """
-
-    direction: tuple[float, float] | None
-    area: tuple[float, ...]
-    until: str
 
 
 def _torn(loaded: LoadedPart, bore: str, ligament: Ligament) -> Check:
@@ -101,38 +84,19 @@ def _pull(wrench: FloatArray, ligament: Ligament) -> tuple[FloatArray, FloatArra
     return np.hypot(wrench[:, 0], wrench[:, 1]), np.array(ligament.area)[sector]
 
 
-def ligaments(part: Part, body: Mesh | SolidBody, interface: str) -> list[Ligament]:
+def ligaments(part: Part, body: Mesh | SolidBody, interface: str) -> Sequence[Ligament]:
     """Ligaments that a pin can tear out of a hole: towards the part's end, or into a slot beside.
 
-    A boss is left out of it. Of a part from CAD the ligament is looked for in all directions.
+    Of a part from CAD the ligament is looked for in all directions.
     """
-    shape = part.geometry
-    length = getattr(shape, "length", 0.0)
-    outward = (-1.0, 0.0) if interface == part.geometry.interfaces[0] else (1.0, 0.0)
-    end = f"the end at x {'< 0' if outward[0] < 0 else f'> {length:g} mm'}"
-    if isinstance(shape, ToggleBar):
-        return [Ligament(outward, (2 * shape.wall * (shape.overhang - shape.hole / 2),), end)]
-    if isinstance(shape, PlateLink):
-        hole = 2 * body.interfaces[interface].radius
-        return [Ligament(outward, (shape.thickness * (shape.width - hole) / 2,), end)]
-    if isinstance(shape, TubeRod):
-        area = ball_ligament(shape.eye_diameter, shape.eye_width, shape.hole)
-        return [Ligament(outward, (area,), end)]
-    if isinstance(shape, SlottedLever):
-        beyond = shape.width / 2 if shape.overhang is None else shape.overhang
-        inner = shape.slot_from if interface == "pivot" else shape.length - shape.slot_to
-        inward = (-outward[0], 0.0)
-        return [
-            Ligament(outward, (shape.thickness * (beyond - shape.hole / 2),), end),
-            Ligament(inward, (shape.thickness * (inner - shape.hole / 2),), "the slot"),
-        ]
-    if isinstance(shape, Plate):
-        return [_of_plate(shape, interface)]
-    if isinstance(shape, StepPart):
-        if not isinstance(body, Mesh):
-            raise TypeError("the ligaments of a CAD part are measured on its mesh")
-        return [ligament_all_round(body, interface)]
-    return []
+    plate, known = as_plate(part.geometry), part.geometry.ligaments(interface)
+    if plate is not None:
+        return [_of_plate(plate, interface)]
+    if known is not None:
+        return known
+    if not isinstance(body, Mesh):
+        raise TypeError("the ligaments of a CAD part are measured on its mesh")
+    return [ligament_all_round(body, interface)]
 
 
 def _of_plate(plate: Plate, name: str) -> Ligament:

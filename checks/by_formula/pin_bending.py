@@ -21,6 +21,7 @@ from checks.result.formulas import Value
 from checks.result.verdict import Check
 from geometry.mesh import FloatArray
 from geometry.parts import Pin
+from geometry.parts.pin import as_pin
 
 BENDING = Kind(
     name="pin bending",
@@ -59,8 +60,8 @@ _WORDS = "lugs press between their middles and evenly"
 
 def checks(loaded: LoadedPart) -> Iterator[Check]:
     """Nominal bending and shear of a pin over its stack; their sum where it is more than either."""
-    shape, wrenches = loaded.part.geometry, dict(loaded.loads.wrenches)
-    if not isinstance(shape, Pin):
+    shape, wrenches = as_pin(loaded.part.geometry), dict(loaded.loads.wrenches)
+    if shape is None:
         return
     pushed = pin_diagram(shape, wrenches, spread=False, ends_only=True)
     pressed = pin_diagram(shape, wrenches, spread=True, ends_only=True)

@@ -45,6 +45,7 @@ from checks.design.units import (
 )
 from geometry.parameters import GIVEN_BY_DESIGN
 from geometry.parts import SHAPES, Pin
+from geometry.shape import Shape
 
 
 class Claim(Table):
@@ -275,7 +276,7 @@ class PinPartEntry(PartEntry):
     stack: list[StackEntry] = Field(min_length=1, description="the lugs on the pin")
 
 
-def shape_model(name: str, shape: type[Any]) -> type[PartEntry]:
+def shape_model(name: str, shape: type[Shape]) -> type[PartEntry]:
     """Return the model of the parts of one shape, made from the shape's parameters."""
     own: dict[str, Any] = {"shape": (Literal[name], Field(description=shape.__doc__))}
     for parameter in dataclasses.fields(shape):

@@ -7,9 +7,7 @@ from typing import Any
 from checks.design.data import Part
 from checks.design.errors import Problems
 from geometry.parameters import within
-from geometry.parts import Pin
-from geometry.parts.plate import Plate
-from geometry.parts.step_part import StepPart
+from geometry.parts.pin import as_pin
 
 APART = 0.1  # mm, between where a force acts and where the model of a part has it
 _LOOSE = 1.25  # times the pin: up to here a check tells the play, beyond no pin is meant so
@@ -24,7 +22,7 @@ def check_stacks(parts: Mapping[str, Part], stated: Mapping[str, Any], problems:
     stated  the entry of each part, as the design file has it
     """
     for pin in parts.values():
-        if isinstance(pin.geometry, Pin):
+        if pin.joint is not None:
             _check_bushes(pin, problems)
             for part, interface in _carried(pin, parts):
                 _check_fit(pin, part, interface, problems)
@@ -55,19 +53,19 @@ def _check_bushes(pin: Part, problems: Problems) -> None:
 
 
 def _check_fit(pin: Part, part: Part, interface: str, problems: Problems) -> None:
-    assert isinstance(pin.geometry, Pin)
-    hole = _hole(part, interface)
+    shape, hole = as_pin(pin.geometry), part.geometry.stated_bore(interface)
+    assert shape is not None
     room = hole or float(getattr(part.geometry, "width", math.inf))
-    if pin.geometry.diameter > room * (1 + _ROUND_OFF):
+    if shape.diameter > room * (1 + _ROUND_OFF):
         problems.add(
             f"parts.{pin.name}.diameter",
-            f"a pin of {pin.geometry.diameter:g} mm cannot pass {part.name}, which has "
-            f"{room:g} mm there",
+            f"a pin of {shape.diameter:g} mm cannot pass {part.name}, which has {room:g} mm there",
         )
     index, lug = next((k, lug) for k, lug in enumerate(pin.stack) if lug.body == part.body)
-    neck = pin.geometry.diameter if lug.diameter is None else lug.diameter
+    neck = shape.diameter if lug.diameter is None else lug.diameter
     if hole is None or lug.bush is not None:
         return
+    bore = f"parts.{part.name}.{part.geometry.bore_key(interface)}"
     own = "diameter" if lug.diameter is None else f"stack[{index}].diameter"
     most = part.clearances.get(interface, (0.0, math.inf))[1]
     if hole - neck > most + _ROUND_OFF * hole and hole <= _LOOSE * neck:
@@ -75,46 +73,23 @@ def _check_fit(pin: Part, part: Part, interface: str, problems: Problems) -> Non
             f"parts.{part.name}.fits.{interface}",
             f"leaves the pin a clearance of at most {most:.3g} mm, but parts.{pin.name}.{own} of "
             f"{neck:g} mm leaves {hole - neck:.3g} mm in a hole of {hole:g} mm "
-            f"({_hole_key(part, interface)}); state one of them otherwise",
+            f"({bore}); state one of them otherwise",
         )
     if hole <= _LOOSE * neck:
         return
     problems.add(
         f"parts.{pin.name}.{own}",
         f"the pin has {neck:g} mm where parts.{part.name} has a hole of {hole:g} mm for it "
-        f"({_hole_key(part, interface)}); make them fit, or state the bush between them in "
-        f"parts.{pin.name}.stack[{index}].bush",
+        f"({bore}); make them fit, or state the "
+        f"bush between them in parts.{pin.name}.stack[{index}].bush",
     )
-
-
-def _hole(part: Part, interface: str) -> float | None:
-    """Diameter of a part's hole at an interface, mm; None where it has no round one there."""
-    shape: Any = part.geometry
-    if isinstance(shape, StepPart):
-        hole = next(hole for hole in shape.holes if hole.name == interface)
-        return float(hole.diameter) if hole.kind == "bore" else None
-    if isinstance(shape, Plate):
-        return next(bore.diameter for bore in shape.bores if bore.name == interface)
-    found: float | None = getattr(shape, _hole_field(part, interface), None)
-    return found
-
-
-def _hole_key(part: Part, interface: str) -> str:
-    """The key that states that hole."""
-    if isinstance(part.geometry, StepPart | Plate):
-        return f"parts.{part.name}.holes.{interface}.diameter"
-    return f"parts.{part.name}.{_hole_field(part, interface)}"
-
-
-def _hole_field(part: Part, interface: str) -> str:
-    second = interface == "second" and getattr(part.geometry, "second_hole", None) is not None
-    return "second_hole" if second else "hole"
 
 
 def _check_offset(pin: Part, part: Part, interface: str, problems: Problems) -> None:
     """One height of all other lugs tells the offset; of several no offset has the couple."""
-    assert isinstance(pin.geometry, Pin)
-    heights = {seat.name: seat.at if seat.single else 0.0 for seat in pin.geometry.seats}
+    shape = as_pin(pin.geometry)
+    assert shape is not None
+    heights = {seat.name: seat.at if seat.single else 0.0 for seat in shape.seats}
     own = heights.pop(str(part.body))
     # a pin hands the couple of its other lugs to the one that it is fixed in; in the rest it turns
     arms = {height - own if pin.fixed_to == part.body else 0.0 for height in heights.values()}

@@ -6,7 +6,6 @@ The two are never mixed: a key that only one of them reads is refused beside the
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import fatigue
 from checks.design.errors import Problems
@@ -14,6 +13,7 @@ from checks.design.materials import Material
 from checks.design.model import DesignFile, PartEntry
 from checks.design.names import listed, nearest
 from geometry.mesh import FloatArray
+from geometry.shape import Shape
 
 # Rz in micrometres by `surface`. The guideline states the skin's (section 4.3.1.4). For what is
 # ground and machined: the withdrawn DIN 3141, row 2 of its three and two triangles, at the rough
@@ -100,7 +100,7 @@ def ductile_groups() -> list[str]:
 
 
 def fkm_of(
-    key: str, entry: PartEntry, material: Material, geometry: Any, problems: Problems
+    key: str, entry: PartEntry, material: Material, geometry: Shape, problems: Problems
 ) -> FkmStrength | None:
     """Return what FKM's chain needs if the part asks for it; adds problems where it cannot be."""
     if entry.strength == "marin":

@@ -1,23 +1,10 @@
-"""Pin joints by formula: the ligament of an eye, stress beside its hole, a round pin's stress."""
+"""Pin joints by formula: stress beside the hole of an eye, a round pin's stress."""
 
-from math import asin, pi, sqrt
+from math import pi
 
 from geometry.mesh import FloatArray
 
 _FITTED = (0.15, 0.75)  # hole over width for which the lug factor was fitted
-
-
-def ball_ligament(ball: float, width: float, hole: float) -> float:
-    """Area, mm2, of the ligament behind the hole of an eye: a ball of diameter `ball`, cut flat.
-
-    The integral of sqrt(R^2 - z^2) - r over the eye's width.
-
-    >>> round(ball_ligament(40.0, 1e-3, 20.0) / 1e-3, 6)
-    10.0
-    """
-    radius, half = ball / 2, width / 2
-    circle = half * sqrt(radius**2 - half**2) + radius**2 * asin(half / radius)
-    return circle - width * hole / 2
 
 
 def lug_factor(hole: float, width: float) -> float | None:

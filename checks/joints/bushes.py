@@ -7,7 +7,7 @@ from checks.design.data import Part
 from checks.part.derived import Band, Series
 from checks.part.loaded_part import LoadedPart
 from checks.result.derivation import Given, Item, Step
-from geometry.parts import Pin
+from geometry.parts.pin import as_pin
 
 # A pair of lugs shares the load evenly only if nothing is out of square; ASSUMED band.
 SHARE_BAND = 0.05
@@ -40,9 +40,9 @@ class BushOnPin:
 
 def bushes_of(part: Part) -> Iterator[BushOnPin]:
     """Bushes in the stack of a pin, in its order; none of another part."""
-    shape = part.geometry
+    shape = as_pin(part.geometry)
     for entry in part.stack:
-        if entry.bush is None or not isinstance(shape, Pin):
+        if entry.bush is None or shape is None:
             continue
         yield BushOnPin(
             entry.name,

@@ -7,7 +7,7 @@ from checks.design.materials import Material
 from checks.design.model import StackEntry
 from checks.part.loaded_part import LoadedPart
 from geometry.mesh import Interface
-from geometry.parts import Pin
+from geometry.parts.pin import as_pin
 
 _ROUND = ("bore", "journal")
 
@@ -30,7 +30,7 @@ class Lug:
 def lugs_of(loaded: LoadedPart) -> list[Lug]:
     """Return the holes and journals of a part that carry a pin of the machine; none of a pin."""
     part = loaded.part
-    if isinstance(part.geometry, Pin):
+    if part.body is None:
         return []
     return [
         _lug(loaded, interface)
@@ -46,8 +46,8 @@ def _lug(loaded: LoadedPart, interface: Interface) -> Lug:
     pin = _pin_in(loaded, part.interfaces[interface.name])
     if interface.kind != "bore" or pin is None:
         return whole
-    shape, entry = pin.geometry, _entry(pin, part)
-    assert isinstance(shape, Pin)
+    shape, entry = as_pin(pin.geometry), _entry(pin, part)
+    assert shape is not None
     count = 2 if entry.at and not entry.single else 1
     if entry.bush is not None:
         return replace(whole, width=min(whole.width, count * entry.bush.length))
@@ -67,7 +67,7 @@ def _pin_in(loaded: LoadedPart, point: str) -> Part | None:
     """The part of the pin at a point of a part, if the design has it and the part a lug on it."""
     for other in loaded.design.parts.values():
         lugs = {entry.body for entry in other.stack}
-        if isinstance(other.geometry, Pin) and other.joint == point and loaded.part.body in lugs:
+        if other.joint == point and loaded.part.body in lugs:
             return other
     return None
 

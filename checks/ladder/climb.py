@@ -21,7 +21,6 @@ from checks.strength.part_strength import fatigue_use
 from checks.stress.part_model import RungLevel, RungModel
 from fem.solvers import SolverError
 from geometry.mesh import MeshError
-from geometry.parts import LeafPack
 
 AUTO, SOLID = "auto", "solid"
 GAVE_UP = "gave up"
@@ -244,11 +243,7 @@ def start_climb(loaded: LoadedPart) -> Climb:
     asked = [STATIC]
     if use is not None:
         asked.append(FATIGUE)
-    if (
-        part.body is not None
-        and not isinstance(part.geometry, LeafPack)
-        and len(loads.wrenches) > 1
-    ):
+    if part.body is not None and part.geometry.may_buckle and len(loads.wrenches) > 1:
         asked.append(BUCKLING)
     return Climb(loaded, use, tuple(asked))
 

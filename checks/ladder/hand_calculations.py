@@ -1,176 +1,129 @@
-"""Numbers a designer can do by hand, beside what the model says."""
-
-from math import pi
+"""Numbers by formula beside a solid's: of its section at mid-length, of the rung `formula`."""
 
 import numpy as np
 
-from checks.columns.stability import axial_compression
 from checks.design.data import Part
-from checks.joints.pin_diagrams import pin_diagram
-from checks.ladder.hand_bodies import leaf_hand_checks, lever_hand_checks, link_hand_checks
+from checks.models import formula
 from checks.part.first_maximum import first_largest
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import HandCheck
-from checks.stress.pins_in_bores import MIDDLE
+from checks.result.words import number
 from checks.stress.solid_mesh_level import Level
-from fem.contact.persson import persson_half_arc, persson_pressure
+from fem.recovery import von_mises
+from fem.stress_history import StressHistory
+from fem.unit_loads import ACCELERATIONS
 from geometry.mesh import FloatArray
-from geometry.parts import (
-    LeafPack,
-    Pin,
-    PlateLink,
-    PrismaticTube,
-    SlottedLever,
-    ToggleBar,
-    TubeRod,
-)
+from geometry.sections import Section
+
+_SMALL = 0.05  # share of the other nominal stress below which one is not worth a line
+_TOLD = 0.3  # of the largest stress by formula: places that have less are not told
+_OWN = "its own weight and inertia as those of an even bar"
 
 
 def hand_checks(part: Part, loads: PartLoads, level: Level) -> list[HandCheck]:
-    """Hand estimates for the shapes that have them."""
-    shape = part.geometry
-    if isinstance(shape, Pin):
-        one_sided = any(seat.single for seat in shape.seats)
-        return [(_one_sided_pin if one_sided else _pin_bending)(shape, loads, level)]
-    if isinstance(shape, LeafPack):
-        return leaf_hand_checks(shape, loads, level)
-    if isinstance(shape, PlateLink | TubeRod):
-        return link_hand_checks(shape, loads, level)
-    if isinstance(shape, SlottedLever):
-        return lever_hand_checks(shape, loads, level)
-    if not isinstance(shape, ToggleBar | PrismaticTube):
-        return []
-    force = axial_compression(part, loads)
-    (worst,) = first_largest(np.abs(force))
-    stress = level.history.at(worst)
-    checks = [_axial(shape, float(force[worst]), level, stress)]
-    if isinstance(shape, ToggleBar):
-        checks += [
-            _cheeks(shape, float(force[worst]), level, stress),
-            _bearing(shape, loads, worst, level, stress),
-        ]
+    """Return what formulas say beside a solid: of columns at mid-length, of all at named places."""
+    middle = part.geometry.length / 2
+    sections = [one for one in part.geometry.sections if _holds(one, middle)]
+    by_section = _at_mid_length(part, sections[0], loads, level) if sections else []
+    return by_section + _at_named_places(part, loads, level)
+
+
+def _holds(section: Section, place: float) -> bool:
+    return section.stretch is None or section.stretch[0] <= place <= section.stretch[1]
+
+
+def _at_mid_length(part: Part, section: Section, loads: PartLoads, level: Level) -> list[HandCheck]:
+    """Axial and bending stress, each at the position where it is largest."""
+    first, second = (loads.wrenches[name] for name in part.geometry.interfaces[:2])
+    length, height = part.geometry.length, section.depth_in_plane
+    middle, modulus = length / 2, section.inertia_in_plane / (height / 2)
+    left = _own(level, section.area, 0.0, middle, middle)
+    right = _own(level, section.area, middle, length, middle)
+    axial = (second[:, 0] + right[0] - first[:, 0] - left[0]) / 2
+    moment = (second[:, 5] + middle * second[:, 1] + right[1]) / 2
+    moment -= (first[:, 5] - middle * first[:, 1] + left[1]) / 2
+    by_axial, by_moment = np.abs(axial) / section.area, np.abs(moment) / modulus
+    checks = []
+    if by_axial.max() > _SMALL * by_moment.max():
+        (worst,) = first_largest(by_axial)
+        mean, _ = _beam_stress(level, worst, middle, height / 4)
+        said = f"F/A = {axial[worst]:.0f} N / {section.area:.1f} mm2, {_OWN}"
+        value = float(axial[worst] / section.area)
+        checks.append(HandCheck("axial stress at mid-length", value, mean, "MPa", said))
+    if by_moment.max() > _SMALL * by_axial.max():
+        (worst,) = first_largest(by_moment)
+        _, slope = _beam_stress(level, worst, middle, height / 4)
+        said = f"M h/(2 I), M = {abs(moment[worst]) / 1e3:.3g} N m, {_OWN}"
+        value, bent = float(by_moment[worst]), abs(slope) * height / 2
+        checks.append(HandCheck("bending stress at mid-length", value, bent, "MPa", said))
     return checks
 
 
-def _axial(
-    shape: ToggleBar | PrismaticTube, force: float, level: Level, stress: FloatArray
-) -> HandCheck:
-    area = shape.sections[0].area
-    near = np.abs(level.history.points[:, 0] - shape.length / 2) < 2 * shape.wall
-    return HandCheck(
-        "axial stress in the tube at mid-length",
-        force / area,
-        float(-stress[near, 0].mean()),
-        "MPa",
-        f"F/A = {force:.0f} N / {area:.1f} mm2",
-    )
+def _own(
+    level: Level, area: float, start: float, stop: float, about: float
+) -> tuple[FloatArray, FloatArray]:
+    """Force along x (n,) and moment about a place (n,) of a bar's own weight and inertia.
 
-
-def _cheeks(shape: ToggleBar, force: float, level: Level, stress: FloatArray) -> HandCheck:
-    """Gross section of the two cheeks, just behind the pin, where they carry the load alone.
-
-    The side walls take their share further on, so the model's mean over the cheeks' height, one
-    wall thickness behind the bore, lies somewhat below.
+    An even bar along x from `start` to `stop`, d'Alembert: -rho A (a_x - omega^2 x) along x and
+    -rho A (a_y + alpha x) across, with all that the model's inertia balances.
     """
-    area = 2 * shape.width * shape.wall
-    pressure = 4 * force / (pi * shape.hole * 2 * shape.wall)
-    points = level.history.points
-    half = shape.width / 2 - shape.wall
-    behind = points[:, 0] - shape.hole / 2
-    near = (behind > 0.5 * shape.wall) & (behind < 1.5 * shape.wall)
-    near &= np.abs(points[:, 2]) > half - 1e-6 * shape.width
-    strips = np.digitize(points[near, 1], np.linspace(-shape.width / 2, shape.width / 2, 9)[1:-1])
-    means = [stress[near, 0][strips == strip].mean() for strip in np.unique(strips)]
-    return HandCheck(
-        "axial stress in the cheeks, gross section; the model's mean behind the pin",
-        force / area,
-        float(-np.mean(means)),
-        "MPa",
-        f"F/A = {force:.0f} N / (2 x {shape.width:g} x {shape.wall:g} mm2); "
-        f"pressure under the pin {pressure:.0f} MPa",
-    )
+    a_x, a_y, alpha, omega2 = level.coefficients[-len(ACCELERATIONS) :]
+    even = -level.solutions.material.density * area
+    first = (stop**2 - start**2) / 2
+    along = even * (a_x * (stop - start) - omega2 * first)
+    lever = first - about * (stop - start)
+    second = (stop**3 - start**3) / 3 - about * first
+    return along, even * (a_y * lever + alpha * second)
 
 
-def _bearing(
-    shape: ToggleBar, loads: PartLoads, position: int, level: Level, stress: FloatArray
-) -> HandCheck:
-    wrench = loads.wrenches["knee"][position]
-    size = float(np.hypot(wrench[0], wrench[1]))
-    direction = wrench[:2] / size if size else np.array([1.0, 0.0])
-    radius = shape.hole / 2
-    points = level.history.points
-    on_bore = np.abs(np.hypot(points[:, 0], points[:, 1]) - radius) < 1e-3 * radius
-    under = on_bore & (points[:, :2] @ direction > 0.995 * radius)
-    radial = points[under, :2] / radius
-    pressed = (
-        stress[under, 0] * radial[:, 0] ** 2
-        + stress[under, 1] * radial[:, 1] ** 2
-        + 2 * stress[under, 3] * radial[:, 0] * radial[:, 1]
-    )
-    by_hand = 4 * size / (pi * shape.hole * 2 * shape.wall)
-    formula = f"4 F/(pi d t) = 4 x {size:.0f} N / (pi x {shape.hole:g} x {2 * shape.wall:g} mm2)"
-    if "knee" in level.solved_bores and size:
-        assert level.contact is not None
-        fit, material = level.contact.pins.fits["knee"], level.solutions.material
-        softness = sum((1 - one.poisson_ratio**2) / one.youngs_modulus for one in (fit, material))
-        parameter = fit.clearance(MIDDLE) / 2 / softness * 2 * shape.wall / size
-        factor = persson_pressure(persson_half_arc(parameter))
-        by_hand = factor * size / (radius * 2 * shape.wall)
-        said = f"contact in a wide plate at E* dR t/F = {parameter:.3g} (Persson)"
-        formula = f"{factor:.3g} F/(R t), {said}"
-    return HandCheck(
-        "largest pressure of the pin in the knee's bore",
-        by_hand,
-        float(-pressed.mean()),
-        "MPa",
-        formula,
-    )
+def _beam_stress(level: Level, position: int, place: float, window: float) -> tuple[float, float]:
+    """Axial stress, MPa, and its slope across the plane, MPa/mm, on the surface near x = place.
 
-
-def _pin_bending(shape: Pin, loads: PartLoads, level: Level) -> HandCheck:
-    """Bending at the mid-plane: every lug's force at its middle, a central lug's spread evenly."""
-    n = len(loads.labels)
-    moment = np.zeros((n, 2))
-    diameter = shape.diameter
-    for seat in shape.seats:
-        force = loads.wrenches[seat.name][:, :2]
-        arm = seat.at if seat.at else seat.width / 4
-        moment += force / 2 * arm
-        if not seat.at:
-            diameter = seat.diameter or shape.diameter
-    size = np.hypot(moment[:, 0], moment[:, 1])
-    (worst,) = first_largest(size)
-    stress = level.history.at(worst)
-    near = np.abs(level.history.points[:, 2]) < 0.06 * shape.diameter
-    return HandCheck(
-        "bending stress at the pin's mid-plane",
-        float(32 * size[worst] / (pi * diameter**3)),
-        float(stress[near, 2].max()) if near.any() else 0.0,
-        "MPa",
-        f"32 M/(pi d^3), M = {size[worst] / 1e3:.1f} N m, d = {diameter:g} mm",
-    )
-
-
-def _one_sided_pin(shape: Pin, loads: PartLoads, level: Level) -> HandCheck:
-    """Bending where it is largest, every lug pressing evenly over its width.
-
-    That is inside the lug that holds the pin, under pressures as large as the stress sought: of the
-    model it is the axial strain times E, which Hooke's law frees of them.
+    Least squares of a + b y + c z + d x + e x y over the surface points within the window. Half of
+    a part stands for both: the stress is even in z.
     """
-    diagram = pin_diagram(shape, dict(loads.wrenches), spread=True)
-    bending = diagram.bending_stress
-    worst, section = first_largest(bending)
-    place = float(diagram.places[section])
-    near = np.abs(level.history.points[:, 2] - place) < 0.06 * shape.diameter
-    stress = level.history.at(worst)[near]
-    ratio = level.solutions.material.poisson_ratio
-    fibres = np.abs(stress[:, 2] - ratio * (stress[:, 0] + stress[:, 1]))
-    size = float(np.hypot(*diagram.moment[worst, section]))
-    return HandCheck(
-        f"bending stress of the pin at z = {round(place, 2) + 0.0:g} mm",
-        float(bending[worst, section]),
-        float(fibres.max(initial=0.0)),
-        "MPa",
-        f"32 M/(pi d^3), M = {size / 1e3:.3g} N m, d = {diagram.diameter[section]:g} mm, lugs "
-        "pressing evenly over their widths; of the model E times the strain along the pin",
-    )
+    points = level.history.points
+    near = np.abs(points[:, 0] - place) < window
+    x, y, z = (points[near] - np.array([place, 0.0, 0.0])).T
+    terms = np.stack([np.ones_like(x), y, x, x * y, *([] if level.half else [z])], axis=1)
+    found = np.linalg.lstsq(terms, level.history.at(position)[near, 0], rcond=None)[0]
+    return float(found[0]), float(found[1])
+
+
+def _at_named_places(part: Part, loads: PartLoads, level: Level) -> list[HandCheck]:
+    """Von Mises stress where the rung `formula` has most of it at each of its named places.
+
+    A formula places a peak at a nominal section; the solid's is the largest at the same position on
+    the surface within a quarter of the part's height. A place that has none there is left out.
+    """
+    model = formula.model_of(part, loads)
+    if model is None or loads.is_nothing:
+        return []
+    history, checks = model.history, []
+    peaks, names = history.peaks_by_point(), np.array(model.places)
+    reach = part.geometry.stressed_section[0] / 4
+    for name in dict.fromkeys(model.places):
+        own = np.flatnonzero(names == name)
+        point = own[[int(peaks[own].argmax())]]
+        place = history.points[point[0]]
+        away = np.linalg.norm(level.history.points - _mirrored(place, level), axis=1)
+        if peaks[point[0]] < _TOLD * peaks.max() or away.min() > reach:
+            continue
+        one = StressHistory(point, place[None], history.basis[point], history.coefficients)
+        (position,) = first_largest(one.peaks_by_position()[0])
+        where = ", ".join(number(float(x) + 0.0) for x in np.round(place, 3))
+        checks.append(
+            HandCheck(
+                f"peak von Mises stress by formula: {name}",
+                float(peaks[point[0]]),
+                float(von_mises(level.history.at(position))[away <= reach].max()),
+                "MPa",
+                f"rung formula at ({where}) mm, {loads.labels[position]}; the model's largest "
+                f"within {number(reach)} mm",
+            )
+        )
+    return checks
+
+
+def _mirrored(place: FloatArray, level: Level) -> FloatArray:
+    return np.array([*place[:2], abs(place[2])]) if level.half else place

@@ -25,6 +25,7 @@ from checks.stress.stress_result import Stressed
 from fem.tie_tension import tie_tension
 from geometry.mesh import FloatArray
 from geometry.parts import LeafPack
+from geometry.parts.leaf_pack import as_leaves
 
 # Tension over compression: worth telling; and where ties pull as hard as they press.
 _GAPS, _OPEN = 0.25, 1.0
@@ -131,8 +132,8 @@ def with_leaf_checks(
 ) -> PartResult:
     """Return a pack's result with its gaps' gate and the model bands of bonded leaves."""
     part = loaded.part
-    shape = part.geometry
-    if not isinstance(shape, LeafPack) or shape.leaves == 1:
+    shape = as_leaves(part.geometry)
+    if shape is None or shape.leaves == 1:
         return result
     free = first_level(loaded, models)
     band = leaf_band(loaded, lambda other: first_level(loaded.under(other), models))
@@ -151,8 +152,8 @@ def leaf_band(
 
     level_of  the stress of leaves that slide freely under some loads, by any model
     """
-    shape = loaded.part.geometry
-    if not isinstance(shape, LeafPack) or shape.leaves == 1:
+    shape = as_leaves(loaded.part.geometry)
+    if shape is None or shape.leaves == 1:
         return LeafBand(None)
     return LeafBand(_friction(loaded, shape, level_of))
 

@@ -24,6 +24,8 @@ from fatigue import goodman
 from geometry.cad_body import Skin
 from geometry.mesh import FloatArray
 from geometry.parts import LeafPack, Pin
+from geometry.parts.leaf_pack import as_leaves
+from geometry.parts.pin import as_pin
 
 NOTE = (
     "estimate: stress of the section forces (normal force, bending, mean shear) in the part's own "
@@ -66,8 +68,9 @@ def section_fields(loaded: LoadedPart, skin: Skin, use: FatigueUse | None) -> Li
 
 def _superposition(part: Part, loads: PartLoads, skin: Skin) -> tuple[FloatArray, FloatArray]:
     """Fields (r, n, 6) and their coefficients (r, positions): as few as the forces need."""
-    if isinstance(part.geometry, Pin):
-        places, modes, coefficients = _pin_sections(part.geometry, loads)
+    pin, leaves = as_pin(part.geometry), as_leaves(part.geometry)
+    if pin is not None:
+        places, modes, coefficients = _pin_sections(pin, loads)
         along, components = 2, (ZZ, ZX, YZ)
         aside = skin.nodes[:, :2].T
     else:
@@ -76,8 +79,8 @@ def _superposition(part: Part, loads: PartLoads, skin: Skin) -> tuple[FloatArray
         modes, coefficients = _modes(sections, np.array([1.0, *depths, 1.0, 1.0]))
         along, components = 0, (XX, XY, ZX)
         aside = skin.nodes[:, 1:].T.copy()
-        if isinstance(part.geometry, LeafPack):
-            aside[0] = _from_own_leaf(part.geometry, aside[0])
+        if leaves is not None:
+            aside[0] = _from_own_leaf(leaves, aside[0])
     x = skin.nodes[:, along]
     basis = np.zeros((len(modes), len(x), 6))
     for mode, field in zip(modes, basis, strict=True):
@@ -112,9 +115,10 @@ def _bar_sections(part: Part, loads: PartLoads, skin: Skin) -> tuple[FloatArray,
     inside = np.clip(places, *np.array([low, high]) + np.array([1, -1]) * _ASIDE * (high - low))
     inside[1:-1] += _ASIDE * (high - low)
     area, y, z, about_z, about_y = sections_of(skin, inside)
-    if isinstance(part.geometry, LeafPack):
-        bar = leaf_bar(part, part.geometry, loads)
-        about_z, y = np.full_like(area, part.geometry.inertia_separate), np.zeros_like(area)
+    leaves = as_leaves(part.geometry)
+    if leaves is not None:
+        bar = leaf_bar(part, leaves, loads)
+        about_z, y = np.full_like(area, leaves.inertia_separate), np.zeros_like(area)
     else:
         centres = {one.name: float(one.centre[0]) for one in part.geometry.placed_interfaces}
         cells = (area[1:] + area[:-1]) / 2

@@ -132,7 +132,7 @@ def _data() -> Mapping[str, Any]:
 
 
 def known_band(family: str, rung: str, kind: str) -> Band | None:
-    """Band of a check for a family (families.py), whatever its proportions; None if unknown."""
+    """Band of a check for a family of solids, whatever its proportions; None if unknown."""
     entry = _data().get(family, {}).get(rung, {}).get(kind)
     if entry is None:
         return None

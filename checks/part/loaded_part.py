@@ -29,7 +29,6 @@ from geometry.cad_body import SolidBody, cad_body
 from geometry.closed_form import closed_body
 from geometry.mesh import Interface, Mesh
 from geometry.meshing import Buildable, mesh_shape
-from geometry.parts.step_part import StepPart
 
 FIRST = 0.7  # fineness of the first mesh; where the stress decides, later ones are finer
 
@@ -171,7 +170,7 @@ class LoadedPart:
     @property
     def measurable(self) -> Mesh | SolidBody:
         """The body as its ligaments are known: of one from CAD they are measured on its mesh."""
-        if isinstance(self.part.geometry, StepPart):
+        if any(self.part.geometry.ligaments(name) is None for name in self.part.interfaces):
             return self.bodies.mesh(self.part.geometry, FIRST * self.part.fineness)
         return self.solid
 

@@ -36,6 +36,7 @@ class LeafPack(Shape):
     """
 
     name: ClassVar[str] = "leaf_pack"
+    may_buckle: ClassVar[bool] = False
     interfaces: ClassVar[tuple[str, ...]] = ("pivot", "rod", "contact")
 
     length: float = a_length("distance from the pivot to the rod's pin", given_by=GIVEN_BY_LINKAGE)
@@ -108,6 +109,13 @@ class LeafPack(Shape):
         one = rectangle(self.thickness, self.width)
         pack = Sections(*(self.leaves * getattr(one, f.name) for f in fields(Sections)))
         return replace(even(pack, -self.arm, self.length), cuts=(-self.arm, 0.0, self.length))
+
+    @property
+    def bending(self) -> tuple[float, float, str]:
+        """Leaves that slide on each other."""
+        area = self.leaves * self.width * self.thickness
+        words = f"{self.leaves} leaves that slide on each other"
+        return area * self.thickness**2 / 12, area, words
 
     @property
     def proportions(self) -> Mapping[str, float]:
@@ -209,3 +217,8 @@ class LeafPack(Shape):
                 np.allclose(box[[0, 3, 1, 4]], (*x, y, y), rtol=0, atol=1e-4 * self.thickness)
             ),
         )
+
+
+def as_leaves(shape: Shape) -> LeafPack | None:
+    """Return a shape that is a leaf pack; None for another."""
+    return shape if isinstance(shape, LeafPack) else None

@@ -271,3 +271,8 @@ class Pin(Shape):
             kind == "Cylinder"
             and bool(np.allclose(box[[2, 5]], (lower, upper), rtol=0, atol=1e-4 * self.diameter))
         )
+
+
+def as_pin(shape: Shape) -> Pin | None:
+    """Return a shape that is a pin, the part of a joint; None for one of a body."""
+    return shape if isinstance(shape, Pin) else None

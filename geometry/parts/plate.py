@@ -216,6 +216,10 @@ class Plate(Shape):
         """Sizes that grade the strength of its material."""
         return (RulingSection(self.thickness),)
 
+    def bore_key(self, interface: str) -> str:
+        """Key of the part's entry that states a bore's diameter."""
+        return f"holes.{interface}.diameter"
+
     @property
     def told(self) -> tuple[str, ...]:
         """Notes on its drawing: sentences for the report."""
@@ -326,6 +330,11 @@ class Plate(Shape):
             for k in np.flatnonzero(sign * edges.bulges > 0):
                 for piece in _arcs(edges, int(k)):
                     yield *piece.box(), float(edges.radii[k])
+
+
+def as_plate(shape: Shape) -> Plate | None:
+    """Return a shape that is a plate of any outline; None for another."""
+    return shape if isinstance(shape, Plate) else None
 
 
 def _finite(radii: FloatArray) -> FloatArray:

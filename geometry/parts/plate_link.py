@@ -1,6 +1,6 @@
 """A flat link with rounded ends and a hole at each, such as a crank or a connecting rod."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar
@@ -13,7 +13,7 @@ from geometry.meshing import Body, Region
 from geometry.parameters import GIVEN_BY_LINKAGE, ParameterError, a_length, check_above, check_below
 from geometry.parts._plates import bore_at, drill, stadium
 from geometry.sections import RulingSection, Section, plate_section
-from geometry.shape import Shape
+from geometry.shape import Ligament, Shape
 
 
 @dataclass(frozen=True)
@@ -90,6 +90,16 @@ class PlateLink(Shape):
             "thickness / hole": self.thickness / min(holes),
             "length / width": self.length / self.width,
         }
+
+    def ligaments(self, interface: str) -> Sequence[Ligament]:
+        """The plate behind a hole, towards its round end."""
+        (direction, end), hole = self.outward(interface), self._holes[interface]
+        return [Ligament(direction, (self.thickness * (self.width - hole) / 2,), end)]
+
+    def bore_key(self, interface: str) -> str:
+        """The second hole has a key of its own where it is another."""
+        own = interface == "second" and self.second_hole is not None
+        return "second_hole" if own else "hole"
 
     @property
     def ruling_sections(self) -> tuple[RulingSection, ...]:

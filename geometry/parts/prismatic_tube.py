@@ -60,6 +60,11 @@ class PrismaticTube(Shape):
         return even(one, 0.0, self.length)
 
     @property
+    def clear_width(self) -> float:
+        """Clear width between the walls, mm."""
+        return self.width - 2 * self.wall
+
+    @property
     def proportions(self) -> Mapping[str, float]:
         """Width over wall and length over width."""
         return {"width / wall": self.width / self.wall, "length / width": self.length / self.width}

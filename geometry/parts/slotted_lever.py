@@ -1,6 +1,6 @@
 """A lever with a slot in which a block or pin slides, as in quick-return drives."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import pi
 from typing import Any, ClassVar
@@ -20,7 +20,7 @@ from geometry.parameters import (
 )
 from geometry.parts._plates import bore_at, drill, stadium
 from geometry.sections import RulingSection
-from geometry.shape import Shape
+from geometry.shape import Ligament, Shape
 
 
 @dataclass(frozen=True)
@@ -178,6 +178,18 @@ class SlottedLever(Shape):
             "tip's ligament / hole": far / self.hole,
             "length / width": self.length / self.width,
         }
+
+    def ligaments(self, interface: str) -> Sequence[Ligament]:
+        """The plate behind a hole and, on its other side, up to the slot; a boss is left out."""
+        direction, end = self.outward(interface)
+        inner = self.slot_from if interface == "pivot" else self.length - self.slot_to
+        behind, before = (
+            (self.thickness * (reach - self.hole / 2),) for reach in (self._beyond, inner)
+        )
+        return [
+            Ligament(direction, behind, end),
+            Ligament((-direction[0], 0.0), before, "the slot"),
+        ]
 
     @property
     def ruling_sections(self) -> tuple[RulingSection, ...]:

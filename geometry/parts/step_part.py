@@ -264,6 +264,18 @@ class StepPart(Shape):
             return self.section
         return float(self._extents[1]), min(float(self._extents[2]), 2 * self.solid.wall)
 
+    def ligaments(self, interface: str) -> None:
+        """None: they are measured on the mesh, in all directions."""
+
+    def stated_bore(self, interface: str) -> float | None:
+        """Stated diameter of a hole, mm; None for a journal."""
+        named = next(hole for hole in self.holes if hole.name == interface)
+        return named.diameter if named.kind == "bore" else None
+
+    def bore_key(self, interface: str) -> str:
+        """Key of the part's entry that states a hole's diameter."""
+        return f"holes.{interface}.diameter"
+
     @property
     def told(self) -> tuple[str, ...]:
         """Notes on the reading of the file: sentences for the report."""

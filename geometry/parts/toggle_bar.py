@@ -1,6 +1,6 @@
 """A toggle bar: square tube with a hole through both cheeks at each end, cut open at the knee."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any, ClassVar
@@ -20,7 +20,7 @@ from geometry.parameters import (
 )
 from geometry.parts._solids import square_tube
 from geometry.sections import RulingSection, Section, plate_pair_section, square_tube_section
-from geometry.shape import Shape
+from geometry.shape import Ligament, Shape
 
 
 @dataclass(frozen=True)
@@ -159,6 +159,16 @@ class ToggleBar(Shape):
             "hole to the cut-out's end / width": (free - self.hole / 2) / self.width,
             "length / width": self.length / self.width,
         }
+
+    def ligaments(self, interface: str) -> Sequence[Ligament]:
+        """Both cheeks behind a hole."""
+        direction, end = self.outward(interface)
+        return [Ligament(direction, (2 * self.wall * (self.overhang - self.hole / 2),), end)]
+
+    @property
+    def cheeks_at(self) -> float:
+        """Height +-z of the middles of the cheeks, mm."""
+        return (self.width - self.wall) / 2
 
     @property
     def ruling_sections(self) -> tuple[RulingSection, ...]:

@@ -1,8 +1,8 @@
 """A long round rod, hollow or solid, with an eye at each end."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import hypot, pi, sqrt
+from math import asin, hypot, pi, sqrt
 from typing import Any, ClassVar
 
 import numpy as np
@@ -22,9 +22,22 @@ from geometry.parameters import (
 from geometry.parts._outline import Outline
 from geometry.parts._plates import bore_at, drill
 from geometry.sections import RulingSection, Section, round_tube_section
-from geometry.shape import Shape
+from geometry.shape import Ligament, Shape
 
 _ANGLES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
+
+
+def ball_ligament(ball: float, width: float, hole: float) -> float:
+    """Area, mm2, of the ligament behind the hole of an eye: a ball of diameter `ball`, cut flat.
+
+    The integral of sqrt(R^2 - z^2) - r over the eye's width.
+
+    >>> round(ball_ligament(40.0, 1e-3, 20.0) / 1e-3, 6)
+    10.0
+    """
+    radius, half = ball / 2, width / 2
+    circle = half * sqrt(radius**2 - half**2) + radius**2 * asin(half / radius)
+    return circle - width * hole / 2
 
 
 @dataclass(frozen=True)
@@ -205,6 +218,16 @@ class TubeRod(Shape):
             "fillet / tube": self.fillet / self.tube_diameter,
             "length / eye": self.length / self.eye_diameter,
         }
+
+    @property
+    def ligament(self) -> float:
+        """Area of the eye behind its hole, mm2."""
+        return ball_ligament(self.eye_diameter, self.eye_width, self.hole)
+
+    def ligaments(self, interface: str) -> Sequence[Ligament]:
+        """The eye behind a hole: a ball cut flat."""
+        direction, end = self.outward(interface)
+        return [Ligament(direction, (self.ligament,), end)]
 
     @property
     def ruling_sections(self) -> tuple[RulingSection, ...]:

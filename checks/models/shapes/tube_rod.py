@@ -6,7 +6,6 @@ from checks.design.data import Part
 from checks.handbook.bar_forces import BarLoads
 from checks.handbook.lug_outlines import mirrored, round_outline
 from checks.handbook.lug_stress import Lug
-from checks.handbook.lugs import ball_ligament
 from checks.handbook.notch_factors import stepped_shaft
 from checks.handbook.pin_loaded_hole import ComplexArray, pin_loaded_hole
 from checks.models.formula_bars import (
@@ -39,7 +38,7 @@ def stress(part: Part, shape: TubeRod, loads: PartLoads) -> RungModel | None:
     mass = _stretches(shape)
     bar = bar_loads(part, loads, places, mass)
     points = Points(len(loads.accelerations))
-    ligament = ball_ligament(shape.eye_diameter, shape.eye_width, shape.hole) / shape.eye_width
+    ligament = shape.ligament / shape.eye_width
     radius = shape.hole / 2 + ligament
     outline = round_outline(radius, min(shape.tube_diameter / 2, 0.95 * radius))
     hole = pin_loaded_hole(shape.hole / 2, outline, part.material.poisson_ratio)

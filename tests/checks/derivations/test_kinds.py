@@ -20,6 +20,7 @@ from checks.result.derivation import Bars, Derivation, Given, Section, Step
 from checks.result.verdict import Status
 from checks.stress.error_bars import Bars as SolidBars
 from fem.convergence import ErrorBar, discretisation_error
+from geometry.parts import Pin, Seat
 from reports.charts.buckling import column_curves
 
 from ...small_machine import PLATE, machine
@@ -263,7 +264,8 @@ def test_a_bar_of_another_shape_is_compared_with_euler_in_words(tmp_path):
     result = result_of(tmp_path, PLATE)
     (check,) = result.linkage
     assert check.derivation.compared
-    shape = SimpleNamespace(body="rod", geometry=SimpleNamespace(length=1.0))
+    pin = Pin(seats=(Seat("lug", width=10.0),), diameter=10.0)
+    shape = SimpleNamespace(body="rod", geometry=pin)
     mode = SimpleNamespace(body="rod", effective_length=2.0, compression=3.0)
     compared, notes = buckling._alone(SimpleNamespace(parts={"rod": shape}), mode, 0.5)
     assert compared == ()

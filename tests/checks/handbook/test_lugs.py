@@ -5,12 +5,12 @@ import pytest
 from numpy.testing import assert_allclose
 
 from checks.handbook.lugs import (
-    ball_ligament,
     lug_factor,
     round_bending,
     round_shear,
     round_torsion,
 )
+from geometry.parts.tube_rod import ball_ligament
 
 
 def test_the_ligament_of_an_eye_is_the_area_between_its_circle_and_the_hole():

@@ -280,11 +280,12 @@ def test_auto_tries_the_formula_tells_that_it_has_no_bar_and_goes_on_to_the_soli
     assert state.open == ["static", "fatigue", "buckling"]
 
 
-def test_asked_for_a_rung_that_has_no_model_of_it_the_solid_stands_for_it(started):
+def test_asked_for_a_beam_that_it_has_not_the_formula_stands_for_it_and_says_so(started):
     state = started()
-    assert climb_cheap(state, "beam")
-    assert state.tried[0].rung == "beam"
+    assert not climb_cheap(state, "beam")
+    assert [rung.rung for rung in state.tried] == ["beam", "formula"]
     assert state.tried[0].why == "there is no beam of this shape"
+    assert {one.check.method for one in state.best.values()} == {"formula"}
 
 
 def test_by_formula_alone_values_that_pass_leave_the_verdict_open(tmp_path, capsys, monkeypatch):
