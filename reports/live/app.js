@@ -55,9 +55,9 @@ const liveView = (root) => {
       Object.entries(section.maps).map(([name, text]) => [name, bytesOf(text)])),
     shown: { // what the reader chose; map "": the field's own
       tab: section.first, field: section.shown?.field ?? "mises", map: "", bands: false, own: false,
-      deformed: false, forces: true, factor: 0,
+      shared: false, deformed: false, forces: true, factor: 0,
     },
-    drawn: [], field: null, range: null, worst: null, held: null, pointer: null, empty: "",
+    heads, drawn: [], field: null, range: null, worst: null, held: null, pointer: null, empty: "",
     marker: null, probe: null, told: "", unmoved: "", // why there is no motion though the page has one
     isReady: () => page.dataset.live === "ready",
     isLinkage: () => view.shown.tab === LINKAGE,
@@ -255,7 +255,7 @@ const liveView = (root) => {
     update();
   };
   const on = {
-    ...Object.fromEntries(["field", "bands", "own", "deformed", "forces", "factor"]
+    ...Object.fromEntries(["field", "bands", "own", "shared", "deformed", "forces", "factor"]
       .map((name) => [name, choose(name)])),
     map: (value) => choose("map")(["signed", "use"].includes(value) ? "" : value),
     orbit: (dx, dy) => picture.moved((camera) => camera.orbit(dx, dy)),

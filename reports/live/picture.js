@@ -34,10 +34,12 @@ const useTable = (most) => {
 };
 
 // Which values the colours stand for: {from, to, table, bands, title}, or null without a field.
-const rangeOf = ({ drawn, field, shown, section, tables }, unit) => {
+const rangeOf = ({ drawn, field, shown, section, tables, heads }, unit) => {
   const found = drawn.map((body) => body.found).filter(Boolean);
   if (!found.length) return null;
-  const ends = found.map((f) => (shown.own ? [f.min, f.max] : [f.from, f.to]));
+  const scales = shown.shared ? heads.map((head) => head.scale?.[field]).filter(Boolean) : found;
+  const ends = shown.own && !shown.shared ? found.map((f) => [f.min, f.max])
+    : scales.map((scale) => [scale.from, scale.to]);
   let from = Math.min(...ends.map((pair) => pair[0]));
   let to = Math.max(...ends.map((pair) => pair[1]));
   const signed = SIGNED.includes(field);

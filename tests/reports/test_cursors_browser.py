@@ -41,7 +41,13 @@ def page_text():
     ]  # fmt: skip
     sources = [
         files("reports").joinpath(path).read_text(encoding="utf-8")
-        for path in ("live/data.js", "live/numbers.js", "live/positions.js", "scripts/cursors.js")
+        for path in (
+            "live/data.js",
+            "live/numbers.js",
+            "live/positions.js",
+            "scripts/cursors.js",
+            "scripts/hover.js",
+        )
     ]
     return (
         environment()
@@ -179,3 +185,30 @@ def test_a_phone_shows_whole_charts(tmp_path, opened):
     assert widths[0] <= widths[1]
     box = page.locator("figure.haigh .picture > svg").bounding_box()
     assert box["width"] <= 344
+
+
+def test_values_under_the_pointer_are_told_in_every_chart(charts):
+    """In the middle of a frame they are the middle of its axes, as the picture states them."""
+    svgs = charts.locator("figure.chart svg[data-frames]")
+    assert svgs.count() == charts.locator("figure.chart .picture > svg").count() > 3
+    told = svgs.evaluate_all(
+        """(all) => all.map((svg) => {
+          const [left, top, width, height, x0, x1, y0, y1] =
+            svg.dataset.frames.split(";")[0].split(" ").map(Number);
+          const log = svg.dataset.frames.split(";")[0].split(" ")[8];
+          const at = new DOMPoint(left + width / 2, top + height / 2)
+            .matrixTransform(svg.getScreenCTM());
+          svg.dispatchEvent(new PointerEvent("pointermove", { clientX: at.x, clientY: at.y }));
+          const text = svg.querySelector(".under-pointer")?.textContent ?? "";
+          svg.dispatchEvent(new PointerEvent("pointerleave"));
+          return [text, x0, x1, y0, y1, log, svg.querySelector(".under-pointer") === null];
+        })"""
+    )
+    for text, x0, x1, y0, y1, log, gone in told:
+        x, y = (float(part) for part in text.replace("−", "-").split(";"))
+        middle = [(x0 * x1) ** 0.5 if "x" in log else (x0 + x1) / 2]
+        middle += [(y0 * y1) ** 0.5 if "y" in log else (y0 + y1) / 2]
+        spans = [x if "x" in log else x1 - x0, y if "y" in log else y1 - y0]
+        assert abs(x - middle[0]) <= 5e-3 * abs(spans[0])
+        assert abs(y - middle[1]) <= 5e-3 * abs(spans[1])
+        assert gone

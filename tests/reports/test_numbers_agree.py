@@ -7,6 +7,8 @@ from html import unescape
 from io import StringIO
 from pathlib import Path
 
+import meshio
+import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 
@@ -16,11 +18,13 @@ from ballesta.batches.results import csv_text, result_rows
 from ballesta.design.read import read_design
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort
-from checks.result.verdict import Check, check_ids
+from checks.result.verdict import NOT_MESHED, Check, check_ids
 from checks.result.words import need_text, number, safety_text, utilisation_text, value_and_bars
 from reports import read_json, write_json, write_report
+from reports.files import write_vtu
 from reports.result_schema import result_schema
 from reports.terminal import verdict_text
+from tests.small_machine import PLATE, machine
 
 from . import results
 
@@ -100,6 +104,29 @@ def test_a_design_has_the_same_numbers_wherever_they_are_read(design, tmp_path, 
     for row, check in zip(csv.DictReader(StringIO(table)), checks, strict=True):
         for name in NUMBERS:  # every digit: ==
             assert float(row[name]) == (float("inf") if check[name] is None else check[name])
+    for part in result.parts:
+        assert_peaks_of_vtu(part, tmp_path / "part.vtu")
+
+
+def assert_peaks_of_vtu(part, file):
+    """The fields of a part's .vtu are largest where its checks say, or it has none: round-off."""
+    write_vtu(part, file)
+    found = {name: np.abs(values).max() for name, values in meshio.read(file).point_data.items()}
+    checks = {check.kind: check for check in reversed(part.checks)}  # the first of each kind
+    if NOT_MESHED in found:
+        assert found == {NOT_MESHED: 0.0}
+        return 0
+    static, fatigue = checks["static"], checks["fatigue"]
+    assert found["von Mises [MPa]"] == pytest.approx(static.value, rel=1e-12)
+    assert found["1 / fatigue safety"] == pytest.approx(1 / fatigue.safety, rel=1e-12)
+    return len(found)
+
+
+def test_a_vtu_of_a_solid_has_the_values_of_its_checks(tmp_path):
+    """The small machine's link: stress of one mesh, by the solid that judges."""
+    design = machine(tmp_path, PLATE.replace("fineness = 0.5", "fineness = 0.4"), "accuracy=0.2")
+    (part,) = check_design(design, effort=Effort("solid")).parts
+    assert assert_peaks_of_vtu(part, tmp_path / "rod.vtu") >= 4
 
 
 @pytest.mark.parametrize(

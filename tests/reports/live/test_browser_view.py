@@ -52,6 +52,24 @@ def test_the_peak_is_the_solvers_at_every_third_position(viewed, index, part):
         )
 
 
+def test_on_request_all_parts_share_a_scale(viewed):
+    page = viewed().page
+    ends = []
+    for index in (0, 1):
+        page.locator(f"#live-tab-{index}").click()
+        settle(page)
+        ends.append(page.evaluate("ballesta.live.range.to"))
+    assert ends[0] != ends[1]
+    role(page, "shared").check()
+    for index in (0, 1):
+        page.locator(f"#live-tab-{index}").click()
+        settle(page)
+        assert page.evaluate("ballesta.live.range.to") == max(ends)
+    role(page, "shared").uncheck()
+    settle(page)
+    assert page.evaluate("ballesta.live.range.to") == ends[1]
+
+
 def test_keys_on_the_slider_change_picture_number_and_position(viewed):
     page = viewed().page
     page.evaluate("() => { ballesta.onPosition((state) => { window.last = state; }); }")
