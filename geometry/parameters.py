@@ -37,6 +37,11 @@ def a_length(meaning: str, *, default: Any = MISSING, given_by: str = GIVEN_BY_D
     )
 
 
+def a_force(meaning: str, *, default: Any = MISSING) -> Any:
+    """Declare a force in N; `default` makes it optional."""
+    return _of_design("force", meaning, default)
+
+
 def a_number(meaning: str, *, default: Any = MISSING) -> Any:
     """Declare a plain number, without a unit; `default` makes it optional."""
     return _of_design("number", meaning, default)

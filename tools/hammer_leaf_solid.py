@@ -24,7 +24,6 @@ from hammer_leaf import (
 )
 
 import fatigue
-from checks.ladder.leaf_checks import with_leaf_checks
 from checks.ladder.solid import check_solid
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads, loads_on
@@ -156,14 +155,13 @@ def statics_rows(section: float) -> Iterator[tuple[Condition, list[float]]]:
 
 
 def check(condition: Condition, material: str) -> dict[str, Check]:
-    """Return ballesta's stress checks of the leaves, by kind, for one condition as the duty."""
+    """Return ballesta's stress checks of sliding leaves, by kind, for one condition as the duty."""
     changes = (*MATERIALS.get(material, ()), f"duty.cycles={{{condition.cycle}=1e7}}")
     stated = design(DESIGN, changes)
     leaves = stated.parts["leaves"]
     cycles = {condition.cycle: run(DESIGN, condition.cycle)}
     loads = loads_on(stated, leaves, cycles)
     result = check_solid(LoadedPart(stated, leaves, loads), MODELS)
-    result = with_leaf_checks(LoadedPart(stated, leaves, loads, cycles), result, MODELS)
     return {found.kind: found for found in result.checks if found.kind in ("static", "fatigue")}
 
 
@@ -205,19 +203,16 @@ def statics_table(section: float) -> str:
 def verdict_row(condition: Condition, material: str) -> list[float]:
     """Return Goodman's safeties: nominal, solid, if fretting acts at the edge only; yield safeties.
 
-    And the solid's safeties with bonded leaves and its numerical error in %.
+    And the solid's numerical error in %.
     """
     leaves, leaf = part(material), nominal(condition)
     ultimate, yielding = leaves.material.ultimate_stress, leaves.material.yield_stress
     found = check(condition, material)
     bar = found["fatigue"]
-    # the band reaches up to the bonded leaves where they are worse, else down to them
-    bonded = bar.value + bar.model if bar.model else bar.value - bar.below
     return [
         leaf.goodman(leaf_limit(leaves).value, ultimate),
         bar.safety,
         edge_safety(condition, material),
-        bar.limit / bonded,
         100 * bar.numerical / bar.value,
         leaf.langer(yielding),
         found["static"].safety,
@@ -226,13 +221,13 @@ def verdict_row(condition: Condition, material: str) -> list[float]:
 
 def verdict_table(material: str, conditions: Sequence[Condition] = CONDITIONS) -> str:
     """Return the nominal safeties and the solid's for conditions in one material."""
-    head = ["Condition", "Nominal", "Solid", "Fretting at the edges only", "Bonded leaves"]
+    head = ["Condition", "Nominal", "Solid", "Fretting at the edges only"]
     head += ["Numerical error", "Yield, nominal", "Yield, solid"]
     rows = []
     for condition in conditions:
         row = verdict_row(condition, material)
         cells = [f"{value:.2f}" for value in row]
-        cells[4] = f"{row[4]:.1f} %"
+        cells[3] = f"{row[3]:.1f} %"
         rows.append([condition.words, *cells])
     return table(head, rows)
 

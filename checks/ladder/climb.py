@@ -102,7 +102,7 @@ class Climb:
             self.skip(rung, f"there is no {rung} of this shape")
             return False
         level = rung_level(self.loaded, model)
-        leaves = leaf_band(self.loaded, self._again(rung))
+        leaves = leaf_band(self.loaded)
         doubts = load_bars(self.loads, self._values(rung))
 
         def band(check: Check) -> Check:

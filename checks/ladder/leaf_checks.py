@@ -1,29 +1,25 @@
-"""A leaf pack between its two bounds: leaves that slide on each other freely, and glued together.
+"""A leaf pack with friction between its leaves, beside leaves that slide on each other freely.
 
-The model's leaves slide without friction: the pack has n times the stiffness of one leaf. Friction
-between them stiffens it, at the most as far as a bonded pack, n^3 times: n^2 times stiffer, and
-under an equal bending moment with 1/n of the stress, M (n t/2) / (n^3 I) against M (t/2) / (n I).
-Where a deflection is imposed the moment is n^2 times as large, and so the stress n times.
+The model's leaves slide without friction: the pack has n times the stiffness of one leaf. What
+friction and preload make of forces and stresses is solved on beams that press and rub on each other
+(`checks.ladder.leaf_friction`) and is a band around the value of leaves that slide.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import inf, isfinite
 
-import numpy as np
-
 import loads
 from checks.design.data import Part
+from checks.ladder.leaf_friction import Rubbed, rubbed
 from checks.ladder.levels import first_level
 from checks.part.derived import VALUE, at_value
 from checks.part.loaded_part import LoadedPart
-from checks.part.part_loads import PartLoads, loads_on
 from checks.result.derivation import Derivation, Given, Item, Step
 from checks.result.verdict import Check, Gate, PartResult
 from checks.stress.solid_mesh_level import Level, Models
-from checks.stress.stress_result import Stressed
+from fem.contact.condensed import ALLOWED, ContactError
 from fem.tie_tension import tie_tension
-from geometry.mesh import FloatArray
 from geometry.parts import LeafPack
 from geometry.parts.leaf_pack import as_leaves
 
@@ -31,10 +27,9 @@ from geometry.parts.leaf_pack import as_leaves
 _GAPS, _OPEN = 0.25, 1.0
 _INDEX = {"static": 0, "fatigue": 1}  # of the checks that friction widens
 WIDER = "Wider by friction between the leaves"  # the title of their section
-_WIDENED = "friction between the leaves, from sliding to bonded, makes it wider"
-_AGAIN = "solved once more"
+_WIDENED = "friction between the leaves makes it wider"
+_AGAIN = "solved by contact with friction"
 
-_Compliance = loads.BeamCompliance | loads.MatrixCompliance | loads.JointCompliance
 Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
 
 
@@ -42,8 +37,8 @@ Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
 class Friction:
     """Stresses of a pack with friction between its leaves over those of leaves that slide freely.
 
-    most, least  (static, fatigue)  of the bonded pack, infinite if unknown; at the least with any
-                 friction
+    most, least  (static, fatigue)  at the most and the least, of what the design leaves open;
+                 infinite if unknown
     words        how they were found
     """
 
@@ -56,7 +51,7 @@ class Friction:
         most = self.most[_INDEX[kind]]
         if not 1 < most < inf:
             return []
-        said = f"stress of the bonded pack over that of leaves that slide: {self.words}"
+        said = f"most stress with friction over that of leaves that slide: {self.words}"
         return [
             Given("f_up", said, most, "", _AGAIN),
             Step("w_up", "friction adds above", f"(f_up - 1)*{value}", unit),
@@ -67,7 +62,7 @@ class Friction:
         least = self.least[_INDEX[kind]]
         if not least < 1:
             return []
-        said = f"least stress with any friction over that of leaves that slide: {self.words}"
+        said = f"least stress with friction over that of leaves that slide: {self.words}"
         return [
             Given("f_lo", said, least, "", _AGAIN),
             Step("w_lo", "friction adds below", f"(1 - f_lo)*{value}", unit),
@@ -86,9 +81,11 @@ class LeafBand:
         if friction is None or kind not in _INDEX:
             return check
         most, least = friction.most[_INDEX[kind]], friction.least[_INDEX[kind]]
-        told = f"bonded {most * check.value:.4g} MPa" if isfinite(most) else "bonded: unknown"
-        if least < min(1.0, most):
-            told += f", with less friction {least * check.value:.4g} MPa or more"
+        told = (
+            f"with friction {least * check.value:.4g} to {most * check.value:.4g} MPa"
+            if isfinite(most)
+            else "with friction: unknown"
+        )
         above = friction.above(kind, VALUE, check.unit)
         below = friction.below(kind, VALUE, check.unit)
         more = (at_value(check, above) if above else 0.0) if isfinite(most) else inf
@@ -109,7 +106,7 @@ class LeafBand:
         above = friction.above(kind, value, check.unit) if isfinite(check.model) else []
         below = friction.below(kind, value, check.unit) if isfinite(check.below) else []
         if not isfinite(friction.most[_INDEX[kind]]):
-            words = _joined(bars.words, f"bonded: unknown, {friction.words}")
+            words = _joined(bars.words, f"with friction: unknown, {friction.words}")
             bars = replace(bars, above="", words=words)
         if above:
             bars = replace(bars, above=f"{bars.above} w_up".strip())
@@ -130,32 +127,84 @@ def with_leaf_checks(
     result: PartResult,
     models: Models,
 ) -> PartResult:
-    """Return a pack's result with its gaps' gate and the model bands of bonded leaves."""
+    """Return a pack's result with its gates and the model bands of friction between leaves."""
     part = loaded.part
     shape = as_leaves(part.geometry)
     if shape is None or shape.leaves == 1:
         return result
     free = first_level(loaded, models)
-    band = leaf_band(loaded, lambda other: first_level(loaded.under(other), models))
+    band = leaf_band(loaded)
     return replace(
         result,
         checks=[_told(band, check, band(check)) for check in result.checks],
-        gates=[*result.gates, gap_gate(part, shape, free)],
+        gates=[*result.gates, gap_gate(part, shape, free), *friction_gates(loaded)],
+        facts={**result.facts, **friction_facts(loaded)},
     )
 
 
-def leaf_band(
-    loaded: LoadedPart,
-    level_of: Callable[[PartLoads], Stressed],
-) -> LeafBand:
-    """Widening of a pack's stress checks by the friction between its leaves.
-
-    level_of  the stress of leaves that slide freely under some loads, by any model
-    """
-    shape = as_leaves(loaded.part.geometry)
-    if shape is None or shape.leaves == 1:
+def leaf_band(loaded: LoadedPart) -> LeafBand:
+    """Widening of a pack's stress checks by the friction between its leaves."""
+    if not _rubs(loaded):
         return LeafBand(None)
-    return LeafBand(_friction(loaded, shape, level_of))
+    found = _tried(loaded)
+    if isinstance(found, str):
+        return LeafBand(Friction((inf, inf), (0.0, 0.0), found))
+    cases = "; ".join(
+        f"{case.words}: {static:.3f} static, {fatigue:.3f} fatigue"
+        for case, static, fatigue in zip(found.cases, found.static, found.fatigue, strict=True)
+    )
+    return LeafBand(
+        Friction(
+            (max(found.static), max(found.fatigue)),
+            (min(found.static), min(found.fatigue)),
+            f"contact and friction of leaves as beams, {cases}",
+        )
+    )
+
+
+def _rubs(loaded: LoadedPart) -> bool:
+    shape = as_leaves(loaded.part.geometry)
+    return shape is not None and shape.leaves > 1 and not loaded.loads.is_nothing
+
+
+def _tried(loaded: LoadedPart) -> Rubbed | str:
+    """Stresses of the pack with friction, or why they are not known."""
+    try:
+        return rubbed(loaded)
+    except (ContactError, loads.LinkageError) as error:
+        return f"it cannot be solved: {error}"
+
+
+def friction_gates(loaded: LoadedPart) -> list[Gate]:
+    """Whether contact and friction between leaves were solved; none for other parts."""
+    found = _tried(loaded) if _rubs(loaded) else ""
+    if isinstance(found, str):
+        return []
+    return [
+        Gate(
+            f"{loaded.name}: contact between leaves",
+            found.missed,
+            ALLOWED,
+            "largest of the leaves' forces out of equilibrium and of what contact and friction "
+            "miss of their laws, over the largest force between leaves or load",
+        )
+    ]
+
+
+def friction_facts(loaded: LoadedPart) -> dict[str, float | str]:
+    """Forces of contacts on a pack with friction between its leaves; none for other parts."""
+    found = _tried(loaded) if _rubs(loaded) else ""
+    if isinstance(found, str) or not any(force for force, _ in found.forces):
+        return {}
+    told = "; ".join(
+        f"{case.words}: {force:.4g}"
+        for case, (_, force) in zip(found.cases, found.forces, strict=True)
+    )
+    sliding = max(force for force, _ in found.forces)
+    return {
+        "largest contact force by friction between leaves [N]": f"leaves that slide {sliding:.4g}; "
+        f"{told}; over {', '.join(found.cycles)}"
+    }
 
 
 def _told(band: LeafBand, free: Check, widened: Check) -> Check:
@@ -194,94 +243,3 @@ def gap_gate(part: Part, shape: LeafPack, level: Level) -> Gate:
         f"depends on it above {_OPEN:g}",
         binding=share > _OPEN,
     )
-
-
-def _friction(
-    loaded: LoadedPart,
-    shape: LeafPack,
-    level_of: Callable[[PartLoads], Stressed],
-) -> Friction:
-    """Stress of a bonded pack under its own loads, and the least of any pack between.
-
-    With friction every position's stress is between both packs'. Some fall and some grow, so the
-    least comes from a history made of the smaller one at every position.
-    """
-    part, part_loads = loaded.part, loaded.loads
-    count = shape.leaves
-    stiffer = [
-        name
-        for name, cycle in loaded.runs.items()
-        if isinstance(cycle, loads.CycleLoads) and _gives(part, cycle)
-    ]
-    relieved = (1 / count, 1 / count)
-    if not stiffer:
-        words = f"forces are imposed on it, so a bonded pack has 1/{count} of the stress"
-        return Friction(relieved, relieved, words)
-    try:
-        other = dict(loaded.runs) | {name: _stiffened(loaded, name, count**2) for name in stiffer}
-        other_loads = loads_on(loaded.design, part, other)
-        free, again = level_of(part_loads), level_of(other_loads)
-    except loads.LinkageError as error:
-        words = f"a bonded pack's loads cannot be found: {error}"
-        return Friction((inf, inf), relieved, words)
-    share = np.ones(len(part_loads.labels))
-    for name, columns in part_loads.cycles.items():
-        own, bonded = free.peaks_by_position[columns], again.peaks_by_position
-        bonded = bonded[other_loads.cycles[name]] / count
-        if name in stiffer:
-            times, other_times = loaded.runs[name].times, other[name].times
-            assert times is not None
-            assert other_times is not None
-            bonded = np.interp(times, other_times, bonded)
-        share[columns] = np.minimum(1.0, bonded / np.where(own > 0, own, 1.0))
-    least = level_of(_weakened(part_loads, share))
-    return Friction(
-        _ratios(again, free, 1 / count),
-        _ratios(least, free),
-        f"contacts impose a deflection on it in {', '.join(stiffer)}, solved again with {count**2} "
-        "times its bending stiffness",
-    )
-
-
-def _ratios(level: Stressed, free: Stressed, factor: float = 1.0) -> tuple[float, float]:
-    """Static and fatigue stress of a level over those of another; the static for no fatigue."""
-    static = factor * level.peak.value / free.peak.value if free.peak.value else 1.0
-    if free.fatigue is None or level.fatigue is None or not free.fatigue.value:
-        return static, static
-    return static, factor * level.fatigue.value / free.fatigue.value
-
-
-def _weakened(part_loads: PartLoads, share: FloatArray) -> PartLoads:
-    """The same loads times a share (n,) of their own at every position."""
-    return replace(
-        part_loads,
-        wrenches={name: share[:, None] * w for name, w in part_loads.wrenches.items()},
-        accelerations=share[:, None] * part_loads.accelerations,
-    )
-
-
-def _gives(part: Part, cycle: loads.CycleLoads) -> bool:
-    """True if the part's body gives way in front of a contact of the cycle."""
-    return bool(cycle.touches) and any(
-        isinstance(entry, loads.BeamCompliance | loads.MatrixCompliance) and entry.body == part.body
-        for entry in cycle.linkage.compliance
-    )
-
-
-def _stiffened(loaded: LoadedPart, name: str, factor: float) -> loads.CycleLoads:
-    """Solve a cycle again with a body that bends `factor` times less."""
-    cycle = loaded.runs[name]
-    assert isinstance(cycle, loads.CycleLoads)
-
-    def stiffer(entry: _Compliance) -> _Compliance:
-        if isinstance(entry, loads.JointCompliance) or entry.body != loaded.part.body:
-            return entry
-        if isinstance(entry, loads.MatrixCompliance):
-            return replace(entry, matrix=entry.matrix / factor)
-        bending = None if entry.bending is None else factor * entry.bending
-        return replace(entry, bending=bending)
-
-    linkage = replace(
-        cycle.linkage, compliance=tuple(stiffer(entry) for entry in cycle.linkage.compliance)
-    )
-    return loads.run_cycle(linkage, loaded.design.cycles[name].run)

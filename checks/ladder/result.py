@@ -11,8 +11,13 @@ from checks import by_formula
 from checks.derivations.proven import with_derivation
 from checks.ladder.chart_data import charts_of
 from checks.ladder.climb import SOLID, Climb, answered
-from checks.ladder.leaf_checks import leaf_band, with_leaf_checks
-from checks.ladder.levels import Asked, Say, first_level, first_of
+from checks.ladder.leaf_checks import (
+    friction_facts,
+    friction_gates,
+    leaf_band,
+    with_leaf_checks,
+)
+from checks.ladder.levels import Asked, Say, first_of
 from checks.ladder.part_facts import SMALL_DISPLACEMENT, facts_of
 from checks.ladder.section_fields import section_fields
 from checks.ladder.solid import RESCALED, check_solid
@@ -41,7 +46,8 @@ def cheap_result(climb: Climb, models: Models, *, live: bool = False) -> PartRes
     size = body.size
     facts = facts_of(part, loads, mass, size, endurance_of(part))
     facts |= by_formula.facts(loaded)
-    gates = rung_gates(climb, level, size)
+    facts |= friction_facts(loaded)
+    gates = [*rung_gates(climb, level, size), *friction_gates(loaded)]
     peak = None
     if climb.use is not None:
         peak = climb.use.worst(level)
@@ -129,7 +135,7 @@ def solid_result(
     loaded = climb.loaded
     start = perf_counter()
     kinds = frozenset(climb.asked if everything else climb.open)
-    enough, settling = _by_verdict(climb, models)
+    enough, settling = _by_verdict(climb)
     asked = Asked(kinds | frozenset([STATIC, FATIGUE, BUCKLING])) if everything else Asked(
         kinds,
         modes=False,
@@ -173,13 +179,10 @@ def _buckling_doubted(climb: Climb, check: Check) -> Check:
 
 
 def _by_verdict(
-    climb: Climb, models: Models
+    climb: Climb,
 ) -> tuple[Callable[[Sequence[Check]], str], Callable[[Sequence[Check], float], float]]:
     """Why no finer mesh is needed, and what a finer one must leave of the bars, by checks."""
-    band = leaf_band(
-        climb.loaded,
-        lambda loads: first_level(climb.loaded.under(loads), models),
-    )
+    band = leaf_band(climb.loaded)
 
     def enough(checks: Sequence[Check]) -> str:
         estimates = [Estimate(band(check)) for check in checks]

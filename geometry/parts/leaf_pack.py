@@ -13,6 +13,7 @@ from geometry.parameters import (
     GIVEN_BY_LINKAGE,
     ParameterError,
     a_count,
+    a_force,
     a_length,
     a_number,
     check_above,
@@ -53,6 +54,19 @@ class LeafPack(Shape):
     clamp_factor: float = a_number(
         "fatigue notch factor of the fretting at the clamp's edges, about 1.2 to 1.8", default=1.3
     )
+    friction: float | None = a_number(
+        "coefficient of friction between the leaves; silent: 0.1 to 0.3", default=None
+    )
+    clamp_preload: float | None = a_force(
+        "force by which the bolts of the pivot's clamp press the leaves together; silent: from "
+        "none to so much that nothing slips in the clamp",
+        default=None,
+    )
+    rod_preload: float | None = a_force(
+        "force by which the rod's bracket presses the leaves together; silent: from none to so "
+        "much that nothing slips there",
+        default=None,
+    )
 
     def __post_init__(self) -> None:
         if not (self.leaves >= 1 and self.leaves % 1 == 0):
@@ -63,6 +77,9 @@ class LeafPack(Shape):
             check_above(name, getattr(self, name), 0)
         check_above("contact_to", self.contact_to, self.contact_from)
         check_at_least("clamp_factor", self.clamp_factor, 1, unit="")
+        for name, unit in (("friction", ""), ("clamp_preload", "N"), ("rod_preload", "N")):
+            if getattr(self, name) is not None:
+                check_at_least(name, getattr(self, name), 0, unit=unit)
         self._check_that_patches_are_apart()
 
     def _check_that_patches_are_apart(self) -> None:

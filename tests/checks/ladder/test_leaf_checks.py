@@ -1,4 +1,4 @@
-"""A leaf pack between sliding and bonded leaves, and its hand checks."""
+"""A leaf pack with friction between its leaves, and its hand checks."""
 
 from dataclasses import replace
 
@@ -124,53 +124,51 @@ def widened(case, models):
     return {check.kind: check for check in after.checks}, after
 
 
-def test_under_imposed_forces_bonded_leaves_have_a_third_of_the_stress(tmp_path, models):
-    """M (n t/2) / (n^3 I) against M (t/2) / (n I); the solid's own band stays beside it."""
-    checks, _ = widened(rocker(tmp_path, models, '"500 N"'), models)
+UNPRESSED = 'clamp_preload = "0 N"\nrod_preload = "0 N"\n'
+
+
+def test_under_imposed_forces_friction_relieves_by_what_presses_the_leaves(tmp_path, models):
+    """By hand: mu F t of the tip's couple, and as much of half the clamp's reaction of 1.94 F, on
+    F x 150 mm: 0.8 % at 0.1 and 2.4 % at 0.3, on the outer leaf less by its axial force.
+    """
+    case = rocker(tmp_path, models, '"500 N"', text=ROCKER + UNPRESSED)
+    checks, after = widened(case, models)
     for kind in ("static", "fatigue"):
-        assert_allclose((checks[kind].model, checks[kind].below), (2.0, 3.0 + 200 / 3))
-        assert "forces are imposed" in checks[kind].note
+        assert_allclose(checks[kind].model, 2.0)
+        assert 1.0 < checks[kind].below - 3.0 < 2.4
+        assert "friction 0.3, 0 kN on the clamp" in checks[kind].note
     assert checks["buckling"] == found("buckling")
+    gates = {gate.name: gate for gate in after.gates}
+    assert gates["leaves: contact between leaves"].holds
+    assert "largest contact force" not in " ".join(after.facts)
 
 
 @pytest.mark.parametrize("elastic", ['{ bending = "340 N m2" }', '{ stiffness = "fem" }'])
-def test_under_an_imposed_deflection_bonded_leaves_have_three_times_the_stress(
-    tmp_path, models, elastic
-):
-    """Only the pack gives way, so 9 times its stiffness is 9 times the force, and 3 the stress.
+def test_under_an_imposed_deflection_friction_needs_more_force(tmp_path, models, elastic):
+    """Friction stiffens by 1.5 mu t/L of either arm, here 0.6 % at 0.1 and 1.8 % at 0.3.
 
-    The linkage's geometry changes with the deflection by 1 %.
+    Its couples take nearly as much off the moment again, so that stress stays within 1 %.
     """
-    checks, _ = widened(rocker(tmp_path, models, TOUCHES, f"elastic = {elastic}"), models)
+    case = rocker(tmp_path, models, TOUCHES, f"elastic = {elastic}", ROCKER + UNPRESSED)
+    checks, after = widened(case, models)
     for kind in ("static", "fatigue"):
-        assert_allclose(checks[kind].model, 2.0 + 200.0, rtol=0.01)
-        assert_allclose(checks[kind].below, 3.0, atol=1e-6)
-        assert "impose a deflection on it in press, solved again with 9 times" in checks[kind].note
+        assert 0 <= checks[kind].model - 2.0 < 1.0
+        assert 0 <= checks[kind].below - 3.0 < 1.0
+    (told,) = (text for key, text in after.facts.items() if "contact force" in key)
+    sliding, *rubbing = (float(part.split()[-1]) for part in told.split(";")[:3])
+    ratios = np.array(rubbing) / sliding - 1
+    assert 0.002 < ratios[0] < ratios[1] < 0.04
 
 
-def test_a_pack_that_friction_relieves_in_one_cycle_and_loads_in_another_has_a_band_both_ways(
-    tmp_path, models
-):
-    """Half as much again by a force, in another cycle, as the contact gives: with friction 3/1.5
-    of the stress of leaves that slide, or 1/1.5 where it is too weak for the contact's to grow.
-    """
-    elastic = 'elastic = { bending = "340 N m2" }'
-    cycles = rocker(tmp_path, models, TOUCHES, elastic)[2]
-    force = 1.5 * np.abs(cycles["press"].efforts["workpiece"]).max()
-    hold = f"""[cycles.hold]
-like = "press"
-phases = [{{ name = "down", to = "1 deg", forces = {{ workpiece = "{force} N" }}, solve = "push" }}]
-[duty]"""
-    text = ROCKER.replace("[duty]", hold).replace("press = 1e6", "press = 1e6, hold = 1e6")
-    checks, _ = widened(rocker(tmp_path, models, TOUCHES, elastic, text), models)
-    # the steady force tires nothing by itself, but from nothing to it is a range of the duty
-    for kind in ("static", "fatigue"):
-        assert_allclose(checks[kind].model, 2.0 + 100.0 * (3 / 1.5 - 1), rtol=0.02)
-        assert_allclose(checks[kind].below, 3.0 + 100.0 * (1 - 1 / 1.5), rtol=0.02)
-    assert "with less friction 66." in checks["static"].note
+def test_a_pack_whose_preloads_are_not_stated_may_slip_or_not(tmp_path, models):
+    """Held without slip in clamp and bracket it is stiffer, and its imposed stress larger."""
+    case = rocker(tmp_path, models, TOUCHES, 'elastic = { bending = "340 N m2" }')
+    checks, _ = widened(case, models)
+    assert checks["static"].model > 2.0 + 20.0
+    assert "a clamp without slip, a bracket without slip" in checks["static"].note
 
 
-def test_a_bonded_pack_that_cannot_be_solved_leaves_the_band_open(tmp_path, models, monkeypatch):
+def test_friction_that_cannot_be_solved_leaves_the_band_open(tmp_path, models, monkeypatch):
     case = rocker(tmp_path, models, TOUCHES, 'elastic = { bending = "340 N m2" }')
 
     def refused(*_):
@@ -180,8 +178,7 @@ def test_a_bonded_pack_that_cannot_be_solved_leaves_the_band_open(tmp_path, mode
     checks, _ = widened(case, models)
     assert np.isinf(checks["static"].model)
     assert checks["static"].status == "UNDECIDED"
-    assert_allclose(checks["static"].below, 3.0 + 200 / 3)
-    assert "cannot be found: it does not close" in checks["static"].note
+    assert "cannot be solved: it does not close" in checks["static"].note
 
 
 def test_a_single_leaf_needs_no_band(tmp_path, models):
@@ -194,8 +191,7 @@ def test_a_single_leaf_needs_no_band(tmp_path, models):
 def test_leaves_under_a_contact_are_pressed_and_hardly_pulled_apart(tmp_path, models):
     case = rocker(tmp_path, models, '"500 N"')
     _, result = widened(case, models)
-    (gate,) = result.gates
-    assert gate.name == "leaves: gaps between leaves"
+    gate = next(gate for gate in result.gates if gate.name == "leaves: gaps between leaves")
     assert 0 < gate.value < 0.1 < gate.limit
     assert gate.holds
     assert not gate.binding
