@@ -261,7 +261,7 @@ def main() -> None:
         fit()
         return
     machines = Machines()
-    by_name = {scene.name: scene for scene in SCENES}
+    by_name = {scene.name: scene for scene in SCENES if scene.bounds}  # of random ones none
     for scene in map(by_name.__getitem__, options.scene or by_name):
         for number, (name, *rest) in enumerate(drawn(machines, scene, options.way), 1):
             if number > options.most:

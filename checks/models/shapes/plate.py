@@ -9,6 +9,7 @@ import numpy as np
 from checks.design.data import Part
 from checks.handbook.lug_outlines import strip_outline
 from checks.handbook.lug_stress import Lug
+from checks.handbook.notch_factors import curved_bar
 from checks.handbook.pin_loaded_hole import PATTERNS, pin_loaded_hole
 from checks.handbook.plate_holes import CurvedSection, open_hole
 from checks.models.formula_lugs import ANGLES
@@ -30,6 +31,7 @@ _ON_ARC = (0.1, 0.3, 0.5, 0.7, 0.9)  # of a hollow edge, where it is asked
 _ROUND = 0.05  # of half a width: an end that is as far as the sides are is round
 _STRAIGHT = 1e-6  # of a unit vector
 _LEAST_ARC = 0.15  # of the depth behind a hollow edge: a shorter arc counts as so long
+_LONGEST_ARCH = np.pi / 3  # rad, of the ligament outside of a bend: more counts as so much
 _BENT = 5.0  # deg of turning, from which on a lever is bent
 
 
@@ -141,10 +143,36 @@ def _add_bore(part: Part, points: Points, forces: PlateForces, bore: PlateBore) 
     if abs(inner) > _STRAIGHT:
         lug = _lug(part, shape, bore, inner / abs(inner), round_end=True)
         passing = _passing(forces, section, bore, 0.5)
+        passing += _straightened(forces, section, bore, inner / abs(inner))
         _add_rim(points, forces, bore, pressed, lug, passing)
     for share in (0.0, 1.0):
         ahead = forces.is_ahead(section) | {bore.name: share}
         _add_fibres(points, forces, section, ahead, f"beside the bore {bore.name}")
+
+
+def _straightened(
+    forces: PlateForces, section: FlatSection, bore: PlateBore, inner: complex
+) -> FloatArray:
+    """Stress (k, 6, columns) at ANGLES of what bends the ligament on the outer side of a bend.
+
+    The ligament is an arch of the bend's angle, whose middle line rises e above its chord. Its
+    force N pulls it straight: with ends that are clamped to a half, N e/2 bends its middle, more at
+    the bore as in a curved bar.
+
+    inner  unit vector to the inner side of the bend
+    """
+    radius = bore.diameter / 2
+    width = forces.shape.outline.reach(bore.centre, -inner) - radius
+    angle = min(np.radians(forces.shape.bend), _LONGEST_ARCH)
+    rise = (radius + width / 2) * (1 - np.cos(angle / 2))
+    axial, _, moment = forces.across(section, forces.is_ahead(section) | {bore.name: 0.5})
+    out = bore.centre - inner * (radius + width / 2) - section.cut.point
+    at = (out / section.cut.along).imag
+    even = axial / section.area - moment * (at - section.middle) / section.inertia
+    crown = np.cos(ANGLES - phase(-inner))
+    share = np.where(crown > 0, np.maximum(2 * crown**2 - 1, 0.0), 0.0)
+    hoop = np.outer(share, even) * 3 * rise / width * curved_bar(width, radius)
+    return _hoop(hoop)
 
 
 def _ways(shape: Plate, bore: PlateBore) -> list[complex]:
@@ -166,7 +194,11 @@ def _lug(
     along  to where it is held
     """
     middle, radius = bore.centre, bore.diameter / 2
-    half = min(shape.outline.reach(middle, along * side) for side in (1j, -1j))
+    beside, further = (
+        min(shape.outline.reach(at, along * side) for side in (1j, -1j))
+        for at in (middle, middle + radius * along)
+    )
+    half = (beside + further) / 2 if round_end and further > radius else beside
     behind = min(shape.outline.reach(middle, -along), 2 * _CUT * half)
     end = None if round_end and abs(behind / half - 1) < _ROUND else behind
     outline = strip_outline(half, end, max(2 * _CUT * half, 1.5 * radius))
@@ -220,6 +252,11 @@ def _passing(
     width = 2 * min(forces.shape.outline.reach(bore.centre, along * side) for side in (1j, -1j))
     waves = open_hole(ANGLES - phase(along), bore.diameter / width)
     hoop = waves @ np.stack([even, rate, sheared])
+    return _hoop(hoop)
+
+
+def _hoop(hoop: FloatArray) -> FloatArray:
+    """Stress (k, 6, columns) of a hoop stress (k, columns) at ANGLES."""
     s, c = np.sin(ANGLES)[:, None], np.cos(ANGLES)[:, None]
     found = np.zeros((len(ANGLES), 6, hoop.shape[1]))
     found[:, 0], found[:, 1], found[:, 3] = hoop * s**2, hoop * c**2, -hoop * s * c
