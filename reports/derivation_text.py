@@ -4,14 +4,14 @@ from shutil import get_terminal_size
 
 from rich.cells import cell_len
 
-from checks.result.derivation import Comparison, Derivation, Section, Superposition
+from checks.result.derivation import Derivation, HandComparison, Section, Superposition
 from checks.result.formulas import COMPONENTS, number_text, shown_symbol
 from checks.result.verdict import Check
 from checks.result.words import brief, clean, need_text, safety_text, value_and_bars, where
 from reports.derivation_words import (
     Line,
     Paragraph,
-    Table,
+    SumTable,
     bar_texts,
     case_texts,
     legend,
@@ -179,7 +179,7 @@ def _tables(paragraph: Paragraph, width: int) -> list[tuple[str, str]]:
     return found
 
 
-def _aligned(table: Table, width: int) -> list[str]:
+def _aligned(table: SumTable, width: int) -> list[str]:
     """A table in columns; where it would be too wide, a sentence per row."""
     heads = tuple(head.partition(":")[0] for head in table.heads)
     rows = [tuple(clean(cell) for cell in row) for row in (heads, *table.rows, table.total)]
@@ -204,7 +204,7 @@ def _aligned(table: Table, width: int) -> list[str]:
     ]
 
 
-def _by_hand(one: Comparison, everything: bool) -> str:
+def _by_hand(one: HandComparison, everything: bool) -> str:
     unit = f" {one.unit}".rstrip()
     formula = f", {one.formula}" if everything else ""
     hand, model = number_text(one.hand), number_text(one.model)

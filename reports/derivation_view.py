@@ -15,7 +15,7 @@ _SUBSCRIPT = re.compile(r"(?<![A-Za-z])([A-Za-zα-ωΑ-Ω]{1,2})_([A-Za-z0-9α-�
 
 
 @dataclass(frozen=True)
-class View:
+class DerivationView:
     """All of a derivation as text, as the page shows it.
 
     cases  (symbol, cycle, position, index, rows of what acts) of each position
@@ -33,14 +33,14 @@ class View:
     ends: tuple[str, ...]
 
 
-def view_of(check: Check) -> View | None:
+def view_of(check: Check) -> DerivationView | None:
     """A check's derivation as text; None for a check that has none."""
     derivation = check.derivation
     if derivation is None:
         return None
     *ends, rule = status_texts(check)
     unit = f" {check.unit}".rstrip()
-    return View(
+    return DerivationView(
         f"{brief(check.quantity, 120)} = {number_text(check.value)}{unit} of "
         f"{number_text(check.limit)}{unit}",
         tuple(

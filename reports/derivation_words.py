@@ -47,7 +47,7 @@ class Line:
 
 
 @dataclass(frozen=True)
-class Table:
+class SumTable:
     """A superposition or a sum as a table: the last row is the total."""
 
     caption: str
@@ -62,7 +62,7 @@ class Paragraph:
 
     title: str
     lines: tuple[Line, ...]
-    tables: tuple[Table, ...]
+    tables: tuple[SumTable, ...]
 
 
 def paragraphs(derivation: Derivation) -> list[Paragraph]:
@@ -121,7 +121,7 @@ def _source(item: Item) -> str:
     return "; ".join(text for text in (where, item.source) if text)
 
 
-def _table(item: Superposition | Sum, derivation: Derivation) -> Table:
+def _table(item: Superposition | Sum, derivation: Derivation) -> SumTable:
     if isinstance(item, Superposition):
         return _superposed(item)
     scope = _values(derivation)
@@ -137,7 +137,7 @@ def _table(item: Superposition | Sum, derivation: Derivation) -> Table:
         sizes = (number_text(column.values[row]) for column in item.columns)
         rows.append((name, *sizes, _text(_of_row(item, own))))
     total = (f"sum: {shown_symbol(item.symbol)}", *([""] * len(item.columns)))
-    return Table(
+    return SumTable(
         f"{item.meaning}: {shown_symbol(item.symbol)} = Σ {symbolic(item.formula)}",
         (*heads, f"{symbolic(item.formula)} {item.unit}".strip()),
         tuple(rows),
@@ -152,7 +152,7 @@ def _of_row(item: Sum, scope: dict[str, Value]) -> Value | None:
         return None
 
 
-def _superposed(item: Superposition) -> Table:
+def _superposed(item: Superposition) -> SumTable:
     heads = (
         "unit load",
         "its size c",
@@ -180,7 +180,7 @@ def _superposed(item: Superposition) -> Table:
         *(rounded(one) for one in item.stress),
         rounded(float(sum(shares))),
     )
-    return Table(
+    return SumTable(
         f"{item.meaning}, {item.position}: what each unit load adds, MPa ({item.source})",
         heads,
         tuple(rows),

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
-from checks.result.motion import Motion, PinForce, motion_gaps
+from checks.result.motion import PartsMotion, PinForce, motion_gaps
 from checks.result.verdict import DesignResult
 from checks.result.words import brief, number, place_text, quantity_unit
 from loads import Angle, PointCoordinate
@@ -61,7 +61,7 @@ def mechanism_panel(result: DesignResult) -> Markup | None:
     return Markup(text)
 
 
-def _at_pins(motions: Sequence[Motion]) -> Iterator[tuple[FloatArray, FloatArray]]:
+def _at_pins(motions: Sequence[PartsMotion]) -> Iterator[tuple[FloatArray, FloatArray]]:
     """Places and forces (n, 2) of every pin force, over all cycles one behind the other."""
     for label in motions[0].pins:
         pins = [motion.pins[label] for motion in motions]
@@ -213,7 +213,7 @@ def _pushed(coordinate: Any) -> tuple[str, str]:
     return coordinate.body_b, coordinate.point_b
 
 
-def _drawn_as(motion: Motion, name: str, layout: Layout) -> dict[str, int | None] | None:
+def _drawn_as(motion: PartsMotion, name: str, layout: Layout) -> dict[str, int | None] | None:
     """Body of the picture that is a part, or the pin that it is."""
     if name not in motion.parts:
         return None
@@ -258,7 +258,7 @@ def _efforts(layout: Layout) -> Iterator[dict[str, Any]]:
 
 
 def _cycle(
-    motion: Motion, layout: Layout, k: int, fixed: dict[str, list[float] | None]
+    motion: PartsMotion, layout: Layout, k: int, fixed: dict[str, list[float] | None]
 ) -> dict[str, Any]:
     """Series of one cycle, in the order of the lists of `_data`."""
     stretch = layout.stretches[k]

@@ -63,7 +63,7 @@ class ShownPart:
 
 
 @dataclass(frozen=True, eq=False)
-class ShownCycle:
+class CycleAxis:
     """A cycle's positions."""
 
     name: str
@@ -95,7 +95,7 @@ class Scene:
 
     title: str
     parts: Sequence[ShownPart]
-    cycles: Sequence[ShownCycle]
+    cycles: Sequence[CycleAxis]
 
     def first_view(self, part: str | None = None) -> View:
         """First view: the part that is asked for, else one with stress, at its peak."""
@@ -224,7 +224,7 @@ def scene_of(result: DesignResult) -> Scene:
         live = with_required_safety(part.live, part.required_safety("fatigue"))
         parts.append(ShownPart(part.name, live, _worst(part.name, result)))
     cycles = [
-        ShownCycle(
+        CycleAxis(
             name,
             cycle["shown_name"],
             cycle["unit"],

@@ -18,7 +18,7 @@ Write = Callable[[int, bytes], int]
 
 
 @dataclass(frozen=True)
-class Entry:
+class JournalEntry:
     """A job that has ended.
 
     key      digest of the job, the code and the libraries
@@ -45,7 +45,7 @@ class Journal:
 
     def __init__(self, path: Path, write: Write = os.write) -> None:
         self._write, self._synced = write, monotonic()
-        self.entries: dict[str, Entry] = {}
+        self.entries: dict[str, JournalEntry] = {}
         self.damaged = 0
         self._stream = path.open("a+b", buffering=0)
         self._file = self._stream.fileno()
@@ -65,7 +65,7 @@ class Journal:
         finally:
             self._stream.close()
 
-    def add(self, entries: Iterable[Entry]) -> None:
+    def add(self, entries: Iterable[JournalEntry]) -> None:
         """Add entries: all of them or, with an OSError, none.
 
         A kill of any process loses none of them, a loss of power those of the last second.
@@ -103,14 +103,14 @@ class Journal:
         return size
 
 
-def _line(entry: Entry) -> bytes:
+def _line(entry: JournalEntry) -> bytes:
     text = json.dumps(vars(entry), allow_nan=False, separators=(",", ":"))
     return f'{{"sha256":"{sha256(text.encode()).hexdigest()}","entry":{text}}}\n'.encode()
 
 
-def _entry(line: bytes) -> Entry | None:
+def _entry(line: bytes) -> JournalEntry | None:
     """The entry of a line; None if the line is not as it was written."""
     head, found, text = line.rstrip(b"\n").partition(b'","entry":')
     if not found or head != b'{"sha256":"' + sha256(text[:-1]).hexdigest().encode():
         return None
-    return Entry(**json.loads(text[:-1]))
+    return JournalEntry(**json.loads(text[:-1]))

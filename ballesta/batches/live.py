@@ -54,7 +54,7 @@ class Lines:
         print(f"ballesta: {clean(text)}", file=sys.stderr, flush=True)
 
 
-class Bar(Lines):
+class ProgressBar(Lines):
     """The same with a bar below the lines: how much is done, what runs, how long it will take."""
 
     def __init__(self, progress: Any) -> None:
@@ -101,13 +101,7 @@ def live() -> Iterator[Lines]:
         yield Lines()
         return
     from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeElapsedColumn,
-    )
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     columns = (
         BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(),
@@ -119,4 +113,4 @@ def live() -> Iterator[Lines]:
     with Progress(
         *columns, console=Console(stderr=True), transient=True, redirect_stdout=terminal
     ) as bar:
-        yield Bar(bar)
+        yield ProgressBar(bar)

@@ -10,7 +10,7 @@ from typing import Any, Protocol
 
 from ballesta.batches.executor import Executor, Settings, executor_of
 from ballesta.batches.job import RUN, step_of, text_digest
-from ballesta.batches.journal import Entry, Journal, Write
+from ballesta.batches.journal import Journal, JournalEntry, Write
 from ballesta.batches.outcome import (
     NOT_RUN,
     STOPPED,
@@ -149,7 +149,7 @@ def key_of(job: Job) -> str:
     return digest(told, code_digest(), {**libraries(), "threads": "1"})
 
 
-def _still_holds(entry: Entry, job: Job, out: Path, seen: dict[str, str | None]) -> bool:
+def _still_holds(entry: JournalEntry, job: Job, out: Path, seen: dict[str, str | None]) -> bool:
     """True if a finished job need not be done again.
 
     What was stopped by circumstances is tried again, and so is what cannot be read.
@@ -186,7 +186,7 @@ def _from(out: Path, file: str) -> str:
         return file
 
 
-def _entry(job: Job, key: str, finished: Finished, out: Path) -> Entry:
+def _entry(job: Job, key: str, finished: Finished, out: Path) -> JournalEntry:
     """The record of a job that has ended; raises what is not its design's fault."""
     outcome = finished.outcome
     if outcome is None:
@@ -207,7 +207,7 @@ def _entry(job: Job, key: str, finished: Finished, out: Path) -> Entry:
     assert set(timings) == set(TIMINGS)
     sources, result = outcome.pop("sources", {}), outcome.pop("result_sha256", "")
     sources = {_from(out, file): digest for file, digest in sources.items()}
-    return Entry(key, sources, result, outcome, timings)
+    return JournalEntry(key, sources, result, outcome, timings)
 
 
 def _refuse_other_code(code: str | None, job: Job) -> None:

@@ -6,11 +6,11 @@ from dataclasses import fields, replace
 import numpy as np
 
 import loads
-from ballesta.machine.motion_layers import Skin, layers
+from ballesta.machine.motion_layers import PartSkin, layers
 from checks.design.data import Design, Part
 from checks.part.part_loads import interface_heights, loads_on
 from checks.part.placing import part_placing
-from checks.result.motion import MOST_POSITIONS, Motion, PinForce
+from checks.result.motion import MOST_POSITIONS, PartsMotion, PinForce
 from checks.result.verdict import PartResult
 from geometry.mesh import FloatArray, IntArray
 
@@ -19,7 +19,7 @@ _STEP = np.radians(6.0) + 1e-9  # that a body turns by between two kept position
 
 def motions_of(
     design: Design, solved: Mapping[str, loads.CycleLoads], results: Sequence[PartResult]
-) -> dict[str, Motion]:
+) -> dict[str, PartsMotion]:
     """Motion of the parts with a result in every cycle that was solved.
 
     Measured runs have none: nobody knows where their bodies are.
@@ -27,7 +27,7 @@ def motions_of(
     if not solved or not results:
         return {}
     skins = {
-        result.name: Skin(
+        result.name: PartSkin(
             np.asarray(result.surface.nodes, dtype=np.float64),
             np.asarray(result.surface.triangles, dtype=np.int64),
         )
@@ -43,7 +43,7 @@ def _motion(
     results: Sequence[PartResult],
     layer: Mapping[str, float],
     told: str,
-) -> Motion:
+) -> PartsMotion:
     parts = [design.parts[result.name] for result in results]
     frames = {part.name: part_frame(design, part, cycle) for part in parts}
     pins: dict[str, PinForce] = {}
@@ -57,7 +57,7 @@ def _motion(
     peaks += [int(np.hypot(*pin.force.T).argmax()) for pin in pins.values()]
     turned = np.unwrap(cycle.poses[:, :, 2], axis=0)
     rows = kept_rows(np.asarray(cycle.phase_of), peaks, turned=turned)
-    return Motion(
+    return PartsMotion(
         index=rows,
         times=cycle.times[rows],
         parts={name: frame[rows] for name, frame in frames.items()},

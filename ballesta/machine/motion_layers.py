@@ -20,7 +20,7 @@ _TOLD = 6  # names in a sentence
 
 
 @dataclass(frozen=True, eq=False)
-class Skin:
+class PartSkin:
     """The surface of a part in its own frame: nodes (n, 3) mm, triangles (m, 3)."""
 
     nodes: FloatArray
@@ -37,7 +37,7 @@ class _Meeting:
     line: bool
 
 
-def layers(design: Design, skins: Mapping[str, Skin]) -> tuple[dict[str, float], str]:
+def layers(design: Design, skins: Mapping[str, PartSkin]) -> tuple[dict[str, float], str]:
     """Height of every part's plane z = 0 over the machine's [mm], and its origin in words.
 
     A pin's stack of lugs and the offsets of interfaces say it, where they are stated. Parts that
@@ -131,7 +131,7 @@ def _meetings(design: Design) -> Iterator[_Meeting]:
 
 def _shift(
     design: Design,
-    skins: Mapping[str, Skin],
+    skins: Mapping[str, PartSkin],
     meetings: Sequence[_Meeting],
     found: Mapping[str, float],
     name: str,
@@ -170,7 +170,7 @@ def _meet(pair: tuple[Spans, Spans], shift: float) -> bool:
 
 
 def _spans(
-    design: Design, skins: Mapping[str, Skin], name: str, other: str, meeting: _Meeting
+    design: Design, skins: Mapping[str, PartSkin], name: str, other: str, meeting: _Meeting
 ) -> tuple[Spans, Spans]:
     """Stretches of z [mm] that two parts fill at their joint, each in its own frame."""
     if meeting.line:
@@ -188,7 +188,7 @@ def _spans(
     return first, second
 
 
-def _distance(design: Design, part: Part, skin: Skin, joint: str) -> FloatArray:
+def _distance(design: Design, part: Part, skin: PartSkin, joint: str) -> FloatArray:
     """Distance (n,) of a part's nodes from the axis of a joint, mm."""
     assert part.body is not None
     placing = part_placing(design, part)
@@ -198,7 +198,7 @@ def _distance(design: Design, part: Part, skin: Skin, joint: str) -> FloatArray:
     return np.asarray(np.hypot(skin.nodes[:, 0] - place[0], skin.nodes[:, 1] - place[1]))
 
 
-def _filled(skin: Skin, near: np.typing.NDArray[np.bool_]) -> Spans:
+def _filled(skin: PartSkin, near: np.typing.NDArray[np.bool_]) -> Spans:
     """Stretches of z that triangles with a node near by fill, joined where they touch."""
     z = skin.nodes[skin.triangles[near[skin.triangles].any(axis=1)], 2]
     ends = sorted(zip(z.min(axis=1).tolist(), z.max(axis=1).tolist(), strict=True))

@@ -22,7 +22,7 @@ _ON_AXIS = 1e-2  # of a body's length
 
 
 @dataclass(frozen=True, eq=False)
-class Vibration:
+class CycleVibration:
     """Natural frequencies of a cycle and its response to the loads.
 
     positions    (m,)    as shown, of the frequencies told; unit and name as shown
@@ -77,7 +77,9 @@ def _counted(mode: ModeResponse) -> float:
     return mode.share * mode.deviation
 
 
-def vibration_of(design: Design, solved: Mapping[str, loads.CycleLoads]) -> dict[str, Vibration]:
+def vibration_of(
+    design: Design, solved: Mapping[str, loads.CycleLoads]
+) -> dict[str, CycleVibration]:
     """Return the vibration of every cycle in which an elastic body moves.
 
     Where its modes cannot be followed through a cycle, `unasked` says so.
@@ -98,7 +100,7 @@ def _vibration(
     cycle: loads.CycleLoads,
     sections: tuple[tuple[str, str], ...],
     rigid: tuple[str, ...],
-) -> Vibration:
+) -> CycleVibration:
     even = np.linspace(cycle.times[0], cycle.times[-1], _PLACES + 1)[:_PLACES]
     chosen = np.unique(np.searchsorted(cycle.times, even))
     response, unasked = None, ""
@@ -116,7 +118,7 @@ def _vibration(
     stated = design.cycles[name]
     found = np.full((len(chosen), 3), np.inf)
     found[:, : lowest.shape[1]] = lowest
-    return Vibration(
+    return CycleVibration(
         name,
         shown_name(stated),
         shown_position(stated, cycle.positions)[chosen],
@@ -193,7 +195,7 @@ def _beam_like(linkage: loads.Linkage, name: str) -> bool:
     return straight and bool(np.abs(places[:, 1]).max() <= _ON_AXIS * length)
 
 
-def quasi_static_gates(design: Design, found: Mapping[str, Vibration]) -> list[Gate]:
+def quasi_static_gates(design: Design, found: Mapping[str, CycleVibration]) -> list[Gate]:
     """One gate for every cycle whose speed is known: how far off the loads are that ignore it."""
     gates = []
     for name, vibration in found.items():
@@ -221,7 +223,7 @@ def verdict_words(factor: float) -> str:
     return f"amplification {factor:.3g}" if factor <= _LIMIT else "not valid"
 
 
-def _meaning(design: Design, vibration: Vibration, worst: ModeResponse) -> str:
+def _meaning(design: Design, vibration: CycleVibration, worst: ModeResponse) -> str:
     assert vibration.response is not None
     rate = 1.0 / vibration.response.period
     told = ", ".join(_harmonic(one) for one in worst.harmonics)
@@ -260,7 +262,7 @@ def _harmonic(one: Harmonic) -> str:
     return f"{one.number:g}: {one.amplitude:.2g} x {one.factor:.3g}"
 
 
-def assumptions_of(design: Design, found: Mapping[str, Vibration]) -> list[tuple[str, str]]:
+def assumptions_of(design: Design, found: Mapping[str, CycleVibration]) -> list[tuple[str, str]]:
     """Assumptions on the vibration, which every result lists."""
     result: dict[tuple[str, str], None] = {}
     for name, vibration in found.items():
@@ -282,7 +284,7 @@ def assumptions_of(design: Design, found: Mapping[str, Vibration]) -> list[tuple
 
 
 def vibration_warnings(
-    design: Design, solved: Mapping[str, loads.CycleLoads], found: Mapping[str, Vibration]
+    design: Design, solved: Mapping[str, loads.CycleLoads], found: Mapping[str, CycleVibration]
 ) -> list[str]:
     """Warnings that name the cycles with and without vibration, where the design asks for it.
 
@@ -314,7 +316,7 @@ def _largest_force(cycle: loads.CycleLoads) -> float:
 
 
 def with_dynamics(
-    design: Design, solved: Mapping[str, loads.CycleLoads], found: Mapping[str, Vibration]
+    design: Design, solved: Mapping[str, loads.CycleLoads], found: Mapping[str, CycleVibration]
 ) -> dict[str, loads.CycleLoads]:
     """Return the cycles with what vibration adds, where the design asks for it.
 

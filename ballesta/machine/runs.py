@@ -10,7 +10,7 @@ from ballesta.machine.drive_speed import Evenness, evenness_of, speed_doubts, sp
 from ballesta.machine.elastic_parts import compliances_of
 from ballesta.machine.load_pairs import friction_pairs
 from ballesta.machine.quasi_static import (
-    Vibration,
+    CycleVibration,
     vibration_of,
     vibration_warnings,
     with_dynamics,
@@ -45,7 +45,7 @@ class MachineRuns:
     solved: Mapping[str, loads.CycleLoads]
     measured: Mapping[str, loads.MeasuredLoads]
     rigid: Mapping[str, loads.CycleLoads]
-    vibration: Mapping[str, Vibration]
+    vibration: Mapping[str, CycleVibration]
     warnings: list[str]
 
     @property

@@ -21,7 +21,7 @@ _BOUNDED = 1.5  # times the accuracy: what meshes leave, and what the bearing se
 
 
 @dataclass(frozen=True)
-class Band:
+class Tolerance:
     """Share of a baseline's number by which it may move; None where none is known, then why."""
 
     width: float | None
@@ -43,14 +43,14 @@ def percent(share: float) -> str:
     return f"{float(text):f}".rstrip("0").rstrip(".") + " %" if "e" in text else f"{text} %"
 
 
-def mass_band(part: str, stated: Mapping[str, float]) -> Band:
+def mass_band(part: str, stated: Mapping[str, float]) -> Tolerance:
     """The band of a part's mass: round-off, for the CAD kernel weighs it."""
-    return Band(_stated(part, MASS_KIND, stated) or ROUND_OFF)
+    return Tolerance(_stated(part, MASS_KIND, stated) or ROUND_OFF)
 
 
 def band_of(
     part: str, key: str, check: Mapping[str, Any], accuracy: float, stated: Mapping[str, float]
-) -> Band:
+) -> Tolerance:
     """The band of a check of a part.
 
     key, check  as a baseline has them ("static: peak von Mises stress")
@@ -60,13 +60,13 @@ def band_of(
     kind, rung = key.partition(":")[0], str(check["rung"])
     own = _stated(part, kind, stated)
     if own is not None:
-        return Band(own)
+        return Tolerance(own)
     if rung != _MESHED:
-        return Band(ROUND_OFF)
+        return Tolerance(ROUND_OFF)
     bar = check.get("numerical", 0.0)
     if not is_bounded(rung, kind, bar, accuracy):
         known = "is not known" if bar is None else f"is {percent(bar)}"
-        return Band(
+        return Tolerance(
             None,
             f"the numerical error {known}, where {percent(accuracy)} is asked for: its "
             f"noise is not bounded; raise mesh.most_unknowns{_or_state(part, kind)}",
@@ -90,7 +90,7 @@ def is_bounded(rung: str, kind: str, numerical: float | None, accuracy: float) -
     return largest is None or (numerical is not None and numerical <= largest)
 
 
-def _measured_band(part: str, rung: str, kind: str, accuracy: float) -> Band:
+def _measured_band(part: str, rung: str, kind: str, accuracy: float) -> Tolerance:
     """Band of measured re-mesh noise; a finer accuracy's band counts for a coarser one."""
     known = sorted(
         (entry["accuracy"], band_width(entry["worst"]))
@@ -100,14 +100,14 @@ def _measured_band(part: str, rung: str, kind: str, accuracy: float) -> Band:
     covering = next((measured for measured, _ in known if measured >= accuracy), None)
     width = max((width for measured, width in known if measured <= (covering or 0)), default=inf)
     if covering is not None and width <= LARGEST:
-        return Band(width)
+        return Tolerance(width)
     quiet = [measured for measured, width in known if width <= LARGEST]
     if covering is not None:
         said = f"re-meshing moves it by more than {percent(LARGEST)} at this accuracy"
     else:
         said = f"the re-mesh noise of {kind} by the {rung} is not measured at {percent(accuracy)}"
     cure = f'set accuracy = "{percent(max(quiet))}" or finer' if quiet else "pin another rung"
-    return Band(None, f"{said}: {cure}{_or_state(part, kind)}")
+    return Tolerance(None, f"{said}: {cure}{_or_state(part, kind)}")
 
 
 def band_width(worst: float) -> float:

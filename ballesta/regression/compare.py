@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any
 
-from ballesta.regression.bands import Band, band_of, largest_bar, mass_band
+from ballesta.regression.bands import Tolerance, band_of, largest_bar, mass_band
 from ballesta.regression.file import Baseline
 from ballesta.regression.record import ELASTIC_SHARE, LINKAGE, MASS, verdicts_of
 
@@ -21,7 +21,7 @@ _HEAD = ("quantity", "baseline", "now", "change", "band")
 
 
 @dataclass(frozen=True)
-class Row:
+class Departure:
     """A quantity that has left its baseline.
 
     change  relative to the baseline, None of what is no number
@@ -51,7 +51,7 @@ class Comparison:
     causes    what the baseline's numbers were made from and these were not
     """
 
-    left: Sequence[Row]
+    left: Sequence[Departure]
     bandless: Sequence[tuple[str, str]]
     causes: Sequence[str]
 
@@ -78,7 +78,7 @@ _NO_CAUSE = (
 def compare(baseline: Baseline, now: Mapping[str, Any]) -> Comparison:
     """Compare a record (`record_of`) with a baseline."""
     before, accuracy = baseline.record, float(now["accuracy"])
-    rows: list[Row] = []
+    rows: list[Departure] = []
     bandless: list[tuple[str, str]] = []
     turned: dict[tuple[str, str], str] | None = (
         {} if _same_design(before["stages"], now["stages"]) else None
@@ -86,7 +86,7 @@ def compare(baseline: Baseline, now: Mapping[str, Any]) -> Comparison:
     for part in _names(before["parts"], now["parts"]):
         old, new = before["parts"].get(part), now["parts"].get(part)
         if old is None or new is None:
-            rows.append(Row(part, _presence(old), _presence(new), None, ""))
+            rows.append(Departure(part, _presence(old), _presence(new), None, ""))
             continue
         band = mass_band(part, baseline.shares)
         rows += _moved(f"{part}: {MASS}", old[MASS], new[MASS], band, 0.0)
@@ -126,7 +126,7 @@ def _left(
     stated: Mapping[str, float],
     bandless: list[tuple[str, str]],
     turned: dict[tuple[str, str], str] | None,
-) -> Iterator[Row]:
+) -> Iterator[Departure]:
     """Rows of a check: its value, safety, verdict and rung, as far as they left.
 
     bandless  what has no band; added to
@@ -135,7 +135,7 @@ def _left(
     """
     name = f"{part}: {key}"
     if was is None or found is None:
-        yield Row(name, _presence(was), _presence(found), None, "")
+        yield Departure(name, _presence(was), _presence(found), None, "")
         return
     band = band_of(part, key, found, accuracy, stated)
     if was["status"] != found["status"]:
@@ -143,10 +143,10 @@ def _left(
         if turned is not None and is_mesh_noise(was["status"], found, kind, accuracy, band):
             turned[part, key] = was["status"]
         else:
-            yield Row(f"{name}, verdict", was["status"], found["status"], None, "")
+            yield Departure(f"{name}, verdict", was["status"], found["status"], None, "")
     if was["rung"] != found["rung"] or was["unit"] != found["unit"]:
         before, now = (f"{c['rung']} {c['unit']}".strip() for c in (was, found))
-        yield Row(f"{name}, rung and unit", before, now, None, "")
+        yield Departure(f"{name}, rung and unit", before, now, None, "")
         return
     if band.width is None:
         bandless.append((name, band.why))
@@ -157,7 +157,7 @@ def _left(
     yield from _safety_moved(name, was, found, band)
 
 
-def _safety_moved(name: str, was: Found, found: Found, band: Band) -> Iterator[Row]:
+def _safety_moved(name: str, was: Found, found: Found, band: Tolerance) -> Iterator[Departure]:
     """The row of a safety that left its band; a part without load has none."""
     name += ", buckling factor" if name.endswith(ELASTIC_SHARE) else ", safety"
     before, now = was["safety"], found["safety"]
@@ -165,29 +165,31 @@ def _safety_moved(name: str, was: Found, found: Found, band: Band) -> Iterator[R
     if abs(uses[1] - uses[0]) <= _NOTHING:
         return
     if before is None or now is None:
-        yield Row(name, before, now, None, band.text)
+        yield Departure(name, before, now, None, band.text)
     else:
         yield from _moved(name, before, now, band, 0.0)
 
 
-def _moved(name: str, before: float, now: float, band: Band, nothing: float) -> Iterator[Row]:
-    """The row of a number that left its band by more than what counts as nothing."""
+def _moved(
+    name: str, before: float, now: float, band: Tolerance, nothing: float
+) -> Iterator[Departure]:
+    """The departure of a number that left its band by more than what counts as nothing."""
     assert band.width is not None
     # half a unit of the tenth digit, to which a baseline is written, is no change
     if abs(now - before) > max((band.width + 5e-10) * abs(before), nothing):
         change = (now - before) / before if before else inf
-        yield Row(name, before, now, change, band.text)
+        yield Departure(name, before, now, change, band.text)
 
 
 def _design_verdict(
     before: Mapping[str, Any], now: Mapping[str, Any], turned: Mapping[tuple[str, str], str]
-) -> Iterator[Row]:
+) -> Iterator[Departure]:
     """The row of the design's verdict, unless another mesh turned it with a check's."""
     verdicts = verdicts_of(now)
     by_checks = worst(verdicts.values()) == now["status"]
     as_before = worst({**verdicts, **turned}.values()) == before["status"]
     if before["status"] != now["status"] and not (turned and by_checks and as_before):
-        yield Row("the design, verdict", before["status"], now["status"], None, "")
+        yield Departure("the design, verdict", before["status"], now["status"], None, "")
 
 
 def _same_design(before: Mapping[str, str], now: Mapping[str, str]) -> bool:
@@ -212,7 +214,7 @@ def causes(before: Mapping[str, str], now: Mapping[str, str]) -> list[str]:
     return [*found, *(_SHARED[stage] for stage in ("code", "libraries") if stage in changed)]
 
 
-def table(rows: Sequence[Row]) -> list[str]:
+def table(rows: Sequence[Departure]) -> list[str]:
     """Lines of a table of what left."""
     cells = [_HEAD, *(row.cells for row in rows[:_MOST_ROWS])]
     widths = [max(len(line[column]) for line in cells) for column in range(len(_HEAD))]
@@ -243,7 +245,7 @@ def _shown(value: float | str | None, digits: int) -> str:
 
 
 def is_mesh_noise(
-    before: str, now: Mapping[str, Any], kind: str, accuracy: float, band: Band
+    before: str, now: Mapping[str, Any], kind: str, accuracy: float, band: Tolerance
 ) -> bool:
     """True if a verdict would be as before with a number that re-meshing gives as well.
 

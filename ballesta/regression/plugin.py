@@ -63,10 +63,10 @@ def pytest_configure(config: pytest.Config) -> None:
     _timeout(config)
 
 
-def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> "DesignFile | None":
+def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> "BaselineFile | None":
     """Collect a baseline, or a design that is named or is to get its first baseline."""
     is_test = _is_baseline(file_path) or _is_wanted(file_path, parent)
-    return DesignFile.from_parent(parent, path=file_path) if is_test else None
+    return BaselineFile.from_parent(parent, path=file_path) if is_test else None
 
 
 def _is_baseline(path: Path) -> bool:
@@ -103,7 +103,7 @@ def _is_design(path: Path) -> bool:
     return bool(_DESIGN.search(text) or _LIKE.search(text.partition("\n[")[0]))
 
 
-class DesignFile(pytest.File):
+class BaselineFile(pytest.File):
     """A design or its baseline, named by either file."""
 
     def collect(self) -> Iterator["DesignItem"]:

@@ -20,7 +20,7 @@ from checks.handbook.column_curves import IMPERFECTION, ROBERTSON
 from checks.part.derived import Heading, load_case, yield_stress, young
 from checks.part.kind import Kind
 from checks.part.loaded_part import LoadedPart
-from checks.result.derivation import BARS, Bars, Derivation, Given, Item, Section, Step
+from checks.result.derivation import BARS, BarSymbols, Derivation, Given, Item, Section, Step
 from checks.result.verdict import Check
 
 COLUMN = Kind(
@@ -144,9 +144,9 @@ def _derivation(
 ) -> Derivation:
     part = loaded.part
     case, _, safety = judged.deciding
-    bars, items = Bars(words="a formula has no mesh"), list[Item]()
+    bars, items = BarSymbols(words="a formula has no mesh"), list[Item]()
     if judged.between:
-        bars = Bars(below="b_lo", words="the forks are between hinged and clamped")
+        bars = BarSymbols(below="b_lo", words="the forks are between hinged and clamped")
         items = [
             Given("n_2", "safety with the stiffest ends", judged.stiffest, "", _THEORY),
             Step("b_lo", "model band below", "sigma*(1 - S/sigma/n_2)", "MPa"),

@@ -15,7 +15,7 @@ from checks.design.data import Part
 from checks.part.derived import Heading, load_case, numbers, yield_stress
 from checks.part.kind import Kind
 from checks.part.loaded_part import LoadedPart
-from checks.result.derivation import Bars, Column, Derivation, Given, Item, Section, Step, Sum
+from checks.result.derivation import BarSymbols, Column, Derivation, Given, Item, Section, Step, Sum
 from checks.result.verdict import Check
 
 CROOKED = Kind(
@@ -99,7 +99,7 @@ def _derivation(
         value="sigma",
         limit="S_y",
         equal=() if bound else (("S_n", "S_y"),),
-        bars=Bars(words="a formula has no mesh"),
+        bars=BarSymbols(words="a formula has no mesh"),
     )
 
 

@@ -7,15 +7,15 @@ from checks.design.data import Part
 from checks.models.bands import NoBand, bores_given
 from checks.models.checked import band_around
 from checks.part.part_loads import PartLoads
-from checks.result.derivation import Bars, Given, Item, Step
+from checks.result.derivation import BarSymbols, Given, Item, Step
 from checks.result.verdict import Check
-from checks.stress.error_bars import Bars as SolidBars
+from checks.stress.error_bars import Bars
 from checks.stress.part_model import RungModel
 from checks.stress.pins_in_bores import CLEARANCE_WORDS, MIDDLE
 from fem.convergence import FINER, LEAST, ORDER, REPEATS, SAFETY, SCATTER
 
 ERROR = "e_r"  # the symbol of a rung's own error
-Told = tuple[Bars, list[Item]]
+Told = tuple[BarSymbols, list[Item]]
 _OF_MESH = "numerical: last refinement, scatter of the elements, series of the pins' pressure"
 _SERIES = "what the series of the pins' pressure misses"
 _PATTERNS = "what patterns miss of the pressure that contact solved, and series of other pins'"
@@ -49,10 +49,10 @@ def rung_bars(
     else:
         words = f"the model band is where 95 % of {band.count} solids lie around such a value"
     up, low = (side[-1].symbol if side else "" for side in (above, below))
-    return Bars(numerical, up, low, words), [*items, *above, *below]
+    return BarSymbols(numerical, up, low, words), [*items, *above, *below]
 
 
-def solid_bars(bars: SolidBars, value: str, more: float = 0.0) -> Told:
+def solid_bars(bars: Bars, value: str, more: float = 0.0) -> Told:
     """Of a solid: what its last refinement leaves, scatter, series and notch; arcs of contact.
 
     more  MPa, how far another criterion lies above
@@ -60,11 +60,11 @@ def solid_bars(bars: SolidBars, value: str, more: float = 0.0) -> Told:
     own = bars.numerical
     items: list[Item] = []
     if own.singular:
-        told = Bars("", words="no numerical bar: the place is singular, no mesh settles it")
+        told = BarSymbols("", words="no numerical bar: the place is singular, no mesh settles it")
     elif len(bars.values) < 2:
-        told = Bars("", words="no numerical bar: it takes two meshes")
+        told = BarSymbols("", words="no numerical bar: it takes two meshes")
     else:
-        told = Bars("e_num", words=_OF_MESH)
+        told = BarSymbols("e_num", words=_OF_MESH)
         scatter = "e_s" if own.order < ORDER else f"{SCATTER:g}*e_s"  # where a pressure ends
         items += [
             Given("v_1", "the value on the last mesh but one", bars.values[-2], "MPa", "the solid"),
@@ -95,7 +95,7 @@ def solid_bars(bars: SolidBars, value: str, more: float = 0.0) -> Told:
         items.append(Step(low, "model band below", below, "MPa", "docs/theory/bearing.md"))
     of = (_OF_ARCS if bars.by_arc or more else "", _OF_FITS if bars.by_clearance else "")
     words = "; ".join(text for text in (told.words, *of) if text)
-    return Bars(told.numerical, up, low, words), items
+    return BarSymbols(told.numerical, up, low, words), items
 
 
 def _written(share: float) -> str:

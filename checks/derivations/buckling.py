@@ -8,10 +8,10 @@ from checks.part.derived import load_case, position_of
 from checks.part.loaded_part import LoadedPart
 from checks.result.derivation import (
     BARS,
-    Bars,
-    Comparison,
+    BarSymbols,
     Derivation,
     Given,
+    HandComparison,
     Item,
     LoadCase,
     Section,
@@ -60,7 +60,7 @@ def solid_share(
         unproved=f"the factor is the lowest eigenvalue of {unknowns} unknowns, K x = −λ K_G x with "
         "the stress of this position in K_G: no formula gives it",
         compared=tuple(_euler_alone(loaded, position, check.value)),
-        bars=Bars(words="how far the factor moves from mesh to mesh, and what a count of all "
+        bars=BarSymbols(words="how far the factor moves from mesh to mesh, and what a count of all "
                   "lower ones leaves; below, forks that hold the ends"),
     )  # fmt: skip
 
@@ -68,7 +68,7 @@ def solid_share(
 def linkage_share(design: Design, mode: LinkageMode, check: Check) -> Derivation:
     """Of the share of the load under which the linkage buckles as a frame."""
     items = _factor(mode.factor, f"{mode.plane} mode of the linkage", "linkage_frames.md")
-    compared: tuple[Comparison, ...] = ()
+    compared: tuple[HandComparison, ...] = ()
     notes: tuple[str, ...] = ()
     if mode.body is not None and mode.effective_length is not None:
         items.append(
@@ -94,7 +94,7 @@ def linkage_share(design: Design, mode: LinkageMode, check: Check) -> Derivation
     )
 
 
-def _bars(mode: LinkageMode) -> tuple[Bars, list[Item]]:
+def _bars(mode: LinkageMode) -> tuple[BarSymbols, list[Item]]:
     """From 8 to 16 pieces of each bar; below, forks that share all tilts."""
     page = "docs/theory/linkage_frames.md"
     below = "share" if mode.forks is None else "0*share"
@@ -115,7 +115,7 @@ def _bars(mode: LinkageMode) -> tuple[Bars, list[Item]]:
             below,
         )
     )
-    return Bars("e_num", below="b_lo"), items
+    return BarSymbols("e_num", below="b_lo"), items
 
 
 def _factor(factor: float, what: str, page: str) -> list[Item]:
@@ -128,7 +128,7 @@ def _factor(factor: float, what: str, page: str) -> list[Item]:
 
 def _alone(
     design: Design, mode: LinkageMode, share: float
-) -> tuple[tuple[Comparison, ...], tuple[str, ...]]:
+) -> tuple[tuple[HandComparison, ...], tuple[str, ...]]:
     """The share of Euler's force of the bar that is bent most, hinged between its own pins.
 
     Where its shape has no such length, a note says so in its place.
@@ -139,7 +139,7 @@ def _alone(
         told = f"no comparison with Euler's force: {mode.body} is no bar between two pins"
         return (), (told,)
     length = shape.length
-    compared = Comparison(
+    compared = HandComparison(
         f"share of Euler's force of {mode.body} alone, hinged at its pins",
         share * (length / mode.effective_length) ** 2,
         share,
@@ -151,7 +151,7 @@ def _alone(
     return (compared,), ()
 
 
-def _euler_alone(loaded: LoadedPart, position: int, share: float) -> list[Comparison]:
+def _euler_alone(loaded: LoadedPart, position: int, share: float) -> list[HandComparison]:
     """The share that the compression is of Euler's force of the part as a column, by hand."""
     part = loaded.part
     if not part.geometry.sections:
@@ -164,7 +164,7 @@ def _euler_alone(loaded: LoadedPart, position: int, share: float) -> list[Compar
         case = judged_columns(part, plane, force).deciding[0]
         critical = case.strength.euler * case.section.area
         found.append(
-            Comparison(
+            HandComparison(
                 f"share of Euler's force as a hinged column, {plane.name}",
                 force / critical,
                 share,

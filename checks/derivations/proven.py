@@ -3,7 +3,7 @@
 from dataclasses import replace
 from math import isfinite
 
-from checks.result.derivation import BARS, Bars, Derivation, Given, Item, Section
+from checks.result.derivation import BARS, BarSymbols, Derivation, Given, Item, Section
 from checks.result.verdict import Check
 
 MISSED = "the formulas written here do not give all of the check's numbers"
@@ -41,6 +41,6 @@ def unknown(check: Check) -> Derivation:
         ),
         value="v",
         limit="L",
-        bars=Bars(**bars, words="bars as the check has them"),
+        bars=BarSymbols(**bars, words="bars as the check has them"),
         unproved=UNKNOWN,
     )

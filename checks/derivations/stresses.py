@@ -12,7 +12,7 @@ from checks.derivations.superposed import patterns_of, superposed
 from checks.design.data import Part
 from checks.part.derived import amplitude_and_mean, load_case, yield_stress
 from checks.part.part_loads import PartLoads
-from checks.result.derivation import BARS, Comparison, Derivation, Section, Step
+from checks.result.derivation import BARS, Derivation, HandComparison, Section, Step
 from checks.result.verdict import Check, HandCheck
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse, LifeUse
 from checks.stress.error_bars import Bars, Judged
@@ -107,7 +107,7 @@ def of_solid(
         found = static(part, part_loads, level)
     told, items = solid_bars(bars, found.value, more)
     compared = tuple(
-        Comparison(hand.quantity, hand.hand, hand.model, hand.unit, hand.formula)
+        HandComparison(hand.quantity, hand.hand, hand.model, hand.unit, hand.formula)
         for hand in by_hand
     )
     sections = (*found.sections, Section(BARS, tuple(items)))

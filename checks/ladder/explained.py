@@ -17,7 +17,7 @@ from checks.models.checked import BUCKLING, FATIGUE, STATIC
 from checks.models.raised_bores import raised_in_bores
 from checks.part.kind import Kind
 from checks.part.part_loads import PartLoads
-from checks.result.derivation import BARS, Bars, Derivation, Section
+from checks.result.derivation import BARS, BarSymbols, Derivation, Section
 from checks.result.verdict import Check
 from checks.stress.part_model import RungLevel
 
@@ -65,14 +65,14 @@ def _with_rung_bars(
     found: Derivation, part_loads: PartLoads, climb: Climb, level: RungLevel, check: Check
 ) -> Derivation:
     if part_loads.is_nothing:
-        return replace(found, bars=Bars(words="nothing loads the part"))
+        return replace(found, bars=BarSymbols(words="nothing loads the part"))
     in_bores = 0.0
     if check.kind != "buckling":
         use = None if check.kind == "static" else climb.use
         in_bores = raised_in_bores(climb.part, part_loads, level, use)
     bars, items = rung_bars(climb.part, part_loads, level.model, check, found.value, in_bores)
     if (bars.above and not isfinite(check.model)) or (bars.below and not isfinite(check.below)):
-        bars = Bars(bars.numerical, words="no model band: see the note of the check")
+        bars = BarSymbols(bars.numerical, words="no model band: see the note of the check")
         items = [item for item in items if item.symbol in (ERROR, bars.numerical)]
     found = replace(found, bars=bars, sections=(*found.sections, Section(BARS, tuple(items))))
     return climb.bands[check.method].explained(check, found)

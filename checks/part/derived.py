@@ -11,7 +11,7 @@ from checks.part.kind import Kind
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import (
     Acting,
-    Bars,
+    BarSymbols,
     Derivation,
     Given,
     Item,
@@ -66,10 +66,10 @@ class Band:
     words: str = "a formula has no mesh"
 
     @property
-    def bars(self) -> Bars:
+    def bars(self) -> BarSymbols:
         """The symbols of its ends."""
         above, below = (items[-1].symbol if items else "" for items in (self.above, self.below))
-        return Bars(above=above, below=below, words=self.words)
+        return BarSymbols(above=above, below=below, words=self.words)
 
 
 NO_BAND = Band()

@@ -186,7 +186,7 @@ class LoadCase:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class HandComparison:
     """A number by hand beside the model's."""
 
     quantity: str
@@ -197,7 +197,7 @@ class Comparison:
 
 
 @dataclass(frozen=True)
-class Bars:
+class BarSymbols:
     """Symbols of the error bars, "" where nothing adds to one, and what each is made of, in words.
 
     The symbols are of items of the section of the error bars.
@@ -228,10 +228,10 @@ class Derivation:
     sections: tuple[Section, ...]
     value: str
     limit: str
-    bars: Bars = field(default_factory=Bars)
+    bars: BarSymbols = field(default_factory=BarSymbols)
     unproved: str = ""
     equal: tuple[tuple[str, str], ...] = ()
-    compared: tuple[Comparison, ...] = ()
+    compared: tuple[HandComparison, ...] = ()
     notes: tuple[str, ...] = ()
 
     @property

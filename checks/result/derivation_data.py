@@ -7,11 +7,11 @@ from typing import Any
 
 from checks.result.derivation import (
     Acting,
-    Bars,
+    BarSymbols,
     Column,
-    Comparison,
     Derivation,
     Given,
+    HandComparison,
     Item,
     LoadCase,
     Section,
@@ -96,11 +96,11 @@ def derivation_of_data(data: Mapping[str, Any]) -> Derivation:
             ),
             value=text_of(data["value"]),
             limit=text_of(data["limit"]),
-            bars=Bars(**{name: text_of(text) for name, text in data["bars"].items()}),
+            bars=BarSymbols(**{name: text_of(text) for name, text in data["bars"].items()}),
             unproved=text_of(data["unproved"]),
             equal=tuple((text_of(one), text_of(other)) for one, other in _list(data["equal"])),
             compared=tuple(
-                Comparison(**_own(Comparison, one, hand=number_of, model=number_of))
+                HandComparison(**_own(HandComparison, one, hand=number_of, model=number_of))
                 for one in _list(data["compared"])
             ),
             notes=tuple(text_of(note) for note in _list(data["notes"])),

@@ -37,7 +37,7 @@ class PinForce:
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class PartsMotion:
     """Pose of every part in the machine's frame at the kept positions of a cycle.
 
     index        (k,)    rows of the cycle's positions that are kept, rising

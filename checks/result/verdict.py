@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Self
 if TYPE_CHECKING:
     from checks.result.derivation import Derivation
     from checks.result.live_fields import EncodedPart, LiveFields
-    from checks.result.motion import Motion
+    from checks.result.motion import PartsMotion
 
 NOT_MESHED = "not meshed"  # the only field on the surface of a part that no stress is known on
 _BARS = ("numerical", "model", "model_below")  # of a check: None in plain data where infinite
@@ -491,7 +491,7 @@ class DesignResult:
     command: str
     timings: Mapping[str, float] = field(default_factory=dict)
     linkage: Sequence[Check] = ()
-    motion: "Mapping[str, Motion]" = field(default_factory=dict)
+    motion: "Mapping[str, PartsMotion]" = field(default_factory=dict)
     assumed_by_design: Sequence[str] = ()
     ways: Sequence[Way] = ()
     changes: Sequence[Change] = ()

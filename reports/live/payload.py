@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from checks.result.live_fields import EncodedPart, LiveFields, grey, with_required_safety
-from checks.result.motion import Motion
+from checks.result.motion import PartsMotion
 from checks.result.verdict import DesignResult, PartResult
 from reports.live.encode import TOLERANCE, encode
 from reports.packed import packed_json, series
@@ -192,7 +192,7 @@ def motion_text(result: DesignResult) -> str:
     )
 
 
-def _motion(motion: Motion, shown: Sequence[PartResult]) -> dict[str, Any]:
+def _motion(motion: PartsMotion, shown: Sequence[PartResult]) -> dict[str, Any]:
     names = [part.name for part in shown]
     parts: list[dict[str, Any] | None] = []
     for name in names:

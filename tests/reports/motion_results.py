@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from checks.result.motion import Motion, PinForce, between
+from checks.result.motion import PartsMotion, PinForce, between
 from loads import GROUND, JointLoad
 
 from . import loads_results, results
@@ -20,7 +20,7 @@ def motion(shown, parts, forces, every=1, layer=None):
     loads = shown.loads
     rows = np.arange(0, len(loads.times), every)
     names = loads.linkage.body_names
-    return Motion(
+    return PartsMotion(
         index=rows,
         times=loads.times[rows],
         parts={part: loads.poses[rows, names.index(body)] for part, body in parts.items()},

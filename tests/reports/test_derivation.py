@@ -9,11 +9,11 @@ import pytest
 
 from checks.result.derivation import (
     Acting,
-    Bars,
+    BarSymbols,
     Column,
-    Comparison,
     Derivation,
     Given,
+    HandComparison,
     LoadCase,
     Section,
     Step,
@@ -85,8 +85,8 @@ def derivation(**changes):
         ),
         "value": "sigma",
         "limit": "S_y",
-        "bars": Bars("e_num", words="as found"),
-        "compared": (Comparison("axial stress", 100.0, 99.0, "MPa", "F/A"),),
+        "bars": BarSymbols("e_num", words="as found"),
+        "compared": (HandComparison("axial stress", 100.0, 99.0, "MPa", "F/A"),),
         "notes": ("a note",),
     } | changes
     return Derivation(**values)
@@ -149,7 +149,7 @@ def test_an_infinite_limit_is_no_formula_s():
 def test_an_infinite_bar_needs_words_and_no_formula():
     one = replace(explained(), limit=355.0, model=inf, model_below=0.0)
     assert derivation().misses(one) == ""
-    silent = derivation(bars=Bars("e_num"))
+    silent = derivation(bars=BarSymbols("e_num"))
     assert "nothing says why the model band above is infinite" in silent.misses(one)
 
 
@@ -275,7 +275,7 @@ def test_hostile_names_stay_text():
         cases=(LoadCase("s", HOSTILE, HOSTILE, 0, (Acting(HOSTILE, HOSTILE, (1.0,) * 6),)),),
         notes=(HOSTILE,),
         unproved=HOSTILE,
-        compared=(Comparison(HOSTILE, 1.0, 2.0, HOSTILE, HOSTILE),),
+        compared=(HandComparison(HOSTILE, 1.0, 2.0, HOSTILE, HOSTILE),),
     )
     long = "x" * 10_000
     one = replace(explained(part=long, quantity=HOSTILE), derivation=own)

@@ -3,11 +3,11 @@ import os
 
 import pytest
 
-from ballesta.batches.journal import Entry, Journal
+from ballesta.batches.journal import Journal, JournalEntry
 
 
 def entry(name, **outcome):
-    return Entry(
+    return JournalEntry(
         f"key of {name}", {"a.toml": "00"}, "", {"name": name, **outcome}, {"seconds": 1.5}
     )
 

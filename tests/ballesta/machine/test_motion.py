@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 
 from ballesta.design.read import read_design
 from ballesta.machine.motion import kept_rows, part_frame
-from ballesta.machine.motion_layers import Skin, layers
+from ballesta.machine.motion_layers import PartSkin, layers
 from ballesta.machine.motion_layers import _distance as distance_from
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort
@@ -187,7 +187,7 @@ def test_the_distance_from_a_joint_is_that_in_the_part_s_own_frame(tmp_path):
     points = design.bodies["rod"].points
     length = np.hypot(*np.subtract(points["B"], points["A"]))
     nodes = np.array([[0.0, 0.0, 1.0], [length, 0.0, 2.0], [length, 5.0, -1.0]])
-    skin = Skin(nodes, np.array([[0, 1, 2]]))
+    skin = PartSkin(nodes, np.array([[0, 1, 2]]))
     rod = design.parts["rod"]
     assert_allclose(distance_from(design, rod, skin, "B"), [length, 0.0, 5.0], atol=1e-9)
     aside = distance_from(design, rod, skin, "C")

@@ -16,9 +16,9 @@ from checks.ladder import part_ladder
 from checks.ladder.explained import explained
 from checks.ladder.leaf_checks import Friction, LeafBand
 from checks.models.formula_buckling import column_items, stretch_items
-from checks.result.derivation import Bars, Derivation, Given, Section, Step
+from checks.result.derivation import BarSymbols, Derivation, Given, Section, Step
 from checks.result.verdict import Status
-from checks.stress.error_bars import Bars as SolidBars
+from checks.stress.error_bars import Bars
 from fem.convergence import ErrorBar, discretisation_error
 from geometry.parts import Pin, Seat
 from reports.charts.buckling import column_curves
@@ -227,7 +227,7 @@ def test_bars_that_exclude_each_other_leave_the_rung_s_own_error(climbed):
 
 
 def test_a_singular_place_and_a_single_mesh_are_told_apart():
-    plain = SolidBars(ErrorBar(1.0, 1.0, 0.0, 100.0), 0.0, 0.0, "", (99.0, 100.0), (2.0, 1.0))
+    plain = Bars(ErrorBar(1.0, 1.0, 0.0, 100.0), 0.0, 0.0, "", (99.0, 100.0), (2.0, 1.0))
     singular = replace(plain, numerical=replace(plain.numerical, singular=0.4))
     assert "singular" in solid_bars(singular, "sigma")[0].words
     assert "two meshes" in solid_bars(replace(plain, values=(1.0,)), "sigma")[0].words
@@ -236,7 +236,7 @@ def test_a_singular_place_and_a_single_mesh_are_told_apart():
 
 def test_the_constants_of_a_solid_s_bar_are_those_of_its_computation(monkeypatch):
     bar = ErrorBar(1.0, 1.0, 0.0, 100.0, order=3.0)
-    plain = SolidBars(bar, 0.0, 0.0, "", (99.0, 100.0), (2.0, 1.0))
+    plain = Bars(bar, 0.0, 0.0, "", (99.0, 100.0), (2.0, 1.0))
     for name, value in (("FINER", 1.7), ("SAFETY", 2.5), ("LEAST", 0.3), ("SCATTER", 0.7),
                         ("REPEATS", 0.004)):  # fmt: skip
         monkeypatch.setattr(bars, name, value)
@@ -253,7 +253,7 @@ def test_the_formulas_of_a_solid_s_bar_give_it(order, scatter, notch):
     values, sizes = (85.0, 100.0), (2.0, 1.2)
     left = discretisation_error(values, sizes, order)
     bar = ErrorBar(left, scatter, 0.7, 100.0, notch=notch, order=order)
-    told, items = solid_bars(SolidBars(bar, 0.0, 0.0, "", values, sizes), "sigma")
+    told, items = solid_bars(Bars(bar, 0.0, 0.0, "", values, sizes), "sigma")
     items = (Given("sigma", "", 100.0), *items)
     own = Derivation((), (Section("all", items),), "sigma", "sigma")
     assert own.number(told.numerical) == pytest.approx(bar.value, rel=1e-12)
@@ -297,7 +297,7 @@ def test_the_share_of_a_bar_follows_from_its_numbers(items, share):
 def test_friction_hands_over_its_own_terms(climbed, most, least, above, below):
     check = replace(climbed["rod"][1][0], value=100.0, numerical=0.0, model=1.0, model_below=0.0)
     items = (Given("sigma", "", 100.0), Given("L", "", check.limit), Given("b", "", 1.0))
-    own = Derivation((), (Section("all", items),), "sigma", "L", Bars(above="b", words="own"))
+    own = Derivation((), (Section("all", items),), "sigma", "L", BarSymbols(above="b", words="own"))
     band = LeafBand(Friction((most, most), (least, least), "solved again"))
     check = band(replace(check, kind="static"))
     assert check.model == 1.0 + max(0.0, most - 1) * 100.0

@@ -110,6 +110,22 @@ def test_what_hardly_acts_is_kept_unless_it_is_below_what_may_be_left_out():
     assert von_mises(off).max() <= NOTHING
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_fields_that_are_left_out_make_less_than_may_be_left_out(seed):
+    """Ten loads, each a tenth of the one before, in a large cycle and in a small one."""
+    nodes, _ = torus(24, 12)
+    fields = smooth(nodes, 10, seed)
+    graded = 10.0 ** -np.arange(10.0)[:, None]
+    paths = {"a": 1e3 * graded * turning(10, 80, seed), "b": graded * turning(10, 40, seed + 9)}
+    done = fewest(fields, paths)
+    assert 5 <= len(done.fields) < 10
+    for name, path in paths.items():
+        exact = np.einsum("jnc,jk->knc", fields, path)
+        off = exact - np.einsum("jnc,jk->knc", done.fields, done.weights[name])
+        size = np.sqrt((exact**2).mean(axis=(1, 2))).max()
+        assert np.linalg.norm(off, axis=2).max() <= NOTHING * size
+
+
 def test_loads_in_proportion_become_one_field_and_idle_ones_none():
     nodes, _ = torus(24, 12)
     alike = turning(1, 50)
