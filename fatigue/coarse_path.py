@@ -71,8 +71,7 @@ def coarse_path(basis: FloatArray, coefficients: FloatArray, k: float) -> Coarse
 def _chords(path: FloatArray) -> tuple[IntArray, FloatArray]:
     """Positions to keep of a path (d, n), and each one's share (n,) of the chord beside it.
 
-    The position farthest from its chord is kept next, until all are close (Ramer 1972; Douglas and
-    Peucker 1973).
+    The position farthest from its chord is kept next, until all are close.
     """
     n = path.shape[1]
     share = np.zeros(n)
