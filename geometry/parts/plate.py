@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from geometry.bars import Bar, Sections, rectangle
 from geometry.mesh import FloatArray, Interface
 from geometry.meshing import Body, Region, faces_where
 from geometry.outlines import Contour, Edges, PlateOutline
@@ -24,6 +25,7 @@ _QUARTER = (
     0.42  # bulge of an arc a little longer than a quarter: longer ones are cut for the kernel
 )
 _NEAR = 1e-4  # of a radius: how exactly faces are found
+_STATIONS = 65  # heights of a link, between which they are straight
 _STATED = 1e-3  # mm, how exactly points are usually stated
 
 Pair = tuple[float, float]
@@ -117,6 +119,27 @@ class Plate(Shape):
                 group = [group[i] if one == group[j] else one for one in group]
         return tuple(sorted(found))
 
+    def link(self, poisson_ratio: float) -> Bar | None:
+        """The plate from its first bore to its last, where all stand on its own middle line."""
+        places = sorted(bore.at[0] for bore in self.bores)
+        stations = np.linspace(places[0], places[-1], _STATIONS)
+        walls = [self._walls(float(x)) for x in stations]
+        aside = max(abs(bore.at[1]) for bore in self.bores)
+        if aside > _STATED or any(w is None or abs(w[0] + w[1]) > _STATED for w in walls):
+            return None
+        heights = np.array([w[1] - w[0] for w in walls if w is not None])
+
+        def at(x: FloatArray) -> Sections:
+            return rectangle(np.interp(x, stations, heights), self.thickness)
+
+        cuts = tuple(places)
+        return Bar(cuts, at)
+
+    def _walls(self, x: float) -> Pair | None:
+        """Lower and upper y of the section at x, mm; None where the line leaves the plate."""
+        cut = self.outline.cut(complex(x, 0.0), 1)
+        return None if cut is None else cut.ends
+
     def beyond(self, bore: PlateBore, towards: PlateBore) -> tuple[int, ...]:
         """Bores that hang on a neighbour of a bore, itself included."""
         start, found = self.bores.index(bore), [self.bores.index(towards)]
@@ -173,6 +196,7 @@ class Plate(Shape):
             "hole / eye": max(bore.diameter / eyes[bore.name] for bore in self.bores),
             "thickness / hole": self.thickness / min(holes),
             "length / eye": min(arms) / max(eyes.values()),
+            "least eye / largest eye": min(eyes.values()) / max(eyes.values()),
         }
         fillets = []
         for point, centre, _ in self.hollow_edges((0.5,)):
@@ -181,8 +205,8 @@ class Plate(Shape):
             fillets.append(abs(point - centre) / depth if depth else 1.0)
         if self.bend > 1.0:
             found["bend, deg"] = self.bend
-            if fillets:
-                found["fillet / depth"] = min(fillets)
+        if fillets:
+            found["fillet / depth"] = min(fillets)
         return found
 
     @cached_property

@@ -12,6 +12,7 @@ from geometry.lever_outline import Eye, lever_outline
 from geometry.meshing import mesh_shape
 from geometry.outlines import Contour, PlateOutline
 from geometry.parameters import ParameterError
+from geometry.parts import PlateLink
 from geometry.parts.plate import Plate, PlateBore
 from geometry.symmetry import Half
 
@@ -132,3 +133,16 @@ def test_levers_that_cannot_be_drawn(change, field, told):
 def test_a_bore_is_a_round_hole_of_the_outline():
     with pytest.raises(ParameterError, match=r"holes\.b: is no round hole of the plate: 10 mm"):
         Plate(lever().outline, (PlateBore("a", 10, (0, 0)), PlateBore("b", 10, (50, 0))), 10.0)
+
+
+def test_a_straight_lever_is_a_bar_from_its_first_bore_to_its_last():
+    bar = lever(STRAIGHT).link(0.3)
+    wanted = PlateLink(length=160, width=30, thickness=10, hole=10).link(0.3)
+    assert bar.cuts == (0.0, 100.0, 160.0)
+    x = np.linspace(1, 159, 6)[None, :]
+    for name in ("area", "inertia_y", "inertia_z", "torsion"):
+        own, other = (np.broadcast_to(getattr(one.at(x), name), x.shape) for one in (bar, wanted))
+        assert_allclose(own, other, rtol=1e-9)
+    tapered = lever(((0, 30), (100, 50), (160, 30))).link(0.3)
+    assert_allclose(tapered.at(np.full((1, 6), 50.0)).area, 10 * 40 / np.sqrt(0.99), rtol=2e-3)
+    assert lever(BENT).link(0.3) is None
