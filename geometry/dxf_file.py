@@ -28,7 +28,7 @@ _FULL = 1e-9  # rad, short of a full turn
 
 @dataclass(frozen=True, eq=False)
 class DxfDrawing:
-    """A file's outline, mm, and in words how it was read and which entities were left out."""
+    """Outline of a file, mm, and in words the entities that were read and those left out."""
 
     drawn: Drawn
     told: tuple[str, ...]

@@ -232,7 +232,7 @@ def _safety(check: Check) -> str:
 def _rows(result: DesignResult) -> list[PartRow]:
     """One row for each part's governing check; parts whose safeties read the same share it.
 
-    It has the value of the part nearest to its limit.
+    Its value belongs to the part nearest to its limit.
     """
     owners: list[tuple[str, list[Check]]] = [(p.name, list(p.checks)) for p in result.parts]
     owners.append(("linkage", list(result.linkage)))
