@@ -149,10 +149,9 @@ def test_impossible_stacks_and_friction_are_refused():
 
 @pytest.mark.slow
 @pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")
-@pytest.mark.parametrize("leaves", [2, 3])
-def test_leaves_on_two_supports_agree_with_calculix(leaves):
+def test_two_leaves_on_two_supports_agree_with_calculix():
     """Stiffness within 3 %, stress within 5 %, loaded and relieved (bench/leaf_contact.py)."""
-    pack = Pack(leaves, 0.3, 100.0)
+    pack = Pack(2, 0.3, 100.0)
     ours, theirs = beams(pack), calculix(pack)
     assert_allclose(ours.deflection, theirs.deflection, rtol=0.03)
     assert_allclose(ours.stress, theirs.stress, rtol=0.05)
