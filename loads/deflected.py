@@ -12,12 +12,7 @@ import numpy as np
 
 from loads.bodies import BoolArray, FloatArray
 from loads.compliance import BeamCompliance, JointCompliance, MatrixCompliance
-from loads.elasticity import (
-    Displacements,
-    LoadState,
-    beam_displacements,
-    matrix_displacements,
-)
+from loads.elasticity import Displacements, LoadState, beam_displacements, matrix_displacements
 from loads.forces import ForceSolution, solve_forces
 from loads.joints import Joint, Prismatic, Slot
 from loads.kinematics import Kinematics, dot, rotated, turned_left, unit

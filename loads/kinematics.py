@@ -13,16 +13,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from loads.bodies import GROUND, FloatArray, LinkageError
-from loads.joints import (
-    Angle,
-    Coordinate,
-    Distance,
-    Fixed,
-    Joint,
-    PointCoordinate,
-    Prismatic,
-    Slot,
-)
+from loads.joints import Angle, Coordinate, Distance, Fixed, Joint, PointCoordinate, Prismatic, Slot
 
 if TYPE_CHECKING:
     from loads.linkage import Linkage

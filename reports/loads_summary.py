@@ -10,17 +10,7 @@ from typing import Any
 import numpy as np
 
 from checks.result.verdict import Gate
-from loads import (
-    Angle,
-    Coordinate,
-    CycleLoads,
-    Distance,
-    Fixed,
-    Joint,
-    Prismatic,
-    Revolute,
-    Slot,
-)
+from loads import Angle, Coordinate, CycleLoads, Distance, Fixed, Joint, Prismatic, Revolute, Slot
 from reports.loads_figures import (
     ContactStated,
     ContactSummary,

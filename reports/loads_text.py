@@ -11,12 +11,7 @@ from checks.result.words import brief, clean, gate_word, number, place_text, qua
 from reports.loads_figures import Extremes
 from reports.loads_runs import ShownRun
 from reports.loads_summary import LoadsResult, ShownCycle
-from reports.loads_words import (
-    broken_by_kind,
-    contact_sentence,
-    drive_sentences,
-    header_sentences,
-)
+from reports.loads_words import broken_by_kind, contact_sentence, drive_sentences, header_sentences
 from reports.terminal import labelled, wrap
 
 _LONGEST_NAME = 18

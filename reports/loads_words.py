@@ -6,13 +6,7 @@ from math import inf, pi
 
 from checks.result.verdict import DesignResult, Gate, PartResult
 from checks.result.words import brief, gate_sentence, number, place_text, quantity_unit
-from reports.loads_figures import (
-    ContactSpan,
-    ContactSummary,
-    Direction,
-    DriveSummary,
-    MotorFigures,
-)
+from reports.loads_figures import ContactSpan, ContactSummary, Direction, DriveSummary, MotorFigures
 from reports.loads_summary import LoadsResult, ShownCycle
 
 SIGNS = (

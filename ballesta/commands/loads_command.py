@@ -8,12 +8,7 @@ from pathlib import Path
 import loads
 from ballesta.design.read import read_design
 from ballesta.machine.balance import balance_gates, measured_loads, not_measured
-from ballesta.machine.drive_speed import (
-    evenness_of,
-    speed_assumptions,
-    speed_gates,
-    speed_warnings,
-)
+from ballesta.machine.drive_speed import evenness_of, speed_assumptions, speed_gates, speed_warnings
 from ballesta.machine.shown_loads import shown_cycle, shown_run
 from ballesta.machine.solved_cycles import (
     part_masses,
