@@ -176,7 +176,7 @@ def _tried(loaded: LoadedPart) -> Rubbed | str:
 
 
 def friction_gates(loaded: LoadedPart) -> list[Gate]:
-    """Whether contact and friction between leaves were solved; none for other parts."""
+    """Validity check of contact and friction between leaves; none for other parts."""
     found = _tried(loaded) if _rubs(loaded) else ""
     if isinstance(found, str):
         return []

@@ -49,10 +49,10 @@ class Rubbing:
 
 @dataclass(frozen=True)
 class Rubbed:
-    """A pack's stresses with friction over those of leaves that slide freely, and its forces.
+    """Stresses of a pack with friction over those of leaves that slide freely, and its forces.
 
     static, fatigue   ratio of the stress that decides, by case
-    forces            N, largest force of a contact by case, each beside that of sliding leaves
+    forces            N, largest force of a contact by case: of leaves that slide, with friction
     missed            largest of what equilibrium and laws of contact are missed by, scaled
     """
 
