@@ -7,8 +7,9 @@ With the reserve r, the least of limit over (upper demand times required safety)
 and a dimension x, r ~ x^p locally: p from a step of 3 %, then three secant steps on log r over
 log x, rounded to the safe side; then the next length of R20, the preferred numbers of ISO 3, if it
 is a change as well. Where another model than the formula decides, a margin of 10 % is kept: so far
-may their ratio change with the part (7 % seen, tests/ballesta/sweeps/test_promises.py). A change is
-an estimate until a check by the deciding model has verified it.
+may their ratio change with the part (7 % seen, tests/ballesta/sweeps/test_promises.py). Friction
+between leaves keeps its share of the stress. A change is an estimate until a check by the deciding
+model has verified it.
 """
 
 import re
@@ -24,6 +25,7 @@ from checks.design.data import Design
 from checks.design.effort import DEFAULT_EFFORT, Effort
 from checks.design.materials import known_materials
 from checks.result.verdict import Change, Check, DesignResult, Status
+from fem.threads import one_thread
 
 _DIMENSION = re.compile(r"^\s*(\d+(?:\.\d+)?)\s*(mm|cm|m|deg)\s*$")
 _STEP = 1.03  # of a dimension, as a factor, to find its exponent
@@ -81,6 +83,7 @@ class Improved:
         }
 
 
+@one_thread()
 def improve(
     file: str | Path,
     overrides: Sequence[str] = (),
@@ -108,13 +111,15 @@ def improve(
     return Improved(result, search.open, tuple(best))
 
 
+@one_thread()
 def with_changes(
     design: Design, result: DesignResult, say: Callable[[str], None] = lambda _: None
 ) -> DesignResult:
     """The result with its three best single changes for the part that decides, and its like.
 
     None where only the linkage does not pass. Where all pass, the two heaviest shapes are tried.
-    Sampling errors are taken from the result; `improve` finds them anew for each variation.
+    Sampling errors are taken from the result, and of the cycles only those that decide a check or
+    stand in the duty are solved; `improve` takes all, and finds sampling errors anew.
     """
     search = _Search(design, result, between=False)
     found = search.changes(say, shapes=_HEAVIEST)
@@ -176,7 +181,9 @@ class _Search:
             if any(check.status is not Status.PASS for check in part.checks)
         )
         self._linkage_open = any(check.status is not Status.PASS for check in result.linkage)
-        self._screening = Screening(design, between=between)
+        deciding = {check.cycle for part in result.parts for check in part.checks}
+        cycles = None if between else {*design.duty.cycles, *deciding}
+        self._screening = Screening(design, between=between, rubbing=False, cycles=cycles)
         self.base = self._screening.of({})
         known = {_name(check): check for part in result.parts for check in part.checks}
         self._methods = {name: check.method for name, check in known.items()}

@@ -24,11 +24,13 @@ from checks.by_formula import formula_checks
 from checks.design.data import Design
 from checks.design.errors import DesignError, NumericsError
 from checks.ladder.climb import answered, climb_cheap, start_climb
+from checks.ladder.leaf_checks import LeafBand
 from checks.ladder.part_ladder import told_of_part
 from checks.ladder.result import reported_level, rung_gates
 from checks.part.loaded_part import LoadedPart
 from checks.result.verdict import Check, Gate, Status, deciding_of, status_of
 from checks.stress.solid_mesh_level import Models
+from fem.threads import one_thread
 from geometry.cad_body import SolidBody
 
 NOT_ASKED = (
@@ -84,6 +86,7 @@ class Screened:
         return deciding_of(self.checks) if self.checks else None
 
 
+@one_thread()
 def screen(
     design: Design, variations: Iterable[Variation], *, processes: int = 1
 ) -> list[Screened]:
@@ -128,27 +131,40 @@ class Screening:
 
     between  whether the bars hold what the positions miss between them; without, a variation takes
              half the time
+    rubbing  whether friction between leaves is solved for each variation; without, it has the share
+             of the stress that it has in the design as it is
+    cycles   that are solved: those of the duty among them; None for all
 
     Raises DesignError and NumericsError for the design itself.
     """
 
-    def __init__(self, design: Design, *, between: bool = True) -> None:
-        self.design, self.between = design, between
+    def __init__(
+        self,
+        design: Design,
+        *,
+        between: bool = True,
+        rubbing: bool = True,
+        cycles: Collection[str] | None = None,
+    ) -> None:
+        self.design, self.between, self._only = design, between, cycles
+        self.rubbing: dict[str, LeafBand] | None = None if rubbing else {}
         self.models = Models()
         masses = part_masses(design, self.models)
         self._linkages: dict[str, loads.Linkage] = {}
         self._cycles: dict[str, loads.Cycle] = {}
         self._solved: dict[str, loads.CycleLoads] = {}
         self._solved, _ = self.solve(design, masses)
-        for name, cycle in design.cycles.items():
+        for name in self._solved:
             self._linkages[name] = self._solved[name].linkage
-            self._cycles[name] = cycle.run
+            self._cycles[name] = design.cycles[name].run
 
     def solve(self, design: Design, masses: Masses) -> tuple[dict[str, loads.CycleLoads], bool]:
         """The cycles of a variation, and whether any was run from the beginning."""
         compliances = compliances_of(design, self.models)
         solved, afresh = {}, False
         for name, stated in design.cycles.items():
+            if self._only is not None and name not in self._only:
+                continue
             with told_of_cycle(design, name):
                 linkage = linkage_of(design, masses, stated, compliances)
                 cycle = stated.run
@@ -199,7 +215,7 @@ def _checked(
             loaded = LoadedPart.of(design, part, runs, known.models)
             if not known.between:
                 loaded = loaded.under(replace(loaded.loads, path=None))
-            why = _check_part(loaded, body, checks, gates)
+            why = _check_part(known, loaded, body, checks, gates)
         if why:
             left[part.name] = why
     return Screened(
@@ -208,18 +224,22 @@ def _checked(
 
 
 def _check_part(
+    known: Screening,
     loaded: LoadedPart,
     body: SolidBody,
     checks: list[Check],
     gates: list[Gate],
 ) -> str:
     """Add a part's checks and gates; returns why its stress is not judged, if it is not."""
-    climb = start_climb(loaded)
+    shared = known.rubbing
+    climb = start_climb(loaded, None if shared is None else shared.get(loaded.name))
     why = ""
     if climb_cheap(climb, _RUNG):
         why = "; ".join(tried.why for tried in climb.tried)
     else:
         checks += answered(climb)
         gates += rung_gates(climb, reported_level(climb), body.size)
+        if shared is not None and _RUNG in climb.bands:
+            shared.setdefault(loaded.name, climb.bands[_RUNG])
     checks += formula_checks(loaded)
     return why

@@ -49,6 +49,7 @@ class Climb:
     levels     rung -> its stress, judged
     bands      rung -> what friction between leaves widened its checks by
     tried      rungs in the order in which they were tried or passed over
+    rubbing    the friction between leaves, if it is known beforehand
     doubted    kinds of which two rungs' bars have nothing in common: only a solid settles them
     """
 
@@ -61,6 +62,7 @@ class Climb:
     tried: list[RungTried] = field(default_factory=list)
     unbuckled: bool = False
     doubted: set[str] = field(default_factory=set)
+    rubbing: LeafBand | None = None
 
     @property
     def part(self) -> Part:
@@ -102,7 +104,7 @@ class Climb:
             self.skip(rung, f"there is no {rung} of this shape")
             return False
         level = rung_level(self.loaded, model)
-        leaves = leaf_band(self.loaded)
+        leaves = self.rubbing or leaf_band(self.loaded)
         doubts = load_bars(self.loads, self._values(rung))
 
         def band(check: Check) -> Check:
@@ -236,8 +238,11 @@ def _open_words(estimate: Estimate | None) -> str:
     return f"has its limit within {estimate.guard:g} times its error bars"
 
 
-def start_climb(loaded: LoadedPart) -> Climb:
-    """A climb at the foot of the ladder."""
+def start_climb(loaded: LoadedPart, rubbing: LeafBand | None = None) -> Climb:
+    """A climb at the foot of the ladder.
+
+    rubbing  the friction between the leaves of a pack, if it is known; else it is solved
+    """
     part, loads = loaded.part, loaded.loads
     use = fatigue_use(loaded)
     asked = [STATIC]
@@ -245,7 +250,7 @@ def start_climb(loaded: LoadedPart) -> Climb:
         asked.append(FATIGUE)
     if part.body is not None and part.geometry.may_buckle and len(loads.wrenches) > 1:
         asked.append(BUCKLING)
-    return Climb(loaded, use, tuple(asked))
+    return Climb(loaded, use, tuple(asked), rubbing=rubbing)
 
 
 def climb_cheap(climb: Climb, fidelity: str, say: Say = lambda _: None) -> bool:

@@ -9,8 +9,8 @@ leaves are between unpressed and held without slip in clamp and bracket (docs/th
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from hashlib import sha256
 from itertools import pairwise, product
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -105,17 +105,38 @@ def gives(loaded: LoadedPart, cycle: loads.CycleLoads | loads.MeasuredLoads) -> 
     )
 
 
-_KNOWN: "WeakKeyDictionary[PartLoads, Rubbed]" = WeakKeyDictionary()
+_KEPT = 8
+_KNOWN: dict[bytes, Rubbed] = {}
 
 
 def rubbed(loaded: LoadedPart) -> Rubbed:
-    """Solve a pack's friction over the cycles that may decide; known loads are not solved again.
+    """Solve a pack's friction over the cycles that may decide; equal packs are not solved again.
 
     Raises ContactError or loads.LinkageError where no contact is found.
     """
-    if loaded.loads not in _KNOWN:
-        _KNOWN[loaded.loads] = _solved(loaded)
-    return _KNOWN[loaded.loads]
+    key = _key(loaded)
+    if key not in _KNOWN:
+        while len(_KNOWN) >= _KEPT:
+            del _KNOWN[next(iter(_KNOWN))]
+        _KNOWN[key] = _solved(loaded)
+    return _KNOWN[key]
+
+
+def _key(loaded: LoadedPart) -> bytes:
+    """Digest of all that a pack's friction depends on: part, duty, loads, and what gives way."""
+    part, acting = loaded.part, loaded.loads
+    giving = [
+        (name, run.linkage.compliance if isinstance(run, loads.CycleLoads) else ())
+        for name, run in loaded.runs.items()
+    ]
+    design = loaded.design.sha256, loaded.design.overrides, loaded.duty
+    stated = design, part.geometry, part.material, part.surface, part.reliability, giving
+    found = sha256(repr((stated, sorted(acting.cycles.items(), key=str))).encode())
+    for arrays in (acting.wrenches, acting.reaches):
+        for name in sorted(arrays):
+            found.update(np.ascontiguousarray(arrays[name]).tobytes())
+    found.update(np.ascontiguousarray(acting.accelerations).tobytes())
+    return found.digest()
 
 
 @dataclass(frozen=True, eq=False)
