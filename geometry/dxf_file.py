@@ -28,7 +28,7 @@ _FULL = 1e-9  # rad, short of a full turn
 
 @dataclass(frozen=True, eq=False)
 class DxfDrawing:
-    """What a file has: its outline, mm, and in words what was read and what was not."""
+    """Outline in a file, mm, and in words the entities that were read and those that were not."""
 
     drawn: Drawn
     told: tuple[str, ...]

@@ -114,8 +114,8 @@ def with_changes(
     """The result with its three best single changes for the part that decides, and its like.
 
     None where only the linkage does not pass. Where all pass, the two heaviest shapes are tried.
-    The share of the bars that the positions miss is taken as that of the result, which `improve`
-    makes anew for each variation.
+    The share of the bars that the positions miss is the result's own; `improve` makes it anew for
+    each variation.
     """
     search = _Search(design, result, between=False)
     found = search.changes(say, shapes=_HEAVIEST)

@@ -57,7 +57,7 @@ class FlatSection:
 
 
 class PlateForces:
-    """What acts on a plate, as columns of a model's points, and the section forces they make."""
+    """Loads on a plate, as columns of a model's points, and the section forces they make."""
 
     def __init__(self, part: Part, shape: Plate, loads: PartLoads, points: Points) -> None:
         self.shape, self.loads = shape, loads
