@@ -32,7 +32,7 @@ from checks.result.words import (
 )
 from reports.loads_words import broken_of
 
-_MOST_WARNINGS = 1
+_MOST_WARNINGS = 2
 _MOST_GATES = 2
 _MOST_WAYS = 2
 _MOST_SUBJECTS = 4
