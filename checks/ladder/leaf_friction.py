@@ -31,7 +31,8 @@ _HALF_WAY = 1.5  # times moment over thickness: a preload under which a clamp sl
 _STIFFER = 2.0  # times the bending stiffness: tells how much of a deflection is the pack's
 _POSITIONS = 24  # of a cycle, beside its extremes
 _LIKELY = 0.8  # of the largest stress: cycles that friction may bring to the top
-_FINE, _COARSE = 8.0, 40.0  # mm, at most: places where the pack is pressed, and elsewhere
+# Distance of places where the pack is pressed, and elsewhere: at most so much of its clamp and arm.
+_FINE, _COARSE = (0.1, 0.02), (0.5, 0.1)
 _TELLING = 0.02  # of the largest force of a contact: enough to read compliances from
 
 _Compliance = loads.BeamCompliance | loads.MatrixCompliance | loads.JointCompliance
@@ -213,15 +214,19 @@ def _solved(loaded: LoadedPart) -> Rubbed:
 def stack_of(loaded: LoadedPart, shape: LeafPack) -> LeafStack:
     """The pack's leaves as beams, with places where it is pressed and at the bolt."""
     half, rod, tip = shape.clamp_length / 2, shape.rod_length / 2, shape.contact_length / 2
+    fine, coarse = (
+        min(of_clamp * shape.clamp_length, of_arm * shape.arm)
+        for of_clamp, of_arm in (_FINE, _COARSE)
+    )
     stops = [
-        (-shape.arm, _COARSE),
-        (-shape.contact_to - tip, _FINE),
-        (-shape.contact_from + tip, _COARSE),
-        (-half, _FINE),
-        (0.0, _FINE),
-        (half, _COARSE),
-        (shape.length - rod, 2 * _FINE),
-        (shape.length + rod, _COARSE),
+        (-shape.arm, coarse),
+        (-shape.contact_to - tip, fine),
+        (-shape.contact_from + tip, coarse),
+        (-half, fine),
+        (0.0, fine),
+        (half, coarse),
+        (shape.length - rod, 2 * fine),
+        (shape.length + rod, coarse),
         (shape.length + shape.overhang, 0.0),
     ]
     places = [stops[0][0]]
