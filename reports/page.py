@@ -1,6 +1,7 @@
 """The report: one HTML page that stands alone, with a script of its own, nothing from outside."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -8,7 +9,7 @@ from typing import Any
 from markupsafe import Markup
 
 from checks.result.verdict import DesignResult
-from reports.answer_facts import answer_of
+from reports.answer_facts import Answer, answer_of
 from reports.charts import design_charts
 from reports.files import replacing
 from reports.loads_words import broken_of
@@ -117,7 +118,7 @@ def report_html(
 
 def _answer(result: DesignResult, rows: Sequence[Row]) -> tuple[Markup, Markup]:
     """The answer beside the picture, and what stands under it."""
-    answer = answer_of(result)
+    answer = _first_screen(answer_of(result))
     deciding = next((row for row in rows if row.decides), None)
     scale = safety_scale(answer.check) if answer.check else None
     card = _template("answer_card").render(
@@ -133,6 +134,23 @@ def _answer(result: DesignResult, rows: Sequence[Row]) -> tuple[Markup, Markup]:
         beside=by_label([*answer.beside, *answer.warnings], len(result.warnings)),
     )
     return Markup(card), Markup(below)
+
+
+def _first_screen(answer: Answer) -> Answer:
+    """The answer as the page shows it without scrolling: the mass of all parts above the changes.
+
+    Of these the best two; `ballesta improve`, which is named beside them, has all.
+    """
+    told = sum(fact.label in ("decided by", "where", "when") for fact in answer.headline)
+    mass = [fact for fact in answer.beside if fact.label == "mass"]
+    total = [replace(fact, text=fact.text.partition(" (")[0]) for fact in mass]
+    others = [fact for fact in answer.headline if fact.label == "or"][1:]
+    left = [fact for fact in answer.headline[told:] if fact not in others]
+    return replace(
+        answer,
+        headline=[*answer.headline[:told], *total, *left],
+        beside=[fact for fact in answer.beside if fact.label != "mass"],
+    )
 
 
 @cache

@@ -48,7 +48,8 @@ def questions(result):
     passes = all(one.status is Status.PASS for one in result.checks)
     broken = [gate for gate in result.all_gates if not gate.holds]
     known = passes or isfinite(check.upper)
-    changes = "ballesta improve" if known else "a model that knows its error bar"
+    told = known or result.changes  # a better model comes first where nothing else is told
+    changes = "ballesta improve" if told else "a model that knows its error bar"
     return {
         "does it survive?": [str(result.status)],
         "which part?": [f"{check.kind}", f"of {check.part}"],
