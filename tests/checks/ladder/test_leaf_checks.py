@@ -175,6 +175,7 @@ def test_friction_that_cannot_be_solved_leaves_the_band_open(tmp_path, models, m
         raise leaf_checks.loads.LinkageError("it does not close")
 
     monkeypatch.setattr(leaf_checks.loads, "run_cycle", refused)
+    monkeypatch.setattr("checks.ladder.leaf_friction._KNOWN", {})  # solved by another test
     checks, _ = widened(case, models)
     assert np.isinf(checks["static"].model)
     assert checks["static"].status == "UNDECIDED"
