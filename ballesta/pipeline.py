@@ -30,7 +30,6 @@ from ballesta.unfinished import FRAME, PART, Keep, KeptPart, with_parts, without
 from checks.columns.linkage_frame import FreeMotions, LinkageMode, linkage_check, worst_mode
 from checks.columns.linkage_store import stored_mode
 from checks.derivations.buckling import linkage_share
-from checks.derivations.proven import with_derivation
 from checks.design.data import Design
 from checks.design.errors import DesignError, NumericsError
 from checks.ladder.drawn import undrawn_warnings
@@ -233,7 +232,7 @@ def _of_linkage(
     if check.utilisation > _FAR:
         ends = {d.words: [_linkage_share(design, end, motions) for end in d.ends] for d in doubts}
         check = with_doubts(check, ends)
-    return with_derivation(check, linkage_share(design, mode, check))
+    return check.explained_by(linkage_share(design, mode, check))
 
 
 def _linkage_share(design: Design, runs: Runs, motions: FreeMotions) -> float:

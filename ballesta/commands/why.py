@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 from ballesta.diff.difference import RESULT, read_result, result_files
 from ballesta.run import Say, guarded, store_at
-from checks.derivations.proven import with_derivation
 from checks.design.effort import effort_of
 from checks.design.errors import DesignError
 from checks.design.names import LINKAGE, listed, no_such
@@ -63,7 +62,8 @@ def run_why(
         if all(check.derivation is None for check, _ in found):
             said = "has no derivation, as another version wrote it: check the design again"
             raise DesignError(target, _UNTOLD, said)
-        found = [(_told_again(target, check), title) for check, title in found]
+        for check, _ in found:
+            _must_evaluate(target, check)
         if wanted.as_json:
             plain = [check.to_dict() for check, _ in found]
             print(json.dumps(plain, indent=1, allow_nan=False, ensure_ascii=False))
@@ -183,16 +183,13 @@ def _of_another_version(target: Path, why: str) -> DesignError:
     return DesignError(target, _UNTOLD, told)
 
 
-def _told_again(target: Path, check: Check) -> Check:
-    """A check whose derivation is asked again whether it gives its numbers; raises DesignError."""
-    if check.derivation is None:
-        return check
+def _must_evaluate(target: Path, check: Check) -> None:
+    """Raises DesignError where the formulas of a check's derivation give no number."""
     try:
-        _ = check.derivation.values
+        _ = check.derivation and check.derivation.values
     except FormulaError as error:
         told = f"{check.part} {check.kind}: the formulas give no number: {error}"
         raise _of_another_version(target, told) from error
-    return with_derivation(check, check.derivation)
 
 
 def wanted_checks(target: Path, checks: Sequence[Check], wanted: Wanted) -> list[tuple[Check, str]]:

@@ -58,7 +58,7 @@ def solid_share(
         value="share",
         limit="one",
         unproved=f"the factor is the lowest eigenvalue of {unknowns} unknowns, K x = −λ K_G x with "
-        "the stress of this position in K_G: no formula gives it",
+        "the stress of this position in K_G: no formula gives it or its own error bars",
         compared=tuple(_euler_alone(loaded, position, check.value)),
         bars=BarSymbols(words="how far the factor moves from mesh to mesh, and what a count of all "
                   "lower ones leaves; below, forks that hold the ends"),

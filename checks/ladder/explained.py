@@ -9,7 +9,6 @@ from checks.columns.linkage_frame import LINKAGE
 from checks.columns.stability import ELASTIC
 from checks.derivations.bars import ERROR, rung_bars
 from checks.derivations.buckling import elastic_share
-from checks.derivations.proven import unknown, with_derivation
 from checks.derivations.stresses import fatigue, static
 from checks.ladder.climb import Climb
 from checks.models import stress_words
@@ -17,9 +16,11 @@ from checks.models.checked import BUCKLING, FATIGUE, STATIC
 from checks.models.raised_bores import raised_in_bores
 from checks.part.kind import Kind
 from checks.part.part_loads import PartLoads
-from checks.result.derivation import BARS, BarSymbols, Derivation, Section
+from checks.result.derivation import BARS, BarSymbols, Derivation, Given, Item, Section
 from checks.result.verdict import Check
 from checks.stress.part_model import RungLevel
+
+UNKNOWN = "no derivation of this check is known: its numbers are put in as the check has them"
 
 
 def known_kinds() -> list[Kind]:
@@ -31,14 +32,14 @@ def explained(climb: Climb, checks: Sequence[Check]) -> list[Check]:
     """Return the checks of a part by its models of stress, each with its derivation.
 
     Those of a solid have theirs already (`checks.derivations.stresses`): its mesh is gone by now.
-    Those at sharp edges have none yet, and say so (`checks.derivations.proven.unknown`).
+    Those at sharp edges have none yet, and say so (`UNKNOWN`).
     """
     done = []
     for check in checks:
         derivation = check.derivation
         if derivation is None and check.kind in (STATIC, FATIGUE, BUCKLING):
             derivation = _of_rung(climb, check)
-        done.append(with_derivation(check, derivation or unknown(check)))
+        done.append(check.explained_by(derivation or _unknown(check)))
     return done
 
 
@@ -76,3 +77,29 @@ def _with_rung_bars(
         items = [item for item in items if item.symbol in (ERROR, bars.numerical)]
     found = replace(found, bars=bars, sections=(*found.sections, Section(BARS, tuple(items))))
     return climb.bands[check.method].explained(check, found)
+
+
+def _unknown(check: Check) -> Derivation:
+    """A derivation that derives nothing and says so."""
+    source = f"the check, by {check.method}"
+    bars, widths = {}, list[Item]()
+    for side, name, size in (
+        ("numerical", "numerical error bar", check.numerical - check.sampling),
+        ("above", "model band above", check.model - check.loads),
+        ("below", "model band below", check.below - check.loads_below),
+    ):
+        if size and isfinite(size):
+            bars[side] = f"e_{side}"
+            widths.append(Given(f"e_{side}", name, size, check.unit, source))
+    return Derivation(
+        cases=(),
+        sections=(
+            Section("Demand", (Given("v", check.quantity, check.value, check.unit, source, True),)),
+            Section("Limit", (Given("L", check.basis, check.limit, check.unit, source, True),)),
+            Section(BARS, tuple(widths)),
+        ),
+        value="v",
+        limit="L",
+        bars=BarSymbols(**bars, words="bars as the check has them"),
+        unproved=UNKNOWN,
+    )

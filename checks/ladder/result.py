@@ -8,7 +8,6 @@ from time import perf_counter
 import numpy as np
 
 from checks import by_formula
-from checks.derivations.proven import with_derivation
 from checks.ladder.chart_data import charts_of
 from checks.ladder.climb import SOLID, Climb, answered
 from checks.ladder.leaf_checks import (
@@ -172,10 +171,7 @@ def _buckling_doubted(climb: Climb, check: Check) -> Check:
     """
     if check.kind != BUCKLING or not check.method.startswith(SOLID):
         return check
-    widened = load_bars(climb.loads, lambda some: {BUCKLING: some.largest_force})(check)
-    if widened is check or check.derivation is None:
-        return widened
-    return with_derivation(widened, check.derivation)
+    return load_bars(climb.loads, lambda some: {BUCKLING: some.largest_force})(check)
 
 
 def _by_verdict(

@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from checks.result.verdict import Check
 
 BARS = "Error bars"  # the title of their section, in every derivation
-_BETWEEN = "e_pos"  # the symbol of what sampling misses
-ROUND_OFF = 1e-9  # of a check's value: how far its formulas may miss it
+_DOUBTED = "the check under loads that are not known for certain"
 
 
 @dataclass(frozen=True)
@@ -256,76 +255,22 @@ class Derivation:
             raise FormulaError(f"no number is named {symbol!r}")
         return value
 
-    def misses(self, check: "Check") -> str:
-        """Differences of the formulas from a check's value, limit and bars, in words; "" for none.
-
-        An infinite bar has no formula: the words of the bars must say why.
-        """
-        try:
-            pairs = [
-                ("a value", self.number(self.value), check.value),
-                ("a limit", self.number(self.limit), check.limit),
-                *((one, self.number(one), self.number(other)) for one, other in self.equal),
-            ]
-            told = [
-                f"the formulas give {what} of {found:.9g}, where {wanted:.9g} must stand"
-                for what, found, wanted in pairs
-                if not (isfinite(wanted) and abs(found - wanted) <= ROUND_OFF * abs(wanted))
-            ]
-            for name, size, symbols in (
-                ("numerical bar", check.numerical, self.bars.numerical),
-                ("model band above", check.model, self.bars.above),
-                ("model band below", check.below, self.bars.below),
-            ):
-                told += self._missed_bar(name, size, symbols.split(), abs(check.value))
-        except FormulaError as error:
-            return f"the formulas give no number: {error}"
-        return "; ".join(told)
-
-    def _missed_bar(
-        self, name: str, size: float, symbols: Sequence[str], value: float
-    ) -> Iterator[str]:
-        found = sum(self.number(symbol) for symbol in symbols)
-        if not isfinite(size):
-            if symbols:
-                yield f"the formulas give a {name} of {found:.9g}, where an infinite one must stand"
-            elif not self.bars.words:
-                yield f"nothing says why the {name} is infinite"
-        elif not abs(found - size) <= ROUND_OFF * max(value, size):
-            if symbols:
-                yield f"the formulas give a {name} of {found:.9g}, where {size:.9g} must stand"
-            else:
-                yield f"no formula gives the {name} of {size:.9g}"
-
     def with_items(self, title: str, items: Sequence[Item]) -> Self:
         """Return it with a section more."""
         return replace(self, sections=(*self.sections, Section(title, tuple(items))))
 
-    def with_sampling(self, check: "Check") -> "Derivation":
-        """Return it with the sampling error of the cycle among its numerical bars."""
-        bars = self.bars
-        if (
-            not check.sampling
-            or not isfinite(check.numerical)
-            or _BETWEEN in bars.numerical.split()
-        ):
-            return self
-        said = "what the check rises by between the positions of the cycle, with a margin"
-        item = Given(_BETWEEN, said, check.sampling, check.unit, "docs/theory/error_bars.md")
-        numerical = f"{bars.numerical} {_BETWEEN}".strip()
-        return replace(self._with_bar(item), bars=replace(bars, numerical=numerical))
-
-    def with_loads(self, check: "Check") -> "Derivation":
-        """Return it with the uncertainty of the loads among its model bands."""
+    def with_bars_of(self, check: "Check") -> "Derivation":
+        """Return it with a check's sampling error and doubts of its loads among its error bars."""
         found = self
-        for side, symbol, size, whole in (
-            ("above", "e_load", check.loads, check.model),
-            ("below", "e_load_lo", check.loads_below, check.below),
-        ):
+        for side, symbol, size, whole, said in (
+            ("numerical", "e_pos", check.sampling, check.numerical,
+             "what the check rises by between the positions of the cycle, with a margin"),
+            ("above", "e_load", check.loads, check.model, f"{_DOUBTED}, above its value"),
+            ("below", "e_load_lo", check.loads_below, check.below, f"{_DOUBTED}, below its value"),
+        ):  # fmt: skip
             known = getattr(found.bars, side)
             if not size or not isfinite(whole) or symbol in known.split():
                 continue
-            said = f"the check under loads that are not known for certain, {side} its value"
             item = Given(symbol, said, size, check.unit, "docs/theory/error_bars.md")
             bars = replace(found.bars, **{side: f"{known} {symbol}".strip()})
             found = replace(found._with_bar(item), bars=bars)

@@ -1,7 +1,7 @@
 """Result of checking a design: checks with their error bars, gates, and the verdict."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import MISSING, dataclass, field
+from dataclasses import MISSING, dataclass, field, replace
 from enum import StrEnum
 from math import inf, isfinite
 from typing import TYPE_CHECKING, Any, Self
@@ -74,6 +74,10 @@ class Check:
             raise ValueError(f"{self.part} {self.kind}: the value is {self.value}")
         if not (self.numerical >= 0 and self.model >= 0 and self.below >= 0):
             raise ValueError(f"{self.part} {self.kind}: error bars must not be negative")
+
+    def explained_by(self, derivation: "Derivation | None") -> "Check":
+        """Return it with a derivation, if any, whose error bars get the terms of the check's."""
+        return replace(self, derivation=derivation and derivation.with_bars_of(self))
 
     @property
     def safety(self) -> float:

@@ -38,9 +38,7 @@ def with_doubts(check: Check, ends: Mapping[str, Sequence[float]]) -> Check:
         loads_below=check.loads_below + below,
         note="; ".join(text for text in (check.note, note) if text),
     )
-    if check.derivation is None:
-        return found
-    return replace(found, derivation=check.derivation.with_loads(found))
+    return found.explained_by(check.derivation)
 
 
 def _sides(check: Check, above: float, below: float) -> str:

@@ -301,9 +301,7 @@ def with_sampling(check: Check, more: float) -> Check:
     if not missed > _ROUND_OFF * check.value:
         return check
     found = replace(check, numerical=check.numerical + missed, sampling=missed)
-    if check.derivation is None:
-        return found
-    return replace(found, derivation=check.derivation.with_sampling(found))
+    return found.explained_by(check.derivation)
 
 
 def buckling_rise(

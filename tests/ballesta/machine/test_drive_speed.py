@@ -16,6 +16,7 @@ from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import Doubt, loads_on
 from checks.strength.load_doubts import LoadBars, load_bars
 
+from ...misses import misses
 from ...reports.results import check as result_check
 from ...small_machine import machine, solved
 
@@ -180,7 +181,7 @@ def test_load_bars_stand_in_the_derivations(checked):
     found = [check for check in uneven.values() if check.loads]
     assert found
     for check in found:
-        assert check.derivation.misses(check) == ""
+        assert misses(check.derivation, check) == ""
         assert check.derivation.number("e_load") == pytest.approx(check.loads)
 
 

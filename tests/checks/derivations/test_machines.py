@@ -9,8 +9,8 @@ import pytest
 
 from ballesta.design.read import read_design
 from ballesta.pipeline import check_design
-from checks.derivations.proven import UNKNOWN
 from checks.design.effort import Effort
+from checks.ladder.explained import UNKNOWN
 from checks.ladder.leaf_checks import WIDER
 from checks.result.derivation import Given, Step, Superposition
 from checks.result.formulas import evaluate
@@ -19,6 +19,8 @@ from checks.store.records import from_record, to_record
 from reports.derivation_text import derivation_text
 from reports.derivation_words import bar_texts, shares_of, status_texts
 from reports.files import plain
+
+from ...misses import misses
 
 DESIGNS = Path(__file__).parents[3] / "designs"
 FEWER = {  # positions: what is derived does not depend on how many there are
@@ -44,11 +46,11 @@ def sum_of(derivation, symbols):
 
 
 def test_every_number_and_limit_follows_from_its_formulas(machine):
-    """To round-off, 1e-9 of the number (`checks.result.derivation.ROUND_OFF`)."""
+    """To round-off, 1e-9 of the number (`tests.misses.ROUND_OFF`)."""
     assert machine.checks
     for check in machine.checks:
         assert check.derivation is not None, (check.part, check.quantity)
-        assert check.derivation.misses(check) == "", (check.part, check.quantity)
+        assert misses(check.derivation, check) == "", (check.part, check.quantity)
 
 
 def test_only_friction_between_leaves_widens_a_band_and_shows_its_terms(machine):
@@ -79,7 +81,7 @@ def test_every_check_of_the_press_by_the_cheapest_models_that_settle_it_has_its_
     assert {"formula", "solid", "frame"} <= {check.method for check in result.checks}
     for check in result.checks:
         assert UNKNOWN not in check.derivation.unproved, check.quantity
-        assert check.derivation.misses(check) == "", (check.part, check.quantity)
+        assert misses(check.derivation, check) == "", (check.part, check.quantity)
 
 
 def test_only_what_an_eigenvalue_gives_has_no_formula(machine):
@@ -155,7 +157,7 @@ def test_a_formula_that_is_altered_is_found_out(machine):
                 sections = list(check.derivation.sections)
                 sections[number] = replace(section, items=tuple(items))
                 other = replace(check.derivation, sections=tuple(sections))
-                assert other.misses(check)
+                assert misses(other, check)
                 altered += 1
     assert altered >= 1
 
