@@ -29,7 +29,7 @@ from ballesta.regression.baseline import rungs_of
 from checks.design.data import Design, Part
 from checks.design.errors import DesignError, NumericsError
 from checks.ladder.climb import start_climb
-from checks.ladder.pinned import climb_pinned
+from checks.ladder.part_ladder import climb_pinned
 from checks.ladder.result import solid_result
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on

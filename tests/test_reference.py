@@ -11,7 +11,7 @@ import pytest
 from ballesta.pipeline import check_file
 from checks.design.effort import Effort
 from checks.design.model import DesignFile, Requirements, SafetyKey
-from checks.ladder.explained import known_kinds
+from checks.ladder.part_ladder import known_kinds
 from geometry.parts import SHAPES
 
 ROOT = Path(__file__).parent.parent

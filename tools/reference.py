@@ -21,7 +21,7 @@ import ballesta
 from ballesta.cli import app
 from checks.design.materials import Material, known_materials
 from checks.design.model import Requirements
-from checks.ladder.explained import known_kinds
+from checks.ladder.part_ladder import known_kinds
 
 ROOT = Path(__file__).parent.parent
 REFERENCE = ROOT / "docs" / "reference"

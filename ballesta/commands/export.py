@@ -13,8 +13,7 @@ from ballesta.design.read import read_design
 from ballesta.machine.runs import run_machine
 from ballesta.run import Say, guarded
 from checks.design.data import Design, Part
-from checks.design.errors import DesignError, NumericsError
-from checks.design.names import no_such
+from checks.design.errors import DesignError, NumericsError, no_such
 from checks.part.part_loads import PartLoads, Runs, loads_on, shown_of
 from checks.part.too_fine import told_of_size
 from checks.strength.part_strength import elastic_of

@@ -11,8 +11,7 @@ from pathlib import Path
 from ballesta.run import guarded
 from ballesta.sweeps.improve import MOST, Improved, improve
 from checks.design.effort import effort_of
-from checks.design.errors import DesignError
-from checks.design.names import listed
+from checks.design.errors import DesignError, listed
 from checks.result.verdict import Change, Status
 from checks.result.words import need_text, number, safety_text
 from reports.terminal import labelled, table_row

@@ -13,8 +13,7 @@ from ballesta.design.read import read_design
 from ballesta.machine.runs import run_machine
 from ballesta.run import Say, guarded
 from checks.design.data import Design, Part
-from checks.design.errors import DesignError
-from checks.design.names import no_such
+from checks.design.errors import DesignError, no_such
 from checks.ladder.climb import AUTO, BUILDERS, SOLID, Climb, answered, climb_cheap, start_climb
 from checks.ladder.leaf_checks import Solved
 from checks.ladder.part_ladder import told_of_part

@@ -21,8 +21,7 @@ from ballesta.machine.validity_checks import load_gates
 from ballesta.machine.warnings_of import load_warnings
 from ballesta.run import Say, guarded
 from checks.design.data import Design
-from checks.design.errors import DesignError, NumericsError
-from checks.design.names import no_such
+from checks.design.errors import DesignError, NumericsError, no_such
 from checks.result.words import gate_sentence, gate_word
 from checks.stress.kept_models import Models
 from geometry.mesh import MeshError

@@ -3,9 +3,8 @@
 from math import inf
 from pathlib import Path
 
-from checks.design.errors import DesignError
+from checks.design.errors import DesignError, no_such
 from checks.design.materials import Grade, Material, known_materials
-from checks.design.names import no_such
 from checks.result.words import number
 from reports.loads_text import table
 from reports.terminal import labelled

@@ -11,8 +11,7 @@ from ballesta.design.read import read_design
 from ballesta.diff.difference import RESULT
 from ballesta.run import GAVE_UP, WRONG_INPUT, guarded, progress, store_at
 from checks.design.effort import effort_of
-from checks.design.errors import DesignError
-from checks.design.names import no_such
+from checks.design.errors import DesignError, no_such
 from checks.result.words import brief, verdict_sentence
 from reports.window import Trouble, open_window, probe_window, window_picture
 from reports.window_scene import Scene, scene_of

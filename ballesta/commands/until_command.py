@@ -16,8 +16,7 @@ from ballesta.design.read import read_design
 from ballesta.run import guarded, output_folders, store_at
 from ballesta.sweeps.threshold_search import UntilResult, until_pass, until_text
 from checks.design.effort import Effort, effort_of
-from checks.design.errors import DesignError
-from checks.design.names import listed
+from checks.design.errors import DesignError, listed
 from checks.result.verdict import DesignResult
 from checks.store.results import keep_result, recalled_result
 from checks.store.store import Store

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 from ballesta.diff.difference import RESULT, read_result, result_files
 from ballesta.run import Say, guarded, store_at
 from checks.design.effort import effort_of
-from checks.design.errors import DesignError
-from checks.design.names import LINKAGE, listed, no_such
+from checks.design.errors import LINKAGE, DesignError, listed, no_such
 from checks.result.formulas import FormulaError
 from checks.result.verdict import Check, deciding_of
 from checks.result.words import brief, check_titles

@@ -3,9 +3,8 @@
 from collections.abc import Mapping
 
 import loads
-from checks.design.errors import Problems
+from checks.design.errors import Problems, listed, no_such
 from checks.design.model import DesignFile
-from checks.design.names import listed, no_such
 
 
 def coordinate_of(

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from checks.design.names import listed, no_such
+from checks.design.errors import listed, no_such
 from checks.design.units import MOST
 from geometry.mesh import FloatArray
 

@@ -10,9 +10,8 @@ from ballesta.design.files import Sources
 from ballesta.design.joints import friction_of
 from ballesta.design.laws import law_of
 from checks.design.data import Cycle, Design, Duty, Shown, Stop
-from checks.design.errors import Problems
+from checks.design.errors import Problems, no_such
 from checks.design.model import DesignFile
-from checks.design.names import no_such
 from checks.design.tables import CycleEntry, DriveEntry, MotorEntry, PaceEntry
 from checks.design.units import DIMENSIONS, Measured
 from checks.result.words import number

@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ballesta.design.overrides import HUGE_NUMBER, Way, dotted, huge_number_at
-from checks.design.errors import DesignError
-from checks.design.names import nearest
+from checks.design.errors import DesignError, nearest
 from geometry.bounded_files import MOST_TEXT, read_bounded
 
 

@@ -4,9 +4,8 @@ import math
 
 import loads
 from checks.design.data import Pair
-from checks.design.errors import Problems
+from checks.design.errors import Problems, listed, no_such
 from checks.design.model import DesignFile
-from checks.design.names import listed, no_such
 from checks.design.tables import Available, ForceEntry
 from checks.design.units import DIMENSIONS, Measured
 from loads import GROUND

@@ -6,9 +6,8 @@ from collections.abc import Mapping, Sequence
 
 import loads
 from checks.design.data import Pair
-from checks.design.errors import Problems
+from checks.design.errors import Problems, no_such
 from checks.design.model import DesignFile
-from checks.design.names import no_such
 from checks.design.tables import FrictionEntry, JointEntry
 from checks.design.units import measure_pair
 from loads import GROUND

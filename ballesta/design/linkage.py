@@ -5,9 +5,8 @@ import math
 import loads
 from ballesta.design.joints import points_of_joints
 from checks.design.data import Pair
-from checks.design.errors import Problems
+from checks.design.errors import Problems, no_such
 from checks.design.model import DesignFile
-from checks.design.names import no_such
 from checks.design.tables import BodyEntry
 from loads import GROUND
 

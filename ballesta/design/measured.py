@@ -10,10 +10,9 @@ import loads
 from ballesta.design.csv_columns import Columns, ColumnsError, read_columns
 from ballesta.design.files import Sources
 from checks.design.data import MeasuredRun, Pair
-from checks.design.errors import DesignError, Problems
+from checks.design.errors import DesignError, Problems, no_such
 from checks.design.measured_entry import MeasuredBodyEntry, MeasuredEntry
 from checks.design.model import DesignFile
-from checks.design.names import no_such
 from checks.design.units import Measured
 from geometry.mesh import FloatArray
 

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from checks.design.errors import DesignError, Problems
-from checks.design.names import listed, nearest, no_such
+from checks.design.errors import DesignError, Problems, listed, nearest, no_such
 
 Way = tuple[str | int, ...]
 WITH_LIKE = ("bodies", "cycles", "parts")

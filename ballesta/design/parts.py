@@ -10,10 +10,9 @@ from ballesta.design.files import Sources
 from ballesta.design.plate_parts import plate_geometry, shape_name
 from ballesta.design.step_parts import step_geometry
 from checks.design.data import Part, Roller
-from checks.design.errors import DesignError, Problems
+from checks.design.errors import LINKAGE, DesignError, Problems, listed, no_such
 from checks.design.materials import Material, known_materials
 from checks.design.model import BodyPartEntry, DesignFile, PlatePartEntry, StepPartEntry
-from checks.design.names import LINKAGE, listed, no_such
 from checks.design.stacks import check_stacks
 from checks.design.strength import FkmStrength, fkm_of
 from checks.handbook.fits import clearances_of

@@ -7,9 +7,8 @@ from typing import Any, Union, get_args, get_origin
 from pydantic import BaseModel, Tag, ValidationError
 
 from ballesta.design.overrides import Way, dotted
-from checks.design.errors import Problems
+from checks.design.errors import Problems, listed, nearest, no_such
 from checks.design.model import PART_MODELS, DesignFile
-from checks.design.names import listed, nearest, no_such
 from checks.design.tables import TAGS
 from checks.result.words import brief
 from geometry.parameters import GIVEN_BY_LINKAGE

@@ -29,9 +29,8 @@ from ballesta.design.parts import materials_of, parts_of
 from ballesta.design.problems import tell_problems
 from ballesta.design.step_parts import told_of_steps
 from checks.design.data import Cycle, Design, Part, StatedMass
-from checks.design.errors import Problems
+from checks.design.errors import Problems, nearest, no_such
 from checks.design.model import DesignFile
-from checks.design.names import nearest, no_such
 from checks.design.strength import strength_defaults
 from checks.design.units import DIMENSIONS, Quantity, Vector
 

@@ -3,8 +3,7 @@
 from importlib.resources import files
 from pathlib import Path
 
-from checks.design.errors import DesignError
-from checks.design.names import no_such
+from checks.design.errors import DesignError, no_such
 
 
 def templates() -> tuple[str, ...]:

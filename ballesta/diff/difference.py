@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ballesta.diff.compared import compared
 from ballesta.run import Say, guarded
 from checks.design.effort import effort_of
-from checks.design.errors import DesignError
-from checks.design.names import listed
+from checks.design.errors import DesignError, listed
 from checks.result.words import brief
 from geometry.bounded_files import MEBIBYTE, read_bounded
 from geometry.progress import step

@@ -8,7 +8,7 @@ from math import inf, isfinite
 from pathlib import Path
 from typing import Any
 
-from checks.design.names import no_such
+from checks.design.errors import no_such
 
 ROUND_OFF = 1e-6  # another processor's arithmetic; the same one repeats to 1e-9
 LARGEST = 0.04  # a peak stress that changes by 5 % must always be seen

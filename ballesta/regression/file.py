@@ -11,7 +11,7 @@ from typing import Any
 
 from ballesta.regression.bands import parse_bands
 from ballesta.regression.record import KINDS, LADDER, LINKAGE, MASS
-from checks.design.names import no_such
+from checks.design.errors import no_such
 
 FORMAT = "ballesta-baseline/2"
 SUFFIX = ".baseline.json"

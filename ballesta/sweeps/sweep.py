@@ -13,9 +13,8 @@ from ballesta.design.overrides import split_key
 from ballesta.design.read import read_design
 from ballesta.sweeps.sweep_text import MOST, Sweep, parse_sweep, refusal, written
 from checks.design.data import Design
-from checks.design.errors import DesignError, DesignErrors
+from checks.design.errors import DesignError, DesignErrors, nearest
 from checks.design.model import PART_MODELS, DesignFile
-from checks.design.names import nearest
 
 SEED = 0
 _TRIED = 64  # values of a range that the design is asked about before anything is computed

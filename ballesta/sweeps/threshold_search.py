@@ -11,8 +11,7 @@ from ballesta.sweeps.bisection import LARGER, PROBES, TOLERANCE, Search, search_
 from ballesta.sweeps.sweep import spread
 from ballesta.sweeps.sweep_text import Sweep, parse_sweep, refusal
 from checks.design.effort import AUTO, DEFAULT_EFFORT, SOLID, Effort
-from checks.design.errors import DesignError
-from checks.design.names import listed, no_such
+from checks.design.errors import DesignError, listed, no_such
 from checks.result.verdict import Check, DesignResult, Gate, Status, deciding_of, status_of
 from checks.result.words import UNKNOWN_BAR, brief, need_text, number, safety_text
 from reports.terminal import labelled, table_row

@@ -2,15 +2,19 @@
 
 The plane taken is the shortest, straight behind the hole's crown (Melcon and Hoblit, Product
 Engineering 24 (1953) no. 6, start theirs at 40 degrees, where it is longer).
+
+Shear planes behind a hole, measured on a mesh: of parts whose ends are not known as numbers.
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
+import numpy.typing as npt
 
 from checks.design.data import Part
 from checks.joints.lugs import lugs_of
-from checks.joints.tear_planes import plate_tear_lengths, tear_lengths
 from checks.part.derived import EXACT, Heading, Series, shear_yield, yield_stress
 from checks.part.first_maximum import first_largest
 from checks.part.kind import Kind
@@ -18,7 +22,7 @@ from checks.part.loaded_part import LoadedPart
 from checks.result.derivation import Step
 from checks.result.verdict import Check
 from geometry.cad_body import SolidBody
-from geometry.mesh import FloatArray, Mesh
+from geometry.mesh import FloatArray, IntArray, Mesh
 from geometry.parts.plate import Plate, as_plate
 from geometry.shape import Ligament
 
@@ -111,3 +115,145 @@ def ligament_all_round(mesh: Mesh, name: str) -> Ligament:
     angles = 2 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
     areas = mesh.interfaces[name].length * tear_lengths(mesh, name, angles.tolist())
     return Ligament(None, tuple(areas.tolist()), "the wall that the force points at")
+
+
+FAR = 3.0  # hole diameters of material behind which nothing tears (docs/theory/fits.md)
+_SECTOR = np.radians(np.linspace(-40.0, 40.0, 9))  # where on the hole's edge a plane may begin
+_LEVELS = 9  # sections over the length of the hole
+_PIECES = 8  # flat ones along a side of a curved facet: 1/64 of the error of its chord
+
+
+@dataclass(frozen=True, eq=False)
+class _Outline:
+    """Section of the body's surface by a plane z = const: m straight pieces.
+
+    starts, ends  (m, 2) mm, from the hole's axis
+    outward       (m, 2) normals, not of unit length
+    pinned        (m,) whether a piece is of another bore
+    """
+
+    starts: FloatArray
+    ends: FloatArray
+    outward: FloatArray
+    pinned: npt.NDArray[np.bool_]
+
+    def shortest(self, radius: float, angle: float) -> float:
+        """Shortest way through material, mm, of the rays behind the hole; infinite: it is held."""
+        along = np.array([np.cos(angle), np.sin(angle)])
+        across = np.array([-along[1], along[0]])
+        side = radius * np.sin(_SECTOR)[:, None]
+        a, b = self.starts @ across, self.ends @ across
+        met = (a > side) != (b > side)
+        share = (side - a) / np.where(a == b, 1.0, b - a)
+        ways = self.starts @ along + share * ((self.ends - self.starts) @ along)
+        ways = ways - radius * np.cos(_SECTOR)[:, None]
+        met &= ways > 0
+        leaves = self.outward @ along > 0
+        out = np.where(met & leaves, ways, np.inf)
+        first = out.min(axis=1)
+        into = np.where(met & ~leaves & (ways < first[:, None]), ways, 0.0).max(axis=1)
+        held = self.pinned[out.argmin(axis=1)]
+        return float(np.where(held, np.inf, first - into).min())
+
+
+def tear_lengths(mesh: Mesh, name: str, angles: Sequence[float]) -> FloatArray:
+    """Length (n,), mm, of the shortest shear plane behind a bore for forces at some angles, rad.
+
+    A plane begins at the hole's edge, at most 40 degrees from the force's direction, runs parallel
+    to it and ends where it first leaves the material. It is infinite where nothing tears: behind
+    FAR diameters of material, and towards another bore, whose pin is in the way. Of sections over
+    the length of the bore the worst counts.
+    """
+    radius = mesh.interfaces[name].radius
+    outlines = [_outline(mesh, name, level) for level in _levels(mesh, name)]
+    lengths = np.array(
+        [min(cut.shortest(radius, angle) for cut in outlines) for angle in angles], dtype=np.float64
+    )
+    lengths[lengths > FAR * 2 * radius] = np.inf
+    return lengths
+
+
+def plate_tear_lengths(plate: Plate, name: str, angles: Sequence[float]) -> FloatArray:
+    """The same of a plate's bore, mm, by the contours of its outline."""
+    own = next(bore for bore in plate.bores if bore.name == name)
+    starts, ends, pinned = [], [], []
+    for contour in (plate.outline.outer, *plate.outline.inner):
+        flat = contour.flat[:: 1 if contour is plate.outline.outer else -1]
+        circle = contour.circle
+        is_bore = circle is not None and any(
+            abs(circle[0] - bore.centre) < bore.diameter / 4
+            for bore in plate.bores
+            if contour is not plate.outline.outer
+        )
+        if is_bore and circle is not None and abs(circle[0] - own.centre) < own.diameter / 4:
+            is_bore = False
+        starts.append(flat)
+        ends.append(np.roll(flat, -1))
+        pinned.append(np.full(len(flat), is_bore))
+    from_, to = (np.concatenate(rows) - own.centre for rows in (starts, ends))
+    outward = -1j * (to - from_)
+    starts_, ends_, normals = (
+        np.column_stack([rows.real, rows.imag]) for rows in (from_, to, outward)
+    )
+    outline = _Outline(starts_, ends_, normals, np.concatenate(pinned))
+    lengths = np.array([outline.shortest(own.diameter / 2, angle) for angle in angles])
+    lengths[lengths > FAR * own.diameter] = np.inf
+    return lengths
+
+
+def _levels(mesh: Mesh, name: str) -> FloatArray:
+    """Heights z, mm, that are inside the bore, in each cheek of a fork."""
+    middles = mesh.nodes[mesh.surfaces[name][:, :3], 2].mean(axis=1)
+    shares = (np.arange(_LEVELS) + 0.5) / _LEVELS
+    return np.asarray(np.quantile(middles, shares, method="closest_observation"))
+
+
+def _outline(mesh: Mesh, name: str, level: float) -> _Outline:
+    facets = mesh.boundary
+    low, high = (pick(mesh.nodes[facets, 2], axis=1) for pick in (np.min, np.max))
+    facets = facets[(low <= level) & (high > level)]
+    shape, triangles = _split()
+    pinned = np.repeat(_of_other_bores(mesh, name, facets), len(triangles))
+    points = np.einsum("pa,fax->fpx", shape, mesh.nodes[facets])
+    corners = points[:, triangles].reshape(-1, 3, 3)
+    corners = corners - np.r_[mesh.interfaces[name].centre[:2], level]
+    above = corners[:, :, 2] > 0
+    cut = above.any(axis=1) & ~above.all(axis=1)
+    corners, above, pinned = corners[cut], above[cut], pinned[cut]
+    alone = np.where(above.sum(axis=1) == 1, above.argmax(axis=1), above.argmin(axis=1))
+    rows = np.arange(len(corners))
+    apex, *others = (corners[rows, (alone + k) % 3] for k in range(3))
+    starts, ends = (
+        (apex - apex[:, 2:] / (apex[:, 2:] - other[:, 2:]) * (apex - other))[:, :2]
+        for other in others
+    )
+    outward = np.cross(others[0] - apex, others[1] - apex)[:, :2]
+    return _Outline(starts, ends, outward, pinned)
+
+
+@cache
+def _split() -> tuple[FloatArray, IntArray]:
+    """Shape functions (p, 6) of a six-node facet at some points, and flat pieces (k, 3) of them."""
+    steps = [(i, j) for i in range(_PIECES + 1) for j in range(_PIECES + 1 - i)]
+    at = {place: row for row, place in enumerate(steps)}
+    r, s = np.array(steps).T / _PIECES
+    t = 1 - r - s
+    shape = [t * (2 * t - 1), r * (2 * r - 1), s * (2 * s - 1), 4 * t * r, 4 * r * s, 4 * s * t]
+    upright = [[at[i, j], at[i + 1, j], at[i, j + 1]] for i, j in steps if i + j < _PIECES]
+    between = [
+        [at[i + 1, j], at[i + 1, j + 1], at[i, j + 1]] for i, j in steps if i + j < _PIECES - 1
+    ]
+    return np.stack(shape, axis=1), np.array(upright + between)
+
+
+def _of_other_bores(mesh: Mesh, name: str, facets: IntArray) -> npt.NDArray[np.bool_]:
+    """True (n,) for facets (n, 6) of a bore besides the named one."""
+    others = [
+        mesh.surfaces[other]
+        for other, interface in mesh.interfaces.items()
+        if other != name and interface.kind == "bore"
+    ]
+    if not others:
+        return np.zeros(len(facets), dtype=bool)
+    # mid-side nodes belong to the facets of one surface only, but for those at its edges
+    return np.asarray(np.isin(facets[:, 3:], np.concatenate(others)).all(axis=1))

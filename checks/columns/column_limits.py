@@ -13,8 +13,14 @@ from itertools import pairwise
 from math import inf, pi, sqrt
 
 from checks.design.data import Design, Part
-from checks.handbook.column_curves import IMPERFECTION, ROBERTSON, eurocode_stress, perry_robertson
-from checks.handbook.columns import ColumnStrength, column_strength
+from checks.handbook.column_curves import (
+    IMPERFECTION,
+    ROBERTSON,
+    ColumnStrength,
+    column_strength,
+    eurocode_stress,
+    perry_robertson,
+)
 from checks.handbook.tapered_columns import (
     CLAMPED,
     HINGED,

@@ -4,8 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from checks.design.errors import DesignError
-from checks.design.names import no_such
+from checks.design.errors import DesignError, no_such
 
 AUTO, SOLID = "auto", "solid"
 FIDELITIES = (AUTO, "formula", "beam", SOLID)

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import fatigue
-from checks.design.errors import Problems
+from checks.design.errors import Problems, listed, nearest
 from checks.design.materials import Material
 from checks.design.model import DesignFile, PartEntry
-from checks.design.names import listed, nearest
 from geometry.mesh import FloatArray
 from geometry.shape import Shape
 

@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, StringConstraints, Tag
 
-from checks.design.names import nearest
+from checks.design.errors import nearest
 from checks.design.units import (
     Direction2,
     ForceOrMoment,

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import core_schema
 
-from checks.design.names import nearest
+from checks.design.errors import nearest
 from checks.result.words import brief
 
 if TYPE_CHECKING:

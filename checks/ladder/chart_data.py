@@ -2,29 +2,45 @@
 
     peaks        cycle -> (n,) MPa, largest von Mises stress at each position
     by           the model of these: "formula", "beam" or "solid"
-    haigh        diagram of the critical point by Goodman's line (checks.ladder.chart_data_fatigue)
+    haigh        diagram of the critical point by Goodman's line (checks.ladder.chart_data)
     fkm          the same by the FKM guideline's
     sn           S-N line and the duty's cycles, of either chain
     column       stress and slenderness as a column (checks.by_formula.column)
-    convergence  the judged stresses on every mesh (checks.ladder.chart_data_meshes)
+    convergence  the judged stresses on every mesh (checks.ladder.chart_data)
 
 Keys without data are left out; the pages say why.
+
+Plain data of a part's convergence: what is judged, on every mesh, with its error bar.
+
+Plain data of a part's fatigue diagrams: Haigh's by Goodman or FKM, and the S-N line's.
+
+A position of a cycle has no amplitude of its own. What is drawn of it is the swing from one state
+of the deciding pair, the less stressed one, to the state there: amplitude and mean are those of a
+cycle between the two, so that the path passes through the critical point, at the pair's other end.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
+import fatigue
 from checks import by_formula
-from checks.ladder.chart_data_fatigue import fkm_data, haigh_data, life_data
-from checks.ladder.chart_data_meshes import convergence_data
+from checks.design.data import Part
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
+from checks.strength.equivalent_stress_history import counted, cycles_of, readings_of
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse
+from checks.strength.fatigue_facts import deciding_pair, haigh_of
+from checks.strength.finite_life import LifeTask, life_curve, lives_of, why_no_curve
+from checks.strength.fkm_strength import fkm_points, slopes_of
 from checks.strength.part_strength import life_task
-from checks.stress.error_bars import Judged, StaticPeak
+from checks.stress.duty_verdict import DutyVerdict, FatiguePeak
+from checks.stress.error_bars import Judged, StaticPeak, mesh_bar
 from checks.stress.part_model import RungLevel
 from checks.stress.solid_mesh_level import Level
 from checks.stress.stress_result import Stressed
+from geometry.mesh import FloatArray, IntArray
 
 SOLID = "solid"
 
@@ -64,3 +80,242 @@ def charts_of(
 def _judged(loads: PartLoads, use: FatigueUse | None) -> dict[str, Judged]:
     static: dict[str, Judged] = {"static": StaticPeak(loads)}
     return static if use is None else static | {"fatigue": use}
+
+
+def convergence_data(
+    levels: Sequence[Level], judged: Mapping[str, Judged]
+) -> dict[str, list[dict[str, Any]]]:
+    """Kind of check -> one entry per mesh, coarse to fine.
+
+    unknowns  of the mesh
+    half      whether the mesh is half of the part
+    value     MPa
+    bar       MPa, what a finer mesh makes smaller of the numerical error; None on the first mesh
+    """
+    return {
+        kind: [
+            {
+                "unknowns": level.unknowns,
+                "half": level.half,
+                "value": what.value(level),
+                "bar": mesh_bar(what, levels[: k + 1]) * abs(what.value(level)) if k else None,
+            }
+            for k, level in enumerate(levels)
+        ]
+        for kind, what in judged.items()
+    }
+
+
+_MOST_USED = 300  # points of the cloud
+_MOST_CYCLES = 60  # of a duty that are listed, the most damaging first
+_LOW_CYCLE = 1e3  # cycles at which Shigley's line begins
+_FKM_FIRST = 1e4  # cycles from which the guideline's line is drawn
+_ONWARDS = 1e3  # times the cycles of the knee, as far as a line is drawn
+# mean over amplitude: FKM's diagram is straight between these but for the last stretch
+_RAYS = np.r_[0.0, np.linspace(1.0, 3.0, 9), np.geomspace(3.0, 30.0, 9)[1:]]
+
+
+def haigh_data(part: Part, level: Stressed, peak: FatiguePeak) -> dict[str, Any]:
+    """Data of a Haigh diagram: those of `haigh_of`, and more.
+
+    away   MPa, endurance limit away from notches and fretting
+    paths  cycle -> mean and amplitude of each position, (n,) MPa
+    """
+    assert level.duty is not None
+    return haigh_of(part, level, peak) | {
+        "away": float(level.duty.limit),
+        "paths": _paths(level, deciding_pair(level, peak), peak),
+    }
+
+
+def _paths(
+    level: Stressed, pair: tuple[int, int], peak: FatiguePeak
+) -> dict[str, dict[str, list[float]]]:
+    basis = level.history.basis[peak.point]
+    ends = np.ascontiguousarray(level.coefficients[:, list(pair)])
+    states = (basis @ ends).T
+    least = states[int(np.argmin(fatigue.von_mises(states)))]
+    return {
+        name: _swings(basis @ level.coefficients[:, run], least)
+        for name, run in _judged_cycles(level, peak).items()
+    }
+
+
+def _judged_cycles(level: Stressed, peak: FatiguePeak) -> Mapping[str, IntArray]:
+    """The cycles of the path that decides: one, or all of the duty."""
+    assert level.duty is not None
+    own = cycles_of(level.duty)
+    return {peak.cycle: own[peak.cycle]} if peak.cycle in own else own
+
+
+def _swings(stress: FloatArray, least: FloatArray) -> dict[str, list[float]]:
+    """Mean and amplitude, as Goodman has them, of the cycles from a state (6,) to others (6, n)."""
+    states = stress.T
+    amplitude = fatigue.von_mises(states - least) / 2.0
+    mean = np.maximum(fatigue.principal_stresses((states + least) / 2.0)[..., 2], 0.0)
+    return {"mean": mean.tolist(), "amplitude": amplitude.tolist()}
+
+
+def life_data(
+    loaded: LoadedPart, level: Stressed, peak: FatiguePeak, task: LifeTask
+) -> dict[str, Any]:
+    """The S-N line of the critical point and the duty's cycles on it.
+
+    asked            what the design asks for, "infinite" or "finite" life
+    required         safety on all loads
+    why              why there is no line; "" where there is one
+    limit, away      MPa, endurance limit at the point, and away from notches and fretting
+    line, below      (2, 2) cycles and MPa: to the knee, and on with the slope below it
+    endless          whether a life without a cycle above the limit is infinite
+    cycles           (n, 4) count, equivalent fully reversed amplitude (MPa), damage, and that
+                     amplitude with all loads times the required safety, None beyond all bounds
+    left_out         how many more cycles there are, and `left_damage` what they do
+    damage, allowed  Miner's sum of a life, None without a finite one, and what is allowed of it
+    state            "beyond the curve" where a cycle reaches the ultimate strength: no finite
+                     number of them does the damage, and those that do have None for it; else ""
+    """
+    duty, point, required = level.duty, peak.point, loaded.required.fatigue
+    assert duty is not None
+    limit = float(level.limits[point])
+    why = why_no_curve(task.material, limit, axial=task.axial) or ""
+    data: dict[str, Any] = {
+        "asked": loaded.duty.life, "required": required, "chain": "Marin", "why": why,
+        "limit": limit, "away": float(duty.limit), "line": [], "below": [],
+        "ultimate": task.material.ultimate_stress, "endless": task.endless,
+        "allowed": task.allowed_damage, "damage": None, "state": "",
+    }  # fmt: skip
+    if why:
+        return data | _listed(task, _plain_cycles(duty, point, task), None, required)
+    (life,) = lives_of(duty, task, np.array([point]))
+    curve = life_curve(task.material, np.array([limit]), axial=task.axial)
+    per_cycle = curve.damage_per_cycle(_equivalent(task, life.cycles)[None])[0]
+    if not life.damage:
+        per_cycle = np.zeros_like(per_cycle)  # no cycle has begun it
+    return data | {
+        "line": _line(curve, limit, _LOW_CYCLE),
+        "below": _below(curve, limit),
+        "damage": _finite(life.damage),
+        "state": "" if np.isfinite(life.damage) else "beyond the curve",
+        **_listed(task, life.cycles, per_cycle, required),
+    }
+
+
+def _line(curve: fatigue.SNCurve, at_knee: float, first: float) -> list[list[float]]:
+    """Cycles and amplitude, MPa, at the beginning of a line and at its knee."""
+    knee, slope = _one(curve.knee_cycles), _one(curve.slope)
+    return [[first, at_knee * (knee / first) ** (1.0 / slope)], [knee, at_knee]]
+
+
+def _below(curve: fatigue.SNCurve, at_knee: float) -> list[list[float]]:
+    """The same from the knee on, for a thousand times as many cycles; empty if it is level."""
+    knee, slope = _one(curve.knee_cycles), _one(curve.slope_below)
+    if not np.isfinite(slope):
+        return []
+    return [[knee, at_knee], [knee * _ONWARDS, at_knee * _ONWARDS ** (-1.0 / slope)]]
+
+
+def _one(value: float | FloatArray) -> float:
+    return float(np.ravel(value)[0])
+
+
+def _equivalent(task: LifeTask, cycles: fatigue.Cycles, factor: float = 1.0) -> FloatArray:
+    """Fully reversed amplitudes (n,), MPa, that do as much as cycles under all loads x factor."""
+    material = task.material
+    rule = fatigue.MeanStressMaterial(material.ultimate_stress, material.yield_stress)
+    amplitude, mean = factor * cycles.stress_amplitude, factor * cycles.mean_stress
+    return np.asarray(fatigue.equivalent_amplitude(amplitude, mean, rule))
+
+
+def _plain_cycles(duty: DutyVerdict, point: int, task: LifeTask) -> fatigue.Cycles:
+    """The cycles of a point by the reading with the largest one."""
+    found = counted(duty, readings_of(duty, np.array([point])), task.counts).cycles
+    row = int(found.stress_amplitude.max(axis=1).argmax())
+    used = found.cycle_counts[row] > 0.0
+    return fatigue.Cycles(
+        found.stress_amplitude[row][used],
+        found.mean_stress[row][used],
+        found.cycle_counts[row][used],
+    )
+
+
+def _listed(
+    task: LifeTask, cycles: fatigue.Cycles, per_cycle: FloatArray | None, required: float
+) -> dict[str, Any]:
+    """The cycles that do most damage, or are largest, and what the others come to."""
+    counts, equivalent = cycles.cycle_counts, _equivalent(task, cycles)
+    raised = _equivalent(task, cycles, required)
+    harm = np.zeros_like(counts) if per_cycle is None else per_cycle * counts
+    order = np.lexsort((-counts, -equivalent, -harm))
+    kept, rest = order[:_MOST_CYCLES], order[_MOST_CYCLES:]
+    return {
+        "cycles": [
+            [_finite(column[k]) for column in (counts, equivalent, harm, raised)] for k in kept
+        ],
+        "left_out": float(counts[rest].sum()),
+        "left_damage": _finite(harm[rest].sum()),
+    }
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def fkm_data(
+    loaded: LoadedPart, level: Stressed, use: FkmUse
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """FKM's diagram of the critical point, and its S-N line with one cycle per run of the duty.
+
+    line   (k, 2) MPa, mean and amplitude that are endured, compression without credit
+    cloud  (m, 2) MPa, of the most used points, each brought to the critical point's strength in
+           proportion to its own
+    """
+    found, duty = use.found(level), level.duty
+    assert duty is not None
+    assert isinstance(level, Level)
+    strength = found.strength
+    limit = float(found.limit.limit) * strength.endurance_share
+    slopes = slopes_of(level.solutions)
+    verdict = duty.verdicts[found.run]
+    order = np.argsort(-verdict.goodman_bound, kind="stable")[:_MOST_USED]
+    path = np.ascontiguousarray(duty.coefficients[:, duty.runs[found.run]])
+    points = fkm_points(strength, duty.basis, path, order, slopes)
+    own = np.asarray(strength.limit(points.gradient).limit) * strength.endurance_share
+    cloud = np.stack([points.mean, points.amplitude], axis=1) * (limit / own)[:, None]
+    peak = use.worst(level)
+    factor = fatigue.fkm_factor(np.ones_like(_RAYS), _RAYS, found.limit.sensitivity)
+    haigh = {
+        "cycle": found.run,
+        "criterion": "FKM",
+        "mean": found.mean,
+        "amplitude": found.amplitude,
+        "endurance": limit,
+        "sensitivity": found.limit.sensitivity,
+        "ultimate": loaded.part.material.ultimate_stress,
+        "yield": loaded.part.material.yield_stress,
+        "line": np.stack([_RAYS * factor * limit, factor * limit], axis=1).tolist(),
+        "cloud": cloud.tolist(),
+        "paths": _paths(level, found.pair, peak),
+    }
+    return haigh, _fkm_life(loaded, level, use, limit)
+
+
+def _fkm_life(loaded: LoadedPart, level: Level, use: FkmUse, limit: float) -> dict[str, Any]:
+    """The guideline's S-N line and the longest chord of every cycle of the duty."""
+    found, duty = use.found(level), level.duty
+    assert duty is not None
+    slopes = slopes_of(level.solutions)
+    curve, required = fatigue.fkm_curve(found.limit), loaded.required.fatigue
+    cycles = []
+    for name, run in cycles_of(duty).items():
+        path = np.ascontiguousarray(duty.coefficients[:, run])
+        one = fkm_points(found.strength, duty.basis, path, np.array([found.point]), slopes)
+        used = float(one.utilisation[0]) if len(one.points) else 0.0
+        cycles.append([loaded.duty.cycles[name], used * limit, 0.0, required * used * limit])
+    at_knee = float(found.limit.limit)
+    return {
+        "asked": "infinite", "required": required, "chain": "FKM", "why": "", "limit": limit,
+        "line": _line(curve, at_knee, _FKM_FIRST), "below": _below(curve, at_knee),
+        "ultimate": found.strength.material.ultimate_strength, "endless": True,
+        "allowed": 1.0, "damage": None, "state": "", "cycles": cycles,
+        "left_out": 0.0, "left_damage": 0.0,
+    }  # fmt: skip

@@ -27,9 +27,16 @@ from checks.strength.fatigue_assessment import FatigueUse, FkmUse
 from checks.strength.part_strength import endurance_of
 from checks.stress.error_bars import Bars, Judged, arcs_of, bars_of, clearance_values, mesh_bar
 from checks.stress.pins_in_bores import MIDDLE
-from checks.stress.sharp_edges import EdgeLevel, beside_edges, edge_level, without
+from checks.stress.sharp_edges import (
+    EdgeLevel,
+    Spared,
+    SparedLevel,
+    beside_edges,
+    edge_level,
+    spared_level,
+    without,
+)
 from checks.stress.solid_mesh_level import Level
-from checks.stress.spared_edges import Spared, SparedLevel, spared_level
 from checks.stress.stress_result import Stressed
 from fem.convergence import ErrorBar, discretisation_error
 from fem.notch_intensity import FARTHER, room_at

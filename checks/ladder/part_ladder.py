@@ -1,28 +1,52 @@
-"""All parts of a design, each by the cheapest models that settle its verdict."""
+"""All parts of a design, each by the cheapest models that settle its verdict.
 
-from collections.abc import Callable, Iterator, Sequence
+All kinds of checks, and derivations of those by models of stress, after these are made.
+
+A part by the rungs that decided it before, so that a check can be repeated.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from math import inf
+from math import inf, isfinite
 from time import perf_counter
 
 import loads
 from checks import by_formula
+from checks.columns.linkage_frame import LINKAGE
+from checks.columns.stability import ELASTIC
+from checks.derivations.bars import ERROR, rung_bars
+from checks.derivations.buckling import elastic_share
+from checks.derivations.stresses import fatigue, static
 from checks.design.data import Design, Part
 from checks.design.effort import DEFAULT_EFFORT as DEFAULT_EFFORT
 from checks.design.effort import SOLID
 from checks.design.effort import Effort as Effort
-from checks.ladder.climb import Climb, climb_rungs, start_climb
+from checks.design.errors import DesignError, NumericsError
+from checks.ladder.climb import (
+    ANSWERS,
+    BUILDERS,
+    FKM_NEEDS_SOLID,
+    GAVE_UP,
+    Climb,
+    climb_rungs,
+    complete,
+    start_climb,
+)
 from checks.ladder.drawn import undrawn, with_drawn_fields
-from checks.ladder.explained import explained
-from checks.ladder.pinned import climb_pinned
 from checks.ladder.result import cheap_result, solid_result
+from checks.models import stress_words
+from checks.models.checked import BUCKLING, FATIGUE, STATIC
+from checks.models.raised_bores import raised_in_bores
+from checks.part.kind import Kind
 from checks.part.loaded_part import FIRST, LoadedPart
-from checks.part.part_loads import Doubt, Runs
+from checks.part.part_loads import Doubt, PartLoads, Runs
 from checks.part.too_fine import gave_up, told_of_size
+from checks.result.derivation import BARS, BarSymbols, Derivation, Given, Item, Section
 from checks.result.live_fields import LiveFields
-from checks.result.verdict import PartResult
+from checks.result.verdict import Check, PartResult
 from checks.stress.cost import check_seconds, report_seconds
+from checks.stress.part_model import RungLevel
 from checks.stress.solid_mesh_level import Models
 from fem.solvers import SolverError
 from geometry.mesh import MeshError, TooManyElementsError
@@ -223,3 +247,129 @@ def told_of_part(design: Design, part: Part) -> Iterator[None]:
         raise told_of_size(design, part, error) from error
     except (MeshError, SolverError) as error:
         raise gave_up(design, part, error) from error
+
+
+UNKNOWN = "no derivation of this check is known: its numbers are put in as the check has them"
+
+
+def known_kinds() -> list[Kind]:
+    """Every kind of check: by models of stress, of buckling, and by formula."""
+    return [*stress_words.KINDS, ELASTIC, LINKAGE, *by_formula.kinds()]
+
+
+def explained(climb: Climb, checks: Sequence[Check]) -> list[Check]:
+    """Return the checks of a part by its models of stress, each with its derivation.
+
+    Those of a solid have theirs already (`checks.derivations.stresses`): its mesh is gone by now.
+    Those at sharp edges have none yet, and say so (`UNKNOWN`).
+    """
+    done = []
+    for check in checks:
+        derivation = check.derivation
+        if derivation is None and check.kind in (STATIC, FATIGUE, BUCKLING):
+            derivation = _of_rung(climb, check)
+        done.append(check.explained_by(derivation or _unknown(check)))
+    return done
+
+
+def _of_rung(climb: Climb, check: Check) -> Derivation | None:
+    level = climb.levels.get(check.method)
+    if level is None:
+        return None
+    part, part_loads = climb.part, climb.loads
+    if check.kind == "buckling":
+        load = level.model.buckling
+        if load is None:
+            return None
+        found = elastic_share(climb.loaded, load)
+    elif check.kind == "static":
+        found = static(part, part_loads, level)
+    else:
+        if climb.use is None:
+            return None
+        found = fatigue(part, part_loads, level, climb.use)
+    return _with_rung_bars(found, part_loads, climb, level, check)
+
+
+def _with_rung_bars(
+    found: Derivation, part_loads: PartLoads, climb: Climb, level: RungLevel, check: Check
+) -> Derivation:
+    if part_loads.is_nothing:
+        return replace(found, bars=BarSymbols(words="nothing loads the part"))
+    in_bores = 0.0
+    if check.kind != "buckling":
+        use = None if check.kind == "static" else climb.use
+        in_bores = raised_in_bores(climb.part, part_loads, level, use)
+    bars, items = rung_bars(climb.part, part_loads, level.model, check, found.value, in_bores)
+    if (bars.above and not isfinite(check.model)) or (bars.below and not isfinite(check.below)):
+        bars = BarSymbols(bars.numerical, words="no model band: see the note of the check")
+        items = [item for item in items if item.symbol in (ERROR, bars.numerical)]
+    found = replace(found, bars=bars, sections=(*found.sections, Section(BARS, tuple(items))))
+    return climb.bands[check.method].explained(check, found)
+
+
+def _unknown(check: Check) -> Derivation:
+    """A derivation that derives nothing and says so."""
+    source = f"the check, by {check.method}"
+    bars, widths = {}, list[Item]()
+    for side, name, size in (
+        ("numerical", "numerical error bar", check.numerical - check.sampling),
+        ("above", "model band above", check.model - check.loads),
+        ("below", "model band below", check.below - check.loads_below),
+    ):
+        if size and isfinite(size):
+            bars[side] = f"e_{side}"
+            widths.append(Given(f"e_{side}", name, size, check.unit, source))
+    return Derivation(
+        cases=(),
+        sections=(
+            Section("Demand", (Given("v", check.quantity, check.value, check.unit, source, True),)),
+            Section("Limit", (Given("L", check.basis, check.limit, check.unit, source, True),)),
+            Section(BARS, tuple(widths)),
+        ),
+        value="v",
+        limit="L",
+        bars=BarSymbols(**bars, words="bars as the check has them"),
+        unproved=UNKNOWN,
+    )
+
+
+_ANEW = "--update-baselines --baseline-fidelity auto chooses the rungs anew"
+
+
+def climb_pinned(
+    climb: Climb, rungs: Mapping[str, str], say: Callable[[str], None]
+) -> frozenset[str]:
+    """Take each kind of check by its rung; returns the kinds that are the solid's.
+
+    rungs  kind of check -> rung; kinds that are asked for without a rung of theirs go to the solid
+           if another does, else to the cheapest rung that answers them
+
+    Raises DesignError where a rung has no model of the part any more, and NumericsError where one
+    gave up: no other rung may stand for it unsaid.
+    """
+    for rung in BUILDERS:
+        kinds = [kind for kind in climb.asked if rungs.get(kind) == rung]
+        if not kinds:
+            continue
+        if climb.part.fkm is not None:
+            _refuse(climb, rung, kinds, FKM_NEEDS_SOLID)
+        say(f"{climb.part.name}: {rung}")
+        if others := [kind for kind in kinds if kind not in ANSWERS[rung]]:
+            _refuse(climb, rung, others, f"it answers {' and '.join(ANSWERS[rung])} only")
+        if not climb.take(rung, kinds):
+            _refuse(climb, rung, kinds, climb.tried[-1].why)
+    solids = frozenset(kind for kind in climb.asked if rungs.get(kind) == SOLID)
+    free = frozenset(climb.asked) - rungs.keys()
+    if solids or climb.part.fkm is not None:
+        return solids | free
+    complete(climb)
+    return frozenset() if climb.levels else free
+
+
+def _refuse(climb: Climb, rung: str, kinds: list[str], why: str) -> None:
+    where, file = f"parts.{climb.part.name}", climb.loaded.design.file
+    said = f"{', '.join(kinds)} {'is' if len(kinds) == 1 else 'are'} pinned to the rung {rung}"
+    if why.startswith(GAVE_UP):
+        raise NumericsError(f"{said}, which {why}", f"{file}: {where}", _ANEW)
+    raise DesignError(file, where, f"{said}, but {why}; {_ANEW}")

@@ -22,9 +22,8 @@ from checks.ladder.levels import (
 )
 from checks.ladder.part_facts import assumed_of, contact_facts, facts_of, gates_of, mesh_row
 from checks.ladder.part_fields import solid_fields
-from checks.ladder.part_vibration import frequency_facts
 from checks.ladder.passing_fits import clearances_that_pass, with_assumed_fits
-from checks.ladder.solid_buckling import Buckled, judge_buckling
+from checks.ladder.solid_buckling import Buckled, frequency_facts, judge_buckling
 from checks.models.stress_words import fatigue_words, static_words
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads

@@ -9,8 +9,7 @@ import numpy as np
 from checks.part.part_loads import PartLoads
 from checks.stress.kept_models import Models as Models
 from checks.stress.pins_in_bores import Contact, PinnedBores
-from checks.stress.place_words import depth_of
-from checks.stress.stress_result import Stressed, judge
+from checks.stress.stress_result import Stressed, depth_of, judge
 from fem.convergence import ORDER
 from fem.gradient import inward_normals
 from fem.notch_resolution import concave_curvatures, notch_error

@@ -9,8 +9,8 @@ import pytest
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import solve_cycles
 from checks.derivations.bars import solid_bars
-from checks.handbook.lugs import lug_factor
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
+from checks.joints.pin_diagrams import lug_factor
 from checks.ladder.climb import BUILDERS
 from checks.ladder.levels import Asked, solve_levels
 from checks.models.checked import band_around, rung_estimates, rung_level
@@ -69,7 +69,7 @@ def bars(folder, share, stated="", loads=PULLED):
 
 @pytest.mark.parametrize("share", [0.3, 0.4, 0.5])
 def test_the_default_bars_of_a_lug_reach_the_handbooks_factor(tmp_path, share):
-    """A round end raises the peak above that of Peterson's square one (checks/handbook/lugs.py)."""
+    """A round end raises the peak above that of Peterson's square one (`pin_diagrams`)."""
     chart = lug_factor(share * WIDTH, WIDTH) * FORCE / ((WIDTH - share * WIDTH) * THICK)
     (value, found), _ = bars(tmp_path, share)
     assert value + found.above > chart

@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fem.lowest_modes
-from checks.handbook.columns import column_strength
+from checks.handbook.column_curves import column_strength
 from fem.buckling import buckling_modes, effective_length, part_buckling
 from fem.unit_solutions import Elastic, solve_unit_loads
 from geometry.meshing import mesh_shape

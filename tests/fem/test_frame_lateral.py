@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from checks.handbook.edge_buckling import pressed_edge_stress
+from checks.models.shapes.prismatic_tube import pressed_edge_stress
 from fem.frame import POINTS, Frame
 from fem.frame_buckling import buckling_modes
 from fem.frame_buckling import geometric_stiffness as of_axial_force

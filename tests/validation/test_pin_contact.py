@@ -5,8 +5,8 @@ from scipy.integrate import quad
 
 from bench.pin_contact import compare, condensed, contact, cosine
 from bench.pin_models import EYES, Eye, Grid, box
-from checks.handbook.lugs import lug_factor
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
+from checks.joints.pin_diagrams import lug_factor
 from fem.contact.persson import persson_half_arc, persson_pressure
 from tests.fem.calculix import needs_calculix
 

@@ -7,14 +7,12 @@ from itertools import product
 import numpy as np
 
 from checks.design.data import Part
-from checks.handbook.lug_outlines import strip_outline
-from checks.handbook.lug_stress import Lug
+from checks.handbook.lug_stress import Lug, strip_outline
 from checks.handbook.notch_factors import curved_bar
-from checks.handbook.pin_loaded_hole import PATTERNS, pin_loaded_hole
-from checks.handbook.plate_holes import CurvedSection, open_hole
+from checks.handbook.pin_loaded_hole import PATTERNS, CurvedSection, open_hole, pin_loaded_hole
+from checks.models.formula_buckling import deflected, elastic_load
 from checks.models.formula_lugs import ANGLES
 from checks.models.formula_points import Points
-from checks.models.plate_buckling import deflected, elastic_load
 from checks.models.plate_forces import FlatSection, PlateForces, directed
 from checks.models.shape_model import ShapeModel
 from checks.models.unit_names import bearing_units

@@ -6,8 +6,7 @@ import numpy as np
 
 from checks.design.data import Part
 from checks.handbook.lateral_buckling import plate_stress
-from checks.handbook.lug_outlines import strip_outline
-from checks.handbook.lug_stress import Lug
+from checks.handbook.lug_stress import Lug, strip_outline
 from checks.handbook.notch_factors import stepped_bar
 from checks.handbook.pin_loaded_hole import pin_loaded_hole
 from checks.models.formula_bars import (

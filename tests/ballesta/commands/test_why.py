@@ -11,8 +11,7 @@ from ballesta.cli import main
 from ballesta.commands.why import Wanted, checks_behind, run_why, wanted_checks
 from ballesta.pipeline import check_file
 from checks.design.effort import Effort
-from checks.design.errors import DesignError
-from checks.design.names import LINKAGE
+from checks.design.errors import LINKAGE, DesignError
 from reports.files import write_json
 
 from ...small_machine import MACHINE, PLATE

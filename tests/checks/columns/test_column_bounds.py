@@ -11,9 +11,8 @@ from scipy.optimize import brentq
 
 from checks.by_formula import crooked_column
 from checks.columns import stability
-from checks.columns.column_first_order import first_order_moments
 from checks.columns.column_limits import cases_of, planes_of, whole_force
-from checks.columns.column_moments import crooked_columns
+from checks.columns.column_moments import crooked_columns, first_order_moments
 from checks.columns.stability import eigenvalue_check
 from checks.part.loaded_part import LoadedPart
 from fem.buckling import Buckling, BucklingMode

@@ -9,9 +9,8 @@ from numpy.testing import assert_allclose
 from scipy.optimize import brentq
 
 from checks.by_formula import crooked_column
-from checks.columns.column_first_order import first_order_moments
 from checks.columns.column_limits import planes_of
-from checks.columns.column_moments import crooked_columns
+from checks.columns.column_moments import crooked_columns, first_order_moments
 from checks.handbook.column_curves import perry_robertson
 from checks.part.loaded_part import LoadedPart
 from checks.result.verdict import Status

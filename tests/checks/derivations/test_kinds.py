@@ -12,8 +12,8 @@ from checks.derivations.bars import solid_bars
 from checks.design.effort import Effort
 from checks.handbook.lateral_buckling import column_force
 from checks.ladder import part_ladder
-from checks.ladder.explained import UNKNOWN, explained
 from checks.ladder.leaf_checks import Friction, LeafBand
+from checks.ladder.part_ladder import UNKNOWN, explained
 from checks.models.formula_buckling import column_items, stretch_items
 from checks.result.derivation import BarSymbols, Derivation, Given, Section, Step
 from checks.stress.error_bars import Bars

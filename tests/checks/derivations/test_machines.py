@@ -10,8 +10,8 @@ import pytest
 from ballesta.design.read import read_design
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort
-from checks.ladder.explained import UNKNOWN
 from checks.ladder.leaf_checks import WIDER
+from checks.ladder.part_ladder import UNKNOWN
 from checks.result.derivation import Given, Step, Superposition
 from checks.result.formulas import evaluate
 from checks.result.verdict import Check

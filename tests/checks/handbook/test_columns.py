@@ -7,12 +7,13 @@ from numpy.testing import assert_allclose
 
 from checks.handbook.column_curves import (
     IMPERFECTION,
+    column_strength,
+    engesser_force,
     eurocode_reduction,
     eurocode_stress,
     perry_robertson,
     transition_slenderness,
 )
-from checks.handbook.columns import column_strength, engesser_force
 
 STEEL = 210e3
 LAST_DIGIT = 1e-9  # of values printed with ten digits

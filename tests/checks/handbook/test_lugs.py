@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from checks.handbook.lugs import (
+from checks.joints.pin_diagrams import (
     lug_factor,
     round_bending,
     round_shear,

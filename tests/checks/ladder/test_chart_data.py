@@ -11,7 +11,7 @@ import fatigue
 from ballesta import run
 from ballesta.pipeline import check_design, check_file
 from checks.design.effort import Effort
-from checks.ladder import chart_data_fatigue, chart_data_meshes
+from checks.ladder import chart_data
 from checks.result.formulas import evaluate
 from reports.charts.haigh import utilisation
 
@@ -79,7 +79,7 @@ def test_a_swing_in_compression_has_no_mean():
     """From nothing to 60 MPa of push, and of pull: half of it is the amplitude."""
     pushed = np.zeros((6, 2))
     pushed[:3, 0], pushed[0, 1] = (-60.0, -80.0, -90.0), 60.0
-    swings = chart_data_fatigue._swings(pushed, np.zeros(6))
+    swings = chart_data._swings(pushed, np.zeros(6))
     assert swings["mean"] == pytest.approx([0.0, 30.0])
     assert swings["amplitude"][1] == pytest.approx(30.0)
 
@@ -144,7 +144,7 @@ def test_below_its_knee_the_line_falls_as_haibach_has_it(tmp_path):
 
 @pytest.mark.parametrize("listed", [0, 1])
 def test_what_is_not_listed_of_a_duty_is_told_with_its_damage(tmp_path, monkeypatch, listed):
-    monkeypatch.setattr(chart_data_fatigue, "_MOST_CYCLES", listed)
+    monkeypatch.setattr(chart_data, "_MOST_CYCLES", listed)
     changes = (HEAVY, 'duty.life="finite"', "duty.cycles.turn=1e4")
     sn = result_of(tmp_path, *changes).parts[0].charts["sn"]
     assert len(sn["cycles"]) == listed
@@ -240,10 +240,10 @@ def test_a_cloud_of_fkms_diagram_is_used_as_its_points_are_on_their_own_strength
 
 
 def test_a_mesh_s_bar_is_of_the_meshes_up_to_it(monkeypatch):
-    monkeypatch.setattr(chart_data_meshes, "mesh_bar", lambda what, levels: 0.1 * len(levels))
+    monkeypatch.setattr(chart_data, "mesh_bar", lambda what, levels: 0.1 * len(levels))
     levels = [SimpleNamespace(unknowns=k, half=False) for k in (10, 20, 30)]
     judged = {"static": SimpleNamespace(value=lambda level: float(level.unknowns))}
-    meshes = chart_data_meshes.convergence_data(levels, judged)["static"]
+    meshes = chart_data.convergence_data(levels, judged)["static"]
     assert [mesh["bar"] for mesh in meshes] == [None, pytest.approx(4.0), pytest.approx(9.0)]
 
 
@@ -267,7 +267,7 @@ def test_the_data_of_the_charts_is_json(light, meshed):
 def test_without_a_line_the_reason_stands_and_the_cycles_are_listed(tmp_path, monkeypatch, light):
     """A limit above the strength at 1000 cycles leaves no line, but the same cycles."""
     why = "no S-N line: the endurance limit is too high"
-    monkeypatch.setattr(chart_data_fatigue, "why_no_curve", lambda *_, **__: why)
+    monkeypatch.setattr(chart_data, "why_no_curve", lambda *_, **__: why)
     sn = result_of(tmp_path).parts[0].charts["sn"]
     assert (sn["why"], sn["line"], sn["damage"]) == (why, [], None)
     known = light.parts[0].charts["sn"]["cycles"]

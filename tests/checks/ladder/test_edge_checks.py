@@ -15,8 +15,8 @@ from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check, Status
 from checks.strength.fatigue_assessment import FatigueUse
 from checks.stress.error_bars import StaticPeak, bars_of
+from checks.stress.sharp_edges import Spared, spared_level
 from checks.stress.solid_mesh_level import solve_level
-from checks.stress.spared_edges import Spared, spared_level
 from fem.unit_solutions import Elastic, solve_unit_loads
 from geometry.meshing import mesh_shape
 from tests.fem.notched import Plate, reference

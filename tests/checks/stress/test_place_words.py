@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from checks.stress.place_words import depth_of, place_words
+from checks.stress.stress_result import depth_of, place_words
 from geometry.mesh import Interface
 
 BAR = [
