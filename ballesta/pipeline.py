@@ -47,9 +47,8 @@ from checks.result.ways import ways_out
 from checks.store.store import Store
 from checks.strength.load_doubts import with_doubts
 from checks.stress.solid_mesh_level import Models
-from fem.allocation import keep_freed_memory
 from fem.solvers import SolverError, chosen_solver
-from fem.threads import one_thread, policy
+from fem.threads import keep_freed_memory, one_thread, policy
 
 Say = Callable[[str], None]
 _FAR = 0.2  # use of a linkage's buckling load that no doubt about its speed brings to its limit

@@ -64,8 +64,8 @@ def deck(folder: Path) -> dict[str, Any]:
 
 def ours(folder: Path) -> dict[str, Any]:
     """Factorisation and unit loads, then the modes without and with the proof, seconds."""
-    from fem.allocation import keep_freed_memory
     from fem.buckling import part_buckling
+    from fem.threads import keep_freed_memory
     from fem.unit_solutions import solve_unit_loads
 
     keep_freed_memory()  # as `ballesta check` does

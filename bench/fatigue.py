@@ -94,7 +94,7 @@ def verdict(folder: Path) -> dict[str, Any]:
     import fatigue.verdict as judging
     import fem.unit_solutions as solving
     from fatigue import ductile_verdict, findley_criterion, path_bounds
-    from fem.allocation import keep_freed_memory
+    from fem.threads import keep_freed_memory
 
     keep_freed_memory()  # as `ballesta check` does
     spent = {"solution": 0.0, "search": 0.0}

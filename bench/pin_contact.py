@@ -23,8 +23,8 @@ from scipy.integrate import quad
 
 from bench.pin_models import EYES, STEEL, Eye, Grid, deck
 from fem.contact.condensed import ALLOWED, CondensedContact
+from fem.contact.cycle import persson_half_arc, persson_pressure
 from fem.contact.hats import Hats, disc_flexibility, sheet_flexibility
-from fem.contact.persson import persson_half_arc, persson_pressure
 from fem.frd_file import read_frd
 from geometry.mesh import FloatArray
 from tests.validation.plane.model import Given, PlaneModel, PlaneSolution

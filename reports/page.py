@@ -1,19 +1,26 @@
-"""The report: one HTML page that stands alone, with a script of its own, nothing from outside."""
+"""The report: one HTML page that stands alone, with a script of its own, nothing from outside.
+
+Inputs of a result: stated by the design, set on the command line, by default, or assumed.
+
+The safety that decides on a scale: its range by the error bars, and what it must show.
+"""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
+from math import isfinite, log
 from pathlib import Path
 from typing import Any
 
 from markupsafe import Markup
 
-from checks.result.verdict import DesignResult
+from checks.result.verdict import Check, DesignResult
+from checks.result.words import assumptions
 from reports.answer_facts import Answer, answer_of
 from reports.charts import design_charts
 from reports.files import replacing
+from reports.gauge import shares
 from reports.loads_words import broken_of
-from reports.page_inputs import sorted_assumptions, sorted_inputs
 from reports.page_parts import (
     Row,
     by_label,
@@ -33,10 +40,8 @@ from reports.page_words import (
     swings,
 )
 from reports.pictures import Pictures
-from reports.safety_scale import safety_scale
 from reports.svg import colour_variables
 from reports.templating import environment
-from reports.tornado import shares
 from reports.what_if import what_if
 
 _WORDS = {
@@ -168,3 +173,119 @@ def _environment() -> Any:
     for name in _INCLUDED:  # else they are compiled when the pictures have been waited for
         found.get_template(f"{name}.html.j2")
     return found
+
+
+Pairs = Sequence[tuple[str, str]]
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """Inputs by where they come from, each (key, value).
+
+    design    stated by the design file and the files that it takes from
+    command   set on the command line, as the design file would state them
+    unread    what the command line set as it was written, where no input has its key
+    defaults  not stated anywhere
+    """
+
+    design: Pairs
+    command: Pairs
+    unread: Sequence[str]
+    defaults: Pairs
+
+
+@dataclass(frozen=True)
+class Assumed:
+    """Assumptions (keys, what): those that the design marks, and the tool's own."""
+
+    design: Pairs
+    tool: Pairs
+
+    @property
+    def count(self) -> int:
+        """Number of all of them."""
+        return len(self.design) + len(self.tool)
+
+
+def sorted_inputs(result: DesignResult) -> Inputs:
+    """Keep apart what the design file states and what the command line set."""
+    ways = {text: text.partition("=")[0].strip() for text in result.overrides}
+    design: list[tuple[str, str]] = []
+    command: list[tuple[str, str]] = []
+    used: set[str] = set()
+    for key, value in result.inputs:
+        found = [text for text, way in ways.items() if _is_within(key, way)]
+        used |= set(found)
+        (command if found else design).append((key, value))
+    return Inputs(
+        design, command, [text for text in ways if text not in used], list(result.defaults)
+    )
+
+
+def _is_within(key: str, way: str) -> bool:
+    """Return True if a dotted key is `way` itself or lies below it."""
+    return key == way or key.startswith((f"{way}.", f"{way}["))
+
+
+def sorted_assumptions(result: DesignResult) -> Assumed:
+    """Keep apart what the design marks as assumed and what was assumed where it is silent."""
+    marked = set(result.assumed_by_design)
+    mine = {what for key, what in result.assumed if key in marked}
+    pairs = assumptions(result)
+    return Assumed(
+        [pair for pair in pairs if pair[1] in mine], [pair for pair in pairs if pair[1] not in mine]
+    )
+
+
+_WIDTH, _HEIGHT = 100.0, 20.0
+_LOWEST, _HIGHEST = 0.8, 1.25  # of the least and the largest that is shown: the ends of the scale
+_FARTHEST = 4.0  # times the required safety: what lies beyond ends in an arrow
+
+
+@dataclass(frozen=True)
+class SafetyScale:
+    """The scale as a picture without text, and where its labels stand.
+
+    required  share of the width at which the required safety stands, percent
+    """
+
+    picture: Markup
+    required: float
+
+
+def safety_scale(check: Check) -> SafetyScale | None:
+    """Draw a check's safety on a logarithmic scale; None for a part without load.
+
+    Red is below the required safety, green above; the dot is the safety at the value, the line its
+    range by the error bars, dotted where that has no end. Stretched to the width that it gets.
+    """
+    if not check.value:
+        return None
+    least = check.limit / check.upper if isfinite(check.upper) else 0.0
+    most = check.limit / check.lower if check.lower > 0 else float("inf")
+    need, has = check.required, check.safety
+    top = _FARTHEST * need
+    low = _LOWEST * min(need, has, least or need)
+    high = _HIGHEST * max(need, min(has, top), min(most, top))
+
+    def at(safety: float) -> float:
+        return min(max(log(max(safety, low) / low) / log(high / low), 0.0), 1.0) * _WIDTH
+
+    limit, middle = at(need), _HEIGHT / 2
+    ends = at(least or low), at(min(most, high))
+    drawn = [
+        f'<rect class="short" x="0" y="5" width="{limit:.2f}" height="10"/>',
+        f'<rect class="enough" x="{limit:.2f}" y="5" width="{_WIDTH - limit:.2f}" height="10"/>',
+        f'<path class="range{"" if least else " endless"}" d="M{ends[0]:.2f} {middle:g}'
+        f'H{ends[1]:.2f}"/>',
+        "".join(f'<path class="end" d="M{x:.2f} 6V14"/>' for x in ends if 0 < x < _WIDTH),
+        f'<path class="need" d="M{limit:.2f} 0V{_HEIGHT:g}"/>',
+        f'<path class="has" d="M{at(has):.2f} {middle:g}h0"/>',
+    ]
+    if max(has, most if isfinite(most) else 0.0) > high:
+        drawn.append(f'<path class="end" d="M{_WIDTH - 1.5:g} 6l1.4 4l-1.4 4"/>')
+    picture = Markup(
+        f'<svg class="safety-scale" viewBox="0 0 {_WIDTH:g} {_HEIGHT:g}" '
+        f'preserveAspectRatio="none" aria-hidden="true">{"".join(drawn)}</svg>'
+    )
+    return SafetyScale(picture, round(limit, 2))

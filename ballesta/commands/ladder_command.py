@@ -21,16 +21,16 @@ from checks.ladder.result import solid_result
 from checks.part.loaded_part import LoadedPart
 from checks.result.verdict import Check, RungTried
 from checks.stress.solid_mesh_level import Models
-from fem.allocation import keep_freed_memory
 from fem.solvers import SolverError
+from fem.threads import keep_freed_memory
 from fem.unit_solutions import Elastic, UnitSolutions
 from geometry.mesh import Mesh, MeshError
 from geometry.meshing import Buildable
 from geometry.progress import step
 from geometry.sizing import SizeField
 from reports.files import plain, replacing
+from reports.ladder_page import ladder_text
 from reports.ladder_summary import LadderPart, LadderResult
-from reports.ladder_text import ladder_text
 
 # Of the part's mesh.fineness. Quadratic elements: stresses converge with the square of their size,
 # so a mesh of half the fineness is asked for four times the numerical error.

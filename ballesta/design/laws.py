@@ -1,4 +1,7 @@
-"""Puts the laws of the forces in a phase together."""
+"""Puts the laws of the forces in a phase together.
+
+Reads the coordinates that a design file names, such as A.y or cylinder.length.
+"""
 
 import csv
 import io
@@ -7,11 +10,10 @@ from collections.abc import Mapping, Sequence
 from itertools import islice, pairwise
 
 import loads
-from ballesta.design.coordinates import coordinate_of, dimension_along
 from ballesta.design.csv_columns import MOST_ROWS
 from ballesta.design.files import Sources
 from ballesta.design.forces import dimension_of, wrong_dimension
-from checks.design.errors import DesignError, Problems
+from checks.design.errors import DesignError, Problems, listed, no_such
 from checks.design.model import DesignFile
 from checks.design.tables import ContactLaw, ForceEntry, OpposingLaw, PistonLaw, TableLaw
 from checks.design.units import DIMENSIONS, Measured, measure
@@ -343,3 +345,45 @@ def _is_number(cell: str) -> bool:
     except ValueError:
         return False
     return True
+
+
+def coordinate_of(
+    key: str,
+    text: str,
+    file: DesignFile,
+    forces: Mapping[str, loads.Force],
+    problems: Problems,
+) -> loads.Coordinate | None:
+    """Return the coordinate that a text names, None where a problem was told."""
+    name, _, what = text.rpartition(".")
+    pins = dict.fromkeys(pin for body in file.bodies.values() for pin in body.pins)
+    pulling = [force for force, entry in file.forces.items() if entry.between is not None]
+    kinds = {
+        "x": ("point on a body", list(pins)),
+        "y": ("point on a body", list(pins)),
+        "angle": ("body", list(file.bodies)),
+        "length": ("force between two points", pulling),
+    }
+    if what not in kinds or not name:
+        problems.add(
+            key,
+            "must be <point>.x, <point>.y, <body>.angle or <force>.length, "
+            f'got "{text}"; points {listed(pins)}; bodies {listed(file.bodies)}; '
+            f"forces {listed(pulling)}",
+        )
+        return None
+    kind, known = kinds[what]
+    if name not in known:
+        problems.add(key, no_such(kind, name, known))
+        return None
+    if what == "length":
+        return forces[name].coordinate if name in forces else None
+    if what == "angle":
+        return loads.Angle(name)
+    owner = next(body for body, entry in file.bodies.items() if name in entry.pins)
+    return loads.PointCoordinate(owner, name, (1.0, 0.0) if what == "x" else (0.0, 1.0))
+
+
+def dimension_along(coordinate: loads.Coordinate) -> str:
+    """Dimension of a coordinate's values: "angle" or "length"."""
+    return "angle" if coordinate.angular else "length"

@@ -1,17 +1,21 @@
-"""Motion of a design's parts through its solved cycles, thinned for pictures."""
+"""Motion of a design's parts through its solved cycles, thinned for pictures.
 
-from collections.abc import Mapping, Sequence
-from dataclasses import fields, replace
+Heights of parts across the linkage's plane in a picture: as stated, else side by side.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from itertools import pairwise
 
 import numpy as np
 
 import loads
-from ballesta.machine.motion_layers import PartSkin, layers
 from checks.design.data import Design, Part
 from checks.part.part_loads import interface_heights, loads_on
 from checks.part.placing import part_placing
 from checks.result.motion import MOST_POSITIONS, PartsMotion, PinForce
 from checks.result.verdict import PartResult
+from checks.result.words import brief, number
 from geometry.mesh import FloatArray, IntArray
 
 _STEP = np.radians(6.0) + 1e-9  # that a body turns by between two kept positions, at most
@@ -184,3 +188,207 @@ def _turned(vectors: FloatArray, angle: FloatArray) -> FloatArray:
     c, s = np.cos(angle), np.sin(angle)
     x, y = vectors[..., 0], vectors[..., 1]
     return np.stack([c * x - s * y, s * x + c * y], axis=-1)
+
+
+Spans = list[tuple[float, float]]
+
+_AROUND = 1.3  # of the radius of a bore: what stands at a joint
+_GAP = 0.03  # between parts that are moved apart, over the thickness of what is there
+_TOLD = 6  # names in a sentence
+
+
+@dataclass(frozen=True, eq=False)
+class PartSkin:
+    """The surface of a part in its own frame: nodes (n, 3) mm, triangles (m, 3)."""
+
+    nodes: FloatArray
+    triangles: IntArray
+
+
+@dataclass(frozen=True)
+class _Meeting:
+    """Two parts that share a joint; a line where one slides along the other."""
+
+    joint: str
+    first: str
+    second: str
+    line: bool
+
+
+def layers(design: Design, skins: Mapping[str, PartSkin]) -> tuple[dict[str, float], str]:
+    """Height of every part's plane z = 0 over the machine's [mm], and its origin in words.
+
+    A pin's stack of lugs and the offsets of interfaces say it, where they are stated. Parts that
+    would stand in each other at a joint are moved apart, by as little as it takes.
+    """
+    steps = [*_of_stacks(design), *_of_offsets(design)]
+    meetings = list(_meetings(design))
+    found: dict[str, float] = {}
+    moved: dict[str, float] = {}
+    while len(found) < len(design.parts):
+        name, height = _next(design, steps, found)
+        found[name] = height
+        if design.parts[name].body is not None:
+            shift = _shift(design, skins, meetings, found, name)
+            if shift:
+                found[name] += shift
+                moved[name] = shift
+    return {name: found[name] for name in design.parts}, _told(bool(steps), moved)
+
+
+def _next(
+    design: Design, steps: Sequence[tuple[str, str, float]], found: Mapping[str, float]
+) -> tuple[str, float]:
+    """A part that is not placed yet, and its height: beside a placed one where that is stated."""
+    for first, second, rise in steps:
+        for known, new, sign in ((first, second, 1.0), (second, first, -1.0)):
+            if known in found and new not in found:
+                return new, found[known] + sign * rise
+    return next(name for name in design.parts if name not in found), 0.0
+
+
+def _told(stated: bool, moved: Mapping[str, float]) -> str:
+    said = (
+        "Across the plane the parts stand as the pins' stacks and the offsets state it"
+        if stated
+        else "Nothing states where the parts stand across the plane"
+    )
+    if not moved:
+        return f"{said}."
+    names = [
+        f"{brief(name, 40)} by {number(shift, 2)} mm" for name, shift in list(moved.items())[:_TOLD]
+    ]
+    more = f" and {len(moved) - _TOLD} more" if len(moved) > _TOLD else ""
+    said += "; drawn aside so that parts do not stand in each other"
+    return f"{said}: {', '.join(names)}{more}."
+
+
+def _of_stacks(design: Design) -> Iterator[tuple[str, str, float]]:
+    """(pin, part, how much higher the part's plane is) of every lug on a pin that is a part."""
+    of_body = {part.body: part for part in design.parts.values() if part.body is not None}
+    for pin in design.parts.values():
+        for lug in pin.stack:
+            part = of_body.get(lug.body or "")
+            if part is None:
+                continue
+            interface = _interface_at(part, pin.joint)
+            height = 0.0 if interface is None else interface_heights(part).get(interface, 0.0)
+            yield pin.name, part.name, (lug.at if lug.single else 0.0) - height
+
+
+def _of_offsets(design: Design) -> Iterator[tuple[str, str, float]]:
+    """(part, other part, how much higher) at joints without a pin part, where an offset says it."""
+    pinned = {part.joint for part in design.parts.values()}
+    for meeting in _meetings(design):
+        first, second = design.parts[meeting.first], design.parts[meeting.second]
+        one = first.offsets.get(_interface_at(first, meeting.joint) or "", 0.0)
+        other = second.offsets.get(_interface_at(second, meeting.joint) or "", 0.0)
+        if meeting.joint not in pinned and (one or other):
+            yield first.name, second.name, one - other
+
+
+def _interface_at(part: Part, joint: str | None) -> str | None:
+    return next((name for name, point in part.interfaces.items() if point == joint), None)
+
+
+def _meetings(design: Design) -> Iterator[_Meeting]:
+    """Every pair of body parts that share a joint."""
+    of_body = {part.body: part.name for part in design.parts.values() if part.body is not None}
+    for point, bodies in design.pins.items():
+        here = [of_body[body] for body in bodies if body in of_body]
+        for k, first in enumerate(here):
+            for second in here[k + 1 :]:
+                yield _Meeting(point, first, second, False)
+    for slide in design.slides.values():
+        on = slide.body_a
+        sliding = dict.fromkeys([slide.body_b, *design.pins.get(slide.point_b, ())])
+        for body in sliding:  # or what is pinned to a block without a part that slides
+            if on in of_body and body in of_body and body != on:
+                yield _Meeting(slide.name, of_body[on], of_body[body], True)
+
+
+def _shift(
+    design: Design,
+    skins: Mapping[str, PartSkin],
+    meetings: Sequence[_Meeting],
+    found: Mapping[str, float],
+    name: str,
+) -> float:
+    """The least by which a part must move so that it stands in no other at a joint, mm."""
+    own: list[tuple[Spans, Spans]] = []
+    for meeting in meetings:
+        pair = (meeting.first, meeting.second)
+        other = pair[1] if pair[0] == name else pair[0]
+        if name not in pair or other not in found or other == name:
+            continue
+        spans = _spans(design, skins, name, other, meeting)
+        own.append((_raised(spans[0], found[name]), _raised(spans[1], found[other])))
+    gap = _GAP * max((top - low for pair in own for low, top in (pair[0] + pair[1])), default=0.0)
+    choices = [0.0]
+    for mine, others in own:
+        for low, top in mine:
+            for other_low, other_top in others:
+                choices += [other_top - low + gap, other_low - top - gap]
+    free = (shift for shift in choices if not any(_meet(pair, shift) for pair in own))
+    return min(free, key=lambda shift: (abs(shift), -shift), default=0.0)
+
+
+def _raised(spans: Spans, height: float) -> Spans:
+    return [(low + height, top + height) for low, top in spans]
+
+
+def _meet(pair: tuple[Spans, Spans], shift: float) -> bool:
+    """True if two parts overlap when the first is moved."""
+    mine, others = pair
+    return any(
+        low + shift < other_top and other_low < top + shift
+        for low, top in mine
+        for other_low, other_top in others
+    )
+
+
+def _spans(
+    design: Design, skins: Mapping[str, PartSkin], name: str, other: str, meeting: _Meeting
+) -> tuple[Spans, Spans]:
+    """Stretches of z [mm] that two parts fill at their joint, each in its own frame."""
+    if meeting.line:
+        both = (skins[name].nodes[:, 2], skins[other].nodes[:, 2])
+        first, second = ([(float(z.min()), float(z.max()))] for z in both)
+        return first, second
+    near = [
+        _distance(design, design.parts[each], skins[each], meeting.joint) for each in (name, other)
+    ]
+    reach = _AROUND * max(float(distance.min()) for distance in near)
+    first, second = (
+        _filled(skins[each], distance <= max(reach, 1.001 * float(distance.min())))
+        for each, distance in zip((name, other), near, strict=True)
+    )
+    return first, second
+
+
+def _distance(design: Design, part: Part, skin: PartSkin, joint: str) -> FloatArray:
+    """Distance (n,) of a part's nodes from the axis of a joint, mm."""
+    assert part.body is not None
+    placing = part_placing(design, part)
+    x, y = np.array(design.bodies[part.body].points[joint]) - placing.origin
+    c, s = np.cos(placing.angle), np.sin(placing.angle)
+    place = c * x + s * y, -s * x + c * y
+    return np.asarray(np.hypot(skin.nodes[:, 0] - place[0], skin.nodes[:, 1] - place[1]))
+
+
+def _filled(skin: PartSkin, near: np.typing.NDArray[np.bool_]) -> Spans:
+    """Stretches of z that triangles with a node near by fill, joined where they touch."""
+    z = skin.nodes[skin.triangles[near[skin.triangles].any(axis=1)], 2]
+    ends = sorted(zip(z.min(axis=1).tolist(), z.max(axis=1).tolist(), strict=True))
+    if not ends:
+        return []
+    breaks = [0]
+    top = ends[0][1]
+    for k, (low, high) in enumerate(ends):
+        if low > top + 1e-6:
+            breaks.append(k)
+        top = max(top, high)
+    return [
+        (ends[first][0], max(high for _, high in ends[first:last]))
+        for first, last in pairwise([*breaks, len(ends)])
+    ]

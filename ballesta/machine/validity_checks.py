@@ -5,8 +5,7 @@ from math import ceil, sqrt
 
 import loads
 from ballesta.machine.load_pairs import friction_gate
-from ballesta.machine.motor_figures import motor_figures
-from ballesta.machine.shown_loads import shown_cycle
+from ballesta.machine.shown_loads import motor_figures, shown_cycle
 from checks.design.data import Design
 from checks.part.part_loads import shown_name, shown_position
 from checks.result.verdict import Gate

@@ -18,7 +18,7 @@ from geometry.parameters import (
     check_at_least,
     within,
 )
-from geometry.parts._outline import Outline
+from geometry.parts._plates import Outline
 from geometry.sections import RulingSection
 from geometry.shape import Shape
 

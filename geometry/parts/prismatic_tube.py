@@ -12,7 +12,7 @@ from geometry.bars import square_tube as square_section
 from geometry.mesh import Interface
 from geometry.meshing import Body, faces_where
 from geometry.parameters import GIVEN_BY_LINKAGE, a_length, check_square_tube
-from geometry.parts._solids import square_tube
+from geometry.parts._plates import square_tube
 from geometry.sections import RulingSection, Section, square_tube_section
 from geometry.shape import Shape
 

@@ -18,7 +18,7 @@ from geometry.parameters import (
     check_above,
     check_square_tube,
 )
-from geometry.parts._solids import square_tube
+from geometry.parts._plates import square_tube
 from geometry.sections import RulingSection, Section, plate_pair_section, square_tube_section
 from geometry.shape import Ligament, Shape
 

@@ -19,8 +19,7 @@ from geometry.parameters import (
     check_at_most,
     check_below,
 )
-from geometry.parts._outline import Outline
-from geometry.parts._plates import bore_at, drill
+from geometry.parts._plates import Outline, bore_at, drill
 from geometry.sections import RulingSection, Section, round_tube_section
 from geometry.shape import Ligament, Shape
 

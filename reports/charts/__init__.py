@@ -2,9 +2,8 @@
 
 from reports.charts.chart import Chart, Charts, Missing, Series
 from reports.charts.cycles import cycle_charts
-from reports.charts.design import DesignCharts, design_charts
 from reports.charts.overlay import curves_chart
-from reports.charts.parts import part_charts
+from reports.charts.parts import DesignCharts, design_charts, part_charts
 
 __all__ = [
     "Chart",

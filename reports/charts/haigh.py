@@ -9,11 +9,10 @@ import numpy as np
 from checks.result.verdict import Check, DesignResult, PartResult
 from checks.result.words import brief, need_text, number, safety_text
 from fatigue import goodman_utilisation
-from reports.charts.chart import Chart, Missing, Series
+from reports.charts.chart import Chart, Missing, Series, thinned
 from reports.charts.numbers import FloatArray, decimals_of, fixed, numbers
 from reports.charts.over_cycle import cursor_text
 from reports.charts.plane import Plane, drawing, ink, upper
-from reports.charts.thin import thinned
 from reports.svg import SERIES, Drawing
 
 _TITLE = "Haigh diagram"

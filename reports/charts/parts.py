@@ -1,9 +1,16 @@
-"""The charts of a part."""
+"""The charts of a part.
+
+All charts of a design.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 from checks.result.verdict import DesignResult, PartResult
 from reports.charts.buckling import buckling_chart
 from reports.charts.chart import Charts, gathered
 from reports.charts.convergence import convergence_chart
+from reports.charts.cycles import cycle_charts
 from reports.charts.haigh import haigh_chart
 from reports.charts.ladder import ladder_chart
 from reports.charts.sn import sn_chart
@@ -20,3 +27,16 @@ def part_charts(part: PartResult, result: DesignResult) -> Charts:
             convergence_chart(part),
         ]
     )
+
+
+@dataclass(frozen=True)
+class DesignCharts:
+    """The charts of a design's parts, in its order, and of its cycles by name."""
+
+    parts: Sequence[Charts]
+    cycles: Sequence[tuple[str, Charts]]
+
+
+def design_charts(result: DesignResult) -> DesignCharts:
+    """Draw all charts of a result."""
+    return DesignCharts([part_charts(part, result) for part in result.parts], cycle_charts(result))

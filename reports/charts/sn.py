@@ -9,12 +9,11 @@ import numpy as np
 from checks.result.verdict import Check, DesignResult, PartResult
 from checks.result.words import brief, need_text, number, safety_text
 from fatigue import MeanStressMaterial, equivalent_amplitude
-from reports.charts.chart import Chart, Missing, Series
+from reports.charts.chart import Chart, Missing, Series, thinned
 from reports.charts.haigh import LOWERED, SWING, limit_told, path_of, utilisation
 from reports.charts.numbers import FloatArray, decimals_of, fixed, numbers
 from reports.charts.over_cycle import cursor_text
 from reports.charts.plane import Plane, drawing, ink
-from reports.charts.thin import thinned
 from reports.svg import SERIES, Drawing
 
 _TITLE = "S-N line and duty"

@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fatigue import ductile_verdict
-from fatigue.coarse_path import coarse_path
+from fatigue.plane_bounds import coarse_path
 from fatigue.shear_planes import critical_plane, findley_criterion
 from fatigue.stress_path import with_fewer_loads
 

@@ -9,7 +9,7 @@ from functools import cache
 
 import numpy as np
 
-from fem.williams import modes
+from fem.notch_intensity import modes
 from geometry.mesh import Interface
 from geometry.meshing import Body, Region
 

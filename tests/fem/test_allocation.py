@@ -8,7 +8,7 @@ import pytest
 FAULTS = """
 import resource
 import numpy as np
-from fem.allocation import keep_freed_memory
+from fem.threads import keep_freed_memory
 if {kept}:
     assert keep_freed_memory()
 np.ones(8_000_000)

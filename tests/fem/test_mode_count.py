@@ -10,7 +10,7 @@ import fem.lowest_modes
 from fem.assembly import full, geometric_stiffness
 from fem.buckling import part_buckling
 from fem.end_conditions import link_solid
-from fem.mode_count import count_below, shifted
+from fem.lowest_modes import count_below, shifted
 from fem.mode_energies import mass
 from fem.recovery import tensor
 from fem.solvers import SolverError

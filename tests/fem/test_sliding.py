@@ -7,8 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fem.elements import Elements
-from fem.facet_strips import cut_along_x
-from fem.sliding import sliding_coefficients, sliding_loads, stations
+from fem.sliding import cut_along_x, sliding_coefficients, sliding_loads, stations
 from fem.unit_loads import interface_loads, resultants
 from fem.unit_solutions import Elastic, solve_unit_loads
 from geometry.mesh import Interface, MeshError

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from fem.notch_intensity import face_loads, modes, stress_of
 from fem.singularity import singular_exponent
-from fem.williams import face_loads, modes, stress_of
 
 OPENINGS = (30, 60, 90, 120, 135, 150, 160)
 

@@ -7,8 +7,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.cad_body import cad_body, cad_skin
-from geometry.mesh_unit import in_unit, unit_of
 from geometry.meshing import mesh_shape
+from geometry.part_sizes import in_unit, unit_of
 from geometry.parts import LeafPack, Pin, PlateLink, Seat, TubeRod
 from geometry.parts.step_part import NamedHole
 from geometry.sizing import size_field

@@ -9,10 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from reports.charts.chart import Chart, swatch
+from reports.charts.chart import Chart, gapless, swatch, thinned
 from reports.charts.cycle_axis import cycle_axis
 from reports.charts.labels import Room, dense
-from reports.charts.thin import gapless, thinned
 from reports.svg import draw, round_ticks
 
 

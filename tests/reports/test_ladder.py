@@ -9,9 +9,8 @@ from rich.cells import cell_len
 
 from reports import report_html, verdict_text
 from reports.files import plain
-from reports.ladder_page import ladder_chart, ladder_html
+from reports.ladder_page import ladder_chart, ladder_html, ladder_text
 from reports.ladder_summary import tried_sentence, value_and_bar, whole_bar
-from reports.ladder_text import ladder_text
 
 from . import ladder_results, results
 from .test_page import Page

@@ -5,7 +5,7 @@ from math import inf
 
 from checks.result.verdict import Status
 from reports import report_html
-from reports.tornado import shares
+from reports.gauge import shares
 
 from . import results
 

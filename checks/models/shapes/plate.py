@@ -10,9 +10,9 @@ from checks.design.data import Part
 from checks.handbook.lug_stress import Lug, strip_outline
 from checks.handbook.notch_factors import curved_bar
 from checks.handbook.pin_loaded_hole import PATTERNS, CurvedSection, open_hole, pin_loaded_hole
-from checks.models.formula_buckling import deflected, elastic_load
 from checks.models.formula_lugs import ANGLES
 from checks.models.formula_points import Points
+from checks.models.plate_buckling import deflected, elastic_load
 from checks.models.plate_forces import FlatSection, PlateForces, directed
 from checks.models.shape_model import ShapeModel
 from checks.models.unit_names import bearing_units

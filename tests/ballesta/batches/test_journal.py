@@ -3,7 +3,7 @@ import os
 
 import pytest
 
-from ballesta.batches.journal import Journal, JournalEntry
+from ballesta.batches.run import Journal, JournalEntry
 
 
 def entry(name, **outcome):

@@ -10,8 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from ballesta.batches.journal import Journal
-from ballesta.batches.run import Settings, locked, run_batch
+from ballesta.batches.run import Journal, Settings, locked, run_batch
 from checks.design.errors import DesignError, NumericsError
 
 from . import jobs
@@ -154,7 +153,7 @@ PARENT = """
 import sys
 from pathlib import Path
 sys.path.insert(0, sys.argv[2])
-from ballesta.batches.journal import Journal
+from ballesta.batches.run import Journal
 from ballesta.batches.run import Settings, run_batch
 import jobs
 folder = Path(sys.argv[1])

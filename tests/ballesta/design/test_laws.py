@@ -12,8 +12,8 @@ import pytest
 
 import loads
 from ballesta.design.read import read_design
-from ballesta.machine.end_stops import stop_warnings
 from ballesta.machine.solved_cycles import linkage_of
+from ballesta.machine.warnings_of import stop_warnings
 from ballesta.pipeline import _not_checked_here
 from checks.design.errors import DesignError
 from reports.mechanism_layout import Layout

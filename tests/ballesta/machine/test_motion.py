@@ -8,9 +8,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from ballesta.design.read import read_design
-from ballesta.machine.motion import kept_rows, part_frame
-from ballesta.machine.motion_layers import PartSkin, layers
-from ballesta.machine.motion_layers import _distance as distance_from
+from ballesta.machine.motion import PartSkin, kept_rows, layers, part_frame
+from ballesta.machine.motion import _distance as distance_from
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort
 from checks.result.motion import MOST_POSITIONS, motion_gaps

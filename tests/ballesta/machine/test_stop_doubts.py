@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from ballesta.design.read import read_design
+from ballesta.machine.runs import stop_doubts
 from ballesta.machine.solved_cycles import solve_cycles
-from ballesta.machine.stop_doubts import stop_doubts
 from ballesta.machine.validity_checks import load_gates
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort
