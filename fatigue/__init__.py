@@ -28,15 +28,7 @@ from fatigue.invariants import (
     ComparedCriteria,
     compared_criteria,
 )
-from fatigue.life import (
-    LifeVerdict,
-    damage_equivalent_amplitude,
-    fkm_damage_sum,
-    life_verdict,
-    miner_damage,
-    overstressed_curve,
-    remaining_duties,
-)
+from fatigue.life import LifeVerdict, fkm_damage_sum, life_verdict, miner_damage, overstressed_curve
 from fatigue.marin import (
     EnduranceLimit,
     endurance_limit,
@@ -50,11 +42,8 @@ from fatigue.mean_stress import (
     equivalent_amplitude,
     fkm_factor,
     fkm_sensitivity,
-    gerber_langer_corner,
-    mean_limit,
     mean_stress_band,
     mean_stress_utilisation,
-    yield_mean_limit,
     yield_utilisation,
 )
 from fatigue.notch_support import (
@@ -62,7 +51,6 @@ from fatigue.notch_support import (
     fkm_2012_support,
     neuber_notch_factor,
     stieler_support,
-    surface_notch_factor,
 )
 from fatigue.proportionality import (
     PathBounds,
@@ -78,19 +66,8 @@ from fatigue.smallest_circle import (
     smallest_ball,
     smallest_circles,
 )
-from fatigue.sn_curve import (
-    SNCurve,
-    basquin_curve,
-    low_cycle_fraction,
-    scatter_of_range,
-)
-from fatigue.stress_path import (
-    COMPONENTS,
-    principal_extremes,
-    principal_stresses,
-    von_mises,
-    von_mises_peaks,
-)
+from fatigue.sn_curve import SNCurve, basquin_curve, low_cycle_fraction, scatter_of_range
+from fatigue.stress_path import COMPONENTS, principal_stresses, von_mises, von_mises_peaks
 from fatigue.verdict import (
     Verdict,
     ductile_verdict,
@@ -126,7 +103,6 @@ __all__ = [
     "count_closed_cycles",
     "count_cycles",
     "critical_plane",
-    "damage_equivalent_amplitude",
     "ductile_verdict",
     "duty_cycles",
     "endurance_limit",
@@ -139,31 +115,25 @@ __all__ = [
     "fkm_sensitivity",
     "fkm_temperature_factor",
     "fkm_utilisation",
-    "gerber_langer_corner",
     "goodman",
     "goodman_utilisation",
     "life_verdict",
     "low_cycle_fraction",
-    "mean_limit",
     "mean_stress_band",
     "mean_stress_utilisation",
     "miner_damage",
     "neuber_notch_factor",
     "overstressed_curve",
     "path_bounds",
-    "principal_extremes",
     "principal_stresses",
     "rectangle_equivalent_diameter",
-    "remaining_duties",
     "roughness_factor",
     "round_equivalent_diameter",
     "scatter_of_range",
     "smallest_ball",
     "smallest_circles",
     "stieler_support",
-    "surface_notch_factor",
     "von_mises",
     "von_mises_peaks",
-    "yield_mean_limit",
     "yield_utilisation",
 ]

@@ -96,11 +96,6 @@ class FatigueResult:
         largest = float(self.utilisation.max())
         return 1.0 / largest if largest > 0.0 else float("inf")
 
-    def critical_path(self, basis: FloatArray, coefficients: FloatArray) -> ChordPath:
-        """Return the path of the critical point, from the history this result was made of."""
-        first, second = self.pair[self.critical]
-        return chord_path(basis[self.critical], coefficients, (int(first), int(second)))
-
 
 def goodman_utilisation(
     amplitude: npt.ArrayLike,

@@ -136,43 +136,6 @@ def life_verdict(
     return LifeVerdict(damage, duties, worst, safety, required_duties, allowed_damage)
 
 
-def remaining_duties(
-    damage_per_duty: npt.ArrayLike, damage_so_far: npt.ArrayLike = 0.0, allowed_damage: float = 1.0
-) -> FloatArray:
-    """Return the number of further duties endured after damage already done; never below 0.
-
-    >>> float(remaining_duties(0.001, damage_so_far=0.25))
-    750.0
-    """
-    damage = np.asarray(damage_per_duty, dtype=np.float64)
-    done = np.asarray(damage_so_far, dtype=np.float64)
-    refuse(~(damage >= 0.0), "the damage per duty must be at least 0", damage, "point")
-    refuse(~(done >= 0.0), "the damage so far must be at least 0", done, "point")
-    left = np.maximum(allowed_damage - done, 0.0)
-    damage, left = np.broadcast_arrays(damage, left)
-    duties = np.where(left > 0.0, np.inf, 0.0)  # nothing left is no duty, however small
-    with np.errstate(over="ignore"):
-        np.divide(left, damage, out=duties, where=(damage > 0.0) & (left > 0.0))
-    return duties
-
-
-def damage_equivalent_amplitude(
-    damage: npt.ArrayLike, curve: SNCurve, at_cycles: float | None = None
-) -> FloatArray:
-    """Return the constant amplitude, MPa, that does the same damage (n_points,) in `at_cycles`.
-
-    S = S_D (damage N_D / at_cycles)**(1/k), on the upper branch continued; `at_cycles` None means
-    those of the knee.
-    """
-    done = np.asarray(damage, dtype=np.float64)
-    refuse(~(done >= 0.0), "the damage must be at least 0", done, "point")
-    cycles = curve.knee_cycles if at_cycles is None else at_cycles
-    if not np.all(np.asarray(cycles) > 0.0):
-        raise ValueError(f"the cycles must be above 0, got {cycles:g}")
-    share = done * curve.knee_cycles / cycles
-    return np.asarray(curve.knee_amplitude * share ** (1.0 / np.asarray(curve.slope)))
-
-
 def fkm_damage_sum(
     stress_amplitude: npt.ArrayLike, cycle_counts: npt.ArrayLike, slope: float
 ) -> FloatArray:

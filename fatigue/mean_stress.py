@@ -184,40 +184,6 @@ def mean_stress_band(
     }
 
 
-def mean_limit(
-    amplitude: npt.ArrayLike,
-    endurance_limit: npt.ArrayLike,
-    material: MeanStressMaterial,
-    rule: Rule = "goodman",
-) -> FloatArray:
-    """Return the highest mean stress, MPa, that is endured with a given amplitude.
-
-    Its ratio to the mean that acts is the safety when only the mean grows, as with the preload of
-    a spring (Shigley, 9th ed., ex. 6-11). It is 0 where the amplitude alone reaches the endurance
-    limit, and infinite where a rule sets no limit (swt and walker without amplitude or gamma = 1;
-    fkm from R = 0.5 on, where its line is parallel to the axis of R).
-    """
-    amplitude, _ = _stresses(amplitude, 0.0, credit=False)
-    amplitude, limit = np.broadcast_arrays(amplitude, _limit(endurance_limit))
-    number = material.number(rule)
-    # without amplitude the reserve is infinite, and its product with the amplitude not used
-    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-        reserve = limit / amplitude
-        if rule in ("swt", "walker"):
-            growth = np.inf if number == 1.0 else reserve ** (1.0 / (1.0 - number)) - 1.0
-            highest = np.where(amplitude > 0.0, amplitude * growth, np.inf)
-        elif rule == "fkm":
-            highest = _fkm_mean_limit(amplitude, reserve, number)
-        else:
-            left = 1.0 - 1.0 / reserve
-            if rule == "gerber":
-                left = np.sqrt(np.maximum(left, 0.0))
-            elif rule == "asme_elliptic":
-                left = np.sqrt(np.maximum(1.0 - reserve**-2.0, 0.0))
-            highest = number * left
-    return np.where(amplitude < limit, np.maximum(highest, 0.0), 0.0)
-
-
 def yield_utilisation(
     amplitude: npt.ArrayLike, mean: npt.ArrayLike, yield_strength: float
 ) -> FloatArray:
@@ -228,36 +194,6 @@ def yield_utilisation(
     _strength(yield_strength, "yield strength")
     amplitude, mean = _stresses(amplitude, mean, credit=True)
     return np.asarray((amplitude + np.abs(mean)) / yield_strength)
-
-
-def yield_mean_limit(amplitude: npt.ArrayLike, yield_strength: float) -> FloatArray:
-    """Return S_y - s_a, MPa, not below 0: the highest mean that does not yield at once."""
-    _strength(yield_strength, "yield strength")
-    amplitude, _ = _stresses(amplitude, 0.0, credit=False)
-    return np.asarray(np.maximum(yield_strength - amplitude, 0.0))
-
-
-def gerber_langer_corner(
-    endurance_limit: float, material: MeanStressMaterial
-) -> tuple[float, float]:
-    """Return amplitude and mean, MPa, where Gerber's parabola meets the yield line.
-
-    With more mean than that, yield governs. S_m = S_u**2/(2 S_e) (1 - sqrt(1 + (2 S_e/S_u)**2
-    (1 - S_y/S_e))), Shigley, 9th ed., table 6-7. Where S_e reaches S_y, yield governs everywhere:
-    (S_y, 0).
-    """
-    _strength(endurance_limit, "endurance limit")
-    ultimate, yielding = material.ultimate_strength, material.yield_strength
-    if endurance_limit >= yielding:
-        return yielding, 0.0
-    root = 1.0 + (2.0 * endurance_limit / ultimate) ** 2 * (1.0 - yielding / endurance_limit)
-    if root < 0.0:
-        raise ValueError(
-            f"Gerber's parabola from {endurance_limit:g} to {ultimate:g} MPa stays below the yield "
-            f"line of {yielding:g} MPa: they do not meet"
-        )
-    mean = ultimate**2 / (2.0 * endurance_limit) * (1.0 - root**0.5)
-    return yielding - mean, mean
 
 
 def fkm_sensitivity(ultimate_strength: float, group: str = "steel") -> float:
@@ -309,17 +245,6 @@ def _fkm_growth(amplitude: FloatArray, mean: FloatArray, sensitivity: float) -> 
 
 def _fkm_equivalent(amplitude: FloatArray, mean: FloatArray, sensitivity: float) -> FloatArray:
     return np.asarray(amplitude * _fkm_growth(amplitude, mean, sensitivity))
-
-
-def _fkm_mean_limit(amplitude: FloatArray, reserve: FloatArray, sensitivity: float) -> FloatArray:
-    """Return the mean at which `fkm` reaches the endurance limit, reserve = limit / amplitude."""
-    if sensitivity == 0.0:
-        return np.full(amplitude.shape, np.inf)
-    third = sensitivity / 3.0
-    first = (reserve - 1.0) / sensitivity
-    second = (reserve * (1.0 + third) / (1.0 + sensitivity) - 1.0) / third
-    ratio = np.where(first <= 1.0, first, np.where(second <= 3.0, second, np.inf))
-    return np.where(np.isinf(ratio), np.inf, amplitude * ratio)
 
 
 def _stresses(

@@ -126,25 +126,6 @@ def fkm_2012_support(
     return SupportNumber(value, statistical, plastic, np.asarray(fracture))
 
 
-def surface_notch_factor(
-    gradient: npt.ArrayLike,
-    width: float,
-    support: npt.ArrayLike,
-    stress: StressKind = "normal",
-) -> FloatArray:
-    """Return K_f~ >= 1 of the design factor, estimated from the gradient instead of the table.
-
-    K_f~ = K_t~/n, K_t~ = 10**(0.066 - 0.36 lg(2/(b G))), in shear 1/(b G); width b in mm of the
-    section that carries. FKM guideline, 6th ed., section 4.3.1.2.
-    """
-    gradient, support = np.broadcast_arrays(_gradients(gradient), np.asarray(support, dtype=float))
-    _above_zero("width", width, "mm")
-    refuse(~(np.isfinite(support) & (support > 0.0)), "the support number must be above 0", support)
-    stress_ratio(fkm_group("steel"), stress)
-    concentration = 10.0**0.066 * (width * gradient / (2.0 if stress == "normal" else 1.0)) ** 0.36
-    return np.asarray(np.maximum(concentration / support, 1.0))
-
-
 def neuber_notch_factor(
     stress_concentration: float, notch_radius: float, ultimate_strength: float, load: str = "axial"
 ) -> float:

@@ -10,7 +10,7 @@ The six components stand in the order of COMPONENTS, in every array of this pack
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 import numpy.typing as npt
@@ -159,21 +159,3 @@ def von_mises_peaks(basis: FloatArray, coefficients: FloatArray) -> tuple[FloatA
         position[block] = squared.argmax(axis=1)
         peak[block] = np.sqrt(squared.max(axis=1))
     return peak, position
-
-
-def principal_extremes(
-    basis: FloatArray, coefficients: FloatArray, points: Sequence[int] | IntArray | None = None
-) -> tuple[FloatArray, FloatArray]:
-    """Return the smallest and the largest principal stress over the cycle, MPa, per point.
-
-    `points` (default all) selects; about a microsecond per point and position.
-    """
-    basis, coefficients = check_history(basis, coefficients)
-    chosen = np.arange(len(basis)) if points is None else np.asarray(points, dtype=np.intp)
-    smallest, largest = np.empty(len(chosen)), np.empty(len(chosen))
-    for block in point_blocks(len(chosen), 9 * coefficients.shape[1]):
-        stress = np.swapaxes(basis[chosen[block]] @ coefficients, 1, 2)
-        principal = principal_stresses(stress)
-        smallest[block] = principal[..., 0].min(axis=1)
-        largest[block] = principal[..., 2].max(axis=1)
-    return smallest, largest

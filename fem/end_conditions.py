@@ -111,7 +111,7 @@ class SupportedSolid:
 def fixed_solid(
     mesh: Mesh, material: Elastic, fixed: IntArray, rows: FloatArray | None = None
 ) -> SupportedSolid:
-    """Return a solid with some unknowns fixed, as in `fem.boundary_value`, and further conditions.
+    """Return a solid with some unknowns fixed, and further conditions.
 
     fixed  (k,) unknowns 3 n + i of component i of node n; they stop all rigid motions
     rows   (c, 3 n_nodes) conditions rows @ u = 0, zero at the fixed unknowns

@@ -22,7 +22,6 @@ from fem.unit_solutions import Elastic, rigid_modes
 from geometry.bars import Sections
 from geometry.mesh import FloatArray, IntArray
 
-FORCES = ("N", "V_y", "V_z", "T", "M_y", "M_z")
 _COUNT = 6  # Gauss points along a member
 POINTS, WEIGHTS = (np.polynomial.legendre.leggauss(_COUNT)[k] for k in (0, 1))
 POINTS, WEIGHTS = (POINTS + 1) / 2, WEIGHTS / 2

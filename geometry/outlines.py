@@ -356,10 +356,6 @@ class PlateOutline:
             tuple(contour.placed(origin, turn, mirrored=mirrored) for contour in self.inner),
         )
 
-    def is_material(self, point: complex) -> bool:
-        """True for a point inside the outer contour and outside of the inner ones."""
-        return self.outer.contains(point) and not any(c.contains(point) for c in self.inner)
-
     def reach(self, point: complex, way: complex) -> float:
         """Way from a point inside to the outer contour, mm, along a unit vector."""
         places, _, _ = self.outer.edges.crossings(self._beside(point, -1j * way), -1j * way)

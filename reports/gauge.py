@@ -38,11 +38,6 @@ def gauge(check: Check) -> Markup:
     )
 
 
-def limit_share() -> float:
-    """Where the limit is across a gauge, in percent of its width."""
-    return round(100.0 / END, 2)
-
-
 def _at(check: Check, value: float) -> float:
     """Where a value of a check is across the drawing."""
     return value * check.required / check.limit * _UNIT

@@ -1,8 +1,8 @@
-"""Hertz contact of cylinders and spheres: width, pressure, and the shear below the surface.
+"""Hertz contact of cylinders: width, pressure, and the shear below the surface.
 
-Johnson, Contact Mechanics, 1985: line contact section 4.2(c), point contact section 4.2(a); stress
-on the axis below them in the same sections. Bodies are half-spaces there, so the patch must be
-small against the radii: a pin that fits its hole closely is no such contact.
+Johnson, Contact Mechanics, 1985, section 4.2(c), with the stress on the axis below. Bodies
+are half-spaces there, so the patch must be small against the radii: a pin that fits its hole
+closely is no such contact.
 """
 
 from dataclasses import dataclass
@@ -44,19 +44,16 @@ class HertzBody:
 class HertzContact:
     """The contact of two bodies.
 
-    half_width     mm, of the line, or the radius of the circle
+    half_width     mm, of the line
     peak_pressure  MPa
     shear          MPa, the largest shear stress below the surface
     shear_depth    mm, where it stands
-    approach       mm, of two bodies with point contact; None for a line, where it depends on how
-                   far away it is measured
     """
 
     half_width: float
     peak_pressure: float
     shear: float
     shear_depth: float
-    approach: float | None = None
 
 
 def line_contact(force: float, first: HertzBody, second: HertzBody) -> HertzContact:
@@ -71,46 +68,14 @@ def line_contact(force: float, first: HertzBody, second: HertzBody) -> HertzCont
     >>> round(found.half_width, 6), round(found.peak_pressure, 3)
     (0.105046, 606.037)
     """
-    _check_force(force, "N/mm")
+    if not (force > 0 and isfinite(force)):
+        raise HertzError(f"a contact needs a force above 0 N/mm, got {force}")
     half = sqrt(4 * force * _relative_radius(first, second) / (pi * _modulus(first, second)))
     _check_width(half, first, second)
     pressure = 2 * force / (pi * half)
     depth = sqrt((sqrt(5) - 1) / 2)
     shear = depth - depth**2 / sqrt(1 + depth**2)
     return HertzContact(half, pressure, shear * pressure, depth * half)
-
-
-def point_contact(force: float, first: HertzBody, second: HertzBody) -> HertzContact:
-    """Contact of spheres under `force`, N; the shear is the larger of both bodies' shear.
-
-    a = (3 P R / (4 E*))^(1/3), p0 = 3 P / (2 pi a^2), approach a^2 / R. On the axis at depth s a:
-    sigma_r / p0 = -(1 + nu)(1 - s atan(1/s)) + 1 / (2 (1 + s^2)), sigma_z / p0 = -1 / (1 + s^2).
-    """
-    _check_force(force, "N")
-    radius = _relative_radius(first, second)
-    a = (3 * force * radius / (4 * _modulus(first, second))) ** (1 / 3)
-    _check_width(a, first, second)
-    pressure = 3 * force / (2 * pi * a * a)
-    ratio = min(first.poisson_ratio, second.poisson_ratio)  # less of it, more shear
-    depth, shear = _below_a_point(ratio)
-    return HertzContact(a, pressure, shear * pressure, depth * a, a * a / radius)
-
-
-def _below_a_point(poisson_ratio: float) -> tuple[float, float]:
-    """Depth over radius and shear over peak pressure where the shear is largest."""
-
-    def shear(s: float) -> float:
-        along = (1 + poisson_ratio) * (1 - s * np.arctan(1 / s)) - 0.5 / (1 + s * s)
-        return float((1 / (1 + s * s) - along) / 2)
-
-    def slope(s: float) -> float:
-        turn = np.arctan(1 / s) - s / (1 + s * s)
-        return float((-3 * s / (1 + s * s) ** 2 + (1 + poisson_ratio) * turn) / 2)
-
-    from scipy.optimize import brentq
-
-    depth = brentq(slope, 1e-3, 3.0, xtol=1e-14)
-    return float(depth), shear(depth)
 
 
 def _modulus(first: HertzBody, second: HertzBody) -> float:
@@ -134,11 +99,6 @@ def _relative_radius(first: HertzBody, second: HertzBody) -> float:
             "wider than what lies in it"
         )
     return 1 / curvature
-
-
-def _check_force(force: float, unit: str) -> None:
-    if not (force > 0 and isfinite(force)):
-        raise HertzError(f"a contact needs a force above 0 {unit}, got {force}")
 
 
 def _check_width(half: float, first: HertzBody, second: HertzBody) -> None:

@@ -30,7 +30,6 @@ from checks.part.derived import (
 )
 from checks.part.first_maximum import first_largest
 from checks.part.part_loads import Doubt, PartLoads, Runs, loads_on
-from checks.part.placing import interface_distance
 from checks.result.derivation import BARS, Derivation, Item, Section
 from checks.result.verdict import Check
 from geometry.cad_body import SolidBody, cad_body
@@ -196,11 +195,6 @@ class LoadedPart:
     def accuracy(self) -> float:
         """Numerical error, as a share of a stress, that a mesh is refined to."""
         return self.design.accuracy
-
-    @property
-    def pin_distance(self) -> float:
-        """Distance of the first two interfaces, mm."""
-        return interface_distance(self.design, self.part)
 
 
 def check_reach(loaded: LoadedPart, interfaces: Mapping[str, Interface]) -> None:

@@ -13,14 +13,12 @@ from fatigue import (
     SNCurve,
     basquin_curve,
     count_closed_cycles,
-    damage_equivalent_amplitude,
     duty_cycles,
     fkm_damage_sum,
     life_verdict,
     mean_stress_utilisation,
     miner_damage,
     overstressed_curve,
-    remaining_duties,
 )
 
 CURVE = SNCurve(knee_amplitude=100.0, knee_cycles=1e6, slope=5.0)
@@ -153,24 +151,6 @@ def test_a_duty_runs_through_counting_mean_stress_and_damage():
     expected = 10.0 / 1e6 * 1.6**5 + 990.0 / 1e6 * (1.2 / 0.85) ** 5
     assert verdict.damage.tolist() == pytest.approx([expected], rel=1e-12)
     assert verdict.infinite_utilisation.tolist() == pytest.approx([1.4 + 0.125], rel=1e-12)
-
-
-def test_damage_already_done_shortens_what_remains():
-    assert remaining_duties([0.001, 0.0, 0.5], [0.25, 0.9, 1.0]).tolist() == [750.0, np.inf, 0.0]
-    assert remaining_duties(0.001, 0.1, allowed_damage=0.3) == pytest.approx(200.0)
-    assert remaining_duties([0.0, np.inf], [1.5, 0.0]).tolist() == [0.0, 0.0]
-    with pytest.raises(ValueError, match=r"damage per duty must be at least 0: nan at point 1"):
-        remaining_duties([0.1, np.nan])
-
-
-def test_the_equivalent_amplitude_does_the_same_damage_in_the_given_cycles():
-    damage = miner_damage(AMPLITUDES, COUNTS, CURVE.below_knee("elementary"))
-    total = COUNTS.sum()
-    mean_power = (sum(COUNTS * AMPLITUDES**5) / total) ** 0.2
-    found = damage_equivalent_amplitude(damage, CURVE, total)
-    assert found == pytest.approx(mean_power, rel=1e-12)
-    assert damage_equivalent_amplitude(1.0, CURVE) == pytest.approx(100.0, rel=1e-15)
-    assert damage_equivalent_amplitude([0.0, 32.0], CURVE).tolist() == pytest.approx([0.0, 200.0])
 
 
 def test_the_damage_sum_of_the_guideline_falls_with_the_length_of_the_spectrum():

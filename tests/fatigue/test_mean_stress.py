@@ -12,12 +12,9 @@ from fatigue import (
     equivalent_amplitude,
     fkm_factor,
     fkm_sensitivity,
-    gerber_langer_corner,
     goodman_utilisation,
-    mean_limit,
     mean_stress_band,
     mean_stress_utilisation,
-    yield_mean_limit,
     yield_utilisation,
 )
 
@@ -89,78 +86,6 @@ def test_repeated_axial_load_has_the_safety_factors_of_the_book():
         assert safety[rule] == pytest.approx(value, rel=1e-9)
     assert 1.0 / yield_utilisation(8.38, 8.38, 84.0) == pytest.approx(5.011933174, rel=1e-9)
     assert set(band) == {*expected, "swt"}  # no numbers for morrow, walker and fkm
-
-
-def test_gerber_and_yield_meet_where_both_are_just_reached():
-    """FT-04: S_m = 63.97428321 kpsi."""
-    material = MeanStressMaterial(100.0, 84.0)
-    amplitude, mean = gerber_langer_corner(33.9, material)
-    assert mean == pytest.approx(63.97428321, rel=1e-9)
-    on_line = mean_stress_utilisation(amplitude, mean, 33.9, material, "gerber")
-    assert on_line == pytest.approx(1.0, rel=ROUND_OFF)
-    assert yield_utilisation(amplitude, mean, 84.0) == pytest.approx(1.0, rel=ROUND_OFF)
-    assert gerber_langer_corner(90.0, material) == (84.0, 0.0)
-    with pytest.raises(ValueError, match="they do not meet"):
-        gerber_langer_corner(60.0, MeanStressMaterial(100.0, 130.0))
-
-
-def test_a_preloaded_leaf_spring_has_the_factors_of_the_book():
-    """FT-05: Shigley, 9th ed., ex. 6-11 (kpsi): the amplitude is given, the mean grows."""
-    material = MeanStressMaterial(150.0, 127.0)
-    stress_per_inch = 3.0 * 30e3 * 0.125 / 32.0**2
-    amplitude = stress_per_inch * 1.0
-    mean = stress_per_inch * np.array([3.0, 6.0])  # preload 2 and 5 in, stroke 2 in on top
-    assert amplitude == pytest.approx(10.98632812, rel=1e-9)
-    assert_allclose(mean, [32.95898438, 65.91796875], rtol=1e-9)
-    highest = mean_limit(amplitude, 28.0, material, "gerber")
-    assert highest == pytest.approx(116.9260476, rel=1e-9)
-    assert_allclose(highest / mean, [3.547622897, 1.773811448], rtol=1e-9)
-    assert_allclose(yield_mean_limit(amplitude, 127.0) / mean, [3.519940741, 1.75997037], rtol=1e-9)
-
-
-@pytest.mark.parametrize("rule", RULES)
-@pytest.mark.parametrize("amplitude", [50.0, 120.0, 180.0, 200.0, 240.0])
-def test_the_highest_mean_lies_on_the_line_of_its_rule(rule, amplitude):
-    """There the equivalent amplitude is the endurance limit, and the utilisation is 1."""
-    mean = float(mean_limit(amplitude, LIMIT, MATERIAL, rule))
-    if rule == "fkm" and amplitude < LIMIT * (1.1 / 1.3**2):  # K_AK from R = 0.5 on
-        assert mean == np.inf
-        return
-    assert mean > 0.0
-    found = equivalent_amplitude(amplitude, mean, MATERIAL, rule)
-    assert found == pytest.approx(LIMIT, rel=1e-9)
-    utilisation = mean_stress_utilisation(amplitude, mean, LIMIT, MATERIAL, rule)
-    assert utilisation == pytest.approx(1.0, rel=1e-9)
-
-
-@pytest.mark.parametrize("rule", RULES)
-def test_no_mean_is_left_where_the_amplitude_reaches_the_endurance_limit(rule):
-    assert mean_limit([250.0, 300.0, 1e6], LIMIT, MATERIAL, rule).tolist() == [0.0, 0.0, 0.0]
-
-
-def test_a_rule_that_ignores_the_mean_still_limits_the_amplitude():
-    """Walker with gamma = 1."""
-    material = MeanStressMaterial(800.0, 600.0, walker_exponent=1.0)
-    assert mean_limit([0.0, 249.0, 250.0], LIMIT, material, "walker").tolist() == [
-        np.inf,
-        np.inf,
-        0.0,
-    ]
-
-
-def test_without_amplitude_the_mean_may_reach_the_strength_of_the_rule():
-    found = {rule: float(mean_limit(0.0, LIMIT, MATERIAL, rule)) for rule in RULES}
-    expected = {
-        "goodman": 800.0,
-        "gerber": 800.0,
-        "soderberg": 600.0,
-        "asme_elliptic": 600.0,
-        "morrow": 1000.0,
-        "walker": np.inf,
-        "swt": np.inf,
-        "fkm": np.inf,
-    }
-    assert found == expected
 
 
 def test_the_guidelines_factor_holds_in_all_four_fields():

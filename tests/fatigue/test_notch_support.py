@@ -5,13 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 from pylife.strength.fkm_linear.fkm_functions import FkmLinearFunctions
 
-from fatigue import (
-    FKM_GROUPS,
-    fkm_2012_support,
-    neuber_notch_factor,
-    stieler_support,
-    surface_notch_factor,
-)
+from fatigue import FKM_GROUPS, fkm_2012_support, neuber_notch_factor, stieler_support
 
 from .fkm_oracle import GROUPS, pylife_stieler
 
@@ -77,16 +71,6 @@ def test_the_plastic_support_of_very_hard_steel_ends_at_1():
     assert fkm_2012_support(0.0, 500.0, 2300.0).plastic > 1.0
 
 
-@pytest.mark.parametrize("stress", ["normal", "shear"])
-def test_the_estimated_surface_notch_factor_is_pylifes(stress):
-    oracle = FkmLinearFunctions()
-    gradient, width, support = np.array([0.0, 0.2, 3.0, 40.0]), 20.0, 1.2
-    theirs = oracle.kf_local(
-        gradient, np.full(4, width), np.full(4, support), np.array([stress] * 4, dtype=object)
-    )
-    assert_allclose(surface_notch_factor(gradient, width, support, stress), theirs, rtol=1e-9)
-
-
 def test_neuber_s_factor_of_shigley_s_shaft():
     """FT-03, example 6-9: K_t 1.65, r 3 mm, 690 MPa; book 1.55, with sqrt(a) = 0.313 sqrt(mm)."""
     assert neuber_notch_factor(1.65, 3.0, 690.0) == pytest.approx(1.5505159, abs=5e-4)
@@ -129,5 +113,3 @@ def test_unknown_words_and_impossible_sizes_are_refused():
         stieler_support(0.1, 500.0, "steel", "bending")
     with pytest.raises(ValueError, match="highly stressed area must be above 0 mm2"):
         fkm_2012_support(0.1, 0.0, 500.0)
-    with pytest.raises(ValueError, match="width must be above 0 mm"):
-        surface_notch_factor(0.1, -1.0, 1.0)

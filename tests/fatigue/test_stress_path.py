@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fatigue
-from fatigue import principal_extremes, principal_stresses, von_mises, von_mises_peaks
+from fatigue import principal_stresses, von_mises, von_mises_peaks
 from fatigue.stress_path import deviatoric_basis
 
 
@@ -46,25 +46,11 @@ def test_principal_stresses_of_a_turned_tensor_are_what_it_was_made_of():
         assert_allclose(principal_stresses(stress), [-30.0, 20.0, 70.0], rtol=1e-12)
 
 
-def test_principal_extremes_of_a_pull_and_of_a_twist():
-    basis = np.zeros((3, 6, 2))
-    basis[1, 2, 0] = 1.0
-    basis[2, 5, 1] = 1.0
-    coefficients = np.array([[-20.0, 60.0, 10.0], [5.0, -40.0, 0.0]])
-    smallest, largest = principal_extremes(basis, coefficients)
-    assert_allclose(smallest, [0.0, -20.0, -40.0], atol=1e-12)
-    assert_allclose(largest, [0.0, 60.0, 40.0], atol=1e-12)
-    smallest, largest = principal_extremes(basis, coefficients, [2])
-    assert_allclose([smallest[0], largest[0]], [-40.0, 40.0], rtol=1e-14)
-
-
 def test_a_point_that_is_not_finite_is_named():
     basis = np.zeros((3, 6, 2))
     basis[2, 0, 0] = np.nan
     with pytest.raises(ValueError, match="not finite at point 2"):
         von_mises_peaks(basis, np.ones((2, 4)))
-    with pytest.raises(ValueError, match="not finite at point 2"):
-        principal_extremes(basis, np.ones((2, 4)))
 
 
 def test_the_von_mises_norm_of_the_five_vectors_is_the_textbook_s():

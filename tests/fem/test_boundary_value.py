@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.boundary_value import (
+from fem.elements import Elements
+from fem.unit_loads import resultants
+from fem.unit_solutions import Elastic
+from geometry.mesh import MeshError, Tie
+
+from ..boundary_value import (
     SolidProblem,
     body_load,
     pressure_load,
@@ -15,11 +20,6 @@ from fem.boundary_value import (
     uniform_load,
     unknowns,
 )
-from fem.elements import Elements
-from fem.unit_loads import resultants
-from fem.unit_solutions import Elastic
-from geometry.mesh import MeshError, Tie
-
 from .blocks import block
 
 STEEL = Elastic(210e3, 0.3, 7.85e-9)

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from bench.frd_file import read_dat, read_frd
 from fem.deck import set_names, write_deck
-from fem.frd_file import read_dat, read_frd
 from fem.recovery import von_mises
 from fem.unit_solutions import Elastic, solve_unit_loads
 from geometry.meshing import mesh_shape

@@ -6,10 +6,10 @@ import skfem
 from numpy.testing import assert_allclose
 from skfem.models.elasticity import linear_elasticity
 
+from bench.scikit_fem import to_scikit_fem
 from fem.assembly import Pattern, full, geometric_stiffness, stiffness
 from fem.elements import Elements
 from fem.recovery import Recovery, tensor, von_mises
-from fem.scikit_fem import to_scikit_fem
 from fem.solvers import factorize
 from fem.unit_loads import acceleration_loads, resultants
 from fem.unit_solutions import Elastic, rigid_modes, solve_unit_loads

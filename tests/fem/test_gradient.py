@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.boundary_value import SolidProblem, traction_load
 from fem.gradient import SurfaceSlopes, inward_normals, related_gradient
 from fem.unit_solutions import Elastic, determinate_hold, solve_unit_loads
 from geometry.meshing import mesh_shape
 from geometry.parts import PlateLink
 from geometry.symmetry import Half
 
+from ..boundary_value import SolidProblem, traction_load
 from ..validation.plane.fields import kirsch_stress
 from ..validation.solids.bodies import hole_body, shaft_body
 from ..validation.solids.meshes import mapped, on

@@ -12,8 +12,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from ballesta.commands.export import export_cycle, export_part, run_export
+from bench.frd_file import read_frd
 from checks.design.errors import DesignError
-from fem.frd_file import read_frd
 from fem.recovery import von_mises
 
 PRESS = Path(__file__).parents[3] / "designs" / "toggle_press.toml"

@@ -14,11 +14,11 @@ from checks.strength.part_strength import elastic_of, endurance_of
 from checks.stress.duty_verdict import JOINED, duty_runs
 from checks.stress.solid_mesh_level import Models, solve_level
 from fatigue import FkmMaterial
-from fem.boundary_value import SolidProblem, traction_load
 from fem.gradient import SurfaceSlopes
 from fem.unit_solutions import Elastic, determinate_hold
 from geometry.symmetry import Half
 
+from ...boundary_value import SolidProblem, traction_load
 from ...fem.blocks import block
 from ...small_machine import PLATE, machine
 from ...validation.plane.fields import kirsch_stress

@@ -4,10 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.boundary_value import SolidProblem, pressure_load
 from fem.recovery import von_mises
 from fem.unit_solutions import Elastic
 
+from ...boundary_value import SolidProblem, pressure_load
 from ..solids.bodies import ring_body
 from ..solids.meshes import on, ring
 from ..solids.problems import held

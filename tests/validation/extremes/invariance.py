@@ -7,7 +7,6 @@ from typing import NamedTuple
 import numpy as np
 
 from fatigue import goodman
-from fem.boundary_value import SolidProblem, body_load, pressure_load
 from fem.recovery import von_mises
 from fem.stress_history import StressHistory
 from fem.unit_solutions import Elastic, solve_unit_loads
@@ -15,6 +14,7 @@ from geometry.mesh import Mesh
 from geometry.meshing import mesh_shape
 from geometry.parts import PlateLink
 
+from ...boundary_value import SolidProblem, body_load, pressure_load
 from ..solids.bodies import ring_body
 from ..solids.problems import STEEL, held
 from ..solids.test_patch import EXACT, patch, solved

@@ -4,12 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.boundary_value import SolidProblem, traction_load, unknowns
 from fem.frame import Frame
 from fem.recovery import von_mises
 from fem.unit_solutions import Elastic, solve_unit_loads
 from geometry.bars import rectangle
 
+from ...boundary_value import SolidProblem, traction_load, unknowns
 from ...fem.blocks import block, wrench
 
 RATIOS = (1, 3, 10, 30, 100, 300, 1000)

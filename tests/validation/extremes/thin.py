@@ -4,10 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.boundary_value import SolidProblem, pressure_load
 from fem.unit_solutions import Elastic
 from geometry.mesh import Mesh
 
+from ...boundary_value import SolidProblem, pressure_load
 from ..plane import domains
 from ..plane.model import PlaneModel
 from ..solids.meshes import on, ring

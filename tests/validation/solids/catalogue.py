@@ -10,11 +10,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from fem.boundary_value import SolidProblem, traction_load, uniform_load, unknowns
 from fem.recovery import von_mises
 from fem.unit_solutions import determinate_hold
 from geometry.bars import rectangle_torsion
 
+from ...boundary_value import SolidProblem, traction_load, uniform_load, unknowns
 from . import bodies, fields, problems
 from .problems import STEEL, held
 

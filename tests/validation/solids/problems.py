@@ -6,7 +6,9 @@ same names, and returns what was solved.
 
 import numpy as np
 
-from fem.boundary_value import (
+from fem.unit_solutions import Elastic, determinate_hold
+
+from ...boundary_value import (
     SolidProblem,
     body_load,
     pressure_load,
@@ -14,8 +16,6 @@ from fem.boundary_value import (
     uniform_load,
     unknowns,
 )
-from fem.unit_solutions import Elastic, determinate_hold
-
 from .meshes import mapped, on
 
 STEEL = Elastic(210e3, 0.3, 7.85e-9)

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.testing import assert_allclose
 
 from fem.assembly import Pattern, full, stiffness
-from fem.boundary_value import SolidProblem, body_load, pressure_load
 from fem.elements import Elements
 from fem.recovery import tensor
 
+from ...boundary_value import SolidProblem, body_load, pressure_load
 from .meshes import ring
 from .problems import STEEL, held
 

@@ -5,10 +5,10 @@ import pytest
 import skfem
 from numpy.testing import assert_allclose
 
-from fem.boundary_value import SolidProblem, body_load, traction_load, unknowns
 from fem.unit_solutions import Elastic
 from geometry.mesh import _shape, shape_gradients
 
+from ...boundary_value import SolidProblem, body_load, traction_load, unknowns
 from .meshes import mapped, on
 
 MATERIAL = Elastic(210e3, 0.3, 0.0)

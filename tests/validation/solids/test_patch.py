@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.boundary_value import SolidProblem, unknowns
 from fem.unit_solutions import Elastic
 from geometry.mesh import Mesh
 
+from ...boundary_value import SolidProblem, unknowns
 from .meshes import split_hexahedra
 
 OUTER = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.boundary_value import SolidProblem, traction_load, uniform_load
 from fem.recovery import von_mises
 from fem.unit_solutions import Elastic
 from geometry.bars import rectangle_torsion
 
+from ...boundary_value import SolidProblem, traction_load, uniform_load
 from .meshes import falls, mapped, on, ring
 from .problems import (
     held,

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from fem.boundary_value import SolidProblem, uniform_load, unknowns
 from fem.end_conditions import fixed_solid, surface_weights
 from fem.unit_solutions import Elastic
 
+from ...boundary_value import SolidProblem, uniform_load, unknowns
 from ..solids.meshes import mapped, on
 
 

@@ -11,12 +11,12 @@ from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from fem.boundary_value import unknowns
 from fem.buckling import effective_length, part_buckling, solid_buckling
 from fem.elements import Elements
 from fem.end_conditions import fixed_solid
 from fem.unit_solutions import solve_unit_loads
 
+from ...boundary_value import unknowns
 from ...fem.blocks import block, wrench
 from ..solids.meshes import Cad, on, plane_at
 from .solids import bar, clamped, guided, pushed, solved, steel

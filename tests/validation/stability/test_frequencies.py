@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.boundary_value import unknowns
 from fem.elements import Elements
 from fem.end_conditions import fixed_solid
 from fem.unit_solutions import Elastic, solve_unit_loads
 from fem.vibration import free_vibration, solid_vibration
 
+from ...boundary_value import unknowns
 from ...fem.blocks import block
 from ..solids.meshes import mapped, on
 from .solids import bar, clamped, guided, steel
