@@ -67,8 +67,7 @@ def check(
     ] = None,
     fields: Fields = False,
     baseline: Annotated[
-        bool,
-        typer.Option("--write-baseline", help="write NAME.baseline.json beside each design"),
+        bool, typer.Option("--write-baseline", help="write NAME.baseline.json beside each design")
     ] = False,
     store: Annotated[
         Path | None,
@@ -451,8 +450,7 @@ def export(
     ] = "worst",
     inp: Annotated[bool, typer.Option("--inp", help="write an input deck of CalculiX")] = True,
     pvd: Annotated[
-        bool,
-        typer.Option("--pvd", help="instead write the volume at every position for ParaView"),
+        bool, typer.Option("--pvd", help="instead write the volume at every position for ParaView")
     ] = False,
     cycle: Annotated[
         str | None, typer.Option("--cycle", metavar="NAME", help="the cycle of the position")

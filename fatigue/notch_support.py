@@ -91,10 +91,7 @@ class SupportNumber:
 
 
 def fkm_2012_support(
-    gradient: npt.ArrayLike,
-    stressed_area: float,
-    ultimate_strength: float,
-    group: str = "steel",
+    gradient: npt.ArrayLike, stressed_area: float, ultimate_strength: float, group: str = "steel"
 ) -> SupportNumber:
     """Return the support number of a highly stressed surface in mm2 and related gradients in 1/mm.
 

@@ -7,10 +7,7 @@ import numpy.typing as npt
 
 
 def refuse(
-    bad: npt.NDArray[np.bool_],
-    problem: str,
-    values: npt.NDArray[np.generic],
-    item: str = "cycle",
+    bad: npt.NDArray[np.bool_], problem: str, values: npt.NDArray[np.generic], item: str = "cycle"
 ) -> None:
     """Raise ValueError with the problem, its first place and the value there, where any is bad."""
     if not bad.any():

@@ -169,8 +169,7 @@ class Frame:
     def no_loads(self, cases: int = 1) -> FrameLoads:
         """Loads of zero, to add to."""
         return FrameLoads(
-            np.zeros((6 * len(self.nodes), cases)),
-            np.zeros((len(self.members), _COUNT, 3, cases)),
+            np.zeros((6 * len(self.nodes), cases)), np.zeros((len(self.members), _COUNT, 3, cases))
         )
 
     def nodal(self, node: int, wrench: Iterable[float]) -> FrameLoads:

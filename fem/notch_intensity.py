@@ -289,12 +289,7 @@ def notch_intensity(
         design / scale, (weight[:, None, None] * seen).reshape(len(design), -1), rcond=1e-10
     )
     return NotchIntensity(
-        angle,
-        frame,
-        fields,
-        sizes / scale[:, None],
-        float(r.min()),
-        float(r.max()),
+        angle, frame, fields, sizes / scale[:, None], float(r.min()), float(r.max())
     )
 
 

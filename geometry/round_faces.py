@@ -220,9 +220,7 @@ def _coaxial(patches: Sequence[_Patch]) -> Iterator[list[_Patch]]:
         yield group
 
 
-def _pieces(
-    group: Sequence[_Patch],
-) -> tuple[list[list[_Patch]], list[tuple[list[_Patch], float]]]:
+def _pieces(group: Sequence[_Patch]) -> tuple[list[list[_Patch]], list[tuple[list[_Patch], float]]]:
     """Patches that overlap along the axis together: full turns, and the others with their turn."""
     pieces: list[list[_Patch]] = []
     reached = -np.inf

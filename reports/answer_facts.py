@@ -9,14 +9,7 @@ from itertools import groupby
 from math import isfinite
 
 from checks.result.verdict import Check, DesignResult, PartResult, Status, deciding_of
-from checks.result.ways import (
-    NOTHING,
-    SAVED,
-    change_text,
-    improve_command,
-    lower_by,
-    way_text,
-)
+from checks.result.ways import NOTHING, SAVED, change_text, improve_command, lower_by, way_text
 from checks.result.words import (
     assumptions,
     check_titles,

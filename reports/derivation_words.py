@@ -153,12 +153,7 @@ def _of_row(item: Sum, scope: dict[str, Value]) -> Value | None:
 
 
 def _superposed(item: Superposition) -> SumTable:
-    heads = (
-        "unit load",
-        "its size c",
-        *(f"c·s_{name}" for name in COMPONENTS),
-        "of σ_vM",
-    )
+    heads = ("unit load", "its size c", *(f"c·s_{name}" for name in COMPONENTS), "of σ_vM")
     shares = shares_of(item)
     digits = _decimals(item)
 

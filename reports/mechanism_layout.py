@@ -165,10 +165,7 @@ class Layout:
         }
 
     def _place_arrows(
-        self,
-        low: FloatArray,
-        high: FloatArray,
-        others: Sequence[tuple[FloatArray, FloatArray]],
+        self, low: FloatArray, high: FloatArray, others: Sequence[tuple[FloatArray, FloatArray]]
     ) -> None:
         scale = (ARROW * self.size * self.scaled(self.largest))[:, None]
         ends = [

@@ -8,14 +8,7 @@ from math import inf, isfinite
 
 from markupsafe import Markup
 
-from checks.result.verdict import (
-    Check,
-    DesignResult,
-    HandCheck,
-    PartResult,
-    Status,
-    deciding_of,
-)
+from checks.result.verdict import Check, DesignResult, HandCheck, PartResult, Status, deciding_of
 from checks.result.words import brief, check_titles, number
 from reports.answer_facts import Answer, Fact, PartRow
 from reports.charts import Charts, DesignCharts

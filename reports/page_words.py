@@ -6,12 +6,7 @@ from dataclasses import dataclass, replace
 from math import isfinite
 
 from checks.result.verdict import Check, DesignResult, Gate, PartResult, Status
-from checks.result.words import (
-    bar_words,
-    number,
-    utilisation_text,
-    value_and_bars,
-)
+from checks.result.words import bar_words, number, utilisation_text, value_and_bars
 
 LOADS_IN_DOUBT = "loads not valid"
 PART_IN_DOUBT = "a validity check of the part does not hold"

@@ -220,12 +220,7 @@ def _with_the_rest(plan: Plan, outcomes: Sequence[dict[str, Any] | None]) -> lis
 
 
 def _run(
-    plan: Plan,
-    left: Sequence[int],
-    settings: Settings,
-    live: Live,
-    function: str,
-    out: Path,
+    plan: Plan, left: Sequence[int], settings: Settings, live: Live, function: str, out: Path
 ) -> Iterator[list[Finished]]:
     if not left:
         return

@@ -77,11 +77,7 @@ class PricedModels(Models):
         )
 
     def solutions(
-        self,
-        shape: Buildable,
-        fineness: float,
-        material: Elastic,
-        sizes: SizeField | None = None,
+        self, shape: Buildable, fineness: float, material: Elastic, sizes: SizeField | None = None
     ) -> UnitSolutions:
         """Return the solved unit loads of a shape, as any models do."""
         key = (shape, fineness, sizes, material)

@@ -126,7 +126,7 @@ def plan_text(path: str | Path, overrides: Sequence[str] = ()) -> str:
     lines += [
         f"in all about {_seconds(seconds)} by --fidelity solid, by this machine's speed now, and "
         f"{peak:.1f} GiB; auto takes solids only of what cheaper models leave open. A third, finer "
-        "mesh is taken where two leave the error above the accuracy asked for",
+        "mesh is taken where two leave the error above the accuracy asked for"
     ]
     return "\n".join(lines)
 

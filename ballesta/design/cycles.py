@@ -45,8 +45,7 @@ def duty_of(file: DesignFile, problems: Problems) -> Duty:
     duty = file.duty
     if duty.damage_so_far and duty.life != "finite":
         problems.add(
-            "duty.damage_so_far",
-            'is of a finite life only; state life = "finite", or leave it out',
+            "duty.damage_so_far", 'is of a finite life only; state life = "finite", or leave it out'
         )
     elif duty.damage_so_far >= duty.allowed_damage:
         problems.add(

@@ -10,16 +10,8 @@ from checks.design.tables import Available, ForceEntry
 from checks.design.units import DIMENSIONS, Measured
 from loads import GROUND
 
-_KINDS = {
-    "between": "a force between two points",
-    "body": "a force on a body",
-    "turns": "a torque",
-}
-_USED = {
-    "between": ("on",),
-    "body": ("at", "direction", "follows"),
-    "turns": ("against", "at"),
-}
+_KINDS = {"between": "a force between two points", "body": "a force on a body", "turns": "a torque"}
+_USED = {"between": ("on",), "body": ("at", "direction", "follows"), "turns": ("against", "at")}
 
 
 def forces_of(

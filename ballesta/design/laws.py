@@ -348,11 +348,7 @@ def _is_number(cell: str) -> bool:
 
 
 def coordinate_of(
-    key: str,
-    text: str,
-    file: DesignFile,
-    forces: Mapping[str, loads.Force],
-    problems: Problems,
+    key: str, text: str, file: DesignFile, forces: Mapping[str, loads.Force], problems: Problems
 ) -> loads.Coordinate | None:
     """Return the coordinate that a text names, None where a problem was told."""
     name, _, what = text.rpartition(".")

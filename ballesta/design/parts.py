@@ -330,11 +330,7 @@ def _sits_in_body(
 
 
 def _sits_in_joint(
-    key: str,
-    entry: Any,
-    file: DesignFile,
-    pins: Mapping[str, Sequence[str]],
-    problems: Problems,
+    key: str, entry: Any, file: DesignFile, pins: Mapping[str, Sequence[str]], problems: Problems
 ) -> bool:
     if entry.joint not in pins:
         problems.add(f"{key}.joint", no_such("joint", entry.joint, pins))

@@ -156,10 +156,7 @@ class DesignItem(pytest.Item):
         fidelity = self.config.getoption("baseline_fidelity")
         rungs = {} if fidelity or before is None else before.rungs
         now = measure(
-            self.design,
-            fidelity=fidelity or "auto",
-            rungs=rungs,
-            timeout=_timeout(self.config),
+            self.design, fidelity=fidelity or "auto", rungs=rungs, timeout=_timeout(self.config)
         )
         bands = {} if before is None else before.bands
         try:

@@ -224,11 +224,7 @@ def _checked(
 
 
 def _check_part(
-    known: Screening,
-    loaded: LoadedPart,
-    body: SolidBody,
-    checks: list[Check],
-    gates: list[Gate],
+    known: Screening, loaded: LoadedPart, body: SolidBody, checks: list[Check], gates: list[Gate]
 ) -> str:
     """Add a part's checks and gates; returns why its stress is not judged, if it is not."""
     shared = known.rubbing

@@ -117,12 +117,7 @@ class _Worst:
         return _Worst(loaded, pushed, position, section, float(stress[position, section]), weights)
 
     def check(
-        self,
-        kind: Kind,
-        demand: list[Item],
-        limit: list[Item],
-        even: float,
-        more: str = "",
+        self, kind: Kind, demand: list[Item], limit: list[Item], even: float, more: str = ""
     ) -> Check:
         """The check there; its model band reaches to what lugs with even pressure give, MPa."""
         value = demand[-1].symbol

@@ -109,9 +109,7 @@ def worst_compression(part: Part, loads: PartLoads) -> int | None:
 
 
 def eigenvalue_check(
-    loaded: LoadedPart,
-    levels: Sequence[tuple[UnitSolutions, FloatArray]],
-    peak: int,
+    loaded: LoadedPart, levels: Sequence[tuple[UnitSolutions, FloatArray]], peak: int
 ) -> tuple[Check, BucklingMode] | None:
     """Return the lowest buckling factor of the solid over all positions, ends free to tilt.
 

@@ -40,12 +40,7 @@ def elastic_share(loaded: LoadedPart, load: ElasticLoad) -> Derivation:
     )
 
 
-def solid_share(
-    loaded: LoadedPart,
-    check: Check,
-    mode: BucklingMode,
-    unknowns: int,
-) -> Derivation:
+def solid_share(loaded: LoadedPart, check: Check, mode: BucklingMode, unknowns: int) -> Derivation:
     """Of the share of the elastic buckling load of a solid."""
     loads = loaded.loads
     position = position_of(loads, check)

@@ -352,9 +352,7 @@ class DesignFile(Table):
         "drives and contacts of the linkage are found without it",
     )
     gravity: Acceleration2 = Field(
-        "0, -9.81 m/s2",
-        validate_default=True,
-        description="in the ground frame",
+        "0, -9.81 m/s2", validate_default=True, description="in the ground frame"
     )
     ground: list[str] = Field(default_factory=list, description="points fixed to the frame")
     points: dict[Name, Point2] = Field(

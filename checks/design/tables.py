@@ -427,8 +427,7 @@ class DriveEntry(Table):
         examples=["1.4 kg m2"],
     )
     irregularity: Irregularity | None = Field(
-        None,
-        description="(fastest - slowest) / mean speed over a turn, as the drive keeps it",
+        None, description="(fastest - slowest) / mean speed over a turn, as the drive keeps it"
     )
     motor: MotorEntry | None = Field(
         None,

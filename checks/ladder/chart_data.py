@@ -46,10 +46,7 @@ SOLID = "solid"
 
 
 def charts_of(
-    loaded: LoadedPart,
-    level: Stressed,
-    use: FatigueUse | None,
-    levels: Sequence[Level] = (),
+    loaded: LoadedPart, level: Stressed, use: FatigueUse | None, levels: Sequence[Level] = ()
 ) -> dict[str, Any]:
     """Plain data of a part's charts.
 

@@ -113,10 +113,7 @@ class Climb:
         found = {
             kind: _banded(estimate, band)
             for kind, estimate in rung_estimates(
-                self.loaded,
-                level,
-                self.use,
-                lambda some: BUILDERS[rung](self.part, some),
+                self.loaded, level, self.use, lambda some: BUILDERS[rung](self.part, some)
             ).items()
             if kind in wanted
         }

@@ -23,11 +23,7 @@ _UNDRAWN = "no mesh to look at: "
 
 
 def with_drawn_fields(
-    loaded: LoadedPart,
-    use: FatigueUse | None,
-    result: PartResult,
-    models: Models,
-    say: Say,
+    loaded: LoadedPart, use: FatigueUse | None, result: PartResult, models: Models, say: Say
 ) -> PartResult:
     """The result of a part with fields of one mesh, if its own model has none all over it.
 

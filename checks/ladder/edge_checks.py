@@ -64,10 +64,7 @@ def critical_distance(part: Part) -> float | None:
 
 
 def edge_fatigue(
-    loaded: LoadedPart,
-    levels: Sequence[Level],
-    use: FatigueUse,
-    make: Make,
+    loaded: LoadedPart, levels: Sequence[Level], use: FatigueUse, make: Make
 ) -> Check | str:
     """The check of fatigue with sharp edges judged, or why they cannot be, in words.
 
@@ -111,10 +108,7 @@ def edge_fatigue(
 
 
 def edge_static(
-    loaded: LoadedPart,
-    levels: Sequence[Level],
-    peak: Judged,
-    make: Make,
+    loaded: LoadedPart, levels: Sequence[Level], peak: Judged, make: Make
 ) -> Check | str:
     """The static check with sharp edges spared, or why there is none, in words.
 

@@ -122,11 +122,7 @@ def _joined(*texts: str) -> str:
     return "; ".join(text for text in texts if text)
 
 
-def with_leaf_checks(
-    loaded: LoadedPart,
-    result: PartResult,
-    models: Models,
-) -> PartResult:
+def with_leaf_checks(loaded: LoadedPart, result: PartResult, models: Models) -> PartResult:
     """Return a pack's result with its gates and the model bands of friction between leaves."""
     part = loaded.part
     shape = as_leaves(part.geometry)
@@ -228,10 +224,7 @@ def gap_gate(part: Part, shape: LeafPack, level: Level) -> Gate:
     ]
     beside = shape.contact_from - shape.clamp_length / 2  # above 0; three windows fit in
     tension, compression = tie_tension(
-        level.solutions,
-        level.coefficients,
-        clamps,
-        window=min(2 * shape.thickness, beside / 3),
+        level.solutions, level.coefficients, clamps, window=min(2 * shape.thickness, beside / 3)
     )
     share = tension / compression if compression else (inf if tension else 0.0)
     return Gate(

@@ -18,13 +18,7 @@ from checks.stress.symmetry import half_of
 from fem.contact.condensed import ContactError
 from fem.error_estimate import refined_sizes, stress_error
 from fem.unit_solutions import UnitSolutions
-from geometry.mesh import (
-    FloatArray,
-    Mesh,
-    MeshError,
-    TooManyElementsError,
-    TooManyUnknownsError,
-)
+from geometry.mesh import FloatArray, Mesh, MeshError, TooManyElementsError, TooManyUnknownsError
 from geometry.meshing import Buildable
 from geometry.sizing import SizeField
 

@@ -31,11 +31,7 @@ _ROUND = ("bore", "journal")
 SMALL_DISPLACEMENT = 0.03
 
 
-def gates_of(
-    loaded: LoadedPart,
-    levels: Sequence[Level],
-    properties: MassProperties,
-) -> list[Gate]:
+def gates_of(loaded: LoadedPart, levels: Sequence[Level], properties: MassProperties) -> list[Gate]:
     """Measured numbers that must stay below their limits for the part's result to be valid.
 
     properties  of the part, with which the linkage was solved

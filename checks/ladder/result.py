@@ -10,12 +10,7 @@ import numpy as np
 from checks import by_formula
 from checks.ladder.chart_data import charts_of
 from checks.ladder.climb import SOLID, Climb, answered
-from checks.ladder.leaf_checks import (
-    friction_facts,
-    friction_gates,
-    leaf_band,
-    with_leaf_checks,
-)
+from checks.ladder.leaf_checks import friction_facts, friction_gates, leaf_band, with_leaf_checks
 from checks.ladder.levels import Asked, Say, first_of
 from checks.ladder.part_facts import SMALL_DISPLACEMENT, facts_of
 from checks.ladder.section_fields import section_fields

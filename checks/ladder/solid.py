@@ -40,10 +40,7 @@ from checks.stress.solid_mesh_level import Level, Models, solve_level
 from checks.stress.stress_result import Stressed
 from checks.stress.symmetry import MEANING, shown_surface
 from fem.contact.condensed import ContactError
-from geometry.mesh import (
-    MassProperties,
-    MeshError,
-)
+from geometry.mesh import MassProperties, MeshError
 from geometry.progress import expect
 from geometry.sizing import SizeField
 
@@ -55,10 +52,7 @@ _ARCS = tuple(radians(arc) for arc in range(105, 181, 15))  # that are tried, na
 
 
 def check_solid(
-    loaded: LoadedPart,
-    models: Models,
-    say: Say = lambda _: None,
-    asked: Asked = EVERYTHING,
+    loaded: LoadedPart, models: Models, say: Say = lambda _: None, asked: Asked = EVERYTHING
 ) -> PartResult:
     """Check one part as a solid over all cycles of its design.
 

@@ -21,9 +21,7 @@ from checks.stress.symmetry import mode_surface
 from fem.buckling import BucklingMode
 from fem.unit_solutions import UnitSolutions
 from fem.vibration import link_vibration
-from geometry.mesh import (
-    FloatArray,
-)
+from geometry.mesh import FloatArray
 from geometry.sizing import SizeField
 
 _EXAGGERATED = 0.1  # of the part's size: the largest displacement of a mode as it is drawn
@@ -44,10 +42,7 @@ class Buckled:
 
 
 def judge_buckling(
-    loaded: LoadedPart,
-    models: Models,
-    levels: Sequence[Level],
-    sizes: SizeField | None,
+    loaded: LoadedPart, models: Models, levels: Sequence[Level], sizes: SizeField | None
 ) -> Buckled:
     """Ask the whole solid for its lowest factor; of finer halves a whole one where it decides.
 

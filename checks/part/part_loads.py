@@ -310,10 +310,7 @@ def _spin(
     coordinate = cycle.linkage.force(entry.force).coordinate
     if not isinstance(coordinate, loads.Distance):
         return np.asarray(-own)  # a force whose direction does not turn
-    ends = (
-        (coordinate.body_b, coordinate.point_b),
-        (coordinate.body_a, coordinate.point_a),
-    )
+    ends = ((coordinate.body_b, coordinate.point_b), (coordinate.body_a, coordinate.point_a))
     reach = cycle.point(*ends[0]) - cycle.point(*ends[1])
     rate = _velocity(cycle, *ends[0]) - _velocity(cycle, *ends[1])
     across = reach[:, 0] * rate[:, 1] - reach[:, 1] * rate[:, 0]

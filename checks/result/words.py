@@ -128,11 +128,7 @@ def value_and_bars(check: Check) -> tuple[str, str, str]:
         while decimals and least >= 10.0 ** (1 - decimals):
             decimals -= 1
         written = f"{check.value:.{decimals}f}"
-    return (
-        written,
-        _bar(check.numerical, decimals, "singular"),
-        _band(check, decimals),
-    )
+    return (written, _bar(check.numerical, decimals, "singular"), _band(check, decimals))
 
 
 def bar_words(check: Check) -> str:

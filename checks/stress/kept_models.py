@@ -97,11 +97,7 @@ class Models:
         return self._meshes[key]
 
     def solutions(
-        self,
-        shape: Buildable,
-        fineness: float,
-        material: "Elastic",
-        sizes: SizeField | None = None,
+        self, shape: Buildable, fineness: float, material: "Elastic", sizes: SizeField | None = None
     ) -> "UnitSolutions":
         """Return the solved unit loads of a shape."""
         key = (shape, fineness, sizes, material)

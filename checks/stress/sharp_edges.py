@@ -149,10 +149,7 @@ def _that_matter(level: Level, at: float) -> list[int]:
 
 
 def beside_edges(
-    levels: Sequence[Level],
-    edges: Sequence[EdgeLevel],
-    loads: PartLoads,
-    duty: Mapping[str, float],
+    levels: Sequence[Level], edges: Sequence[EdgeLevel], loads: PartLoads, duty: Mapping[str, float]
 ) -> list[Level]:
     """The same meshes without the surface near the edges that are judged apart.
 

@@ -115,10 +115,7 @@ _ON_THE_PIN = " on the pin"  # ends the name of a seat by the rung `formula`
 
 
 def place_words(
-    name: str,
-    at: FloatArray,
-    depth: tuple[float, float] | None,
-    interfaces: Iterable[Interface],
+    name: str, at: FloatArray, depth: tuple[float, float] | None, interfaces: Iterable[Interface]
 ) -> str:
     """Where a point of a part is, in words.
 

@@ -22,12 +22,7 @@ import numpy as np
 import scipy.linalg
 
 from fem.contact.bore import BoreHarmonics
-from fem.contact.condensed import (
-    CondensedContact,
-    ContactError,
-    ContactState,
-    largest_misses,
-)
+from fem.contact.condensed import CondensedContact, ContactError, ContactState, largest_misses
 from fem.contact.hats import Hats, disc_flexibility
 from geometry.mesh import BoolArray, FloatArray, IntArray
 
@@ -284,9 +279,7 @@ class PartContact:
 
 
 def solve_contact(
-    harmonics: Sequence[BoreHarmonics],
-    coefficients: FloatArray,
-    pins: Mapping[str, FittedPin],
+    harmonics: Sequence[BoreHarmonics], coefficients: FloatArray, pins: Mapping[str, FittedPin]
 ) -> ContactCycle:
     """Solve the contact of pins in bores of one part at all positions, as `PartContact` says."""
     return PartContact(harmonics, coefficients, pins).solve()

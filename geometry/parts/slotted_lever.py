@@ -129,8 +129,7 @@ class SlottedLever(Shape):
         if not nearest < farthest:
             where = "contact_length" if self.travel_from is self.travel_to is None else "travel_to"
             raise ParameterError(
-                where,
-                f"leaves the contact no way to slide: from {nearest:g} to {farthest:g} mm",
+                where, f"leaves the contact no way to slide: from {nearest:g} to {farthest:g} mm"
             )
 
     @property

@@ -236,10 +236,7 @@ def _allowed(checks: Mapping[str, Check]) -> list[Limit]:
     for part, check in checks.items():
         groups.setdefault((check.limit, check.required), []).append(part)
     return [
-        Limit(
-            limit / required,
-            f"{_few(names)}: {number(limit)} MPa / {need_text(required)}",
-        )
+        Limit(limit / required, f"{_few(names)}: {number(limit)} MPa / {need_text(required)}")
         for (limit, required), names in groups.items()
     ]
 

@@ -76,12 +76,7 @@ def _clamped(
 
 
 def _add_fibres(
-    points: Points,
-    shape: LeafPack,
-    name: str,
-    places: FloatArray,
-    bar: BarLoads,
-    fretting: float,
+    points: Points, shape: LeafPack, name: str, places: FloatArray, bar: BarLoads, fretting: float
 ) -> None:
     """Add the faces of the outer leaves, and their edges' middles, where shear is largest."""
     forces = bar.at(places)

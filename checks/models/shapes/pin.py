@@ -100,11 +100,7 @@ def pressure_shares(
 
 
 def add_pressure(
-    stress: FloatArray,
-    even: FloatArray,
-    grown: FloatArray,
-    pressing: list[int],
-    forces: list[int],
+    stress: FloatArray, even: FloatArray, grown: FloatArray, pressing: list[int], forces: list[int]
 ) -> None:
     """Add a lug's pressure: the half cosine, and of a couple one that grows along the pin.
 
@@ -119,11 +115,7 @@ def add_pressure(
 
 
 def add_edge(
-    stress: FloatArray,
-    shape: Pin,
-    section: PinSection,
-    pressing: list[int],
-    forces: list[int],
+    stress: FloatArray, shape: Pin, section: PinSection, pressing: list[int], forces: list[int]
 ) -> None:
     """Add the shear just below an edge of a lug's pressure p, p/pi straight beneath it.
 
@@ -299,10 +291,7 @@ def _between_lugs(shape: Pin, low: float, high: float) -> bool:
 
 
 def _bar_stress(
-    shape: Pin,
-    diagram: PinDiagram,
-    section: PinSection,
-    poisson_ratio: float,
+    shape: Pin, diagram: PinDiagram, section: PinSection, poisson_ratio: float
 ) -> FloatArray:
     """Stress (k, 6, c) of bending, shear and twist at a section, with a neck's fillet."""
     index, seat = section.index, section.seat

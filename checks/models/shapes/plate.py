@@ -73,10 +73,7 @@ def _add_arms(points: Points, forces: PlateForces) -> bool:
     for i, j in shape.neighbours:
         first, last = shape.bores[i], shape.bores[j]
         way = (last.centre - first.centre) / abs(last.centre - first.centre)
-        ends = (
-            first.centre + way * first.diameter / 2,
-            last.centre - way * last.diameter / 2,
-        )
+        ends = (first.centre + way * first.diameter / 2, last.centre - way * last.diameter / 2)
         for share in (np.arange(_STATIONS) + 0.5) / _STATIONS:
             cut = shape.outline.cut(ends[0] + share * (ends[1] - ends[0]), way)
             if cut is None:
@@ -89,11 +86,7 @@ def _add_arms(points: Points, forces: PlateForces) -> bool:
 
 
 def _add_fibres(
-    points: Points,
-    forces: PlateForces,
-    section: FlatSection,
-    ahead: Mapping[str, float],
-    name: str,
+    points: Points, forces: PlateForces, section: FlatSection, ahead: Mapping[str, float], name: str
 ) -> None:
     """Add the ends of a section's spans, and the middle of its highest with the largest shear."""
     axial, shear, moment = forces.across(section, ahead)

@@ -9,13 +9,7 @@ import numpy as np
 
 from checks.columns.column_moments import axial_compression
 from checks.design.data import Part
-from checks.models.formula_bars import (
-    SectionForces,
-    Stretches,
-    bar_loads,
-    bar_model,
-    fine_cells,
-)
+from checks.models.formula_bars import SectionForces, Stretches, bar_loads, bar_model, fine_cells
 from checks.models.formula_points import Points
 from checks.models.shape_model import ShapeModel
 from checks.models.tube_fibres import add_tube_fibres

@@ -9,13 +9,7 @@ from checks.handbook.lateral_buckling import plate_stress
 from checks.handbook.lug_stress import Lug, strip_outline
 from checks.handbook.notch_factors import stepped_bar
 from checks.handbook.pin_loaded_hole import pin_loaded_hole
-from checks.models.formula_bars import (
-    SectionForces,
-    Stretches,
-    bar_loads,
-    bar_model,
-    fine_cells,
-)
+from checks.models.formula_bars import SectionForces, Stretches, bar_loads, bar_model, fine_cells
 from checks.models.formula_lugs import add_bore, strip_edges
 from checks.models.formula_points import Points
 from checks.models.shape_model import ShapeModel

@@ -7,12 +7,7 @@ from checks.handbook.bar_forces import BarLoads
 from checks.handbook.lug_stress import Lug, mirrored, round_outline
 from checks.handbook.notch_factors import stepped_shaft
 from checks.handbook.pin_loaded_hole import ComplexArray, pin_loaded_hole
-from checks.models.formula_bars import (
-    Stretches,
-    bar_loads,
-    bar_model,
-    fine_cells,
-)
+from checks.models.formula_bars import Stretches, bar_loads, bar_model, fine_cells
 from checks.models.formula_lugs import add_bore
 from checks.models.formula_points import Points, along_x, in_section, sheared
 from checks.models.shape_model import ShapeModel
