@@ -32,7 +32,7 @@ from checks.columns.linkage_store import stored_mode
 from checks.derivations.buckling import linkage_share
 from checks.design.data import Design
 from checks.design.errors import DesignError, NumericsError
-from checks.ladder.drawn import undrawn_warnings
+from checks.ladder.part_fields import undrawn_warnings
 from checks.ladder.part_ladder import (
     DEFAULT_EFFORT,
     Effort,

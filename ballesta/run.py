@@ -142,7 +142,7 @@ def _printed(result: "DesignResult", report: Path, *, verbose: bool) -> str:
         from reports.terminal import verdict_text
 
         return verdict_text(result, report=report)
-    from reports.answer import answer_text
+    from reports.answer_facts import answer_text
 
     return answer_text(result, report=report)
 
@@ -287,7 +287,7 @@ def write_folder(
 
     Returns what was written, by name; nothing if pictures are missing that may be there next time.
     """
-    from checks.stress.cost import report_seconds
+    from checks.stress.kept_models import report_seconds
     from reports.files import write_json, write_vtu
     from reports.page import write_report
 

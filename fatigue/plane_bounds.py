@@ -33,8 +33,7 @@ from math import sqrt
 
 import numpy as np
 
-from fatigue.plane_grid import half_sphere, longest_edges
-from fatigue.shear_planes import plane_rows
+from fatigue.shear_planes import half_sphere, longest_edges, plane_rows
 from fatigue.stress_path import FloatArray, IntArray, deviatoric_basis
 
 _FIRST, _LAST = 2, 5  # divisions of the grids: edges of 18 and of 2.3 degrees

@@ -14,7 +14,7 @@ from reports.loads_figures import Extremes
 from reports.loads_runs import ShownRun
 from reports.loads_summary import LoadsResult, ShownCycle
 from reports.loads_words import broken_by_kind, contact_sentence, drive_sentences, header_sentences
-from reports.mechanism import arrow_scale, mechanism_data, mechanism_svg
+from reports.mechanism_panel import arrow_scale, mechanism_data, mechanism_svg
 from reports.page_script import joined
 from reports.svg import colour_variables
 from reports.templating import environment, json_markup, script_hash

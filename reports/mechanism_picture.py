@@ -11,8 +11,7 @@ import numpy as np
 
 from checks.result.words import brief
 from loads import GROUND, Distance, Fixed, Prismatic, Revolute
-from reports.mechanism_layout import Layout
-from reports.mechanism_places import arrow_path, bent_path, both_ends, entry, hull, same
+from reports.mechanism_layout import Layout, arrow_path, bent_path, both_ends, entry, hull, same
 
 _TINTS = 7  # colours of series that the page has
 _BY_POINT = 2.4  # where a name stands beside its point, in shares (%) of the picture's size

@@ -8,7 +8,7 @@ from pathlib import Path
 
 MIB = 2**20
 # Largest resident size of a worker, measured over the four machines of designs/; solids of
-# 140 000 unknowns take 1.3 GiB to solve (checks/stress/cost.py) beside meshing and judging.
+# 140 000 unknowns take 1.3 GiB to solve (checks/stress/kept_models.py) beside meshing and judging.
 FIRST_ESTIMATES = {"formula": 600 * MIB, "beam": 600 * MIB}
 FIRST_ESTIMATE = 2048 * MIB
 _SHARE = 0.9  # of what is available at the start may be planned for

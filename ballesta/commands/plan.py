@@ -12,7 +12,7 @@ from checks.design.data import Design, Part
 from checks.design.errors import DesignError, NumericsError
 from checks.ladder.levels import first_mesh
 from checks.part.loaded_part import FIRST, LoadedPart
-from checks.stress.cost import (
+from checks.stress.kept_models import (
     SECOND_MESH,
     mesh_seconds,
     report_seconds,

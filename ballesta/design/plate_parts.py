@@ -8,7 +8,7 @@ from ballesta.design.step_parts import add_to_sources, from_frame
 from checks.design.data import Pair
 from checks.design.errors import listed, no_such
 from checks.design.model import PlatePartEntry
-from checks.design.plate_entry import KINDS
+from checks.design.step_entry import KINDS
 from geometry.drawings import DrawingError, Drawn
 from geometry.dxf_file import UNITS, read_dxf
 from geometry.lever_outline import Eye, lever_outline

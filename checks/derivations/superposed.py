@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from checks.models.unit_names import columns_of
+from checks.models.formula_points import columns_of
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import Superposition, UnitLoad
 from checks.stress.part_model import RungLevel, UnitName

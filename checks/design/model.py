@@ -11,8 +11,16 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, create_model
 
 from checks.design.materials import MaterialEntry
 from checks.design.measured_entry import MeasuredEntry
-from checks.design.plate_entry import PlateHoleEntry, PlateShapeEntry, is_plate
-from checks.design.step_entry import STEP_SUFFIXES, HoleEntry, Section2, StepFile, StepShape
+from checks.design.step_entry import (
+    STEP_SUFFIXES,
+    HoleEntry,
+    PlateHoleEntry,
+    PlateShapeEntry,
+    Section2,
+    StepFile,
+    StepShape,
+    is_plate,
+)
 from checks.design.tables import (
     BodyEntry,
     CycleEntry,

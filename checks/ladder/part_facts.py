@@ -15,8 +15,7 @@ from checks.stress.pins_in_bores import CLEARANCES, MIDDLE, Contact
 from checks.stress.solid_mesh_level import Level
 from fem.contact.condensed import ALLOWED as CONTACT_LIMIT
 from fem.direct import has_bearings
-from fem.near_incompressible import LARGEST_RATIO, MEANING
-from fem.recovery import von_mises
+from fem.recovery import LARGEST_RATIO, MEANING, von_mises
 from fem.solvers import BACKWARD_LIMIT
 from geometry.mesh import Interface, MassProperties, Mesh
 

@@ -1,18 +1,31 @@
-"""Fields of a part at every position for a page: stress, displacement and fatigue by node."""
+"""Fields of a part at every position for a page: stress, displacement and fatigue by node.
+
+Stress to look at of a part whose checks needed no mesh: one solid of it, which decides nothing.
+
+`ballesta check --fields`: designers want to see where a part is stressed, also where a formula has
+settled its verdict. One mesh is enough for that; it has no error bar, and the page says so.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
+from checks.ladder.levels import Say, first_level
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.live_fields import FATIGUE, LiveFields, LivePeak
+from checks.result.verdict import PartResult
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse, LifeUse
 from checks.strength.fkm_strength import fkm_points, slopes_of
 from checks.stress.duty_verdict import DutyVerdict, NodalUse
-from checks.stress.solid_mesh_level import Level
+from checks.stress.solid_mesh_level import Level, Models
 from checks.stress.stress_result import Stressed
-from checks.stress.symmetry import mirrored, surface_triangles
+from checks.stress.symmetry import mirrored, shown_surface, surface_triangles
 from fatigue.stress_path import fewer_loads
+from fem.solvers import SolverError
 from fem.unit_solutions import rigid_modes
-from geometry.mesh import FloatArray, IntArray
+from geometry.mesh import FloatArray, IntArray, MeshError, TooManyElementsError
 
 _IMAGE = np.array([1.0, 1.0, 1.0, 1.0, -1.0, -1.0])  # of xx, yy, zz, xy, yz, zx, mirrored at z = 0
 _LOST = 1e-9  # of the largest stress: single precision, in which the page has fields, loses more
@@ -119,3 +132,54 @@ def _by_fkm(level: Level, use: FkmUse, duty: DutyVerdict) -> NodalUse:
         used[worse] = found.utilisation[higher]
         amplitude[worse], mean[worse] = found.amplitude[higher], found.mean[higher]
     return NodalUse(used, amplitude, mean)
+
+
+TO_LOOK_AT = ", to look at"  # ends the names of its fields
+_UNDRAWN = "no mesh to look at: "
+
+
+def with_drawn_fields(
+    loaded: LoadedPart, use: FatigueUse | None, result: PartResult, models: Models, say: Say
+) -> PartResult:
+    """The result of a part with fields of one mesh, if its own model has none all over it.
+
+    use  how its fatigue is judged; None where it is not
+
+    A part that cannot be meshed or solved stays as it is, and the page says why.
+    """
+    loads = loaded.loads
+    live = result.live
+    if not isinstance(live, LiveFields) or (live.n_fields and not live.estimated):
+        return result
+    say(f"{loaded.part.name}: meshing, to draw its stress")
+    try:
+        level = first_level(loaded, models)
+    except (MeshError, SolverError, TooManyElementsError) as error:
+        return replace(result, live=undrawn(live, str(error)))
+    methods = ", ".join(dict.fromkeys(check.method for check in result.checks))
+    note = (
+        "drawn from one mesh, to be looked at: its stress has no error bar and decides no check; "
+        f"the checks are decided by {methods}"
+    )
+    drawn = solid_fields(loads, level, use)
+    drawn = replace(drawn, decides=False, judged=False, notes=(note, *drawn.notes))
+    surface = shown_surface(loads, level)
+    named = {f"{name}{TO_LOOK_AT}": values for name, values in surface.fields.items()}
+    return replace(result, live=drawn, surface=replace(surface, fields=named))
+
+
+def undrawn(live: LiveFields, why: str) -> LiveFields:
+    """The fields that a part has without a mesh, and why there is none."""
+    told = _UNDRAWN + why
+    return replace(live, missing=dict.fromkeys(live.missing, told), notes=(told, *live.notes))
+
+
+def undrawn_warnings(results: Sequence[PartResult]) -> list[str]:
+    """Parts whose stress was asked for and could not be drawn, and why."""
+    return [
+        f"{result.name}: {note}"
+        for result in results
+        if isinstance(result.live, LiveFields)
+        for note in result.live.notes
+        if note.startswith(_UNDRAWN)
+    ]

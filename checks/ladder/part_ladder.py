@@ -33,11 +33,10 @@ from checks.ladder.climb import (
     complete,
     start_climb,
 )
-from checks.ladder.drawn import undrawn, with_drawn_fields
+from checks.ladder.part_fields import undrawn, with_drawn_fields
 from checks.ladder.result import cheap_result, solid_result
 from checks.models import stress_words
-from checks.models.checked import BUCKLING, FATIGUE, STATIC
-from checks.models.raised_bores import raised_in_bores
+from checks.models.checked import BUCKLING, FATIGUE, STATIC, raised_in_bores
 from checks.part.kind import Kind
 from checks.part.loaded_part import FIRST, LoadedPart
 from checks.part.part_loads import Doubt, PartLoads, Runs
@@ -45,7 +44,7 @@ from checks.part.too_fine import gave_up, told_of_size
 from checks.result.derivation import BARS, BarSymbols, Derivation, Given, Item, Section
 from checks.result.live_fields import LiveFields
 from checks.result.verdict import Check, PartResult
-from checks.stress.cost import check_seconds, report_seconds
+from checks.stress.kept_models import check_seconds, report_seconds
 from checks.stress.part_model import RungLevel
 from checks.stress.solid_mesh_level import Models
 from fem.solvers import SolverError

@@ -24,7 +24,7 @@ from checks.strength.load_doubts import load_bars
 from checks.strength.part_strength import endurance_of, life_task
 from checks.stress.part_model import RungLevel
 from checks.stress.solid_mesh_level import Models
-from fem.near_incompressible import LARGEST_RATIO, MEANING
+from fem.recovery import LARGEST_RATIO, MEANING
 from geometry.cad_body import Skin
 
 

@@ -13,8 +13,14 @@ from checks.design.data import Part
 from checks.handbook.bar_forces import BarForces, BarLoads, balanced_bar, deflection
 from checks.handbook.lateral_buckling import column_force, lateral_share
 from checks.models.formula_buckling import column_items, stretch_items
-from checks.models.formula_points import Points, along_x, in_section, sheared
-from checks.models.unit_names import acceleration_units, wrench_units
+from checks.models.formula_points import (
+    Points,
+    acceleration_units,
+    along_x,
+    in_section,
+    sheared,
+    wrench_units,
+)
 from checks.part.first_maximum import first_largest
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import Item

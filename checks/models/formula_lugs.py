@@ -6,8 +6,7 @@ import numpy as np
 
 from checks.handbook.lug_stress import Lug, cartesian, polar
 from checks.handbook.pin_loaded_hole import ComplexArray
-from checks.models.formula_points import XX, XY, YY, Points
-from checks.models.unit_names import bearing_units, interface_units
+from checks.models.formula_points import XX, XY, YY, Points, bearing_units, interface_units
 from fem.unit_loads import bearing_coefficients
 from geometry.mesh import FloatArray
 

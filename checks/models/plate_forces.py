@@ -13,8 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from checks.design.data import Part
-from checks.models.formula_points import Points
-from checks.models.unit_names import acceleration_units, wrench_units
+from checks.models.formula_points import Points, acceleration_units, wrench_units
 from checks.part.part_loads import PartLoads
 from geometry.mesh import FloatArray
 from geometry.outlines import Cut, Moments

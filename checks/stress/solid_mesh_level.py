@@ -12,9 +12,15 @@ from checks.stress.pins_in_bores import Contact, PinnedBores
 from checks.stress.stress_result import Stressed, depth_of, judge
 from fem.convergence import ORDER
 from fem.gradient import inward_normals
-from fem.notch_resolution import concave_curvatures, notch_error
 from fem.recovery import tensor, von_mises
-from fem.singularity import EdgePlaces, edge_places, pressed_edges, reentrant_edges
+from fem.singularity import (
+    EdgePlaces,
+    concave_curvatures,
+    edge_places,
+    notch_error,
+    pressed_edges,
+    reentrant_edges,
+)
 from fem.stress_history import StressHistory
 from fem.unit_loads import ACCELERATIONS, IN_PLANE, inertia_of, resultants
 from fem.unit_solutions import UnitSolutions

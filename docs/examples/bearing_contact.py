@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from checks.joints.bushes import bushes_of, uneven_share
+from checks.joints.lugs import bushes_of, uneven_share
 from checks.part.derived import Heading, Series
 from checks.part.kind import Kind
 from checks.part.loaded_part import LoadedPart

@@ -13,8 +13,7 @@ from checks.handbook.pin_loaded_hole import BEYOND_ARCS
 from checks.joints.pin_diagrams import lug_factor
 from checks.ladder.climb import BUILDERS
 from checks.ladder.levels import Asked, solve_levels
-from checks.models.checked import band_around, rung_estimates, rung_level
-from checks.models.raised_bores import raised_in_bores
+from checks.models.checked import band_around, raised_in_bores, rung_estimates, rung_level
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads, loads_on
 from checks.strength.part_strength import endurance_of, fatigue_use

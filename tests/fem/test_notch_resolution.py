@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fem.notch_resolution import concave_curvatures, notch_error
+from fem.singularity import concave_curvatures, notch_error
 from geometry.meshing import mesh_shape
 from geometry.parts import PlateLink
 

@@ -7,7 +7,7 @@ import pytest
 from rich.cells import cell_len
 
 from checks.result.verdict import Change, Gate
-from reports.answer import answer_text
+from reports.answer_facts import answer_text
 
 from . import results
 

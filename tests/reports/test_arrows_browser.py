@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from reports.loads_page import loads_html
-from reports.mechanism_places import arrow_path, bent_path
+from reports.mechanism_layout import arrow_path, bent_path
 from reports.page_script import joined
 
 from . import loads_results

@@ -13,7 +13,7 @@ from checks.design.effort import Effort
 from checks.result.verdict import Status
 from checks.result.words import clean, moment, need_text, number, safety_text
 from reports import write_report
-from reports.answer import answer_text
+from reports.answer_facts import answer_text
 
 ROOT = Path(__file__).parents[2]
 DESIGNS = ROOT / "designs"

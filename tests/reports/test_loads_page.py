@@ -8,7 +8,7 @@ import pytest
 
 from checks.result.verdict import Gate
 from reports.loads_page import loads_html, write_loads_page
-from reports.mechanism import mechanism_data, mechanism_svg
+from reports.mechanism_panel import mechanism_data, mechanism_svg
 
 from . import loads_results
 from .test_page import Page

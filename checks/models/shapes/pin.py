@@ -12,9 +12,8 @@ from checks.handbook.notch_factors import stepped_shaft
 from checks.handbook.pin_loaded_hole import PATTERNS
 from checks.handbook.pin_stress import section_stress, surface_stress, under_band
 from checks.joints.pin_diagrams import PinDiagram, pin_diagram
-from checks.models.formula_points import YZ, ZX, Points
+from checks.models.formula_points import YZ, ZX, Points, bearing_units, interface_units
 from checks.models.shape_model import ShapeModel
-from checks.models.unit_names import bearing_units, interface_units
 from checks.part.part_loads import PartLoads
 from checks.stress.part_model import RungModel
 from fem.unit_loads import bearing_coefficients

@@ -11,11 +11,10 @@ from checks.handbook.lug_stress import Lug, strip_outline
 from checks.handbook.notch_factors import curved_bar
 from checks.handbook.pin_loaded_hole import PATTERNS, CurvedSection, open_hole, pin_loaded_hole
 from checks.models.formula_lugs import ANGLES
-from checks.models.formula_points import Points
+from checks.models.formula_points import Points, bearing_units
 from checks.models.plate_buckling import deflected, elastic_load
 from checks.models.plate_forces import FlatSection, PlateForces, directed
 from checks.models.shape_model import ShapeModel
-from checks.models.unit_names import bearing_units
 from checks.part.part_loads import PartLoads
 from checks.stress.part_model import RungModel
 from fem.unit_loads import HARMONICS, bearing_coefficients

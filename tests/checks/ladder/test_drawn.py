@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort
-from checks.ladder.drawn import undrawn_warnings
+from checks.ladder.part_fields import undrawn_warnings
 from checks.result.live_fields import von_mises
 from checks.strength.part_strength import endurance_of
 from geometry.parts import PlateLink

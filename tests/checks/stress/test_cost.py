@@ -2,7 +2,7 @@
 
 import pytest
 
-from checks.stress import cost
+from checks.stress import kept_models
 
 # unknowns of two meshes, and processor time of the part's solid with one thread, s
 MEASURED = {
@@ -15,20 +15,20 @@ MEASURED = {
 
 @pytest.mark.parametrize("name", MEASURED)
 def test_expected_times_are_right_within_a_factor_of_two(name, monkeypatch):
-    monkeypatch.setattr(cost, "slowness", lambda: 1.0)
+    monkeypatch.setattr(kept_models, "slowness", lambda: 1.0)
     first, second, took = MEASURED[name]
-    assert 0.5 < cost.solid_seconds(first, second) / took < 2.0
+    assert 0.5 < kept_models.solid_seconds(first, second) / took < 2.0
 
 
 def test_a_machine_that_takes_three_times_as_long_is_told_so(monkeypatch):
-    monkeypatch.setattr(cost, "_trial", lambda: 3 * cost._TRIAL)
-    cost.slowness.cache_clear()
-    slow = cost.solid_seconds(50_000, 90_000)
-    monkeypatch.setattr(cost, "slowness", lambda: 1.0)
-    assert slow == pytest.approx(3 * cost.solid_seconds(50_000, 90_000))
+    monkeypatch.setattr(kept_models, "_trial", lambda: 3 * kept_models._TRIAL)
+    kept_models.slowness.cache_clear()
+    slow = kept_models.solid_seconds(50_000, 90_000)
+    monkeypatch.setattr(kept_models, "slowness", lambda: 1.0)
+    assert slow == pytest.approx(3 * kept_models.solid_seconds(50_000, 90_000))
 
 
 @pytest.fixture(autouse=True)
 def _measured_again():
     yield
-    getattr(cost.slowness, "cache_clear", lambda: None)()
+    getattr(kept_models.slowness, "cache_clear", lambda: None)()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.near_incompressible import LARGEST_RATIO
+from fem.recovery import LARGEST_RATIO
 from fem.unit_solutions import Elastic
 from geometry.mesh import MeshError
 
