@@ -1,5 +1,6 @@
 """The loads as one HTML page that stands alone: moving pictures, charts, gates and extremes."""
 
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -8,6 +9,7 @@ import numpy as np
 from markupsafe import Markup
 
 from checks.result.words import brief, number, place_text, quantity_unit
+from geometry.mesh import FloatArray
 from reports.charts import curves_chart
 from reports.files import plain, replacing
 from reports.loads_figures import Extremes
@@ -82,11 +84,7 @@ def _chart(cycle: ShownCycle) -> str:
             {name: np.hypot(*load.force.T) for name, load in loads.reactions.items()},
         ),
     ):  # fmt: skip
-        curves = {name: values for name, values in curves.items() if np.any(values)}
-        if curves:
-            unit, factor = quantity_unit(angular, max(np.abs(c).max() for c in curves.values()))
-            scaled = {name: np.asarray(values * factor) for name, values in curves.items()}
-            panels.append((title, f"{quantity} [{unit}]", scaled))
+        panels += _panel(title, quantity, angular, curves)
     if cycle.motor is not None:
         speed = cycle.motor.speed * 60.0 / (2.0 * np.pi)
         panels.append(("Speed by the motor", "speed [rpm]", {"angle that sets the pace": speed}))
@@ -108,16 +106,23 @@ def _run_chart(run: ShownRun) -> str:
             {f"{body} at {load.point}": load.moment for body, load in acting},
         ),
     ):  # fmt: skip
-        curves = {name: values for name, values in curves.items() if np.any(values)}
-        if curves:
-            unit, factor = quantity_unit(angular, max(np.abs(c).max() for c in curves.values()))
-            scaled = {name: np.asarray(values * factor) for name, values in curves.items()}
-            panels.append((title, f"{quantity} [{unit}]", scaled))
+        panels += _panel(title, quantity, angular, curves)
     if not panels:
         return ""
     phases = [run.loads.phases[k] for k in run.loads.phase_of]
     axis = f"{brief(run.shown_name, 20)} [{run.unit}]"
     return curves_chart(f"Loads {brief(run.name, 40)}", run.shown, phases, panels, axis)
+
+
+def _panel(
+    title: str, quantity: str, angular: bool, curves: Mapping[str, FloatArray]
+) -> list[tuple[str, str, dict[str, FloatArray]]]:
+    """A panel of curves in the unit of their largest value; none where all are 0."""
+    curves = {name: values for name, values in curves.items() if np.any(values)}
+    if not curves:
+        return []
+    unit, factor = quantity_unit(angular, max(np.abs(c).max() for c in curves.values()))
+    return [(title, f"{quantity} [{unit}]", {n: np.asarray(c * factor) for n, c in curves.items()})]
 
 
 def extremes_cells(extremes: Extremes, largest: float) -> list[str]:

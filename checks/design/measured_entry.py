@@ -3,15 +3,14 @@
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler
-from pydantic_core import core_schema
+from pydantic import Field
 
 from checks.design.tables import Name, Table
-from checks.design.units import DIMENSIONS, Angle, Fraction, Measured, measure
+from checks.design.units import DIMENSIONS, Angle, Fraction, Marker, Measured, measure
 
 
 @dataclass(frozen=True)
-class Unit:
+class Unit(Marker):
     """Marks a text of a pydantic model as the unit of a column, of one of the dimensions.
 
     What is kept is one of the unit in ballesta's own.
@@ -28,14 +27,8 @@ class Unit:
             raise ValueError(f"must be a unit such as {examples}, got {value!r}")
         return measure(f"1 {value}", *self.dimensions)
 
-    def __get_pydantic_core_schema__(
-        self, source: Any, handler: GetCoreSchemaHandler
-    ) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(
-        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    def json_schema(self) -> dict[str, Any]:
+        """Schema of the text, for editors."""
         examples = [DIMENSIONS[name].example.partition(" ")[2] for name in self.dimensions]
         return {"type": "string", "examples": examples}
 

@@ -7,11 +7,10 @@ import re
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
-from pydantic_core import core_schema
+from pydantic import BeforeValidator, Field
 
 from checks.design.tables import Table
-from checks.design.units import Point2, PositiveLength, Vector, measure
+from checks.design.units import Marker, Point2, PositiveLength, Vector, measure
 
 Triple = tuple[float, float, float]
 STEP_SUFFIXES = (".step", ".stp")
@@ -19,7 +18,7 @@ _NUMBER_AND_UNIT = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?\s*(\S.*?)?\s*")
 
 
 @dataclass(frozen=True)
-class Point:
+class Point(Marker):
     """Marks a text of a pydantic model as a point in space, "250, 0, 0 mm"."""
 
     def read(self, value: object) -> Triple:
@@ -39,14 +38,8 @@ class Point:
             raise ValueError(f"{must_be}: {error}") from None
         return x.value, y.value, z.value
 
-    def __get_pydantic_core_schema__(
-        self, source: Any, handler: GetCoreSchemaHandler
-    ) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(
-        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    def json_schema(self) -> dict[str, Any]:
+        """Schema of the text, for editors."""
         number = r"[^,A-Za-z]*\d[^,]*"
         return {
             "type": "string",

@@ -7,6 +7,7 @@ and describe themselves in its JSON schema.
 
 import math
 import re
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -254,8 +255,30 @@ def measure_pair(value: object, dimension: str) -> Pair:
     return x, y
 
 
+class Marker(ABC):
+    """Marks a text of a pydantic model, which it reads."""
+
+    @abstractmethod
+    def read(self, value: object) -> object:
+        """Return what the text says, or raise ValueError."""
+
+    @abstractmethod
+    def json_schema(self) -> dict[str, Any]:
+        """Schema of the text, for editors."""
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> core_schema.CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return self.json_schema()
+
+
 @dataclass(frozen=True)
-class Quantity:
+class Quantity(Marker):
     """Marks a number of a pydantic model as a quantity of one of the dimensions, within bounds.
 
     The bounds are in ballesta's units and are shown with them. `if_negative` is said, too, of a
@@ -296,14 +319,8 @@ class Quantity:
             if bound is not None:
                 yield word, bound, breaks
 
-    def __get_pydantic_core_schema__(
-        self, source: Any, handler: GetCoreSchemaHandler
-    ) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(
-        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    def json_schema(self) -> dict[str, Any]:
+        """Schema of the text, for editors."""
         kinds = [DIMENSIONS[name] for name in self.dimensions]
         if self.dimensions == ("fraction",):
             return {
@@ -319,7 +336,7 @@ class Quantity:
 
 
 @dataclass(frozen=True)
-class FitOrClearance:
+class FitOrClearance(Marker):
     """Marks a fit of pin and bore: an ISO code (text, as it stands) or its clearances, mm."""
 
     def read(self, value: object) -> str | Pair:
@@ -343,14 +360,8 @@ class FitOrClearance:
             )
         return least, largest
 
-    def __get_pydantic_core_schema__(
-        self, source: Any, handler: GetCoreSchemaHandler
-    ) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(
-        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    def json_schema(self) -> dict[str, Any]:
+        """Schema of the text, for editors."""
         return {"type": "string", "examples": ["H7/f7", "0.02 .. 0.06 mm"]}
 
 
@@ -366,7 +377,7 @@ def _limit(bound: float, dimension: str) -> str:
 
 
 @dataclass(frozen=True)
-class Vector:
+class Vector(Marker):
     """Marks a pair of a pydantic model as a vector of one dimension; "" is a unit direction."""
 
     dimension: str
@@ -375,14 +386,8 @@ class Vector:
         """Return the pair in ballesta's units, or raise ValueError."""
         return measure_pair(value, self.dimension)
 
-    def __get_pydantic_core_schema__(
-        self, source: Any, handler: GetCoreSchemaHandler
-    ) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(
-        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    def json_schema(self) -> dict[str, Any]:
+        """Schema of the text, for editors."""
         unit = r"\s*[A-Za-zµμ°].*" if self.dimension else r"\s*"
         return {
             "type": "string",

@@ -35,29 +35,14 @@ _MAY_DECIDE = 0.3  # of the largest stress along the edges, as elements show it
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class EdgeLevel(Stressed):
-    """Planes through the sharp edges of a part on one mesh, each a point of the history.
+class _OnSolid(Stressed):
+    """A stress that another solution of a solid's mesh has.
 
-    solid     the mesh and its solution
-    places    along the edges
-    fitted    (k,) of the places, those where Williams' fields could be fitted
-    at        mm, distance from the edge at which the planes are judged
-    reach     as of `notch_intensity`
-    leading   whether of the leading fields alone
+    solid  the mesh and its solution
     """
 
     solid: Level
-    places: EdgePlaces
-    fitted: IntArray
-    at: float
-    reach: tuple[float, float]
-    leading: bool
     direct_stresses: dict[bytes, dict[float, FloatArray]] = field(default_factory=dict)
-
-    @property
-    def solutions(self) -> UnitSolutions:
-        """The unit loads."""
-        return self.solid.solutions
 
     @property
     def contact(self) -> Contact | None:
@@ -68,6 +53,29 @@ class EdgeLevel(Stressed):
     def solved_bores(self) -> Collection[str]:
         """Names of the bores whose pressure is solved."""
         return self.solid.solved_bores
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class EdgeLevel(_OnSolid):
+    """Planes through the sharp edges of a part on one mesh, each a point of the history.
+
+    places    along the edges
+    fitted    (k,) of the places, those where Williams' fields could be fitted
+    at        mm, distance from the edge at which the planes are judged
+    reach     as of `notch_intensity`
+    leading   whether of the leading fields alone
+    """
+
+    places: EdgePlaces
+    fitted: IntArray
+    at: float
+    reach: tuple[float, float]
+    leading: bool
+
+    @property
+    def solutions(self) -> UnitSolutions:
+        """The unit loads."""
+        return self.solid.solutions
 
     def stress_of(self, displacement: FloatArray) -> FloatArray:
         """Stress (n_planes, 6, m) that the planes carry of displacement (3 n_nodes, m), mm."""
@@ -255,36 +263,23 @@ def _lines(places: EdgePlaces, nodes: FloatArray) -> FloatArray:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class SparedLevel(Stressed):
+class SparedLevel(_OnSolid):
     """The stress that spares the edges, on one mesh.
 
     Its points are the surface points, and the elements around the edges, each with its mean stress.
 
-    solid      the mesh, and the part as it is
     softened   the unit loads of the softened part
     around     (k,) elements around the edges
     """
 
-    solid: Level
     softened: UnitSolutions
     around: IntArray
     left_out: IntArray
-    direct_stresses: dict[bytes, dict[float, FloatArray]] = field(default_factory=dict)
 
     @property
     def solutions(self) -> UnitSolutions:
         """The unit loads."""
         return self.softened
-
-    @property
-    def contact(self) -> Contact | None:
-        """Contact of pins whose fit is stated."""
-        return self.solid.contact
-
-    @property
-    def solved_bores(self) -> Collection[str]:
-        """Names of the bores whose pressure is solved."""
-        return self.solid.solved_bores
 
     def stress_of(self, displacement: FloatArray) -> FloatArray:
         """Stress (n_points, 6, m) of displacement (3 n_nodes, m), mm."""
