@@ -5,23 +5,6 @@ the parameter is at most its largest corner + M e^2/4, and triangles that stay b
 dropped, the others divided. Here all paths take their triangles from the same grids, one twice as
 fine as the other, so that each step is a few products for all of them. A path that is above its
 floor somewhere, or near it, is left to the search.
-
-Few positions of a stress path that answer for all of them, and how far the others lie off them.
-
-A path of hundreds of positions is mostly straight pieces. Of the positions that are kept, chords
-run from one to the next; each other position x has a place z on the chord beside it, which lies in
-the convex hull of what is kept. With e = |x - z| in von Mises stress and g the difference of the
-hydrostatic stresses, on the plane with normal n
-
-    |tau(x) - tau(z)| <= e / sqrt(3),    |sigma_n(x) - sigma_n(z)| <= 2/3 e + g
-
-as the largest shear of a deviator is at most its von Mises norm over sqrt(3), and its largest
-principal stress at most 2/3 of it. The circle around the kept shear holds all tau(z), and sigma_n
-and half its range are extreme at what is kept. So Findley's parameter of the whole path is at most
-
-    F(kept) + e (1/sqrt(3) + 2/3 k) + k g
-
-with the largest e and g of all positions, on every plane.
 """
 
 from __future__ import annotations
@@ -132,6 +115,24 @@ def _grid(level: int) -> tuple[FloatArray, IntArray, FloatArray, FloatArray]:
     normals, cells = half_sphere(level)
     return normals, cells, plane_rows(normals), longest_edges(normals, cells)
 
+
+# Few positions of a stress path that answer for all of them, and how far the others lie off them.
+#
+# A path of hundreds of positions is mostly straight pieces. Of the positions that are kept,
+# chords run from one to the next; each other position x has a place z on the chord beside it,
+# which lies in the convex hull of what is kept. With e = |x - z| in von Mises stress and g the
+# difference of the hydrostatic stresses, on the plane with normal n
+#
+#     |tau(x) - tau(z)| <= e / sqrt(3),    |sigma_n(x) - sigma_n(z)| <= 2/3 e + g
+#
+# as the largest shear of a deviator is at most its von Mises norm over sqrt(3), and its largest
+# principal stress at most 2/3 of it. The circle around the kept shear holds all tau(z), and
+# sigma_n and half its range are extreme at what is kept. So Findley's parameter of the whole path
+# is at most
+#
+#     F(kept) + e (1/sqrt(3) + 2/3 k) + k g
+#
+# with the largest e and g of all positions, on every plane.
 
 _MOST_PATH = 48  # positions kept
 _CLOSE = 1e-3  # of the longest radius of the path: positions so near a chord need not be kept

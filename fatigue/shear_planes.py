@@ -19,11 +19,6 @@ around the path and Q the largest stress, both von Mises. So on a triangle of pl
 edge e, F is at most its largest corner + M e^2/4. Triangles that cannot reach the best plane found
 are dropped, the others divided; what is left encloses the critical plane, and no local maximum is
 mistaken for the global one.
-
-Triangles over all directions of planes, and their division in four.
-
-A plane is known by its normal n; n and -n are the same plane, so half of a sphere is enough: of
-each pair of opposite triangles of an icosahedron one is kept.
 """
 
 from __future__ import annotations
@@ -302,6 +297,11 @@ def _component(n: FloatArray, m: FloatArray) -> FloatArray:
     rows = (a * x, b * y, c * z, a * y + b * x, b * z + c * y, c * x + a * z)
     return np.asarray(np.array(rows).T)
 
+
+# Triangles over all directions of planes, and their division in four.
+#
+# A plane is known by its normal n; n and -n are the same plane, so half of a sphere is enough: of
+# each pair of opposite triangles of an icosahedron one is kept.
 
 _GOLDEN = (1.0 + 5.0**0.5) / 2.0
 _FOUR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])  # of corners a, b, c, ab, bc, ca

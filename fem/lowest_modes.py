@@ -5,19 +5,6 @@ largest 1 / lambda of both signs; a random block keeps modes of equal value apar
 product: of every vector the force that gives it is kept beside it. The last step is one inverse
 iteration and a Rayleigh-Ritz step with energies summed at the integration points. Their round-off
 grows with the slenderness; the round-off of x' K x grows with its square or worse.
-
-Number of modes below a value: a proof by inertia, independent of any eigenvalue solver.
-
-With A = K - value B, the number of modes of K x = lambda B x, C x = 0 with lambda between 0 and the
-value is the number of negative eigenvalues of A on C x = 0 (Sylvester's law of inertia; K is
-positive definite there). Some unknowns H, of nodes far apart, are chosen so that A without them is
-positive definite, which one Cholesky factorisation proves. The rest of the count is a small dense
-matrix (Haynsworth 1968, inertia additivity):
-
-    S = [ A_HH - A_HF A_FF^-1 A_FH     C_H' - A_HF A_FF^-1 C_F' ]
-        [ C_H - C_F A_FF^-1 A_FH         - C_F A_FF^-1 C_F'     ]
-
-has as many negative eigenvalues as A on C x = 0 has, and one more per row of C.
 """
 
 from collections.abc import Callable
@@ -268,6 +255,19 @@ def _wanted(values: FloatArray, count: int, limit: float) -> int:
         wanted += 1
     return wanted
 
+
+# Number of modes below a value: a proof by inertia, independent of any eigenvalue solver.
+#
+# With A = K - value B, the number of modes of K x = lambda B x, C x = 0 with lambda between 0 and
+# the value is the number of negative eigenvalues of A on C x = 0 (Sylvester's law of inertia; K
+# is positive definite there). Some unknowns H, of nodes far apart, are chosen so that A without
+# them is positive definite, which one Cholesky factorisation proves. The rest of the count is a
+# small dense matrix (Haynsworth 1968, inertia additivity):
+#
+#     S = [ A_HH - A_HF A_FF^-1 A_FH     C_H' - A_HF A_FF^-1 C_F' ]
+#         [ C_H - C_F A_FF^-1 A_FH         - C_F A_FF^-1 C_F'     ]
+#
+# has as many negative eigenvalues as A on C x = 0 has, and one more per row of C.
 
 _HELD_NODES = (0, 24, 96)  # far apart, beside what the known modes ask for; tried in turn
 _ZERO = 1e-11  # of the largest: a smaller eigenvalue of S has no certain sign

@@ -6,15 +6,6 @@ lambda sin(omega) = 0 (M. L. Williams, J. Appl. Mech. 19 (1952) 526, free faces,
 finite-element peak there grows with every refinement and means nothing.
 
 Where a pressure ends on a smooth surface the stress is finite, but jumps: `pressed_edges`.
-
-Resolution of the notch in which a peak sits by the mesh.
-
-The stress below a concave surface of radius rho falls off within a fraction of rho. Elements of
-size h that are not small against it carry the peak too low, each of them alike, so that neither
-their scatter nor a short step from one such mesh to the next tells. The missing part is of the
-order (h / rho)^2; measured on fillets of 0.15 to 2 mm between bars under bending and tension it is
-0.05 to 0.16 of the peak times that (tests/ballesta/test_small_fillets.py). Elements larger than the
-radius see a sharp corner, whose stress grows towards it like 1 / sqrt(distance) at most (a crack).
 """
 
 from dataclasses import dataclass
@@ -287,6 +278,16 @@ def _parabola_error(turn: FloatArray) -> FloatArray:
 _MIDDLES = ((0.5, 0.0), (0.5, 0.5), (0.0, 0.5))  # of a facet's sides, in its local coordinates
 _OPPOSITE = ((0.0, 1.0), (0.0, 0.0), (1.0, 0.0))  # the corner that a side does not have
 
+
+# Resolution of the notch in which a peak sits by the mesh.
+#
+# The stress below a concave surface of radius rho falls off within a fraction of rho. Elements of
+# size h that are not small against it carry the peak too low, each of them alike, so that neither
+# their scatter nor a short step from one such mesh to the next tells. The missing part is of the
+# order (h / rho)^2; measured on fillets of 0.15 to 2 mm between bars under bending and tension it
+# is 0.05 to 0.16 of the peak times that (tests/ballesta/test_small_fillets.py). Elements larger
+# than the radius see a sharp corner, whose stress grows towards it like 1 / sqrt(distance) at
+# most (a crack).
 
 _SHARE = 0.17  # of the peak times (h / rho)^2
 _CORNER = 1.5  # h / rho from which on elements see a sharp corner

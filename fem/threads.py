@@ -10,8 +10,6 @@ Debian's CHOLMOD asks for an OpenMP team of four whatever OMP_NUM_THREADS says
 (CHOLMOD_OMP_NUM_THREADS in cholmod_core.h of SuiteSparse 5). Its threads spin at barriers where
 others wait for a core, so parallel regions are inactive while it factorises:
 omp_set_max_active_levels(0), OpenMP 5.2, 18.3.10, which holds for the calling thread.
-
-Memory allocation of the C library, for arrays and factors.
 """
 
 import ctypes
@@ -116,6 +114,8 @@ def _several() -> int:
     limit = os.environ.get("OMP_THREAD_LIMIT", "")  # PARDISO fails (error -2) if it asks for more
     return max(1, min(_SEVERAL, cores or 1, int(limit) if limit.isdecimal() else _SEVERAL))
 
+
+# Memory allocation of the C library, for arrays and factors.
 
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # parameters of mallopt(3)
 _LARGE = 2**30  # bytes; mallopt takes an int

@@ -1,8 +1,6 @@
 """Mass and interfaces of a part that is not meshed, and a coarse skin to draw.
 
 The linkage needs the mass properties, checks by formula need the holes, a report needs a picture.
-
-The skin of solids as flat triangles, each seen from outside counter-clockwise.
 """
 
 from collections.abc import Callable, Mapping
@@ -126,6 +124,9 @@ def _skin(gmsh: Any, body: Body, unit: float) -> Skin:
     gmsh.model.mesh.generate(2)
     nodes, triangles = skin_of(gmsh)
     return Skin(unit * nodes, triangles)
+
+
+# The skin of solids as flat triangles, each seen from outside counter-clockwise.
 
 
 def skin_of(gmsh: Any) -> tuple[FloatArray, IntArray]:

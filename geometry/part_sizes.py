@@ -1,11 +1,4 @@
-"""Sizes of a shape: the smallest and largest that a part of a machine has, and their ratio.
-
-The unit of length in which a shape is built and meshed, so that its size is 3 to 3000 of them.
-
-gmsh and its CAD kernel have absolute tolerances, 1e-8 and 1e-7 of whatever the unit is: a part of
-1 um or of 1 km has no mesh by them, or another one than the same part has in mm. Units are 1000
-times apart, so that most parts of machines are meshed in mm.
-"""
+"""Sizes of a shape: the smallest and largest that a part of a machine has, and their ratio."""
 
 import dataclasses
 from collections.abc import Callable, Iterator
@@ -81,6 +74,12 @@ def check_sizes(shape: Any) -> None:
             f"of a part may be {FARTHEST:g} times the smallest; is its unit wrong?",
         )
 
+
+# The unit of length in which a shape is built and meshed, so that its size is 3 to 3000 of them.
+#
+# gmsh and its CAD kernel have absolute tolerances, 1e-8 and 1e-7 of whatever the unit is: a part
+# of 1 um or of 1 km has no mesh by them, or another one than the same part has in mm. Units are
+# 1000 times apart, so that most parts of machines are meshed in mm.
 
 _LEAST = 3.0  # of a unit: the largest length that a shape states is from here to 1000 times as much
 _DECADES = 3  # between units

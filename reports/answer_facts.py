@@ -1,8 +1,6 @@
 """The answer as data: what decides, how far, where, when, why, and what would make it pass.
 
-The terminal (reports/answer_facts.py) and the first screen of the page write the same facts.
-
-The answer in about twenty lines: verdict, place, moment, why, each part's governing check.
+The terminal (`answer_text`) and the first screen of the page write the same facts.
 """
 
 from collections.abc import Iterator, Sequence
@@ -340,6 +338,8 @@ def _first(text: str) -> str:
 def _short(text: object) -> str:
     return clipped(text, _LONGEST)
 
+
+# The answer in about twenty lines: verdict, place, moment, why, each part's governing check.
 
 _NARROWEST = (8, 10, 10, 5, 6, 9)  # columns that each keeps
 _RIGHT = {2, 3, 4}

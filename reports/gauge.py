@@ -1,7 +1,4 @@
-"""A check's utilisation drawn as a bar with its error bars, small enough for a cell of a table.
-
-Error bars of the deciding check one by one: how far each alone moves its safety.
-"""
+"""A check's utilisation drawn as a bar with its error bars, small enough for a cell of a table."""
 
 from dataclasses import dataclass, replace
 from math import isfinite
@@ -69,6 +66,9 @@ def _low(check: Check) -> float:
 def _line(name: str, start: float, end: float) -> str:
     start, end = (min(max(x, 0.0), _WIDTH) for x in (start, end))
     return f'<path class="{name}" d="M{start:.2f} {_MIDDLE:g}H{end:.2f}"/>'
+
+
+# Error bars of the deciding check one by one: how far each alone moves its safety.
 
 
 @dataclass(frozen=True)

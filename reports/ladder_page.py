@@ -1,7 +1,4 @@
-"""The ladder as one HTML page that stands alone: a chart of every part, and its numbers.
-
-The ladder as text for a terminal or a pipe: value and bar against seconds, rung by rung.
-"""
+"""The ladder as one HTML page that stands alone: a chart of every part, and its numbers."""
 
 from collections.abc import Sequence
 from functools import cache
@@ -171,6 +168,8 @@ def _style(index: int, name: str) -> dict[str, Any]:
 def _template() -> Any:
     return environment().get_template("ladder.html.j2")
 
+
+# The ladder as text for a terminal or a pipe: value and bar against seconds, rung by rung.
 
 _HEADINGS = ("check", "rung", "time", "unknowns", "value", "± bar", "allowed", "status")
 _RIGHT = {2, 3, 4, 6}

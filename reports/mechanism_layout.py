@@ -2,8 +2,6 @@
 
 Lengths are mm of the machine; y points down in SVG, so places of the picture have their y changed
 in sign. Widths, letters and marks are shares of the picture's size.
-
-Places of a mechanism's picture: ends of forces, entries of torques, outlines of bodies.
 """
 
 from collections.abc import Mapping, Sequence
@@ -239,6 +237,9 @@ class Layout:
     def is_rail(self, k: int) -> bool:
         """Return True if a joint along a line is a guide, not a slot."""
         return isinstance(self.joints[k], Prismatic)
+
+
+# Places of a mechanism's picture: ends of forces, entries of torques, outlines of bodies.
 
 
 def both_ends(force: Any) -> tuple[tuple[str, str], ...]:

@@ -3,10 +3,6 @@
 It needs only what a result carries (`DesignResult.motion`), so it is the same for one that was
 recalled. The script is reports/scripts/mechanism.js; without it the picture stands at the position
 that decides the verdict, with the forces there.
-
-A picture of the mechanism as SVG, and the numbers by which a page's script moves it.
-
-Lengths are mm of the machine; y points down in SVG, so y and angles change their sign here.
 """
 
 from collections.abc import Iterator, Sequence
@@ -290,6 +286,10 @@ def _cycle(
         "places": [one for label in sliding for one in both(motion.pins[label].place)],
     }
 
+
+# A picture of the mechanism as SVG, and the numbers by which a page's script moves it.
+#
+# Lengths are mm of the machine; y points down in SVG, so y and angles change their sign here.
 
 _MOST_FRAMES = 240
 

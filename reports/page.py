@@ -1,11 +1,4 @@
-"""The report: one HTML page that stands alone, with a script of its own, nothing from outside.
-
-Inputs of a result: stated by the design, set on the command line, by default, or assumed.
-
-The safety that decides on a scale: its range by the error bars, and what it must show.
-
-Derivations as the page shows them, and the filters of derivation.html.j2.
-"""
+"""The report: one HTML page that stands alone, with a script of its own, nothing from outside."""
 
 import re
 from collections.abc import Callable, Sequence
@@ -180,6 +173,8 @@ def _environment() -> Any:
     return found
 
 
+# Inputs of a result: stated by the design, set on the command line, by default, or assumed.
+
 Pairs = Sequence[tuple[str, str]]
 
 
@@ -242,6 +237,8 @@ def sorted_assumptions(result: DesignResult) -> Assumed:
     )
 
 
+# The safety that decides on a scale: its range by the error bars, and what it must show.
+
 _WIDTH, _HEIGHT = 100.0, 20.0
 _LOWEST, _HIGHEST = 0.8, 1.25  # of the least and the largest that is shown: the ends of the scale
 _FARTHEST = 4.0  # times the required safety: what lies beyond ends in an arrow
@@ -295,6 +292,8 @@ def safety_scale(check: Check) -> SafetyScale | None:
     )
     return SafetyScale(picture, round(limit, 2))
 
+
+# Derivations as the page shows them, and the filters of derivation.html.j2.
 
 _SUBSCRIPT = re.compile(r"(?<![A-Za-z])([A-Za-zα-ωΑ-Ω]{1,2})_([A-Za-z0-9α-ω]+)")
 

@@ -1,7 +1,4 @@
-"""`ballesta batch`: many designs and their variations, side by side, resumed if killed.
-
-Progress of a batch: a line per finished design, and a bar on a terminal.
-"""
+"""`ballesta batch`: many designs and their variations, side by side, resumed if killed."""
 
 import signal
 import sys
@@ -172,6 +169,8 @@ def _terminated_as_interrupted() -> Iterator[None]:
     finally:
         signal.signal(signal.SIGTERM, before)
 
+
+# Progress of a batch: a line per finished design, and a bar on a terminal.
 
 Steps = Callable[[], list[tuple[str, float, str]]]
 _SHOW_EVERY = 0.5  # s

@@ -1,7 +1,4 @@
-"""Puts the laws of the forces in a phase together.
-
-Reads the coordinates that a design file names, such as A.y or cylinder.length.
-"""
+"""Puts the laws of the forces in a phase together."""
 
 import csv
 import io
@@ -345,6 +342,9 @@ def _is_number(cell: str) -> bool:
     except ValueError:
         return False
     return True
+
+
+# Reads the coordinates that a design file names, such as A.y or cylinder.length.
 
 
 def coordinate_of(

@@ -1,8 +1,6 @@
 """The door: reads a design file, refuses what cannot be meant, converts the units once.
 
 Inside ballesta a `Design` is trusted: names exist, quantities are finite and in N, mm, s and tonne.
-
-Says what pydantic found wrong with a design file in the words of the file's author.
 """
 
 import dataclasses
@@ -287,6 +285,9 @@ def _with_unit(value: object, metadata: Sequence[object]) -> str:
         if isinstance(mark, Vector) and isinstance(value, tuple):
             return f"{value[0]:g}, {value[1]:g} {DIMENSIONS[mark.dimension].unit}"
     return str(value)
+
+
+# Says what pydantic found wrong with a design file in the words of the file's author.
 
 
 def tell_problems(

@@ -1,7 +1,4 @@
-"""Motion of a design's parts through its solved cycles, thinned for pictures.
-
-Heights of parts across the linkage's plane in a picture: as stated, else side by side.
-"""
+"""Motion of a design's parts through its solved cycles, thinned for pictures."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
@@ -189,6 +186,8 @@ def _turned(vectors: FloatArray, angle: FloatArray) -> FloatArray:
     x, y = vectors[..., 0], vectors[..., 1]
     return np.stack([c * x - s * y, s * x + c * y], axis=-1)
 
+
+# Heights of parts across the linkage's plane in a picture: as stated, else side by side.
 
 Spans = list[tuple[float, float]]
 

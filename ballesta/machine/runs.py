@@ -1,11 +1,4 @@
-"""Loads of a whole machine over its cycles and its measured runs, as every command finds them.
-
-Ends of a travel beside a dead centre: the loads where it ends a little sooner or later.
-
-Next to a dead centre the loads of rigid bodies depend on where the travel ends. What its stop is
-off by at most is stated (`stop.tolerance`), so the loads at both ends of that are a doubt with
-bars. Where one of them comes next to the dead centre itself no bar tells anything: the gate binds.
-"""
+"""Loads of a whole machine over its cycles and its measured runs, as every command finds them."""
 
 from collections.abc import Callable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
@@ -133,6 +126,13 @@ def doubts_of(design: Design, machine: MachineRuns) -> MachineDoubts:
         [Doubt(pair.words, tuple(map(runs, pair.ends))) for pair in pairs],
     )
 
+
+# Ends of a travel beside a dead centre: the loads where it ends a little sooner or later.
+#
+# Next to a dead centre the loads of rigid bodies depend on where the travel ends. What its stop
+# is off by at most is stated (`stop.tolerance`), so the loads at both ends of that are a doubt
+# with bars. Where one of them comes next to the dead centre itself no bar tells anything: the
+# gate binds.
 
 _AT_END = 1e-9  # of the travel
 _LEFT = 0.2  # of the share of the motion that the solved force sees: less is the dead centre

@@ -1,7 +1,4 @@
-"""Solved cycles as people see them: shown positions, phases and pace in words, drives' limits.
-
-Speed, torque and energy of a motor over a cycle.
-"""
+"""Solved cycles as people see them: shown positions, phases and pace in words, drives' limits."""
 
 from itertools import pairwise
 
@@ -124,6 +121,9 @@ def _pace(pace: loads.Pace) -> str:
         return f"{pace.coordinate.label} by drive.motor"
     rising = f", changing by {pace.acceleration:.4g} {unit}/s2" if pace.acceleration else ""
     return f"{pace.coordinate.label} at {pace.speed:.4g} {unit}/s{rising}"
+
+
+# Speed, torque and energy of a motor over a cycle.
 
 
 def motor_figures(design: Design, cycle: loads.CycleLoads) -> MotorFigures | None:

@@ -1,7 +1,4 @@
-"""Warnings about the machine rather than its parts: drive, cycle time, stop, assembly.
-
-Warnings of assumed stops, and of dead centres that a drive pulls through.
-"""
+"""Warnings about the machine rather than its parts: drive, cycle time, stop, assembly."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -251,6 +248,9 @@ def _cheek_offset(design: Design, pin: str, body: str | None, at: float) -> list
                 "bar's model"
             ]
     return []
+
+
+# Warnings of assumed stops, and of dead centres that a drive pulls through.
 
 
 def stop_warnings(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list[str]:

@@ -2,8 +2,6 @@
 
 The plane taken is the shortest, straight behind the hole's crown (Melcon and Hoblit, Product
 Engineering 24 (1953) no. 6, start theirs at 40 degrees, where it is longer).
-
-Shear planes behind a hole, measured on a mesh: of parts whose ends are not known as numbers.
 """
 
 from collections.abc import Iterator, Sequence
@@ -116,6 +114,8 @@ def ligament_all_round(mesh: Mesh, name: str) -> Ligament:
     areas = mesh.interfaces[name].length * tear_lengths(mesh, name, angles.tolist())
     return Ligament(None, tuple(areas.tolist()), "the wall that the force points at")
 
+
+# Shear planes behind a hole, measured on a mesh: of parts whose ends are not known as numbers.
 
 FAR = 3.0  # hole diameters of material behind which nothing tears (docs/theory/fits.md)
 _SECTOR = np.radians(np.linspace(-40.0, 40.0, 9))  # where on the hole's edge a plane may begin

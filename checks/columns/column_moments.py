@@ -10,11 +10,6 @@ Theory of Elastic Stability, 2nd ed., 1.11)
 which for a crookedness e sin(pi x/L) is F e/(1 - r) and for equal end moments the secant formula.
 The stress F/A + M/W rises faster than the load: the safety is the factor on all loads at which it
 reaches yield, never the ratio of stresses.
-
-First-order moments of a part as a column: those of the undeformed part between its two pins.
-
-They are linear in what acts on the part, so each is a shape along the part times a size per
-position: what follows from the shapes is computed once and not at every position.
 """
 
 from collections.abc import Callable, Sequence
@@ -275,6 +270,11 @@ def _stations(part: Part, length: float) -> tuple[FloatArray, list[Section]]:
         sections += [section] * len(found)
     return np.concatenate(places), sections
 
+
+# First-order moments of a part as a column: those of the undeformed part between its two pins.
+#
+# They are linear in what acts on the part, so each is a shape along the part times a size per
+# position: what follows from the shapes is computed once and not at every position.
 
 GRID = 129  # even places along the part at which moments are computed
 

@@ -1,9 +1,4 @@
-"""Derivations of the stress checks: the largest von Mises stress, and fatigue by each criterion.
-
-The FKM guideline's chain at the worst point, as docs/theory/strength.md has it.
-
-A finite life: counted cycles, Miner's sum, and the safety that it leaves.
-"""
+"""Derivations of the stress checks: the largest von Mises stress, and fatigue by each criterion."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -128,6 +123,8 @@ def of_solid(
     )
 
 
+# The FKM guideline's chain at the worst point, as docs/theory/strength.md has it.
+
 _BOOK = "FKM guideline, 6th ed., chapter 4"
 
 
@@ -195,6 +192,8 @@ def _demand(found: FkmJudgement) -> list[Item]:
              main=True),
     ]  # fmt: skip
 
+
+# A finite life: counted cycles, Miner's sum, and the safety that it leaves.
 
 _THEORY = "docs/theory/life.md"
 

@@ -1,7 +1,4 @@
-"""Errors that a person can act on: which file, which key, what is wrong there.
-
-Wording for names that do not exist: the nearest right one, and what there is.
-"""
+"""Errors that a person can act on: which file, which key, what is wrong there."""
 
 import difflib
 from collections.abc import Callable, Iterable
@@ -80,6 +77,8 @@ class Problems:
         if errors:
             raise DesignErrors(errors)
 
+
+# Wording for names that do not exist: the nearest right one, and what there is.
 
 _LONGEST_NAMES = 200  # characters of a name that are told or compared
 

@@ -1,7 +1,4 @@
-"""The tables of a design file that say which holes of a STEP file take the part's pins.
-
-The tables of a design file that say how a plate is drawn, and which of its holes take pins.
-"""
+"""The tables of a design file that say which holes of a STEP file take the part's pins."""
 
 import re
 from dataclasses import dataclass
@@ -95,6 +92,8 @@ class HoleEntry(Table):
 StepShape = Annotated[StepFile, BeforeValidator(_a_table)]
 Section2 = Annotated[tuple[float, float], PositiveVector("length")]
 
+
+# The tables of a design file that say how a plate is drawn, and which of its holes take pins.
 
 KINDS = ("lever", "dxf", "svg")  # of a plate's shape: one of these keys of its table
 DXF_SUFFIX = ".dxf"

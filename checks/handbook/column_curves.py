@@ -9,11 +9,6 @@ fibre yields at the axial stress s with
 L/k for steel, which is on the safe side of all his tests). EN 1993-1-1:2005, 6.3.1.2, has the same
 formula with eta = alpha (slenderness - 0.2), where alpha was fitted to tests and stands for
 crookedness and residual stress together.
-
-Column strength of a section by handbook: yield, Johnson's parabola, Euler.
-
-Johnson below the slenderness at which Euler's stress is half the yield stress, Euler above
-(Shigley, Mechanical Engineering Design, 10th ed., section 4-12 and 4-13).
 """
 
 from dataclasses import dataclass
@@ -103,6 +98,12 @@ def _check(**values: float) -> None:
     for name, value in values.items():
         if not value > 0:
             raise ValueError(f"the column's {name.replace('_', ' ')} must be above 0, got {value}")
+
+
+# Column strength of a section by handbook: yield, Johnson's parabola, Euler.
+#
+# Johnson below the slenderness at which Euler's stress is half the yield stress, Euler above
+# (Shigley, Mechanical Engineering Design, 10th ed., section 4-12 and 4-13).
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,6 @@ series (Phil. Trans. A 227 (1928) 383) comes out of it.
 
 Loads and outline are even or odd about the x axis: even states have real coefficients, odd ones
 imaginary, and half of the outline tells all.
-
-Stress at open holes of bent and pulled plates, and in sections of curved plates.
 """
 
 from dataclasses import dataclass
@@ -298,6 +296,9 @@ def _own_stringer(
     deviator = -p / z**2 + 2 * p * z.conj() / z**3 - q / z**2
     rate = (1 - poisson_ratio) / 2 * trace - (1 + poisson_ratio) * deviator.real
     return np.asarray(-stiffening * rate + 0j)
+
+
+# Stress at open holes of bent and pulled plates, and in sections of curved plates.
 
 
 def open_hole(angles: FloatArray, share: float) -> FloatArray:

@@ -15,10 +15,6 @@ the critical forces below F by their negative pivots (Wittrick and Williams, Q. 
 
 It is right to 1e-9 for stretches alike, to 1e-6 where their stiffness differs 100 times over short
 pieces: round-off of the stiffest.
-
-Count of the critical forces of a column by the stiffness of its stretches.
-
-The theory stands in `checks.handbook.tapered_columns`.
 """
 
 from collections.abc import Callable, Iterable, Sequence

@@ -1,7 +1,4 @@
-"""Holes and journals of a part that carry a pin of the machine: what presses in them.
-
-Bushes of a pin: which lugs have them, and how a pair shares the load.
-"""
+"""Holes and journals of a part that carry a pin of the machine: what presses in them."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -81,6 +78,8 @@ def _pin_in(loaded: LoadedPart, point: str) -> Part | None:
 def _entry(pin: Part, part: Part) -> StackEntry:
     return next(entry for entry in pin.stack if entry.body == part.body)
 
+
+# Bushes of a pin: which lugs have them, and how a pair shares the load.
 
 # A pair of lugs shares the load evenly only if nothing is out of square; ASSUMED band.
 SHARE_BAND = 0.05

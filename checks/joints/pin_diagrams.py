@@ -4,8 +4,6 @@ Every lug presses in one of two ways: all at its mid-plane, or evenly over its w
 which gives way at its edges, is between them. A couple that closes a pin with lugs on one side is
 taken by the lug that the pin is fixed in: as it is at its mid-plane (by a pair: as two forces), or
 as a pressure that grows along the lug.
-
-Pin joints by formula: stress beside the hole of an eye, a round pin's stress.
 """
 
 from collections.abc import Iterator
@@ -220,6 +218,8 @@ def _stations(shape: Pin, *, spread: bool, ends_only: bool) -> tuple[FloatArray,
         diameters.append(np.full(count, own or shape.diameter))
     return np.concatenate(points), np.concatenate(diameters)
 
+
+# Pin joints by formula: stress beside the hole of an eye, a round pin's stress.
 
 _FITTED = (0.15, 0.75)  # hole over width for which the lug factor was fitted
 

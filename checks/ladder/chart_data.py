@@ -2,21 +2,13 @@
 
     peaks        cycle -> (n,) MPa, largest von Mises stress at each position
     by           the model of these: "formula", "beam" or "solid"
-    haigh        diagram of the critical point by Goodman's line (checks.ladder.chart_data)
+    haigh        diagram of the critical point by Goodman's line
     fkm          the same by the FKM guideline's
     sn           S-N line and the duty's cycles, of either chain
     column       stress and slenderness as a column (checks.by_formula.column)
-    convergence  the judged stresses on every mesh (checks.ladder.chart_data)
+    convergence  the judged stresses on every mesh
 
 Keys without data are left out; the pages say why.
-
-Plain data of a part's convergence: what is judged, on every mesh, with its error bar.
-
-Plain data of a part's fatigue diagrams: Haigh's by Goodman or FKM, and the S-N line's.
-
-A position of a cycle has no amplitude of its own. What is drawn of it is the swing from one state
-of the deciding pair, the less stressed one, to the state there: amplitude and mean are those of a
-cycle between the two, so that the path passes through the critical point, at the pair's other end.
 """
 
 from collections.abc import Mapping, Sequence
@@ -79,6 +71,9 @@ def _judged(loads: PartLoads, use: FatigueUse | None) -> dict[str, Judged]:
     return static if use is None else static | {"fatigue": use}
 
 
+# Plain data of a part's convergence: what is judged, on every mesh, with its error bar.
+
+
 def convergence_data(
     levels: Sequence[Level], judged: Mapping[str, Judged]
 ) -> dict[str, list[dict[str, Any]]]:
@@ -102,6 +97,13 @@ def convergence_data(
         for kind, what in judged.items()
     }
 
+
+# Plain data of a part's fatigue diagrams: Haigh's by Goodman or FKM, and the S-N line's.
+#
+# A position of a cycle has no amplitude of its own. What is drawn of it is the swing from one
+# state of the deciding pair, the less stressed one, to the state there: amplitude and mean are
+# those of a cycle between the two, so that the path passes through the critical point, at the
+# pair's other end.
 
 _MOST_USED = 300  # points of the cloud
 _MOST_CYCLES = 60  # of a duty that are listed, the most damaging first

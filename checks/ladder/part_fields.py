@@ -1,10 +1,4 @@
-"""Fields of a part at every position for a page: stress, displacement and fatigue by node.
-
-Stress to look at of a part whose checks needed no mesh: one solid of it, which decides nothing.
-
-`ballesta check --fields`: designers want to see where a part is stressed, also where a formula has
-settled its verdict. One mesh is enough for that; it has no error bar, and the page says so.
-"""
+"""Fields of a part at every position for a page: stress, displacement and fatigue by node."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -133,6 +127,11 @@ def _by_fkm(level: Level, use: FkmUse, duty: DutyVerdict) -> NodalUse:
         amplitude[worse], mean[worse] = found.amplitude[higher], found.mean[higher]
     return NodalUse(used, amplitude, mean)
 
+
+# Stress to look at of a part whose checks needed no mesh: one solid of it, which decides nothing.
+#
+# `ballesta check --fields`: designers want to see where a part is stressed, also where a formula
+# has settled its verdict. One mesh is enough for that; it has no error bar, and the page says so.
 
 TO_LOOK_AT = ", to look at"  # ends the names of its fields
 _UNDRAWN = "no mesh to look at: "

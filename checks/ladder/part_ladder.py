@@ -1,9 +1,4 @@
-"""All parts of a design, each by the cheapest models that settle its verdict.
-
-All kinds of checks, and derivations of those by models of stress, after these are made.
-
-A part by the rungs that decided it before, so that a check can be repeated.
-"""
+"""All parts of a design, each by the cheapest models that settle its verdict."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -251,6 +246,9 @@ def told_of_part(design: Design, part: Part) -> Iterator[None]:
 UNKNOWN = "no derivation of this check is known: its numbers are put in as the check has them"
 
 
+# All kinds of checks, and derivations of those by models of stress, after these are made.
+
+
 def known_kinds() -> list[Kind]:
     """Every kind of check: by models of stress, of buckling, and by formula."""
     return [*stress_words.KINDS, ELASTIC, LINKAGE, *by_formula.kinds()]
@@ -332,6 +330,8 @@ def _unknown(check: Check) -> Derivation:
         unproved=UNKNOWN,
     )
 
+
+# A part by the rungs that decided it before, so that a check can be repeated.
 
 _ANEW = "--update-baselines --baseline-fidelity auto chooses the rungs anew"
 

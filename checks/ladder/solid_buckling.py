@@ -1,7 +1,4 @@
-"""Buckling of a part as a solid: its lowest factor, and the surface as it buckles.
-
-Natural frequencies of a part by itself, its pins standing still.
-"""
+"""Buckling of a part as a solid: its lowest factor, and the surface as it buckles."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -96,6 +93,8 @@ def _whole_again(
     )
     return solutions, coefficients
 
+
+# Natural frequencies of a part by itself, its pins standing still.
 
 _COUNT = 2
 

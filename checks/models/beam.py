@@ -2,11 +2,6 @@
 
 Its stress is the rung `formula`'s: over all kinds of checks that lies nearer to solids than a
 frame's, which settled 19 of 512 recorded verdicts on stress, all as the solid does.
-
-At which position a part's frame buckles first, its pins as hinges that let it tilt.
-
-As fem/worst_position.py finds it for solids: modes of a few states judge all positions (Rayleigh
-and Ritz, never above the truth), the position that looks worst is solved, its modes join.
 """
 
 from dataclasses import dataclass, replace
@@ -42,6 +37,12 @@ def model_of(part: Part, loads: PartLoads) -> RungModel | None:
         unknowns=6 * len(solved.frame.nodes),
     )
 
+
+# At which position a part's frame buckles first, its pins as hinges that let it tilt.
+#
+# As fem/worst_position.py finds it for solids: modes of a few states judge all positions
+# (Rayleigh and Ritz, never above the truth), the position that looks worst is solved, its modes
+# join.
 
 _MOST = 6  # positions that are solved
 _PATTERNS = 4  # load states whose modes are taken to begin with

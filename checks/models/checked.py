@@ -1,10 +1,4 @@
-"""Checks of a part by a rung below the solid, with its calibrated bars.
-
-Bores whose arc of contact is not stated: how far a rung's stress there may be exceeded.
-
-Contacts exceed the assumed arcs by a share that solids have in their model band. The bands of the
-rungs were compared with solids on the arcs alone, so they do not have it.
-"""
+"""Checks of a part by a rung below the solid, with its calibrated bars."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -264,6 +258,11 @@ def _of_solids(band: Band, model: RungModel) -> str:
         + (f"; {band.wider}" if band.wider else "")
     )
 
+
+# Bores whose arc of contact is not stated: how far a rung's stress there may be exceeded.
+#
+# Contacts exceed the assumed arcs by a share that solids have in their model band. The bands of
+# the rungs were compared with solids on the arcs alone, so they do not have it.
 
 WORDS = f"model band: {100 * BEYOND_ARCS:g} % more in bores, whose arc is not stated"
 _PRESSURE = " cos 0"  # the unit load that only an interface with a bearing pressure has

@@ -1,7 +1,4 @@
-"""Points of a handbook model: where they are, and of which forces their stress is made.
-
-Names of unit loads, with where each acts, and the units of their coefficients.
-"""
+"""Points of a handbook model: where they are, and of which forces their stress is made."""
 
 from collections.abc import Mapping, Sequence
 
@@ -152,6 +149,8 @@ def sheared(values: FloatArray, component: int = XY) -> FloatArray:
     stress[:, component] = values
     return stress
 
+
+# Names of unit loads, with where each acts, and the units of their coefficients.
 
 _WRENCH = ("F_x", "F_y", "F_z", "M_x", "M_y", "M_z")
 _ACCELERATIONS = {"a_x": "mm/s2", "a_y": "mm/s2", "alpha": "rad/s2", "omega2": "1/s2"}

@@ -1,12 +1,4 @@
-"""A part with its loads, and with what its machine asks of it.
-
-Arcs on which pins may press, from stated fits, for models that do not solve the contact.
-
-With p = E* dR t/F of the largest clearance and force, cosine pressures on arcs from
-129 deg/sqrt(p) to the half circle hold the stress of frictionless contact; below p = 1.2 those from
-120 deg do, or lie above it. Where the arc comes out below 90 deg, the band of an arc that is not
-stated holds it: 90 deg, and a share more in bores (docs/validation.md, Pins in holes).
-"""
+"""A part with its loads, and with what its machine asks of it."""
 
 import dataclasses
 from collections.abc import Mapping, Sequence
@@ -223,6 +215,13 @@ def check_reach(loaded: LoadedPart, interfaces: Mapping[str, Interface]) -> None
             f"{', '.join(stated)}",
         )
 
+
+# Arcs on which pins may press, from stated fits, for models that do not solve the contact.
+#
+# With p = E* dR t/F of the largest clearance and force, cosine pressures on arcs from 129
+# deg/sqrt(p) to the half circle hold the stress of frictionless contact; below p = 1.2 those from
+# 120 deg do, or lie above it. Where the arc comes out below 90 deg, the band of an arc that is
+# not stated holds it: 90 deg, and a share more in bores (docs/validation.md, Pins in holes).
 
 _ARC, _WIDEST, _COMPARED = radians(129), radians(120), radians(90)
 

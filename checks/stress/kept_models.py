@@ -1,8 +1,6 @@
 """Bodies, meshes and unit solutions of a run, from the store where they are in it.
 
 Nothing that solves is imported before it is needed.
-
-Expected time and memory of a part's solids, before they are paid for.
 """
 
 from collections.abc import Iterable, Set
@@ -164,6 +162,8 @@ def stored_mesh(
         return mesh()
     return store.remember("mesh", _PACKAGES, (shape, fineness, sizes), mesh)
 
+
+# Expected time and memory of a part's solids, before they are paid for.
 
 # Memory, measured with CHOLMOD (bench/results.json): 137 628 unknowns with 20 unit loads.
 _UNKNOWNS, _GIBIBYTES, _MEMORY_EXPONENT = 137_628, 1.3, 1.2

@@ -4,13 +4,6 @@ Elements cannot follow the stress at a sharp edge. Williams' fields fitted aroun
 (`fem.notch_intensity`) say what planes through the edge carry half a critical distance away, for
 every unit load; there the edge is judged, and the surface near it is left out of what is judged
 otherwise.
-
-A stress field that is in balance with the loads and spares the sharp edges of a part.
-
-Around its sharp re-entrant edges the part is solved again with a Young's modulus that falls to
-nothing towards the edge, in proportion to the distance. Its stress is finite at the edge, and it
-is in balance with the same loads as the part's own stress: where it stays below yield everywhere, a
-ductile part does not collapse (the lower bound theorem of limit analysis).
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -220,6 +213,13 @@ def _on_planes(fits: Sequence[NotchIntensity], at: float, *, leading: bool) -> F
         ]
     )
 
+
+# A stress field that is in balance with the loads and spares the sharp edges of a part.
+#
+# Around its sharp re-entrant edges the part is solved again with a Young's modulus that falls to
+# nothing towards the edge, in proportion to the distance. Its stress is finite at the edge, and
+# it is in balance with the same loads as the part's own stress: where it stays below yield
+# everywhere, a ductile part does not collapse (the lower bound theorem of limit analysis).
 
 _SHARE_OF_ROOM = 0.6  # within which the modulus falls
 _SIDES = (1.5, 4.8)  # of the first mesh's elements at the edge, at least and at most

@@ -2,8 +2,6 @@
 
 Whatever made the stress, a formula, a beam, a plane model or a solid, it is the same history:
 points x unit loads, and the coefficients of these over the positions.
-
-Where a point of a part is, as an engineer says it: "knee bore, edge at the outer face".
 """
 
 from abc import ABC, abstractmethod
@@ -106,6 +104,8 @@ def judge(
     )
     return Judgement(peak, by_position, verdict)
 
+
+# Where a point of a part is, as an engineer says it: "knee bore, edge at the outer face".
 
 _AT_END = 0.02  # of a surface's depth: how near its end counts as its edge
 _NEAR = 0.005  # of the way between two interfaces: a place as near as that is at one

@@ -4,13 +4,6 @@ The pressure assumed in a bore is taken off the coefficients; what is left says 
 without it. The contact of all bores together is solved at each position, started from what touched
 at the one before, turned with the force, or from Persson's arc about it. fem/contact/superposed.py
 makes stress of it.
-
-Arc and pressure of a pin in the hole of an infinite plate, in closed form.
-
-Frictionless, both of one material: Persson, thesis, Gothenburg 1964; Ciavarella and Decuzzi, Int.
-J. Solids Struct. 38 (2001) 4507. The parameter is E* dR t/F, with dR half the clearance, 1/E* the
-sum of 1/E of both bodies (plane strain: of (1 - nu^2)/E), t the thickness and F the force. In small
-arcs it is Hertz's contact.
 """
 
 from collections.abc import Mapping, Sequence
@@ -284,6 +277,13 @@ def solve_contact(
     """Solve the contact of pins in bores of one part at all positions, as `PartContact` says."""
     return PartContact(harmonics, coefficients, pins).solve()
 
+
+# Arc and pressure of a pin in the hole of an infinite plate, in closed form.
+#
+# Frictionless, both of one material: Persson, thesis, Gothenburg 1964; Ciavarella and Decuzzi,
+# Int. J. Solids Struct. 38 (2001) 4507. The parameter is E* dR t/F, with dR half the clearance,
+# 1/E* the sum of 1/E of both bodies (plane strain: of (1 - nu^2)/E), t the thickness and F the
+# force. In small arcs it is Hertz's contact.
 
 _NARROWEST = 1e-3  # rad
 

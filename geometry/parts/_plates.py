@@ -1,9 +1,4 @@
-"""Plates with holes, which several parts share.
-
-Solids that several parts share.
-
-The outline of a turned part in its (radius, z) half-plane.
-"""
+"""Plates with holes, which several parts share."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -57,6 +52,9 @@ def bore_at(gmsh: Any, x: float, diameter: float) -> list[int]:
     )
 
 
+# Solids that several parts share.
+
+
 def square_tube(
     gmsh: Any, start: float, stop: float, width: float, wall: float, radius: float
 ) -> int:
@@ -74,6 +72,9 @@ def square_tube(
         bore = [(3, occ.addBox(start, -inner / 2, -inner / 2, stop - start, inner, inner))]
     solids, _ = occ.cut([(3, outer)], bore)
     return int(solids[0][1])
+
+
+# The outline of a turned part in its (radius, z) half-plane.
 
 
 @dataclass

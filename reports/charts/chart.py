@@ -1,7 +1,4 @@
-"""A chart as the page takes it: a picture, what it says in words, and the table behind it.
-
-Curves with fewer points, none of which is missed by more than a stated amount.
-"""
+"""A chart as the page takes it: a picture, what it says in words, and the table behind it."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -119,6 +116,8 @@ def plain(named: Mapping[str, Any] | None) -> dict[str, Any]:
     """A mapping that may be missing."""
     return dict(named or {})
 
+
+# Curves with fewer points, none of which is missed by more than a stated amount.
 
 IntArray = npt.NDArray[np.intp]
 

@@ -1,7 +1,4 @@
-"""The charts of a part.
-
-All charts of a design.
-"""
+"""The charts of a part."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -27,6 +24,9 @@ def part_charts(part: PartResult, result: DesignResult) -> Charts:
             convergence_chart(part),
         ]
     )
+
+
+# All charts of a design.
 
 
 @dataclass(frozen=True)

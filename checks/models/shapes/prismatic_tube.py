@@ -1,7 +1,4 @@
-"""Square tubes with loaded end faces, by formula.
-
-Buckling of a long plate at the edge on which it is pressed, where nothing holds that edge.
-"""
+"""Square tubes with loaded end faces, by formula."""
 
 from math import pi
 
@@ -62,6 +59,9 @@ def walls(part: Part, shape: PrismaticTube, loads: PartLoads) -> FloatArray:
 
 
 MODEL = ShapeModel(PrismaticTube, stress, walls=walls)
+
+
+# Buckling of a long plate at the edge on which it is pressed, where nothing holds that edge.
 
 
 def pressed_edge_stress(
