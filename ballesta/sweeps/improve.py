@@ -143,9 +143,7 @@ def _checker(path: Path, overrides: Sequence[str], effort: Effort) -> Verify:
     return checked
 
 
-def _ranked(
-    found: Iterable[Change], harmless: Callable[[Change], Change | None]
-) -> list[Change]:
+def _ranked(found: Iterable[Change], harmless: Callable[[Change], Change | None]) -> list[Change]:
     """The three best for each set of parts, one of them a material if one helps.
 
     Dimensions by mass, the lightest first, then the material. Those for more parts come first.

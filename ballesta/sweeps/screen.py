@@ -203,7 +203,6 @@ class Screening:
         except (DesignError, NumericsError) as error:
             return Screened(overrides=overrides, problem=str(error))
 
-
     def spares(self, part: Part, loads: PartLoads, reserve: float) -> bool:
         """True if a part is as in the design, and its loads leave the half of its reserve."""
         if part != self.design.parts[part.name] or not reserve > 1:
