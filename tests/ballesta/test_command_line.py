@@ -12,6 +12,8 @@ import meshio
 import numpy as np
 import pytest
 
+from ballesta.cli import main
+
 ROOT = Path(__file__).parents[2]
 PRESS = "designs/toggle_press.toml"
 AS_SIZED = "designs/toggle_press_as_sized.toml"
