@@ -8,6 +8,7 @@ from loads.cycle_loads import ContactLoads, CycleLoads
 from loads.dead_centre import PullThrough, pull_through
 from loads.diagnosis import Diagnosis, diagnose, percent, position_text
 from loads.drive import DriveFigures
+from loads.expressions import FUNCTIONS, Apply, Expression, Number, Reading, Term
 from loads.forces import ForceSolution, JointLoad, solve_forces
 from loads.history import LoadHistory
 from loads.joints import (
@@ -38,8 +39,10 @@ from loads.reversals import split_at_reversals
 from loads.turning import RunawayError, StallError, UnsettledError
 
 __all__ = [
+    "FUNCTIONS",
     "GROUND",
     "Angle",
+    "Apply",
     "BeamCompliance",
     "Body",
     "Compliance",
@@ -52,6 +55,7 @@ __all__ = [
     "Diagnosis",
     "Distance",
     "DriveFigures",
+    "Expression",
     "Fixed",
     "Force",
     "ForceSolution",
@@ -73,6 +77,7 @@ __all__ = [
     "Motion",
     "Motor",
     "MotorPace",
+    "Number",
     "Opposing",
     "Pace",
     "Path",
@@ -82,6 +87,7 @@ __all__ = [
     "Pose",
     "Prismatic",
     "PullThrough",
+    "Reading",
     "Revolute",
     "RunawayError",
     "Slot",
@@ -89,6 +95,7 @@ __all__ = [
     "SteadyPace",
     "StrokePace",
     "Table",
+    "Term",
     "UnsettledError",
     "assembly_gap",
     "diagnose",

@@ -1,10 +1,11 @@
-"""Laws of given forces: constant, along a table, against the motion, or as a contact."""
+"""Laws of given forces: constant, a table, a formula, against the motion, or a contact."""
 
 from dataclasses import dataclass
 from itertools import pairwise
 from math import isfinite
 
 from loads.bodies import LinkageError
+from loads.expressions import Expression
 from loads.joints import Coordinate
 
 
@@ -95,4 +96,4 @@ class Opposing:
                 raise LinkageError(f"the speeds of a table must rise: {before:g}, then {after:g}")
 
 
-Law = float | Table | Opposing | Contact
+Law = float | Table | Expression | Opposing | Contact
