@@ -1,6 +1,7 @@
 """Loads of any planar linkage of one degree of freedom over its cycle, part by part."""
 
 from loads.assembly import assembly_gap
+from loads.blows import Blow, JointImpulse, blow
 from loads.bodies import GROUND, Body, LinkageError, Pose
 from loads.compliance import BeamCompliance, Compliance, JointCompliance, MatrixCompliance
 from loads.cycle import CycleError, run_at_rates, run_cycle, try_cycle
@@ -44,6 +45,7 @@ __all__ = [
     "Angle",
     "Apply",
     "BeamCompliance",
+    "Blow",
     "Body",
     "Compliance",
     "Contact",
@@ -64,6 +66,7 @@ __all__ = [
     "Geometry",
     "Joint",
     "JointCompliance",
+    "JointImpulse",
     "JointLoad",
     "Kinematics",
     "Law",
@@ -98,6 +101,7 @@ __all__ = [
     "Term",
     "UnsettledError",
     "assembly_gap",
+    "blow",
     "diagnose",
     "forces_again",
     "move",

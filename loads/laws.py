@@ -43,12 +43,14 @@ class Contact:
     side       1: touches below `at` and pushes the coordinate up; -1: above, and down
     stops      the body that is pushed follows the contact while it touches: stopped by a rigid one,
                slowed by one that gives way less than the linkage. Only a body that slides can be.
+    restitution  speed after over speed before a blow; None: not known. Blows alone know it.
     """
 
     at: float
     stiffness: float | None = None
     side: int = 1
     stops: bool = True
+    restitution: float | None = None
 
     def __post_init__(self) -> None:
         if not isfinite(self.at):
@@ -57,6 +59,8 @@ class Contact:
             raise LinkageError(f"the stiffness of a contact must be above 0, got {self.stiffness}")
         if self.side not in (1, -1):
             raise LinkageError(f"the side of a contact must be 1 or -1, got {self.side}")
+        if self.restitution is not None and not 0.0 <= self.restitution <= 1.0:
+            raise LinkageError(f"restitution goes from 0 to 1, got {self.restitution:g}")
 
 
 @dataclass(frozen=True)

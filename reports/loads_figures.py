@@ -197,6 +197,57 @@ class ContactSummary:
 
 
 @dataclass(frozen=True)
+class JointBlow:
+    """Impulse of a joint on the body `on` in a blow without rebound: N s, N mm s, ground axes."""
+
+    name: str
+    on: str
+    x: float
+    y: float
+    couple: float
+
+
+@dataclass(frozen=True)
+class BlowSummary:
+    """A contact that is met at a speed; pairs go with the least and the largest restitution.
+
+    stated         True where the design states the restitution
+    at, phase      shown position and phase; time s
+    speed          mm/s before, of the contact's coordinate
+    mass           t, that the contact meets; infinite where the drive holds rigid bodies' speed
+    impulse        N s on the contact; energy N mm that is lost
+    joints         impulses in the joints without rebound
+    open           joints that pass none on, as something gives way there
+    rigid_mass     t, that the contact would meet if nothing gave way
+    drive_struck   True if the drive's own inertia is in the blow; drive_stated: it is known
+    per_minute     None where the cycle does not end as it begins
+    """
+
+    force: str
+    stated: bool
+    restitution: tuple[float, float]
+    at: float
+    phase: str
+    time: float
+    speed: float
+    mass: float
+    impulse: tuple[float, float]
+    energy: tuple[float, float]
+    joints: tuple[JointBlow, ...]
+    open: tuple[str, ...]
+    rigid_mass: float
+    drive_struck: bool
+    drive_stated: bool
+    per_minute: float | None
+
+    @property
+    def rebound(self) -> tuple[float, float]:
+        """Speeds after, mm/s."""
+        low, high = self.restitution
+        return low * self.speed, high * self.speed
+
+
+@dataclass(frozen=True)
 class ShownPhase:
     """A phase in words: from and to as shown, which force it solves for, the law of the others."""
 

@@ -112,7 +112,8 @@ def _contact(
     stops = entry.stops if entry.stops is not None else not apart
     # along its own direction, a force that points down has the coordinate -y; between two points
     # the contact pushes them apart when they come closer than `at`
-    return loads.Contact(sum(direction) * entry.at.value, entry.stiffness, 1, stops)
+    place = sum(direction) * entry.at.value
+    return loads.Contact(place, entry.stiffness, 1, stops, entry.restitution)
 
 
 def _opposing(

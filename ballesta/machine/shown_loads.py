@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 
 import loads
+from ballesta.machine.blows import blows_of
 from ballesta.machine.motor_figures import motor_figures
 from checks.design.data import Cycle, Design
 from checks.part.part_loads import shown_name, shown_of, shown_position
@@ -33,6 +34,7 @@ def shown_cycle(design: Design, cycle: loads.CycleLoads) -> ShownCycle:
         available=design.available,
         allowed_irregularity=design.drive.irregularity or EVEN,
         stated=_contacts(cycle.linkage, stated.run),
+        blows=blows_of(design, cycle),
     )
 
 

@@ -331,29 +331,28 @@ class ContactLaw(Table):
         description="true, the default for a force on a body: the body stands still along the "
         "force while it touches",
     )
+    restitution: Annotated[Number, Field(ge=0, le=1)] | None = Field(
+        None,
+        description="speed after over speed before a blow, 0 without rebound; without it blows are "
+        "told from 0 to 1",
+    )
 
 
 def _kind_of_law(value: object) -> str:
-    if isinstance(value, Mapping):
-        keys = [str(key) for key in value if key not in TableLaw.model_fields]
-        for tag, law in (
-            ("<contact>", ContactLaw),
-            ("<against motion>", OpposingLaw),
-            ("<piston>", PistonLaw),
-            ("<expression>", ExpressionLaw),
-        ):
-            own = set(law.model_fields) - set(TableLaw.model_fields)
-            if any(nearest(key, own) for key in keys):
-                return tag
-        return "<table>"
-    laws = {
-        ContactLaw: "<contact>",
-        OpposingLaw: "<against motion>",
-        PistonLaw: "<piston>",
-        ExpressionLaw: "<expression>",
-        TableLaw: "<table>",
+    laws: dict[str, type[Table]] = {
+        "<contact>": ContactLaw,
+        "<against motion>": OpposingLaw,
+        "<piston>": PistonLaw,
+        "<expression>": ExpressionLaw,
+        "<table>": TableLaw,
     }
-    return next((tag for law, tag in laws.items() if isinstance(value, law)), "<value>")
+    if isinstance(value, Mapping):
+        owners = {key: tag for tag, law in reversed(laws.items()) for key in law.model_fields}
+        owners |= dict.fromkeys(TableLaw.model_fields, "<table>")
+        near = [nearest(str(key), owners) for key in value]
+        found = {owners[key] for key in near if key is not None}
+        return next((tag for tag in laws if tag in found), "<table>")
+    return next((tag for tag, law in laws.items() if isinstance(value, law)), "<value>")
 
 
 LawEntry = Annotated[
