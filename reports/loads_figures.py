@@ -209,14 +209,17 @@ class JointBlow:
 
 @dataclass(frozen=True)
 class BlowSummary:
-    """A contact that is met at a speed; pairs go with the least and the largest restitution.
+    """A contact that is met at a speed.
 
+    restitution    least and largest that it may have
     stated         True where the design states the restitution
     at, phase      shown position and phase; time s
     speed          mm/s before, of the contact's coordinate
-    mass           t, that the contact meets; infinite where the drive holds rigid bodies' speed
-    impulse        N s on the contact; energy N mm that is lost
-    joints         impulses in the joints without rebound
+    mass           t, that the contact meets: with what gives way open, and as if rigid where that
+                   is about as stiff as what is struck; infinite where the drive holds the speed
+    impulse        N s on the contact, the least and the largest; energy N mm that is lost, with
+                   the largest mass and least restitution, and the other way round
+    joints         impulses in the joints without rebound; none where they are not known
     open           joints that pass none on, as something gives way there
     rigid_mass     t, that the contact would meet if nothing gave way
     drive_struck   True if the drive's own inertia is in the blow; drive_stated: it is known
@@ -230,7 +233,7 @@ class BlowSummary:
     phase: str
     time: float
     speed: float
-    mass: float
+    mass: tuple[float, float]
     impulse: tuple[float, float]
     energy: tuple[float, float]
     joints: tuple[JointBlow, ...]

@@ -150,17 +150,14 @@ def blow_sentence(blow: BlowSummary, cycle: ShownCycle) -> str:
         f"{brief(blow.force, 30)} at {brief(cycle.shown_name, 20)} = {place_text(blow.at)} "
         f"{cycle.unit}{phase}: "
     )
-    if not isfinite(blow.mass):
-        return (
-            f"{said}no bound of the impulse, as the drive holds its speed and nothing gives way "
-            "between"
-        )
-    if blow.mass <= 0.0:
+    if not isfinite(blow.impulse[1]):
+        return f"{said}no bound of the impulse, as the drive holds its speed behind rigid bodies"
+    if blow.mass[1] <= 0.0:
         return f"{said}nothing that has a mass strikes"
     rest = blow.restitution[0]
     basis = f"restitution {rest:g}" if blow.stated else "restitution 0 ... 1, none is stated"
     said += (
-        f"{number(blow.mass * 1e3)} kg strike at {number(blow.speed)} mm/s ({basis}): impulse "
+        f"{_from_to(blow.mass, 1e3)} kg strike at {number(blow.speed)} mm/s ({basis}): impulse "
         f"{_from_to(blow.impulse)} N s, {_from_to(blow.energy, 1e-3)} J lost, rebound at "
         f"{_from_to(blow.rebound)} mm/s"
     )
@@ -170,7 +167,13 @@ def blow_sentence(blow: BlowSummary, cycle: ShownCycle) -> str:
         joints = ", ".join(brief(name, 20) for name in blow.open)
         rigid = f"{number(blow.rigid_mass * 1e3)} kg" if isfinite(blow.rigid_mass) else "no bound"
         rigid = rigid if blow.drive_stated else f"at least {rigid}"
-        said += f"; {joints} give way and pass nothing on ({rigid} if the linkage were rigid)"
+        if blow.mass[1] > blow.mass[0]:
+            said += (
+                f"; {joints} give way about as what is struck does, so that anything up to the "
+                f"rigid linkage ({rigid}) may strike, and impulses of joints are not known"
+            )
+        else:
+            said += f"; {joints} give way and pass nothing on ({rigid} if the linkage were rigid)"
     if blow.drive_struck and not blow.drive_stated:
         said += "; the drive's own inertia is not stated and adds to it (drive.flywheel)"
     least = _NO_IMPULSE * max(blow.impulse)
@@ -180,7 +183,9 @@ def blow_sentence(blow: BlowSummary, cycle: ShownCycle) -> str:
         for joint in blow.joints
         if hypot(joint.x, joint.y, joint.couple) > least
     ]
-    said += f"; joints, without rebound: {', '.join(taken)}" if taken else "; no joint takes any"
+    if blow.joints:
+        told = f"joints, without rebound: {', '.join(taken)}" if taken else "no joint takes any"
+        said += f"; {told}"
     return f"{said}; an impulse is no force: its peak is not computed"
 
 

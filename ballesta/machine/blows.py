@@ -6,28 +6,32 @@ from math import inf, isinf
 import numpy as np
 
 import loads
-from checks.design.data import Cycle, Design
+from checks.design.data import Design
 from checks.part.part_loads import shown_position
 from checks.result.words import brief, number
 from reports.loads_figures import BlowSummary, JointBlow
 
 _MINUTE = 60.0  # s
+_SOFT = (
+    0.9  # share of the linkage in the way of both: above it a blow is over before it pushes back
+)
 
 
 def blows_of(design: Design, cycle: loads.CycleLoads) -> list[BlowSummary]:
     """Every blow of a solved cycle, in the order in which they come.
 
     A contact that appears with a phase, or in which a cycle begins, is not met on the way and no
-    blow.
+    blow; nor is one that comes into touch by a deflection while it goes away.
     """
     stated = design.cycles[cycle.name]
     shown = shown_position(stated, cycle.positions)
-    found = [
-        _summary(design, stated, cycle, name, k, float(shown[k]))
-        for name, contact in cycle.contacts.items()
-        for k in contact.begins.tolist()
-        if np.isfinite(cycle.touches[name].gap[k])
-    ]
+    found = []
+    for name, contact in cycle.contacts.items():
+        for k in contact.begins.tolist():
+            law = stated.run.phases[int(cycle.phase_of[k + 1])].given[name]
+            assert isinstance(law, loads.Contact)
+            if np.isfinite(cycle.touches[name].gap[k]) and law.side * contact.rate[k] < 0.0:
+                found.append(_summary(design, cycle, name, law, k, float(shown[k])))
     return sorted(found, key=lambda one: one.time)
 
 
@@ -41,7 +45,7 @@ def blow_subject(design: Design, solved: Mapping[str, loads.CycleLoads]) -> str:
     if not blows:
         return ""
     name, blow = max(blows, key=lambda one: one[1].impulse[1])
-    if isinf(blow.mass):
+    if isinf(blow.impulse[1]):
         said = "no bound of its impulse"
     else:
         energy = number(blow.energy[0] * 1e-3)
@@ -50,11 +54,9 @@ def blow_subject(design: Design, solved: Mapping[str, loads.CycleLoads]) -> str:
 
 
 def _summary(
-    design: Design, stated: Cycle, cycle: loads.CycleLoads, force: str, k: int, at: float
+    design: Design, cycle: loads.CycleLoads, force: str, law: loads.Contact, k: int, at: float
 ) -> BlowSummary:
-    law = stated.run.phases[int(cycle.phase_of[k + 1])].given[force]
-    assert isinstance(law, loads.Contact)
-    driven, inertia, known = _driven(design, stated.run.pace)
+    driven, inertia, known = _driven(design, design.cycles[cycle.name].run.pace)
 
     def struck(inertia: float, rigid: bool) -> loads.Blow:
         return loads.blow(
@@ -62,6 +64,10 @@ def _summary(
         )
 
     blow = struck(inertia, False)
+    rigid = struck(inertia, True).mass if blow.open else blow.mass
+    stiff = bool(blow.open) and cycle.contacts[force].held[k + 1] < _SOFT
+    largest = rigid if stiff else blow.mass
+    more = largest / blow.mass if blow.mass > 0.0 and not isinf(blow.mass) else 1.0
     low, high = (0.0, 1.0) if law.restitution is None else (law.restitution,) * 2
     closed = cycle.drive(cycle.linkage.forces[0].name).closed
     return BlowSummary(
@@ -72,9 +78,9 @@ def _summary(
         phase=cycle.phases[int(cycle.phase_of[k])],
         time=float(cycle.times[k]),
         speed=blow.speed,
-        mass=blow.mass,
-        impulse=(blow.impulse(low), blow.impulse(high)),
-        energy=(blow.energy(low), blow.energy(high)),
+        mass=(blow.mass, largest),
+        impulse=(blow.impulse(low), more * blow.impulse(high)),
+        energy=(more * blow.energy(low), blow.energy(high)),
         joints=tuple(
             JointBlow(
                 joint.name,
@@ -84,11 +90,11 @@ def _summary(
                 blow.joints[joint.name].couple,
             )
             for joint in cycle.linkage.joints
-            if joint.name in blow.joints
+            if joint.name in blow.joints and not stiff
         ),
         open=blow.open,
-        rigid_mass=struck(inertia, True).mass if blow.open else blow.mass,
-        drive_struck=struck(inf, False).mass != blow.mass or isinf(blow.mass),
+        rigid_mass=rigid,
+        drive_struck=struck(inf, stiff).mass != largest or isinf(largest),
         drive_stated=known,
         per_minute=_MINUTE / float(cycle.times[-1]) if closed else None,
     )
