@@ -6,9 +6,10 @@ coordinate,
 
     M (v+ - v-) = J' reactions + g impulse,   J v+ = 0,   g v+ = -e g v-
 
-(Nikravesh, Planar Multibody Dynamics, ch. 8, integrated over the moment; e is Newton's coefficient
-of restitution). Within the motions that J leaves, the mass that the contact meets is
-m = 1 / (g M^-1 g'), the impulse (1 + e) m v, and m v^2 (1 - e^2) / 2 of kinetic energy is lost.
+(the equations of `loads/forces.py`, integrated over the moment; e is the speed of the contact's
+coordinate after over its speed before). Within the motions that J leaves, the mass that the contact
+meets is m = 1 / (g M^-1 g'), the impulse (1 + e) m v, and m v^2 (1 - e^2) / 2 of kinetic energy is
+lost.
 
 Springs push with finite forces: what gives way passes no impulse on. A joint that is elastic, or on
 an elastic body, is open in that moment, and the blow stays with the bodies that are joined rigidly
@@ -157,7 +158,7 @@ def _open_joints(linkage: Linkage) -> tuple[str, ...]:
 def _struck(
     linkage: Linkage, kinematics: Kinematics, coordinate: Coordinate, open_: Sequence[str]
 ) -> tuple[list[int], list[int]]:
-    """Constraints and coordinates of the bodies that the blow reaches, without the ground."""
+    """Constraints of closed joints, and coordinates of the bodies that the blow reaches."""
     reached = [body for body in coordinate.bodies if body != GROUND]
     closed = [joint for joint in linkage.joints if joint.name not in open_]
     for body in reached:
@@ -168,14 +169,10 @@ def _struck(
     rows = [
         row
         for joint in closed
-        if {joint.body_a, joint.body_b} & set(reached)
         for row in range(kinematics.n_constraints)[kinematics.rows[joint.name]]
     ]
-    first = [
-        3 * (kinematics.index[body] - 1)
-        for body in sorted(reached, key=lambda name: kinematics.index[name])
-    ]
-    return rows, [start + i for start in first for i in range(3)]
+    numbers = sorted(kinematics.index[body] - 1 for body in reached)
+    return rows, [3 * number + i for number in numbers for i in range(3)]
 
 
 def _own(vector: FloatArray, own: Sequence[int]) -> FloatArray:

@@ -133,7 +133,7 @@ def _coordinates(term: Term) -> list[Coordinate]:
 
 
 def _divisors(term: Term) -> Iterator[Term]:
-    """What a formula divides by: also below a power under 0, and the cosine of a tangent."""
+    """Divisors of a formula: also below a power under 0, and the cosine of a tangent."""
     for part in _parts(term):
         match part:
             case Apply("/", (_, below)):

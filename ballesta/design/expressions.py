@@ -57,7 +57,7 @@ class _Value:
 
 
 class _WrongError(ValueError):
-    """What is wrong with a formula; "" where it was told already."""
+    """A fault of a formula, in words; "" where it was told already."""
 
 
 def expression_of(

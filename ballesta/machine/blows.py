@@ -12,9 +12,7 @@ from checks.result.words import brief, number
 from reports.loads_figures import BlowSummary, JointBlow
 
 _MINUTE = 60.0  # s
-_SOFT = (
-    0.9  # share of the linkage in the way of both: above it a blow is over before it pushes back
-)
+_SOFT = 0.9  # share of the linkage in the compliance of both, above which it pushes back too late
 
 
 def blows_of(design: Design, cycle: loads.CycleLoads) -> list[BlowSummary]:
