@@ -43,12 +43,11 @@ def blow_subject(design: Design, solved: Mapping[str, loads.CycleLoads]) -> str:
     if not blows:
         return ""
     name, blow = max(blows, key=lambda one: one[1].impulse[1])
-    if isinf(blow.impulse[1]):
-        said = "no bound of its impulse"
-    else:
+    said = "without a bound of its impulse"
+    if not isinf(blow.impulse[1]):
         energy = number(blow.energy[0] * 1e-3)
-        said = f"up to {number(blow.impulse[1])} N s, {energy} J a blow"
-    return f"impact, {brief(blow.force, 20)}: {said} ({brief(name, 20)}); its force is unknown"
+        said = f"of up to {number(blow.impulse[1])} N s and {energy} J a blow"
+    return f"impact {said} on {brief(blow.force, 20)}, in {brief(name, 20)}; its force is unknown"
 
 
 def _summary(

@@ -91,8 +91,8 @@ def test_the_blow_of_the_hammer_is_its_rams_and_the_leaves_pass_nothing_on():
     assert energies["at_10_work_10"] > 3 * energies["at_5_work_10"]
     subject = blow_subject(design, solved)
     assert re.fullmatch(
-        r"impact, workpiece: up to \d\d\.\d N s, \d+\.?\d* J a blow \(at_\d+_work_\d+\); its force "
-        "is unknown",
+        r"impact of up to \d\d\.\d N s and \d+\.?\d* J a blow on workpiece, in at_10_work_20; its "
+        "force is unknown",
         subject,
     )
 
@@ -102,7 +102,7 @@ def test_what_is_not_checked_has_the_heaviest_blow_and_its_force_is_not_known(tm
     solved = solve_cycles(design, {})
     machine = MachineRuns({}, solved, {}, solved, {}, [])
     first, second, *rest = _not_checked(design, machine)
-    assert first.startswith("impact, stop: up to ")
+    assert first.startswith("impact of up to 2.76 N s and 0.354 J a blow on stop, in run; ")
     assert second == "any speed change within a cycle"
     assert tuple(rest) == NOT_CHECKED
     still = MachineRuns({}, {}, {}, {}, {}, [])
