@@ -14,6 +14,7 @@ from ballesta.machine.runs import MachineRuns
 from ballesta.machine.solved_cycles import solve_cycles
 from ballesta.pipeline import NOT_CHECKED, _not_checked
 from checks.design.errors import DesignError
+from reports.loads_page import loads_html
 from reports.loads_text import loads_text
 
 ROOT = Path(__file__).parents[3]
@@ -43,6 +44,8 @@ def test_the_page_tells_what_its_design_gives(tmp_path):
     told = loads_text(loads_of_file(stop_design(tmp_path)), 120)
     (line,) = re.findall(r"^blow .*(?:\n {9}.*)*", told, re.MULTILINE)
     assert line in PAGE.read_text()
+    page = loads_html(loads_of_file(stop_design(tmp_path)))
+    assert "<li>Blow of stop at crank.angle = 140.55 deg: 5.80 kg strike at 366 mm/s" in page
 
 
 def test_a_stop_of_a_slider_crank_takes_all_its_energy_by_hand(tmp_path):
