@@ -198,7 +198,7 @@ class ContactSummary:
 
 @dataclass(frozen=True)
 class JointBlow:
-    """Impulse of a joint on the body `on` in a blow without rebound: N s, N mm s, ground axes."""
+    """Impulse of a joint on the body `on` in a blow: N s, N mm s, axes of the ground."""
 
     name: str
     on: str
@@ -219,7 +219,7 @@ class BlowSummary:
                    is about as stiff as what is struck; infinite where the drive holds the speed
     impulse        N s on the contact, the least and the largest; energy N mm that is lost, with
                    the largest mass and least restitution, and the other way round
-    joints         impulses in the joints without rebound; none where they are not known
+    joints         impulses in the joints with the largest restitution; none: not known
     open           joints that pass none on, as something gives way there
     rigid_mass     t, that the contact would meet if nothing gave way
     drive_struck   True if the drive's own inertia is in the blow; drive_stated: it is known

@@ -184,8 +184,8 @@ def blow_sentence(blow: BlowSummary, cycle: ShownCycle) -> str:
         if hypot(joint.x, joint.y, joint.couple) > least
     ]
     if blow.joints:
-        told = f"joints, without rebound: {', '.join(taken)}" if taken else "no joint takes any"
-        said += f"; {told}"
+        most = "" if blow.stated else " take up to"
+        said += f"; joints{most}: {', '.join(taken)}" if taken else "; no joint takes any"
     return f"{said}; an impulse is no force: its peak is not computed"
 
 

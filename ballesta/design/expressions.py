@@ -117,7 +117,7 @@ def _check_result(force: str, wanted: str, powers: Powers | None) -> None:
     kind = "torque" if wanted == "moment" else "force"
     hint = ""
     if {**powers, "radian": 0} == {**own, "radian": 0}:
-        hint = '; what is times an angle is stated for each rad, such as "60 mm/rad"'
+        hint = '; a factor of an angle is stated for each rad, such as "60 mm/rad"'
     raise _WrongError(
         f"must come out as {DIMENSIONS[wanted].title}, as {force} is a {kind}; "
         f"it is {title_of(powers)}{hint}"

@@ -82,9 +82,9 @@ def _summary(
             JointBlow(
                 joint.name,
                 joint.body_b,
-                float(blow.joints[joint.name].force[0]),
-                float(blow.joints[joint.name].force[1]),
-                blow.joints[joint.name].couple,
+                (1.0 + high) * float(blow.joints[joint.name].force[0]),
+                (1.0 + high) * float(blow.joints[joint.name].force[1]),
+                (1.0 + high) * blow.joints[joint.name].couple,
             )
             for joint in cycle.linkage.joints
             if joint.name in blow.joints and not stiff

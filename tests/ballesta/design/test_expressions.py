@@ -98,7 +98,7 @@ def test_constants_may_be_set(tmp_path):
 REFUSED = {
     "force and length": (formula("F + gas.length", F="1 N"), r"expression: F \+ gas\.length puts a force and a length together"),
     "a moment": (formula("F * gas.length", F="1 N"), r"expression: must come out as a force, as gas is a force; it is a moment"),
-    "an arc": (formula("k * L * crank.angle", k="1 N/mm", L="1 mm"), r"it is .*; what is times an angle is stated for each rad, such as \"60 mm/rad\""),
+    "an arc": (formula("k * L * crank.angle", k="1 N/mm", L="1 mm"), r"it is .*; a factor of an angle is stated for each rad, such as \"60 mm/rad\""),
     "sine of a number": (formula("F * sin(30)", F="1 N"), r"sin takes an angle, 30 is a plain number"),
     "exponential of a length": (formula("F * exp(gas.length)", F="1 N"), r"exp takes a plain number, gas\.length is a length"),
     "exponent with a unit": (formula("F ** gas.length", F="1 N"), r"an exponent must be a plain number, and gas\.length is not"),

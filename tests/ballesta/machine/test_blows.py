@@ -154,10 +154,13 @@ def test_a_flywheel_strikes_too_and_a_drive_that_holds_its_speed_has_no_bound(tm
 def test_without_restitution_both_ends_are_told(tmp_path):
     file = stop_design(tmp_path, (", restitution = 0.3", ""))
     (blow,) = struck(file)
+    told = " ".join(loads_text(loads_of_file(file), 200).split())
     assert blow.restitution == (0.0, 1.0)
     assert blow.impulse[1] == pytest.approx(2 * blow.impulse[0])
     assert (blow.energy[1], blow.rebound) == (0.0, (0.0, pytest.approx(blow.speed)))
-    told = " ".join(loads_text(loads_of_file(file), 200).split())
+    (stated,) = struck(stop_design(tmp_path))
+    for own, other in zip(blow.joints, stated.joints, strict=True):
+        assert (own.x, own.y) == pytest.approx((2.0 / 1.3 * other.x, 2.0 / 1.3 * other.y))
     assert "(restitution 0 ... 1, none is stated)" in told
     assert "the drive's own inertia is not stated and adds to it" in told
 
