@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import loads
 from checks.design.errors import Problems
 from checks.design.model import DesignFile
-from checks.design.names import listed, no_such
+from checks.design.names import listed, nearest, no_such
 
 
 def coordinate_of(
@@ -26,10 +26,12 @@ def coordinate_of(
         "length": ("force between two points", pulling),
     }
     if what not in kinds or not name:
+        guess = nearest(what, kinds) if name else None
+        hint = f", did you mean {name}.{guess}?" if guess else ""
         problems.add(
             key,
             "must be <point>.x, <point>.y, <body>.angle or <force>.length, "
-            f'got "{text}"; points {listed(pins)}; bodies {listed(file.bodies)}; '
+            f'got "{text}"{hint}; points {listed(pins)}; bodies {listed(file.bodies)}; '
             f"forces {listed(pulling)}",
         )
         return None

@@ -9,11 +9,19 @@ from itertools import islice, pairwise
 import loads
 from ballesta.design.coordinates import coordinate_of, dimension_along
 from ballesta.design.csv_columns import MOST_ROWS
+from ballesta.design.expressions import expression_of
 from ballesta.design.files import Sources
 from ballesta.design.forces import dimension_of, wrong_dimension
 from checks.design.errors import DesignError, Problems
 from checks.design.model import DesignFile
-from checks.design.tables import ContactLaw, ForceEntry, OpposingLaw, PistonLaw, TableLaw
+from checks.design.tables import (
+    ContactLaw,
+    ExpressionLaw,
+    ForceEntry,
+    OpposingLaw,
+    PistonLaw,
+    TableLaw,
+)
 from checks.design.units import DIMENSIONS, Measured, measure
 from checks.result.words import brief
 
@@ -26,7 +34,7 @@ _EXAMPLES = {
 def law_of(
     key: str,
     force: str,
-    entry: Measured | TableLaw | PistonLaw | OpposingLaw | ContactLaw,
+    entry: Measured | TableLaw | PistonLaw | ExpressionLaw | OpposingLaw | ContactLaw,
     file: DesignFile,
     forces: Mapping[str, loads.Force],
     sources: Sources,
@@ -40,6 +48,8 @@ def law_of(
         return _contact(key, forces[force], entry, file, problems) if force in forces else None
     if isinstance(entry, OpposingLaw):
         return _opposing(key, force, entry, stated, problems)
+    if isinstance(entry, ExpressionLaw):
+        return expression_of(key, force, entry, file, forces, problems)
     if isinstance(entry, PistonLaw):
         return _piston(key, force, entry, file, forces, sources, problems)
     return _table(key, force, entry, file, forces, sources, problems)
@@ -102,7 +112,8 @@ def _contact(
     stops = entry.stops if entry.stops is not None else not apart
     # along its own direction, a force that points down has the coordinate -y; between two points
     # the contact pushes them apart when they come closer than `at`
-    return loads.Contact(sum(direction) * entry.at.value, entry.stiffness, 1, stops)
+    place = sum(direction) * entry.at.value
+    return loads.Contact(place, entry.stiffness, 1, stops, entry.restitution)
 
 
 def _opposing(
