@@ -23,6 +23,25 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
+
+def _version(asked: bool) -> None:
+    if asked:
+        from ballesta.pipeline import versions
+
+        print(*(f"{name} {number}" for name, number in versions().items()), sep="\n")
+        raise typer.Exit
+
+
+@app.callback()
+def _main(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_version, is_eager=True, help="print versions and exit"),
+    ] = False,
+) -> None:
+    """Options of the command line itself."""
+
+
 Designs = Annotated[list[Path], typer.Argument(metavar="DESIGN...", help="design files (TOML)")]
 OneDesign = Annotated[Path, typer.Argument(metavar="DESIGN", help="a design file (TOML)")]
 Fields = Annotated[

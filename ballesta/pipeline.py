@@ -15,6 +15,7 @@ import loads
 from ballesta.design.read import read_design
 from ballesta.design.step_parts import told_of_steps
 from ballesta.machine.balance import balance_gates, not_measured
+from ballesta.machine.blows import blow_subject
 from ballesta.machine.drive_speed import speed_assumptions, speed_warnings
 from ballesta.machine.motion import motions_of
 from ballesta.machine.quasi_static import assumptions_of, quasi_static_gates
@@ -174,7 +175,11 @@ def _frame(
             *design_warnings(design, machine.masses, machine.all),
             *_load_factor_warnings(design),
         ],
-        not_checked=(*_not_checked(design), *_not_checked_here(design), *not_measured(design)),
+        not_checked=(
+            *_not_checked(design, machine),
+            *_not_checked_here(design),
+            *not_measured(design),
+        ),
         assumed=(
             *design.assumed,
             *_assumed_here(design),
@@ -239,10 +244,13 @@ def _linkage_share(design: Design, runs: Runs, motions: FreeMotions) -> float:
     return 0.0 if mode is None else linkage_check(design, mode.under(design.load_factor)).value
 
 
-def _not_checked(design: Design) -> tuple[str, ...]:
+def _not_checked(design: Design, machine: MachineRuns) -> tuple[str, ...]:
     """Effects that no check of a design knows."""
-    first = "impact" if design.drive.motor else "impact and any speed change within a cycle"
-    return (first, *NOT_CHECKED)
+    blow = blow_subject(design, machine.rigid)
+    changes = "any speed change within a cycle"
+    if design.drive.motor:
+        return (blow or "impact", *NOT_CHECKED)
+    return ((blow, changes) if blow else (f"impact and {changes}",)) + NOT_CHECKED
 
 
 def _not_checked_here(design: Design) -> list[str]:

@@ -1,6 +1,7 @@
 """Loads of any planar linkage of one degree of freedom over its cycle, part by part."""
 
 from loads.assembly import assembly_gap
+from loads.blows import Blow, JointImpulse, blow
 from loads.bodies import GROUND, Body, LinkageError, Pose
 from loads.compliance import BeamCompliance, Compliance, JointCompliance, MatrixCompliance
 from loads.cycle import CycleError, run_at_rates, run_cycle, try_cycle
@@ -8,6 +9,7 @@ from loads.cycle_loads import ContactLoads, CycleLoads
 from loads.dead_centre import PullThrough, pull_through
 from loads.diagnosis import Diagnosis, diagnose, percent, position_text
 from loads.drive import DriveFigures
+from loads.expressions import FUNCTIONS, Apply, Expression, Number, Reading, Term
 from loads.forces import ForceSolution, JointLoad, solve_forces
 from loads.history import LoadHistory
 from loads.joints import (
@@ -38,9 +40,12 @@ from loads.reversals import split_at_reversals
 from loads.turning import RunawayError, StallError, UnsettledError
 
 __all__ = [
+    "FUNCTIONS",
     "GROUND",
     "Angle",
+    "Apply",
     "BeamCompliance",
+    "Blow",
     "Body",
     "Compliance",
     "Contact",
@@ -52,6 +57,7 @@ __all__ = [
     "Diagnosis",
     "Distance",
     "DriveFigures",
+    "Expression",
     "Fixed",
     "Force",
     "ForceSolution",
@@ -60,6 +66,7 @@ __all__ = [
     "Geometry",
     "Joint",
     "JointCompliance",
+    "JointImpulse",
     "JointLoad",
     "Kinematics",
     "Law",
@@ -73,6 +80,7 @@ __all__ = [
     "Motion",
     "Motor",
     "MotorPace",
+    "Number",
     "Opposing",
     "Pace",
     "Path",
@@ -82,6 +90,7 @@ __all__ = [
     "Pose",
     "Prismatic",
     "PullThrough",
+    "Reading",
     "Revolute",
     "RunawayError",
     "Slot",
@@ -89,8 +98,10 @@ __all__ = [
     "SteadyPace",
     "StrokePace",
     "Table",
+    "Term",
     "UnsettledError",
     "assembly_gap",
+    "blow",
     "diagnose",
     "forces_again",
     "move",

@@ -1,4 +1,4 @@
-"""Forces that follow laws: tables over the motion, and contacts that the elastic linkage settles.
+"""Forces that follow laws over the motion, and contacts that the elastic linkage settles.
 
 A contact pushes with F = max(0, k (at - coordinate)), with the coordinate of the deflected linkage:
 its rigid value plus the deflection delta(F) that all loads together cause. F and delta are
@@ -13,6 +13,7 @@ import numpy as np
 
 from loads.bodies import BoolArray, FloatArray, LinkageError
 from loads.elasticity import LoadState, deflection
+from loads.expressions import Expression, expressed
 from loads.forces import ForceSolution, solve_forces, unit_forces
 from loads.joints import Fixed, Force, PointCoordinate, in_words
 from loads.kinematics import dot, unit
@@ -76,6 +77,8 @@ def _sorted(
                 contacts[name] = law
             case Table():
                 given[name] = _tabled(motion, name, law)
+            case Expression():
+                given[name] = expressed(motion, name, law)
             case Opposing():
                 given[name] = opposing(motion, name, law)
             case _:

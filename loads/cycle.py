@@ -15,6 +15,7 @@ from loads.cycle_loads import CycleLoads
 from loads.deflected import second_order
 from loads.driven import driven_by
 from loads.elasticity import check_compliance
+from loads.expressions import Expression, kinks
 from loads.forces import ForceSolution, JointLoad
 from loads.joints import Prismatic, Slot
 from loads.laws import Contact, Opposing, Table
@@ -190,14 +191,17 @@ class _Run:
     def with_corners(self, k: int, grid: FloatArray) -> FloatArray:
         """Return the grid of phase k with the corners of its laws put in.
 
-        Corners of tables, over a coordinate or a speed; where a contact begins, ends, starts to
-        push, and comes nearest.
+        Corners of tables, over a coordinate or a speed, and kinks of formulas; where a contact
+        begins, ends, starts to push, and comes nearest.
         """
         for name, law in self.cycle.phases[k].given.items():
             if isinstance(law, Table):
                 grid = with_extremes(grid, partial(self._above, law, 0.0))
                 for corner in law.values[1:-1]:
                     grid = with_roots(grid, partial(self._above, law, corner))
+            elif isinstance(law, Expression):
+                grid = with_extremes(grid, partial(self._kinks, k, law))
+                grid = with_roots(grid, partial(self._kinks, k, law))
             elif isinstance(law, Contact):
                 grid = with_extremes(grid, partial(self._gaps, k, name))
                 grid = with_roots(grid, partial(self._gaps, k, name))
@@ -208,6 +212,9 @@ class _Run:
 
     def _above(self, table: Table, corner: float, grid: FloatArray) -> FloatArray:
         return self.path.kinematics.value(table.coordinate, self.path.at(grid).poses) - corner
+
+    def _kinks(self, k: int, law: Expression, grid: FloatArray) -> FloatArray:
+        return kinks(self._motion(k, self.path.at(grid)), law)
 
     def _speeds(self, k: int, name: str, law: Opposing, grid: FloatArray) -> FloatArray:
         """Speed (m, n) of a force's own coordinate above each corner of its table."""

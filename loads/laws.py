@@ -1,10 +1,11 @@
-"""Laws of given forces: constant, along a table, against the motion, or as a contact."""
+"""Laws of given forces: constant, a table, a formula, against the motion, or a contact."""
 
 from dataclasses import dataclass
 from itertools import pairwise
 from math import isfinite
 
 from loads.bodies import LinkageError
+from loads.expressions import Expression
 from loads.joints import Coordinate
 
 
@@ -42,12 +43,14 @@ class Contact:
     side       1: touches below `at` and pushes the coordinate up; -1: above, and down
     stops      the body that is pushed follows the contact while it touches: stopped by a rigid one,
                slowed by one that gives way less than the linkage. Only a body that slides can be.
+    restitution  speed after over speed before a blow; None: not known. Blows alone know it.
     """
 
     at: float
     stiffness: float | None = None
     side: int = 1
     stops: bool = True
+    restitution: float | None = None
 
     def __post_init__(self) -> None:
         if not isfinite(self.at):
@@ -56,6 +59,8 @@ class Contact:
             raise LinkageError(f"the stiffness of a contact must be above 0, got {self.stiffness}")
         if self.side not in (1, -1):
             raise LinkageError(f"the side of a contact must be 1 or -1, got {self.side}")
+        if self.restitution is not None and not 0.0 <= self.restitution <= 1.0:
+            raise LinkageError(f"restitution goes from 0 to 1, got {self.restitution:g}")
 
 
 @dataclass(frozen=True)
@@ -95,4 +100,4 @@ class Opposing:
                 raise LinkageError(f"the speeds of a table must rise: {before:g}, then {after:g}")
 
 
-Law = float | Table | Opposing | Contact
+Law = float | Table | Expression | Opposing | Contact

@@ -13,7 +13,15 @@ from shutil import get_terminal_size
 from rich.cells import cell_len
 
 from checks.result.verdict import Check, DesignResult, PartResult, Status, deciding_of
-from checks.result.ways import NOTHING, SAVED, change_text, improve_command, lower_by, way_text
+from checks.result.ways import (
+    NOTHING,
+    SAVED,
+    change_cells,
+    change_text,
+    improve_command,
+    lower_by,
+    way_text,
+)
 from checks.result.words import (
     assumptions,
     check_titles,
@@ -43,12 +51,14 @@ class Fact:
     """A label and what there is to say, with the command that does it, if there is one.
 
     grave  True if the result does not hold without it
+    cells  the text as the cells of a row, where several facts make a table
     """
 
     label: str
     text: str
     command: str = ""
     grave: bool = False
+    cells: tuple[str, ...] = ()
 
     @property
     def line(self) -> str:
@@ -92,7 +102,7 @@ class Answer:
     check      that decides; None where nothing was checked. title: its kind
     safety     its safety, in words; required: what it must show
     within     the range of its safety by its error bars, in words; "" without bars
-    headline   what decides, where, when, why, what to do, what is not valid
+    headline   what decides, where, when, why, what to do, what is not valid or not met
     beside     mass, assumptions, what is not checked
     rows       one for each part's governing check; others: the rest in one line
     ways       out of what is open
@@ -177,12 +187,12 @@ def _headline(result: DesignResult, titles: dict[int, str]) -> Iterator[Fact]:
     yield from _changes(result)
     broken = broken_of(result)
     for gates in broken[:_MOST_GATES]:
-        label = "NOT VALID" if gates.binding else "not valid"
+        label = "NOT VALID" if gates.binding else "not met"
         told = gates.told if len(gates.told) <= _LONGEST_MEANING else gates.cure
         yield Fact(label, _short("; ".join(filter(None, (gates.short, told)))), "", gates.binding)
     if len(broken) > _MOST_GATES:
         more = len(broken) - _MOST_GATES
-        yield Fact("not valid", f"{more} more kind{'s' if more > 1 else ''} of validity checks")
+        yield Fact("not met", f"{more} more kind{'s' if more > 1 else ''} of validity checks")
     if result.all_gates and not broken:
         yield Fact("validity", f"all {len(result.all_gates)} validity checks hold")
 
@@ -212,7 +222,8 @@ def _changes(result: DesignResult) -> Iterator[Fact]:
         yield Fact(label, SAVED if passes else lower_by(result.deciding), command)
         return
     for change in result.changes:
-        yield Fact(label, _short(change_text(change, result.deciding)))
+        cells = tuple(map(_short, change_cells(change, result.deciding)))
+        yield Fact(label, _short(change_text(change, result.deciding)), cells=cells)
         label = "or"
     models = " and ".join(sorted({clean(change.model) for change in result.changes}))
     by = "by formula" + ("" if models == "formula" else f", set against the {models}")

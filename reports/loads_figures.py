@@ -197,6 +197,60 @@ class ContactSummary:
 
 
 @dataclass(frozen=True)
+class JointBlow:
+    """Impulse of a joint on the body `on` in a blow: N s, N mm s, axes of the ground."""
+
+    name: str
+    on: str
+    x: float
+    y: float
+    couple: float
+
+
+@dataclass(frozen=True)
+class BlowSummary:
+    """A contact that is met at a speed.
+
+    restitution    least and largest that it may have
+    stated         True where the design states the restitution
+    at, phase      shown position and phase; time s
+    speed          mm/s before, of the contact's coordinate
+    mass           t, that the contact meets: with what gives way open, and as if rigid where that
+                   is about as stiff as what is struck; infinite where the drive holds the speed
+    impulse        N s on the contact, the least and the largest; energy N mm that is lost, with
+                   the largest mass and least restitution, and the other way round
+    joints         impulses in the joints with the largest restitution; none: not known
+    open           joints that pass none on, as something gives way there
+    rigid_mass     t, that the contact would meet if nothing gave way
+    drive_struck   True if the drive's own inertia is in the blow; drive_stated: it is known
+    per_minute     None where the cycle does not end as it begins
+    """
+
+    force: str
+    stated: bool
+    restitution: tuple[float, float]
+    at: float
+    phase: str
+    time: float
+    speed: float
+    mass: tuple[float, float]
+    impulse: tuple[float, float]
+    energy: tuple[float, float]
+    joints: tuple[JointBlow, ...]
+    open: tuple[str, ...]
+    rigid_mass: float
+    drive_struck: bool
+    drive_stated: bool
+    per_minute: float | None
+
+    @property
+    def rebound(self) -> tuple[float, float]:
+        """Speeds after, mm/s."""
+        low, high = self.restitution
+        return low * self.speed, high * self.speed
+
+
+@dataclass(frozen=True)
 class ShownPhase:
     """A phase in words: from and to as shown, which force it solves for, the law of the others."""
 

@@ -15,7 +15,13 @@ from reports.files import plain, replacing
 from reports.loads_figures import Extremes
 from reports.loads_runs import ShownRun
 from reports.loads_summary import LoadsResult, ShownCycle
-from reports.loads_words import broken_by_kind, contact_sentence, drive_sentences, header_sentences
+from reports.loads_words import (
+    blow_sentence,
+    broken_by_kind,
+    contact_sentence,
+    drive_sentences,
+    header_sentences,
+)
 from reports.mechanism_panel import arrow_scale, mechanism_data, mechanism_svg
 from reports.page_script import joined
 from reports.svg import colour_variables
@@ -57,7 +63,10 @@ def _cycle(cycle: ShownCycle, prefix: str) -> dict[str, Any]:
         "drives": [
             (drive.name, drive_sentences(drive, cycle)) for drive in cycle.drives
         ],
-        "contacts": [contact_sentence(contact, cycle) for contact in cycle.contacts],
+        "contacts": [
+            *(contact_sentence(contact, cycle) for contact in cycle.contacts),
+            *(f"Blow of {blow_sentence(blow, cycle)}" for blow in cycle.blows),
+        ],
         "joints": cycle.joints,
         "efforts": cycle.efforts,
     }  # fmt: skip

@@ -12,6 +12,7 @@ import numpy as np
 from checks.result.verdict import Gate
 from loads import Angle, Coordinate, CycleLoads, Distance, Fixed, Joint, Prismatic, Revolute, Slot
 from reports.loads_figures import (
+    BlowSummary,
     ContactStated,
     ContactSummary,
     Direction,
@@ -41,6 +42,7 @@ class ShownCycle:
     allowed_irregularity  of the speed, above which constant speed does not count
     stated     the contacts as the design has them, by the name of their force
     motor      how a motor runs through it; None where none turns it
+    blows      of its contacts
     """
 
     loads: CycleLoads
@@ -54,6 +56,7 @@ class ShownCycle:
     allowed_irregularity: float
     stated: Mapping[str, ContactStated] = field(default_factory=dict)
     motor: MotorFigures | None = None
+    blows: Sequence[BlowSummary] = ()
 
     @property
     def name(self) -> str:
@@ -239,6 +242,7 @@ class ShownCycle:
             ],
             "drives": [plain_fields(drive) for drive in self.drives],
             "contacts": [plain_fields(contact) for contact in self.contacts],
+            "blows": [plain_fields(blow) for blow in self.blows],
             "motor": None if self.motor is None else self.motor.to_dict(),
         }
 

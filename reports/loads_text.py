@@ -11,7 +11,13 @@ from checks.result.words import brief, clean, gate_word, number, place_text, qua
 from reports.loads_figures import Extremes
 from reports.loads_runs import ShownRun
 from reports.loads_summary import LoadsResult, ShownCycle
-from reports.loads_words import broken_by_kind, contact_sentence, drive_sentences, header_sentences
+from reports.loads_words import (
+    blow_sentence,
+    broken_by_kind,
+    contact_sentence,
+    drive_sentences,
+    header_sentences,
+)
 from reports.terminal import labelled, wrap
 
 _LONGEST_NAME = 18
@@ -101,6 +107,8 @@ def _cycle(cycle: ShownCycle, width: int) -> list[str]:
         lines += labelled("drive", f"{brief(drive.name, 30)}: {said}", width)
     for contact in cycle.contacts:
         lines += labelled("contact", contact_sentence(contact, cycle), width)
+    for blow in cycle.blows:
+        lines += labelled("blow", blow_sentence(blow, cycle), width)
     return lines
 
 

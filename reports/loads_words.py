@@ -2,11 +2,18 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import inf, pi
+from math import hypot, inf, isfinite, pi
 
 from checks.result.verdict import DesignResult, Gate, PartResult
 from checks.result.words import brief, gate_sentence, number, place_text, quantity_unit
-from reports.loads_figures import ContactSpan, ContactSummary, Direction, DriveSummary, MotorFigures
+from reports.loads_figures import (
+    BlowSummary,
+    ContactSpan,
+    ContactSummary,
+    Direction,
+    DriveSummary,
+    MotorFigures,
+)
 from reports.loads_summary import LoadsResult, ShownCycle
 
 SIGNS = (
@@ -23,6 +30,7 @@ MEASURED = (
     "y up, moments counter-clockwise."
 )
 _MOST_SPANS = 4
+_NO_IMPULSE = 1e-9  # of a blow's: less is rounding
 
 
 def header_sentences(result: LoadsResult) -> list[str]:
@@ -133,6 +141,58 @@ def contact_sentence(contact: ContactSummary, cycle: ShownCycle) -> str:
         said += f", the linkage gives way by up to {number(contact.deflection)} {length}"
     said += f"; {brief(contact.body, 30)} {_held(contact)}"
     return f"{said}; the impact is not in these loads" if contact.energy > 0.0 else said
+
+
+def blow_sentence(blow: BlowSummary, cycle: ShownCycle) -> str:
+    """A blow in words: what strikes, impulse, energy, what joints take, and what is not known."""
+    phase = f" ({brief(blow.phase, 20)})" if len(cycle.phases) > 1 else ""
+    said = (
+        f"{brief(blow.force, 30)} at {brief(cycle.shown_name, 20)} = {place_text(blow.at)} "
+        f"{cycle.unit}{phase}: "
+    )
+    if not isfinite(blow.impulse[1]):
+        return f"{said}no bound of the impulse, as the drive holds its speed behind rigid bodies"
+    if blow.mass[1] <= 0.0:
+        return f"{said}nothing that has a mass strikes"
+    rest = blow.restitution[0]
+    basis = f"restitution {rest:g}" if blow.stated else "restitution 0 ... 1, none is stated"
+    said += (
+        f"{_from_to(blow.mass, 1e3)} kg strike at {number(blow.speed)} mm/s ({basis}): impulse "
+        f"{_from_to(blow.impulse)} N s, {_from_to(blow.energy, 1e-3)} J lost, rebound at "
+        f"{_from_to(blow.rebound)} mm/s"
+    )
+    if blow.per_minute is not None:
+        said += f", {number(blow.per_minute)} times a minute"
+    if blow.open:
+        joints = ", ".join(brief(name, 20) for name in blow.open)
+        rigid = f"{number(blow.rigid_mass * 1e3)} kg" if isfinite(blow.rigid_mass) else "no bound"
+        rigid = rigid if blow.drive_stated else f"at least {rigid}"
+        if blow.mass[1] > blow.mass[0]:
+            said += (
+                f"; {joints} give way about as what is struck does, so that anything up to the "
+                f"rigid linkage ({rigid}) may strike, and impulses of joints are not known"
+            )
+        else:
+            said += f"; {joints} give way and pass nothing on ({rigid} if the linkage were rigid)"
+    if blow.drive_struck and not blow.drive_stated:
+        said += "; the drive's own inertia is not stated and adds to it (drive.flywheel)"
+    least = _NO_IMPULSE * max(blow.impulse)
+    taken = [
+        f"{brief(joint.name, 20)} {number(hypot(joint.x, joint.y))} N s"
+        + (f" and {number(abs(joint.couple) * 1e-3)} N m s" if joint.couple else "")
+        for joint in blow.joints
+        if hypot(joint.x, joint.y, joint.couple) > least
+    ]
+    if blow.joints:
+        most = "" if blow.stated else " take up to"
+        said += f"; joints{most}: {', '.join(taken)}" if taken else "; no joint takes any"
+    return f"{said}; an impulse is no force: its peak is not computed"
+
+
+def _from_to(pair: tuple[float, float], factor: float = 1.0) -> str:
+    """One number where both are the same, else both."""
+    low, high = (number(value * factor) for value in pair)
+    return low if low == high else f"{low} ... {high}"
 
 
 def _held(contact: ContactSummary) -> str:

@@ -143,16 +143,14 @@ def _answer(result: DesignResult, rows: Sequence[Row]) -> tuple[Markup, Markup]:
 def _first_screen(answer: Answer) -> Answer:
     """The answer as the page shows it without scrolling: the mass of all parts above the changes.
 
-    Of these the best two; `ballesta improve`, which is named beside them, has all.
+    Changes are the rows of one table, at the place of the first.
     """
     told = sum(fact.label in ("decided by", "where", "when") for fact in answer.headline)
     mass = [fact for fact in answer.beside if fact.label == "mass"]
     total = [replace(fact, text=fact.text.partition(" (")[0]) for fact in mass]
-    others = [fact for fact in answer.headline if fact.label == "or"][1:]
-    left = [fact for fact in answer.headline[told:] if fact not in others]
     return replace(
         answer,
-        headline=[*answer.headline[:told], *total, *left],
+        headline=[*answer.headline[:told], *total, *answer.headline[told:]],
         beside=[fact for fact in answer.beside if fact.label != "mass"],
     )
 

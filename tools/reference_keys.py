@@ -24,7 +24,7 @@ from checks.design.model import (
     StepPartEntry,
 )
 from checks.design.step_entry import Point
-from checks.design.units import DIMENSIONS, PAIRS, FitOrClearance, Quantity, Vector
+from checks.design.units import DIMENSIONS, PAIRS, AnyQuantity, FitOrClearance, Quantity, Vector
 from geometry.parts import SHAPES
 
 HEAD = """\
@@ -186,6 +186,8 @@ def _value(kind: Any, metadata: Any = ()) -> Value:
             return _quantity(mark)
         if isinstance(mark, Vector):
             return _vector(mark)
+        if isinstance(mark, AnyQuantity):
+            return Value("quantity or number", ('"400 N"',))
         if isinstance(mark, Point):
             return Value("point in space", ('"250, 0, 0 mm"',))
         if isinstance(mark, FitOrClearance):

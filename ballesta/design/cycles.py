@@ -5,9 +5,10 @@ from dataclasses import replace
 from math import degrees, pi
 
 import loads
+from ballesta.design.coordinates import coordinate_of, dimension_along
 from ballesta.design.files import Sources
 from ballesta.design.joints import friction_of
-from ballesta.design.laws import coordinate_of, dimension_along, law_of
+from ballesta.design.laws import law_of
 from checks.design.data import Cycle, Design, Duty, Shown, Stop
 from checks.design.errors import Problems, no_such
 from checks.design.model import DesignFile

@@ -7,12 +7,21 @@ from collections.abc import Mapping, Sequence
 from itertools import islice, pairwise
 
 import loads
+from ballesta.design.coordinates import coordinate_of, dimension_along
 from ballesta.design.csv_columns import MOST_ROWS
+from ballesta.design.expressions import expression_of
 from ballesta.design.files import Sources
 from ballesta.design.forces import dimension_of, wrong_dimension
-from checks.design.errors import DesignError, Problems, listed, no_such
+from checks.design.errors import DesignError, Problems
 from checks.design.model import DesignFile
-from checks.design.tables import ContactLaw, ForceEntry, OpposingLaw, PistonLaw, TableLaw
+from checks.design.tables import (
+    ContactLaw,
+    ExpressionLaw,
+    ForceEntry,
+    OpposingLaw,
+    PistonLaw,
+    TableLaw,
+)
 from checks.design.units import DIMENSIONS, Measured, measure
 from checks.result.words import brief
 
@@ -25,7 +34,7 @@ _EXAMPLES = {
 def law_of(
     key: str,
     force: str,
-    entry: Measured | TableLaw | PistonLaw | OpposingLaw | ContactLaw,
+    entry: Measured | TableLaw | PistonLaw | ExpressionLaw | OpposingLaw | ContactLaw,
     file: DesignFile,
     forces: Mapping[str, loads.Force],
     sources: Sources,
@@ -39,6 +48,8 @@ def law_of(
         return _contact(key, forces[force], entry, file, problems) if force in forces else None
     if isinstance(entry, OpposingLaw):
         return _opposing(key, force, entry, stated, problems)
+    if isinstance(entry, ExpressionLaw):
+        return expression_of(key, force, entry, file, forces, problems)
     if isinstance(entry, PistonLaw):
         return _piston(key, force, entry, file, forces, sources, problems)
     return _table(key, force, entry, file, forces, sources, problems)
@@ -101,7 +112,8 @@ def _contact(
     stops = entry.stops if entry.stops is not None else not apart
     # along its own direction, a force that points down has the coordinate -y; between two points
     # the contact pushes them apart when they come closer than `at`
-    return loads.Contact(sum(direction) * entry.at.value, entry.stiffness, 1, stops)
+    place = sum(direction) * entry.at.value
+    return loads.Contact(place, entry.stiffness, 1, stops, entry.restitution)
 
 
 def _opposing(
@@ -342,44 +354,3 @@ def _is_number(cell: str) -> bool:
     except ValueError:
         return False
     return True
-
-
-# Reads the coordinates that a design file names, such as A.y or cylinder.length.
-
-
-def coordinate_of(
-    key: str, text: str, file: DesignFile, forces: Mapping[str, loads.Force], problems: Problems
-) -> loads.Coordinate | None:
-    """Return the coordinate that a text names, None where a problem was told."""
-    name, _, what = text.rpartition(".")
-    pins = dict.fromkeys(pin for body in file.bodies.values() for pin in body.pins)
-    pulling = [force for force, entry in file.forces.items() if entry.between is not None]
-    kinds = {
-        "x": ("point on a body", list(pins)),
-        "y": ("point on a body", list(pins)),
-        "angle": ("body", list(file.bodies)),
-        "length": ("force between two points", pulling),
-    }
-    if what not in kinds or not name:
-        problems.add(
-            key,
-            "must be <point>.x, <point>.y, <body>.angle or <force>.length, "
-            f'got "{text}"; points {listed(pins)}; bodies {listed(file.bodies)}; '
-            f"forces {listed(pulling)}",
-        )
-        return None
-    kind, known = kinds[what]
-    if name not in known:
-        problems.add(key, no_such(kind, name, known))
-        return None
-    if what == "length":
-        return forces[name].coordinate if name in forces else None
-    if what == "angle":
-        return loads.Angle(name)
-    owner = next(body for body, entry in file.bodies.items() if name in entry.pins)
-    return loads.PointCoordinate(owner, name, (1.0, 0.0) if what == "x" else (0.0, 1.0))
-
-
-def dimension_along(coordinate: loads.Coordinate) -> str:
-    """Dimension of a coordinate's values: "angle" or "length"."""
-    return "angle" if coordinate.angular else "length"

@@ -5,9 +5,10 @@ from itertools import pairwise
 import numpy as np
 
 import loads
+from ballesta.machine.blows import blows_of
 from checks.design.data import Cycle, Design
 from checks.part.part_loads import shown_name, shown_of, shown_position
-from checks.result.words import number
+from checks.result.words import brief, number
 from geometry.mesh import FloatArray
 from reports.loads_figures import ContactStated, MotorFigures, ShownPhase
 from reports.loads_runs import ShownRun
@@ -33,6 +34,7 @@ def shown_cycle(design: Design, cycle: loads.CycleLoads) -> ShownCycle:
         available=design.available,
         allowed_irregularity=design.drive.irregularity or EVEN,
         stated=_contacts(cycle.linkage, stated.run),
+        blows=blows_of(design, cycle),
     )
 
 
@@ -94,6 +96,8 @@ def _law(linkage: loads.Linkage, name: str, law: loads.Law) -> str:
         low, high = min(law.forces) * per_1e3, max(law.forces) * per_1e3
         over = law.coordinate.label
         return f"{name} {number(low, 4)} ... {number(high, 4)} {unit} in a table over {over}"
+    if isinstance(law, loads.Expression):
+        return f"{name} = {brief(law.text, 200)}"
     if isinstance(law, loads.Contact):
         stiffness = "rigid" if law.stiffness is None else f"{number(law.stiffness, 4)} N/mm"
         coordinate, at = _touched(linkage, name, law)

@@ -15,6 +15,7 @@ model has verified it.
 import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 from math import ceil, exp, floor, inf, isfinite, log, log10
 from pathlib import Path
 from typing import Any
@@ -45,6 +46,11 @@ _R20 = (
     1.0, 1.12, 1.25, 1.4, 1.6, 1.8, 2.0, 2.24, 2.5, 2.8, 3.15, 3.55, 4.0, 4.5, 5.0, 5.6, 6.3, 7.1,
     8.0, 9.0,
 )  # fmt: skip
+
+_SAME = 1e-6  # of a reserve: no worse than before
+_THIN = 0.02  # of the stiffness of a section may be left by a change of unknown effect
+_LOADS = 2.0  # by so much may other masses change the loads
+LINKAGE = "linkage"  # name of its checks' part
 
 Verify = Callable[[tuple[str, ...]], DesignResult]
 
@@ -105,7 +111,7 @@ def improve(
     checked = check or _checker(path, overrides, effort)
     result = checked(())
     search = _Search(design, result)
-    best = _ranked(search.changes(say))
+    best = _ranked(search.changes(say), search.harmless)
     if verify:
         best = [_verified(change, checked((change.override,)), say) for change in best]
     return Improved(result, search.open, tuple(best))
@@ -125,7 +131,7 @@ def with_changes(
     found = search.changes(say, shapes=_HEAVIEST)
     if search.open:
         found = [change for change in found if result.deciding.part in change.parts]
-    return replace(result, changes=_ranked(found)[:_BEST])
+    return replace(result, changes=_ranked(found, search.harmless)[:_BEST])
 
 
 def _checker(path: Path, overrides: Sequence[str], effort: Effort) -> Verify:
@@ -137,10 +143,12 @@ def _checker(path: Path, overrides: Sequence[str], effort: Effort) -> Verify:
     return checked
 
 
-def _ranked(found: Iterable[Change]) -> list[Change]:
+def _ranked(found: Iterable[Change], harmless: Callable[[Change], Change | None]) -> list[Change]:
     """The three best for each set of parts, one of them a material if one helps.
 
     Dimensions by mass, the lightest first, then the material. Those for more parts come first.
+
+    harmless  of a change, as far as nothing else fails by it
     """
     sets: dict[tuple[str, ...], list[Change]] = {}
     for change in sorted(found, key=lambda change: (change.mass, change.key)):
@@ -148,9 +156,11 @@ def _ranked(found: Iterable[Change]) -> list[Change]:
     ordered = sorted(sets.items(), key=lambda item: (-len(item[0]), item[0]))
     best: list[Change] = []
     for _, changes in ordered:
-        materials = [change for change in changes if change.key.endswith(_MATERIAL)][:1]
+        materials = [change for change in changes if change.key.endswith(_MATERIAL)]
         sizes = [change for change in changes if not change.key.endswith(_MATERIAL)]
-        best += [*sizes[: _BEST - len(materials)], *materials]
+        material = list(islice(filter(None, map(harmless, materials)), 1))
+        sized = islice(filter(None, map(harmless, sizes)), _BEST - len(material))
+        best += [*sorted(sized, key=lambda change: (change.mass, change.key)), *material]
     return best
 
 
@@ -181,11 +191,11 @@ class _Search:
             if any(check.status is not Status.PASS for check in part.checks)
         )
         self._linkage_open = any(check.status is not Status.PASS for check in result.linkage)
-        deciding = {check.cycle for part in result.parts for check in part.checks}
+        deciding = {check.cycle for check in result.checks}
         cycles = None if between else {*design.duty.cycles, *deciding}
         self._screening = Screening(design, between=between, rubbing=False, cycles=cycles)
         self.base = self._screening.of({})
-        known = {_name(check): check for part in result.parts for check in part.checks}
+        known = {_name(check): check for check in result.checks}
         self._methods = {name: check.method for name, check in known.items()}
         self._ratios: dict[tuple[str, str, str], tuple[float, float, bool]] = {}
         for check in self.base.checks:
@@ -204,7 +214,7 @@ class _Search:
         if self.open:
             known = tuple(part for part in self.open if self.reserve(self.base, (part,)) > 0)
             return self.dimensions(known, say) + self.materials(known)
-        if self._linkage_open or not self.base.checks:  # no formula screens the linkage
+        if self._linkage_open or not self.base.checks:  # what makes a linkage stiffer is not sought
             return []
         shared: dict[str, list[str]] = {}
         for part in self.result.parts:
@@ -264,6 +274,72 @@ class _Search:
                     found.append(self._told(key, value, name, name, parts, one))
                     break
         return found
+
+    def harmless(self, change: Change) -> Change | None:
+        """The change if no other part and not the linkage fails by it; a smaller one that saves.
+
+        None where there is no such change. Other parts and the linkage may not pass already: then
+        they must not come worse.
+        """
+        worst = self._beside(change)
+        if worst >= 1:
+            return change
+        old, value = (_dimension(change.key, text) for text in (change.was, change.value))
+        if self.open or not worst or not old or not value or old[1] == "deg":
+            return None
+        least = min(map(self._before, [*self._others(change), LINKAGE]))
+        exponent = log(worst / max(least, 1.0)) / log(value[0] / old[0])
+        aim = value[0] * exp(-log(worst) / exponent)
+        size = _standard(aim, up=old[0] > aim)
+        if not min(value[0], old[0]) < size < max(value[0], old[0]):
+            return None
+        one = self._screened(change.key, size, old[1], change.parts)
+        if one.problem or self.reserve(one, change.parts) < 1 or one.mass >= self.base.mass:
+            return None
+        text = _written(size, old[1])
+        less = self._told(change.key, change.was, text, text, change.parts, one)
+        return less if self._beside(less) >= 1 else None
+
+    def _beside(self, change: Change) -> float:
+        """The least reserve of other parts and of the linkage, over 1 or a lesser one before."""
+        others = self._others(change)
+        asks = self._asks_linkage(change)
+        if not others and not asks:
+            return inf
+        reserves = {name: self._before(name) for name in others}
+        one = self._screening.of(
+            {change.key: change.value}, others, linkage=asks, reserves=reserves
+        )
+        if one.problem:
+            return 0.0
+        return min(
+            self.reserve(one, (name,)) / min(1.0, (1 - _SAME) * self._before(name))
+            for name in [*others, *([LINKAGE] if asks else [])]
+        )
+
+    def _others(self, change: Change) -> list[str]:
+        return [part.name for part in self.result.parts if part.name not in change.parts]
+
+    def _before(self, name: str) -> float:
+        """Reserve of a part, or of the linkage, in the design as it is."""
+        checks = [check for check in self.result.checks if check.part == name]
+        return min(map(_reserve, checks), default=inf)
+
+    def _asks_linkage(self, change: Change) -> bool:
+        """True if a change may matter for the linkage's buckling.
+
+        The stiffness of a section goes at most with the fourth power of a dimension that is larger
+        where it is stiffer; masses change the loads by less than a factor of two.
+        """
+        left = self._before(LINKAGE)
+        old, value = (_dimension(change.key, text) for text in (change.was, change.value))
+        stiffness = _THIN
+        if change.key.endswith(_MATERIAL):
+            known = known_materials()
+            stiffness = known[change.value].youngs_modulus / known[change.was].youngs_modulus
+        elif old and value and (value[0] > old[0]) == bool(self.open):
+            stiffness = min(old[0] / value[0], value[0] / old[0]) ** 4
+        return isfinite(left) and left * stiffness < _LOADS
 
     def _parts_of(self, key: str, wanted: tuple[str, ...]) -> tuple[str, ...]:
         """The wanted parts whose shape or material a key states: its own, and those like it."""

@@ -21,13 +21,15 @@ from ballesta.machine.elastic_parts import compliances_of
 from ballesta.machine.quasi_static import vibration_of, with_dynamics
 from ballesta.machine.solved_cycles import linkage_of, part_masses, told_of_cycle
 from checks.by_formula import formula_checks
-from checks.design.data import Design
+from checks.columns.linkage_frame import linkage_check, worst_mode
+from checks.design.data import Design, Part
 from checks.design.errors import DesignError, NumericsError
 from checks.ladder.climb import answered, climb_cheap, start_climb
 from checks.ladder.leaf_checks import LeafBand
 from checks.ladder.part_ladder import told_of_part
 from checks.ladder.result import reported_level, rung_gates
 from checks.part.loaded_part import LoadedPart
+from checks.part.part_loads import PartLoads, loads_on
 from checks.result.verdict import Check, Gate, Status, deciding_of, status_of
 from checks.stress.solid_mesh_level import Models
 from fem.threads import one_thread
@@ -153,6 +155,7 @@ class Screening:
         self._linkages: dict[str, loads.Linkage] = {}
         self._cycles: dict[str, loads.Cycle] = {}
         self._solved: dict[str, loads.CycleLoads] = {}
+        self._part_loads: dict[str, PartLoads] = {}  # in the design as it is
         self._solved, _ = self.solve(design, masses)
         for name in self._solved:
             self._linkages[name] = self._solved[name].linkage
@@ -178,21 +181,45 @@ class Screening:
                     afresh = True
         return solved, afresh
 
-    def of(self, variation: Variation, parts: Collection[str] = ()) -> Screened:
+    def of(
+        self,
+        variation: Variation,
+        parts: Collection[str] | None = None,
+        *,
+        linkage: bool = False,
+        reserves: Mapping[str, float] | None = None,
+    ) -> Screened:
         """Check one variation by formula; its `problem` says what is wrong with it.
 
-        parts  whose checks are wanted; none for all
+        parts     whose checks are wanted; None for all
+        linkage   whether buckling of the linkage as a whole is checked, too
+        reserves  of parts in the design as it is: an unchanged part has no checks where its loads
+                  grow by less than half of what its reserve is above 1
         """
         overrides = _overrides(variation)
         try:
             varied = read_design(self.design.file, (*self.design.overrides, *overrides))
-            return _checked(self, varied, overrides, parts)
+            return _checked(self, varied, overrides, parts, linkage, reserves or {})
         except (DesignError, NumericsError) as error:
             return Screened(overrides=overrides, problem=str(error))
 
+    def spares(self, part: Part, loads: PartLoads, reserve: float) -> bool:
+        """True if a part is as in the design, and its loads leave the half of its reserve."""
+        if part != self.design.parts[part.name] or not reserve > 1:
+            return False
+        before = self._part_loads.get(part.name)
+        if before is None:
+            before = self._part_loads[part.name] = loads_on(self.design, part, self._solved)
+        return loads.within(before, (reserve - 1) / 2)
+
 
 def _checked(
-    known: Screening, design: Design, overrides: tuple[str, ...], parts: Collection[str] = ()
+    known: Screening,
+    design: Design,
+    overrides: tuple[str, ...],
+    parts: Collection[str] | None = None,
+    linkage: bool = False,
+    reserves: Mapping[str, float] | None = None,
 ) -> Screened:
     masses = part_masses(design, known.models)
     solved, afresh = known.solve(design, masses)
@@ -210,7 +237,9 @@ def _checked(
         with told_of_part(design, part):
             body = known.models.body(part.geometry)
             weights[part.name] = body.mass_properties(part.material.density).mass
-            if parts and part.name not in parts:
+            if parts is not None and part.name not in parts:
+                continue
+            if reserves and known.spares(part, loads_on(design, part, runs), reserves[part.name]):
                 continue
             loaded = LoadedPart.of(design, part, runs, known.models)
             if not known.between:
@@ -218,6 +247,9 @@ def _checked(
             why = _check_part(known, loaded, body, checks, gates)
         if why:
             left[part.name] = why
+    mode = worst_mode(design, solved) if linkage else None
+    if mode is not None:
+        checks.append(linkage_check(design, mode.under(design.load_factor)))
     return Screened(
         overrides=overrides, checks=checks, gates=gates, masses=weights, open=left, afresh=afresh
     )

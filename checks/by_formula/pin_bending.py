@@ -1,7 +1,6 @@
 """Nominal bending, shear and twist of a pin over its stack, against yield.
 
-The value is for lugs that press at their mid-planes; the model band reaches to lugs that press
-evenly over their widths (`checks.joints.pin_diagrams`).
+Lugs press evenly over their widths (`checks.joints.pin_diagrams`).
 """
 
 from collections.abc import Iterator, Mapping
@@ -11,7 +10,7 @@ import numpy as np
 
 from checks.design.data import Part
 from checks.joints.pin_diagrams import PinDiagram, pin_diagram
-from checks.part.derived import Band, Heading, shear_yield, yield_stress
+from checks.part.derived import Heading, shear_yield, yield_stress
 from checks.part.first_maximum import first_largest
 from checks.part.kind import Kind
 from checks.part.loaded_part import LoadedPart
@@ -55,7 +54,6 @@ _COUNTS = 1.01  # times bending or shear alone, from which their sum is a check 
 _ROUND_OFF = 1e-12  # of a stress
 _UNITS = (("F_x", "N"), ("F_y", "N"), ("M_x", "N mm"), ("M_y", "N mm"), ("M_z", "N mm"))
 _ROWS = (0, 1, 3, 4, 5)  # of a wrench
-_WORDS = "lugs press between their middles and evenly"
 
 
 def checks(loaded: LoadedPart) -> Iterator[Check]:
@@ -63,33 +61,29 @@ def checks(loaded: LoadedPart) -> Iterator[Check]:
     shape, wrenches = as_pin(loaded.part.geometry), dict(loaded.loads.wrenches)
     if shape is None:
         return
-    pushed = pin_diagram(shape, wrenches, spread=False, ends_only=True)
-    pressed = pin_diagram(shape, wrenches, spread=True, ends_only=True)
-    bent = _Worst.of(loaded, shape, pushed, pushed.bending_stress)
-    sheared = _Worst.of(loaded, shape, pushed, pushed.shear_stress)
+    diagram = pin_diagram(shape, wrenches, ends_only=True)
+    bent = _Worst.of(loaded, shape, diagram, diagram.bending_stress)
+    sheared = _Worst.of(loaded, shape, diagram, diagram.shear_stress)
     bending = bent.check(
         BENDING,
         [bent.diameter, *bent.bent],
         [yield_stress(loaded.part)],
-        pressed.most_bent,
         _pressures(shape, loaded.loads),
     )
     shear = sheared.check(
         SHEAR,
         [sheared.diameter, *sheared.sheared],
         [yield_stress(loaded.part), shear_yield()],
-        pressed.most_sheared,
     )
     yield from (bending, shear)
-    both = pushed.equivalent_peaks
+    both = diagram.equivalent_peaks
     if both.max() <= _COUNTS * max(bending.value, np.sqrt(3) * shear.value):
         return
-    worst = _Worst.of(loaded, shape, pushed, both)
+    worst = _Worst.of(loaded, shape, diagram, both)
     yield worst.check(
         TOGETHER,
         [worst.diameter, *worst.sheared, *worst.bent, *worst.together],
         [yield_stress(loaded.part)],
-        float(pressed.equivalent_peaks.max()),
     )
 
 
@@ -97,67 +91,51 @@ def checks(loaded: LoadedPart) -> Iterator[Check]:
 class _Worst:
     """The section and the position at which a stress of a pin is largest.
 
-    pushed   its diagram with every lug at its mid-plane
-    stress   MPa, as the diagram has it
+    diagram  of the pin
     weights  (5, seats, 5) shear x, y, moment x, y and torque there per unit of each component
     """
 
     loaded: LoadedPart
-    pushed: PinDiagram
+    diagram: PinDiagram
     position: int
     section: int
-    stress: float
     weights: FloatArray
 
     @staticmethod
-    def of(loaded: LoadedPart, shape: Pin, pushed: PinDiagram, stress: FloatArray) -> "_Worst":
+    def of(loaded: LoadedPart, shape: Pin, diagram: PinDiagram, stress: FloatArray) -> "_Worst":
         """Where a stress (n, m) of the diagram is largest."""
         position, section = first_largest(stress)
         weights = _weights(shape, list(loaded.loads.wrenches), section)
-        return _Worst(loaded, pushed, position, section, float(stress[position, section]), weights)
+        return _Worst(loaded, diagram, position, section, weights)
 
-    def check(
-        self, kind: Kind, demand: list[Item], limit: list[Item], even: float, more: str = ""
-    ) -> Check:
-        """The check there; its model band reaches to what lugs with even pressure give, MPa."""
-        value = demand[-1].symbol
-        band = Band(words=_WORDS)
-        if abs(even - self.stress) > _ROUND_OFF * self.stress:
-            said = "the value where every lug presses evenly over its width"
-            known = Given("v", said, even, "MPa", "docs/theory/fits.md")
-            above = Step("b_up", "model band above", f"max(0, v - {value})", "MPa")
-            below = Step("b_lo", "model band below", f"max(0, {value} - v)", "MPa")
-            band = Band((known, above), (below,), _WORDS)
+    def check(self, kind: Kind, demand: list[Item], limit: list[Item], more: str = "") -> Check:
+        """The check there."""
 
         def note(found: Mapping[str, Value]) -> str:
             acts = f"M = {found['M'] / 1e3:.1f} N m" if "M" in found else f"V = {found['V']:.0f} N"
             if kind is SHEAR and "T" in found:
                 torque = abs(float(found["T"])) / 1e3
                 acts += f", T = {torque:.3g} N m by friction: 16 T/(pi d^3) more"
-            told = (
-                f"{acts}, d = {found['d']:g} mm; every lug at its mid-plane; pressing evenly over "
-                f"their widths: {even:.4g} MPa"
-            )
+            told = f"{acts}, d = {found['d']:g} mm; every lug presses evenly over its width"
             return f"{told}; {more}" if more else told
 
         return self.loaded.at(
             self.position,
             Heading(
                 kind=kind,
-                place=f"z = {round(float(self.pushed.places[self.section]), 2) + 0.0:g} mm",
+                place=f"z = {round(float(self.diagram.places[self.section]), 2) + 0.0:g} mm",
                 basis=_basis(self.loaded.part, limit),
                 note=note,
             ),
             demand,
             limit,
-            band,
         )
 
     @property
     def diameter(self) -> Given:
         """Diameter of the pin in the section."""
-        said = f"diameter of the pin at z = {float(self.pushed.places[self.section]):.4g} mm"
-        size = float(self.pushed.diameter[self.section])
+        said = f"diameter of the pin at z = {float(self.diagram.places[self.section]):.4g} mm"
+        size = float(self.diagram.diameter[self.section])
         return Given("d", said, size, "mm", "the part's shape")
 
     @property
@@ -180,7 +158,7 @@ class _Worst:
             Step("V", "shear force", "sqrt(V_x^2 + V_y^2)", "N", main=True),
         ]
         formula, said = "16*V/(3*pi*d^2)", "largest shear stress: 4/3 of the mean"
-        if self.pushed.torque[self.position, self.section]:
+        if self.diagram.torque[self.position, self.section]:
             items.append(self._sum("T", "torque by friction", "N mm", 4))
             formula, said = f"{formula} + 16*abs(T)/(pi*d^3)", f"{said}, and of the twist"
         return [*items, Step("tau", said, formula, "MPa", "Jourawski", main=True)]
@@ -189,13 +167,13 @@ class _Worst:
     def together(self) -> list[Item]:
         """Bending and shear at the place of the rim where they are worst together."""
         here = self.position, self.section
-        angle = self.pushed.rim_at(*here)
+        angle = self.diagram.rim_at(*here)
         if angle is None:
             said = "von Mises in the middle, where nothing is bent"
             return [Step("sigma", said, "sqrt(3)*tau", "MPa", main=True)]
-        moment, force = self.pushed.moment[here], self.pushed.shear[here]
+        moment, force = self.diagram.moment[here], self.diagram.shear[here]
         apart = float(np.arctan2(moment[1], moment[0]) - np.arctan2(force[1], force[0]))
-        twist = float(self.pushed.twist_stress[here])
+        twist = float(self.diagram.twist_stress[here])
         return [
             Given("tau_T", "part of the shear stress that is twist's", twist, "MPa"),
             Given("a", "angle of the rim from where bending is largest", angle, "rad",
@@ -229,7 +207,7 @@ class _Worst:
                 ),
             ),
             unit,
-            "every lug at its mid-plane",
+            "every lug presses evenly over its width",
         )  # fmt: skip
 
 
@@ -240,7 +218,7 @@ def _weights(shape: Pin, names: list[str], section: int) -> FloatArray:
     for k, name in enumerate(names):
         units[name] = np.zeros((count, 6))
         units[name][np.arange(len(_ROWS)) + len(_ROWS) * k, list(_ROWS)] = 1.0
-    diagram = pin_diagram(shape, units, spread=False, ends_only=True)
+    diagram = pin_diagram(shape, units, ends_only=True)
     found = [
         *diagram.shear[:, section].T,
         *diagram.moment[:, section].T,

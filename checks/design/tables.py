@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, StringConstrai
 
 from checks.design.errors import nearest
 from checks.design.units import (
+    AnyConstant,
     Direction2,
     ForceOrMoment,
     ForceOrMomentFromZero,
@@ -44,7 +45,7 @@ Coefficient = Annotated[Number, Field(ge=0)]
 Damping = Annotated[Number, Field(gt=0, lt=1)]
 Irregularity = Annotated[Number, Field(gt=0, le=0.5)]
 # by these pydantic names which of several forms a value has; messages leave them out
-TAGS = ("<value>", "<table>", "<piston>", "<against motion>", "<contact>")
+TAGS = ("<value>", "<table>", "<piston>", "<against motion>", "<contact>", "<expression>")
 Ends = Annotated[list[Length], Field(min_length=2, max_length=2)]
 
 
@@ -301,6 +302,19 @@ class OpposingLaw(Table):
     )
 
 
+class ExpressionLaw(Table):
+    """A force by a formula over coordinates and their rates, whose numbers carry units."""
+
+    expression: str = Field(
+        description="+ - * / **, sqrt, exp, log, sin, cos, tan, asin, acos, atan, abs, min and max "
+        "of numbers, names of `where`, coordinates such as B.x or crank.angle, and rate(B.x)",
+        examples=["-F * (L / gas.length)**1.2"],
+    )
+    where: dict[str, AnyConstant] | None = Field(
+        None, description="its constants by name", examples=['{ F = "400 N", L = "260 mm" }']
+    )
+
+
 class ContactLaw(Table):
     """A workpiece or stop that pushes back along the force when it is touched, and never pulls."""
 
@@ -317,33 +331,35 @@ class ContactLaw(Table):
         description="true, the default for a force on a body: the body stands still along the "
         "force while it touches",
     )
+    restitution: Annotated[Number, Field(ge=0, le=1)] | None = Field(
+        None,
+        description="speed after over speed before a blow, 0 without rebound; without it blows are "
+        "told from 0 to 1",
+    )
 
 
 def _kind_of_law(value: object) -> str:
-    if isinstance(value, Mapping):
-        keys = [str(key) for key in value if key not in TableLaw.model_fields]
-        for tag, law in (
-            ("<contact>", ContactLaw),
-            ("<against motion>", OpposingLaw),
-            ("<piston>", PistonLaw),
-        ):
-            own = set(law.model_fields) - set(TableLaw.model_fields)
-            if any(nearest(key, own) for key in keys):
-                return tag
-        return "<table>"
-    laws = {
-        ContactLaw: "<contact>",
-        OpposingLaw: "<against motion>",
-        PistonLaw: "<piston>",
-        TableLaw: "<table>",
+    laws: dict[str, type[Table]] = {
+        "<contact>": ContactLaw,
+        "<against motion>": OpposingLaw,
+        "<piston>": PistonLaw,
+        "<expression>": ExpressionLaw,
+        "<table>": TableLaw,
     }
-    return next((tag for law, tag in laws.items() if isinstance(value, law)), "<value>")
+    if isinstance(value, Mapping):
+        owners = {key: tag for tag, law in reversed(laws.items()) for key in law.model_fields}
+        owners |= dict.fromkeys(TableLaw.model_fields, "<table>")
+        near = [nearest(str(key), owners) for key in value]
+        found = {owners[key] for key in near if key is not None}
+        return next((tag for tag in laws if tag in found), "<table>")
+    return next((tag for tag, law in laws.items() if isinstance(value, law)), "<value>")
 
 
 LawEntry = Annotated[
     Annotated[ForceOrMoment, Tag("<value>")]
     | Annotated[TableLaw, Tag("<table>")]
     | Annotated[PistonLaw, Tag("<piston>")]
+    | Annotated[ExpressionLaw, Tag("<expression>")]
     | Annotated[OpposingLaw, Tag("<against motion>")]
     | Annotated[ContactLaw, Tag("<contact>")],
     Discriminator(_kind_of_law),
@@ -357,8 +373,8 @@ class PhaseEntry(Table):
     to: LengthOrAngle = Field(description="where the swept coordinate arrives")
     forces: dict[str, LawEntry] = Field(
         default_factory=dict,
-        description="forces that are given: constant, tabled, of a piston, against the motion, "
-        "or a contact",
+        description="forces that are given: constant, tabled, of a piston, by a formula, against "
+        "the motion, or a contact",
     )
     solve: str = Field(description="the force that follows from the others")
 

@@ -164,6 +164,58 @@ def _unit(text: str) -> Unit:
     return result
 
 
+Powers = Mapping[str, float]
+PLAIN: Powers = {}
+ANGLE: Powers = _ANGLE
+_COHERENT = {"gram": 1e-6, "meter": 1e3, "second": 1.0, "radian": 1.0}  # t, mm, s, rad
+
+
+def powers_of(unit: str) -> Powers:
+    """Return the powers of pint's root units that a unit has."""
+    return _unit(unit).powers
+
+
+def title_of(powers: Powers) -> str:
+    """Return a dimension in a sentence, such as "a force"."""
+    return _title(Unit(1.0, powers)) if powers else "a plain number"
+
+
+@dataclass(frozen=True)
+class Constant:
+    """A number of any mechanical unit in N, mm, s, t and rad; `text` is what was written."""
+
+    text: str
+    value: float
+    powers: Powers
+
+
+def measure_any(value: object) -> Constant:
+    """Convert text of any mechanical unit, or a plain number.
+
+    >>> measure_any("2 kN/m")
+    Constant(text='2 kN/m', value=2.0, powers={'gram': 1, 'second': -2})
+    """
+    must_be = f'must be a number or a quantity such as "400 N", got {_shown(value)}'
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        number, unit = float(value) if abs(value) <= MOST else math.inf, Unit(1.0, PLAIN)
+    else:
+        match = _QUANTITY.fullmatch(value) if isinstance(value, str) else None
+        if match is None:
+            raise ValueError(must_be)
+        try:
+            number, unit = float(match[1]), _unit(match[2])
+        except ValueError as error:
+            raise ValueError(f"{must_be}: {error}") from None
+    if not unit.powers.keys() <= _COHERENT.keys():
+        raise ValueError(f"{must_be}, which is {_title(unit)}")
+    number *= unit.size
+    for name, power in unit.powers.items():
+        number *= _COHERENT[name] ** power
+    if not abs(number) <= _MOST_STIFFNESS:
+        raise ValueError(f"{must_be}, {_NO_MACHINE}")
+    return Constant(str(value), number, unit.powers)
+
+
 def _title(found: Unit) -> str:
     for dimension in DIMENSIONS.values():
         if _unit(dimension.unit).powers == found.powers:
@@ -365,6 +417,26 @@ class FitOrClearance(Marker):
         return {"type": "string", "examples": ["H7/f7", "0.02 .. 0.06 mm"]}
 
 
+@dataclass(frozen=True)
+class AnyQuantity:
+    """Marks a number of any mechanical unit, or a plain one."""
+
+    def read(self, value: object) -> Constant:
+        """Return the number in ballesta's units, or raise ValueError."""
+        return measure_any(value)
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> core_schema.CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        text = {"type": "string", "pattern": rf"^\s*{_NUMBER}\s*[A-Za-zµμ°1][^,]*$"}
+        return {"anyOf": [text, {"type": "number"}], "examples": ["400 N"]}
+
+
 def _limit(bound: float, dimension: str) -> str:
     if dimension == "angle":
         return f"{math.degrees(bound):g} deg"
@@ -452,6 +524,7 @@ SpeedFromZero = Annotated[
 PositiveForceOrMoment = Annotated[
     Measured, Quantity(("force", "moment"), above=0.0, keep_dimension=True)
 ]
+AnyConstant = Annotated[Constant, AnyQuantity()]
 Point2 = Annotated[Pair, Vector("length")]
 Acceleration2 = Annotated[Pair, Vector("acceleration")]
 Direction2 = Annotated[Pair, Vector("")]

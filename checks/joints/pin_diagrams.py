@@ -1,9 +1,9 @@
 """Shear, bending and twist along a pin from the lugs of its stack, as a designer draws them.
 
-Every lug presses in one of two ways: all at its mid-plane, or evenly over its width. A real lug,
-which gives way at its edges, is between them. A couple that closes a pin with lugs on one side is
-taken by the lug that the pin is fixed in: as it is at its mid-plane (by a pair: as two forces), or
-as a pressure that grows along the lug.
+Every lug presses evenly over its width: what a straight pin does in elastic lugs. A pin that bends
+presses more where lugs face each other, which bends it less (docs/theory/fits.md). A couple that
+closes a pin with lugs on one side is taken by the lug that the pin is fixed in, as a pressure that
+grows along the lug.
 """
 
 from collections.abc import Iterator
@@ -56,18 +56,6 @@ class PinDiagram:
     def twist_stress(self) -> FloatArray:
         """Largest shear stress by the torque alone (n, m), MPa."""
         return round_torsion(np.abs(self.torque), self.diameter)
-
-    @cached_property
-    def most_bent(self) -> float:
-        """Largest bending stress of all sections and positions, MPa."""
-        return float(round_bending(_longest(self.moment), self.diameter).max())
-
-    @cached_property
-    def most_sheared(self) -> float:
-        """Largest shear stress of all sections and positions, MPa."""
-        if self.torque.any():
-            return float(self.shear_stress.max())
-        return float(round_shear(_longest(self.shear), self.diameter).max())
 
     @property
     def equivalent_stress(self) -> FloatArray:
@@ -122,29 +110,18 @@ class PinDiagram:
             yield np.sqrt(bent**2 + 3 * sheared**2)
 
 
-def _longest(vectors: FloatArray) -> FloatArray:
-    """Length (m,) of the longest of the vectors (n, m, 2) at each place."""
-    squares = vectors[..., 0] ** 2
-    squares += vectors[..., 1] ** 2
-    x, y = vectors[squares.argmax(axis=0), np.arange(squares.shape[1])].T
-    return np.asarray(np.hypot(x, y))
-
-
 def pin_diagram(
-    shape: Pin, wrenches: dict[str, FloatArray], *, spread: bool, ends_only: bool = False
+    shape: Pin, wrenches: dict[str, FloatArray], *, ends_only: bool = False
 ) -> PinDiagram:
     """Shear and bending along a pin under the wrenches (n, 6) of its seats.
 
-    spread     each lug presses evenly over its width, and not at its mid-plane
     ends_only  of stretches without pressure only both ends: shear is even there and the moment
                linear, so that every stress is largest at one of them
     """
-    points, diameters = _stations(shape, spread=spread, ends_only=ends_only)
-    # a section at the lower end of a stretch has passed what acts at its place
-    passed = np.r_[True, points[1:] <= points[:-1]]
+    points, diameters = _stations(shape, ends_only=ends_only)
     share, lever, turned, pulled = np.zeros((4, len(shape.seats), len(points)))
     for k, seat in enumerate(shape.seats):
-        for part in _pressed(seat, points) if spread else _pushed(seat, points, passed):
+        for part in _pressed(seat, points):
             for total, own in zip((share, lever, turned, pulled), part, strict=True):
                 total[k] += own
     count = np.array([len(seat.places) for seat in shape.seats])
@@ -161,27 +138,12 @@ def pin_diagram(
 _Part = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 
 
-def _pushed(seat: Seat, points: FloatArray, passed: np.ndarray) -> list[_Part]:
-    """Per lug: shear and moment of 1 N at its mid-plane; moment and shear of the seat's dipole.
-
-    The moment of forces at heights z is sum z F; a couple (M_x, M_y) is the dipole (M_y, -M_x).
-    """
-    parts = []
-    for place in seat.places:
-        away = points - place
-        here = np.abs(away) <= 1e-9 * seat.width
-        beyond = (away > 0) & ~here | here & passed
-        step, lever = beyond.astype(float), np.maximum(points - place, 0.0)
-        if seat.paired:  # +-C / (2 at) at +-at
-            share = np.sign(place) / (2 * seat.at)
-            parts.append((step, lever, share * lever, share * step))
-        else:
-            parts.append((step, lever, -step, np.zeros_like(points)))
-    return parts
-
-
 def _pressed(seat: Seat, points: FloatArray) -> list[_Part]:
-    """Per lug: as `_pushed`, under an even pressure, and one that grows along z for the dipole."""
+    """Per lug: shear and moment of 1 N, pressed evenly; moment and shear of the seat's dipole.
+
+    The moment of forces at heights z is sum z F; a couple (M_x, M_y) is the dipole (M_y, -M_x),
+    which a pressure takes that grows along z.
+    """
     half = seat.width / 2
     centre = 0.0 if seat.paired else seat.at
     second = sum(seat.width**3 / 12 + seat.width * (z - centre) ** 2 for z in seat.places)
@@ -200,7 +162,7 @@ def _pressed(seat: Seat, points: FloatArray) -> list[_Part]:
     return parts
 
 
-def _stations(shape: Pin, *, spread: bool, ends_only: bool) -> tuple[FloatArray, FloatArray]:
+def _stations(shape: Pin, *, ends_only: bool) -> tuple[FloatArray, FloatArray]:
     """Sections along a pin, mm, from stretch to stretch of equal load and diameter."""
     seated = shape.seated()
     necks = [(low, high, seat.diameter or shape.diameter) for seat, low, high in seated]
@@ -212,8 +174,7 @@ def _stations(shape: Pin, *, spread: bool, ends_only: bool) -> tuple[FloatArray,
     for start, stop in pairwise(edges):
         middle = (start + stop) / 2
         own = next((d for low, high, d in necks if low < middle < high), None)
-        pressed = spread and own is not None
-        count = 2 if ends_only and not pressed else _INSIDE + 1
+        count = 2 if ends_only and own is None else _INSIDE + 1
         points.append(np.linspace(start, stop, count))
         diameters.append(np.full(count, own or shape.diameter))
     return np.concatenate(points), np.concatenate(diameters)

@@ -27,6 +27,7 @@ COARSE, LOOSE = 0.5, 0.05
 _MOST_MESHES = 5
 _NEXT = 2.5  # times what a mesh took, a finer one takes
 _FINER = 1.3  # general elements, where a mesh with small ones in places is not usable
+_FOR_THE_SECOND = 0.5  # of the unknowns: a third mesh has a bar that the second one may not have
 _LEAST_STEP = 1.15  # elements that decide must become smaller by this, or a mesh is not worth it
 
 Say = Callable[[str], None]
@@ -157,6 +158,8 @@ def _next_sizes(
         return f"the time is up: a finer mesh would take about {_NEXT * took:.0f} s"
     recovery, mesh = level.solutions.recovery, level.solutions.mesh
     most = part.most_unknowns * len(mesh.elements) / level.unknowns
+    if len(levels) == 1:
+        most *= _FOR_THE_SECOND
     if half_of(part, loaded.loads) is not None and not level.half:
         most *= 2  # the next mesh has half of the elements that are estimated on this one
     errors = [

@@ -143,7 +143,7 @@ def _pin_sections(shape: Pin, loads: PartLoads) -> tuple[FloatArray, FloatArray,
     names = [seat.name for seat in shape.seats]
     acting = np.concatenate([loads.wrenches[name].T for name in names])
     units = np.split(np.eye(len(acting)), len(names), axis=1)
-    diagram = pin_diagram(shape, dict(zip(names, units, strict=True)), spread=True)
+    diagram = pin_diagram(shape, dict(zip(names, units, strict=True)))
     area = np.pi / 4 * diagram.diameter**2
     bent = -diagram.moment / (np.pi / 64 * diagram.diameter**4)[:, None]
     sheared = diagram.shear / area[:, None]

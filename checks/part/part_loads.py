@@ -94,6 +94,19 @@ class PartLoads:
         wrenches = (wrench.any() for wrench in self.wrenches.values())
         return not (self.accelerations.any() or any(wrenches))
 
+    def within(self, before: "PartLoads", share: float) -> bool:
+        """True if no load differs by more than a share of its largest value before."""
+        pairs = [(self.accelerations, before.accelerations)]
+        for name, wrench in self.wrenches.items():
+            was = before.wrenches[name]
+            pairs += [(wrench[:, :3], was[:, :3]), (wrench[:, 3:], was[:, 3:])]
+        pairs += [(reach, before.reaches[name]) for name, reach in self.reaches.items()]
+        return all(
+            now.shape == was.shape
+            and np.abs(now - was).max(initial=0.0) <= share * np.abs(was).max(initial=0.0)
+            for now, was in pairs
+        )
+
     def resultant(self, interface: str) -> FloatArray:
         """Size (n,) of the force on an interface, N."""
         wrench = self.wrenches[interface]

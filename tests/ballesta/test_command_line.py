@@ -5,11 +5,14 @@ import re
 import subprocess
 import sys
 from html.parser import HTMLParser
+from importlib.metadata import version
 from pathlib import Path
 
 import meshio
 import numpy as np
 import pytest
+
+from ballesta.cli import main
 
 ROOT = Path(__file__).parents[2]
 PRESS = "designs/toggle_press.toml"
@@ -200,3 +203,10 @@ def test_a_pin_whose_stack_forgets_a_force_is_refused_with_its_part(tmp_path):
     done = subprocess.run([*code, "--out", str(tmp_path)], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 2
     assert "parts.pin_B: pin 'B': every one of cylinder, lower, upper needs one seat" in done.stderr
+
+
+def test_the_version_names_ballesta_and_its_solver(capsys):
+    assert main(["--version"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == f"ballesta {version('ballesta')}"
+    assert any(line.startswith("solver ") for line in lines)

@@ -116,9 +116,12 @@ def mass_of_solid_rod(length, diameter, eye_diameter, eye_width, hole, density=7
     return density * (2 * eye + np.pi * diameter**2 / 4 * between)
 
 
-def pin_bending(force, arm, diameter):
-    """Stress [MPa] of a pin whose lug in the middle pulls against two others, `arm` apart."""
-    return 32 * (force / 2 * arm) / (np.pi * diameter**3)
+def pin_bending(force, arm, middle, diameter):
+    """Stress [MPa] of a pin whose lug in the middle pulls against two others, `arm` apart.
+
+    They press evenly; half of the middle one's width stands a quarter of it beside the middle.
+    """
+    return 32 * (force / 2 * (arm - middle / 4)) / (np.pi * diameter**3)
 
 
 def gas_engine(m):
@@ -131,7 +134,7 @@ def gas_engine(m):
     piston = 0.8 * area - 1.2 * (w**2 * r * (np.cos(angle) + r / b * np.cos(2 * angle)) - G)
     thrust = piston / np.cos(np.arcsin(r / b * np.sin(angle)))
     assert thrust == pytest.approx(2171, rel=0.01)  # as the example has it
-    bending = pin_bending(gudgeon, 22, 20)
+    bending = pin_bending(gudgeon, 22, 26, 20)
     return [
         Value("gudgeon pin at ignition", m.force("rod second", 0), gudgeon, 1e-4),
         Value("crank pin at ignition", m.force("rod first", 0), crank, 0.01),
@@ -179,7 +182,7 @@ def crank_rocker(m):
         return force, force * abs(crank_pin[0] * u[1] - crank_pin[1] * u[0]) / 1e3
 
     left, worst = m.largest("coupler first"), m.largest("coupler second")
-    bending = pin_bending(coupler(m.at(worst))[0], 9, 10)
+    bending = pin_bending(coupler(m.at(worst))[0], 9, 6, 10)
     k = 100
     return [  # the links' masses, below 0.3 kg each, add some newtons
         Value("coupler", m.force("coupler second", worst), coupler(m.at(worst))[0], 0.01),
@@ -231,7 +234,7 @@ def punching_press(m):
     assert m.at(at_end) > 254.6
     while m.cycle["phase"][at_end] != "punch":
         at_end -= 1
-    bending = pin_bending(begins, 115, 110)
+    bending = pin_bending(begins, 115, 140, 110)
     return [  # nothing moves fast
         Value(
             "pitman, punch meets plate",
@@ -265,7 +268,7 @@ def steam_engine(m):
 def push_pull_clamp(m):
     link = 4300 / np.cos(np.radians(2))
     hand = link * 40 * np.sin(np.radians(4)) / 1e3
-    bending = pin_bending(link, 6, 8)
+    bending = pin_bending(link, 6, 6, 8)
     return [  # handle and plunger have less than 4 N of weight
         Value("link", m.force("link second", m.largest("link second")), link, 1e-3),
         Value("hand", abs(m.effort("hand", 2.0)) / 1e3, hand, 0.02, "N m"),
@@ -320,7 +323,7 @@ def sickle_mower(m):
     across = (own - arm[1] * pull) / arm[0]
     knife_pin = np.hypot(pull, across)
     crank_pin = np.hypot(moved[0] + pull, moved[1] - across)
-    bending = pin_bending(knife_pin, 8, 14)
+    bending = pin_bending(knife_pin, 8, 5.5, 14)
     return [
         Value("knife's pin", m.force("pitman second", 0), knife_pin, 1e-3),
         Value("crank pin", m.force("pitman first", 0), crank_pin, 1e-3),
@@ -395,7 +398,7 @@ def riveting_press(m):
     coupler = knee / np.hypot(*knee)  # stretched with the crank
     rocker = np.array([np.cos(a), np.sin(a)])
     along_rocker, along_coupler = np.linalg.solve(np.array([rocker, coupler]).T, -knee_load)
-    bending = pin_bending(toggle, 26, 40)
+    bending = pin_bending(toggle, 26, 30, 40)
     k = m.largest("toggle second")
     return [  # the links' inertia is left out
         Value("toggle", m.force("toggle second", k), toggle, 1e-3),

@@ -64,11 +64,15 @@ class Box:
     length: float = 20.0
     high: float = 0.0
     turned: float = 0.0
+    nick: float = 0.0
 
     def build(self, gmsh):
         occ = gmsh.model.occ
         box = occ.addBox(0, -5, -5 + self.high, self.length, 10, 10)
         occ.rotate([(3, box)], self.length / 2, 0, 0, 0, 1, 0, np.radians(self.turned))
+        if self.nick:
+            slot = occ.addBox(0, -5, 5 - self.nick, 3, 10, 10)
+            occ.cut([(3, box)], [(3, slot)])
         occ.synchronize()
         return self.named(gmsh)
 
@@ -155,9 +159,18 @@ def test_a_shape_without_a_middle_plane_cannot_be_halved():
         Half(pin)
 
 
-@pytest.mark.parametrize("box", [Box(high=0.01), Box(turned=5.0)], ids=["beside", "turned"])
+@pytest.mark.parametrize(
+    "box",
+    [
+        Box(high=1e-3),
+        Box(turned=0.05),
+        Box(nick=0.01),
+        Box(length=5000, nick=0.01),  # 6e-7 of the volume
+    ],
+    ids=["beside", "turned", "nick", "nick in a long part"],
+)
 def test_a_body_that_is_not_its_own_mirror_image_is_refused(box):
-    with pytest.raises(MeshError, match="not its own mirror image about z = 0: twice the half"):
+    with pytest.raises(MeshError, match="not its own mirror image about z = 0: its surface at"):
         mesh_shape(Half(box))
 
 

@@ -66,7 +66,7 @@ def test_changes_that_make_it_pass_stand_in_the_answer_with_the_command_that_che
     parts = [results.part(check.part, [check]) for check in failing]
     text = words(answer_text(replace(results.design(*parts), changes=[WALL, steel]), 100))
     assert (
-        "to pass parts.bar_upper.wall=7.1 mm (now 6.3, least 6.42): safety 1.48, bars 1.37; "
+        "to pass parts.bar_upper.wall=7.1 mm (now 6.3, least 6.42): safety 1.48, at least 1.37; "
         "10.1 kg (+0.84)" in text
     )
     assert "or parts.bar_upper.material=S450J0 (now S355): safety 1.48; 9.21 kg" in text
@@ -119,7 +119,7 @@ def test_each_part_has_its_governing_check_and_the_others_are_counted():
     assert "and 2 other checks, 2 of them open or failed" in text
 
 
-@pytest.mark.parametrize(("binding", "label"), [(True, "NOT VALID"), (False, "not valid")])
+@pytest.mark.parametrize(("binding", "label"), [(True, "NOT VALID"), (False, "not met")])
 def test_a_validity_check_that_does_not_hold_is_told_with_its_cure(binding, label):
     gate = Gate("speed", 2.0, 1.0, "the drive slows down", binding, "State drive.control")
     text = words(answer_text(results.design(gates=[gate]), 100))

@@ -47,6 +47,8 @@ def questions(result):
     masses = [float(part.facts[keys]) for part in result.parts if keys in part.facts]
     passes = all(one.status is Status.PASS for one in result.checks)
     broken = [gate for gate in result.all_gates if not gate.holds]
+    binds = any(gate.binding for gate in broken)
+    held = "not valid" if binds else "not met" if broken else "validity checks hold"
     known = passes or isfinite(check.upper)
     told = known or result.changes  # a better model comes first where nothing else is told
     changes = "ballesta improve" if told else "a model that knows its error bar"
@@ -62,7 +64,7 @@ def questions(result):
         "what to change?": ["to save" if passes else "to pass", changes],
         "what is assumed?": ["assumed", "assumption"],
         "what was not checked?": ["not checked", "impact"],
-        "is it valid?": ["not valid" if broken else "validity checks hold"],
+        "is it valid?": [held],
     }  # fmt: skip
 
 

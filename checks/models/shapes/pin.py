@@ -163,7 +163,7 @@ def stress(part: Part, shape: Pin, loads: PartLoads) -> RungModel | None:
             loads.wrenches[name][:, 3:5].T, interface_units(name, ("M_x", "M_y"))
         )
         forces[name] = [pressing[name][k] for k in _PUSHING] + couples + pressing[name][-1:]
-    diagram = pin_diagram(shape, _unit_wrenches(names), spread=True)
+    diagram = pin_diagram(shape, _unit_wrenches(names))
     columns = [column for name in names for column in forces[name]]
     signs = np.tile(_SIGNS, len(names))
     nu = part.material.poisson_ratio
@@ -220,7 +220,7 @@ def _pressed_over_bent(shape: Pin, loads: PartLoads) -> float:
         / (shape.neck(seat) * seat.width * len(seat.places))
         for seat in shape.seats
     ]
-    diagram = pin_diagram(shape, dict(loads.wrenches), spread=True, ends_only=True)
+    diagram = pin_diagram(shape, dict(loads.wrenches), ends_only=True)
     bent = float(diagram.bending_stress[:, diagram.diameter < shape.diameter].max())
     return max(pressures) / bent if bent else np.inf
 

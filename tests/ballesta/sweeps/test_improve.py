@@ -1,12 +1,14 @@
 """Single changes that make a plate pass, against what its check says of them."""
 
 import json
+from pathlib import Path
 
 import pytest
 
 from ballesta.cli import main
-from ballesta.pipeline import check_file
-from ballesta.sweeps.improve import improve
+from ballesta.design.read import read_design
+from ballesta.pipeline import check_design, check_file
+from ballesta.sweeps.improve import improve, with_changes
 from checks.design.effort import Effort
 from checks.result.verdict import Status
 from tests.small_machine import PLATE, machine
@@ -87,3 +89,22 @@ def test_a_line_that_the_file_does_not_have_is_not_written(file, capsys):
     assert main(["improve", str(file), *arguments]) == 2
     assert "write it by hand" in capsys.readouterr().err
     assert file.read_text(encoding="utf-8") == text
+
+
+def test_a_saving_with_which_the_linkage_would_buckle_goes_only_as_far_as_it_holds():
+    """Links of 22 mm would do with 11.2 mm, but the jack as a whole has 3.48 of 3.
+
+    Out of the plane its stiffness goes with the width: 3.48 * 20 / 22 = 3.16 is left, and
+    3.48 * 18 / 22 = 2.85 would not do.
+    """
+    file = Path("designs/gallery/scissors_jack.toml")
+    design = read_design(file)
+    changes = with_changes(design, check_design(design, effort=FORMULA)).changes
+    (width,) = (change for change in changes if change.key.endswith(".width"))
+    assert width.value == "20 mm"
+    (linkage,) = check_file(file, (width.override,), effort=FORMULA).linkage
+    assert linkage.status is Status.PASS
+    assert linkage.safety == pytest.approx(3.16, rel=0.02)
+    smaller = read_design(file, (f"{width.key}=18 mm",))
+    (linkage,) = check_design(smaller, effort=FORMULA).linkage
+    assert linkage.status is not Status.PASS

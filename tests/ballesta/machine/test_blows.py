@@ -1,0 +1,183 @@
+"""Blows of a design's contacts: by hand, the hammer's ram, drives, words, refusals."""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ballesta.commands.loads_command import loads_of_file
+from ballesta.design.read import read_design
+from ballesta.machine.blows import blow_subject, blows_of
+from ballesta.machine.runs import MachineRuns
+from ballesta.machine.solved_cycles import solve_cycles
+from ballesta.pipeline import NOT_CHECKED, _not_checked
+from checks.design.errors import DesignError
+from reports.loads_page import loads_html
+from reports.loads_text import loads_text
+
+ROOT = Path(__file__).parents[3]
+DESIGNS = ROOT / "designs"
+# a crank of 60 mm and a rod of 200 mm; the slider, 2 kg, meets a stop of 1 kN/mm at 150 mm
+PAGE = ROOT / "docs" / "theory" / "blows.md"
+
+
+def stop_design(tmp_path, *changes):
+    """The page's own design file."""
+    text = re.search(r"```toml\n(.*?)```", PAGE.read_text(), re.DOTALL)[1]
+    for old, new in changes:
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    file = tmp_path / "striker.toml"
+    file.write_text(text)
+    return file
+
+
+def struck(file, overrides=()):
+    design = read_design(file, overrides)
+    solved = solve_cycles(design, {})
+    return [blow for cycle in solved.values() for blow in blows_of(design, cycle)]
+
+
+def test_the_page_tells_what_its_design_gives(tmp_path):
+    told = loads_text(loads_of_file(stop_design(tmp_path)), 120)
+    (line,) = re.findall(r"^blow .*(?:\n {9}.*)*", told, re.MULTILINE)
+    assert line in PAGE.read_text()
+    page = loads_html(loads_of_file(stop_design(tmp_path)))
+    assert "<li>Blow of stop at crank.angle = 140.55 deg: 5.80 kg strike at 366 mm/s" in page
+
+
+def test_a_stop_of_a_slider_crank_takes_all_its_energy_by_hand(tmp_path):
+    """Of the crank (by its inertia about O), the rod (two point masses) and the slider.
+
+    The rod's 1 kg are 1/2 kg at each end with the inertia of that about the middle: the energy of
+    two points whose speeds are known. So m v^2 = I_O w^2 + (r w)^2 / 2 + 2.5 v^2.
+    """
+    (blow,) = struck(stop_design(tmp_path))
+    spin, crank, rod = 120 * 2 * np.pi / 60, 60.0, 200.0
+    at = np.arccos((crank**2 + 150.0**2 - rod**2) / (2 * crank * 150.0))
+    lean = np.arcsin(crank * np.sin(at) / rod)
+    speed = crank * spin * np.sin(at + lean) / np.cos(lean)
+    assert blow.at == pytest.approx(np.degrees(at), rel=1e-6)
+    assert blow.speed == pytest.approx(speed, rel=1e-6)
+    energy = 0.5 * (1.0 * spin**2 + 0.5e-3 * (crank * spin) ** 2 + 2.5e-3 * speed**2)
+    assert blow.energy[0] == pytest.approx((1 - 0.3**2) * energy, rel=1e-6)
+    assert blow.impulse[0] == pytest.approx(1.3 * 2 * energy / speed, rel=1e-6)
+    assert blow.per_minute == pytest.approx(120.0)
+
+
+def test_the_blow_of_the_hammer_is_its_rams_and_the_leaves_pass_nothing_on():
+    """The ram's own kinetic energy, which its contact loses; 100 w / (2 pi) blows a minute."""
+    design = read_design(DESIGNS / "spring_hammer.toml")
+    solved = solve_cycles(design, {})
+    energies = {}
+    for name, cycle in solved.items():
+        for blow in blows_of(design, cycle):
+            ram = cycle.linkage.body("ram").mass
+            assert blow.mass == pytest.approx((ram, ram), rel=1e-9)
+            assert blow.energy == pytest.approx((float(cycle.contacts["workpiece"].impacts[0]), 0))
+            assert blow.rigid_mass > 1.5 * ram
+            assert not blow.drive_struck
+            assert {"C", "R", "slot"} == set(blow.open)
+            energies[name] = blow.energy[0]
+            spin = design.cycles[name].run.pace.speed
+            assert blow.per_minute == pytest.approx(60 * spin / (2 * np.pi))
+            _, spin, _, height = name.split("_")
+            low, high = blow.impulse
+            row = (
+                f"| {spin} | {blow.per_minute:.1f} | {height} | {blow.speed:.0f} | {low:.1f} ... "
+                f"{high:.1f} | {blow.energy[0] * 1e-3:.2f} |"
+            )
+            assert row in PAGE.read_text()
+    assert len(energies) == 8
+    assert energies["at_10_work_10"] > 3 * energies["at_5_work_10"]
+    subject = blow_subject(design, solved)
+    assert re.fullmatch(
+        r"impact of up to \d\d\.\d N s and \d+\.?\d* J a blow on workpiece, in at_10_work_20; its "
+        "force is unknown",
+        subject,
+    )
+
+
+def test_what_is_not_checked_has_the_heaviest_blow_and_its_force_is_not_known(tmp_path):
+    design = read_design(stop_design(tmp_path))
+    solved = solve_cycles(design, {})
+    machine = MachineRuns({}, solved, {}, solved, {}, [])
+    first, second, *rest = _not_checked(design, machine)
+    assert first.startswith("impact of up to 2.76 N s and 0.354 J a blow on stop, in run; ")
+    assert second == "any speed change within a cycle"
+    assert tuple(rest) == NOT_CHECKED
+    still = MachineRuns({}, {}, {}, {}, {}, [])
+    assert _not_checked(design, still)[0] == "impact and any speed change within a cycle"
+
+
+def test_a_stiff_linkage_on_a_stiff_contact_strikes_with_anything_up_to_all_of_itself():
+    """The press' bars and its stack give way alike: between the mould and the whole linkage."""
+    result = loads_of_file(DESIGNS / "toggle_press_pull_through.toml")
+    blows = [blow for cycle in result.cycles for blow in cycle.blows]
+    assert len(blows) == 2
+    for blow in blows:
+        assert blow.mass == (pytest.approx(0.01), blow.rigid_mass)
+        assert blow.rigid_mass > 5 * blow.mass[0]
+        assert blow.impulse == pytest.approx(
+            (blow.mass[0] * blow.speed, 2 * blow.mass[1] * blow.speed)
+        )
+        assert blow.energy == pytest.approx((0.5 * blow.mass[1] * blow.speed**2, 0.0))
+        assert blow.joints == ()
+    told = " ".join(loads_text(result, 200).split())
+    assert "so that anything up to the rigid linkage (at least 100 kg) may strike" in told
+    assert "no joint takes any" not in told
+
+
+FLYWHEEL = ("[duty]", '[drive]\nflywheel = "0.5 kg m2"\n[duty]')
+CONSTANT = ("[duty]", '[drive]\ncontrol = "constant"\n[duty]')
+
+
+def test_a_flywheel_strikes_too_and_a_drive_that_holds_its_speed_has_no_bound(tmp_path):
+    (plain,) = struck(stop_design(tmp_path))
+    (heavy,) = struck(stop_design(tmp_path, FLYWHEEL))
+    spin = 120 * 2 * np.pi / 60
+    assert heavy.energy[0] - plain.energy[0] == pytest.approx((1 - 0.3**2) * 0.5 * 500.0 * spin**2)
+    assert (plain.drive_struck, plain.drive_stated) == (True, False)
+    assert (heavy.drive_struck, heavy.drive_stated) == (True, True)
+    (held,) = struck(stop_design(tmp_path, CONSTANT))
+    assert held.impulse[0] == np.inf
+    told = " ".join(loads_text(loads_of_file(stop_design(tmp_path, CONSTANT)), 200).split())
+    assert "no bound of the impulse, as the drive holds its speed" in told
+    plain_data = loads_of_file(stop_design(tmp_path, CONSTANT)).to_dict()
+    (cycle,) = plain_data["cycles"]
+    assert cycle["blows"][0]["mass"] == [None, None]
+    json.dumps(plain_data, allow_nan=False)
+
+
+def test_without_restitution_both_ends_are_told(tmp_path):
+    file = stop_design(tmp_path, (", restitution = 0.3", ""))
+    (blow,) = struck(file)
+    told = " ".join(loads_text(loads_of_file(file), 200).split())
+    assert blow.restitution == (0.0, 1.0)
+    assert blow.impulse[1] == pytest.approx(2 * blow.impulse[0])
+    assert (blow.energy[1], blow.rebound) == (0.0, (0.0, pytest.approx(blow.speed)))
+    (stated,) = struck(stop_design(tmp_path))
+    for own, other in zip(blow.joints, stated.joints, strict=True):
+        assert (own.x, own.y) == pytest.approx((2.0 / 1.3 * other.x, 2.0 / 1.3 * other.y))
+    assert "(restitution 0 ... 1, none is stated)" in told
+    assert "the drive's own inertia is not stated and adds to it" in told
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        ("1.5", r"forces\.stop\.restitution: must be at most 1|restitution: .*1\.5"),
+        ("-0.1", r"forces\.stop\.restitution: "),
+        ('"0.3"', r"forces\.stop\.restitution: must be a number"),
+        ("true", r"forces\.stop\.restitution: must be a number"),
+    ],
+)
+def test_a_restitution_that_cannot_be_is_refused(value, message, tmp_path):
+    file = stop_design(tmp_path, ("restitution = 0.3", f"restitution = {value}"))
+    with pytest.raises(DesignError, match=message):
+        read_design(file)
+    file = stop_design(tmp_path, ("restitution = 0.3", "restitutoin = 0.3"))
+    with pytest.raises(DesignError, match="unknown key, did you mean restitution"):
+        read_design(file)
