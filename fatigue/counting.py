@@ -21,8 +21,7 @@ import numpy as np
 import numpy.typing as npt
 import rainflow  # type: ignore[import-untyped]
 
-from fatigue.refusal import refuse
-from fatigue.stress_path import FloatArray, point_blocks
+from fatigue.stress_path import FloatArray, point_blocks, refuse
 
 # Cycles smaller than this fraction of the largest stress of their history are its round-off.
 _ROUND_OFF = 1e-12

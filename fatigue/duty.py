@@ -27,8 +27,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fatigue.counting import Cycles, check_histories, count_closed_cycles
-from fatigue.refusal import refuse
-from fatigue.stress_path import FloatArray
+from fatigue.stress_path import FloatArray, refuse
 
 Order = Literal["unknown", "as_listed"]
 

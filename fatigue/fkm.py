@@ -25,9 +25,8 @@ import numpy.typing as npt
 from fatigue.fkm_groups import FkmGroup, StressKind, fkm_group, fkm_temperature_factor, stress_ratio
 from fatigue.mean_stress import MeanStressMaterial, fkm_sensitivity, mean_stress_utilisation
 from fatigue.notch_support import stieler_support
-from fatigue.refusal import refuse
 from fatigue.sn_curve import SNCurve
-from fatigue.stress_path import FloatArray
+from fatigue.stress_path import FloatArray, refuse
 
 SURVIVAL = 0.975  # share of parts, of all FKM strengths
 KNEE_CYCLES = 1e6

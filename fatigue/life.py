@@ -22,9 +22,8 @@ from fatigue.mean_stress import (
     equivalent_amplitude,
     mean_stress_utilisation,
 )
-from fatigue.refusal import refuse
 from fatigue.sn_curve import LOW_CYCLE, SNCurve
-from fatigue.stress_path import FloatArray
+from fatigue.stress_path import FloatArray, refuse
 
 # Powers of two between which the safety is sought, and the steps that halve it down to round-off.
 _LARGEST_POWER, _N_STEPS = 60.0, 58

@@ -28,8 +28,7 @@ from typing import Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
-from fatigue.refusal import refuse
-from fatigue.stress_path import FloatArray
+from fatigue.stress_path import FloatArray, refuse
 
 Rule = Literal["goodman", "gerber", "soderberg", "asme_elliptic", "morrow", "walker", "swt", "fkm"]
 RULES: tuple[Rule, ...] = get_args(Rule)

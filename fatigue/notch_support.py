@@ -20,8 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fatigue.fkm_groups import StressKind, fkm_group, stress_ratio
-from fatigue.refusal import refuse
-from fatigue.stress_path import FloatArray
+from fatigue.stress_path import FloatArray, refuse
 
 STEEPEST = 100.0  # 1/mm, the end of Stieler's law; what is steeper counts as this
 REFERENCE_AREA = 500.0  # mm2, highly stressed surface of the specimens behind n_st

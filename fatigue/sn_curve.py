@@ -17,8 +17,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from fatigue.refusal import refuse
-from fatigue.stress_path import FloatArray
+from fatigue.stress_path import FloatArray, refuse
 
 Variant = Literal["original", "elementary", "haibach"]
 

@@ -159,3 +159,21 @@ def von_mises_peaks(basis: FloatArray, coefficients: FloatArray) -> tuple[FloatA
         position[block] = squared.argmax(axis=1)
         peak[block] = np.sqrt(squared.max(axis=1))
     return peak, position
+
+
+# Refusal of a number among many: a message with the fault, its first place and its count.
+
+
+def refuse(
+    bad: npt.NDArray[np.bool_], problem: str, values: npt.NDArray[np.generic], item: str = "cycle"
+) -> None:
+    """Raise ValueError with the problem, its first place and the value there, where any is bad."""
+    if not bad.any():
+        return
+    place = np.argwhere(bad)[0].tolist()
+    names = ["point", item][2 - len(place) :]
+    where = ", ".join(f"{name} {index}" for name, index in zip(names, place, strict=True))
+    raise ValueError(
+        f"{problem}: {values[tuple(place)]:g}"
+        + (f" at {where} ({bad.sum()} of {bad.size})" if place else "")
+    )

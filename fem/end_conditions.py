@@ -13,8 +13,7 @@ import scipy.sparse as sp
 
 from fem.assembly import Pattern, stiffness
 from fem.elements import Elements
-from fem.ordering import node_dissection
-from fem.solvers import Factor, factorize
+from fem.solvers import Factor, factorize, node_dissection
 from fem.unit_solutions import Elastic, UnitSolutions, rigid_modes
 from geometry.mesh import FloatArray, IntArray, Mesh
 

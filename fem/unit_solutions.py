@@ -20,10 +20,9 @@ import scipy.sparse as sp
 
 from fem.assembly import Pattern, stiffness
 from fem.elements import Elements
-from fem.ordering import node_dissection
 from fem.recovery import Recovery
 from fem.sliding import sliding_coefficients, sliding_loads
-from fem.solvers import Factor, chosen_fill, factorize
+from fem.solvers import Factor, chosen_fill, factorize, node_dissection
 from fem.ties import Ties, ties_of
 from fem.unit_loads import (
     ACCELERATIONS,

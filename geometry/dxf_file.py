@@ -9,9 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from geometry.biarcs import Row, as_arcs
 from geometry.bounded_files import MOST_CAD, read_bounded
-from geometry.drawings import Chain, DrawingError, Drawn, outline_of, told_place
+from geometry.drawings import Chain, DrawingError, Drawn, Row, as_arcs, outline_of, told_place
 from geometry.outlines import bulge_of
 
 UNITS = {"in": 25.4, "ft": 304.8, "mm": 1.0, "cm": 10.0, "m": 1000.0}  # in mm

@@ -6,8 +6,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 from math import ceil, cos, hypot, pi, radians, sin, sqrt, tan
 
-from geometry.biarcs import Row, as_arcs
-from geometry.drawings import Chain, DrawingError, Drawn, outline_of, told_place
+from geometry.drawings import Chain, DrawingError, Drawn, Row, as_arcs, outline_of, told_place
 
 _TOKEN = re.compile(r"\s*,?\s*([A-Za-z]|[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)")
 _COUNT = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7, "Z": 0}

@@ -23,9 +23,8 @@ from reports.loads_words import (
     header_sentences,
 )
 from reports.mechanism_panel import arrow_scale, mechanism_data, mechanism_svg
-from reports.page_script import joined
 from reports.svg import colour_variables
-from reports.templating import environment, json_markup, script_hash
+from reports.templating import environment, joined, json_markup, script_hash
 
 
 def write_loads_page(result: LoadsResult, path: str | Path) -> None:

@@ -20,9 +20,8 @@ from reports.loads_figures import FloatArray
 from reports.loads_summary import ShownCycle
 from reports.mechanism_layout import ARROW, Layout, both_ends, entry
 from reports.mechanism_picture import TIP, Picture
-from reports.packed import packed_json, series
 from reports.places import deciding_place
-from reports.templating import environment
+from reports.templating import environment, packed_json, series
 
 PREFIX = "mechanism"
 _PRINTED = 24  # rows of forces that paper has room for
@@ -128,7 +127,7 @@ def _tidy(value: float, largest: float, factor: float) -> str:
 
 
 def _data(result: DesignResult, names: Sequence[str], picture: Picture) -> dict[str, Any]:
-    """Data of the script's motion, packed by reports/packed.py, which explains a series.
+    """Data of the script's motion, packed by reports/templating.py, which explains a series.
 
     A place is [body, x, y]: in the frame of a body of the linkage, mm, y up; body 0 is the ground.
 

@@ -86,7 +86,7 @@ def report_html(
     """
     from reports.live.section import live_section
     from reports.mechanism_panel import mechanism_panel
-    from reports.page_script import script_hash, script_text
+    from reports.templating import report_hash, script_text
 
     rows = check_rows(result)
     card, below = _answer(result, rows)
@@ -113,7 +113,7 @@ def report_html(
         shares=shares(result.deciding) if result.checks else [],
         pictures_reason=pictures.reason,
         script=Markup(script_text()),
-        script_hash=Markup(script_hash()),
+        script_hash=Markup(report_hash()),
         light=Markup(colour_variables(dark=False)),
         dark=Markup(colour_variables(dark=True)),
     )

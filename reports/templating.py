@@ -1,17 +1,22 @@
 """Templates of every page, and the rules by which they write their data."""
 
+import gzip
 import json
 import sys
 from base64 import b64encode
 from collections.abc import Mapping
 from contextlib import suppress
+from functools import cache
 from hashlib import sha256
 from importlib.metadata import version
+from importlib.resources import files
 from importlib.util import cache_from_source
 from numbers import Integral
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
 from jinja2 import BytecodeCache, Environment, FileSystemLoader, StrictUndefined
 from jinja2.bccache import Bucket
 from markupsafe import Markup
@@ -121,3 +126,62 @@ def environment() -> Environment:
         "value": value_text,
     }
     return result
+
+
+# Numbers as a page's script unpacks them: reports/live/data.js reads what is written here.
+
+_STEPS = 60_000  # of a quantity's range: of a path of 600 mm each is 0.01 mm
+
+
+def packed_json(data: Any) -> str:
+    """Base64 of gzip of JSON; equal data give equal text."""
+    text = json.dumps(data, separators=(",", ":"), allow_nan=False)
+    return b64encode(gzip.compress(text.encode(), 9, mtime=0)).decode()
+
+
+def series(values: npt.NDArray[Any]) -> dict[str, Any]:
+    """Numbers (k,) as whole differences of steps, each right to half a step of their range.
+
+    A series is {from, step, d}: value k is from + step * (d[0] + ... + d[k]), `d` being whole.
+    """
+    low, high = float(values.min()), float(values.max())
+    start = float(f"{low:.9g}")
+    step = float(f"{(high - low) / _STEPS:.6g}")
+    if step == 0.0:
+        return {"from": start, "step": 0, "d": [0] * len(values)}
+    whole = np.rint((values - start) / step).astype(int)
+    return {"from": start, "step": step, "d": np.diff(whole, prepend=0).tolist()}
+
+
+# The one script of the report: readable source files, put together in a fixed order.
+
+# The scripts of the live view, each after those that it uses while it is read.
+LIVE = (
+    "data", "numbers", "viewer", "fields", "camera", "scene", "motion", "overlay", "controls",
+    "positions", "transport", "picture", "readings", "app",
+)  # fmt: skip
+BESIDE = ("arrows", "mechanism", "cursors", "hover", "what_if", "page")
+SCRIPTS = (*(f"live/{name}.js" for name in LIVE), *(f"scripts/{name}.js" for name in BESIDE))
+
+
+@cache
+def script_text() -> str:
+    """Text of the script of the report."""
+    return joined(*SCRIPTS)
+
+
+@cache
+def report_hash() -> str:
+    """Hash of the script as a content security policy names it."""
+    return script_hash(script_text())
+
+
+def joined(*names: str) -> str:
+    """Text of a script of some files of this folder, one after the other.
+
+    They share one scope: a name at the top of a file is known to all of them as soon as the file
+    has run, so that no two may use a name there. A name in braces is a file's own.
+    """
+    folder = files("reports")
+    parts = [folder.joinpath(name).read_text(encoding="utf-8").strip() for name in names]
+    return "\n".join(['(() => { "use strict";', *parts, "})();"])

@@ -17,8 +17,7 @@ from checks.columns.stability import (
 )
 from checks.design.data import Part
 from checks.handbook.column_curves import IMPERFECTION, ROBERTSON
-from checks.part.derived import Heading, load_case, yield_stress, young
-from checks.part.kind import Kind
+from checks.part.derived import Heading, Kind, load_case, yield_stress, young
 from checks.part.loaded_part import LoadedPart
 from checks.result.derivation import BARS, BarSymbols, Derivation, Given, Item, Section, Step
 from checks.result.verdict import Check

@@ -12,8 +12,7 @@ from checks.columns.column_limits import Plane, planes_of
 from checks.columns.column_moments import CrookedColumn, crooked_columns, crookedness
 from checks.columns.stability import worst_compression
 from checks.design.data import Part
-from checks.part.derived import Heading, load_case, numbers, yield_stress
-from checks.part.kind import Kind
+from checks.part.derived import Heading, Kind, load_case, numbers, yield_stress
 from checks.part.loaded_part import LoadedPart
 from checks.result.derivation import BarSymbols, Column, Derivation, Given, Item, Section, Step, Sum
 from checks.result.verdict import Check

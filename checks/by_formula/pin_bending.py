@@ -10,11 +10,9 @@ import numpy as np
 
 from checks.design.data import Part
 from checks.joints.pin_diagrams import PinDiagram, pin_diagram
-from checks.part.derived import Heading, shear_yield, yield_stress
-from checks.part.first_maximum import first_largest
-from checks.part.kind import Kind
+from checks.part.derived import Heading, Kind, shear_yield, yield_stress
 from checks.part.loaded_part import LoadedPart
-from checks.part.part_loads import PartLoads
+from checks.part.part_loads import PartLoads, first_largest
 from checks.result.derivation import Column, Given, Item, Step, Sum
 from checks.result.formulas import Value
 from checks.result.verdict import Check

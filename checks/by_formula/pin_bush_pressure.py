@@ -3,8 +3,7 @@
 from collections.abc import Iterator, Mapping
 
 from checks.joints.lugs import BushOnPin, bushes_of, pressure_on, uneven_share
-from checks.part.derived import Heading
-from checks.part.kind import Kind
+from checks.part.derived import Heading, Kind
 from checks.part.loaded_part import LoadedPart
 from checks.result.derivation import Given
 from checks.result.formulas import Value

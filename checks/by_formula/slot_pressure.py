@@ -9,8 +9,7 @@ from checks.design.data import Part, Roller
 from checks.design.errors import DesignError
 from checks.design.materials import Material
 from checks.handbook.hertz import HertzBody, HertzContact, HertzError, line_contact
-from checks.part.derived import Band, Heading, Series, yield_stress
-from checks.part.kind import Kind
+from checks.part.derived import Band, Heading, Kind, Series, yield_stress
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import Given, Step

@@ -22,8 +22,7 @@ import numpy as np
 from checks.columns.column_limits import Plane, is_stepped, whole_force
 from checks.design.data import Part
 from checks.handbook.column_curves import BOW
-from checks.part.first_maximum import first_largest
-from checks.part.part_loads import PartLoads
+from checks.part.part_loads import PartLoads, first_largest
 from geometry.mesh import FloatArray, IntArray
 from geometry.sections import Section
 

@@ -26,7 +26,7 @@ from checks.columns.link_forces import forces_of
 from checks.columns.link_joints import JointRows, shafts
 from checks.columns.link_model import LinkModel, link_model
 from checks.design.data import Design
-from checks.part.kind import Kind
+from checks.part.derived import Kind
 from checks.part.part_loads import shown_of
 from checks.result.verdict import Check
 from checks.strength.sampling import with_sampling

@@ -9,10 +9,9 @@ import numpy as np
 from checks.columns.column_limits import UNKNOWN_CURVE, ColumnCase, Plane, cases_of
 from checks.columns.column_moments import axial_compression as axial_compression
 from checks.design.data import Part
-from checks.part.first_maximum import first_largest
-from checks.part.kind import Kind
+from checks.part.derived import Kind
 from checks.part.loaded_part import LoadedPart
-from checks.part.part_loads import PartLoads
+from checks.part.part_loads import PartLoads, first_largest
 from checks.result.verdict import Check, Status
 from checks.store.solutions import remembered
 from checks.strength.sampling import beside, with_sampling

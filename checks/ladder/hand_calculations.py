@@ -4,8 +4,7 @@ import numpy as np
 
 from checks.design.data import Part
 from checks.models import formula
-from checks.part.first_maximum import first_largest
-from checks.part.part_loads import PartLoads
+from checks.part.part_loads import PartLoads, first_largest
 from checks.result.verdict import HandCheck
 from checks.result.words import number
 from checks.stress.solid_mesh_level import Level

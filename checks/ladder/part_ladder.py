@@ -32,7 +32,7 @@ from checks.ladder.part_fields import undrawn, with_drawn_fields
 from checks.ladder.result import cheap_result, solid_result
 from checks.models import stress_words
 from checks.models.checked import BUCKLING, FATIGUE, STATIC, raised_in_bores
-from checks.part.kind import Kind
+from checks.part.derived import Kind
 from checks.part.loaded_part import FIRST, LoadedPart
 from checks.part.part_loads import Doubt, PartLoads, Runs
 from checks.part.too_fine import gave_up, told_of_size

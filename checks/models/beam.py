@@ -14,8 +14,7 @@ from checks.design.data import Part
 from checks.models import formula
 from checks.models.beam_solution import BeamSolution, solve_frame
 from checks.models.shapes import shape_model
-from checks.part.first_maximum import first_largest
-from checks.part.part_loads import PartLoads
+from checks.part.part_loads import PartLoads, first_largest
 from checks.result.derivation import Given, Item, Step
 from checks.stress.part_model import ElasticLoad, RungModel
 from fem.frame_lateral import geometric_forms

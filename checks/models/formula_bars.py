@@ -21,8 +21,7 @@ from checks.models.formula_points import (
     sheared,
     wrench_units,
 )
-from checks.part.first_maximum import first_largest
-from checks.part.part_loads import PartLoads
+from checks.part.part_loads import PartLoads, first_largest
 from checks.result.derivation import Item
 from checks.stress.part_model import ElasticLoad, RungModel
 from geometry.mesh import FloatArray

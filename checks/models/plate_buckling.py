@@ -12,7 +12,7 @@ from checks.handbook.lateral_buckling import column_force, lateral_share
 from checks.models.formula_bars import HARDLY
 from checks.models.formula_buckling import column_items
 from checks.models.plate_forces import FlatSection, PlateForces
-from checks.part.first_maximum import first_largest
+from checks.part.part_loads import first_largest
 from checks.result.derivation import Item
 from checks.stress.part_model import ElasticLoad
 from geometry.bars import rectangle_torsion

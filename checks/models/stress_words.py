@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from checks.part.kind import Kind
+from checks.part.derived import Kind
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse, LifeUse

@@ -1,13 +1,16 @@
-"""Checks by formulas of a part's loads, and what derivations share: load cases, common givens."""
+"""Checks by formulas of a part's loads, and what derivations share: load cases, common givens.
 
+Kinds of checks: their names, what they compare, and the safety that they must show.
+"""
+
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from checks.design.data import Part
-from checks.design.model import Requirements
-from checks.part.kind import Kind
+from checks.design.model import Requirements, SafetyKey
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import (
     Acting,
@@ -22,6 +25,36 @@ from checks.result.derivation import (
 )
 from checks.result.formulas import FloatArray, Value, evaluate_each
 from checks.result.verdict import Check
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of check; docs/reference/checks.md lists all of them.
+
+    name      of the kind, such as "bush"
+    quantity  name of the value; {} stands for the interface, body or plane that it is of
+    demand    the value, in words
+    limit     where the limit comes from, in words
+    require   key of `require` whose safety it must show
+    source    literature and pages of the documentation, in Markdown
+    """
+
+    name: str
+    quantity: str
+    demand: str
+    limit: str
+    require: SafetyKey
+    source: str
+
+    def safety(self, required: Requirements) -> float:
+        """The safety that its checks must show."""
+        value: float = getattr(required, self.require)
+        return value
+
+    def has(self, check: str) -> bool:
+        """True for the kind and quantity, "kind: quantity", of one of its checks."""
+        pieces = map(re.escape, f"{self.name}: {self.quantity}".split("{}"))
+        return re.fullmatch(".+".join(pieces), check) is not None
 
 
 @dataclass(frozen=True, eq=False)

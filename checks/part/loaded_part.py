@@ -20,8 +20,7 @@ from checks.part.derived import (
     derived_check,
     load_case,
 )
-from checks.part.first_maximum import first_largest
-from checks.part.part_loads import Doubt, PartLoads, Runs, loads_on
+from checks.part.part_loads import Doubt, PartLoads, Runs, first_largest, loads_on
 from checks.result.derivation import BARS, Derivation, Item, Section
 from checks.result.verdict import Check
 from geometry.cad_body import SolidBody, cad_body

@@ -28,7 +28,7 @@ import numpy as np
 
 import fatigue
 from checks.design.strength import FkmStrength
-from checks.part.first_maximum import first_largest
+from checks.part.part_loads import first_largest
 from fatigue.fkm import SURVIVAL
 from fatigue.proportionality import PROPORTIONAL
 from fem.gradient import SurfaceSlopes, inward_normals, related_gradient

@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from checks.part.first_maximum import first_largest
+from checks.part.part_loads import first_largest
 from fatigue import Verdict, ductile_verdict, goodman
 from geometry.mesh import FloatArray, IntArray
 

@@ -12,8 +12,7 @@ from math import acos, degrees, hypot
 
 import numpy as np
 
-from checks.part.first_maximum import first_largest
-from checks.part.part_loads import PartLoads
+from checks.part.part_loads import PartLoads, first_largest
 from checks.stress.duty_verdict import DutyVerdict, FatiguePeak, duty_runs, duty_verdict
 from fem.stress_history import StressHistory
 from geometry.mesh import FloatArray, Interface

@@ -10,7 +10,7 @@ from checks.result.live_fields import EncodedPart, LiveFields, grey, with_requir
 from checks.result.motion import PartsMotion
 from checks.result.verdict import DesignResult, PartResult
 from reports.live.encode import TOLERANCE, encode
-from reports.packed import packed_json, series
+from reports.templating import packed_json, series
 
 FORMAT = "ballesta-live/1"
 SHARES = {"static": "allowed", "column": "column"}  # field -> limit that it is a share of
@@ -179,7 +179,7 @@ def motion_text(result: DesignResult) -> str:
     A cycle's motion is {index, parts, pins}: `index` (k) the positions of the cycle that are kept;
     `parts`, one for each part of the result or null, {x, y, angle: series, z} in mm and rad;
     `pins` [{on: index of the part, minor, z, x, y, fx, fy: series}] in mm and N; a minor one acts
-    on a pin, against those on the bodies that it joins. reports/packed.py says what a series is.
+    on a pin, against those on the bodies that it joins. `templating` says what a series is.
     "" where no cycle has a motion.
     """
     if not result.motion:

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.testing import assert_allclose
 
-from fem.frame_fibres import rectangle_fibres
+from checks.models.shapes.step_part import rectangle_fibres
 
 ROUND_OFF = 1e-12
 

@@ -13,8 +13,16 @@ from numpy.testing import assert_allclose
 
 from fem.assembly import Pattern, full, stiffness
 from fem.elements import Elements
-from fem.ordering import dissection, node_dissection, permuted
-from fem.solvers import SOLVERS, Factor, SolverError, chosen_solver, factorize
+from fem.solvers import (
+    SOLVERS,
+    Factor,
+    SolverError,
+    chosen_solver,
+    dissection,
+    factorize,
+    node_dissection,
+    permuted,
+)
 
 from .blocks import block
 

@@ -202,7 +202,7 @@ def test_damaged_files_are_refused(tmp_path):
 
 
 def test_biarcs_follow_a_curve_within_their_tolerance():
-    from geometry.biarcs import ENOUGH, as_arcs
+    from geometry.drawings import ENOUGH, as_arcs
     from geometry.outlines import Edges
 
     def curve(t):

@@ -7,7 +7,7 @@ import pytest
 
 from reports.loads_page import loads_html
 from reports.mechanism_layout import arrow_path, bent_path
-from reports.page_script import joined
+from reports.templating import joined
 
 from . import loads_results
 

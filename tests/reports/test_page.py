@@ -13,8 +13,7 @@ import pytest
 from checks.result.verdict import Gate, HandCheck
 from reports import Pictures, report_html, write_report
 from reports.page_parts import alike_parts, ratio
-from reports.page_script import SCRIPTS, script_text
-from reports.templating import value_text
+from reports.templating import SCRIPTS, script_text, value_text
 
 from . import results
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from checks.part.first_maximum import TIE, first_largest
+from checks.part.part_loads import TIE, first_largest
 
 ONE_DIGIT = np.finfo(float).eps
 

@@ -11,7 +11,7 @@ import numpy as np
 from checks.result.live_fields import LiveFields, LivePeak, grey, von_mises
 from checks.result.verdict import Check, DesignResult, PartResult, Surface
 from reports.live.section import live_section
-from reports.page_script import LIVE, joined
+from reports.templating import LIVE, joined
 
 POSITIONS = 73
 CYCLES = ("turn", "hold")

@@ -11,7 +11,7 @@ import pytest
 from markupsafe import Markup
 from PIL import Image
 
-from reports.packed import packed_json
+from reports.templating import packed_json
 
 from .. import results
 from ..conftest import NO_GL, until

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from reports.packed import packed_json, series
-from reports.page_script import joined
+from reports.templating import joined, packed_json, series
 
 NAMES = "rowIn, atRow, series, unzippedJson, placeText, forceText, cornersOver"
 

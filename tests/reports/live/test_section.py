@@ -25,8 +25,7 @@ from reports.live.section import (
     rows_of,
     table_text,
 )
-from reports.packed import series
-from reports.page_script import LIVE
+from reports.templating import LIVE, series
 
 from .. import results
 from . import sections
