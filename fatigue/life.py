@@ -55,11 +55,6 @@ class LifeVerdict:
         return int(self.safety.argmin())
 
     @property
-    def infinite_life(self) -> bool:
-        """True if no cycle at any point exceeds the endurance limit."""
-        return bool((self.infinite_utilisation <= 1.0).all())
-
-    @property
     def finite_life(self) -> bool:
         """True if every point endures the required duties."""
         return bool((self.damage * self.required_duties <= self.allowed_damage).all())

@@ -47,17 +47,6 @@ def direct_displacement(
     return solutions.solve(load)
 
 
-def direct_stress(
-    solutions: UnitSolutions,
-    wrenches: Mapping[str, FloatArray],
-    coefficients: FloatArray,
-    arcs: Sequence[float],
-) -> FloatArray:
-    """Surface stress (n_points, 6, n_arcs) of `direct_displacement`, MPa."""
-    moved = direct_displacement(solutions, wrenches, coefficients, arcs)
-    return solutions.recovery.surface_stress(moved)
-
-
 def tilting_columns(solutions: UnitSolutions) -> IntArray:
     """Columns (n,) of the basis that are couples about x and y of bores and journals."""
     named = [(_is_bearing(u), name) for u in solutions.interfaces for name in u.names]

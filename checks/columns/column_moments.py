@@ -331,14 +331,6 @@ def first_order(
     return found[0], found[1]
 
 
-def first_order_moments(
-    part: Part, loads: PartLoads, length: float, mass: float | None = None
-) -> tuple[FloatArray, FloatArray]:
-    """Moments about z and y (n, 129), N mm, as `first_order` has them."""
-    about_z, about_y = first_order(part, loads, length, mass)
-    return about_z.moments, about_y.moments
-
-
 def _own_shapes(part: Part, x: FloatArray, mass: float | None) -> list[FloatArray]:
     """Moment about z, (m,) each, of the part's own mass per unit of a_y and of alpha."""
     areas = _areas(part, x)

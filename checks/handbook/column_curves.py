@@ -142,23 +142,3 @@ def column_strength(
     johnson = johnson_stress(slenderness, yield_stress, youngs_modulus)
     governs = "yield" if johnson > 0.999 * yield_stress else "Johnson"
     return ColumnStrength(float(slenderness), float(johnson), governs, float(johnson), float(euler))
-
-
-def engesser_force(euler: float, shear_stiffness: float) -> float:
-    """Buckling force, N, of a hinged column that also gives way by shear.
-
-    euler            N, without shear strain
-    shear_stiffness  N, G times the shear area; of two plates that rack, 24 E I/length^2 with both
-                     their ends clamped and 6 E I/length^2 with one end of each hinged
-
-    Engesser (1889); Timoshenko and Gere, Theory of Elastic Stability, 2nd ed., 2.17. Haringx lets
-    the shear force act square to the section instead of the axis and comes out higher (0.8 % for a
-    bar five times as long as high); Engesser's is on the safe side.
-
-    >>> round(engesser_force(1381744.616, 5 / 6 * 200 * 210e3 / 2.6), 1)
-    1253119.6
-    """
-    for name, value in (("Euler force", euler), ("shear stiffness", shear_stiffness)):
-        if not value > 0:
-            raise ValueError(f"the column's {name} must be above 0, got {value}")
-    return euler / (1 + euler / shear_stiffness)

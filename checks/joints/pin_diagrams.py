@@ -180,25 +180,7 @@ def _stations(shape: Pin, *, ends_only: bool) -> tuple[FloatArray, FloatArray]:
     return np.concatenate(points), np.concatenate(diameters)
 
 
-# Pin joints by formula: stress beside the hole of an eye, a round pin's stress.
-
-_FITTED = (0.15, 0.75)  # hole over width for which the lug factor was fitted
-
-
-def lug_factor(hole: float, width: float) -> float | None:
-    """Peak stress beside the hole of a pulled lug over F / ((H - d) t); None outside the fit.
-
-    Peterson's chart as fitted by Pilkey: 12.882 - 52.714 u + 89.762 u^2 - 51.667 u^3, u = d/H, for
-    a close pin and an end distance of at least H. An end that is round about the pin, H/2 away,
-    raises it: at u = 0.4 from 2.85 to 3.35 (under a cosine pressure).
-
-    >>> round(lug_factor(20.0, 50.0), 3)
-    2.852
-    """
-    u = hole / width
-    if not _FITTED[0] <= u <= _FITTED[1]:
-        return None
-    return 12.882 - 52.714 * u + 89.762 * u**2 - 51.667 * u**3
+# Stress of a round pin by formula.
 
 
 def round_bending(moment: FloatArray, diameter: FloatArray) -> FloatArray:

@@ -271,13 +271,6 @@ class PartContact:
             raise ContactError(f"{names}, position {position + 1} of {count}: {error}") from error
 
 
-def solve_contact(
-    harmonics: Sequence[BoreHarmonics], coefficients: FloatArray, pins: Mapping[str, FittedPin]
-) -> ContactCycle:
-    """Solve the contact of pins in bores of one part at all positions, as `PartContact` says."""
-    return PartContact(harmonics, coefficients, pins).solve()
-
-
 # Arc and pressure of a pin in the hole of an infinite plate, in closed form.
 #
 # Frictionless, both of one material: Persson, thesis, Gothenburg 1964; Ciavarella and Decuzzi,
@@ -318,11 +311,3 @@ def persson_half_arc(parameter: float) -> float:
     from scipy.optimize import brentq
 
     return float(brentq(lambda half: persson_parameter(half) - parameter, _NARROWEST, np.pi / 2))
-
-
-def persson_pressure(half_arc: float, angle: float = 0.0) -> float:
-    """Pressure over F/(R t) at an angle from the force, rad, within the arc."""
-    b, y = np.tan(half_arc / 2), np.tan(angle / 2)
-    root, c = np.sqrt(b * b + 1), np.sqrt(b * b - y * y)
-    even = 2 * c / (np.pi * root * (1 + y * y))
-    return float(even + np.log((root + c) / (root - c)) / (2 * np.pi * b * b * root**2))

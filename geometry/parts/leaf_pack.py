@@ -116,11 +116,6 @@ class LeafPack(Shape):
         """Second moment of area of leaves that slide on each other, n b t^3 / 12, mm4."""
         return self.leaves * self.width * self.thickness**3 / 12
 
-    @property
-    def inertia_bonded(self) -> float:
-        """Second moment of area of leaves glued together, b (n t)^3 / 12, mm4."""
-        return self.width * (self.leaves * self.thickness) ** 3 / 12
-
     def link(self, poisson_ratio: float) -> Bar:
         """Leaves that slide on each other in the plane, side by side out of it; no clamp."""
         one = rectangle(self.thickness, self.width)

@@ -8,9 +8,9 @@ import pytest
 
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import solve_cycles
+from bench.closed_forms import lug_factor
 from checks.derivations.bars import solid_bars
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
-from checks.joints.pin_diagrams import lug_factor
 from checks.ladder.climb import BUILDERS
 from checks.ladder.levels import Asked, solve_levels
 from checks.models.checked import band_around, raised_in_bores, rung_estimates, rung_level

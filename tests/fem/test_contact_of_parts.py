@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 
 from fem.contact.bore import bore_harmonics
 from fem.contact.condensed import ALLOWED, ContactError
-from fem.contact.cycle import FittedPin, PartContact, solve_contact
+from fem.contact.cycle import FittedPin, PartContact
 from fem.contact.superposed import PATTERNS, superposed
 from fem.stress_history import StressHistory
 from fem.unit_solutions import Elastic, solve_unit_loads
@@ -45,7 +45,7 @@ def neat(clearance=0.0):
 def contact(part, coefficients, pins):
     """The contact, its stress, and the pressure that its patterns miss."""
     bores = [bore_harmonics(part, name) for name in pins]
-    cycle = solve_contact(bores, coefficients, pins)
+    cycle = PartContact(bores, coefficients, pins).solve()
     solutions, own, missed = superposed(bores, cycle)
     points = part.recovery.points
     stress = StressHistory(points, part.mesh.nodes[points], solutions.basis, own)
@@ -194,7 +194,7 @@ def test_a_journal_is_refused():
 
 def test_contact_without_pins_is_refused(link):
     with pytest.raises(ValueError, match="at least one pin"):
-        solve_contact([], np.zeros((25, 1)), {})
+        PartContact([], np.zeros((25, 1)), {}).solve()
 
 
 def test_a_pin_that_nothing_presses_is_refused(link):

@@ -12,7 +12,6 @@ from numpy.testing import assert_allclose
 from fem.buckling import buckling_modes
 from fem.compliance import compliance
 from fem.deck import write_deck
-from fem.direct import direct_stress
 from fem.error_estimate import stress_error
 from fem.unit_loads import resultants
 from fem.unit_solutions import Elastic, rigid_modes, solve_unit_loads
@@ -22,6 +21,7 @@ from geometry.parts import PlateLink, PrismaticTube, SlottedLever
 from geometry.symmetry import Half
 
 from .blocks import BAR
+from .direct_stress import direct_stress
 from .mirrors import whole_of
 
 STEEL = Elastic(210e3, 0.3, 7.85e-9)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.direct import direct_stress, has_bearings
+from fem.direct import has_bearings
 from fem.elements import Elements
 from fem.unit_loads import interface_loads, resultants
 from fem.unit_solutions import Elastic, solve_unit_loads
@@ -15,6 +15,7 @@ from geometry.meshing import mesh_shape
 from geometry.parts.plate_link import PlateLink
 
 from .blocks import PIN, block, wrench
+from .direct_stress import direct_stress
 from .stacks import clamped, patch
 
 STEEL = Elastic(210e3, 0.3, 7.85e-9)

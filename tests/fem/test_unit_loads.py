@@ -7,7 +7,6 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
 
-from fem.direct import direct_stress
 from fem.elements import Elements
 from fem.recovery import von_mises
 from fem.solvers import factorize
@@ -23,6 +22,7 @@ from geometry.mesh import MeshError
 from geometry.meshing import mesh_shape
 
 from .blocks import BAR, PIN, TUBE, block, wrench
+from .direct_stress import direct_stress
 
 STEEL = Elastic(210e3, 0.3, 7.85e-9)
 N_POSITIONS = 10

@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from checks.by_formula import crooked_column
 from checks.columns import stability
 from checks.columns.column_limits import cases_of, planes_of, whole_force
-from checks.columns.column_moments import crooked_columns, first_order_moments
+from checks.columns.column_moments import crooked_columns, first_order
 from checks.columns.stability import eigenvalue_check
 from checks.part.loaded_part import LoadedPart
 from fem.buckling import Buckling, BucklingMode
@@ -187,7 +187,7 @@ def test_inertia_of_a_stepped_bar_is_where_its_area_is(tmp_path):
     ends = [(0, 6 * line * LENGTH / 8, 0)], [(0, 10 * line * LENGTH / 8, 0)]
     loads = loads_of(dict(zip(("first", "second"), ends, strict=True)))
     loads.accelerations[:, 1] = swing
-    moment = np.abs(first_order_moments(stepped, loads, LENGTH)[0][0])
+    moment = np.abs(first_order(stepped, loads, LENGTH)[0].moments[0])
     assert_allclose(moment[[32, 96]] / (line * LENGTH**2 / 32), [5, 7], rtol=0.02)
 
 

@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from checks.by_formula import crooked_column
 from checks.columns.column_limits import planes_of
-from checks.columns.column_moments import crooked_columns, first_order_moments
+from checks.columns.column_moments import crooked_columns, first_order
 from checks.handbook.column_curves import perry_robertson
 from checks.part.loaded_part import LoadedPart
 from checks.result.verdict import Status
@@ -97,7 +97,7 @@ def test_inertia_bends_a_bar_that_is_swung_sideways(tmp_path):
     half = line * swing * LENGTH / 2
     loads = loads_of({"first": [(0, half, 0)], "second": [(0, half, 0)]})
     loads.accelerations[:, 1] = swing
-    about_z, about_y = first_order_moments(part, loads, LENGTH)
+    about_z, about_y = (one.moments for one in first_order(part, loads, LENGTH))
     assert_allclose(np.abs(about_z[0, 64]), line * swing * LENGTH**2 / 8, rtol=1e-3)
     assert_allclose(about_z[0, [0, -1]], 0, atol=1e-9 * half * LENGTH)
     assert not about_y.any()
@@ -110,7 +110,7 @@ def test_angular_acceleration_bends_a_bar_as_a_triangular_load(tmp_path):
     most = part.material.density * AREA * turn * LENGTH
     loads = loads_of({"first": [(0, most * LENGTH / 6, 0)], "second": [(0, most * LENGTH / 3, 0)]})
     loads.accelerations[:, 2] = turn
-    moment = np.abs(first_order_moments(part, loads, LENGTH)[0][0])
+    moment = np.abs(first_order(part, loads, LENGTH)[0].moments[0])
     assert_allclose(moment.max(), most * LENGTH**2 / (9 * sqrt(3)), rtol=1e-3)
     assert_allclose(np.argmax(moment) / 128, 1 / sqrt(3), atol=0.01)
 
@@ -122,7 +122,7 @@ def test_force_beside_the_middle_plane_bends_the_part_out_of_it(tmp_path):
     loads.wrenches["first"][:, 4] = 5e3
     loads.wrenches["first"][:, 2] = 5e3 / LENGTH
     loads.wrenches["second"][:, 2] = -5e3 / LENGTH
-    _, about_y = first_order_moments(part, loads, LENGTH)
+    about_y = first_order(part, loads, LENGTH)[1].moments
     assert_allclose(np.abs(about_y[0]), 5e3 * np.linspace(1, 0, 129), atol=1e-9 * 5e3)
     check = crooked(design, part, loads, "out of plane")
     stress = 1e3 / AREA + 5e3 / ACROSS

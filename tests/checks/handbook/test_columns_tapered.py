@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.optimize import brentq
 
-from checks.handbook.column_curves import engesser_force
+from bench.closed_forms import engesser_force
 from checks.handbook.tapered_columns import (
     CLAMPED,
     FREE,

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from bench.closed_forms import lug_factor
 from checks.joints.pin_diagrams import (
-    lug_factor,
     round_bending,
     round_shear,
     round_torsion,
