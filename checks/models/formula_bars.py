@@ -5,6 +5,7 @@ from dataclasses import dataclass, fields, replace
 from functools import partial
 from itertools import pairwise
 from math import inf
+from typing import Self
 
 import numpy as np
 
@@ -130,24 +131,38 @@ def left_over(bar: BarLoads, loads: PartLoads, length: float) -> float:
     return float(np.abs(couples).max()) / largest if largest else 0.0
 
 
-def bar_model(
-    part: Part,
-    loads: PartLoads,
-    points: Points,
-    bar: BarLoads,
-    mass: Stretches,
-    length: float,
-    *,
-    neglects: str,
-    local: float = 0.0,
-) -> RungModel:
-    """The rung `formula` of a bar between two pins; `local` as in `elastic_load`."""
-    return points.model(
-        residual=left_over(bar, loads, length),
-        deflection=most_deflected(bar, part, mass, length),
-        buckling=elastic_load(part, loads, bar, mass, length, local=local),
-        neglects=neglects,
-    )
+@dataclass(frozen=True, eq=False)
+class BarPart:
+    """A part that is a bar between two pins, with the points where its stress is asked.
+
+    forces  its loads in balance
+    length  mm, from pin to pin
+    """
+
+    part: Part
+    loads: PartLoads
+    forces: BarLoads
+    mass: Stretches
+    length: float
+    points: Points
+
+    @classmethod
+    def of(
+        cls, part: Part, loads: PartLoads, places: dict[str, float], mass: Stretches, length: float
+    ) -> Self:
+        """A bar without points yet; interfaces at x = `places`, as in `bar_loads`."""
+        forces, points = bar_loads(part, loads, places, mass), Points(len(loads.accelerations))
+        return cls(part, loads, forces, mass, length, points)
+
+    def model(self, *, neglects: str, local: float = 0.0) -> RungModel:
+        """The rung `formula` of its points; `local` as in `elastic_load`."""
+        part, loads, bar, mass, length = self.part, self.loads, self.forces, self.mass, self.length
+        return self.points.model(
+            residual=left_over(bar, loads, length),
+            deflection=most_deflected(bar, part, mass, length),
+            buckling=elastic_load(part, loads, bar, mass, length, local=local),
+            neglects=neglects,
+        )
 
 
 def fine_cells(cuts: FloatArray, count: int) -> FloatArray:

@@ -4,8 +4,7 @@ import numpy as np
 from round_strut import RoundStrut
 
 from checks.design.data import Part
-from checks.models.formula_bars import SectionForces, Stretches, bar_loads, bar_model, fine_cells
-from checks.models.formula_points import Points
+from checks.models.formula_bars import BarPart, SectionForces, Stretches, fine_cells
 from checks.models.shape_model import ShapeModel
 from checks.models.tube_fibres import add_fibres, fibre_stress
 from checks.part.part_loads import PartLoads
@@ -21,18 +20,14 @@ def stress(part: Part, shape: RoundStrut, loads: PartLoads) -> RungModel:
     cuts = fine_cells(np.array([0.0, shape.length]), 64)
     area, inertia = np.full((2, len(cuts) - 1), [[bar.area], [bar.inertia_in_plane]])
     mass = Stretches(cuts, area, inertia, inertia, 2 * inertia)
-    acting = bar_loads(part, loads, {"start": 0.0, "end": shape.length}, mass)
-    points = Points(len(loads.accelerations))
+    whole = BarPart.of(part, loads, {"start": 0.0, "end": shape.length}, mass, shape.length)
     inside = 1e-9 * shape.length  # the ends' own forces are beyond the first section
     places = np.linspace(inside, shape.length - inside, _STATIONS)
-    columns, forces = SectionForces(points, acting).at(places)
+    columns, forces = SectionForces(whole.points, whole.forces).at(places)
     y, z = np.array([np.sin(_AROUND), np.cos(_AROUND)]) * shape.diameter / 2
     fibres = fibre_stress(forces, bar.area, y / bar.inertia_in_plane)
-    add_fibres(points, "bar", places, (y, z), columns, fibres)
-    return bar_model(
-        part, loads, points, acting, mass, shape.length,
-        neglects="how the end faces bring forces in; shear",
-    )  # fmt: skip
+    add_fibres(whole.points, "bar", places, (y, z), columns, fibres)
+    return whole.model(neglects="how the end faces bring forces in; shear")
 
 
 MODEL = ShapeModel(RoundStrut, stress)

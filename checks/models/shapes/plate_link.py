@@ -6,14 +6,12 @@ from checks.design.data import Part
 from checks.handbook.lug_stress import Lug, strip_outline
 from checks.handbook.pin_loaded_hole import pin_loaded_hole
 from checks.models.formula_bars import (
+    BarPart,
     Stretches,
     add_rectangle_fibres,
-    bar_loads,
-    bar_model,
     fine_cells,
 )
 from checks.models.formula_lugs import add_bore, strip_edges
-from checks.models.formula_points import Points
 from checks.models.proportions import tilting_couple
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
@@ -31,8 +29,8 @@ def stress(part: Part, shape: PlateLink, loads: PartLoads) -> RungModel:
     holes = {"first": (0.0, shape.hole), "second": (shape.length, second)}
     half, thickness = shape.width / 2, shape.thickness
     mass = _stretches(shape, holes)
-    bar = bar_loads(part, loads, {name: x for name, (x, _) in holes.items()}, mass)
-    points = Points(len(loads.accelerations))
+    whole = BarPart.of(part, loads, {name: x for name, (x, _) in holes.items()}, mass, shape.length)
+    bar, points = whole.forces, whole.points
     modulus = float(rectangle_torsion(shape.width, thickness)[1])
     cut = min(_CUT * shape.width, shape.length / 2)
     for name, (x, hole) in holes.items():
@@ -44,13 +42,7 @@ def stress(part: Part, shape: PlateLink, loads: PartLoads) -> RungModel:
     low, high = shape.hole / 2, shape.length - second / 2
     places = np.linspace(low, high, _STATIONS + 2)[1:-1]
     add_rectangle_fibres(points, "plate", places, bar.at(places), (shape.width, thickness), modulus)
-    return bar_model(
-        part,
-        loads,
-        points,
-        bar,
-        mass,
-        shape.length,
+    return whole.model(
         neglects="stress not linear through the thickness; that the holes disturb each other",
     )
 

@@ -6,8 +6,7 @@ import numpy as np
 
 from checks.columns.column_moments import axial_compression
 from checks.design.data import Part
-from checks.models.formula_bars import SectionForces, Stretches, bar_loads, bar_model, fine_cells
-from checks.models.formula_points import Points
+from checks.models.formula_bars import BarPart, SectionForces, Stretches, fine_cells
 from checks.models.shape_model import ShapeModel
 from checks.models.tube_fibres import add_tube_fibres
 from checks.part.part_loads import PartLoads
@@ -25,19 +24,13 @@ def stress(part: Part, shape: PrismaticTube, loads: PartLoads) -> RungModel:
     ones, inertia = np.ones(len(cuts) - 1), tube.inertia_in_plane
     torsion = shape.wall * (shape.width - shape.wall) ** 3
     mass = Stretches(cuts, ones * tube.area, ones * inertia, ones * inertia, ones * torsion)
-    bar = bar_loads(part, loads, {"start": 0.0, "end": shape.length}, mass)
-    points = Points(len(loads.accelerations))
+    whole = BarPart.of(part, loads, {"start": 0.0, "end": shape.length}, mass, shape.length)
+    bar, points = whole.forces, whole.points
     inside = 1e-9 * shape.length  # the ends' own forces are beyond the first section
     along = np.linspace(inside, shape.length - inside, _STATIONS)
     sections = SectionForces(points, bar)
     add_tube_fibres(points, "tube", along, sections, tube, (shape.width, shape.wall))
-    return bar_model(
-        part,
-        loads,
-        points,
-        bar,
-        mass,
-        shape.length,
+    return whole.model(
         local=1 / (tube.area * _pressed_edges(part, shape)),  # the walls at the free, pressed ends
         neglects="how the end faces bring forces in; bending of the walls across themselves",
     )

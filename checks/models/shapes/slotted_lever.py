@@ -11,10 +11,9 @@ from checks.handbook.notch_factors import bent_plate_hole, curved_bar, stepped_b
 from checks.handbook.pin_loaded_hole import pin_loaded_hole
 from checks.handbook.slotted_frame import rail_forces
 from checks.models.formula_bars import (
+    BarPart,
     Stretches,
     add_rectangle_fibres,
-    bar_loads,
-    bar_model,
     fine_cells,
 )
 from checks.models.formula_lugs import add_bore, strip_edges
@@ -39,20 +38,14 @@ def stress(part: Part, shape: SlottedLever, loads: PartLoads) -> RungModel | Non
         return None
     mass = _stretches(shape)
     places = {"pivot": 0.0, "tip": shape.length, "slot": 0.0}
-    bar = bar_loads(part, loads, places, mass)
-    points = Points(len(loads.accelerations))
+    whole = BarPart.of(part, loads, places, mass, shape.length)
+    bar, points = whole.forces, whole.points
     room = {"pivot": shape.slot_from, "tip": shape.length - shape.slot_to}
     for name, bosses in (("pivot", 0.0), ("tip", 2 * shape.boss_height)):
         _add_lug(part, points, shape, name, bosses, loads.wrenches[name], room[name])
     _add_rails(part, points, shape, loads, bar)
     _add_foot(points, shape, bar)
-    return bar_model(
-        part,
-        loads,
-        points,
-        bar,
-        mass,
-        shape.length,
+    return whole.model(
         neglects="that the ends of the slot give way; that holes, slot and boss disturb each "
         "other; how wide the contact presses",
     )

@@ -9,7 +9,7 @@ from checks.handbook.lateral_buckling import plate_stress
 from checks.handbook.lug_stress import Lug, strip_outline
 from checks.handbook.notch_factors import stepped_bar
 from checks.handbook.pin_loaded_hole import pin_loaded_hole
-from checks.models.formula_bars import SectionForces, Stretches, bar_loads, bar_model, fine_cells
+from checks.models.formula_bars import BarPart, SectionForces, Stretches, fine_cells
 from checks.models.formula_lugs import add_bore, strip_edges
 from checks.models.formula_points import Points
 from checks.models.shape_model import ShapeModel
@@ -34,8 +34,8 @@ def stress(part: Part, shape: ToggleBar, loads: PartLoads) -> RungModel:
     tube, cheeks = _sections(shape)
     mass = _stretches(shape, free, tube, cheeks)
     places = {"knee": 0.0, "end": shape.length}
-    bar = bar_loads(part, loads, places, mass)
-    points = Points(len(loads.accelerations))
+    whole = BarPart.of(part, loads, places, mass, shape.length)
+    bar, points = whole.forces, whole.points
     cut = min(_CUT * shape.width, shape.length / 2)
     stringer = (shape.width - 2 * shape.wall) / 2
     for name, x in places.items():
@@ -59,13 +59,7 @@ def stress(part: Part, shape: ToggleBar, loads: PartLoads) -> RungModel:
     _add_cheek_fibres(points, shape, min(free, stop), cheeks, sections)
     if 0 < free < shape.length:
         _add_cut_out(points, shape, free, cheeks, sections)
-    return bar_model(
-        part,
-        loads,
-        points,
-        bar,
-        mass,
-        shape.length,
+    return whole.model(
         local=_local_share(part, shape, free),
         neglects="bending of the walls across themselves; that the side walls lag in taking their "
         "share",

@@ -7,7 +7,7 @@ from checks.handbook.bar_forces import BarLoads
 from checks.handbook.lug_stress import Lug, mirrored, round_outline
 from checks.handbook.notch_factors import stepped_shaft
 from checks.handbook.pin_loaded_hole import ComplexArray, pin_loaded_hole
-from checks.models.formula_bars import Stretches, bar_loads, bar_model, fine_cells
+from checks.models.formula_bars import BarPart, Stretches, fine_cells
 from checks.models.formula_lugs import add_bore
 from checks.models.formula_points import Points, along_x, in_section, sheared
 from checks.models.shape_model import ShapeModel
@@ -30,8 +30,8 @@ def stress(part: Part, shape: TubeRod, loads: PartLoads) -> RungModel | None:
         return None
     places = {"first": 0.0, "second": shape.length}
     mass = _stretches(shape)
-    bar = bar_loads(part, loads, places, mass)
-    points = Points(len(loads.accelerations))
+    whole = BarPart.of(part, loads, places, mass, shape.length)
+    bar, points = whole.forces, whole.points
     ligament = shape.ligament / shape.eye_width
     radius = shape.hole / 2 + ligament
     outline = round_outline(radius, min(shape.tube_diameter / 2, 0.95 * radius))
@@ -43,13 +43,7 @@ def stress(part: Part, shape: TubeRod, loads: PartLoads) -> RungModel | None:
         own = mirrored(edge) if x > 0 else edge
         add_bore(points, name, x, lug, loads.wrenches[name], (0.0,), edges=own)
     _add_tube(points, shape, bar)
-    return bar_model(
-        part,
-        loads,
-        points,
-        bar,
-        mass,
-        shape.length,
+    return whole.model(
         neglects="that a ball's eye is thinner towards its outline; where the tube's bore ends",
     )
 
