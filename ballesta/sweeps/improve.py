@@ -16,7 +16,7 @@ import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
-from math import ceil, exp, floor, inf, isfinite, log, log10
+from math import ceil, exp, floor, inf, isfinite, log, log10, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -406,26 +406,27 @@ class _Search:
         points = [(old, self.reserve(self.base, parts))]
         best: tuple[float, Screened] | None = None
         outward = exponent > 0
-        p = exponent
+        p, unknown = exponent, 0.0  # value at which there is no such part, or no error bar
         for step in range(_SECANTS):
             x, r = points[-1]
             aim = x * exp(-log(r) / p)
             aim = min(max(aim, old / MOST), old * MOST)
+            if unknown and (aim - unknown) * (unknown - old) >= 0:
+                aim = sqrt(x * unknown)
             aim = _rounded(aim, old, up=outward)
             if aim == x and best is None:  # round-off short of it
                 aim = _rounded(x * (1 + (_NEXT if outward else -_NEXT)), old, up=outward)
             if any(aim == x for x, _ in points):
                 break
             one = self._screened(key, aim, unit, parts)
-            if one.problem:
-                return None
-            reached = self.reserve(one, parts)
+            reached = 0.0 if one.problem else self.reserve(one, parts)
+            if not 0 < reached < inf:
+                unknown = aim
+                continue
             if reached >= 1 and (best is None or reached < self.reserve(best[1], parts)):
                 best = aim, one
-            if not 0 < reached < inf:
-                break
             points.append((aim, reached))
-            if len(points) > 1 and step < _SECANTS - 1:
+            if step < _SECANTS - 1:
                 (x0, r0), (x1, r1) = points[-2:]
                 slope = log(r1 / r0) / log(x1 / x0)
                 p = slope if slope * exponent > 0 else exponent
