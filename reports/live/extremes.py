@@ -24,14 +24,17 @@ def largest_sizes(fields: FloatArray, weights: FloatArray, metric: FloatArray) -
     Row 0 is the von Mises stress, or the length of a displacement; row 1 a bound of any principal
     stress: no principal value of a deviator exceeds 2/3 of its von Mises stress. Both are norms of
     the sum, hence convex in the weights: between two positions they do not exceed the larger of
-    both. Sums are in single precision.
+    both. Sums are in single precision. One field is only scaled.
     """
+    if len(fields) == 1 < weights.shape[1]:
+        return np.asarray(largest_sizes(fields, np.ones((1, 1)), metric) * np.abs(weights))
     found = np.zeros((2, weights.shape[1]))
     rows = np.tensordot(metric, fields, axes=(1, 2)).astype(np.float32)  # (m, r, n)
     for first in range(0, weights.shape[1] if fields.size else 0, _TOGETHER):
         some = slice(first, first + _TOGETHER)
         sums = weights[:, some].T.astype(np.float32) @ rows  # (m, k, n)
-        sizes = np.sqrt((sums[:5] ** 2).sum(axis=0))
+        squares = np.square(sums[:5], out=sums[:5])
+        sizes = np.sqrt(sum(squares[1:], start=squares[0]))
         found[0, some] = sizes.max(axis=1)
         if metric is STRESS_METRIC:
             found[1, some] = (2 / 3 * sizes + np.abs(sums[5])).max(axis=1)
