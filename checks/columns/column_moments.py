@@ -23,10 +23,10 @@ from checks.columns.column_first_order import GRID, FirstOrder, first_order
 from checks.columns.column_limits import Plane, whole_force
 from checks.design.data import Part
 from checks.handbook.column_curves import BOW
-from checks.handbook.roots import root
 from checks.part.first_maximum import first_largest
 from checks.part.part_loads import PartLoads
 from geometry.mesh import FloatArray, IntArray
+from geometry.roots import root
 from geometry.sections import Section
 
 STRAIGHTNESS = 1000.0  # L/e of a bar without a stated curve or crookedness

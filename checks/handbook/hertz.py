@@ -10,7 +10,7 @@ from math import inf, isfinite, pi, sqrt
 
 import numpy as np
 
-from checks.handbook.roots import root
+from geometry.roots import root
 
 _WIDEST = 0.5  # half width over the smaller radius: an arc of 60 degrees
 _FLATTEST = 1e-6  # relative curvature, against the larger of the two, below which it is conformal

@@ -26,8 +26,8 @@ from typing import Self
 import numpy as np
 
 from checks.handbook.column_counter import GAUSS, SHEARED, ColumnCounter
-from checks.handbook.roots import root
 from geometry.mesh import FloatArray
+from geometry.roots import root
 
 _NEAR_SHEARED = 0.9999  # of the ceiling: beyond it the force is bracketed by bisection only
 _EXACT = 1e-13  # relative width to which the force is bracketed

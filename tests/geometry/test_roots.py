@@ -5,7 +5,7 @@ from math import cos, exp, log, tan
 import pytest
 from numpy.testing import assert_allclose
 
-from checks.handbook.roots import root
+from geometry.roots import root
 
 
 @pytest.mark.parametrize(
