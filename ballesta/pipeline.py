@@ -50,7 +50,7 @@ from checks.store.store import Store
 from checks.strength.load_doubts import with_doubts
 from checks.stress.solid_mesh_level import Models
 from fem.allocation import keep_freed_memory
-from fem.solvers import SolverError, chosen_solver
+from fem.solvers import SolverError
 from fem.threads import one_thread, policy
 
 Say = Callable[[str], None]
@@ -391,7 +391,6 @@ def versions() -> dict[str, str]:
             found[extra] = version(extra)
     return {
         **found,
-        "solver": chosen_solver(),
         "threads": policy(),
         "python": platform.python_version(),
         "platform": f"{sys.platform} {platform.machine()}",

@@ -11,8 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg
-import scipy.sparse as sp
+import scipy
 
 from fem.end_conditions import SupportedSolid
 from fem.mode_count import count_below
@@ -54,7 +53,7 @@ class Modes:
 
 def lowest_modes(
     solid: SupportedSolid,
-    matrix: sp.csr_array,
+    matrix: "scipy.sparse.csr_array",
     times: Times,
     energies: Energies,
     count: int,
@@ -104,7 +103,7 @@ def lowest_modes(
 
 
 def _none_below(
-    solid: SupportedSolid, matrix: sp.csr_array, value: float, known: FloatArray
+    solid: SupportedSolid, matrix: "scipy.sparse.csr_array", value: float, known: FloatArray
 ) -> bool:
     """Return True if a count can be made and shows that no mode lies below a value."""
     try:

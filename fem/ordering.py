@@ -7,7 +7,7 @@ dissected (METIS) in a third of the time that the graph of all unknowns takes, w
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
+import scipy
 
 from geometry.mesh import IntArray
 
@@ -15,7 +15,7 @@ from geometry.mesh import IntArray
 _EDGES = np.array([(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)])
 
 
-def dissection(upper: sp.csr_array, cholmod: Any) -> IntArray:
+def dissection(upper: "scipy.sparse.csr_array", cholmod: Any) -> IntArray:
     """Order (n,) in which the unknowns of a matrix, given its upper triangle, are eliminated.
 
     cholmod  scikit-sparse's module, which reaches METIS
@@ -25,7 +25,7 @@ def dissection(upper: sp.csr_array, cholmod: Any) -> IntArray:
     first, group = _groups(upper)
     graph = upper[first][:, first]
     graph.data = np.ones_like(graph.data)
-    graph = sp.csc_matrix(graph.T)
+    graph = scipy.sparse.csc_matrix(graph.T)
     place = np.argsort(cholmod.analyze(graph, mode="supernodal", ordering_method="metis").P())
     return np.argsort(place[group], kind="stable").astype(np.int64)
 
@@ -50,7 +50,7 @@ def node_dissection(elements: IntArray) -> IntArray | None:
     low, high = np.minimum(first, second).ravel(), np.maximum(first, second).ravel()
     joined = np.unique(low.astype(np.int64) * len(corners) + high)
     low, high = joined // len(corners), joined % len(corners)
-    graph = sp.csc_matrix((np.ones(len(joined)), (high, low)), shape=2 * (len(corners),))
+    graph = scipy.sparse.csc_matrix((np.ones(len(joined)), (high, low)), shape=2 * (len(corners),))
     of_corner = np.argsort(cholmod.analyze(graph, mode="supernodal", ordering_method="metis").P())
     place = np.zeros(int(elements.max()) + 1)
     place[corners] = of_corner + 0.5
@@ -58,7 +58,7 @@ def node_dissection(elements: IntArray) -> IntArray | None:
     return np.argsort(np.argsort(place, kind="stable"))
 
 
-def permuted(upper: sp.csr_array, order: IntArray) -> sp.csc_matrix:
+def permuted(upper: "scipy.sparse.csr_array", order: IntArray) -> "scipy.sparse.csc_matrix":
     """Lower triangle of the symmetric matrix whose upper triangle is given, in another order.
 
     The rows of a column are in no order: CHOLMOD needs none, and sorting took longer than the rest.
@@ -68,20 +68,22 @@ def permuted(upper: sp.csr_array, order: IntArray) -> sp.csc_matrix:
     rows = np.repeat(place, np.diff(upper.indptr))
     columns = place[upper.indices]
     low, high = np.minimum(rows, columns), np.maximum(rows, columns)
-    above = sp.coo_array((upper.data, (low, high)), shape=upper.shape)
+    above = scipy.sparse.coo_array((upper.data, (low, high)), shape=upper.shape)
     above.has_canonical_format = True  # a matrix without duplicates leaves none
     above = above.tocsr()
-    return sp.csc_matrix((above.data, above.indices, above.indptr), shape=upper.shape)
+    return scipy.sparse.csc_matrix((above.data, above.indices, above.indptr), shape=upper.shape)
 
 
-def _groups(upper: sp.csr_array) -> tuple[IntArray, IntArray]:
+def _groups(upper: "scipy.sparse.csr_array") -> tuple[IntArray, IntArray]:
     """One unknown (n_groups,) of each set coupled to the same unknowns, and the set (n,) of each.
 
     Sets are told apart by a sum of random numbers over the unknowns that each one is coupled to:
     two that are not equal meet with a probability of 2**-64 per pair, and would only cost time.
     """
     n = upper.shape[0]
-    ones = sp.csr_array((np.ones(upper.nnz, np.uint64), upper.indices, upper.indptr), upper.shape)
+    ones = scipy.sparse.csr_array(
+        (np.ones(upper.nnz, np.uint64), upper.indices, upper.indptr), upper.shape
+    )
     random = np.random.default_rng(0).integers(2**64, size=n, dtype=np.uint64)
     mark = ones @ random + ones.T @ random - random
     _, first, group = np.unique(mark, return_index=True, return_inverse=True)

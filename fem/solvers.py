@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.sparse as sp
+import scipy
 
 from fem.ordering import dissection, permuted
 from fem.threads import LARGE, threads_for, without_team
@@ -32,7 +32,7 @@ class Factor:
     """
 
     solver: str
-    _upper: sp.csr_array
+    _upper: "scipy.sparse.csr_array"
     _apply: Apply
 
     def apply(self, right: FloatArray) -> FloatArray:
@@ -83,7 +83,7 @@ class Factor:
 
 
 def factorize(
-    upper: sp.csr_array, solver: str | None = None, *, place: IntArray | None = None
+    upper: "scipy.sparse.csr_array", solver: str | None = None, *, place: IntArray | None = None
 ) -> Factor:
     """Factorise the symmetric positive definite matrix whose upper triangle is given.
 
@@ -98,7 +98,7 @@ def factorize(
     """
     if solver is not None and solver not in SOLVERS:
         raise ValueError(f"no solver is named {solver!r}; there are {', '.join(SOLVERS)}")
-    upper = sp.csr_array(upper)
+    upper = scipy.sparse.csr_array(upper)
     upper.sort_indices()
     broken = []
     for name in SOLVERS if solver is None else (solver,):
@@ -116,7 +116,7 @@ def factorize(
 
 def chosen_solver() -> str:
     """Name of the solver that `factorize` takes here, as a factor tells it."""
-    return factorize(sp.csr_array([[1.0]])).solver
+    return factorize(scipy.sparse.csr_array([[1.0]])).solver
 
 
 def chosen_fill() -> float:
@@ -132,7 +132,7 @@ def _threaded(apply: Apply, unknowns: int) -> Apply:
     return threaded
 
 
-def _cholmod(upper: sp.csr_array, place: IntArray | None) -> Apply:
+def _cholmod(upper: "scipy.sparse.csr_array", place: IntArray | None) -> Apply:
     from sksparse import cholmod
 
     order = dissection(upper, cholmod) if place is None else np.argsort(place, kind="stable")
@@ -152,7 +152,7 @@ def _cholmod(upper: sp.csr_array, place: IntArray | None) -> Apply:
     return apply
 
 
-def _pardiso(upper: sp.csr_array, _: IntArray | None) -> Apply:
+def _pardiso(upper: "scipy.sparse.csr_array", _: IntArray | None) -> Apply:
     from pypardiso import PyPardisoSolver
     from pypardiso.pardiso_wrapper import PyPardisoError
 
@@ -179,11 +179,11 @@ def _pardiso(upper: sp.csr_array, _: IntArray | None) -> Apply:
     return apply
 
 
-def _superlu(upper: sp.csr_array, _: IntArray | None) -> Apply:
+def _superlu(upper: "scipy.sparse.csr_array", _: IntArray | None) -> Apply:
     from scipy.sparse.linalg import splu
 
     lu = splu(
-        (upper + sp.triu(upper, k=1).T).tocsc(),
+        (upper + scipy.sparse.triu(upper, k=1).T).tocsc(),
         permc_spec="MMD_AT_PLUS_A",
         diag_pivot_thresh=0.0,  # pivots stay on the diagonal, so their signs are the matrix's
         options={"SymmetricMode": True},
@@ -198,7 +198,7 @@ def _superlu(upper: sp.csr_array, _: IntArray | None) -> Apply:
 
 
 # The best first: time of factorisation and solves, measured in bench/solid.py.
-SOLVERS: dict[str, Callable[[sp.csr_array, IntArray | None], Apply]] = {
+SOLVERS: dict[str, Callable[["scipy.sparse.csr_array", IntArray | None], Apply]] = {
     "CHOLMOD": _cholmod,
     "PARDISO": _pardiso,
     "SuperLU": _superlu,

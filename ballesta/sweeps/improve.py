@@ -30,6 +30,8 @@ from fem.threads import one_thread
 
 _DIMENSION = re.compile(r"^\s*(\d+(?:\.\d+)?)\s*(mm|cm|m|deg)\s*$")
 _STEP = 1.03  # of a dimension, as a factor, to find its exponent
+_NEAR = 1.5  # times the least reserve: to pass it a step would need an exponent of 14
+_STRESS = ("static", "fatigue")
 _MATTERS = 0.05  # the least exponent: what changes the reserve less is no way out
 MOST = 2.0  # the largest change that is looked at, as a factor
 _SECANTS = 3
@@ -233,7 +235,8 @@ class _Search:
             if dimension is None or not own:
                 continue
             value, unit = dimension
-            aside = self._screened(key, value * _STEP, unit, own)
+            stepped = {key: _written(value * _STEP, unit)}
+            aside = self._screening.of(stepped, own, formulas=self._formulas_near(own))
             if aside.problem:
                 continue
             exponents = {
@@ -340,6 +343,12 @@ class _Search:
         elif old and value and (value[0] > old[0]) == bool(self.open):
             stiffness = min(old[0] / value[0], value[0] / old[0]) ** 4
         return isfinite(left) and left * stiffness < _LOADS
+
+    def _formulas_near(self, parts: Sequence[str]) -> bool:
+        """True if a check of parts that is no stress may have the least reserve after a step."""
+        found = self._reserves(self.base, parts)
+        others = [r for r, *_, check in found if check.kind not in _STRESS]
+        return min(others, default=inf) < _NEAR * self.reserve(self.base, parts)
 
     def _parts_of(self, key: str, wanted: tuple[str, ...]) -> tuple[str, ...]:
         """The wanted parts whose shape or material a key states: its own, and those like it."""
@@ -458,7 +467,7 @@ class _Search:
 
 def _name(check: Check) -> tuple[str, str, str]:
     """By what checks of two models are the same; stress has other names by each."""
-    alike = check.kind in ("static", "fatigue")
+    alike = check.kind in _STRESS
     return check.part, check.kind, "" if alike else check.quantity
 
 

@@ -10,6 +10,8 @@ from math import inf, isfinite, pi, sqrt
 
 import numpy as np
 
+from geometry.roots import root
+
 _WIDEST = 0.5  # half width over the smaller radius: an arc of 60 degrees
 _FLATTEST = 1e-6  # relative curvature, against the larger of the two, below which it is conformal
 
@@ -107,10 +109,8 @@ def _below_a_point(poisson_ratio: float) -> tuple[float, float]:
         turn = np.arctan(1 / s) - s / (1 + s * s)
         return float((-3 * s / (1 + s * s) ** 2 + (1 + poisson_ratio) * turn) / 2)
 
-    from scipy.optimize import brentq
-
-    depth = brentq(slope, 1e-3, 3.0, xtol=1e-14)
-    return float(depth), shear(depth)
+    depth = root(slope, 1e-3, 3.0, 1e-14)
+    return depth, shear(depth)
 
 
 def _modulus(first: HertzBody, second: HertzBody) -> float:

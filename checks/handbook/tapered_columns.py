@@ -27,11 +27,11 @@ import numpy as np
 
 from checks.handbook.column_counter import GAUSS, SHEARED, ColumnCounter
 from geometry.mesh import FloatArray
+from geometry.roots import root
 
 _NEAR_SHEARED = 0.9999  # of the ceiling: beyond it the force is bracketed by bisection only
 _EXACT = 1e-13  # relative width to which the force is bracketed
 _LARGEST = 1e12  # times B/L^2: no column with any freedom carries it
-_NO_LENGTH = 1e-300  # of the bracket: its relative width decides
 
 
 @dataclass(frozen=True)
@@ -185,8 +185,6 @@ def _lowest(stretches: tuple[tuple[float, ...], ...], start: ColumnEnd, end: Col
 
     A design asks for the same column once for each section and plane that it is judged in.
     """
-    from scipy.optimize import brentq
-
     counter = ColumnCounter(np.array(stretches), (start.fixings, end.fixings))
     ceiling = counter.ceiling
     low, high = 0.0, min(1.0, ceiling)
@@ -204,7 +202,7 @@ def _lowest(stretches: tuple[tuple[float, ...], ...], start: ColumnEnd, end: Col
             low = middle
     if high - low <= _EXACT * high:
         return (low + high) / 2 * counter.unit
-    return float(brentq(counter.left, low, high, xtol=_NO_LENGTH, rtol=_EXACT)) * counter.unit
+    return root(counter.left, low, high, _EXACT) * counter.unit
 
 
 def count_critical_forces(

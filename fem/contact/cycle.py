@@ -12,7 +12,7 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-import scipy.linalg
+import scipy
 
 from fem.contact.bore import BoreHarmonics
 from fem.contact.condensed import (
