@@ -48,7 +48,7 @@ from checks.result.ways import ways_out
 from checks.store.store import Store
 from checks.strength.load_doubts import with_doubts
 from checks.stress.solid_mesh_level import Models
-from fem.solvers import SolverError, chosen_solver
+from fem.solvers import SolverError
 from fem.threads import keep_freed_memory, one_thread, policy
 
 Say = Callable[[str], None]
@@ -389,7 +389,6 @@ def versions() -> dict[str, str]:
             found[extra] = version(extra)
     return {
         **found,
-        "solver": chosen_solver(),
         "threads": policy(),
         "python": platform.python_version(),
         "platform": f"{sys.platform} {platform.machine()}",

@@ -31,7 +31,14 @@ def with_parts(
     for name, data in frame.cycles.items():
         peaks = {p.name: p.charts["peaks"][name] for p in parts if name in p.charts["peaks"]}
         cycles[name] = {**data, "peaks": peaks}
-    return replace(frame, parts=parts, cycles=cycles, warnings=[*warnings, *frame.warnings])
+    solvers = sorted({mesh["solver"] for part in parts for mesh in part.meshes})
+    return replace(
+        frame,
+        parts=parts,
+        cycles=cycles,
+        warnings=[*warnings, *frame.warnings],
+        versions={**frame.versions, **({"solver": ", ".join(solvers)} if solvers else {})},
+    )
 
 
 def without_live(result: PartResult) -> PartResult:

@@ -24,9 +24,9 @@ def lug_factor(hole: float, width: float) -> float | None:
 def persson_pressure(half_arc: float, angle: float = 0.0) -> float:
     """Pressure over F/(R t) at an angle from the force, rad, within the arc."""
     b, y = np.tan(half_arc / 2), np.tan(angle / 2)
-    root, c = np.sqrt(b * b + 1), np.sqrt(b * b - y * y)
-    even = 2 * c / (np.pi * root * (1 + y * y))
-    return float(even + np.log((root + c) / (root - c)) / (2 * np.pi * b * b * root**2))
+    edge, c = np.sqrt(b * b + 1), np.sqrt(b * b - y * y)
+    even = 2 * c / (np.pi * edge * (1 + y * y))
+    return float(even + np.log((edge + c) / (edge - c)) / (2 * np.pi * b * b * edge**2))
 
 
 def engesser_force(euler: float, shear_stiffness: float) -> float:

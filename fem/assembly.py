@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.sparse as sp
+import scipy
 
 from fem.elements import Elements
 from geometry.mesh import FloatArray, IntArray
@@ -45,7 +45,7 @@ class Pattern:
         return np.argsort(self.elements.mesh.elements, axis=1).astype(np.int64)
 
     @cached_property
-    def _pairs(self) -> tuple[IntArray, sp.csr_array]:
+    def _pairs(self) -> tuple[IntArray, "scipy.sparse.csr_array"]:
         """Node pairs (low n_nodes + high, ascending), and the matrix that sums blocks to them."""
         n = len(self.elements.mesh.nodes)
         nodes = np.take_along_axis(self.elements.mesh.elements, self.order, axis=1)
@@ -53,13 +53,13 @@ class Pattern:
         by_pair = np.argsort(key, kind="stable")
         sorted_key = key[by_pair]
         starts = np.flatnonzero(np.r_[True, sorted_key[1:] > sorted_key[:-1]])
-        summing = sp.csr_array(
+        summing = scipy.sparse.csr_array(
             (np.ones(len(key)), by_pair.astype(np.int32), np.r_[starts, len(key)].astype(np.int32)),
             shape=(len(starts), len(key)),
         )
         return sorted_key[starts], summing
 
-    def upper(self, blocks: FloatArray) -> sp.csr_array:
+    def upper(self, blocks: FloatArray) -> "scipy.sparse.csr_array":
         """Sum element blocks (n_elements, 55, 3, 3) of node pairs to the upper triangle.
 
         The pairs i <= j are those of the element's nodes in `order`.
@@ -71,7 +71,7 @@ class Pattern:
         pointers = np.searchsorted(rows, np.arange(n + 1))
         return _from_blocks(summed, rows, columns, pointers)
 
-    def upper_scalar(self, values: FloatArray) -> sp.csr_array:
+    def upper_scalar(self, values: FloatArray) -> "scipy.sparse.csr_array":
         """Sum multiples of the 3 x 3 identity, values (n_elements, 55), in the same way."""
         return self.upper(values[:, :, None, None] * np.eye(3))
 
@@ -81,7 +81,7 @@ def stiffness(
     youngs_modulus: float,
     poisson_ratio: float,
     softened: FloatArray | None = None,
-) -> sp.csr_array:
+) -> "scipy.sparse.csr_array":
     """Upper triangle of the stiffness matrix of isotropic elasticity, N/mm.
 
     softened  (n_elements,) of Young's modulus, that each element has; None: all of it
@@ -111,7 +111,7 @@ def stiffness(
     return pattern.upper(blocks)
 
 
-def geometric_stiffness(pattern: Pattern, stress: FloatArray) -> sp.csr_array:
+def geometric_stiffness(pattern: Pattern, stress: FloatArray) -> "scipy.sparse.csr_array":
     """Upper triangle of the geometric stiffness of a stress state, N/mm.
 
     stress (n_elements, n_q, 3, 3), MPa. The block of nodes a and b is
@@ -129,9 +129,9 @@ def geometric_stiffness(pattern: Pattern, stress: FloatArray) -> sp.csr_array:
     return pattern.upper_scalar(values)
 
 
-def full(upper: sp.csr_array) -> sp.csr_array:
+def full(upper: "scipy.sparse.csr_array") -> "scipy.sparse.csr_array":
     """Return the symmetric matrix whose upper triangle is given."""
-    return (upper + sp.triu(upper, k=1).T).tocsr()
+    return (upper + scipy.sparse.triu(upper, k=1).T).tocsr()
 
 
 def _ordered_gradients(pattern: Pattern, part: slice) -> FloatArray:
@@ -144,7 +144,7 @@ def _ordered_gradients(pattern: Pattern, part: slice) -> FloatArray:
 
 def _from_blocks(
     blocks: FloatArray, rows: IntArray, columns: IntArray, pointers: IntArray
-) -> sp.csr_array:
+) -> "scipy.sparse.csr_array":
     """Upper triangle of a matrix of 3 x 3 blocks, each row of blocks beginning on the diagonal.
 
     Three entries are left out per diagonal block, whatever their value, so the pattern depends on
@@ -169,4 +169,4 @@ def _from_blocks(
             data[at] = blocks[kept, 3 * i + j]
             indices[at] = 3 * columns[kept] + j
     ends = np.append(starts.ravel(), size).astype(np.int32)
-    return sp.csr_array((data, indices, ends), shape=(3 * n, 3 * n))
+    return scipy.sparse.csr_array((data, indices, ends), shape=(3 * n, 3 * n))

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.sparse as sp
+import scipy
 
 from fem.assembly import Pattern, stiffness
 from fem.elements import Elements
@@ -32,7 +32,7 @@ class SupportedSolid:
     elements: Elements
     pattern: Pattern
     material: Elastic
-    stiffness: sp.csr_array
+    stiffness: "scipy.sparse.csr_array"
     fixed: IntArray
     rows: FloatArray
     held: IntArray
@@ -93,9 +93,9 @@ class SupportedSolid:
         return modes, np.hstack([-responses, modes]), bordered
 
     @cached_property
-    def _sparse_rows(self) -> sp.csr_array:
+    def _sparse_rows(self) -> "scipy.sparse.csr_array":
         """The conditions, of which those of a link touch its interfaces only."""
-        return sp.csr_array(self.rows)
+        return scipy.sparse.csr_array(self.rows)
 
     def _held_solve(self, forces: FloatArray) -> FloatArray:
         response = np.zeros(forces.shape)

@@ -14,8 +14,7 @@ from functools import cached_property
 from typing import Self
 
 import numpy as np
-import scipy.sparse as sp
-import scipy.sparse.csgraph
+import scipy
 
 from fem.solvers import Factor, factorize
 from fem.unit_solutions import Elastic, rigid_modes
@@ -153,16 +152,31 @@ class Frame:
         return np.asarray(own.reshape(-1, 12))
 
     @cached_property
-    def stiffness(self) -> sp.csr_array:
+    def stiffness(self) -> "scipy.sparse.csr_array":
         """The whole stiffness matrix, N/mm, N, N mm."""
+        rows = np.repeat(self.unknowns, 12, axis=1).ravel()
+        columns = np.tile(self.unknowns, (1, 12)).ravel()
+        places, size = (rows, columns), 6 * len(self.nodes)
+        values = self._stiffnesses.ravel()
+        return scipy.sparse.coo_array((values, places), shape=(size, size)).tocsr()
+
+    def dense_stiffness(self) -> FloatArray:
+        """The same with its zeros: of a frame of few nodes."""
+        return self.assembled(self._stiffnesses)
+
+    def assembled(self, blocks: FloatArray) -> FloatArray:
+        """Matrix (6 n, 6 n) of one (m, 12, 12) of each member."""
+        result = np.zeros((6 * len(self.nodes),) * 2)
+        np.add.at(result, (self.unknowns[:, :, None], self.unknowns[:, None, :]), blocks)
+        return result
+
+    @cached_property
+    def _stiffnesses(self) -> FloatArray:
+        """Of the members, (m, 12, 12)."""
         blocks = np.swapaxes(self.deformation, 1, 2) @ np.linalg.solve(
             self.flexibility, self.deformation
         )
-        blocks = (blocks + np.swapaxes(blocks, 1, 2)) / 2
-        rows = np.repeat(self.unknowns, 12, axis=1).ravel()
-        columns = np.tile(self.unknowns, (1, 12)).ravel()
-        size = 6 * len(self.nodes)
-        return sp.coo_array((blocks.ravel(), (rows, columns)), shape=(size, size)).tocsr()
+        return np.asarray((blocks + np.swapaxes(blocks, 1, 2)) / 2)
 
     # loads ------------------------------------------------------------------------------------
 
@@ -257,7 +271,7 @@ class HeldFrame:
         frame = self.frame
         count = len(frame.nodes)
         ones, (start, end) = np.ones(len(frame.members)), frame.members.T
-        joined = sp.coo_array((ones, (start, end)), shape=(count, count))
+        joined = scipy.sparse.coo_array((ones, (start, end)), shape=(count, count))
         bodies, body = scipy.sparse.csgraph.connected_components(joined, directed=False)
         turns = np.zeros((count, 3, 6))
         turns[:, [0, 1, 2], [3, 4, 5]] = 1
@@ -282,7 +296,7 @@ class HeldFrame:
 
     @cached_property
     def _factor(self) -> Factor:
-        return factorize(sp.triu(self.frame.stiffness[self._free][:, self._free]).tocsr())
+        return factorize(scipy.sparse.triu(self.frame.stiffness[self._free][:, self._free]).tocsr())
 
     def solve(self, loads: FrameLoads) -> "FrameSolution":
         """Solve all load cases."""

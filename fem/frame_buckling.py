@@ -11,10 +11,8 @@ Every assumed deflection is a possible one, so factors come from above and fall 
 """
 
 from dataclasses import dataclass, replace
-from typing import cast
 
 import numpy as np
-import scipy.linalg
 
 from fem.frame import POINTS, WEIGHTS, Frame
 from fem.solvers import SolverError
@@ -87,10 +85,7 @@ def geometric_stiffness(frame: Frame, axial: FloatArray) -> FloatArray:
             f"got {forces.shape}"
         )
     forces = np.broadcast_to(forces.reshape(count, -1), (count, 6))
-    blocks = np.einsum("mg,mguv->muv", forces, work_of_axial_force(frame))
-    result = np.zeros((6 * len(frame.nodes),) * 2)
-    np.add.at(result, (frame.unknowns[:, :, None], frame.unknowns[:, None, :]), blocks)
-    return result
+    return frame.assembled(np.einsum("mg,mguv->muv", forces, work_of_axial_force(frame)))
 
 
 def frame_buckling(
@@ -106,7 +101,7 @@ def frame_buckling(
     free = np.setdiff1d(np.arange(6 * len(frame.nodes)), fixed)
     inside = np.ix_(free, free)
     found = buckling_modes(
-        frame.stiffness.toarray()[inside], geometric_stiffness(frame, axial)[inside], count=count
+        frame.dense_stiffness()[inside], geometric_stiffness(frame, axial)[inside], count=count
     )
     shapes = np.zeros((6 * len(frame.nodes), found.shapes.shape[1]))
     shapes[free] = found.shapes
@@ -118,7 +113,7 @@ def buckling_modes(stiffness: FloatArray, geometric: FloatArray, *, count: int =
 
     The loads' size drops out; those in tension or without load give none. That none was skipped is
     proven by the number of negative eigenvalues of K + f K_s just below the first and just above
-    the last factor (Sylvester), as far from them as round-off may move them. Raises LooseFrameError
+    the last factor, as far from them as round-off may move them. Raises LooseFrameError
     if something moves without strain, SolverError where the counts differ.
     """
     scaled, scale, softest = _scaled(stiffness)
@@ -130,8 +125,8 @@ def buckling_modes(stiffness: FloatArray, geometric: FloatArray, *, count: int =
         return nothing
     lower = np.linalg.cholesky(scaled)
     load = -scale[:, None] * (geometric / size) * scale
-    half = scipy.linalg.solve_triangular(lower, load, lower=True)
-    reduced = scipy.linalg.solve_triangular(lower, half.T, lower=True)
+    inverse = np.linalg.inv(lower)
+    reduced = inverse @ load @ inverse.T
     values, vectors = np.linalg.eigh((reduced + reduced.T) / 2)
     least = _NONE * np.abs(values).max()
     opposite = 1 / (-values[0] * size) if values[0] < -least else None
@@ -148,7 +143,7 @@ def buckling_modes(stiffness: FloatArray, geometric: FloatArray, *, count: int =
                 f"{found} buckling modes of a frame stand below the factor {factor / size:.6g}, "
                 f"{wanted} were found"
             )
-    shapes = scipy.linalg.solve_triangular(lower.T, vectors[:, order[:count]], lower=False)
+    shapes = inverse.T @ vectors[:, order[:count]]
     return FrameModes(factors / size, scale[:, None] * shapes, opposite, round_off)
 
 
@@ -170,7 +165,7 @@ def whitening(stiffness: FloatArray) -> FloatArray:
 def _lower_inverse(matrix: FloatArray) -> FloatArray:
     """Inverse of the lower triangle that makes a matrix, LinAlgError where there is none."""
     lower = np.linalg.cholesky(matrix)
-    return np.asarray(scipy.linalg.solve_triangular(lower, np.eye(len(lower)), lower=True))
+    return np.asarray(np.linalg.inv(lower))
 
 
 def modes_below(stiffness: FloatArray, geometric: FloatArray, factor: float) -> int:
@@ -205,6 +200,5 @@ def _softest(scaled: FloatArray) -> float:
 
 
 def _negative(matrix: FloatArray) -> int:
-    """Number of negative eigenvalues, from the blocks of L D L' (Sylvester's law of inertia)."""
-    _, blocks, _ = scipy.linalg.ldl(matrix)
-    return int((np.linalg.eigvalsh(cast(FloatArray, blocks)) < 0).sum())
+    """Number of negative eigenvalues."""
+    return int((np.linalg.eigvalsh(matrix) < 0).sum())

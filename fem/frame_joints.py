@@ -58,7 +58,7 @@ class Link:
         """In its own axes, (n, n)."""
         if self.frame is None:
             return np.zeros((6, 6))
-        return np.asarray(self.frame.stiffness.toarray())
+        return self.frame.dense_stiffness()
 
     @cached_property
     def _work(self) -> FloatArray:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.sparse as sp
+import scipy
 
 from fem.recovery import Recovery, tensor
 from geometry.mesh import TET_EDGES, FloatArray, IntArray, Mesh
@@ -163,11 +163,13 @@ class SurfaceSlopes:
         return np.flatnonzero(wanted[self._mesh.elements].any(axis=1))
 
     @cached_property
-    def _share_at_nodes(self) -> sp.csr_array:
+    def _share_at_nodes(self) -> "scipy.sparse.csr_array":
         """Matrix (n_around, n_elements) of ones where an element has a node."""
         element, _, place = self._touching(self._sources)
         shape = (len(self._around), len(self._mesh.elements))
-        return sp.coo_array((np.ones(len(place)), (place, self._sources[element])), shape).tocsr()
+        return scipy.sparse.coo_array(
+            (np.ones(len(place)), (place, self._sources[element])), shape
+        ).tocsr()
 
     def _touching(self, part: IntArray) -> tuple[IntArray, IntArray, IntArray]:
         """Where some elements have nodes of `_around`: index in `part`, local node, place."""
@@ -177,7 +179,7 @@ class SurfaceSlopes:
         element, node = np.nonzero(own >= 0)
         return element, node, own[element, node]
 
-    def _averaging(self, part: IntArray) -> sp.csr_array:
+    def _averaging(self, part: IntArray) -> "scipy.sparse.csr_array":
         """Matrix (n_around, n_part n_q): continuation times volume, summed at nodes."""
         local = self.recovery.elements.local_points
         design = np.column_stack([np.ones(len(local)), local])
@@ -185,13 +187,13 @@ class SurfaceSlopes:
         element, node, place = self._touching(part)
         shares = continuation[node] * self._volumes[part[element], None]
         columns = len(local) * element[:, None] + np.arange(len(local))
-        return sp.coo_array(
+        return scipy.sparse.coo_array(
             (shares.ravel(), (np.repeat(place, len(local)), columns.ravel())),
             shape=(len(self._around), len(local) * len(part)),
         ).tocsr()
 
     @cached_property
-    def _slopes(self) -> sp.csr_array:
+    def _slopes(self) -> "scipy.sparse.csr_array":
         """Matrix (n, n_around): from stress at nodes to its slope at the points."""
         element, node, point = self._meeting
         nodes = self._mesh.elements[element]
@@ -204,7 +206,7 @@ class SurfaceSlopes:
         columns = np.searchsorted(self._around, nodes)
         shape = (len(self.nodes), len(self._around))
         rows = np.repeat(point, nodes.shape[1])
-        return sp.coo_array((shares.ravel(), (rows, columns.ravel())), shape).tocsr()
+        return scipy.sparse.coo_array((shares.ravel(), (rows, columns.ravel())), shape).tocsr()
 
 
 def _shape_slopes() -> FloatArray:

@@ -11,8 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg
-import scipy.sparse as sp
+import scipy
 
 from fem.end_conditions import SupportedSolid
 from fem.solvers import Factor, SolverError, factorize
@@ -54,7 +53,7 @@ class Modes:
 
 def lowest_modes(
     solid: SupportedSolid,
-    matrix: sp.csr_array,
+    matrix: "scipy.sparse.csr_array",
     times: Times,
     energies: Energies,
     count: int,
@@ -104,7 +103,7 @@ def lowest_modes(
 
 
 def _none_below(
-    solid: SupportedSolid, matrix: sp.csr_array, value: float, known: FloatArray
+    solid: SupportedSolid, matrix: "scipy.sparse.csr_array", value: float, known: FloatArray
 ) -> bool:
     """Return True if a count can be made and shows that no mode lies below a value."""
     try:
@@ -274,7 +273,7 @@ _ZERO = 1e-11  # of the largest: a smaller eigenvalue of S has no certain sign
 
 
 def count_below(
-    solid: SupportedSolid, matrix: sp.csr_array, value: float, known: FloatArray
+    solid: SupportedSolid, matrix: "scipy.sparse.csr_array", value: float, known: FloatArray
 ) -> int:
     """Number of modes of K x = lambda B x with lambda in (0, value), with the solid's supports.
 
@@ -301,20 +300,22 @@ def count_below(
     )
 
 
-def shifted(solid: SupportedSolid, matrix: sp.csr_array, value: float) -> sp.csr_array:
+def shifted(
+    solid: SupportedSolid, matrix: "scipy.sparse.csr_array", value: float
+) -> "scipy.sparse.csr_array":
     """Upper triangle of K - value B for matrices of one pattern."""
     stiff = solid.stiffness
     if matrix.nnz != stiff.nnz or not np.array_equal(matrix.indices, stiff.indices):
         raise ValueError("a mode count needs two matrices of the same pattern")
     data = stiff.data - value * matrix.data
-    return sp.csr_array((data, stiff.indices, stiff.indptr), shape=stiff.shape)
+    return scipy.sparse.csr_array((data, stiff.indices, stiff.indptr), shape=stiff.shape)
 
 
 class _IndefiniteError(Exception):
     """Holding these unknowns leaves a negative direction."""
 
 
-def _count(solid: SupportedSolid, difference: sp.csr_array, held: BoolArray) -> int:
+def _count(solid: SupportedSolid, difference: "scipy.sparse.csr_array", held: BoolArray) -> int:
     still = held.copy()
     still[solid.fixed] = True
     rest, chosen = np.flatnonzero(~still), np.flatnonzero(held)
@@ -334,7 +335,7 @@ def _count(solid: SupportedSolid, difference: sp.csr_array, held: BoolArray) -> 
     return _negative(whole) - n_rows
 
 
-def _positive(own: sp.csr_array, place: IntArray | None) -> Factor:
+def _positive(own: "scipy.sparse.csr_array", place: IntArray | None) -> Factor:
     try:
         return factorize(own, place=place)
     except SolverError as error:

@@ -5,7 +5,7 @@ the sum of strains at the points only its first power: what slender parts need.
 """
 
 import numpy as np
-import scipy.sparse as sp
+import scipy
 
 from fem.assembly import Pattern
 from fem.elements import Elements
@@ -72,7 +72,7 @@ def geometric_forms(elements: Elements, stress: FloatArray, fields: FloatArray) 
     return forms
 
 
-def mass(pattern: Pattern, density: float) -> sp.csr_array:
+def mass(pattern: Pattern, density: float) -> "scipy.sparse.csr_array":
     """Upper triangle of the consistent mass matrix, t.
 
     The block of nodes a and b is delta_ij sum_q w density N_a N_b, by a rule of degree 4: exact in

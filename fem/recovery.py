@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.sparse as sp
+import scipy
 
 from fem.elements import Elements
 from fem.singularity import pressed_edges
@@ -220,13 +220,13 @@ class Recovery:
         element, node = np.nonzero(place >= 0)
         return element, node, place[element, node]
 
-    def _averaging(self, part: IntArray) -> sp.csr_array:
+    def _averaging(self, part: IntArray) -> "scipy.sparse.csr_array":
         """Matrix (n_points, n_elements n_q): continuation times volume, summed at surface nodes."""
         element, node, place = self._meetings(part)
         n_q = self._continuation.shape[1]
         shares = self._continuation[node] * self._volumes[part[element], None]
         columns = n_q * element[:, None] + np.arange(n_q)
-        return sp.coo_array(
+        return scipy.sparse.coo_array(
             (shares.ravel(), (np.repeat(place, n_q), columns.ravel())),
             shape=(len(self.points), n_q * len(part)),
         ).tocsr()

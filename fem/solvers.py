@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
+import scipy
 
 from fem.threads import LARGE, threads_for, without_team
 from geometry.mesh import FloatArray, IntArray
@@ -32,7 +32,7 @@ class Factor:
     """
 
     solver: str
-    _upper: sp.csr_array
+    _upper: "scipy.sparse.csr_array"
     _apply: Apply
 
     def apply(self, right: FloatArray) -> FloatArray:
@@ -83,7 +83,7 @@ class Factor:
 
 
 def factorize(
-    upper: sp.csr_array, solver: str | None = None, *, place: IntArray | None = None
+    upper: "scipy.sparse.csr_array", solver: str | None = None, *, place: IntArray | None = None
 ) -> Factor:
     """Factorise the symmetric positive definite matrix whose upper triangle is given.
 
@@ -98,7 +98,7 @@ def factorize(
     """
     if solver is not None and solver not in SOLVERS:
         raise ValueError(f"no solver is named {solver!r}; there are {', '.join(SOLVERS)}")
-    upper = sp.csr_array(upper)
+    upper = scipy.sparse.csr_array(upper)
     upper.sort_indices()
     broken = []
     for name in SOLVERS if solver is None else (solver,):
@@ -116,7 +116,7 @@ def factorize(
 
 def chosen_solver() -> str:
     """Name of the solver that `factorize` takes here, as a factor tells it."""
-    return factorize(sp.csr_array([[1.0]])).solver
+    return factorize(scipy.sparse.csr_array([[1.0]])).solver
 
 
 def chosen_fill() -> float:
@@ -132,7 +132,7 @@ def _threaded(apply: Apply, unknowns: int) -> Apply:
     return threaded
 
 
-def _cholmod(upper: sp.csr_array, place: IntArray | None) -> Apply:
+def _cholmod(upper: "scipy.sparse.csr_array", place: IntArray | None) -> Apply:
     from sksparse import cholmod
 
     order = dissection(upper, cholmod) if place is None else np.argsort(place, kind="stable")
@@ -152,7 +152,7 @@ def _cholmod(upper: sp.csr_array, place: IntArray | None) -> Apply:
     return apply
 
 
-def _pardiso(upper: sp.csr_array, _: IntArray | None) -> Apply:
+def _pardiso(upper: "scipy.sparse.csr_array", _: IntArray | None) -> Apply:
     from pypardiso import PyPardisoSolver
     from pypardiso.pardiso_wrapper import PyPardisoError
 
@@ -179,11 +179,11 @@ def _pardiso(upper: sp.csr_array, _: IntArray | None) -> Apply:
     return apply
 
 
-def _superlu(upper: sp.csr_array, _: IntArray | None) -> Apply:
+def _superlu(upper: "scipy.sparse.csr_array", _: IntArray | None) -> Apply:
     from scipy.sparse.linalg import splu
 
     lu = splu(
-        (upper + sp.triu(upper, k=1).T).tocsc(),
+        (upper + scipy.sparse.triu(upper, k=1).T).tocsc(),
         permc_spec="MMD_AT_PLUS_A",
         diag_pivot_thresh=0.0,  # pivots stay on the diagonal, so their signs are the matrix's
         options={"SymmetricMode": True},
@@ -198,7 +198,7 @@ def _superlu(upper: sp.csr_array, _: IntArray | None) -> Apply:
 
 
 # The best first: time of factorisation and solves, measured in bench/solid.py.
-SOLVERS: dict[str, Callable[[sp.csr_array, IntArray | None], Apply]] = {
+SOLVERS: dict[str, Callable[["scipy.sparse.csr_array", IntArray | None], Apply]] = {
     "CHOLMOD": _cholmod,
     "PARDISO": _pardiso,
     "SuperLU": _superlu,
@@ -217,7 +217,7 @@ _FILL = {"SuperLU": 7.0}
 _EDGES = np.array([(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)])
 
 
-def dissection(upper: sp.csr_array, cholmod: Any) -> IntArray:
+def dissection(upper: "scipy.sparse.csr_array", cholmod: Any) -> IntArray:
     """Order (n,) in which the unknowns of a matrix, given its upper triangle, are eliminated.
 
     cholmod  scikit-sparse's module, which reaches METIS
@@ -227,7 +227,7 @@ def dissection(upper: sp.csr_array, cholmod: Any) -> IntArray:
     first, group = _groups(upper)
     graph = upper[first][:, first]
     graph.data = np.ones_like(graph.data)
-    graph = sp.csc_matrix(graph.T)
+    graph = scipy.sparse.csc_matrix(graph.T)
     place = np.argsort(cholmod.analyze(graph, mode="supernodal", ordering_method="metis").P())
     return np.argsort(place[group], kind="stable").astype(np.int64)
 
@@ -252,7 +252,7 @@ def node_dissection(elements: IntArray) -> IntArray | None:
     low, high = np.minimum(first, second).ravel(), np.maximum(first, second).ravel()
     joined = np.unique(low.astype(np.int64) * len(corners) + high)
     low, high = joined // len(corners), joined % len(corners)
-    graph = sp.csc_matrix((np.ones(len(joined)), (high, low)), shape=2 * (len(corners),))
+    graph = scipy.sparse.csc_matrix((np.ones(len(joined)), (high, low)), shape=2 * (len(corners),))
     of_corner = np.argsort(cholmod.analyze(graph, mode="supernodal", ordering_method="metis").P())
     place = np.zeros(int(elements.max()) + 1)
     place[corners] = of_corner + 0.5
@@ -260,7 +260,7 @@ def node_dissection(elements: IntArray) -> IntArray | None:
     return np.argsort(np.argsort(place, kind="stable"))
 
 
-def permuted(upper: sp.csr_array, order: IntArray) -> sp.csc_matrix:
+def permuted(upper: "scipy.sparse.csr_array", order: IntArray) -> "scipy.sparse.csc_matrix":
     """Lower triangle of the symmetric matrix whose upper triangle is given, in another order.
 
     The rows of a column are in no order: CHOLMOD needs none, and sorting took longer than the rest.
@@ -270,20 +270,22 @@ def permuted(upper: sp.csr_array, order: IntArray) -> sp.csc_matrix:
     rows = np.repeat(place, np.diff(upper.indptr))
     columns = place[upper.indices]
     low, high = np.minimum(rows, columns), np.maximum(rows, columns)
-    above = sp.coo_array((upper.data, (low, high)), shape=upper.shape)
+    above = scipy.sparse.coo_array((upper.data, (low, high)), shape=upper.shape)
     above.has_canonical_format = True  # a matrix without duplicates leaves none
     above = above.tocsr()
-    return sp.csc_matrix((above.data, above.indices, above.indptr), shape=upper.shape)
+    return scipy.sparse.csc_matrix((above.data, above.indices, above.indptr), shape=upper.shape)
 
 
-def _groups(upper: sp.csr_array) -> tuple[IntArray, IntArray]:
+def _groups(upper: "scipy.sparse.csr_array") -> tuple[IntArray, IntArray]:
     """One unknown (n_groups,) of each set coupled to the same unknowns, and the set (n,) of each.
 
     Sets are told apart by a sum of random numbers over the unknowns that each one is coupled to:
     two that are not equal meet with a probability of 2**-64 per pair, and would only cost time.
     """
     n = upper.shape[0]
-    ones = sp.csr_array((np.ones(upper.nnz, np.uint64), upper.indices, upper.indptr), upper.shape)
+    ones = scipy.sparse.csr_array(
+        (np.ones(upper.nnz, np.uint64), upper.indices, upper.indptr), upper.shape
+    )
     random = np.random.default_rng(0).integers(2**64, size=n, dtype=np.uint64)
     mark = ones @ random + ones.T @ random - random
     _, first, group = np.unique(mark, return_index=True, return_inverse=True)

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.sparse as sp
-from scipy.sparse.csgraph import connected_components
+import scipy
 
 from geometry.mesh import FloatArray, IntArray, Mesh, MeshError
 
@@ -35,7 +34,7 @@ class Ties:
         """Loads (n, m) on the independent unknowns from those on all (3 n_nodes, m)."""
         return np.asarray(self._matrix.T @ loads)
 
-    def collect_upper(self, upper: sp.csr_array) -> sp.csr_array:
+    def collect_upper(self, upper: "scipy.sparse.csr_array") -> "scipy.sparse.csr_array":
         """Upper triangle of T' K T from the upper triangle of K."""
         entries = upper.tocoo()
         rows, columns = self.number[entries.row], self.number[entries.col]
@@ -44,12 +43,12 @@ class Ties:
         values = np.where(met, 2 * entries.data, entries.data)
         low, high = np.minimum(rows, columns), np.maximum(rows, columns)
         n = len(self.first)
-        return sp.coo_array((values, (low, high)), shape=(n, n)).tocsr()
+        return scipy.sparse.coo_array((values, (low, high)), shape=(n, n)).tocsr()
 
     @cached_property
-    def _matrix(self) -> sp.csr_array:
+    def _matrix(self) -> "scipy.sparse.csr_array":
         count = len(self.number)
-        return sp.csr_array(
+        return scipy.sparse.csr_array(
             (np.ones(count), self.number, np.arange(count + 1)), shape=(count, len(self.first))
         )
 
@@ -65,8 +64,8 @@ def ties_of(mesh: Mesh) -> Ties | None:
     _check_rigidity(mesh)
     count = 3 * len(mesh.nodes)
     joined = np.concatenate([3 * tie.pairs + tie.axis for tie in mesh.ties])
-    graph = sp.coo_array((np.ones(len(joined)), tuple(joined.T)), shape=(count, count))
-    _, label = connected_components(graph, directed=False)
+    graph = scipy.sparse.coo_array((np.ones(len(joined)), tuple(joined.T)), shape=(count, count))
+    _, label = scipy.sparse.csgraph.connected_components(graph, directed=False)
     _, first, number = np.unique(label, return_index=True, return_inverse=True)
     order = np.argsort(first)  # in the order of the nodes, which ordering methods like
     place = np.empty_like(order)
@@ -79,8 +78,10 @@ def bodies_of(mesh: Mesh) -> IntArray:
     n = len(mesh.nodes)
     first = np.repeat(mesh.elements[:, 0], 9)
     others = mesh.elements[:, 1:].ravel()
-    graph = sp.coo_array((np.ones(len(first)), (first, others)), shape=(n, n))
-    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
+    graph = scipy.sparse.coo_array((np.ones(len(first)), (first, others)), shape=(n, n))
+    return np.asarray(
+        scipy.sparse.csgraph.connected_components(graph, directed=False)[1], dtype=np.int64
+    )
 
 
 def _check_places(mesh: Mesh) -> None:

@@ -15,8 +15,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import scipy.linalg
-import scipy.sparse as sp
+import scipy
 
 from fem.assembly import Pattern, stiffness
 from fem.elements import Elements
@@ -87,7 +86,7 @@ class UnitSolutions:
     displacement: FloatArray
     held: IntArray
     factor: Factor
-    stiffness: sp.csr_array
+    stiffness: "scipy.sparse.csr_array"
     residual: float
     ties: Ties | None = None
     softened: FloatArray | None = None
@@ -284,7 +283,9 @@ def solve_unit_loads(
     )
 
 
-def held_factor(mesh: Mesh, upper: sp.csr_array, held: IntArray, ties: Ties | None) -> Factor:
+def held_factor(
+    mesh: Mesh, upper: "scipy.sparse.csr_array", held: IntArray, ties: Ties | None
+) -> Factor:
     """Factorise a part's stiffness without its held unknowns, tied ones collected.
 
     upper  triangle of the whole stiffness matrix, without ties

@@ -8,7 +8,7 @@ was skipped (docs/theory/vibration.md).
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
+import scipy
 
 from fem.assembly import full
 from fem.end_conditions import SupportedSolid, link_solid, loose_solid
@@ -66,7 +66,7 @@ def solid_vibration(solid: SupportedSolid, *, count: int = 4, prove: bool = True
     return _vibration(solid, mass(solid.pattern, solid.material.density), count, prove)
 
 
-def _mass(solutions: UnitSolutions) -> sp.csr_array:
+def _mass(solutions: UnitSolutions) -> "scipy.sparse.csr_array":
     _check_mass(solutions.material.density)
     return mass(solutions.pattern, solutions.material.density)
 
@@ -76,7 +76,9 @@ def _check_mass(density: float) -> None:
         raise ValueError(f"frequencies need a density above 0 t/mm3, got {density}")
 
 
-def _vibration(solid: SupportedSolid, upper: sp.csr_array, count: int, prove: bool) -> Vibration:
+def _vibration(
+    solid: SupportedSolid, upper: "scipy.sparse.csr_array", count: int, prove: bool
+) -> Vibration:
     by_node = full(upper[::3][:, ::3].tocsr())  # the blocks are multiples of the identity
 
     def times(fields: FloatArray) -> FloatArray:

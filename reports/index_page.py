@@ -19,6 +19,7 @@ from reports.gauge import gauge
 from reports.svg import colour_variables
 from reports.templating import environment, json_markup, script_hash
 
+_MOST_INPUTS = 6  # in the table of checks
 STATIC_ROWS = 200  # that are there without a script
 ORDER = ("FAIL", "crashed", "out of memory", "out of time", "gave up", "wrong input", "not run",
          "UNDECIDED", "pass")  # fmt: skip
@@ -68,6 +69,7 @@ def index_html(
     """
     script = _script()
     counts = Counter(design.status for design in designs)
+    columns = [] if left_out else columns_of(varied)
     text: str = _template().render(
         title=title,
         designs=designs,
@@ -75,20 +77,27 @@ def index_html(
         tones=tone,
         lead=lead(counts),
         varied=[_spread(name, values) for name, values in varied.items()],
-        columns=list(varied)[:6],
+        columns=columns,
         left_out=left_out,
         rows=[
-            _static_row(design, [values[index] for values in list(varied.values())[:6]])
+            _static_row(design, [varied[name][index] for name in columns])
             for index, design in enumerate(designs[:STATIC_ROWS])
         ],
         static_rows=STATIC_ROWS,
-        data=json_markup(_data(designs, varied)),
+        data=json_markup(
+            _data(designs, varied) | {"columns": [list(varied).index(name) for name in columns]}
+        ),
         light=Markup(colour_variables(dark=False)),
         dark=Markup(colour_variables(dark=True)),
         script=Markup(script),
         script_hash=Markup(script_hash(script)),
     )
     return text
+
+
+def columns_of(varied: Mapping[str, Sequence[float | str | None]]) -> list[str]:
+    """Inputs that are columns of the table of checks: those that all designs state, at most six."""
+    return [name for name, values in varied.items() if None not in values][:_MOST_INPUTS]
 
 
 def lead(counts: Mapping[str, int]) -> str:

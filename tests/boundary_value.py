@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.sparse as sp
+import scipy
 
 from fem.assembly import Pattern, full, stiffness
 from fem.elements import Elements, FacetQuadrature
@@ -137,7 +137,7 @@ class SolidProblem:
         return Elements(self.mesh)
 
     @cached_property
-    def stiffness(self) -> sp.csr_array:
+    def stiffness(self) -> "scipy.sparse.csr_array":
         """The whole stiffness matrix, N/mm."""
         material = self.material
         upper = stiffness(Pattern(self.elements), material.youngs_modulus, material.poisson_ratio)
@@ -154,7 +154,7 @@ class SolidProblem:
 
     @cached_property
     def _factor(self) -> Factor:
-        return factorize(sp.triu(self.stiffness[self._free][:, self._free], format="csr"))
+        return factorize(scipy.sparse.triu(self.stiffness[self._free][:, self._free], format="csr"))
 
     def solve(
         self, load: FloatArray | None = None, given: FloatArray | float = 0.0

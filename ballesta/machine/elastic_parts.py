@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import cos, sin
 
 import numpy as np
-from scipy.linalg import block_diag
+import scipy
 
 import loads
 from ballesta.machine.solved_cycles import parts_that_give
@@ -83,7 +83,7 @@ def body_compliance(design: Design, part: Part, solutions: UnitSolutions) -> loa
         aside = start[1] - float(interface.centre[1])
         sliding += [_Place((name, float(x)), (0.0, aside)) for x in along]
     places = [*fixed, *sliding]
-    arms = block_diag(*(in_part.wrench_there(place.arm) for place in places))
+    arms = scipy.linalg.block_diag(*(in_part.wrench_there(place.arm) for place in places))
     matrix = compliance(solutions, [place.what for place in places])
     turned = arms.T @ matrix @ arms
     return loads.MatrixCompliance(part.body, tuple(points), (turned + turned.T) / 2, lines)

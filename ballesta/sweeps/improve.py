@@ -16,7 +16,7 @@ import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
-from math import ceil, exp, floor, inf, isfinite, log, log10
+from math import ceil, exp, floor, inf, isfinite, log, log10, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +30,8 @@ from fem.threads import one_thread
 
 _DIMENSION = re.compile(r"^\s*(\d+(?:\.\d+)?)\s*(mm|cm|m|deg)\s*$")
 _STEP = 1.03  # of a dimension, as a factor, to find its exponent
+_NEAR = 1.5  # times the least reserve: to pass it a step would need an exponent of 14
+_STRESS = ("static", "fatigue")
 _MATTERS = 0.05  # the least exponent: what changes the reserve less is no way out
 MOST = 2.0  # the largest change that is looked at, as a factor
 _SECANTS = 3
@@ -233,7 +235,8 @@ class _Search:
             if dimension is None or not own:
                 continue
             value, unit = dimension
-            aside = self._screened(key, value * _STEP, unit, own)
+            stepped = {key: _written(value * _STEP, unit)}
+            aside = self._screening.of(stepped, own, formulas=self._formulas_near(own))
             if aside.problem:
                 continue
             exponents = {
@@ -341,6 +344,12 @@ class _Search:
             stiffness = min(old[0] / value[0], value[0] / old[0]) ** 4
         return isfinite(left) and left * stiffness < _LOADS
 
+    def _formulas_near(self, parts: Sequence[str]) -> bool:
+        """True if a check of parts that is no stress may have the least reserve after a step."""
+        found = self._reserves(self.base, parts)
+        others = [r for r, *_, check in found if check.kind not in _STRESS]
+        return min(others, default=inf) < _NEAR * self.reserve(self.base, parts)
+
     def _parts_of(self, key: str, wanted: tuple[str, ...]) -> tuple[str, ...]:
         """The wanted parts whose shape or material a key states: its own, and those like it."""
         match = re.match(r"parts\.(\w+)\.", key)
@@ -406,26 +415,27 @@ class _Search:
         points = [(old, self.reserve(self.base, parts))]
         best: tuple[float, Screened] | None = None
         outward = exponent > 0
-        p = exponent
+        p, unknown = exponent, 0.0  # value at which there is no such part, or no error bar
         for step in range(_SECANTS):
             x, r = points[-1]
             aim = x * exp(-log(r) / p)
             aim = min(max(aim, old / MOST), old * MOST)
+            if unknown and (aim - unknown) * (unknown - old) >= 0:
+                aim = sqrt(x * unknown)
             aim = _rounded(aim, old, up=outward)
             if aim == x and best is None:  # round-off short of it
                 aim = _rounded(x * (1 + (_NEXT if outward else -_NEXT)), old, up=outward)
             if any(aim == x for x, _ in points):
                 break
             one = self._screened(key, aim, unit, parts)
-            if one.problem:
-                return None
-            reached = self.reserve(one, parts)
+            reached = 0.0 if one.problem else self.reserve(one, parts)
+            if not 0 < reached < inf:
+                unknown = aim
+                continue
             if reached >= 1 and (best is None or reached < self.reserve(best[1], parts)):
                 best = aim, one
-            if not 0 < reached < inf:
-                break
             points.append((aim, reached))
-            if len(points) > 1 and step < _SECANTS - 1:
+            if step < _SECANTS - 1:
                 (x0, r0), (x1, r1) = points[-2:]
                 slope = log(r1 / r0) / log(x1 / x0)
                 p = slope if slope * exponent > 0 else exponent
@@ -457,7 +467,7 @@ class _Search:
 
 def _name(check: Check) -> tuple[str, str, str]:
     """By what checks of two models are the same; stress has other names by each."""
-    alike = check.kind in ("static", "fatigue")
+    alike = check.kind in _STRESS
     return check.part, check.kind, "" if alike else check.quantity
 
 

@@ -186,12 +186,14 @@ class Screening:
         variation: Variation,
         parts: Collection[str] | None = None,
         *,
+        formulas: bool = True,
         linkage: bool = False,
         reserves: Mapping[str, float] | None = None,
     ) -> Screened:
         """Check one variation by formula; its `problem` says what is wrong with it.
 
         parts     whose checks are wanted; None for all
+        formulas  whether those are wanted that are formulas anyway
         linkage   whether buckling of the linkage as a whole is checked, too
         reserves  of parts in the design as it is: an unchanged part has no checks where its loads
                   grow by less than half of what its reserve is above 1
@@ -199,7 +201,7 @@ class Screening:
         overrides = _overrides(variation)
         try:
             varied = read_design(self.design.file, (*self.design.overrides, *overrides))
-            return _checked(self, varied, overrides, parts, linkage, reserves or {})
+            return _checked(self, varied, overrides, parts, formulas, linkage, reserves or {})
         except (DesignError, NumericsError) as error:
             return Screened(overrides=overrides, problem=str(error))
 
@@ -217,9 +219,10 @@ def _checked(
     known: Screening,
     design: Design,
     overrides: tuple[str, ...],
-    parts: Collection[str] | None = None,
-    linkage: bool = False,
-    reserves: Mapping[str, float] | None = None,
+    parts: Collection[str] | None,
+    formulas: bool,
+    linkage: bool,
+    reserves: Mapping[str, float],
 ) -> Screened:
     masses = part_masses(design, known.models)
     solved, afresh = known.solve(design, masses)
@@ -245,6 +248,8 @@ def _checked(
             if not known.between:
                 loaded = loaded.under(replace(loaded.loads, path=None))
             why = _check_part(known, loaded, body, checks, gates)
+            if formulas:
+                checks += formula_checks(loaded)
         if why:
             left[part.name] = why
     mode = worst_mode(design, solved) if linkage else None
@@ -258,7 +263,7 @@ def _checked(
 def _check_part(
     known: Screening, loaded: LoadedPart, body: SolidBody, checks: list[Check], gates: list[Gate]
 ) -> str:
-    """Add a part's checks and gates; returns why its stress is not judged, if it is not."""
+    """Add checks and gates of a part's stress; returns why it is not judged, if it is not."""
     shared = known.rubbing
     climb = start_climb(loaded, None if shared is None else shared.get(loaded.name))
     why = ""
@@ -269,5 +274,4 @@ def _check_part(
         gates += rung_gates(climb, reported_level(climb), body.size)
         if shared is not None and _RUNG in climb.bands:
             shared.setdefault(loaded.name, climb.bands[_RUNG])
-    checks += formula_checks(loaded)
     return why

@@ -24,6 +24,7 @@ from checks.design.data import Part
 from checks.handbook.column_curves import BOW
 from checks.part.part_loads import PartLoads, first_largest
 from geometry.mesh import FloatArray, IntArray
+from geometry.roots import root
 from geometry.sections import Section
 
 STRAIGHTNESS = 1000.0  # L/e of a bar without a stated curve or crookedness
@@ -31,6 +32,7 @@ _TERMS = 9  # of the moments' sine series
 _ORDER = np.arange(1, _TERMS + 1)
 _EVEN = 4 / (pi * _ORDER) * (_ORDER % 2)  # of an even moment
 _CLOSE = 1e-9  # of the load factor
+_EXACT = 1e-13  # of the load factor of one edge
 _NO_MOMENT = 1e-9  # of the largest force times the length
 
 
@@ -143,9 +145,7 @@ class CrookedColumn:
         top = 1 - 1e-12
         if over(top) <= 0:
             return float(most)
-        from scipy.optimize import brentq
-
-        return float(most * brentq(over, 0.0, top, xtol=1e-15, rtol=1e-13))
+        return most * root(over, 0.0, top, _EXACT)
 
 
 @dataclass(frozen=True, eq=False)

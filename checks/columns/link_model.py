@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import cos, sin
 
 import numpy as np
@@ -39,8 +40,12 @@ class LinkModel:
 
     def number(self, body: str) -> int | None:
         """Return the link of a body; None for the ground."""
-        names = self.linkage.body_names
-        return None if body == loads.GROUND else names.index(body) - 1
+        return self._numbers[body]
+
+    @cached_property
+    def _numbers(self) -> dict[str, int | None]:
+        moving = enumerate(body.name for body in self.linkage.moving)
+        return {loads.GROUND: None, **{name: number for number, name in moving}}
 
     def bending(self, number: int, plane: str) -> float:
         """E I in the middle of a bar's longest stretch, N mm2, "in plane" or out of it."""

@@ -26,6 +26,7 @@ from typing import Self
 import numpy as np
 
 from geometry.mesh import FloatArray, IntArray
+from geometry.roots import root
 
 GAUSS = sqrt(3) / 6  # of a stretch, from its middle
 _SERIES = 1 / np.array([factorial(k) for k in range(20)], dtype=float).reshape(5, 4)
@@ -177,7 +178,6 @@ def _negative(a: float, b: float, d: float) -> int:
 _NEAR_SHEARED = 0.9999  # of the ceiling: beyond it the force is bracketed by bisection only
 _EXACT = 1e-13  # relative width to which the force is bracketed
 _LARGEST = 1e12  # times B/L^2: no column with any freedom carries it
-_NO_LENGTH = 1e-300  # of the bracket: its relative width decides
 
 
 @dataclass(frozen=True)
@@ -331,8 +331,6 @@ def _lowest(stretches: tuple[tuple[float, ...], ...], start: ColumnEnd, end: Col
 
     A design asks for the same column once for each section and plane that it is judged in.
     """
-    from scipy.optimize import brentq
-
     counter = ColumnCounter(np.array(stretches), (start.fixings, end.fixings))
     ceiling = counter.ceiling
     low, high = 0.0, min(1.0, ceiling)
@@ -350,7 +348,7 @@ def _lowest(stretches: tuple[tuple[float, ...], ...], start: ColumnEnd, end: Col
             low = middle
     if high - low <= _EXACT * high:
         return (low + high) / 2 * counter.unit
-    return float(brentq(counter.left, low, high, xtol=_NO_LENGTH, rtol=_EXACT)) * counter.unit
+    return root(counter.left, low, high, _EXACT) * counter.unit
 
 
 def count_critical_forces(

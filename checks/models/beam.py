@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
-import scipy.linalg
+import scipy
 
 from checks.design.data import Part
 from checks.models import formula

@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import Any, TypeVar
 
 import numpy as np
-import scipy.sparse as sp
+import scipy
 
 from checks.store.fingerprints import digest
 from checks.store.store import Store
@@ -104,7 +104,7 @@ class StoredSolutions(UnitSolutions):
         self.__dict__.update(known, _store=store, _identity=identity)
 
     @cached_property
-    def stiffness(self) -> sp.csr_array:
+    def stiffness(self) -> "scipy.sparse.csr_array":
         """Upper triangle of the whole stiffness matrix, without ties."""
         return stiffness(self.pattern, self.material.youngs_modulus, self.material.poisson_ratio)
 

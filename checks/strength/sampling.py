@@ -13,7 +13,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import isfinite
-from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -23,14 +22,12 @@ from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check
 from checks.strength.fatigue_assessment import FatigueUse, LifeUse
 from checks.strength.load_doubts import doubted
+from checks.strength.splines import Spline
 from checks.stress.part_model import ElasticLoad, RungModel
 from checks.stress.stress_result import Stressed
 from fatigue.stress_path import deviatoric_basis
 from fem.stress_history import StressHistory
 from geometry.mesh import FloatArray, IntArray
-
-if TYPE_CHECKING:
-    from scipy.interpolate import CubicSpline
 
 PIECES = 8  # of a step between two positions
 MARGIN = 2.0  # times what was found: a Findley amplitude rose by 1.38 times it, at a corner
@@ -76,11 +73,11 @@ class Finer:
             step = path[k + np.sign(share).astype(int)] - path[k]
             places = sign * (path[k] + np.abs(share) * step)
             ends = np.clip(places, sign * path[first], sign * path[last])
-            found[own] = curve(ends)
+            found[own] = curve.at(ends)
             out = np.flatnonzero(places != ends)
             if len(out):
                 beyond = (places - ends)[out].reshape(-1, *[1] * (found.ndim - 1))
-                found[own[out]] += beyond * curve(ends[out], 1)
+                found[own[out]] += beyond * curve.at(ends[out], 1)
         return found
 
     def only(self, kept: NDArray[np.bool_]) -> "Finer":
@@ -124,14 +121,12 @@ class Curves:
     """
 
     values: FloatArray
-    splines: Sequence["CubicSpline"]
+    splines: Sequence[Spline]
     bend: FloatArray
 
     @staticmethod
     def of(loads: PartLoads, values: FloatArray) -> "Curves":
         """The curves of any values that the positions have."""
-        from scipy.interpolate import CubicSpline  # brings scipy.optimize along
-
         values = np.asarray(values, dtype=np.float64)
         path = loads.path
         assert path is not None
@@ -139,9 +134,9 @@ class Curves:
         for first, last in _stretches(loads):
             known = path[first : last + 1]
             sign = 1.0 if known[-1] > known[0] else -1.0
-            curve = CubicSpline(sign * known, values[first : last + 1])
+            curve = Spline.through(sign * known, values[first : last + 1])
             splines.append(curve)
-            second = np.abs(curve(sign * known, 2))
+            second = np.abs(curve.at(sign * known, 2))
             square = (np.diff(known) ** 2 / 8).reshape(-1, *[1] * (values.ndim - 1))
             off = square * np.maximum(second[1:], second[:-1])
             bend[first], bend[last] = off[0], off[-1]

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg.lapack import dgesv
+import scipy
 
 from geometry.mesh import BoolArray, FloatArray
 
@@ -94,7 +94,7 @@ class CondensedContact:
         rows = np.concatenate([at, np.arange(len(whole) - m, len(whole))])
         system = whole[rows[:, None], rows]
         right = np.concatenate([openings[at] / -scale, -force])
-        *_, answer, singular = dgesv(system, right)
+        *_, answer, singular = scipy.linalg.lapack.dgesv(system, right)
         if singular or not np.abs(system @ answer - right).max() <= 1e-9 * np.abs(right).max():
             return None
         forces = np.zeros(len(self.flexibility))

@@ -12,11 +12,12 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-import scipy.linalg
+import scipy
 
 from fem.contact.bore import BoreHarmonics
 from fem.contact.condensed import CondensedContact, ContactError, ContactState, largest_misses
 from fem.contact.hats import Hats, disc_flexibility
+from fem.contact.persson import persson_half_arc
 from geometry.mesh import BoolArray, FloatArray, IntArray
 
 _SMALL = 1e-9  # of the largest force: a bore that carries less carries nothing
@@ -269,45 +270,3 @@ class PartContact:
             names = ", ".join(self._bores[i].name for i in pressed)
             count = self._others.shape[1]
             raise ContactError(f"{names}, position {position + 1} of {count}: {error}") from error
-
-
-# Arc and pressure of a pin in the hole of an infinite plate, in closed form.
-#
-# Frictionless, both of one material: Persson, thesis, Gothenburg 1964; Ciavarella and Decuzzi,
-# Int. J. Solids Struct. 38 (2001) 4507. The parameter is E* dR t/F, with dR half the clearance,
-# 1/E* the sum of 1/E of both bodies (plane strain: of (1 - nu^2)/E), t the thickness and F the
-# force. In small arcs it is Hertz's contact.
-
-_NARROWEST = 1e-3  # rad
-
-
-def persson_parameter(half_arc: float) -> float:
-    """E* dR t / F at which a pin of the plate's material touches +-half_arc (rad).
-
-    Half of their E dR/F: E* = E/2 here.
-    """
-    from scipy.integrate import quad  # brings scipy.optimize along
-
-    b = np.tan(half_arc / 2)
-    root = np.sqrt(b * b + 1)
-
-    def inner(u: float) -> float:  # t = b sin u, which removes the root at the ends
-        c = b * np.cos(u)
-        return float(np.log((root + c) / (root - c)) / (1 + (b * np.sin(u)) ** 2) * c)
-
-    integral = quad(inner, -np.pi / 2, np.pi / 2)[0]
-    whole = 2 * (1 - b * b) / (np.pi * b * b) - integral / (np.pi * b * root) ** 2
-    return float(whole / 2)
-
-
-def persson_half_arc(parameter: float) -> float:
-    """Half the arc of contact, rad; 1e-3 rad of what would be less, a right angle at most.
-
-    >>> round(float(np.degrees(persson_half_arc(0.0))), 1), round(persson_half_arc(100.0), 3)
-    (84.8, 0.112)
-    """
-    if parameter >= persson_parameter(_NARROWEST):
-        return _NARROWEST
-    from scipy.optimize import brentq
-
-    return float(brentq(lambda half: persson_parameter(half) - parameter, _NARROWEST, np.pi / 2))

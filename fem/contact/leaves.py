@@ -24,7 +24,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import scipy.linalg
+import scipy
 
 from fem.contact.condensed import ContactError
 from geometry.mesh import BoolArray, FloatArray, IntArray

@@ -11,7 +11,7 @@ from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
-import scipy.sparse as sp
+import scipy
 
 from fem.contact.bore import BoreHarmonics
 from fem.contact.cycle import ContactCycle
@@ -117,7 +117,7 @@ class ContactSolutions(UnitSolutions):
         return ContactSolutions(of, *self.__dict__["_added"])
 
     @cached_property
-    def stiffness(self) -> sp.csr_array:
+    def stiffness(self) -> "scipy.sparse.csr_array":
         """Upper triangle of the whole stiffness matrix, without ties."""
         of: UnitSolutions = self.__dict__["_of"]
         return of.stiffness

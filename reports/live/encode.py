@@ -11,8 +11,8 @@ from checks.result.words import brief
 from reports.live.extremes import (
     LENGTH_METRIC,
     STRESS_METRIC,
+    largest_by_cycle,
     largest_principal_stress,
-    largest_sizes,
     lost_in_single,
 )
 from reports.live.fitting import FLOOR, Fitted, Sums, fewest, fitted, sizes_with_floor
@@ -141,8 +141,8 @@ def _fit(live: LiveFields, tolerance: float) -> _Fit | None:
     ways = dict.fromkeys(peaks, 0.0)
     if live.displacement is not None:
         moved = fewest(live.displacement, live.coefficients)
-        for name, weights in moved.weights.items():
-            ways[name] = float(largest_sizes(moved.fields, weights, LENGTH_METRIC)[0].max())
+        sizes = largest_by_cycle(moved.fields, moved.weights, LENGTH_METRIC)
+        ways = {name: float(lengths.max()) for name, (lengths, _) in sizes.items()}
         if any(ways.values()):
             lost_ways = lost_in_single(live.displacement, live.coefficients, LENGTH_METRIC)
             groups["displacement"] = fit(moved, ways, lost_ways, LENGTH_METRIC)
@@ -151,8 +151,8 @@ def _fit(live: LiveFields, tolerance: float) -> _Fit | None:
 
 def _refuse_other_peaks(live: LiveFields, sums: Sums, lost: Mapping[str, float]) -> None:
     """Raise ValueError if the fields do not have the peaks that the solver found."""
-    for name, weights in sums.weights.items():
-        peak, found = live.peaks[name], largest_sizes(sums.fields, weights, STRESS_METRIC)[0]
+    for name, (found, _) in largest_by_cycle(sums.fields, sums.weights, STRESS_METRIC).items():
+        peak = live.peaks[name]
         off = np.abs(found - peak)
         if off.max() > _ALIKE * peak.max() + lost[name]:
             worst = int(off.argmax())

@@ -11,7 +11,8 @@ from checks.result.live_fields import DEVIATOR, FloatArray, LiveFields, largest_
 # Rows whose squares sum up to that of the von Mises stress, and the mean stress.
 STRESS_METRIC = np.vstack([DEVIATOR, [1 / 3, 1 / 3, 1 / 3, 0.0, 0.0, 0.0]])
 LENGTH_METRIC = np.eye(3)
-_TOGETHER = 24  # positions
+_NUMBER = np.eye(1)
+_TOGETHER = 256  # nodes, so that their sums at all positions stay near the processor
 _SINGLE = 2.0**-24
 _MORE = 1.0 + 1e-5  # peaks are known in double precision, fields in single
 
@@ -24,18 +25,31 @@ def largest_sizes(fields: FloatArray, weights: FloatArray, metric: FloatArray) -
     Row 0 is the von Mises stress, or the length of a displacement; row 1 a bound of any principal
     stress: no principal value of a deviator exceeds 2/3 of its von Mises stress. Both are norms of
     the sum, hence convex in the weights: between two positions they do not exceed the larger of
-    both. Sums are in single precision.
+    both. Sums are in single precision. One field is only scaled.
     """
+    if len(fields) == 1 < weights.shape[1]:
+        return np.asarray(largest_sizes(fields, np.ones((1, 1)), metric) * np.abs(weights))
     found = np.zeros((2, weights.shape[1]))
     rows = np.tensordot(metric, fields, axes=(1, 2)).astype(np.float32)  # (m, r, n)
-    for first in range(0, weights.shape[1] if fields.size else 0, _TOGETHER):
-        some = slice(first, first + _TOGETHER)
-        sums = weights[:, some].T.astype(np.float32) @ rows  # (m, k, n)
-        sizes = np.sqrt((sums[:5] ** 2).sum(axis=0))
-        found[0, some] = sizes.max(axis=1)
+    shares = np.ascontiguousarray(weights.T, dtype=np.float32)
+    for first in range(0, rows.shape[2] if len(fields) else 0, _TOGETHER):
+        sums = shares @ np.ascontiguousarray(rows[:, :, first : first + _TOGETHER])  # (m, K, n)
+        squares = np.square(sums[:5], out=sums[:5])
+        sizes = np.sqrt(sum(squares[1:], start=squares[0]))
+        np.maximum(found[0], sizes.max(axis=1), out=found[0])
         if metric is STRESS_METRIC:
-            found[1, some] = (2 / 3 * sizes + np.abs(sums[5])).max(axis=1)
+            both = 2 / 3 * sizes + np.abs(sums[5])
+            np.maximum(found[1], both.max(axis=1), out=found[1])
     return found
+
+
+def largest_by_cycle(
+    fields: FloatArray, weights: Mapping[str, FloatArray], metric: FloatArray
+) -> dict[str, FloatArray]:
+    """`largest_sizes` for the weights (r, K) of each cycle."""
+    ends = np.cumsum([own.shape[1] for own in weights.values()])[:-1]
+    found = largest_sizes(fields, np.hstack([*weights.values()]), metric)
+    return dict(zip(weights, np.split(found, ends, axis=1), strict=True))
 
 
 def lost_in_single(
@@ -66,9 +80,9 @@ def largest_principal_stress(live: LiveFields, lost: Mapping[str, float]) -> flo
     """
     means = live.stress[..., :3].astype(np.float64).mean(axis=2)
     order = []
-    for name, weights in live.coefficients.items():
+    for name, (sizes, _) in largest_by_cycle(means[..., None], live.coefficients, _NUMBER).items():
         reach = 2 / 3 * _MORE * live.peaks[name] + (live.n_fields + 4) * lost[name]
-        about = reach + largest_sizes(means[..., None], weights, np.eye(1))[0] * _MORE
+        about = reach + sizes * _MORE
         order += [(-most, name, k) for k, most in enumerate(about.tolist())]
     known = 0.0
     for most, name, k in sorted(order):

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from checks.result.live_fields import FloatArray, IntArray
-from reports.live.extremes import largest_sizes
+from reports.live.extremes import largest_by_cycle
 
 MOST_POSITIONS = 3601  # of a cycle in a page
 FLOOR = 1e-4  # of the largest cycle's size: cycles below that are as exact as if they had it
@@ -174,7 +174,7 @@ def fitted(
 
     def largest(fields: FloatArray, weights: Mapping[str, FloatArray]) -> tuple[FloatArray, ...]:
         """Largest norm and principal stress of sums at kept positions, and at all."""
-        found = {name: largest_sizes(fields, row, metric) for name, row in weights.items()}
+        found = largest_by_cycle(fields, weights, metric)
         at_kept = [sizes[:, kept[name]].max(axis=1) for name, sizes in found.items()]
         at_all = [sizes.max(axis=1) for sizes in found.values()]
         return np.max(at_kept, axis=0), np.max(at_all, axis=0)
@@ -183,10 +183,10 @@ def fitted(
     other = by_weights[0][0] + digits
     target = max(tolerance - other, _LEAST * tolerance)
     sample = np.ascontiguousarray(fields[:, ::_SAMPLE])
-    step = _FIRST * tolerance
+    step, highest = _FIRST * tolerance, float(np.abs(fields).max(initial=0.0))
     for looked in (sample, sample, *[fields] * _ROUNDS):
         steps = step * components
-        if not float(np.abs(fields).max(initial=0.0)) < _LARGEST * float(steps.min()):
+        if not highest < _LARGEST * float(steps.min()):
             raise ArithmeticError(
                 f"live fields need more than 30 bits for an error of {tolerance:.2g} of the peak"
             )

@@ -3,7 +3,7 @@
   const byId = (id) => document.getElementById(id);
   const data = JSON.parse(byId("data").textContent);
   const { designs, varied, checks, texts, order } = data;
-  const PAGE = 100, MOST_INPUTS = 6;
+  const PAGE = 100, DECADES = 30;
 
   const make = (tag, text, kind) => {
     const element = document.createElement(tag);
@@ -96,7 +96,7 @@
     }),
     number("safety (required)", safety, (c) =>
       (checks.value[c] ? rounded(safety(c), 3, -1) : "not loaded") + ` (${checks.required[c]})`),
-    ...varied.slice(0, MOST_INPUTS).map((input) =>
+    ...data.columns.map((k) => varied[k]).map((input) =>
       column(input.name, (d) => input.values[d], (d) => {
         const value = input.values[d];
         return typeof value === "number" ? String(Number(value.toPrecision(6))) : value ?? "";
@@ -313,6 +313,15 @@
       }
       let low = Infinity, high = -Infinity;
       for (const value of kinds) { low = Math.min(low, value); high = Math.max(high, value); }
+      if (low > 0 && high > DECADES * low) { // one machine of tonnes hides all of kilograms
+        const [first, last] = [Math.log10(low) - 0.05, Math.log10(high) + 0.05];
+        const at = (value) => from + (to - from) * (Math.log10(value) - first) / (last - first);
+        const fine = last - first < 2.5 ? [1, 2, 5] : [1], ticks = [];
+        for (let k = Math.floor(first); k <= last; k++)
+          for (const value of fine.map((each) => Number((each * 10 ** k).toPrecision(3))))
+            if (Math.log10(value) >= first && Math.log10(value) <= last) ticks.push([String(value), at(value)]);
+        return { at, ticks };
+      }
       const room = (high - low) * 0.04 || Math.abs(high) * 0.05 || 1;
       [low, high] = [low - room, high + room];
       const at = (value) => from + (to - from) * (value - low) / (high - low);

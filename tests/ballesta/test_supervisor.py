@@ -161,6 +161,23 @@ def test_a_library_that_crashes_costs_no_finished_model_and_is_told(tmp_path, op
     assert result_of(tmp_path)["status"] == "UNDECIDED"
 
 
+def test_a_reader_that_has_enough_of_the_answer_is_no_crash(tmp_path, open_design):
+    """`ballesta check ... | head -1`: the report is written by then."""
+    command = [sys.executable, "-m", "ballesta", "check", str(open_design), "--fidelity", "formula"]
+    with subprocess.Popen(
+        [*command, "--out", str(tmp_path / "out")],
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    ) as run:
+        run.stdout.close()
+        said = run.stderr.read().decode()
+        assert run.wait() == 128 + signal.SIGPIPE
+    assert "killed" not in said
+    assert "Traceback" not in said
+    assert list(tmp_path.glob("out/*/report.html"))
+
+
 def test_whatever_was_handed_over_makes_a_result_and_a_page(tmp_path):
     text = PLATE + PLATE.replace("[parts.rod]", "[parts.crank]").replace(
         'body = "rod"', 'body = "crank"'
