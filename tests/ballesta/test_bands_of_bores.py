@@ -68,7 +68,7 @@ def bars(folder, share, stated="", loads=PULLED):
 
 @pytest.mark.parametrize("share", [0.3, 0.4, 0.5])
 def test_the_default_bars_of_a_lug_reach_the_handbooks_factor(tmp_path, share):
-    """A round end raises the peak above that of Peterson's square one (`pin_diagrams`)."""
+    """A round end raises the peak above that of Peterson's square one (`lug_factor`)."""
     chart = lug_factor(share * WIDTH, WIDTH) * FORCE / ((WIDTH - share * WIDTH) * THICK)
     (value, found), _ = bars(tmp_path, share)
     assert value + found.above > chart
