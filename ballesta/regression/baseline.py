@@ -1,13 +1,8 @@
-"""A small, readable record of what a design's numbers are, to notice when they change.
-
-The front door to `ballesta.regression`: what a baseline holds, where it stands, how it is written.
-"""
+"""Writes the baseline of a design: a small, readable record of its numbers."""
 
 from pathlib import Path
 
-from ballesta.regression.compare import Comparison, compare
 from ballesta.regression.file import (
-    Baseline,
     BaselineError,
     baseline_path,
     is_old,
@@ -15,23 +10,9 @@ from ballesta.regression.file import (
     write_record,
 )
 from ballesta.regression.isolated import CheckError, measure
-from ballesta.regression.record import record_of, rungs_of
+from ballesta.regression.record import rungs_of
 from checks.design.errors import DesignError, NumericsError
 from checks.result.verdict import DesignResult
-
-__all__ = [
-    "Baseline",
-    "BaselineError",
-    "CheckError",
-    "Comparison",
-    "baseline_path",
-    "compare",
-    "measure",
-    "read_baseline",
-    "record_of",
-    "rungs_of",
-    "write_baseline",
-]
 
 _OPTION = "--write-baseline"
 

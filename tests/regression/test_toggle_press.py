@@ -11,7 +11,10 @@ from pathlib import Path
 import pytest
 
 from ballesta.design.read import read_design
-from ballesta.regression.baseline import baseline_path, compare, measure, read_baseline, record_of
+from ballesta.regression.compare import compare
+from ballesta.regression.file import baseline_path, read_baseline
+from ballesta.regression.isolated import measure
+from ballesta.regression.record import record_of
 from checks.store.fingerprints import stages_of
 
 DESIGN = Path(__file__).parents[2] / "designs" / "toggle_press.toml"
