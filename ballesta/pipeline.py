@@ -48,7 +48,7 @@ from checks.result.ways import ways_out
 from checks.store.store import Store
 from checks.strength.load_doubts import with_doubts
 from checks.stress.solid_mesh_level import Models
-from fem.solvers import SolverError
+from fem.solvers import SolverError, chosen_solver
 from fem.threads import keep_freed_memory, one_thread, policy
 
 Say = Callable[[str], None]
@@ -189,7 +189,7 @@ def _frame(
         defaults=design.defaults_used,
         inputs=list(design.inputs),
         source=_all_sources(design),
-        versions=versions(),
+        versions=versions_of_libraries(),
         command=" ".join(
             [
                 "ballesta check",
@@ -381,6 +381,11 @@ def _all_sources(design: Design) -> str:
 
 
 def versions() -> dict[str, str]:
+    """Return the same, and the solver that is taken here, which takes time to load."""
+    return {**versions_of_libraries(), "solver": chosen_solver()}
+
+
+def versions_of_libraries() -> dict[str, str]:
     """Return the versions of Python, our packages, libraries and installed extras."""
     names = ("ballesta", "gmsh", "scikit-fem", "numpy", "scipy", "meshio")
     found = {name: version(name) for name in names}
