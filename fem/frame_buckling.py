@@ -125,8 +125,7 @@ def buckling_modes(stiffness: FloatArray, geometric: FloatArray, *, count: int =
         return nothing
     lower = np.linalg.cholesky(scaled)
     load = -scale[:, None] * (geometric / size) * scale
-    inverse = np.linalg.inv(lower)
-    reduced = inverse @ load @ inverse.T
+    reduced = np.linalg.solve(lower, np.linalg.solve(lower, load).T)
     values, vectors = np.linalg.eigh((reduced + reduced.T) / 2)
     least = _NONE * np.abs(values).max()
     opposite = 1 / (-values[0] * size) if values[0] < -least else None
@@ -143,7 +142,7 @@ def buckling_modes(stiffness: FloatArray, geometric: FloatArray, *, count: int =
                 f"{found} buckling modes of a frame stand below the factor {factor / size:.6g}, "
                 f"{wanted} were found"
             )
-    shapes = inverse.T @ vectors[:, order[:count]]
+    shapes = np.linalg.solve(lower.T, vectors[:, order[:count]])
     return FrameModes(factors / size, scale[:, None] * shapes, opposite, round_off)
 
 

@@ -12,7 +12,7 @@ from checks.result.live_fields import DEVIATOR, FloatArray, LiveFields, largest_
 STRESS_METRIC = np.vstack([DEVIATOR, [1 / 3, 1 / 3, 1 / 3, 0.0, 0.0, 0.0]])
 LENGTH_METRIC = np.eye(3)
 _NUMBER = np.eye(1)
-_TOGETHER = 256  # nodes, so that their sums at all positions stay near the processor
+_TOGETHER = 200_000  # nodes times positions, so that their sums stay near the processor
 _SINGLE = 2.0**-24
 _MORE = 1.0 + 1e-5  # peaks are known in double precision, fields in single
 
@@ -32,8 +32,9 @@ def largest_sizes(fields: FloatArray, weights: FloatArray, metric: FloatArray) -
     found = np.zeros((2, weights.shape[1]))
     rows = np.tensordot(metric, fields, axes=(1, 2)).astype(np.float32)  # (m, r, n)
     shares = np.ascontiguousarray(weights.T, dtype=np.float32)
-    for first in range(0, rows.shape[2] if len(fields) else 0, _TOGETHER):
-        sums = shares @ np.ascontiguousarray(rows[:, :, first : first + _TOGETHER])  # (m, K, n)
+    size = max(1, _TOGETHER // max(1, len(shares)))
+    for first in range(0, rows.shape[2] if len(fields) else 0, size):
+        sums = shares @ np.ascontiguousarray(rows[:, :, first : first + size])  # (m, K, n)
         squares = np.square(sums[:5], out=sums[:5])
         sizes = np.sqrt(sum(squares[1:], start=squares[0]))
         np.maximum(found[0], sizes.max(axis=1), out=found[0])
