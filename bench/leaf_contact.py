@@ -72,9 +72,10 @@ def beams(pack: Pack, spacing: float = SIZE) -> Found:
     bent = stack.on_faces(bent) + stack.on_faces(
         stack.spread(SUPPORT, FORCE, 0.0) + stack.spread(left, FORCE, 0.0)
     )
-    contact = LeafContact(stack, pack.friction)
+    contact = LeafContact(stack)
     path = np.array([0.0, *PATH])
-    history = contact.path(stack.balanced(pressed + path[:, None] * bent))
+    loads = stack.balanced(pressed + path[:, None] * bent)
+    history = contact.history(loads, pack.friction, once=True)
     lowest = history.displacements[1:, stack.dof(0, 1)]
     over = (stack.at(sum(SUPPORT) / 2) + stack.at(sum(left) / 2)) / 2 - stack.at(0.0)
     return Found(lowest @ over, history.stress[1:, 0, 0, 2 * middle])

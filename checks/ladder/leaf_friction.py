@@ -167,17 +167,16 @@ def _solved(loaded: LoadedPart) -> Rubbed:
     assert shape is not None
     stack = stack_of(loaded, shape)
     cases = cases_of(shape, loaded.loads)
-    sliding = LeafContact(stack, 0.0)
-    contacts = {case.friction: LeafContact(stack, case.friction) for case in cases}
+    contact = LeafContact(stack)
     names = _likely(loaded, stack)
     done: dict[str, tuple[FloatArray, list[LeafHistory], _Cycle]] = {}
     while True:
         for name in names:
-            cycle = _cycle(loaded, stack, sliding, name)
-            free = np.einsum("lfkd,nd->nlfk", stack.face_stress, sliding.tied(cycle.loads))
+            cycle = _cycle(loaded, stack, contact, name)
+            free = stack.stress(contact.tied(cycle.loads))
             histories = [
-                contacts[case.friction].history(
-                    cycle.given() + _pressed(stack, shape, case), cycle.driven
+                contact.history(
+                    cycle.given() + _pressed(stack, shape, case), case.friction, cycle.driven
                 )
                 for case in cases
             ]
