@@ -18,7 +18,8 @@ from pathlib import Path
 import numpy as np
 
 from bench.frd_file import read_frd
-from fem.contact.leaves import LeafContact, LeafStack
+from fem.contact.leaves import LeafContact
+from fem.leaf_stack import LeafStack
 from geometry.mesh import FloatArray
 
 STEEL = (210e3, 0.3)

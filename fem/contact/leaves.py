@@ -3,7 +3,7 @@
 Every leaf is a Timoshenko beam on the same places along x; leaves are stacked along y. Between the
 faces of neighbours, at each place, there is a gap and a slip
 
-    gap  = w_above - w_below + gap_0            pressure >= 0, gap >= 0, pressure * gap = 0
+    gap  = w_above - w_below                    pressure >= 0, gap >= 0, pressure * gap = 0
     slip = u_above - u_below + (turn_above + turn_below) t/2,     |shear| <= friction * pressure
 
 with shear against the change of the slip since the position before where it is at its limit, and no
@@ -11,202 +11,30 @@ change where it is below (Coulomb, quasi-static: only the order of the positions
 taken one position after the other, turn after turn, until a turn comes to a position as the turn
 before (docs/theory/leaf_packs.md).
 
-The pack is condensed to its interfaces: forces there are c = S d - g, with d what gaps and slips
-have changed by, S the stiffness of loose leaves against that, and -g the forces of a pack that is
-glued together. What touches and what slips is found by Newton's method, started from the position
-before; in each step only the d of open gaps and of what slips are unknown.
+The pack is condensed to its interfaces: forces there are c = S d - g, with d the gaps and slips, S
+the stiffness of loose leaves against them, and -g the forces in a pack that is glued together.
+Where a gap is closed or a slip sticks d is known, elsewhere c. What touches and what slips is found
+by Newton's method, started from the position before.
 
 Loads of the pack must balance but for what a rigid acceleration of its evenly spread mass takes.
 """
 
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass
 
 import numpy as np
 import scipy
 
 from fem.contact.condensed import ContactError
-from geometry.mesh import BoolArray, FloatArray, IntArray
+from fem.leaf_stack import LeafStack
+from geometry.mesh import BoolArray, FloatArray
 
-SHEAR = 5 / 6  # share of a rectangle's section that its mean shear strain acts on
 _NEWTON_STEPS = 150
-_SHARES = (0.0, 0.3, 0.7, 0.99)  # of the worst broken law: laws that one step mends, at least
+_SHARES = (0.1, 0.3, 0.7, 0.99)  # of the worst broken law: laws that one step mends, at least
 _SOFT = 1e-4  # of E times the width: springs that hold loose leaves; results do not depend on it
-_HALVINGS = 6  # of the way from one position to the next
 _TURNS = 20
 _REPEATS = 1e-5  # of the largest slip: how well a turn must come to a position as the one before
 _ROUND_OFF = 1e-9  # of the largest force of contact
 _FAINT = 1e-3  # of the largest load: forces of contact that may be taken for nothing
-
-
-@dataclass(frozen=True, eq=False)
-class LeafStack:
-    """Equal leaves on top of each other.
-
-    places     (k,) mm, rising, where neighbours can touch
-    count      number of leaves, at least 2
-    width, thickness                  mm, of one leaf
-    youngs_modulus, poisson_ratio     MPa, 1
-    bolted     index of the place where nothing slips, whatever presses; None for none
-    openings   (count - 1, k) mm, gaps of the leaves as made, unstressed; 0 for flat ones
-
-    Raises ValueError for a stack that cannot be.
-    """
-
-    places: FloatArray
-    count: int
-    width: float
-    thickness: float
-    youngs_modulus: float
-    poisson_ratio: float
-    bolted: int | None = None
-    openings: FloatArray | float = 0.0
-
-    def __post_init__(self) -> None:
-        if self.count < 2 or len(self.places) < 2 or not (np.diff(self.places) > 0).all():
-            raise ValueError(
-                f"a stack needs two leaves and two rising places, got {self.count} leaves on "
-                f"{len(self.places)} places"
-            )
-
-    @property
-    def n_dofs(self) -> int:
-        """Displacements along x and y and turns of all leaves at all places."""
-        return 3 * self.count * len(self.places)
-
-    def dof(self, leaf: int, which: int) -> IntArray:
-        """Numbers (k,) of a leaf's displacements along x (0), along y (1) or turns (2)."""
-        return 3 * (leaf * len(self.places) + np.arange(len(self.places))) + which
-
-    def at(self, x: float) -> FloatArray:
-        """Shares (k,) of the two places next to x, which keep force and moment."""
-        shares = np.zeros(len(self.places))
-        at = int(np.clip(np.searchsorted(self.places, x) - 1, 0, len(self.places) - 2))
-        way = (x - self.places[at]) / (self.places[at + 1] - self.places[at])
-        shares[at], shares[at + 1] = 1 - way, way
-        return shares
-
-    def spread(self, span: tuple[float, float], force: float, couple: float) -> FloatArray:
-        """Forces along y (k,) of a clamp, N: even over its span, those of its couple grow along it.
-
-        couple  N mm, about the middle of the span
-        """
-        weights = self.spans(span)
-        share = weights / weights.sum()
-        arms = self.places - share @ self.places
-        couple = couple - force * (float(share @ self.places) - (span[0] + span[1]) / 2)
-        return np.asarray(force * share + couple * share * arms / (share @ arms**2))
-
-    def on_faces(self, forces: FloatArray, like: FloatArray | None = None) -> FloatArray:
-        """Loads (n_dofs,) of forces along y (k,) that push on the outer faces.
-
-        Upwards on the lowest leaf, downwards on the highest; with `like`, on the faces that the
-        forces (k,) of another load push on.
-        """
-        up = (forces if like is None else like) >= 0
-        loads = np.zeros(self.n_dofs)
-        loads[self.dof(0, 1)] = np.where(up, forces, 0.0)
-        loads[self.dof(self.count - 1, 1)] = np.where(up, 0.0, forces)
-        return loads
-
-    def squeezed(self, span: tuple[float, float], force: float) -> FloatArray:
-        """Loads (n_dofs,) of a force, N, that presses the leaves together evenly over a span."""
-        weights = self.spans(span)
-        loads = np.zeros(self.n_dofs)
-        loads[self.dof(0, 1)] = force * weights / weights.sum()
-        loads[self.dof(self.count - 1, 1)] = -force * weights / weights.sum()
-        return loads
-
-    def spans(self, span: tuple[float, float]) -> FloatArray:
-        """Length (k,) mm of a span that belongs to each place, by hats."""
-        edges = np.unique(np.clip(np.r_[self.places, span], *span))
-        middle, lengths = (edges[1:] + edges[:-1]) / 2, np.diff(edges)
-        return np.array([self.at(x) for x in middle]).T @ lengths
-
-    @cached_property
-    def stiffness(self) -> FloatArray:
-        """Stiffness (n_dofs, n_dofs) N/mm, N, N mm of the leaves, each on its own."""
-        n = 3 * len(self.places)
-        leaf = np.zeros((n, n))
-        for first, element in zip(range(0, n, 3), self._elements, strict=False):
-            leaf[first : first + 6, first : first + 6] += element
-        return np.kron(np.eye(self.count), leaf)
-
-    @cached_property
-    def _elements(self) -> FloatArray:
-        """Stiffness (k - 1, 6, 6) of a leaf's beams between places, exact under loads at their ends."""
-        area, h = self.width * self.thickness, np.diff(self.places)
-        bending = self.youngs_modulus * area * self.thickness**2 / 12
-        shear = SHEAR * area * self.youngs_modulus / (2 * (1 + self.poisson_ratio))
-        a, one = self.youngs_modulus * area / h, np.ones_like(h)
-        soft = 12 * bending / (shear * h**2)
-        near, far = (4 + soft) * h**2, (2 - soft) * h**2
-        bent = np.array(
-            [
-                [12 * one, 6 * h, -12 * one, 6 * h],
-                [6 * h, near, -6 * h, far],
-                [-12 * one, -6 * h, 12 * one, -6 * h],
-                [6 * h, far, -6 * h, near],
-            ]
-        )
-        found = np.zeros((6, 6, len(h)))
-        found[np.ix_([0, 3], [0, 3])] = a * np.array([[1, -1], [-1, 1]])[:, :, None]
-        found[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] = bending / (h**3 * (1 + soft)) * bent
-        return np.moveaxis(found, 2, 0)
-
-    @cached_property
-    def relative(self) -> FloatArray:
-        """Gaps, then slips, (2 m, n_dofs) of displacements; m = (count - 1) k."""
-        k, m = len(self.places), (self.count - 1) * len(self.places)
-        rows = np.zeros((2 * m, self.n_dofs))
-        for i in range(self.count - 1):
-            gap, slip = i * k + np.arange(k), m + i * k + np.arange(k)
-            rows[gap, self.dof(i, 1)] = -1
-            rows[gap, self.dof(i + 1, 1)] = 1
-            rows[slip, self.dof(i, 0)] = -1
-            rows[slip, self.dof(i + 1, 0)] = 1
-            rows[slip, self.dof(i, 2)] = self.thickness / 2
-            rows[slip, self.dof(i + 1, 2)] = self.thickness / 2
-        return rows
-
-    @cached_property
-    def stress_places(self) -> FloatArray:
-        """Places (2 (k - 1),) mm of stresses: both ends of every stretch between two places."""
-        return np.repeat(self.places, 2)[1:-1]
-
-    def stress(self, displacements: FloatArray) -> FloatArray:
-        """Stress along x (n, count, 2, 2 (k - 1)) MPa: lower, upper face of each leaf.
-
-        N/A - M y/I at both ends of each stretch: shear between faces acts at the places and makes
-        steps there, whose higher side counts.
-        """
-        area, n = self.width * self.thickness, len(displacements)
-        modulus = area * self.thickness / 6
-        ends = displacements.reshape(n, self.count, len(self.places), 3)
-        ends = np.concatenate([ends[:, :, :-1], ends[:, :, 1:]], axis=3)
-        forces = np.einsum("eij,nlej->nlei", self._elements, ends)
-        normal = np.stack([-forces[..., 0], forces[..., 3]], axis=-1).reshape(n, self.count, -1)
-        moment = np.stack([-forces[..., 2], forces[..., 5]], axis=-1).reshape(n, self.count, -1)
-        bent = moment / modulus
-        return np.stack([normal / area + bent, normal / area - bent], axis=2)
-
-    def balanced(self, loads: FloatArray) -> FloatArray:
-        """Loads (..., n_dofs) with the inertia of a rigid acceleration that balances them."""
-        weights = self.spans((self.places[0], self.places[-1]))
-        rigid, inertia = np.zeros((3, self.n_dofs)), np.zeros((3, self.n_dofs))
-        for leaf in range(self.count):
-            y = (leaf - (self.count - 1) / 2) * self.thickness
-            rigid[0, self.dof(leaf, 0)] = 1
-            rigid[1, self.dof(leaf, 1)] = 1
-            rigid[2, self.dof(leaf, 0)] = -y
-            rigid[2, self.dof(leaf, 1)] = self.places
-            rigid[2, self.dof(leaf, 2)] = 1
-            inertia[0, self.dof(leaf, 0)] = weights
-            inertia[1, self.dof(leaf, 1)] = weights
-            inertia[2, self.dof(leaf, 0)] = -weights * y
-            inertia[2, self.dof(leaf, 1)] = weights * self.places
-        left = loads @ rigid.T
-        return np.asarray(loads - left @ np.linalg.solve(inertia @ rigid.T, inertia))
 
 
 @dataclass(frozen=True, eq=False)
@@ -265,22 +93,12 @@ class _Loads:
     soft: float
     imposed: float
 
-    def towards(self, other: "_Loads", way: float) -> "_Loads":
-        """The loads on the way to those of another position, at its end for way 1."""
-        imposed = self.imposed + way * (other.imposed - self.imposed)
-        return _Loads(
-            self.glued + way * (other.glued - self.glued),
-            self.unit + way * (other.unit - self.unit),
-            self.soft + way * (other.soft - self.soft),
-            imposed if np.isfinite(imposed) else other.imposed,
-        )
-
 
 @dataclass(frozen=True, eq=False)
 class _State:
-    """Forces c and changes d at one position; which gaps are closed, which slips stick.
+    """Forces c, gaps and slips d at one position; which gaps are closed, which slips stick.
 
-    missed  N, of the laws of contact and friction on the way there
+    missed  N, of the laws of contact and friction
     """
 
     c: FloatArray
@@ -289,7 +107,7 @@ class _State:
     closed: BoolArray
     stuck: BoolArray
     sense: FloatArray
-    missed: float = 0.0
+    missed: float
 
 
 class LeafContact:
@@ -312,9 +130,6 @@ class LeafContact:
         tied = (tied + tied.T) / 2
         self._glued = tied @ self._moved
         self._stiff = tied - self._spring * np.eye(2 * self.size)
-        shape = stack.count - 1, len(stack.places)
-        openings = np.asarray(stack.openings, dtype=float)
-        self._openings = np.broadcast_to(openings, shape).ravel()
         self._bolted = np.zeros(self.size, dtype=bool)
         if stack.bolted is not None:
             self._bolted[stack.bolted :: len(stack.places)] = True
@@ -358,14 +173,19 @@ class LeafContact:
             float(np.abs(sizes).max())
             for sizes in (loads, *(() if driven is None else (driven.direction,)))
         )
-        state, m = self._start(), self.size
+        m, nothing, none = self.size, np.zeros(2 * self.size), np.zeros(self.size)
+        state = _State(nothing, nothing, 0.0, none == 0, none == 0, none, 0.0)
         states: list[_State] = []
-        there = given[0].towards(given[0], 0.0)
-        there = replace(there, glued=0.0 * there.glued, imposed=0.0 * there.imposed)
         for turn in range(1, 2 if once else _TURNS + 1):
             scale = max((float(np.abs(s.d[m:]).max()) for s in states), default=0.0)
             for k, here in enumerate(given):
-                state, there = self._reached(state, there, here, friction, k, least), here
+                tries = (self._newton(state, here, friction, least, share) for share in _SHARES)
+                found = next((one for one in tries if one is not None), None)
+                if found is None:
+                    raise ContactError(
+                        f"contact and friction of the leaves do not settle at position {k}"
+                    )
+                state = found
                 if turn == 1:
                     states.append(state)
                     continue
@@ -392,27 +212,6 @@ class LeafContact:
         rows = zip(glued, unit, soft.tolist(), imposed.tolist(), strict=True)
         return [_Loads(*row) for row in rows]
 
-    def _start(self) -> _State:
-        nothing, none = np.zeros(2 * self.size), np.zeros(self.size)
-        return _State(nothing, nothing, 0.0, self._openings <= 0, none == 0, none)
-
-    def _reached(
-        self, state: _State, there: _Loads, here: _Loads, friction: float, k: int, least: float
-    ) -> _State:
-        """The state at position k from the one before, by smaller steps where one is too long."""
-        for halvings in range(_HALVINGS + 1):
-            following, missed = state, 0.0
-            for way in np.arange(1, 2**halvings + 1) / 2**halvings:
-                step = there.towards(here, way) if halvings else here
-                tries = (self._newton(following, step, friction, least, s) for s in _SHARES)
-                found = next((state for state in tries if state is not None), None)
-                if found is None:
-                    break
-                following, missed = found, max(missed, found.missed)
-            else:
-                return replace(following, missed=missed)
-        raise ContactError(f"contact and friction of the leaves do not settle at position {k}")
-
     def _newton(
         self, last: _State, given: _Loads, friction: float, least: float, share: float
     ) -> _State | None:
@@ -422,7 +221,7 @@ class LeafContact:
         share  of the worst broken law: laws broken less stay as they are for a step
         """
         m, k, bolted, before = self.size, self._spring, self._bolted, last.d[self.size :]
-        aim = np.r_[-self._openings, before]
+        aim = np.r_[np.zeros(m), before]
         closed, stuck, sense = last.closed, last.stuck | bolted, last.sense
         driving = bool(np.isfinite(given.imposed))
         stiff, glued = self._driven(given) if driving else (self._stiff, given.glued)
@@ -437,14 +236,17 @@ class LeafContact:
             rows = np.searchsorted(free, m + rubbing)
             right[rows] -= rate * left[rubbing]
             matrix[rows] -= rate[:, None] * stiff[rubbing[:, None], free]
-            d[free] = np.linalg.solve(matrix, right)
+            try:
+                d[free] = np.linalg.solve(matrix, right)
+            except np.linalg.LinAlgError:  # a leaf that nothing holds
+                return None
             c = stiff @ d - glued
             c[free] = 0.0
             c[m + rubbing] = rate * c[rubbing]
             force = float(given.imposed - given.unit @ d) / given.soft if driving else 0.0
             scale = _ROUND_OFF * max(float(np.abs(c).max()), least)
             bound = friction * c[:m].clip(min=0)
-            gap, trial = k * (d[:m] + self._openings), c[m:] - k * (d[m:] - before)
+            gap, trial = k * d[:m], c[m:] - k * (d[m:] - before)
             broken = np.abs(np.minimum(c[:m], gap))
             rubbed = np.abs(c[m:] - np.clip(trial, -bound, bound))
             rubbed[bolted] = 0.0
@@ -486,7 +288,7 @@ class LeafContact:
             stress=stack.stress(moved),
             pressures=c[:, :m].reshape(shape),
             shears=c[:, m:].reshape(shape),
-            gaps=(d[:, :m] + self._openings).reshape(shape),
+            gaps=d[:, :m].reshape(shape),
             slips=d[:, m:].reshape(shape),
             force=force,
             unbalanced=float(np.abs(left).max()) / largest,
