@@ -13,18 +13,20 @@ model has verified it.
 """
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 from math import ceil, exp, floor, inf, isfinite, log, log10, sqrt
 from pathlib import Path
 from typing import Any
 
+import loads
 from ballesta.design.read import read_design
 from ballesta.sweeps.screen import Screened, Screening
 from checks.design.data import Design
 from checks.design.effort import DEFAULT_EFFORT, Effort
 from checks.design.materials import known_materials
+from checks.ladder.leaf_checks import LeafBand
 from checks.result.verdict import Change, Check, DesignResult, Status
 from fem.threads import one_thread
 
@@ -121,15 +123,22 @@ def improve(
 
 @one_thread()
 def with_changes(
-    design: Design, result: DesignResult, say: Callable[[str], None] = lambda _: None
+    design: Design,
+    result: DesignResult,
+    cycles: Mapping[str, loads.CycleLoads] | None = None,
+    rubbing: Mapping[str, LeafBand] | None = None,
+    say: Callable[[str], None] = lambda _: None,
 ) -> DesignResult:
     """The result with its three best single changes for the part that decides, and its like.
+
+    cycles   as the check has solved them, without dynamic factors
+    rubbing  part -> friction between its leaves, as the check has found it
 
     None where only the linkage does not pass. Where all pass, the two heaviest shapes are tried.
     Sampling errors are taken from the result, and of the cycles only those that decide a check or
     stand in the duty are solved; `improve` takes all, and finds sampling errors anew.
     """
-    search = _Search(design, result, between=False)
+    search = _Search(design, result, cycles, rubbing, between=False)
     found = search.changes(say, shapes=_HEAVIEST)
     if search.open:
         found = [change for change in found if result.deciding.part in change.parts]
@@ -185,7 +194,15 @@ def _reserve(check: Check) -> float:
 class _Search:
     """Formula estimates of a design's variations, set against its result."""
 
-    def __init__(self, design: Design, result: DesignResult, *, between: bool = True) -> None:
+    def __init__(
+        self,
+        design: Design,
+        result: DesignResult,
+        solved: Mapping[str, loads.CycleLoads] | None = None,
+        rubbing: Mapping[str, LeafBand] | None = None,
+        *,
+        between: bool = True,
+    ) -> None:
         self.design, self.result = design, result
         self.open = tuple(
             part.name
@@ -195,18 +212,26 @@ class _Search:
         self._linkage_open = any(check.status is not Status.PASS for check in result.linkage)
         deciding = {check.cycle for check in result.checks}
         cycles = None if between else {*design.duty.cycles, *deciding}
-        self._screening = Screening(design, between=between, rubbing=False, cycles=cycles)
-        self.base = self._screening.of({})
-        known = {_name(check): check for check in result.checks}
-        self._methods = {name: check.method for name, check in known.items()}
+        self._screening = Screening(
+            design, between=between, rubbing=rubbing or {}, cycles=cycles, solved=solved
+        )
+        self._known = {_name(check): check for check in result.checks}
         self._ratios: dict[tuple[str, str, str], tuple[float, float, bool]] = {}
-        for check in self.base.checks:
-            better = known.get(_name(check))
+        self._compared: set[str] = set()
+        self.base = self._compare(self.open or [part.name for part in result.parts])
+
+    def _compare(self, parts: Sequence[str]) -> Screened:
+        """The formula's checks of some parts as they are, beside those of the result."""
+        base = self._screening.of({}, parts)
+        self._compared |= set(parts)
+        for check in base.checks:
+            better = self._known.get(_name(check))
             if better is not None and check.value > 0:
                 same = better.method == check.method
                 reach = better.upper / check.upper if same else better.upper / check.value
                 ratios = better.value / check.value, reach, same
                 self._ratios[_name(check)] = ratios
+        return base
 
     def changes(self, say: Callable[[str], None], *, shapes: int | None = None) -> list[Change]:
         """Changes with which the open parts pass, or that save mass where all passes.
@@ -315,6 +340,8 @@ class _Search:
         )
         if one.problem:
             return 0.0
+        checked = {check.part for check in one.checks}
+        self._compare([name for name in others if name in checked - self._compared])
         return min(
             self.reserve(one, (name,)) / min(1.0, (1 - _SAME) * self._before(name))
             for name in [*others, *([LINKAGE] if asks else [])]
@@ -445,7 +472,7 @@ class _Search:
         self, key: str, was: str, value: str, least: str, parts: tuple[str, ...], one: Screened
     ) -> Change:
         _, safety, lower, check = min(self._reserves(one, parts), key=lambda found: found[0])
-        decided = self._methods.get(_name(check), check.method)
+        decided = self._known.get(_name(check), check).method
         return Change(
             key,
             was,

@@ -133,9 +133,10 @@ class Screening:
 
     between  whether the bars hold what the positions miss between them; without, a variation takes
              half the time
-    rubbing  whether friction between leaves is solved for each variation; without, it has the share
-             of the stress that it has in the design as it is
+    rubbing  part -> friction between its leaves, whose share of the stress variations keep; where a
+             part is not in it, that of the first that is checked. None: solved for each variation
     cycles   that are solved: those of the duty among them; None for all
+    solved   cycles of the design as it is, without dynamic factors
 
     Raises DesignError and NumericsError for the design itself.
     """
@@ -145,18 +146,23 @@ class Screening:
         design: Design,
         *,
         between: bool = True,
-        rubbing: bool = True,
+        rubbing: Mapping[str, LeafBand] | None = None,
         cycles: Collection[str] | None = None,
+        solved: Mapping[str, loads.CycleLoads] | None = None,
     ) -> None:
         self.design, self.between, self._only = design, between, cycles
-        self.rubbing: dict[str, LeafBand] | None = None if rubbing else {}
+        self.rubbing = None if rubbing is None else dict(rubbing)
         self.models = Models()
         masses = part_masses(design, self.models)
         self._linkages: dict[str, loads.Linkage] = {}
         self._cycles: dict[str, loads.Cycle] = {}
         self._solved: dict[str, loads.CycleLoads] = {}
         self._part_loads: dict[str, PartLoads] = {}  # in the design as it is
-        self._solved, _ = self.solve(design, masses)
+        self._solved = (
+            self.solve(design, masses)[0]
+            if solved is None
+            else {name: run for name, run in solved.items() if cycles is None or name in cycles}
+        )
         for name in self._solved:
             self._linkages[name] = self._solved[name].linkage
             self._cycles[name] = design.cycles[name].run
@@ -172,9 +178,12 @@ class Screening:
                 linkage = linkage_of(design, masses, stated, compliances)
                 cycle = stated.run
                 known = self._solved.get(name)
-                if known is not None and loads.moves_alike(
-                    self._linkages[name], self._cycles[name], linkage, cycle
-                ):
+                if known is None:
+                    solved[name] = loads.run_cycle(linkage, cycle)
+                    afresh = True
+                elif (self._linkages[name], self._cycles[name]) == (linkage, cycle):
+                    solved[name] = known
+                elif loads.moves_alike(self._linkages[name], self._cycles[name], linkage, cycle):
                     solved[name] = loads.forces_again(known, linkage, cycle)
                 else:
                     solved[name] = loads.run_cycle(linkage, cycle)
