@@ -8,8 +8,8 @@ and a dimension x, r ~ x^p locally: p from a step of 3 %, then three secant step
 log x, rounded to the safe side; then the next length of R20, the preferred numbers of ISO 3, if it
 is a change as well. Where another model than the formula decides, a margin of 10 % is kept: so far
 may their ratio change with the part (7 % seen, tests/ballesta/sweeps/test_promises.py). Friction
-between leaves keeps its share of the stress. A change is an estimate until a check by the deciding
-model has verified it.
+between leaves keeps its share of the stress in a search, and is solved anew for what it finds. A
+change is an estimate until a check by the deciding model has verified it.
 """
 
 import re
@@ -37,6 +37,7 @@ _STRESS = ("static", "fatigue")
 _MATTERS = 0.05  # the least exponent: what changes the reserve less is no way out
 MOST = 2.0  # the largest change that is looked at, as a factor
 _SECANTS = 3
+_AGAIN = 3  # times that a size is sought, each with the friction of leaves at the one before
 _NEXT = 1e-6  # of a dimension: to the next rounded value
 _DIGITS = 2  # of the change, to which a dimension is rounded
 _BEST = 3
@@ -213,7 +214,7 @@ class _Search:
         deciding = {check.cycle for check in result.checks}
         cycles = None if between else {*design.duty.cycles, *deciding}
         self._screening = Screening(
-            design, between=between, rubbing=rubbing or {}, cycles=cycles, solved=solved
+            design, between=between, rubbing=rubbing, cycles=cycles, solved=solved
         )
         self._known = {_name(check): check for check in result.checks}
         self._ratios: dict[tuple[str, str, str], tuple[float, float, bool]] = {}
@@ -223,6 +224,7 @@ class _Search:
     def _compare(self, parts: Sequence[str]) -> Screened:
         """The formula's checks of some parts as they are, beside those of the result."""
         base = self._screening.of({}, parts)
+        self._screening.rubbing |= base.rubbing
         self._compared |= set(parts)
         for check in base.checks:
             better = self._known.get(_name(check))
@@ -291,6 +293,8 @@ class _Search:
             )
             for name in [m.name for m in others if m.name != value][:_TRIES]:
                 one = self._screening.of({key: name}, own)
+                if not one.problem and self.reserve(one, own) >= 1:
+                    one = self._settled(key, name, own, one)
                 if one.problem:
                     continue
                 parts = tuple(
@@ -322,6 +326,7 @@ class _Search:
         if not min(value[0], old[0]) < size < max(value[0], old[0]):
             return None
         one = self._screened(change.key, size, old[1], change.parts)
+        one = self._settled(change.key, _written(size, old[1]), change.parts, one)
         if one.problem or self.reserve(one, change.parts) < 1 or one.mass >= self.base.mass:
             return None
         text = _written(size, old[1])
@@ -341,7 +346,8 @@ class _Search:
         if one.problem:
             return 0.0
         checked = {check.part for check in one.checks}
-        self._compare([name for name in others if name in checked - self._compared])
+        if checked - self._compared:
+            self._compare([name for name in others if name in checked - self._compared])
         return min(
             self.reserve(one, (name,)) / min(1.0, (1 - _SAME) * self._before(name))
             for name in [*others, *([LINKAGE] if asks else [])]
@@ -418,7 +424,38 @@ class _Search:
     def _change(
         self, key: str, old: float, unit: str, parts: tuple[str, ...], exponent: float
     ) -> Change | None:
-        """The least change of a dimension with which the parts pass, at a standard size."""
+        """The least change of a dimension with which the parts pass, at a standard size.
+
+        Where they do not with the friction between leaves that it has, it is sought again with the
+        share of the stress that friction has there.
+        """
+        known = dict(self._screening.rubbing)
+        try:
+            for _ in range(_AGAIN):
+                found = self._sized(key, old, unit, parts, exponent)
+                if found is None:
+                    return None
+                value, least, one = found
+                one = self._settled(key, _written(value, unit), parts, one)
+                if not one.problem and self.reserve(one, parts) >= 1:
+                    was, now, just = (_written(number, unit) for number in (old, value, least))
+                    change = self._told(key, was, now, just, parts, one)
+                    return change if self.open or change.saved > 0 else None
+                self._screening.rubbing |= one.rubbing
+        finally:
+            self._screening.rubbing = known
+        return None
+
+    def _settled(self, key: str, value: str, parts: Sequence[str], one: Screened) -> Screened:
+        """A variation with the friction between leaves that it has itself."""
+        if all(one.rubbing[part].friction is None for part in parts if part in one.rubbing):
+            return one
+        return self._screening.of({key: value}, parts, anew=True)
+
+    def _sized(
+        self, key: str, old: float, unit: str, parts: tuple[str, ...], exponent: float
+    ) -> tuple[float, float, Screened] | None:
+        """A standard size with which the parts pass, if it is a change, and the least size."""
         outward = exponent > 0  # whether larger is safer
         least = self._least(key, old, unit, parts, exponent)
         if least is None:
@@ -431,9 +468,7 @@ class _Search:
                 other = self._screened(key, size, unit, parts)
                 if not other.problem and self.reserve(other, parts) >= 1:
                     value, one = size, other
-        was, now, just = (_written(number, unit) for number in (old, value, least[0]))
-        change = self._told(key, was, now, just, parts, one)
-        return change if self.open or change.saved > 0 else None
+        return value, least[0], one
 
     def _least(
         self, key: str, old: float, unit: str, parts: tuple[str, ...], exponent: float

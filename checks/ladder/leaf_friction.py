@@ -30,7 +30,7 @@ FRICTION = (0.1, 0.3)  # dry to greased steel on steel, where a design is silent
 _GRIPPED = 1e3  # times the largest force on the pack: a preload under which nothing slips
 _HALF_WAY = 1.5  # times moment over thickness: a preload under which a clamp slips in part
 _STIFFER = 2.0  # times the bending stiffness: tells how much of a deflection is the pack's
-_POSITIONS = 8  # of a cycle, beside its extremes
+_POSITIONS = 4  # of a cycle, beside its extremes
 _RIVAL = 1.05  # times its expected stress against the largest: a cycle that is solved as well
 # Distance of places where the pack is pressed, and elsewhere: at most so much of its clamp and arm.
 _FINE, _COARSE = (0.1, 0.02), (0.5, 0.1)
@@ -71,27 +71,35 @@ def cases_of(shape: LeafPack, part_loads: PartLoads) -> tuple[Rubbing, ...]:
     """Friction and preloads that a pack is solved for: what its design leaves open.
 
     A clamp that is not stated is taken without preload, without slip, and slipping half way: the
-    stress falls first, as the clamp takes over, and grows with the stiffness then.
+    stress falls first, as the clamp takes over, and grows with the stiffness then. A bracket that
+    is not stated has none, or no slip: with it, only what has been found at an end of the band is
+    solved (docs/theory/leaf_packs.md).
     """
     frictions = FRICTION if shape.friction is None else (shape.friction,)
     gripped = _GRIPPED * part_loads.largest_force
     half = _HALF_WAY * float(np.abs(_moment(part_loads.wrenches)).max()) / shape.thickness
 
-    def taken(name: str, preload: float | None, between: float) -> list[tuple[float, str]]:
+    def taken(name: str, preload: float | None, *between: float) -> list[tuple[float, str]]:
         if preload is not None:
             return [(preload, f"{preload / 1e3:g} kN on the {name}")]
-        some = [(between, f"{between / 1e3:.3g} kN on the {name}")] if between else []
+        some = [(force, f"{force / 1e3:.3g} kN on the {name}") for force in between]
         return [(0.0, f"no preload of the {name}"), *some, (gripped, f"a {name} without slip")]
 
     clamps = taken("clamp", shape.clamp_preload, half)
-    rods = taken("bracket", shape.rod_preload, 0.0)
-    found = []
-    for friction, clamp, rod in product(frictions, clamps, rods):
-        if friction != frictions[0] and rod[0] == gripped:
-            continue  # what slips elsewhere then makes little difference
-        words = f"friction {friction:g}, {clamp[1]}, {rod[1]}"
-        found.append(Rubbing(friction, clamp[0], rod[0], words))
-    return tuple(found)
+    rods = taken("bracket", shape.rod_preload)
+    wanted = list(product(frictions, clamps, rods))
+    if len(rods) > 1:
+        loose, held = rods
+        ends = [clamp for clamp in clamps if len(clamps) == 1 or clamp[0] != half]
+        slipping = [clamp for clamp in clamps if len(clamps) == 1 or clamp[0] != gripped]
+        wanted = [
+            *product(frictions, slipping, [loose]),
+            *product(frictions[:1], ends, [held]),
+        ]
+    return tuple(
+        Rubbing(friction, clamp, rod, f"friction {friction:g}, {on_clamp}, {on_rod}")
+        for friction, (clamp, on_clamp), (rod, on_rod) in wanted
+    )
 
 
 def gives(loaded: LoadedPart, cycle: loads.CycleLoads | loads.MeasuredLoads) -> bool:
@@ -188,7 +196,7 @@ class _Pack:
                     for name in free
                     if name not in solved and _RIVAL * (ratios * free[name]).max() >= most
                 ]
-        most = max(peaks.max() for peaks in free.values())
+        most = max(float(peaks.max()) for peaks in free.values())
         static = [
             max(float(np.abs(history.stress).max()) for history in solved.values()) / most
             for solved in self.solved
