@@ -345,9 +345,9 @@ class _Search:
         )
         if one.problem:
             return 0.0
-        checked = {check.part for check in one.checks}
-        if checked - self._compared:
-            self._compare([name for name in others if name in checked - self._compared])
+        new = {check.part for check in one.checks} - self._compared - {LINKAGE}
+        if new:
+            self._compare(sorted(new))
         return min(
             self.reserve(one, (name,)) / min(1.0, (1 - _SAME) * self._before(name))
             for name in [*others, *([LINKAGE] if asks else [])]

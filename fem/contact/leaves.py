@@ -22,7 +22,6 @@ Loads of the pack must balance but for what a rigid acceleration of its evenly s
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 
 from fem.contact.condensed import ContactError
 from fem.leaf_stack import LeafStack
@@ -123,8 +122,8 @@ class LeafContact:
         middle = 3 * (len(stack.places) // 2)
         for which in range(3):  # loads balance, so what holds the pack carries nothing
             held[middle + which, middle + which] *= 2
-        inverse = scipy.linalg.cho_solve(scipy.linalg.cho_factor(held), np.eye(stack.n_dofs))
-        self._inverse = np.ascontiguousarray(inverse + inverse.T) / 2
+        root = np.linalg.inv(np.linalg.cholesky(held))
+        self._inverse = root.T @ root
         self._moved = b @ self._inverse
         tied = np.linalg.inv(self._moved @ b.T)
         tied = (tied + tied.T) / 2
