@@ -4,7 +4,7 @@ import platform
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from datetime import date
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -33,6 +33,7 @@ from checks.columns.linkage_store import stored_mode
 from checks.derivations.buckling import linkage_share
 from checks.design.data import Design
 from checks.design.errors import DesignError, NumericsError
+from checks.ladder.leaf_checks import LeafBand
 from checks.ladder.part_fields import undrawn_warnings
 from checks.ladder.part_ladder import (
     DEFAULT_EFFORT,
@@ -87,7 +88,19 @@ def check_file(
     return check_design(design, effort=effort, say=say, reading=reading, store=store)
 
 
-@one_thread()
+@dataclass(frozen=True, eq=False)
+class Checked:
+    """A result, and what was solved for it that a search for changes may share.
+
+    cycles   name -> loads of a cycle, without dynamic factors
+    rubbing  part -> friction between its leaves
+    """
+
+    result: DesignResult
+    cycles: Mapping[str, loads.CycleLoads]
+    rubbing: Mapping[str, LeafBand]
+
+
 def check_design(
     design: Design,
     *,
@@ -99,6 +112,31 @@ def check_design(
     begun: float | None = None,
     keep: Keep | None = None,
 ) -> DesignResult:
+    """The result of `check_with_cycles`."""
+    return check_with_cycles(
+        design,
+        effort=effort,
+        say=say,
+        reading=reading,
+        store=store,
+        live=live,
+        begun=begun,
+        keep=keep,
+    ).result
+
+
+@one_thread()
+def check_with_cycles(
+    design: Design,
+    *,
+    effort: Effort = DEFAULT_EFFORT,
+    say: Say = lambda _: None,
+    reading: float = 0.0,
+    store: Store | None = None,
+    live: bool = False,
+    begun: float | None = None,
+    keep: Keep | None = None,
+) -> Checked:
     """Check all parts of a design over all its cycles; raises DesignError and NumericsError.
 
     effort  which models may be used, and how long it may take
@@ -143,7 +181,8 @@ def check_design(
     timings["cycle, fatigue, buckling"] = perf_counter() - start - spent
     whole = with_parts(frame, results, _warnings_of_parts(design, results))
     whole = replace(whole, ways=ways_out(whole))
-    return replace(whole, motion=motions_of(design, machine.solved, results) if live else {})
+    whole = replace(whole, motion=motions_of(design, machine.solved, results) if live else {})
+    return Checked(whole, machine.rigid, ladder.rubbing)
 
 
 def _frame(

@@ -235,13 +235,13 @@ def check_to_folder(
         folder.mkdir(parents=True, exist_ok=True)
     prepare_drawing(stress=effort.shows_stress)
 
-    from ballesta.pipeline import check_design
+    from ballesta.pipeline import check_with_cycles
     from ballesta.sweeps.improve import with_changes
     from checks.store.results import keep_result
     from reports.live.payload import with_encoded_fields
 
     with progress(path) as say:
-        shown = check_design(
+        checked = check_with_cycles(
             design,
             effort=effort,
             say=say,
@@ -251,10 +251,11 @@ def check_to_folder(
             begun=begun,
             keep=_kept() if telling.is_supervised() else None,
         )
+        shown = checked.result
         with drawing(shown) as pictures, _told_of_folder(folder):
             if effort.within is None:  # a limit of time is for the checks
                 say("seeking single changes by formula")
-                shown = with_changes(design, shown)
+                shown = with_changes(design, shown, checked.cycles, checked.rubbing, say)
             say("encoding the fields of the live view")
             shown = with_encoded_fields(shown)
             result = without_fields(shown)

@@ -4,7 +4,7 @@ from loads.assembly import assembly_gap
 from loads.blows import Blow, JointImpulse, blow
 from loads.bodies import GROUND, Body, LinkageError, Pose
 from loads.compliance import BeamCompliance, Compliance, JointCompliance, MatrixCompliance
-from loads.cycle import CycleError, run_at_rates, run_cycle, try_cycle
+from loads.cycle import CycleError, run_at_positions, run_at_rates, run_cycle, try_cycle
 from loads.cycle_loads import ContactLoads, CycleLoads
 from loads.dead_centre import PullThrough, pull_through
 from loads.diagnosis import Diagnosis, diagnose, percent, position_text
@@ -109,6 +109,7 @@ __all__ = [
     "percent",
     "position_text",
     "pull_through",
+    "run_at_positions",
     "run_at_rates",
     "run_cycle",
     "solve_forces",

@@ -100,6 +100,22 @@ def run_at_rates(
     return replace(again, unresolved=known.unresolved)
 
 
+def run_at_positions(known: CycleLoads, linkage: Linkage, cycle: Cycle) -> CycleLoads:
+    """Return the loads of a cycle at the positions of one that was run before.
+
+    linkage  differs from the known one in masses and compliances only
+
+    `unresolved` stays what the known loads have; a contact may begin beside its position. Raises
+    LinkageError as `run_cycle` does.
+    """
+    run = _begun(linkage, cycle)
+    if isinstance(cycle.pace, MotorPace):
+        run = run.at_motors_speed(cycle.pace)
+    grids = [known.positions[known.phase_of == k] for k in range(len(cycle.phases))]
+    stretches = [run.solve(k, grid) for k, grid in enumerate(grids)]
+    return replace(_joined(linkage, cycle, run.timing, stretches, []), unresolved=known.unresolved)
+
+
 def try_cycle(linkage: Linkage, cycle: Cycle) -> None:
     """Raise LinkageError where a cycle cannot be, as far as some 200 positions per phase tell.
 

@@ -8,23 +8,25 @@ and a dimension x, r ~ x^p locally: p from a step of 3 %, then three secant step
 log x, rounded to the safe side; then the next length of R20, the preferred numbers of ISO 3, if it
 is a change as well. Where another model than the formula decides, a margin of 10 % is kept: so far
 may their ratio change with the part (7 % seen, tests/ballesta/sweeps/test_promises.py). Friction
-between leaves keeps its share of the stress. A change is an estimate until a check by the deciding
-model has verified it.
+between leaves keeps its share of the stress in a search, and is solved anew for what it finds. A
+change is an estimate until a check by the deciding model has verified it.
 """
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 from math import ceil, exp, floor, inf, isfinite, log, log10, sqrt
 from pathlib import Path
 from typing import Any
 
+import loads
 from ballesta.design.read import read_design
 from ballesta.sweeps.screen import Screened, Screening
 from checks.design.data import Design
 from checks.design.effort import DEFAULT_EFFORT, Effort
 from checks.design.materials import known_materials
+from checks.ladder.leaf_checks import LeafBand
 from checks.result.verdict import Change, Check, DesignResult, Status
 from fem.threads import one_thread
 
@@ -35,6 +37,7 @@ _STRESS = ("static", "fatigue")
 _MATTERS = 0.05  # the least exponent: what changes the reserve less is no way out
 MOST = 2.0  # the largest change that is looked at, as a factor
 _SECANTS = 3
+_AGAIN = 3  # times that a size is sought, each with the friction of leaves at the one before
 _NEXT = 1e-6  # of a dimension: to the next rounded value
 _DIGITS = 2  # of the change, to which a dimension is rounded
 _BEST = 3
@@ -121,15 +124,22 @@ def improve(
 
 @one_thread()
 def with_changes(
-    design: Design, result: DesignResult, say: Callable[[str], None] = lambda _: None
+    design: Design,
+    result: DesignResult,
+    cycles: Mapping[str, loads.CycleLoads] | None = None,
+    rubbing: Mapping[str, LeafBand] | None = None,
+    say: Callable[[str], None] = lambda _: None,
 ) -> DesignResult:
     """The result with its three best single changes for the part that decides, and its like.
+
+    cycles   as the check has solved them, without dynamic factors
+    rubbing  part -> friction between its leaves, as the check has found it
 
     None where only the linkage does not pass. Where all pass, the two heaviest shapes are tried.
     Sampling errors are taken from the result, and of the cycles only those that decide a check or
     stand in the duty are solved; `improve` takes all, and finds sampling errors anew.
     """
-    search = _Search(design, result, between=False)
+    search = _Search(design, result, cycles, rubbing, between=False)
     found = search.changes(say, shapes=_HEAVIEST)
     if search.open:
         found = [change for change in found if result.deciding.part in change.parts]
@@ -185,7 +195,15 @@ def _reserve(check: Check) -> float:
 class _Search:
     """Formula estimates of a design's variations, set against its result."""
 
-    def __init__(self, design: Design, result: DesignResult, *, between: bool = True) -> None:
+    def __init__(
+        self,
+        design: Design,
+        result: DesignResult,
+        solved: Mapping[str, loads.CycleLoads] | None = None,
+        rubbing: Mapping[str, LeafBand] | None = None,
+        *,
+        between: bool = True,
+    ) -> None:
         self.design, self.result = design, result
         self.open = tuple(
             part.name
@@ -195,18 +213,27 @@ class _Search:
         self._linkage_open = any(check.status is not Status.PASS for check in result.linkage)
         deciding = {check.cycle for check in result.checks}
         cycles = None if between else {*design.duty.cycles, *deciding}
-        self._screening = Screening(design, between=between, rubbing=False, cycles=cycles)
-        self.base = self._screening.of({})
-        known = {_name(check): check for check in result.checks}
-        self._methods = {name: check.method for name, check in known.items()}
+        self._screening = Screening(
+            design, between=between, rubbing=rubbing, cycles=cycles, solved=solved
+        )
+        self._known = {_name(check): check for check in result.checks}
         self._ratios: dict[tuple[str, str, str], tuple[float, float, bool]] = {}
-        for check in self.base.checks:
-            better = known.get(_name(check))
+        self._compared: set[str] = set()
+        self.base = self._compare(self.open or [part.name for part in result.parts])
+
+    def _compare(self, parts: Sequence[str]) -> Screened:
+        """The formula's checks of some parts as they are, beside those of the result."""
+        base = self._screening.of({}, parts)
+        self._screening.rubbing |= base.rubbing
+        self._compared |= set(parts)
+        for check in base.checks:
+            better = self._known.get(_name(check))
             if better is not None and check.value > 0:
                 same = better.method == check.method
                 reach = better.upper / check.upper if same else better.upper / check.value
                 ratios = better.value / check.value, reach, same
                 self._ratios[_name(check)] = ratios
+        return base
 
     def changes(self, say: Callable[[str], None], *, shapes: int | None = None) -> list[Change]:
         """Changes with which the open parts pass, or that save mass where all passes.
@@ -266,6 +293,8 @@ class _Search:
             )
             for name in [m.name for m in others if m.name != value][:_TRIES]:
                 one = self._screening.of({key: name}, own)
+                if not one.problem and self.reserve(one, own) >= 1:
+                    one = self._settled(key, name, own, one)
                 if one.problem:
                     continue
                 parts = tuple(
@@ -297,6 +326,7 @@ class _Search:
         if not min(value[0], old[0]) < size < max(value[0], old[0]):
             return None
         one = self._screened(change.key, size, old[1], change.parts)
+        one = self._settled(change.key, _written(size, old[1]), change.parts, one)
         if one.problem or self.reserve(one, change.parts) < 1 or one.mass >= self.base.mass:
             return None
         text = _written(size, old[1])
@@ -315,6 +345,9 @@ class _Search:
         )
         if one.problem:
             return 0.0
+        new = {check.part for check in one.checks} - self._compared - {LINKAGE}
+        if new:
+            self._compare(sorted(new))
         return min(
             self.reserve(one, (name,)) / min(1.0, (1 - _SAME) * self._before(name))
             for name in [*others, *([LINKAGE] if asks else [])]
@@ -391,7 +424,38 @@ class _Search:
     def _change(
         self, key: str, old: float, unit: str, parts: tuple[str, ...], exponent: float
     ) -> Change | None:
-        """The least change of a dimension with which the parts pass, at a standard size."""
+        """The least change of a dimension with which the parts pass, at a standard size.
+
+        Where they do not with the friction between leaves that it has, it is sought again with the
+        share of the stress that friction has there.
+        """
+        known = dict(self._screening.rubbing)
+        try:
+            for _ in range(_AGAIN):
+                found = self._sized(key, old, unit, parts, exponent)
+                if found is None:
+                    return None
+                value, least, one = found
+                one = self._settled(key, _written(value, unit), parts, one)
+                if not one.problem and self.reserve(one, parts) >= 1:
+                    was, now, just = (_written(number, unit) for number in (old, value, least))
+                    change = self._told(key, was, now, just, parts, one)
+                    return change if self.open or change.saved > 0 else None
+                self._screening.rubbing |= one.rubbing
+        finally:
+            self._screening.rubbing = known
+        return None
+
+    def _settled(self, key: str, value: str, parts: Sequence[str], one: Screened) -> Screened:
+        """A variation with the friction between leaves that it has itself."""
+        if all(one.rubbing[part].friction is None for part in parts if part in one.rubbing):
+            return one
+        return self._screening.of({key: value}, parts, anew=True)
+
+    def _sized(
+        self, key: str, old: float, unit: str, parts: tuple[str, ...], exponent: float
+    ) -> tuple[float, float, Screened] | None:
+        """A standard size with which the parts pass, if it is a change, and the least size."""
         outward = exponent > 0  # whether larger is safer
         least = self._least(key, old, unit, parts, exponent)
         if least is None:
@@ -404,9 +468,7 @@ class _Search:
                 other = self._screened(key, size, unit, parts)
                 if not other.problem and self.reserve(other, parts) >= 1:
                     value, one = size, other
-        was, now, just = (_written(number, unit) for number in (old, value, least[0]))
-        change = self._told(key, was, now, just, parts, one)
-        return change if self.open or change.saved > 0 else None
+        return value, least[0], one
 
     def _least(
         self, key: str, old: float, unit: str, parts: tuple[str, ...], exponent: float
@@ -445,7 +507,7 @@ class _Search:
         self, key: str, was: str, value: str, least: str, parts: tuple[str, ...], one: Screened
     ) -> Change:
         _, safety, lower, check = min(self._reserves(one, parts), key=lambda found: found[0])
-        decided = self._methods.get(_name(check), check.method)
+        decided = self._known.get(_name(check), check).method
         return Change(
             key,
             was,

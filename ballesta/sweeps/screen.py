@@ -24,7 +24,7 @@ from checks.by_formula import formula_checks
 from checks.columns.linkage_frame import linkage_check, worst_mode
 from checks.design.data import Design, Part
 from checks.design.errors import DesignError, NumericsError
-from checks.ladder.climb import answered, climb_cheap, start_climb
+from checks.ladder.climb import Climb, answered, climb_cheap, start_climb
 from checks.ladder.leaf_checks import LeafBand
 from checks.ladder.part_ladder import told_of_part
 from checks.ladder.result import reported_level, rung_gates
@@ -57,6 +57,7 @@ class Screened:
     gates      of all parts
     masses     t, of the parts by name; a pin counts in no body
     open       part -> why no rung below the solid judges its stress
+    rubbing    part -> friction between its leaves, as it was taken
     afresh     whether its loads were run from the beginning, their positions placed anew
     problem    why it could not be checked, else nothing
     """
@@ -66,6 +67,7 @@ class Screened:
     gates: Sequence[Gate] = ()
     masses: Mapping[str, float] = field(default_factory=dict)
     open: Mapping[str, str] = field(default_factory=dict)
+    rubbing: Mapping[str, LeafBand] = field(default_factory=dict)
     afresh: bool = False
     problem: str = ""
 
@@ -133,9 +135,10 @@ class Screening:
 
     between  whether the bars hold what the positions miss between them; without, a variation takes
              half the time
-    rubbing  whether friction between leaves is solved for each variation; without, it has the share
-             of the stress that it has in the design as it is
+    rubbing  part -> friction between its leaves, whose share of the stress variations keep; it is
+             solved where a part is not in it
     cycles   that are solved: those of the duty among them; None for all
+    solved   cycles of the design as it is, without dynamic factors
 
     Raises DesignError and NumericsError for the design itself.
     """
@@ -145,18 +148,23 @@ class Screening:
         design: Design,
         *,
         between: bool = True,
-        rubbing: bool = True,
+        rubbing: Mapping[str, LeafBand] | None = None,
         cycles: Collection[str] | None = None,
+        solved: Mapping[str, loads.CycleLoads] | None = None,
     ) -> None:
         self.design, self.between, self._only = design, between, cycles
-        self.rubbing: dict[str, LeafBand] | None = None if rubbing else {}
+        self.rubbing = dict(rubbing or {})
         self.models = Models()
         masses = part_masses(design, self.models)
         self._linkages: dict[str, loads.Linkage] = {}
         self._cycles: dict[str, loads.Cycle] = {}
         self._solved: dict[str, loads.CycleLoads] = {}
         self._part_loads: dict[str, PartLoads] = {}  # in the design as it is
-        self._solved, _ = self.solve(design, masses)
+        self._solved = (
+            self.solve(design, masses)[0]
+            if solved is None
+            else {name: run for name, run in solved.items() if cycles is None or name in cycles}
+        )
         for name in self._solved:
             self._linkages[name] = self._solved[name].linkage
             self._cycles[name] = design.cycles[name].run
@@ -172,9 +180,12 @@ class Screening:
                 linkage = linkage_of(design, masses, stated, compliances)
                 cycle = stated.run
                 known = self._solved.get(name)
-                if known is not None and loads.moves_alike(
-                    self._linkages[name], self._cycles[name], linkage, cycle
-                ):
+                if known is None:
+                    solved[name] = loads.run_cycle(linkage, cycle)
+                    afresh = True
+                elif (self._linkages[name], self._cycles[name]) == (linkage, cycle):
+                    solved[name] = known
+                elif loads.moves_alike(self._linkages[name], self._cycles[name], linkage, cycle):
                     solved[name] = loads.forces_again(known, linkage, cycle)
                 else:
                     solved[name] = loads.run_cycle(linkage, cycle)
@@ -189,6 +200,7 @@ class Screening:
         formulas: bool = True,
         linkage: bool = False,
         reserves: Mapping[str, float] | None = None,
+        anew: bool = False,
     ) -> Screened:
         """Check one variation by formula; its `problem` says what is wrong with it.
 
@@ -197,11 +209,15 @@ class Screening:
         linkage   whether buckling of the linkage as a whole is checked, too
         reserves  of parts in the design as it is: an unchanged part has no checks where its loads
                   grow by less than half of what its reserve is above 1
+        anew      whether friction between leaves is solved, also where it is known of the design
         """
         overrides = _overrides(variation)
         try:
             varied = read_design(self.design.file, (*self.design.overrides, *overrides))
-            return _checked(self, varied, overrides, parts, formulas, linkage, reserves or {})
+            rubbing = {} if anew else self.rubbing
+            return _checked(
+                self, varied, overrides, rubbing, parts, formulas, linkage, reserves or {}
+            )
         except (DesignError, NumericsError) as error:
             return Screened(overrides=overrides, problem=str(error))
 
@@ -219,6 +235,7 @@ def _checked(
     known: Screening,
     design: Design,
     overrides: tuple[str, ...],
+    rubbing: Mapping[str, LeafBand],
     parts: Collection[str] | None,
     formulas: bool,
     linkage: bool,
@@ -236,6 +253,7 @@ def _checked(
     gates: list[Gate] = []
     left: dict[str, str] = {}
     weights: dict[str, float] = {}
+    rubbed: dict[str, LeafBand] = {}
     for part in design.parts.values():
         with told_of_part(design, part):
             body = known.models.body(part.geometry)
@@ -247,7 +265,9 @@ def _checked(
             loaded = LoadedPart.of(design, part, runs, known.models)
             if not known.between:
                 loaded = loaded.under(replace(loaded.loads, path=None))
-            why = _check_part(known, loaded, body, checks, gates)
+            climb = start_climb(loaded, rubbing.get(part.name))
+            why = _check_part(climb, body, checks, gates)
+            rubbed |= {part.name: climb.bands[_RUNG]} if _RUNG in climb.bands else {}
             if formulas:
                 checks += formula_checks(loaded)
         if why:
@@ -256,22 +276,22 @@ def _checked(
     if mode is not None:
         checks.append(linkage_check(design, mode.under(design.load_factor)))
     return Screened(
-        overrides=overrides, checks=checks, gates=gates, masses=weights, open=left, afresh=afresh
+        overrides=overrides,
+        checks=checks,
+        gates=gates,
+        masses=weights,
+        open=left,
+        rubbing=rubbed,
+        afresh=afresh,
     )
 
 
-def _check_part(
-    known: Screening, loaded: LoadedPart, body: SolidBody, checks: list[Check], gates: list[Gate]
-) -> str:
+def _check_part(climb: Climb, body: SolidBody, checks: list[Check], gates: list[Gate]) -> str:
     """Add checks and gates of a part's stress; returns why it is not judged, if it is not."""
-    shared = known.rubbing
-    climb = start_climb(loaded, None if shared is None else shared.get(loaded.name))
     why = ""
     if climb_cheap(climb, _RUNG):
         why = "; ".join(tried.why for tried in climb.tried)
     else:
         checks += answered(climb)
         gates += rung_gates(climb, reported_level(climb), body.size)
-        if shared is not None and _RUNG in climb.bands:
-            shared.setdefault(loaded.name, climb.bands[_RUNG])
     return why

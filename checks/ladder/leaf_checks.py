@@ -11,14 +11,14 @@ from math import inf, isfinite
 
 import loads
 from checks.design.data import Part
-from checks.ladder.leaf_friction import Rubbed, rubbed
+from checks.ladder.leaf_friction import rubbed
 from checks.ladder.levels import first_level
 from checks.part.derived import VALUE, at_value
 from checks.part.loaded_part import LoadedPart
 from checks.result.derivation import Derivation, Given, Item, Step
 from checks.result.verdict import Check, Gate, PartResult
 from checks.stress.solid_mesh_level import Level, Models
-from fem.contact.condensed import ALLOWED, ContactError
+from fem.contact.condensed import ALLOWED
 from fem.tie_tension import tie_tension
 from geometry.parts import LeafPack
 from geometry.parts.leaf_pack import as_leaves
@@ -142,7 +142,7 @@ def leaf_band(loaded: LoadedPart) -> LeafBand:
     """Widening of a pack's stress checks by the friction between its leaves."""
     if not _rubs(loaded):
         return LeafBand(None)
-    found = _tried(loaded)
+    found = rubbed(loaded)
     if isinstance(found, str):
         return LeafBand(Friction((inf, inf), (0.0, 0.0), found))
     cases = "; ".join(
@@ -163,17 +163,9 @@ def _rubs(loaded: LoadedPart) -> bool:
     return shape is not None and shape.leaves > 1 and not loaded.loads.is_nothing
 
 
-def _tried(loaded: LoadedPart) -> Rubbed | str:
-    """Stresses of the pack with friction, or why they are not known."""
-    try:
-        return rubbed(loaded)
-    except (ContactError, loads.LinkageError) as error:
-        return f"it cannot be solved: {error}"
-
-
 def friction_gates(loaded: LoadedPart) -> list[Gate]:
     """Validity check of contact and friction between leaves; none for other parts."""
-    found = _tried(loaded) if _rubs(loaded) else ""
+    found = rubbed(loaded) if _rubs(loaded) else ""
     if isinstance(found, str):
         return []
     return [
@@ -189,7 +181,7 @@ def friction_gates(loaded: LoadedPart) -> list[Gate]:
 
 def friction_facts(loaded: LoadedPart) -> dict[str, float | str]:
     """Forces of contacts on a pack with friction between its leaves; none for other parts."""
-    found = _tried(loaded) if _rubs(loaded) else ""
+    found = rubbed(loaded) if _rubs(loaded) else ""
     if isinstance(found, str) or not any(force for force, _ in found.forces):
         return {}
     told = "; ".join(

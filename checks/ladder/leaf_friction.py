@@ -9,18 +9,19 @@ leaves are between unpressed and held without slip in clamp and bracket (docs/th
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from hashlib import sha256
 from itertools import pairwise, product
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
 import loads
-from checks.models.checked import rung_level
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads, loads_on
-from checks.stress.part_model import RungLevel, RungModel
-from fem.contact.leaves import Driven, LeafContact, LeafHistory, LeafStack
-from fem.stress_history import StressHistory
+from checks.strength.part_strength import endurance_of
+from checks.stress.duty_verdict import duty_runs, duty_verdict
+from fem.contact.condensed import ContactError
+from fem.contact.leaves import Driven, LeafContact, LeafHistory
+from fem.leaf_stack import LeafStack
 from geometry.mesh import FloatArray, IntArray
 from geometry.parts import LeafPack
 from geometry.parts.leaf_pack import as_leaves
@@ -29,8 +30,8 @@ FRICTION = (0.1, 0.3)  # dry to greased steel on steel, where a design is silent
 _GRIPPED = 1e3  # times the largest force on the pack: a preload under which nothing slips
 _HALF_WAY = 1.5  # times moment over thickness: a preload under which a clamp slips in part
 _STIFFER = 2.0  # times the bending stiffness: tells how much of a deflection is the pack's
-_POSITIONS = 24  # of a cycle, beside its extremes
-_LIKELY = 0.8  # of the largest stress: cycles that friction may bring to the top
+_POSITIONS = 4  # of a cycle, beside its extremes
+_RIVAL = 1.05  # times its expected stress against the largest: a cycle that is solved as well
 # Distance of places where the pack is pressed, and elsewhere: at most so much of its clamp and arm.
 _FINE, _COARSE = (0.1, 0.02), (0.5, 0.1)
 _TELLING = 0.02  # of the largest force of a contact: enough to read compliances from
@@ -55,6 +56,7 @@ class Rubbed:
     static, fatigue   ratio of the stress that decides, by case
     forces            N, largest force of a contact by case: of leaves that slide, with friction
     missed            largest of what equilibrium and laws of contact are missed by, scaled
+    cycles            that were solved
     """
 
     cases: tuple[Rubbing, ...]
@@ -63,34 +65,41 @@ class Rubbed:
     forces: tuple[tuple[float, float], ...]
     missed: float
     cycles: tuple[str, ...]
-    positions: int
 
 
 def cases_of(shape: LeafPack, part_loads: PartLoads) -> tuple[Rubbing, ...]:
     """Friction and preloads that a pack is solved for: what its design leaves open.
 
     A clamp that is not stated is taken without preload, without slip, and slipping half way: the
-    stress falls first, as the clamp takes over, and grows with the stiffness then.
+    stress falls first, as the clamp takes over, and grows with the stiffness then. A bracket that
+    is not stated has none, or no slip: with it, only what has been found at an end of the band is
+    solved (docs/theory/leaf_packs.md).
     """
     frictions = FRICTION if shape.friction is None else (shape.friction,)
     gripped = _GRIPPED * part_loads.largest_force
-    half = _HALF_WAY * float(np.abs(_moment(part_loads, slice(None))).max()) / shape.thickness
+    half = _HALF_WAY * float(np.abs(_moment(part_loads.wrenches)).max()) / shape.thickness
 
-    def taken(name: str, preload: float | None, between: float) -> list[tuple[float, str]]:
+    def taken(name: str, preload: float | None, *between: float) -> list[tuple[float, str]]:
         if preload is not None:
             return [(preload, f"{preload / 1e3:g} kN on the {name}")]
-        some = [(between, f"{between / 1e3:.3g} kN on the {name}")] if between else []
+        some = [(force, f"{force / 1e3:.3g} kN on the {name}") for force in between]
         return [(0.0, f"no preload of the {name}"), *some, (gripped, f"a {name} without slip")]
 
     clamps = taken("clamp", shape.clamp_preload, half)
-    rods = taken("bracket", shape.rod_preload, 0.0)
-    found = []
-    for friction, clamp, rod in product(frictions, clamps, rods):
-        if friction != frictions[0] and rod[0] == gripped:
-            continue  # what slips elsewhere then makes little difference
-        words = f"friction {friction:g}, {clamp[1]}, {rod[1]}"
-        found.append(Rubbing(friction, clamp[0], rod[0], words))
-    return tuple(found)
+    rods = taken("bracket", shape.rod_preload)
+    wanted = list(product(frictions, clamps, rods))
+    if len(rods) > 1:
+        loose, held = rods
+        ends = [clamp for clamp in clamps if len(clamps) == 1 or clamp[0] != half]
+        slipping = [clamp for clamp in clamps if len(clamps) == 1 or clamp[0] != gripped]
+        wanted = [
+            *product(frictions, slipping, [loose]),
+            *product(frictions[:1], ends, [held]),
+        ]
+    return tuple(
+        Rubbing(friction, clamp, rod, f"friction {friction:g}, {on_clamp}, {on_rod}")
+        for friction, (clamp, on_clamp), (rod, on_rod) in wanted
+    )
 
 
 def gives(loaded: LoadedPart, cycle: loads.CycleLoads | loads.MeasuredLoads) -> bool:
@@ -106,109 +115,208 @@ def gives(loaded: LoadedPart, cycle: loads.CycleLoads | loads.MeasuredLoads) -> 
     )
 
 
-_KEPT = 8
-_KNOWN: dict[bytes, Rubbed] = {}
-
-
-def rubbed(loaded: LoadedPart) -> Rubbed:
-    """Solve a pack's friction over the cycles that may decide; equal packs are not solved again.
-
-    Raises ContactError or loads.LinkageError where no contact is found.
-    """
-    key = _key(loaded)
-    if key not in _KNOWN:
-        while len(_KNOWN) >= _KEPT:
-            del _KNOWN[next(iter(_KNOWN))]
-        _KNOWN[key] = _solved(loaded)
-    return _KNOWN[key]
-
-
-def _key(loaded: LoadedPart) -> bytes:
-    """Digest of all that a pack's friction depends on: part, duty, loads, and what gives way."""
-    part, acting = loaded.part, loaded.loads
-    giving = [
-        (name, run.linkage.compliance if isinstance(run, loads.CycleLoads) else ())
-        for name, run in loaded.runs.items()
-    ]
-    design = loaded.design.sha256, loaded.design.overrides, loaded.duty
-    stated = design, part.geometry, part.material, part.surface, part.reliability, giving
-    found = sha256(repr((stated, sorted(acting.cycles.items(), key=str))).encode())
-    for arrays in (acting.wrenches, acting.reaches):
-        for name in sorted(arrays):
-            found.update(np.ascontiguousarray(arrays[name]).tobytes())
-    found.update(np.ascontiguousarray(acting.accelerations).tobytes())
-    return found.digest()
-
-
 @dataclass(frozen=True, eq=False)
 class _Cycle:
-    """A cycle's loads on the stack at some of its positions.
+    """A cycle at some of its positions, with leaves that slide freely.
 
-    columns  (n,) positions of the part's loads
-    loads    (n, n_dofs), with `force` (n,) N of its contact in them; 0 without one
-    driven   what the contact imposes; None without one
+    at        (n,) which of the cycle's positions
+    wrenches  interface -> (n, 6)
+    reach     (n,) mm, where the contact presses
+    loads     (n, n_dofs) on the stack
+    stress    (n, count, 2, 2 (k - 1)) MPa
+    touched   name of the contact that imposes a deflection; "" without one
+    force     (n,) N, of that contact; 0 where nothing is imposed
     """
 
-    name: str
-    columns: IntArray
+    at: IntArray
+    wrenches: Mapping[str, FloatArray]
+    reach: FloatArray
     loads: FloatArray
+    stress: FloatArray
+    touched: str
     force: FloatArray
-    driven: Driven | None
 
-    def given(self) -> FloatArray:
-        """Loads without those of the contact."""
-        if self.driven is None:
-            return self.loads
-        return self.loads - self.force[:, None] * self.driven.direction
+    def peaks(self, stress: FloatArray) -> FloatArray:
+        """Largest stress (2,) where loads are given, and where a deflection is; 0 without such."""
+        each = np.abs(stress).reshape(len(stress), -1).max(axis=1)
+        return np.array([each[some].max(initial=0.0) for some in (self.force == 0, self.force > 0)])
 
 
-def _solved(loaded: LoadedPart) -> Rubbed:
-    shape = as_leaves(loaded.part.geometry)
-    assert shape is not None
-    stack = stack_of(loaded, shape)
-    cases = cases_of(shape, loaded.loads)
-    sliding = LeafContact(stack, 0.0)
-    contacts = {case.friction: LeafContact(stack, case.friction) for case in cases}
-    names = _likely(loaded, stack)
-    done: dict[str, tuple[FloatArray, list[LeafHistory], _Cycle]] = {}
-    while True:
-        for name in names:
-            cycle = _cycle(loaded, stack, sliding, name)
-            free = np.einsum("lfkd,nd->nlfk", stack.face_stress, sliding.tied(cycle.loads))
-            histories = [
-                contacts[case.friction].history(
-                    cycle.given() + _pressed(stack, shape, case), cycle.driven
+_SOLVED: WeakKeyDictionary[LoadedPart, Rubbed | str] = WeakKeyDictionary()
+
+
+def rubbed(loaded: LoadedPart) -> Rubbed | str:
+    """A pack's friction over the cycles that may decide, or why it is not known.
+
+    Solved once for a loaded part, which never changes and is all that the answer depends on.
+    """
+    if loaded not in _SOLVED:
+        try:
+            _SOLVED[loaded] = _Pack(loaded).rubbed()
+        except (ContactError, loads.LinkageError) as error:
+            _SOLVED[loaded] = f"it cannot be solved: {error}"
+    return _SOLVED[loaded]
+
+
+class _Pack:
+    """A loaded pack: its cycles with leaves that slide, and what is solved of them by case."""
+
+    def __init__(self, loaded: LoadedPart) -> None:
+        shape = as_leaves(loaded.part.geometry)
+        assert shape is not None
+        self.loaded, self.shape = loaded, shape
+        self.stack = stack_of(loaded, shape)
+        self.contact = LeafContact(self.stack)
+        self.cycles = {name: self.cycle(name) for name in loaded.loads.cycles}
+        self.driven: dict[str, Driven | None] = {}
+        self.cases = cases_of(shape, loaded.loads)
+        self.solved: list[dict[str, LeafHistory]] = [{} for _ in self.cases]
+
+    def rubbed(self) -> Rubbed:
+        """Solve the cycles of the duty, those stressed most with sliding leaves, and their rivals.
+
+        A rival's stress may be the largest of a case, by the ratios to sliding that others have.
+        """
+        free = {name: cycle.peaks(cycle.stress) for name, cycle in self.cycles.items()}
+        firsts = [name for name in free if name in self.loaded.duty.cycles]
+        for k in (0, 1):
+            largest = max(free, key=lambda name: float(free[name][k]))
+            firsts += [largest] if free[largest][k] else []
+        for case, solved in zip(self.cases, self.solved, strict=True):
+            wanted = list(dict.fromkeys(firsts))
+            while wanted:
+                solved |= {name: self.history(name, case) for name in wanted}
+                found = {name: self.cycles[name].peaks(solved[name].stress) for name in solved}
+                ratios = np.max(
+                    [found[name] / free[name].clip(min=1e-300) for name in found], axis=0
                 )
-                for case in cases
+                most = max(peaks.max() for peaks in found.values())
+                wanted = [
+                    name
+                    for name in free
+                    if name not in solved and _RIVAL * (ratios * free[name]).max() >= most
+                ]
+        most = max(float(peaks.max()) for peaks in free.values())
+        static = [
+            max(float(np.abs(history.stress).max()) for history in solved.values()) / most
+            for solved in self.solved
+        ]
+        sliding = self.amplitude({name: cycle.stress for name, cycle in self.cycles.items()})
+        fatigue = (
+            static
+            if not sliding
+            else [
+                self.amplitude({name: history.stress for name, history in solved.items()}) / sliding
+                for solved in self.solved
             ]
-            done[name] = (free, histories, cycle)
-        levels = [_level(loaded, stack, shape, done, k) for k in range(-1, len(cases))]
-        static = [level.peak.value / levels[0].peak.value for level in levels[1:]]
-        names = _beaten(loaded, stack, done, levels)
-        if not names:
-            break
-    fatigue = [
-        static[k]
-        if level.fatigue is None or levels[0].fatigue is None or not levels[0].fatigue.value
-        else level.fatigue.value / levels[0].fatigue.value
-        for k, level in enumerate(levels[1:])
-    ]
-    driven = [(cycle, h) for _, h, cycle in done.values() if cycle.driven is not None]
-    return Rubbed(
-        cases,
-        tuple(static),
-        tuple(fatigue),
-        tuple(
-            max(
-                ((float(cycle.force.max()), float(h[k].force.max())) for cycle, h in driven),
-                default=(0.0, 0.0),
+        )
+        return Rubbed(
+            self.cases,
+            tuple(static),
+            tuple(fatigue),
+            tuple(
+                max(
+                    (float(self.cycles[name].force.max()), float(history.force.max()))
+                    for name, history in solved.items()
+                )
+                for solved in self.solved
+            ),
+            max(max(h.unbalanced, h.not_complementary) for s in self.solved for h in s.values()),
+            tuple(name for name in self.cycles if any(name in solved for solved in self.solved)),
+        )
+
+    def history(self, name: str, case: Rubbing) -> LeafHistory:
+        """A cycle with the friction and preloads of a case."""
+        cycle, shape, stack = self.cycles[name], self.shape, self.stack
+        if name not in self.driven:
+            self.driven[name] = self.imposed(name) if cycle.force.any() else None
+        driven, given = self.driven[name], cycle.loads
+        if driven is not None:
+            given = given - cycle.force[:, None] * driven.direction
+        half, rod = shape.clamp_length / 2, shape.rod_length / 2
+        pressed = stack.squeezed((-half, half), case.clamp)
+        pressed += stack.squeezed((shape.length - rod, shape.length + rod), case.rod)
+        return self.contact.history(given + pressed, case.friction, driven)
+
+    def amplitude(self, stress: Mapping[str, FloatArray]) -> float:
+        """Largest amplitude of equal safety over the duty, MPa, by cycle; 0 without a duty."""
+        part, stack = self.loaded.part, self.stack
+        runs, start, columns = {}, 0, []
+        for name in self.loaded.duty.cycles:
+            if name in stress:
+                columns.append(stress[name].reshape(len(stress[name]), -1).T)
+                runs[name] = slice(start, start := start + len(stress[name]))
+        if not runs:
+            return 0.0
+        x = np.tile(stack.stress_places, 2 * stack.count)
+        clamped = np.abs(x) <= self.shape.clamp_length / 2 + 1e-9
+        limit = endurance_of(part).value
+        limits = limit / np.where(clamped, self.shape.clamp_factor, 1.0)
+        basis = np.zeros((len(x), 6, start))
+        basis[:, 0] = np.concatenate(columns, axis=1)
+        ultimate, paths = part.material.ultimate_stress, duty_runs(runs, runs)
+        found = duty_verdict(basis, np.eye(start), limits, limit, ultimate, paths)
+        assert found is not None
+        return found.peak.value
+
+    def cycle(self, name: str) -> _Cycle:
+        """A cycle with leaves that slide freely."""
+        acting, run = self.loaded.loads, self.loaded.runs[name]
+        columns = acting.cycles[name]
+        wrenches = {key: wrench[columns] for key, wrench in acting.wrenches.items()}
+        at = _chosen(_moment(wrenches), run)
+        wrenches = {key: wrench[at] for key, wrench in wrenches.items()}
+        reach = np.full(len(at), -(self.shape.contact_from + self.shape.contact_to) / 2)
+        if "contact" in acting.reaches:
+            reach = acting.reaches["contact"][columns][at]
+        own = self.on_stack(wrenches, wrenches, reach)
+        touched, force = "", np.zeros(len(at))
+        if gives(self.loaded, run):
+            assert isinstance(run, loads.CycleLoads)
+            (touched,) = run.touches
+            force = np.abs(run.efforts[touched][at])
+        stress = self.stack.stress(self.contact.tied(own))
+        return _Cycle(at, wrenches, reach, own, stress, touched, force)
+
+    def imposed(self, name: str) -> Driven:
+        """A contact's deflection of the pack: that of leaves that slide, at each position."""
+        cycle = self.cycles[name]
+        unit, share = _per_force(self.loaded, name, cycle.touched, cycle.at)
+        direction = self.on_stack(unit, cycle.wrenches, cycle.reach)
+        slid = self.contact.tied(direction)
+        soft = share * np.einsum("nd,nd->n", direction, slid)
+        imposed = np.einsum("nd,nd->n", slid, cycle.loads) + soft * cycle.force
+        return Driven(direction, np.where(cycle.force > 0, imposed, np.nan), soft)
+
+    def on_stack(
+        self,
+        wrenches: Mapping[str, FloatArray],
+        like: Mapping[str, FloatArray],
+        reach: FloatArray,
+    ) -> FloatArray:
+        """Balanced loads (n, n_dofs) of wrenches on the faces that those of `like` push on.
+
+        reach  (n,) mm, where the contact presses
+        """
+        shape, stack, still = self.shape, self.stack, np.zeros(1)
+        found = np.zeros((len(reach), stack.n_dofs))
+        for name, centres, length, arms in (
+            ("pivot", still, shape.clamp_length, still),
+            ("rod", still + shape.length, shape.rod_length, still),
+            ("contact", reach, shape.contact_length, reach),
+        ):
+            spans = [(x - length / 2, x + length / 2) for x in centres.tolist()]
+            even = np.array([stack.spread(span, 1.0, 0.0) for span in spans])
+            turning = np.array([stack.spread(span, 0.0, 1.0) for span in spans])
+            sizes, pushed = (
+                w[:, 1, None] * even + (w[:, 5] - arms * w[:, 1])[:, None] * turning
+                for w in (wrenches[name], like[name])
             )
-            for k in range(len(cases))
-        ),
-        max(max(h.unbalanced, h.not_complementary) for _, hs, _ in done.values() for h in hs),
-        tuple(done),
-        sum(len(cycle.columns) for _, _, cycle in done.values()),
-    )
+            found += stack.on_faces(sizes, pushed)
+            along = wrenches[name][:, :1] * even / stack.count
+            for leaf in range(stack.count):
+                found[:, stack.dof(leaf, 0)] += along
+        return stack.balanced(found)
 
 
 def stack_of(loaded: LoadedPart, shape: LeafPack) -> LeafStack:
@@ -246,83 +354,9 @@ def stack_of(loaded: LoadedPart, shape: LeafPack) -> LeafStack:
     )
 
 
-def _pressed(stack: LeafStack, shape: LeafPack, case: Rubbing) -> FloatArray:
-    half, rod = shape.clamp_length / 2, shape.rod_length / 2
-    return stack.squeezed((-half, half), case.clamp) + stack.squeezed(
-        (shape.length - rod, shape.length + rod), case.rod
-    )
-
-
-def _likely(loaded: LoadedPart, stack: LeafStack) -> list[str]:
-    """Cycles of the duty, and those in which the free pack is stressed nearly most."""
-    sizes = {name: _size(loaded, columns) for name, columns in loaded.loads.cycles.items()}
-    most = max(sizes.values())
-    return [
-        name for name, size in sizes.items() if size >= _LIKELY * most or name in loaded.duty.cycles
-    ]
-
-
-def _size(loaded: LoadedPart, columns: slice) -> float:
-    """Largest bending moment of the contact about the pivot, N mm."""
-    return float(np.abs(_moment(loaded.loads, columns)).max())
-
-
-def _moment(part_loads: PartLoads, columns: slice) -> FloatArray:
-    return np.asarray(part_loads.wrenches["contact"][columns, 5])
-
-
-def _beaten(
-    loaded: LoadedPart,
-    stack: LeafStack,
-    done: Mapping[str, tuple[FloatArray, list[LeafHistory], _Cycle]],
-    levels: list[RungLevel],
-) -> list[str]:
-    """Cycles left out that may be stressed most with friction, by the ratios found elsewhere."""
-    sizes = {name: _size(loaded, columns) for name, columns in loaded.loads.cycles.items()}
-    touching = {name for name in sizes if gives(loaded, loaded.runs[name])}
-    most = max(sizes[name] for name in done)
-    found = []
-    for name in sizes.keys() - done.keys():
-        alike = [other for other in done if (other in touching) == (name in touching)]
-        ratio = max(
-            (
-                float(np.abs(h.stress).max() / np.abs(done[other][0]).max())
-                for other in alike
-                for h in done[other][1]
-            ),
-            default=np.inf,
-        )
-        least = min(level.peak.value for level in levels[1:]) / levels[0].peak.value
-        if sizes[name] * ratio >= least * most:
-            found.append(name)
-    return sorted(found)
-
-
-def _cycle(loaded: LoadedPart, stack: LeafStack, sliding: LeafContact, name: str) -> _Cycle:
-    part_loads = loaded.loads
-    columns = part_loads.cycles[name]
-    run = loaded.runs[name]
-    chosen = _chosen(_moment(part_loads, columns), run)
-    at = columns.start + chosen
-    shape = as_leaves(loaded.part.geometry)
-    assert shape is not None
-    wrenches = {key: w[at] for key, w in part_loads.wrenches.items()}
-    reach = _reach(part_loads, shape)[at]
-    own = stack.balanced(_on_stack(stack, shape, wrenches, wrenches, reach))
-    force, driven = np.zeros(len(at)), None
-    if gives(loaded, run):
-        assert isinstance(run, loads.CycleLoads)
-        (touched,) = run.touches
-        force = np.abs(run.efforts[touched][chosen])
-        unit, share = _per_force(loaded, name, touched, chosen)
-        direction = stack.balanced(_on_stack(stack, shape, unit, wrenches, reach))
-        free = sliding.tied(own)
-        stiff = np.einsum("nd,nd->n", direction, sliding.tied(direction))
-        soft = share * stiff
-        imposed = np.einsum("nd,nd->n", direction, free) + soft * force
-        imposed[force == 0] = np.nan
-        driven = Driven(direction, imposed, soft)
-    return _Cycle(name, at, own, force, driven)
+def _moment(wrenches: Mapping[str, FloatArray]) -> FloatArray:
+    """Moment (n,) of the contact about the pivot, N mm."""
+    return np.asarray(wrenches["contact"][:, 5])
 
 
 def _chosen(moment: FloatArray, run: loads.CycleLoads | loads.MeasuredLoads) -> IntArray:
@@ -338,38 +372,6 @@ def _chosen(moment: FloatArray, run: loads.CycleLoads | loads.MeasuredLoads) -> 
     return np.array(sorted(found))
 
 
-def _reach(part_loads: PartLoads, shape: LeafPack) -> FloatArray:
-    """Where the contact presses, x in mm (n,)."""
-    middle = np.full(len(part_loads.accelerations), -(shape.contact_from + shape.contact_to) / 2)
-    return part_loads.reaches.get("contact", middle)
-
-
-def _on_stack(
-    stack: LeafStack,
-    shape: LeafPack,
-    wrenches: Mapping[str, FloatArray],
-    like: Mapping[str, FloatArray],
-    reach: FloatArray,
-) -> FloatArray:
-    """Loads (n, n_dofs) of wrenches on the faces of the leaves that those of `like` push on."""
-    half, rod, tip = shape.clamp_length / 2, shape.rod_length / 2, shape.contact_length / 2
-    result = np.zeros((len(reach), stack.n_dofs))
-    for k, x in enumerate(reach):
-        for name, span in (
-            ("pivot", (-half, half)),
-            ("rod", (shape.length - rod, shape.length + rod)),
-            ("contact", (float(x) - tip, float(x) + tip)),
-        ):
-            own, other = wrenches[name][k], like[name][k]
-            arm = (span[0] + span[1]) / 2 if name == "contact" else 0.0
-            sizes, pushed = (stack.spread(span, w[1], w[5] - arm * w[1]) for w in (own, other))
-            result[k] += stack.on_faces(sizes, pushed)
-            along = stack.spread(span, own[0], 0.0) / stack.count
-            for leaf in range(stack.count):
-                result[k, stack.dof(leaf, 0)] += along
-    return result
-
-
 def _per_force(
     loaded: LoadedPart, name: str, touched: str, chosen: IntArray
 ) -> tuple[dict[str, FloatArray], FloatArray]:
@@ -378,113 +380,44 @@ def _per_force(
     From the cycle solved once more with a stiffer pack. The deflection of a force F that lifts the
     linkage by `lift` is F (rest + pack) = -lift.
     """
-    run = loaded.runs[name]
+    run, columns = loaded.runs[name], loaded.loads.cycles[name]
     assert isinstance(run, loads.CycleLoads)
-    other = _stiffened(loaded, name)
-    part_loads = loads_on(loaded.design, loaded.part, {name: other})
-    columns = loaded.loads.cycles[name]
+    linkage = replace(
+        run.linkage,
+        compliance=tuple(_stiffer(entry, loaded.part.body) for entry in run.linkage.compliance),
+    )
+    other = loads.run_at_positions(run, linkage, loaded.design.cycles[name].run)
+    wrenches = loads_on(loaded.design, loaded.part, {name: other}).wrenches
     force, again = np.abs(run.efforts[touched]), np.abs(other.efforts[touched])
-    there = np.interp(run.times, other.times, again)
-    both = _telling(force) & (np.interp(run.times, other.times, _telling(again)) == 1)
-    if not both.any():
+    telling = np.flatnonzero((force > _TELLING * force.max()) & (again > _TELLING * again.max()))
+    if not len(telling):
         raise loads.LinkageError(
             f"{name}: its contact hardly presses, so that the pack's share of what gives way is "
             "not known"
         )
-    at, change = run.times[both], (there - force)[both]
-    times = run.times[chosen]
-    unit = {}
-    for key, wrench in loaded.loads.wrenches.items():
-        second = part_loads.wrenches[key]
-        rate = [
-            (np.interp(at, other.times, second[:, j]) - wrench[columns][both, j]) / change
-            for j in range(6)
-        ]
-        unit[key] = np.stack([np.interp(times, at, row) for row in rate], axis=1)
+    change = (again - force)[telling, None]
+    rates = {
+        key: (wrenches[key] - wrench[columns])[telling] / change
+        for key, wrench in loaded.loads.wrenches.items()
+    }
     ways = [
-        np.interp(at, cycle.times, -cycle.touches[touched].lift) / size[both]
-        for cycle, size in ((run, force), (other, there))
+        -cycle.touches[touched].lift[telling] / size[telling]
+        for cycle, size in ((run, force), (other, again))
     ]
     own = (ways[0] - ways[1]) / (1 - 1 / _STIFFER)
     share = np.maximum(ways[0] / own - 1, 0.0)
-    return unit, np.asarray(np.interp(times, at, share))
+
+    def at(values: FloatArray) -> FloatArray:
+        return np.asarray(np.interp(chosen, telling, values))
+
+    unit = {key: np.stack([at(row) for row in rate.T], axis=1) for key, rate in rates.items()}
+    return unit, at(share)
 
 
-def _telling(force: FloatArray) -> FloatArray:
-    return np.asarray(force > _TELLING * force.max(initial=0.0))
-
-
-def _stiffened(loaded: LoadedPart, name: str) -> loads.CycleLoads:
-    """Solve a cycle again with a body that bends less."""
-    cycle = loaded.runs[name]
-    assert isinstance(cycle, loads.CycleLoads)
-
-    def stiffer(entry: _Compliance) -> _Compliance:
-        if isinstance(entry, loads.JointCompliance) or entry.body != loaded.part.body:
-            return entry
-        if isinstance(entry, loads.MatrixCompliance):
-            return replace(entry, matrix=entry.matrix / _STIFFER)
-        bending = None if entry.bending is None else _STIFFER * entry.bending
-        return replace(entry, bending=bending)
-
-    linkage = replace(
-        cycle.linkage, compliance=tuple(stiffer(entry) for entry in cycle.linkage.compliance)
-    )
-    return loads.run_cycle(linkage, loaded.design.cycles[name].run)
-
-
-def _level(
-    loaded: LoadedPart,
-    stack: LeafStack,
-    shape: LeafPack,
-    done: Mapping[str, tuple[FloatArray, list[LeafHistory], _Cycle]],
-    case: int,
-) -> RungLevel:
-    """Stress of the beams' faces over the solved positions, judged; case -1 slides freely."""
-    slices, columns, stresses, start = {}, [], [], 0
-    for name, (free, histories, cycle) in done.items():
-        stresses.append(free if case < 0 else histories[case].stress)
-        columns.append(cycle.columns)
-        slices[name] = slice(start, start + len(cycle.columns))
-        start += len(cycle.columns)
-    stress = np.concatenate(stresses).reshape(start, -1).T
-    part_loads = _at(loaded.loads, np.concatenate(columns), slices)
-    n = len(stress)
-    heights = (np.arange(stack.count) - stack.count / 2) * stack.thickness
-    y = np.repeat(
-        np.stack([heights, heights + stack.thickness], axis=1).ravel(), len(stack.stress_places)
-    )
-    x = np.tile(stack.stress_places, 2 * stack.count)
-    basis = np.zeros((n, 6, n))
-    basis[:, 0] = np.eye(n)
-    model = RungModel(
-        rung="leaves that rub",
-        history=StressHistory(np.arange(n), np.stack([x, y, np.zeros(n)], axis=1), basis, stress),
-        places=["leaf"] * n,
-        fretting=np.where(np.abs(x) <= shape.clamp_length / 2 + 1e-9, shape.clamp_factor, 1.0),
-        numerical=0.0,
-        residual=0.0,
-        deflection=0.0,
-        buckling=None,
-        neglects="",
-        units=[("stress", "MPa")] * n,
-    )
-    return rung_level(loaded.under(part_loads), model)
-
-
-def _at(part_loads: PartLoads, columns: IntArray, slices: Mapping[str, slice]) -> PartLoads:
-    """Loads at some positions only."""
-    stretch, path = part_loads.stretch_of, part_loads.path
-    return replace(
-        part_loads,
-        wrenches={name: w[columns] for name, w in part_loads.wrenches.items()},
-        accelerations=part_loads.accelerations[columns],
-        cycles=slices,
-        labels=tuple(part_loads.labels[k] for k in columns),
-        cycle_names=tuple(part_loads.cycle_names[k] for k in columns),
-        reaches={name: r[columns] for name, r in part_loads.reaches.items()},
-        stretch_of=None if stretch is None else stretch[columns],
-        path=None if path is None else path[columns],
-        doubts=(),
-        spins={name: s[columns] for name, s in part_loads.spins.items()},
-    )
+def _stiffer(entry: _Compliance, body: str | None) -> _Compliance:
+    """A compliance of the body as if it bent less; others as they are."""
+    if isinstance(entry, loads.JointCompliance) or entry.body != body:
+        return entry
+    if isinstance(entry, loads.MatrixCompliance):
+        return replace(entry, matrix=entry.matrix / _STIFFER)
+    return replace(entry, bending=None if entry.bending is None else _STIFFER * entry.bending)

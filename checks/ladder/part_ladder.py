@@ -28,6 +28,7 @@ from checks.ladder.climb import (
     complete,
     start_climb,
 )
+from checks.ladder.leaf_checks import LeafBand
 from checks.ladder.part_fields import undrawn, with_drawn_fields
 from checks.ladder.result import cheap_result, solid_result
 from checks.models import stress_words
@@ -103,6 +104,15 @@ class Ladder:
             self._tell(name)
             self.models.keep_only(set())
         return [self._completed(name, self.results[name]) for name in self.design.parts]
+
+    @property
+    def rubbing(self) -> dict[str, LeafBand]:
+        """Friction between the leaves of the parts that a rung below the solid has judged."""
+        return {
+            name: next(iter(climb.bands.values()))
+            for name, climb in self.climbs.items()
+            if climb.bands
+        }
 
     @property
     def deadline(self) -> float:

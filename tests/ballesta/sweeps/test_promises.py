@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from ballesta.design.read import read_design
-from ballesta.pipeline import check_design
+from ballesta.pipeline import check_design, check_with_cycles
 from ballesta.sweeps.improve import with_changes
 from checks.design.effort import Effort
 from checks.result.verdict import Status
@@ -13,6 +13,7 @@ from checks.store.store import Store
 from tests.small_machine import MACHINE, PLATE
 
 SOLID = Effort("solid")
+HAMMER = Path(__file__).parents[3] / "designs" / "spring_hammer.toml"
 SHAPES = ((30, 8, 12), (26, 6, 12), (40, 10, 20), (24, 12, 8))  # mm: width, thickness, hole
 SHORT = (1.04, 1.12, 1.25, 1.5, 1.8)  # required safety over that at the end of the bars
 
@@ -61,3 +62,21 @@ def test_changes_of_twenty_open_or_failing_checks_pass_and_keep_their_promise(tm
     assert Status.PASS not in statuses
     assert len(kept) == 20
     assert sum(error < 0.10 for error in kept) >= 18, sorted(kept)
+
+
+@pytest.mark.slow
+def test_changes_of_the_hammers_leaves_hold_with_the_friction_that_they_then_have():
+    """Of leaves 12.6 mm thick friction's share of fatigue is 2 % more than of those of 9.6 mm: with
+    the share kept they had passed with 1.305 of 1.3, and a check has 1.297: UNDECIDED.
+    """
+    formula = Effort("formula")
+    design = read_design(HAMMER)
+    checked = check_with_cycles(design, effort=formula)
+    changes = with_changes(design, checked.result, checked.cycles, checked.rubbing).changes
+    assert len(changes) >= 2
+    for change in changes:
+        after = check_design(read_design(HAMMER, (change.override,)), effort=formula)
+        (leaves,) = (part for part in after.parts if part.name == "leaves")
+        assert all(check.status is Status.PASS for check in leaves.checks), change
+        least = min(check.limit / check.upper for check in leaves.checks if check.kind == "fatigue")
+        assert change.lower == pytest.approx(least, rel=0.01)

@@ -10,8 +10,9 @@ from ballesta.design.read import read_design
 from ballesta.machine.elastic_parts import compliances_of
 from ballesta.machine.solved_cycles import solve_cycles
 from checks.design.materials import known_materials
-from checks.ladder import leaf_checks
+from checks.ladder import leaf_checks, leaf_friction
 from checks.ladder.leaf_checks import gap_gate, with_leaf_checks
+from checks.ladder.leaf_friction import rubbed
 from checks.part.loaded_part import FIRST, LoadedPart
 from checks.part.part_loads import PartLoads, loads_on
 from checks.result.verdict import Check, PartResult
@@ -172,14 +173,41 @@ def test_friction_that_cannot_be_solved_leaves_the_band_open(tmp_path, models, m
     case = rocker(tmp_path, models, TOUCHES, 'elastic = { bending = "340 N m2" }')
 
     def refused(*_):
-        raise leaf_checks.loads.LinkageError("it does not close")
+        raise leaf_friction.loads.LinkageError("it does not close")
 
-    monkeypatch.setattr(leaf_checks.loads, "run_cycle", refused)
-    monkeypatch.setattr("checks.ladder.leaf_friction._KNOWN", {})  # solved by another test
+    monkeypatch.setattr(leaf_friction.loads, "run_at_positions", refused)
     checks, _ = widened(case, models)
     assert np.isinf(checks["static"].model)
     assert checks["static"].status == "UNDECIDED"
     assert "cannot be solved: it does not close" in checks["static"].note
+
+
+def test_friction_is_kept_for_one_loaded_part_and_solved_anew_for_any_other(tmp_path, models):
+    """Whatever changes is another loaded part: the answer cannot depend on what is not in it.
+
+    Each change here moves the ratios; a part that is equal in all has equal ones, solved again.
+    """
+    elastic = 'elastic = { bending = "340 N m2" }'
+    design, part, cycles, loads = rocker(tmp_path, models, TOUCHES, elastic)
+    loaded = LoadedPart(design, part, loads, cycles)
+    first = rubbed(loaded)
+    assert rubbed(loaded) is first
+    again = rubbed(replace(loaded))
+    assert again is not first
+    assert again == first
+    weaker = replace(part.material, youngs_modulus=0.9 * part.material.youngs_modulus)
+    once = replace(design, load_factor=1.5)
+    stiffer = rocker(tmp_path, models, TOUCHES, 'elastic = { bending = "400 N m2" }')
+    changes = [
+        {"part": replace(part, geometry=replace(part.geometry, thickness=7.0))},
+        {"part": replace(part, geometry=replace(part.geometry, clamp_factor=1.8))},
+        {"part": replace(part, geometry=replace(part.geometry, clamp_preload=5e3))},
+        {"part": replace(part, material=weaker)},
+        {"loads": loads_on(once, part, cycles), "design": once},
+        {"runs": stiffer[2], "loads": stiffer[3]},
+    ]
+    found = [rubbed(replace(loaded, **change)) for change in changes]
+    assert all(one != first for one in found)
 
 
 def test_a_single_leaf_needs_no_band(tmp_path, models):
