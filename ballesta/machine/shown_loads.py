@@ -123,6 +123,8 @@ def _pace(pace: loads.Pace) -> str:
         return f"{pace.coordinate.label} {pace.law} {rest}"
     if isinstance(pace, loads.MotorPace):
         return f"{pace.coordinate.label} by drive.motor"
+    if isinstance(pace, loads.RunPace):
+        return f"{pace.coordinate.label} as it starts or stops"
     rising = f", changing by {pace.acceleration:.4g} {unit}/s2" if pace.acceleration else ""
     return f"{pace.coordinate.label} at {pace.speed:.4g} {unit}/s{rising}"
 
