@@ -17,6 +17,7 @@ from ballesta.design.step_parts import told_of_steps
 from ballesta.machine.balance import balance_gates, not_measured
 from ballesta.machine.blows import blow_subject
 from ballesta.machine.drive_speed import speed_assumptions, speed_warnings
+from ballesta.machine.events import event_assumptions
 from ballesta.machine.motion import motions_of
 from ballesta.machine.quasi_static import assumptions_of, quasi_static_gates
 from ballesta.machine.runs import MachineDoubts, MachineRuns, doubts_of, run_machine
@@ -120,6 +121,7 @@ def check_design(
         start = perf_counter()
         # where stress is shown, a mesh has a better surface
         machine = run_machine(design, models, say, store, skins=not effort.shows_stress)
+        design = machine.design
         runs, doubts = machine.all, doubts_of(design, machine)
         motions = FreeMotions()
         mode = stored_mode(store, design, runs) if store else worst_mode(design, runs, motions)
@@ -184,6 +186,7 @@ def _frame(
             *design.assumed,
             *_assumed_here(design),
             *speed_assumptions(doubts.evenness),
+            *event_assumptions(design),
             *assumptions_of(design, vibration),
         ),
         defaults=design.defaults_used,
