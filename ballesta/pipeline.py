@@ -258,6 +258,11 @@ def _not_checked(design: Design, machine: MachineRuns) -> tuple[str, ...]:
 
 def _not_checked_here(design: Design) -> list[str]:
     left = [] if design.duty.cycles else ["fatigue: no cycle stands in the duty"]
+    if design.events:
+        left.append(
+            f"vibration as the torque of {' and '.join(design.events)} jumps, and the torque peaks "
+            "of a motor's currents as it is switched on"
+        )
     following = [
         name
         for name, force in design.forces.items()

@@ -111,7 +111,7 @@ def try_cycle(linkage: Linkage, cycle: Cycle) -> None:
 
 
 def begun(linkage: Linkage, cycle: Cycle) -> "Run":
-    """Return the path of a cycle and its timing, that of a motor not solved yet."""
+    """Return the path of a cycle and its timing; a motor's speed is not solved yet."""
     check_compliance(linkage)
     ends = [end for span in cycle.spans for end in span]
     path = trace(linkage, cycle.coordinate, min(ends), max(ends))

@@ -136,7 +136,7 @@ def solve_event(name: str, linkage: Linkage, cycle: Cycle, event: Event) -> Even
 
 @dataclass(frozen=True, eq=False)
 class _Stretch:
-    """What of a run lies in one phase of one turn, before or under the brake.
+    """A piece of a run in one phase of one turn, before or under the brake.
 
     knots  (n, 4) as `RunPace` has them
     """
