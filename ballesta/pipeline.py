@@ -17,6 +17,7 @@ from ballesta.design.step_parts import told_of_steps
 from ballesta.machine.balance import balance_gates, not_measured
 from ballesta.machine.blows import blow_subject
 from ballesta.machine.drive_speed import speed_assumptions, speed_warnings
+from ballesta.machine.events import event_assumptions
 from ballesta.machine.motion import motions_of
 from ballesta.machine.quasi_static import assumptions_of, quasi_static_gates
 from ballesta.machine.runs import MachineDoubts, MachineRuns, doubts_of, run_machine
@@ -158,6 +159,7 @@ def check_with_cycles(
         start = perf_counter()
         # where stress is shown, a mesh has a better surface
         machine = run_machine(design, models, say, store, skins=not effort.shows_stress)
+        design = machine.design
         runs, doubts = machine.all, doubts_of(design, machine)
         motions = FreeMotions()
         mode = stored_mode(store, design, runs) if store else worst_mode(design, runs, motions)
@@ -223,6 +225,7 @@ def _frame(
             *design.assumed,
             *_assumed_here(design),
             *speed_assumptions(doubts.evenness),
+            *event_assumptions(design),
             *assumptions_of(design, vibration),
         ),
         defaults=design.defaults_used,
@@ -294,6 +297,11 @@ def _not_checked(design: Design, machine: MachineRuns) -> tuple[str, ...]:
 
 def _not_checked_here(design: Design) -> list[str]:
     left = [] if design.duty.cycles else ["fatigue: no cycle stands in the duty"]
+    if design.events:
+        left.append(
+            f"vibration as the torque of {' and '.join(design.events)} jumps, and the torque peaks "
+            "of a motor's currents as it is switched on"
+        )
     following = [
         name
         for name, force in design.forces.items()

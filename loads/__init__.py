@@ -9,6 +9,7 @@ from loads.cycle_loads import ContactLoads, CycleLoads
 from loads.dead_centre import PullThrough, pull_through
 from loads.diagnosis import Diagnosis, diagnose, percent, position_text
 from loads.drive import DriveFigures
+from loads.events import EVENTS, Event, EventRun, solve_event
 from loads.expressions import FUNCTIONS, Apply, Expression, Number, Reading, Term
 from loads.forces import ForceSolution, JointLoad, solve_forces
 from loads.history import LoadHistory
@@ -31,7 +32,7 @@ from loads.linkage import Linkage
 from loads.measured import MeasuredBody, MeasuredLoad, MeasuredLoads
 from loads.motion import Geometry, Motion, move
 from loads.motors import Geared, Motor
-from loads.pace import MotorPace, Pace, SteadyPace, StrokePace
+from loads.pace import MotorPace, Pace, RunPace, SteadyPace, StrokePace
 from loads.path import Path, trace
 from loads.phases import Cycle, Phase
 from loads.point_loads import PointLoad
@@ -40,6 +41,7 @@ from loads.reversals import split_at_reversals
 from loads.turning import RunawayError, StallError, UnsettledError
 
 __all__ = [
+    "EVENTS",
     "FUNCTIONS",
     "GROUND",
     "Angle",
@@ -57,6 +59,8 @@ __all__ = [
     "Diagnosis",
     "Distance",
     "DriveFigures",
+    "Event",
+    "EventRun",
     "Expression",
     "Fixed",
     "Force",
@@ -92,6 +96,7 @@ __all__ = [
     "PullThrough",
     "Reading",
     "Revolute",
+    "RunPace",
     "RunawayError",
     "Slot",
     "StallError",
@@ -112,6 +117,7 @@ __all__ = [
     "run_at_positions",
     "run_at_rates",
     "run_cycle",
+    "solve_event",
     "solve_forces",
     "split_at_reversals",
     "trace",

@@ -55,12 +55,12 @@ def run_cycle(linkage: Linkage, cycle: Cycle) -> CycleLoads:
     a contact begins or ends there is one, too.
     Raises LinkageError, which names the phase, where the cycle cannot be.
     """
-    run = _begun(linkage, cycle)
+    run = begun(linkage, cycle)
     if isinstance(cycle.pace, MotorPace):
         run = run.at_motors_speed(cycle.pace)
     grids = _coarse(cycle)
     # the second time, what the first grid has stepped over is seen
-    tried: list[list[_Stretch]] = []
+    tried: list[list[Stretch]] = []
     for _ in range(2):
         tried.append([run.solve(k, grid) for k, grid in enumerate(grids)])
         grids = _placed(cycle, grids, [stretch.solution for stretch in tried[-1]])
@@ -86,7 +86,7 @@ def run_at_rates(
         cycle,
         pace=replace(pace, speed=factor * pace.speed, acceleration=factor**2 * pace.acceleration),
     )
-    run = _begun(known.linkage, faster)
+    run = begun(known.linkage, faster)
     stretches = []
     for k in range(len(cycle.phases)):
         rows = known.phase_of == k
@@ -108,7 +108,7 @@ def run_at_positions(known: CycleLoads, linkage: Linkage, cycle: Cycle) -> Cycle
     `unresolved` stays what the known loads have; a contact may begin beside its position. Raises
     LinkageError as `run_cycle` does.
     """
-    run = _begun(linkage, cycle)
+    run = begun(linkage, cycle)
     if isinstance(cycle.pace, MotorPace):
         run = run.at_motors_speed(cycle.pace)
     grids = [known.positions[known.phase_of == k] for k in range(len(cycle.phases))]
@@ -121,16 +121,17 @@ def try_cycle(linkage: Linkage, cycle: Cycle) -> None:
 
     It takes a fraction of the time of `run_cycle`, which tells the rest: a motor's, too.
     """
-    run = _begun(linkage, cycle)
+    run = begun(linkage, cycle)
     for k, grid in enumerate(_coarse(cycle)):
         run.solve(k, grid)
 
 
-def _begun(linkage: Linkage, cycle: Cycle) -> "_Run":
+def begun(linkage: Linkage, cycle: Cycle) -> "Run":
+    """Return the path of a cycle and its timing; a motor's speed is not solved yet."""
     check_compliance(linkage)
-    ends = [cycle.start, *(phase.stop for phase in cycle.phases)]
+    ends = [end for span in cycle.spans for end in span]
     path = trace(linkage, cycle.coordinate, min(ends), max(ends))
-    return _Run(path, cycle, Timing(path, cycle.pace, cycle.spans))
+    return Run(path, cycle, Timing(path, cycle.pace, cycle.spans))
 
 
 def _coarse(cycle: Cycle) -> list[FloatArray]:
@@ -138,7 +139,7 @@ def _coarse(cycle: Cycle) -> list[FloatArray]:
 
 
 @dataclass(frozen=True, eq=False)
-class _Stretch:
+class Stretch:
     """One phase, solved."""
 
     motion: Motion
@@ -147,38 +148,35 @@ class _Stretch:
 
 
 @dataclass(frozen=True, eq=False)
-class _Run:
+class Run:
     """Path and timing that all phases of a cycle are solved with."""
 
     path: Path
     cycle: Cycle
     timing: Timing
 
-    def solve(self, k: int, grid: FloatArray, rates: Rates | None = None) -> _Stretch:
+    def solve(self, k: int, grid: FloatArray, rates: Rates | None = None) -> Stretch:
         """Return phase k at the positions of a grid; rates other than the timing's, if any."""
-        return self._solved(k, self.path.at(grid), rates)
+        return self.solve_at(k, self.path.at(grid), rates)
 
-    def _solved(self, k: int, geometry: Geometry, rates: Rates | None) -> _Stretch:
+    def solve_at(self, k: int, geometry: Geometry, rates: Rates | None) -> Stretch:
+        """Return phase k at the positions of a geometry; rates other than the timing's, if any."""
         phase = self.cycle.phases[k]
         with self._told_of(k):
             motion = self._motion(k, geometry, rates)
-            stretch = _Stretch(*solve_laws(motion, phase.given, phase.solve))
+            stretch = Stretch(*solve_laws(motion, phase.given, phase.solve))
             _check_sizes(stretch)
         return stretch
 
-    def at_motors_speed(self, pace: MotorPace) -> "_Run":
+    def at_motors_speed(self, pace: MotorPace) -> "Run":
         """Return the run at the speeds at which the motor turns the linkage."""
-        fine = replace(self.cycle, n_positions=_COARSE)
-        grids = _coarse(self.cycle)
-        solutions = [self.solve(k, grid).solution for k, grid in enumerate(grids)]
-        grids = [self.with_corners(k, g) for k, g in enumerate(_placed(fine, grids, solutions))]
-        places = [self.path.at(with_points(grid)) for grid in grids]
+        places = self.places()
         ways = [self.timing.way(k, geometry) for k, geometry in enumerate(places)]
         levers = driven_by(self.cycle, self.path.kinematics, places)
 
         def demand(k: int, squares: FloatArray, accelerations: FloatArray) -> FloatArray:
-            solution = self._solved(k, places[k], (np.sqrt(squares), accelerations)).solution
-            return levers[k] * solution.efforts[self.cycle.phases[k].solve]
+            stretch = self.solve_at(k, places[k], (np.sqrt(squares), accelerations))
+            return levers[k] * stretch.solution.efforts[self.cycle.phases[k].solve]
 
         solved = running(
             demand,
@@ -189,6 +187,14 @@ class _Run:
             lambda k, i: places[k].place(i),
         )
         return replace(self, timing=Timing(self.path, pace, self.cycle.spans, solved))
+
+    def places(self) -> list[Geometry]:
+        """Positions (3 m + 1,) of each phase, `with_points`, that follow its loads closely."""
+        fine = replace(self.cycle, n_positions=_COARSE)
+        grids = _coarse(self.cycle)
+        solutions = [self.solve(k, grid).solution for k, grid in enumerate(grids)]
+        grids = [self.with_corners(k, g) for k, g in enumerate(_placed(fine, grids, solutions))]
+        return [self.path.at(with_points(grid)) for grid in grids]
 
     @contextmanager
     def _told_of(self, k: int) -> Iterator[None]:
@@ -244,7 +250,7 @@ class _Run:
             return contact_gaps(self._motion(k, self.path.at(grid)), phase.given, phase.solve, name)
 
 
-def _check_sizes(stretch: _Stretch) -> None:
+def _check_sizes(stretch: Stretch) -> None:
     """Raise where forces are of no size that can be computed with."""
     sizes = np.abs(stretch.solution.vector).max(axis=1)
     if not (sizes < _LARGEST).all():
@@ -296,8 +302,8 @@ def _joined(
     linkage: Linkage,
     cycle: Cycle,
     timing: Timing,
-    stretches: list[_Stretch],
-    tried: list[list[_Stretch]],
+    stretches: list[Stretch],
+    tried: list[list[Stretch]],
 ) -> CycleLoads:
     motions = [stretch.motion for stretch in stretches]
     solutions = [stretch.solution for stretch in stretches]
@@ -343,11 +349,11 @@ def _joined(
     )
 
 
-def _solved(stretches: list[_Stretch]) -> list[tuple[Motion, ForceSolution]]:
+def _solved(stretches: list[Stretch]) -> list[tuple[Motion, ForceSolution]]:
     return [(stretch.motion, stretch.solution) for stretch in stretches]
 
 
-def _touches(stretches: list[_Stretch]) -> dict[str, Touch]:
+def _touches(stretches: list[Stretch]) -> dict[str, Touch]:
     """Return the contacts over the whole cycle; in a phase without it, a contact is open."""
     result = {}
     for name in dict.fromkeys(name for stretch in stretches for name in stretch.touches):

@@ -10,6 +10,7 @@ from loads.joints import Force
 from loads.kinematics import Kinematics, dot, rotated, turned_left
 
 _STEADY = 1e-6  # of the speed: what a steady speed may vary by rounding
+_NO_TIME = 1e-12  # of a cycle
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +82,8 @@ def drive_figures(
     coordinate = force.coordinate
     gradient = kinematics.gradient(coordinate, poses)
     steps = kinematics.steps(coordinate, poses)
+    # from one turn of a start to the next the positions go back to the first one's, in no time
+    steps = np.where(np.diff(times) > _NO_TIME * float(times[-1]), steps, 0.0)
     way = float(np.abs(steps).sum())
     push = force.sign * efforts
     work = float(np.sum(0.5 * (push[:-1] + push[1:]) * steps))

@@ -5,6 +5,10 @@ speed, T_b the breakdown torque, s_b its slip; through the rated torque at the r
 s_b = s_r (b + sqrt(b^2 - 1)), b = T_b / T_r (the root beyond the rated slip). Without a breakdown
 torque, as direct current and servos: a straight line through the rated point and the speed without
 load, cut at the torque that the controller lets through.
+
+From rest an asynchronous motor differs from Kloss' formula, as currents crowd in its rotor's bars.
+With its torque at standstill stated, below the breakdown speed a straight line over the speed leads
+from there to the breakdown torque; a saddle between them is left out.
 """
 
 from dataclasses import dataclass
@@ -22,6 +26,7 @@ class Motor:
     free_speed    rad/s without load: the synchronous speed of an asynchronous motor
     breakdown     largest over rated torque of an asynchronous motor; None: a straight line
     most          N mm, that the controller of a straight line lets through; None: all
+    starting      torque at standstill over rated torque, with a breakdown torque; None: by Kloss
     """
 
     rated_torque: float
@@ -29,6 +34,7 @@ class Motor:
     free_speed: float
     breakdown: float | None = None
     most: float | None = None
+    starting: float | None = None
 
     def __post_init__(self) -> None:
         _check("rated torque of a motor", self.rated_torque)
@@ -47,11 +53,36 @@ class Motor:
             _check("torque limit of a motor", self.most)
             if self.breakdown is not None:
                 raise LinkageError("a motor has a breakdown torque or a torque limit, not both")
+        if self.starting is not None:
+            _check("starting torque of a motor", self.starting)
+            if self.breakdown is None:
+                raise LinkageError("only a motor with a breakdown torque has a starting torque")
+            if self.starting > self.breakdown:
+                raise LinkageError(
+                    "the starting torque of a motor is at most its breakdown torque, "
+                    f"{self.breakdown:g} of the rated one, not {self.starting:g}"
+                )
 
     @property
     def rated_slip(self) -> float:
         """Slip at the rated speed."""
         return 1.0 - self.rated_speed / self.free_speed
+
+    @property
+    def corners(self) -> tuple[float, ...]:
+        """Speeds, rad/s, at which the slope of the torque jumps."""
+        if self.starting is not None and self.breakdown is not None:
+            most = self.rated_slip * (self.breakdown + sqrt(self.breakdown**2 - 1.0))
+            return ((1.0 - most) * self.free_speed,) if most < 1.0 else ()
+        if self.most is None:
+            return ()
+        share = self.most / self.rated_torque * self.rated_slip
+        return tuple(self.free_speed * end for end in (1.0 - share, 1.0 + share) if end > 0.0)
+
+    @property
+    def has_start(self) -> bool:
+        """True if the torque from rest is known: stated, or on a controller's straight line."""
+        return self.breakdown is None or self.starting is not None
 
     @property
     def largest_torque(self) -> float:
@@ -70,6 +101,9 @@ class Motor:
                 return (self.largest_torque if line > 0 else -self.largest_torque), 0.0
             return line, self.rated_torque / self.rated_slip * per_slip
         most = self.rated_slip * (self.breakdown + sqrt(self.breakdown**2 - 1.0))
+        if self.starting is not None and slip > most:
+            rise = (self.breakdown - self.starting) / (1.0 - most) * self.rated_torque
+            return self.largest_torque - rise * (slip - most), -rise * per_slip
         twice, below = 2.0 * self.largest_torque * most, slip**2 + most**2
         return twice * slip / below, twice * (most**2 - slip**2) / below**2 * per_slip
 

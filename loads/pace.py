@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from math import isfinite
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -10,6 +10,10 @@ from loads.bodies import FloatArray, LinkageError
 from loads.joints import Coordinate
 from loads.motors import Geared
 
+if TYPE_CHECKING:
+    from scipy.interpolate import BPoly
+
+_BISECTIONS = 52
 STROKE_LAWS: Final = ("harmonic", "cycloidal", "polynomial")
 
 
@@ -82,7 +86,56 @@ class MotorPace:
         return self.steady.coordinate
 
 
-Pace = SteadyPace | StrokePace | MotorPace
+@dataclass(frozen=True, eq=False)
+class RunPace:
+    """A coordinate that goes once through a cycle, at solved speeds (`loads/events.py`).
+
+    inertia  t mm2, of all that turns with it besides the bodies
+    knots    per phase (n, 4), rows of time s, way since the start rad, speed rad/s and acceleration
+             rad/s2; between them the way is the polynomial of degree 5 over the time through both
+    """
+
+    coordinate: Coordinate
+    inertia: float
+    knots: tuple[FloatArray, ...]
+
+    def rates(self, k: int, way: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Speed and acceleration (n,) at ways in phase k."""
+        over = self._over(k)
+        times = self.times(k, way)
+        return np.maximum(over(times, 1), 0.0), np.asarray(over(times, 2))
+
+    def times(self, k: int, way: FloatArray) -> FloatArray:
+        """Time since the start of the cycle (n,), s: bisection of the way, which rises."""
+        times, ways = self.knots[k][:, 0], self.knots[k][:, 1]
+        way = np.asarray(way, dtype=float)
+        index = np.clip(np.searchsorted(ways, way, side="right") - 1, 0, len(ways) - 2)
+        low, high, over = times[index], times[index + 1], self._over(k)
+        for _ in range(_BISECTIONS):
+            middle = 0.5 * (low + high)
+            short = over(middle) < way
+            low, high = np.where(short, middle, low), np.where(short, high, middle)
+        return np.asarray(0.5 * (low + high))
+
+    def _over(self, k: int) -> "BPoly":
+        from scipy.interpolate import BPoly  # half a second that few linkages need
+
+        times, ways, speeds, accelerations = self.knots[k].T
+        h = np.diff(times)
+        slopes, bends = speeds / 5.0, accelerations / 20.0
+        # the Bernstein coefficients of a polynomial with way, speed and acceleration at both ends
+        ordinates = [
+            ways[:-1],
+            ways[:-1] + slopes[:-1] * h,
+            ways[:-1] + 2.0 * slopes[:-1] * h + bends[:-1] * h**2,
+            ways[1:] - 2.0 * slopes[1:] * h + bends[1:] * h**2,
+            ways[1:] - slopes[1:] * h,
+            ways[1:],
+        ]
+        return BPoly(np.array(ordinates), times)
+
+
+Pace = SteadyPace | StrokePace | MotorPace | RunPace
 
 
 def stroke_law(law: str, tau: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -15,6 +15,7 @@ class Phase:
     """A part of the cycle: up to which value, under which forces, solving for which one.
 
     stop   mm or rad, of the cycle's coordinate
+    begin  the same where it starts; None: where the phase before stops
     given  the law of each force, by name: N or N mm where it is constant; every force is either
            given or solved for
     """
@@ -23,6 +24,7 @@ class Phase:
     stop: float
     given: Mapping[str, Law]
     solve: str
+    begin: float | None = None
 
 
 @dataclass(frozen=True)
@@ -60,5 +62,8 @@ class Cycle:
     @property
     def spans(self) -> tuple[tuple[float, float], ...]:
         """Start and stop of each phase."""
-        stops = [phase.stop for phase in self.phases]
-        return tuple(zip([self.start, *stops[:-1]], stops, strict=True))
+        before = [self.start, *(phase.stop for phase in self.phases[:-1])]
+        return tuple(
+            (stop if phase.begin is None else phase.begin, phase.stop)
+            for stop, phase in zip(before, self.phases, strict=True)
+        )

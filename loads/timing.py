@@ -8,7 +8,7 @@ import numpy as np
 from loads.bodies import FloatArray, LinkageError
 from loads.joints import in_words
 from loads.motion import Geometry, Motion
-from loads.pace import MotorPace, Pace, SteadyPace, StrokePace, stroke_law, stroke_time
+from loads.pace import MotorPace, Pace, RunPace, SteadyPace, StrokePace, stroke_law, stroke_time
 from loads.path import Path
 from loads.running import SolvedPace
 
@@ -16,7 +16,7 @@ from loads.running import SolvedPace
 class Timing:
     """The pace of a cycle over its phases; way is how far the pace coordinate has gone.
 
-    solved  the run of the motor of a MotorPace; None: at the speed that it begins with
+    solved  the run of the motor of a MotorPace, or a RunPace; None: at the stated speed
     """
 
     def __init__(
@@ -27,12 +27,16 @@ class Timing:
         solved: SolvedPace | None = None,
     ) -> None:
         self._pace: Final = pace.steady if isinstance(pace, MotorPace) else pace
-        self._solved: Final = solved
+        self.solved: Final = pace if isinstance(pace, RunPace) else solved
         kinematics = path.kinematics
         kinematics.linkage.check_coordinate(pace.coordinate, "pace")
-        borders = np.array([spans[0][0], *(stop for _, stop in spans)])
-        self._values: Final = kinematics.value(pace.coordinate, path.at(borders).poses)
-        ways = np.abs(np.diff(self._values))
+        ends = np.array(spans)
+        before, after = (
+            kinematics.value(pace.coordinate, path.at(end).poses)
+            for end in (ends[:, 0], ends[:, 1])
+        )
+        self._values: Final = before
+        ways = np.abs(after - before)
         rising = [stop > start for start, stop in spans]
         self._stroke_of: Final = np.zeros(len(spans), dtype=int)
         self._before: Final = np.zeros(len(spans))  # way before the phase, in its stroke or in all
@@ -57,8 +61,9 @@ class Timing:
         """Return speed and acceleration of the pace (n,) at positions of phase k."""
         pace = self._pace
         way = self.way(k, geometry)
-        if self._solved is not None:
-            return self._solved.rates(k, way)
+        if self.solved is not None:
+            return self.solved.rates(k, way)
+        assert not isinstance(pace, RunPace)
         if isinstance(pace, SteadyPace):
             square = pace.speed**2 + 2.0 * pace.acceleration * way
             if (square <= 0.0).any():
@@ -77,8 +82,9 @@ class Timing:
         """Return the time since the start of the cycle (n,) [s] at positions of phase k."""
         pace = self._pace
         way = self.way(k, motion)
-        if self._solved is not None:
-            return self._solved.times(k, way)
+        if self.solved is not None:
+            return self.solved.times(k, way)
+        assert not isinstance(pace, RunPace)
         if isinstance(pace, SteadyPace):
             # way = v t + a t2 / 2, solved without losing digits where a is small
             root = np.sqrt(pace.speed**2 + 2.0 * pace.acceleration * way)

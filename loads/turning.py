@@ -26,21 +26,21 @@ Place = Callable[[int, int], str]
 Row = tuple[float, float, float]  # J, b and c of a place
 
 _ROOT = sqrt(6.0)
-_POINTS = ((4.0 - _ROOT) / 10.0, (4.0 + _ROOT) / 10.0, 1.0)
+STEP_PLACES = ((4.0 - _ROOT) / 10.0, (4.0 + _ROOT) / 10.0, 1.0)
 
 
 def _weights() -> list[list[float]]:
     """Integrals up to each point of the polynomials that are 1 at one point and 0 at the others."""
     powers = np.arange(3)
-    values = np.array(_POINTS)[:, None] ** powers
-    integrals = np.array(_POINTS)[:, None] ** (powers + 1) / (powers + 1)
+    values = np.array(STEP_PLACES)[:, None] ** powers
+    integrals = np.array(STEP_PLACES)[:, None] ** (powers + 1) / (powers + 1)
     weights: list[list[float]] = (integrals @ np.linalg.inv(values)).tolist()
     return weights
 
 
 def _cubics(share: FloatArray) -> FloatArray:
     """Cubics (n, 4), at shares (n,) of a step, that are 1 at its start or one of its points."""
-    places = np.array([0.0, *_POINTS])
+    places = np.array([0.0, *STEP_PLACES])
     powers = np.arange(4)
     return np.asarray(share[:, None] ** powers @ np.linalg.inv(places[:, None] ** powers))
 
@@ -76,7 +76,7 @@ def with_points(grid: FloatArray) -> FloatArray:
     (3 n - 2,)
     """
     steps = np.diff(grid)
-    between = grid[:-1, None] + steps[:, None] * np.array(_POINTS[:2])
+    between = grid[:-1, None] + steps[:, None] * np.array(STEP_PLACES[:2])
     return np.append(np.column_stack([grid[:-1], between]).ravel(), grid[-1])
 
 
@@ -257,11 +257,11 @@ class _Step:
     def _in_parts(self, w: float) -> tuple[list[tuple[float, float]], float] | None:
         """The same by halves, and halves of these, that Newton's method solves."""
         values, closer, start = [], 1.0, 0.0
-        for point in _POINTS:
+        for point in STEP_PLACES:
             part, taken = point - start, None
             while start < point:
                 part = min(part, point - start)
-                rows = [self._row(start + share * part) for share in _POINTS]
+                rows = [self._row(start + share * part) for share in STEP_PLACES]
                 taken = self._solved(w, part * self.length, rows)
                 if taken is None:
                     part *= 0.5

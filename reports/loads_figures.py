@@ -136,6 +136,33 @@ class MotorFigures:
 
 
 @dataclass(frozen=True)
+class EventFigures:
+    """A start or stop of a cycle.
+
+    kind    start, coast or brake
+    at      shown position where it begins; tried: of how many places the worst; 0 where stated
+    time    s; turns: of the cycle, until it is over
+    force   largest of any joint, N; torque: largest of the drive on the linkage, N mm; both beside
+            those of the steady run
+    missing energy that motor, brake, flywheel and linkage do not agree on, over what is turned over
+    """
+
+    kind: str
+    cycle: str
+    shown_name: str
+    unit: str
+    at: float
+    tried: int
+    time: float
+    turns: float
+    force: float
+    steady_force: float
+    torque: float
+    steady_torque: float
+    missing: float
+
+
+@dataclass(frozen=True)
 class ContactStated:
     """A contact as the design has it: from where on along the coordinate that was written there.
 

@@ -20,6 +20,7 @@ from reports.loads_words import (
     broken_by_kind,
     contact_sentence,
     drive_sentences,
+    event_sentence,
     header_sentences,
 )
 from reports.mechanism_panel import arrow_scale, mechanism_data, mechanism_svg
@@ -63,6 +64,7 @@ def _cycle(cycle: ShownCycle, prefix: str) -> dict[str, Any]:
             (drive.name, drive_sentences(drive, cycle)) for drive in cycle.drives
         ],
         "contacts": [
+            *([] if cycle.event is None else [f"Event: {event_sentence(cycle.event)}"]),
             *(contact_sentence(contact, cycle) for contact in cycle.contacts),
             *(f"Blow of {blow_sentence(blow, cycle)}" for blow in cycle.blows),
         ],

@@ -17,6 +17,7 @@ from reports.loads_figures import (
     ContactSummary,
     Direction,
     DriveSummary,
+    EventFigures,
     Extremes,
     FloatArray,
     JointSummary,
@@ -42,6 +43,7 @@ class ShownCycle:
     allowed_irregularity  of the speed, above which constant speed does not count
     stated     the contacts as the design has them, by the name of their force
     motor      how a motor runs through it; None where none turns it
+    event      the start or stop that it is; None for any other
     blows      of its contacts
     """
 
@@ -56,6 +58,7 @@ class ShownCycle:
     allowed_irregularity: float
     stated: Mapping[str, ContactStated] = field(default_factory=dict)
     motor: MotorFigures | None = None
+    event: EventFigures | None = None
     blows: Sequence[BlowSummary] = ()
 
     @property
@@ -244,6 +247,7 @@ class ShownCycle:
             "contacts": [plain_fields(contact) for contact in self.contacts],
             "blows": [plain_fields(blow) for blow in self.blows],
             "motor": None if self.motor is None else self.motor.to_dict(),
+            **({} if self.event is None else {"event": vars(self.event)}),
         }
 
 

@@ -16,6 +16,7 @@ from reports.loads_words import (
     broken_by_kind,
     contact_sentence,
     drive_sentences,
+    event_sentence,
     header_sentences,
 )
 from reports.terminal import labelled, wrap
@@ -105,6 +106,8 @@ def _cycle(cycle: ShownCycle, width: int) -> list[str]:
     for drive in cycle.drives:
         said = "; ".join(drive_sentences(drive, cycle))
         lines += labelled("drive", f"{brief(drive.name, 30)}: {said}", width)
+    if cycle.event is not None:
+        lines += labelled("event", event_sentence(cycle.event), width)
     for contact in cycle.contacts:
         lines += labelled("contact", contact_sentence(contact, cycle), width)
     for blow in cycle.blows:

@@ -12,6 +12,7 @@ from reports.loads_figures import (
     ContactSummary,
     Direction,
     DriveSummary,
+    EventFigures,
     MotorFigures,
 )
 from reports.loads_summary import LoadsResult, ShownCycle
@@ -61,7 +62,7 @@ def drive_sentences(drive: DriveSummary, cycle: ShownCycle) -> list[str]:
         f"mean power {number(drive.mean_power * 1e-3)} W, "
         f"peak {number(drive.peak_power * 1e-3)} W, work {number(drive.work * 1e-3)} J a cycle"
     )
-    if not drive.closed:
+    if not drive.closed and cycle.event is None:
         said.append(
             "not closed: ends in another pose than it starts from; work and mean power are of this "
             "stretch"
@@ -105,6 +106,24 @@ def motor_sentence(motor: MotorFigures, cycle: ShownCycle) -> str:
         f"(irregularity {number(even)}); effective torque {number(motor.effective * factor)} of "
         f"{number(motor.rated * factor)} {unit} rated, largest {number(motor.largest * factor)} "
         f"{unit}, {number(motor.power * 1e-3)} W in the mean at its shaft"
+    )
+
+
+_EVENTS = {"start": "from rest", "coast": "to rest without motor", "brake": "to rest by the brake"}
+
+
+def event_sentence(event: EventFigures) -> str:
+    """A start or stop in words: from where, how long, and its peaks beside the steady ones."""
+    force, per_force = quantity_unit(False, max(event.force, event.steady_force))
+    torque, per_torque = quantity_unit(True, max(event.torque, event.steady_torque))
+    of = f", worst of {event.tried} places" if event.tried else ""
+    return (
+        f"{_EVENTS[event.kind]} at {brief(event.shown_name, 20)} = {place_text(event.at)} "
+        f"{event.unit}{of}: {number(event.time)} s and {number(event.turns)} turns of "
+        f"{brief(event.cycle, 20)}; largest joint force {number(event.force * per_force, 4)} "
+        f"{force}, {number(event.steady_force * per_force, 4)} in the steady run; largest torque "
+        f"into the linkage {number(event.torque * per_torque, 4)} {torque}, "
+        f"{number(event.steady_torque * per_torque, 4)} in the steady run"
     )
 
 

@@ -210,7 +210,7 @@ def _prepared(
     part = design.parts[name]
     try:
         models = Models()
-        solved = _solved(design, models, say)
+        design, solved = _solved(design, models, say)
         part_loads = loads_on(design, part, solved)
         return design, solved, part_loads, _solve(part, part_loads, models, say)
     except (loads.LinkageError, TooManyElementsError) as error:
@@ -238,10 +238,11 @@ def _told_of(file: Path) -> Iterator[None]:
         raise DesignError(file, "--out", f"cannot be written: {error.strerror}") from error
 
 
-def _solved(design: Design, models: Models, say: Say) -> Runs:
-    """Solve the cycles of a design and balance its measured runs, as a check does."""
+def _solved(design: Design, models: Models, say: Say) -> tuple[Design, Runs]:
+    """The design with its events, its cycles solved and its measured runs, as a check has them."""
     try:
-        return run_machine(design, models, say).all
+        machine = run_machine(design, models, say)
+        return machine.design, machine.all
     except loads.LinkageError as error:
         raise DesignError(design.file, "linkage", str(error)) from error
 

@@ -109,7 +109,7 @@ def ladder_of_file(
     parts = _parts(design, part)
     keep_freed_memory()
     models = PricedModels()
-    solved = _solved(design, models, say)
+    design, solved = _solved(design, models, say)
     found = []
     for done, each in enumerate(parts):
         with told_of_part(design, each):
@@ -176,10 +176,11 @@ def _parts(design: Design, name: str | None) -> list[Part]:
     return [design.parts[name]]
 
 
-def _solved(design: Design, models: Models, say: Say) -> Solved:
-    """Solve the cycles of a design and balance its measured runs, as a check does."""
+def _solved(design: Design, models: Models, say: Say) -> tuple[Design, Solved]:
+    """The design with its events, its cycles solved and its measured runs, as a check has them."""
     try:
-        return run_machine(design, models, say).all
+        machine = run_machine(design, models, say)
+        return machine.design, machine.all
     except loads.LinkageError as error:
         raise DesignError(design.file, "linkage", str(error)) from error
 

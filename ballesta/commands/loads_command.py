@@ -9,6 +9,7 @@ import loads
 from ballesta.design.read import read_design
 from ballesta.machine.balance import balance_gates, measured_loads, not_measured
 from ballesta.machine.drive_speed import evenness_of, speed_assumptions, speed_gates, speed_warnings
+from ballesta.machine.events import event_assumptions, with_events
 from ballesta.machine.shown_loads import shown_cycle, shown_run
 from ballesta.machine.solved_cycles import (
     part_masses,
@@ -76,6 +77,7 @@ def loads_of_file(
         models = Models()
         masses = _masses(design, models, say)
         compliances = _compliances(design, models, say)
+        design = with_events(design, masses, compliances)
         solved = solve_cycles(design, masses, compliances)
         measured = measured_loads(design, masses)
         evenness = evenness_of(design, solved)
@@ -100,6 +102,7 @@ def loads_of_file(
         assumed=[
             *(pair for pair in design.assumed if not pair[0].startswith("parts.")),
             *speed_assumptions(evenness),
+            *event_assumptions(design),
         ],
         command=" ".join(
             [
@@ -173,8 +176,11 @@ def _write(result: LoadsResult, wanted: Wanted) -> list[Path]:
 
 
 def _with_cycles(design: Design, names: Sequence[str]) -> Design:
-    """Return the design with the named cycles and measured runs only, or all of them."""
-    known = (*design.cycles, *design.measured)
+    """Return the design with the named cycles and measured runs only, or all of them.
+
+    An event brings its cycle with it.
+    """
+    known = (*design.cycles, *design.events, *design.measured)
     for name in names:
         if name not in known:
             raise DesignError(design.file, "cycles", no_such("cycle", name, known))
@@ -182,9 +188,14 @@ def _with_cycles(design: Design, names: Sequence[str]) -> Design:
         raise DesignError(design.file, "cycles", "the design has no cycle to solve")
     if not names:
         return design
+    events = {name: event for name, event in design.events.items() if name in names}
+    bases = {event.cycle for event in events.values()}
     return replace(
         design,
-        cycles={name: cycle for name, cycle in design.cycles.items() if name in names},
+        cycles={
+            name: cycle for name, cycle in design.cycles.items() if name in names or name in bases
+        },
+        events=events,
         measured={name: run for name, run in design.measured.items() if name in names},
     )
 

@@ -47,7 +47,8 @@ def plan(design: Design) -> list[PlannedPart]:
     """
     models = Models()
     try:
-        runs = run_machine(design, models).all
+        machine = run_machine(design, models)
+        design, runs = machine.design, machine.all
         planned = []
         for part in design.parts.values():
             mesh = first_mesh(part, part.geometry, FIRST * part.fineness, models)
@@ -94,6 +95,10 @@ def plan_text(path: str | Path, overrides: Sequence[str] = ()) -> str:
             f"{counted}"
         )
         lines.append(f"    phases {phases}")
+    for name, event in design.events.items():
+        duty = design.duty.cycles.get(name)
+        counted = f"{duty:.3g} times in its life" if duty else "not in the duty: yield, buckling"
+        lines.append(f"  {name}: {event.kind} of {event.cycle}; {counted}")
     for run in design.measured.values():
         duty = design.duty.cycles.get(run.name)
         counted = f"{duty:.3g} times in its life" if duty else "not in the duty: yield, buckling"

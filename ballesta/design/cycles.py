@@ -38,8 +38,8 @@ def cycles_of(
 
 
 def duty_of(file: DesignFile, problems: Problems) -> Duty:
-    """Return the duty; a cycle or measured run that does not exist is a problem."""
-    known = (*file.cycles, *file.measured)
+    """Return the duty; a cycle, event or measured run that does not exist is a problem."""
+    known = (*file.cycles, *file.events, *file.measured)
     for name in file.duty.cycles:
         if name not in known:
             problems.add(f"duty.cycles.{name}", no_such("cycle", name, known))
@@ -55,6 +55,56 @@ def duty_of(file: DesignFile, problems: Problems) -> Duty:
             f"{duty.allowed_damage:g}",
         )
     return Duty(dict(duty.cycles), duty.rate, duty.life, duty.allowed_damage, duty.damage_so_far)
+
+
+def events_of(
+    file: DesignFile, cycles: Mapping[str, Cycle], problems: Problems
+) -> dict[str, loads.Event]:
+    """Return the events whose entries are in order."""
+    found = {}
+    if file.drive.brake is not None and file.drive.motor is None:
+        problems.add("drive.brake", "needs drive.motor, whose events it ends; leave it out")
+    for name, entry in file.events.items():
+        key, told = f"events.{name}", len(problems)
+        if name in file.cycles or name in file.measured:
+            problems.add(key, f"{name} is the name of a cycle or measured run, too")
+        if entry.cycle not in file.cycles:
+            problems.add(f"{key}.cycle", no_such("cycle", entry.cycle, file.cycles))
+        motor, brake = file.drive.motor, file.drive.brake
+        if motor is None:
+            problems.add(key, "needs drive.motor: a start or stop is that of its cycle's motor")
+        drives = entry.kind == "start" or (entry.kind == "brake" and entry.motor == "on")
+        if motor is not None and drives and motor.breakdown and motor.starting is None:
+            problems.add(
+                "drive.motor.starting",
+                f"must be stated for {key}, as catalogues print it, such as 2.2: the torque of an "
+                "asynchronous motor from rest does not follow from its breakdown torque",
+            )
+        if entry.kind == "brake" and brake is None:
+            problems.add(
+                "drive.brake", f'must be stated for {key}, such as {{ torque = "120 N m" }}'
+            )
+        if entry.kind != "start" and entry.turns is not None:
+            problems.add(f"{key}.turns", "is of a start; a stop ends at rest")
+        if entry.kind != "brake" and entry.motor == "on":
+            problems.add(f"{key}.motor", f'is of kind = "brake", not "{entry.kind}"; leave it out')
+        if entry.at is not None:
+            _check_dimension(f"{key}.at", entry.at, "angle", problems)
+            _check_span(f"{key}.at", entry.at, problems)
+        if len(problems) > told or entry.cycle not in cycles:
+            continue
+        braked = brake is not None and entry.kind == "brake"
+        found[name] = loads.Event(
+            entry.kind,
+            entry.cycle,
+            None if entry.at is None else entry.at.value,
+            entry.turns,
+            brake.torque if braked and brake else 0.0,
+            brake.delay if braked and brake else 0.0,
+            entry.motor == "on",
+            entry.positions,
+        )
+    return found
 
 
 def split_cycles(design: Design) -> dict[str, Cycle]:
@@ -212,6 +262,7 @@ def _by_motor(
             entry.free_speed,
             entry.breakdown,
             entry.torque_limit,
+            entry.starting,
         )
         geared = loads.Geared(motor, ratio, entry.efficiency, entry.inertia)
     except loads.LinkageError as error:

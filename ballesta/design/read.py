@@ -14,7 +14,7 @@ from typing import Any, Union, get_args, get_origin
 from pydantic import BaseModel, Tag, ValidationError
 
 import loads
-from ballesta.design.cycles import cycles_of, duty_of, split_cycles
+from ballesta.design.cycles import cycles_of, duty_of, events_of, split_cycles
 from ballesta.design.files import Sources, read_design_files
 from ballesta.design.forces import forces_of
 from ballesta.design.joints import friction_of, joint_compliances, joints_of, pins_of
@@ -85,7 +85,7 @@ def _assembled(
         for key, reason in model.assumed.items()
         if _is_assumed(key, data, sources, problems)
     }
-    held = [name for name, value in model.drive if value is not None]
+    held = [name for name, value in model.drive if value is not None and name != "brake"]
     if len(held) > 1 and set(held) != {"flywheel", "motor"}:
         problems.add(
             "drive", f"states {' and '.join(held)}; one of them says how it holds its speed"
@@ -100,6 +100,7 @@ def _assembled(
     measured = {}
     if len(bodies) == len(model.bodies):
         measured = measured_of(model, bodies, assembled, sources, problems)
+    events = events_of(model, cycles, problems)
     duty = duty_of(model, problems)
     parts = parts_of(model, bodies, pins, joints, materials, sources, problems)
     for name, part in parts.items():
@@ -181,6 +182,7 @@ def _assembled(
             for part, kinds in model.claims.items()
             for kind, claim in kinds.items()
         },
+        events=events,
     )
     return replace(design, cycles=split_cycles(design))
 

@@ -103,6 +103,8 @@ def _driven(design: Design, pace: loads.Pace) -> tuple[loads.Coordinate, float, 
     Infinite where the drive holds its speed whatever the load.
     """
     drive = design.drive
+    if isinstance(pace, loads.RunPace):
+        return pace.coordinate, pace.inertia, True
     if isinstance(pace, loads.MotorPace):
         return pace.coordinate, pace.motor.reflected + pace.inertia, True
     if drive.control == "constant":

@@ -104,7 +104,10 @@ def _vibration(
     even = np.linspace(cycle.times[0], cycle.times[-1], _PLACES + 1)[:_PLACES]
     chosen = np.unique(np.searchsorted(cycle.times, even))
     response, unasked = None, ""
-    if closes(cycle):
+    if design.cycles[name].event is not None:
+        unasked = "it is a start or stop, which has no speed to compare with"
+        lowest = cycle_modes(cycle, chosen).frequencies[:, :3]
+    elif closes(cycle):
         modes = cycle_modes(cycle)
         lowest = modes.frequencies[chosen, :3]
         dynamics = design.dynamics
@@ -276,11 +279,15 @@ def assumptions_of(design: Design, found: Mapping[str, CycleVibration]) -> list[
             words = f"quasi-static: not asked, {vibration.unasked}"
             if design.dynamics.apply:
                 words += "; vibration is not put on its loads"
-            result[f"cycles.{name}", words] = None
+            result[f"{_table(design, name)}.{name}", words] = None
         if design.dynamics.apply and design.cycles[name].has_contact:
             words = "vibration is not put on its loads: it would change the force of its contact"
             result[f"cycles.{name}", words] = None
     return list(result)
+
+
+def _table(design: Design, name: str) -> str:
+    return "cycles" if design.cycles[name].event is None else "events"
 
 
 def vibration_warnings(

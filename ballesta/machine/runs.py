@@ -10,6 +10,7 @@ import loads
 from ballesta.machine.balance import measured_loads
 from ballesta.machine.drive_speed import Evenness, evenness_of, speed_doubts, speed_gates
 from ballesta.machine.elastic_parts import compliances_of
+from ballesta.machine.events import with_events
 from ballesta.machine.load_pairs import LoadPair, Solved, friction_pairs
 from ballesta.machine.quasi_static import (
     CycleVibration,
@@ -35,6 +36,7 @@ from checks.stress.kept_models import Models
 class MachineRuns:
     """Loads of a machine over every run.
 
+    design      with its events among its cycles
     masses      body -> mass, centre and inertia of its part
     solved      cycle -> its loads, with dynamic factors where the design asks for them
     measured    run -> its loads
@@ -43,6 +45,7 @@ class MachineRuns:
     warnings    of vibration
     """
 
+    design: Design
     masses: Mapping[str, tuple[float, tuple[float, float], float]]
     solved: Mapping[str, loads.CycleLoads]
     measured: Mapping[str, loads.MeasuredLoads]
@@ -78,9 +81,11 @@ def run_machine(
     masses = part_masses(design, models, say)
     compliances = compliances_of(design, models, say)
     say("loads: solving the cycles")
+    design = with_events(design, masses, compliances)
     rigid = solve_cycles(design, masses, compliances, store)
     vibration = vibration_of(design, rigid)
     return MachineRuns(
+        design=design,
         masses=masses,
         solved=with_dynamics(design, rigid, vibration),
         measured=measured_loads(design, masses),

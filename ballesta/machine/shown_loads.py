@@ -1,11 +1,10 @@
 """Solved cycles as people see them: shown positions, phases and pace in words, drives' limits."""
 
-from itertools import pairwise
-
 import numpy as np
 
 import loads
 from ballesta.machine.blows import blows_of
+from ballesta.machine.events import event_figures
 from checks.design.data import Cycle, Design
 from checks.part.part_loads import shown_name, shown_of, shown_position
 from checks.result.words import brief, number
@@ -29,6 +28,7 @@ def shown_cycle(design: Design, cycle: loads.CycleLoads) -> ShownCycle:
         shown=shown_position(stated, cycle.positions),
         pace=_pace(stated.run.pace),
         motor=motor_figures(design, cycle),
+        event=event_figures(design, cycle),
         duty=design.duty.cycles.get(cycle.name, 0.0),
         phases=_phases(cycle, stated),
         available=design.available,
@@ -75,7 +75,7 @@ def _touched(linkage: loads.Linkage, force: str, law: loads.Contact) -> tuple[st
 
 def _phases(cycle: loads.CycleLoads, stated: Cycle) -> tuple[ShownPhase, ...]:
     run = stated.run
-    ends = shown_position(stated, np.array([run.start, *(phase.stop for phase in run.phases)]))
+    ends = shown_position(stated, np.array(run.spans).ravel()).reshape(-1, 2)
     return tuple(
         ShownPhase(
             phase.name,
@@ -84,7 +84,7 @@ def _phases(cycle: loads.CycleLoads, stated: Cycle) -> tuple[ShownPhase, ...]:
             phase.solve,
             tuple(_law(cycle.linkage, name, law) for name, law in phase.given.items()),
         )
-        for phase, (start, stop) in zip(run.phases, pairwise(ends), strict=True)
+        for phase, (start, stop) in zip(run.phases, ends.tolist(), strict=True)
     )
 
 
@@ -123,6 +123,8 @@ def _pace(pace: loads.Pace) -> str:
         return f"{pace.coordinate.label} {pace.law} {rest}"
     if isinstance(pace, loads.MotorPace):
         return f"{pace.coordinate.label} by drive.motor"
+    if isinstance(pace, loads.RunPace):
+        return f"{pace.coordinate.label} as it starts or stops"
     rising = f", changing by {pace.acceleration:.4g} {unit}/s2" if pace.acceleration else ""
     return f"{pace.coordinate.label} at {pace.speed:.4g} {unit}/s{rising}"
 

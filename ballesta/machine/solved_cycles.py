@@ -136,6 +136,8 @@ def told_of_cycle(design: Design, name: str) -> Iterator[None]:
             "motor",
         ) from error
     except loads.CycleError as error:
+        if design.cycles[name].event is not None:
+            raise DesignError(design.file, f"events.{name}", error.problem) from error
         key = f"cycles.{name}.phases[{design.cycles[name].entry(error.phase)}]"
         raise DesignError(design.file, key, error.problem) from error
     except loads.LinkageError as error:

@@ -4,12 +4,14 @@ from collections.abc import Collection, Mapping
 from math import ceil, sqrt
 
 import loads
+from ballesta.machine.events import event_figures
 from ballesta.machine.load_pairs import friction_gate
 from ballesta.machine.shown_loads import motor_figures, shown_cycle
 from checks.design.data import Design
 from checks.part.part_loads import shown_name, shown_position
 from checks.result.verdict import Gate
 from checks.result.words import number
+from reports.loads_words import event_sentence
 
 _GAP = 1e-6  # mm
 _RESIDUAL = 1e-9  # of the largest force, or of the power turned over
@@ -51,7 +53,7 @@ def _cycle_gates(
 ) -> list[Gate]:
     return [
         *_numerical(name, cycle),
-        _positions(name, cycle),
+        _positions(design, name, cycle),
         _dead_centre(design, name, cycle, dead_centre_gate(name) in covered),
         *_friction(name, cycle, friction_gate(name) in covered),
         *_deflected_shape(name, cycle),
@@ -59,6 +61,7 @@ def _cycle_gates(
         *_drive_forces(design, name, cycle),
         *_cycle_time(design, name, cycle),
         *_motor(design, name, cycle),
+        *_event(design, name, cycle),
     ]
 
 
@@ -86,7 +89,7 @@ def _numerical(name: str, cycle: loads.CycleLoads) -> list[Gate]:
     ]
 
 
-def _positions(name: str, cycle: loads.CycleLoads) -> Gate:
+def _positions(design: Design, name: str, cycle: loads.CycleLoads) -> Gate:
     """Gate for peaks between the positions: the part missed falls with their number squared."""
     missed, count = cycle.unresolved, len(cycle.positions)
     meaning = (
@@ -98,7 +101,8 @@ def _positions(name: str, cycle: loads.CycleLoads) -> Gate:
         enough = ceil(count * sqrt(missed.share / _UNRESOLVED) / 10) * 10
         meaning += f": {count} positions are too few, peaks are missed (most: {missed.what})"
         cure = f"State positions = {enough} or more, or leave it out"
-        key = f"cycles.{name}.positions={enough}"
+        table = "cycles" if design.cycles[name].event is None else "events"
+        key = f"{table}.{name}.positions={enough}"
     gate = f"{name}: loads between the positions"
     return Gate(gate, missed.share, _UNRESOLVED, meaning, cure=cure, key=key)
 
@@ -154,6 +158,28 @@ def _motor(design: Design, name: str, cycle: loads.CycleLoads) -> list[Gate]:
         cure="A larger drive.motor.power, or less load",
     )
     return [energy, heat]
+
+
+def _event(design: Design, name: str, cycle: loads.CycleLoads) -> list[Gate]:
+    event = event_figures(design, cycle)
+    if event is None:
+        return []
+    cure = key = ""
+    if event.missing > _MOTOR_ENERGY:
+        enough = ceil(len(cycle.positions) * sqrt(event.missing / _MOTOR_ENERGY) * 1.2 / 10) * 10
+        cure = f"State positions = {enough} or more: the sum over them is too coarse"
+        key = f"events.{name}.positions={enough}"
+    return [
+        Gate(
+            f"{name}: energy of the {event.kind}",
+            event.missing,
+            _MOTOR_ENERGY,
+            "energy that motor, brake, flywheel and linkage do not agree on, over what is turned "
+            f"over; {event_sentence(event)}",
+            cure=cure,
+            key=key,
+        )
+    ]
 
 
 def _deflected_shape(name: str, cycle: loads.CycleLoads) -> list[Gate]:
@@ -225,7 +251,8 @@ def _drive_forces(design: Design, name: str, cycle: loads.CycleLoads) -> list[Ga
 
 
 def _cycle_time(design: Design, name: str, cycle: loads.CycleLoads) -> list[Gate]:
-    if design.duty.rate is None or name not in design.duty.cycles:
+    event = design.cycles[name].event is not None  # has no part in the rate
+    if design.duty.rate is None or name not in design.duty.cycles or event:
         return []
     allowed = 1.0 / design.duty.rate
     return [

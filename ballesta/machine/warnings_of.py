@@ -167,7 +167,9 @@ def _open_cycles(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list
         f"{name}: stands in the duty but is not closed, it ends in another pose than it starts "
         "from; loads and fatigue of the way back are not checked, unless another cycle has them"
         for name, cycle in solved.items()
-        if name in design.duty.cycles and not shown_cycle(design, cycle).closed
+        if name in design.duty.cycles
+        and design.cycles[name].event is None
+        and not shown_cycle(design, cycle).closed
     ]
 
 

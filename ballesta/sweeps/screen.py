@@ -18,6 +18,7 @@ import loads
 from ballesta.design.read import read_design
 from ballesta.machine.balance import measured_loads
 from ballesta.machine.elastic_parts import compliances_of
+from ballesta.machine.events import with_events
 from ballesta.machine.quasi_static import vibration_of, with_dynamics
 from ballesta.machine.solved_cycles import linkage_of, part_masses, told_of_cycle
 from checks.by_formula import formula_checks
@@ -152,7 +153,7 @@ class Screening:
         cycles: Collection[str] | None = None,
         solved: Mapping[str, loads.CycleLoads] | None = None,
     ) -> None:
-        self.design, self.between, self._only = design, between, cycles
+        self.between, self._only = between, cycles
         self.rubbing = dict(rubbing or {})
         self.models = Models()
         masses = part_masses(design, self.models)
@@ -160,18 +161,23 @@ class Screening:
         self._cycles: dict[str, loads.Cycle] = {}
         self._solved: dict[str, loads.CycleLoads] = {}
         self._part_loads: dict[str, PartLoads] = {}  # in the design as it is
-        self._solved = (
-            self.solve(design, masses)[0]
-            if solved is None
-            else {name: run for name, run in solved.items() if cycles is None or name in cycles}
-        )
+        if solved is None:
+            self.design, self._solved, _ = self.solve(design, masses)
+        else:
+            self.design = with_events(design, masses, compliances_of(design, self.models))
+            self._solved = {
+                name: run for name, run in solved.items() if cycles is None or name in cycles
+            }
         for name in self._solved:
             self._linkages[name] = self._solved[name].linkage
-            self._cycles[name] = design.cycles[name].run
+            self._cycles[name] = self.design.cycles[name].run
 
-    def solve(self, design: Design, masses: Masses) -> tuple[dict[str, loads.CycleLoads], bool]:
-        """The cycles of a variation, and whether any was run from the beginning."""
+    def solve(
+        self, design: Design, masses: Masses
+    ) -> tuple[Design, dict[str, loads.CycleLoads], bool]:
+        """A variation with its events, its cycles, and whether any was run from the beginning."""
         compliances = compliances_of(design, self.models)
+        design = with_events(design, masses, compliances)
         solved, afresh = {}, False
         for name, stated in design.cycles.items():
             if self._only is not None and name not in self._only:
@@ -190,7 +196,7 @@ class Screening:
                 else:
                     solved[name] = loads.run_cycle(linkage, cycle)
                     afresh = True
-        return solved, afresh
+        return design, solved, afresh
 
     def of(
         self,
@@ -242,7 +248,7 @@ def _checked(
     reserves: Mapping[str, float],
 ) -> Screened:
     masses = part_masses(design, known.models)
-    solved, afresh = known.solve(design, masses)
+    design, solved, afresh = known.solve(design, masses)
     if design.dynamics.apply:
         solved = with_dynamics(design, solved, vibration_of(design, solved))
     runs: dict[str, loads.CycleLoads | loads.MeasuredLoads] = {

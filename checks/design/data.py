@@ -47,6 +47,7 @@ class Cycle:
 
     friction  by joint of the linkage, or None where the design's holds
     entries   number in the file of each phase, where phases were split at reversals
+    event     the start or stop that it is, of another cycle
     """
 
     run: loads.Cycle
@@ -54,6 +55,7 @@ class Cycle:
     stop: Stop | None = None
     friction: Mapping[str, loads.Friction] | None = None
     entries: tuple[int, ...] = ()
+    event: loads.EventRun | None = None
 
     def entry(self, phase: int) -> int:
         """Number in the file of a phase."""
@@ -164,6 +166,7 @@ class Design:
     defaults_used    (key, value) that the file does not state and ballesta took
     assumed          (key, reason) that the file marks as an assumption
     claims           (part, kind of check) -> the claimed safety and who claims it
+    events           starts and stops as stated; solved they stand among the cycles
     """
 
     name: str
@@ -200,6 +203,7 @@ class Design:
     defaults_used: tuple[tuple[str, str], ...]
     assumed: tuple[tuple[str, str], ...]
     claims: Mapping[tuple[str, str], tuple[float, str]]
+    events: Mapping[str, loads.Event] = field(default_factory=dict)
 
     @property
     def slides(self) -> Mapping[str, loads.Slot | loads.Prismatic]:

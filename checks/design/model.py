@@ -27,6 +27,7 @@ from checks.design.tables import (
     DriveEntry,
     DynamicsEntry,
     ElasticJoints,
+    EventEntry,
     ForceEntry,
     FrictionEntry,
     JointEntry,
@@ -378,6 +379,10 @@ class DesignFile(Table):
         description="joints that give way where something pushes back; the others are rigid",
     )
     cycles: dict[Name, CycleEntry] = Field(default_factory=dict)
+    events: dict[Name, EventEntry] = Field(
+        default_factory=dict,
+        description="starts and stops of cycles that drive.motor turns; they count as cycles",
+    )
     measured: dict[Name, MeasuredEntry] = Field(
         default_factory=dict, description="runs whose loads stand in a file; they count as cycles"
     )

@@ -36,6 +36,7 @@ from checks.design.units import (
     Stress,
     SweepAcceleration,
     SweepSpeed,
+    TimeFromZero,
 )
 
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_][A-Za-z0-9_-]*$")]
@@ -413,6 +414,11 @@ class MotorEntry(Table):
         description="breakdown torque of an asynchronous motor over its rated torque; without it "
         "the torque falls along a straight line: direct current, servos",
     )
+    starting: Positive | None = Field(
+        None,
+        description="torque at standstill of an asynchronous motor over its rated torque, which a "
+        "start needs; a straight line over the speed leads from there to the breakdown torque",
+    )
     torque_limit: PositiveMoment | None = Field(
         None, description="torque that the controller of a motor without breakdown lets through"
     )
@@ -425,10 +431,44 @@ class MotorEntry(Table):
     efficiency: Annotated[Number, Field(gt=0, le=1)] = Field(1.0, description="of the gear")
 
 
+class BrakeEntry(Table):
+    """A brake on the angle that the motor turns; on the motor's shaft, torque times ratio."""
+
+    torque: PositiveMoment = Field(description="against the motion", examples=["120 N m"])
+    delay: TimeFromZero = Field(0.0, description="from the command until the torque is there")
+
+
+class EventEntry(Table):
+    """A start or stop of a cycle that drive.motor turns; the duty counts it as a cycle."""
+
+    cycle: str = Field(description="the cycle that it leads to or leaves", examples=["turn"])
+    kind: Literal["start", "coast", "brake"] = Field(
+        description="start: from rest by the motor; coast: to rest without motor and brake; brake: "
+        "to rest by drive.brake"
+    )
+    at: LengthOrAngle | None = Field(
+        None,
+        description="the cycle's coordinate as it begins; without it the worst of 12 places of a "
+        "turn, by the largest force of a joint",
+    )
+    turns: Annotated[Number, Field(gt=0, le=100)] | None = Field(
+        None,
+        description="of a start, after which it is followed no more; without it until the speed is "
+        "within 1 % of the steady one",
+    )
+    motor: Literal["off", "on"] = Field(
+        "off",
+        description="of a brake: on drives on against it, off gives no torque from the command",
+    )
+    positions: Annotated[int, Field(strict=True, ge=2, le=20_000)] | None = Field(
+        None, description="least number of positions; without it a turn has those of its cycle"
+    )
+
+
 class DriveEntry(Table):
     """How the machine's drive holds its speed: at most one of control, irregularity and motor.
 
-    A flywheel goes alone or with a motor.
+    A flywheel goes alone or with a motor; a brake needs a motor.
     """
 
     control: Literal["constant"] | None = Field(
@@ -451,6 +491,9 @@ class DriveEntry(Table):
         examples=[
             '{ power = "5.5 kW", speed = "1455 rpm", free_speed = "1500 rpm", breakdown = 2.9 }'
         ],
+    )
+    brake: BrakeEntry | None = Field(
+        None, description="of events", examples=['{ torque = "120 N m", delay = "50 ms" }']
     )
 
 

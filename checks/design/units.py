@@ -507,6 +507,7 @@ PositivePressureSpeed = Annotated[float, Quantity(("pressure speed",), above=0.0
 PositivePower = Annotated[float, Quantity(("power",), above=0.0)]
 PositiveAngularSpeed = Annotated[float, Quantity(("angular speed",), above=0.0)]
 PositiveMoment = Annotated[float, Quantity(("moment",), above=0.0)]
+TimeFromZero = Annotated[float, Quantity(("time",), at_least=0.0)]
 PositiveTime = Annotated[float, Quantity(("time",), above=0.0)]
 PositiveStiffness = Annotated[float, Quantity(("stiffness",), above=0.0)]
 PositiveTurning = Annotated[float, Quantity(("turning stiffness",), above=0.0)]

@@ -103,12 +103,12 @@ def test_the_blow_of_the_hammer_is_its_rams_and_the_leaves_pass_nothing_on():
 def test_what_is_not_checked_has_the_heaviest_blow_and_its_force_is_not_known(tmp_path):
     design = read_design(stop_design(tmp_path))
     solved = solve_cycles(design, {})
-    machine = MachineRuns({}, solved, {}, solved, {}, [])
+    machine = MachineRuns(design, {}, solved, {}, solved, {}, [])
     first, second, *rest = _not_checked(design, machine)
     assert first.startswith("impact of up to 2.76 N s and 0.354 J a blow on stop, in run; ")
     assert second == "any speed change within a cycle"
     assert tuple(rest) == NOT_CHECKED
-    still = MachineRuns({}, {}, {}, {}, {}, [])
+    still = MachineRuns(design, {}, {}, {}, {}, {}, [])
     assert _not_checked(design, still)[0] == "impact and any speed change within a cycle"
 
 
