@@ -1,7 +1,7 @@
 """Leaves that press and rub on each other: CalculiX's contact with friction against fem/contact.
 
-`python -m bench.leaf_contact` prints the table of "Leaves on each other" in
-bench/validation_notes.md: two and three leaves on two supports with a force in their middle, loaded
+`python -m bench.leaf_contact` prints the table of "Compared" in
+docs/theory/leaf_packs.md: two and three leaves on two supports with a force in their middle, loaded
 and then relieved to half of it, with and without a force that squeezes them over the supports. It
 needs CalculiX, `ccx` in the path. Its half of the pack is of eight-node quadrilaterals in plane
 stress, 1 mm wide, small displacements.

@@ -21,6 +21,7 @@ from checks.stress.solid_mesh_level import Models, solve_level
 from fem.unit_solutions import Elastic, solve_unit_loads
 from geometry.meshing import mesh_shape
 from geometry.parts import LeafPack
+from loads import run_at_positions
 
 # a rocker that is pushed up at C, so that its other end presses the ram down; weightless
 ROCKER = """
@@ -208,6 +209,20 @@ def test_friction_is_kept_for_one_loaded_part_and_solved_anew_for_any_other(tmp_
     ]
     found = [rubbed(replace(loaded, **change)) for change in changes]
     assert all(one != first for one in found)
+
+
+def test_a_cycle_is_run_again_at_its_positions(tmp_path, models):
+    """The same linkage has the same loads; one that gives way half as much, twice the force."""
+    elastic = 'elastic = { bending = "340 N m2" }'
+    design, _, cycles, _ = rocker(tmp_path, models, TOUCHES, elastic)
+    known, cycle = cycles["press"], design.cycles["press"].run
+    again = run_at_positions(known, known.linkage, cycle)
+    assert_allclose(again.efforts["workpiece"], known.efforts["workpiece"], rtol=1e-12)
+    (beam,) = known.linkage.compliance
+    stiffer = replace(known.linkage, compliance=(replace(beam, bending=2 * beam.bending),))
+    twice = run_at_positions(known, stiffer, cycle)
+    assert_allclose(twice.efforts["workpiece"], 2 * known.efforts["workpiece"], rtol=1e-9)
+    assert (twice.positions == known.positions).all()
 
 
 def test_a_single_leaf_needs_no_band(tmp_path, models):
