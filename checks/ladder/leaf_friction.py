@@ -82,7 +82,7 @@ def cases_of(shape: LeafPack, part_loads: PartLoads) -> tuple[Rubbing, ...]:
     def taken(name: str, preload: float | None, *between: float) -> list[tuple[float, str]]:
         if preload is not None:
             return [(preload, f"{preload / 1e3:g} kN on the {name}")]
-        some = [(force, f"{force / 1e3:.3g} kN on the {name}") for force in between]
+        some = [(force, f"{force / 1e3:.3g} kN on the {name}") for force in between if force]
         return [(0.0, f"no preload of the {name}"), *some, (gripped, f"a {name} without slip")]
 
     clamps = taken("clamp", shape.clamp_preload, half)
@@ -90,8 +90,8 @@ def cases_of(shape: LeafPack, part_loads: PartLoads) -> tuple[Rubbing, ...]:
     wanted = list(product(frictions, clamps, rods))
     if len(rods) > 1:
         loose, held = rods
-        ends = [clamp for clamp in clamps if len(clamps) == 1 or clamp[0] != half]
-        slipping = [clamp for clamp in clamps if len(clamps) == 1 or clamp[0] != gripped]
+        ends = list(dict.fromkeys([clamps[0], clamps[-1]]))
+        slipping = clamps[:-1] or clamps
         wanted = [
             *product(frictions, slipping, [loose]),
             *product(frictions[:1], ends, [held]),
@@ -279,7 +279,7 @@ class _Pack:
         return _Cycle(at, wrenches, reach, own, stress, touched, force)
 
     def imposed(self, name: str) -> Driven:
-        """A contact's deflection of the pack: that of leaves that slide, at each position."""
+        """The deflection by a contact that leaves that slide have, at each position."""
         cycle = self.cycles[name]
         unit, share = _per_force(self.loaded, name, cycle.touched, cycle.at)
         direction = self.on_stack(unit, cycle.wrenches, cycle.reach)
