@@ -119,7 +119,7 @@ def event_sentence(event: EventFigures) -> str:
     of = f", worst of {event.tried} places" if event.tried else ""
     return (
         f"{_EVENTS[event.kind]} at {brief(event.shown_name, 20)} = {place_text(event.at)} "
-        f"{event.unit}{of}: {number(event.time)} s and {number(event.turns)} turns of "
+        f"{event.unit}{of}: {number(event.time)} s and {number(event.turns)} turns of the cycle "
         f"{brief(event.cycle, 20)}; largest joint force {number(event.force * per_force, 4)} "
         f"{force}, {number(event.steady_force * per_force, 4)} in the steady run; largest torque "
         f"into the linkage {number(event.torque * per_torque, 4)} {torque}, "
