@@ -39,7 +39,7 @@ def told(tmp_path, monkeypatch):
     monkeypatch.setattr(reports.pictures, "prepare_drawing", lambda **_: None)
     monkeypatch.setattr(reports.pictures, "drawing", lambda result: nullcontext(waits))
     telling(reports.pictures, "prepare_drawing")
-    telling(ballesta.pipeline, "check_design")
+    telling(ballesta.pipeline, "check_with_cycles")
     telling(reports.pictures, "drawing")
     telling(reports.live.payload, "with_encoded_fields")
     return found
@@ -47,7 +47,7 @@ def told(tmp_path, monkeypatch):
 
 def test_drawing_is_prepared_before_the_check_and_waited_for_when_all_else_is_done(told):
     check_to_folder(Path("machine.toml"), Path("out"), effort=Effort("formula"))
-    order = ["prepare_drawing", "check_design", "drawing", "with_encoded_fields"]
+    order = ["prepare_drawing", "check_with_cycles", "drawing", "with_encoded_fields"]
     assert told[:4] == order
     assert told.index("wait") == len(told) - 2  # then they are asked whether all are there
     assert (Path("out") / "result.json").is_file()
