@@ -90,7 +90,8 @@ class Unit:
     powers: Mapping[str, float]
 
     def __mul__(self, other: "Unit") -> "Unit":
-        names = self.powers.keys() | other.powers.keys()
+        # in one order: numbers are multiplied in it
+        names = sorted(self.powers.keys() | other.powers.keys())
         powers = {name: self.powers.get(name, 0) + other.powers.get(name, 0) for name in names}
         return Unit(self.size * other.size, {name: p for name, p in powers.items() if p})
 
@@ -135,7 +136,7 @@ def pint_unit(name: str) -> Unit:
         root = registry.Quantity(1.0, registry.parse_units(name)).to_root_units()
     except pint.UndefinedUnitError as error:
         raise ValueError(str(error)) from error
-    powers: dict[str, Any] = dict(root.unit_items())
+    powers: dict[str, Any] = dict(sorted(root.unit_items()))
     return Unit(float(root.magnitude), powers)
 
 
