@@ -1,5 +1,7 @@
 """Forces by a formula: against closed forms, beside the laws that say the same, and refused."""
 
+import math
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -59,6 +61,31 @@ def test_a_gas_spring_has_its_polytropic_force_and_stores_its_work():
     assert run.drive("gas").work == pytest.approx(-stored, rel=1e-4)
     assert run.power_balance_error < 1e-9
     assert abs(slider_crank(GAS).drive("gas").work) < 1e-6 * stored
+
+
+@pytest.mark.parametrize(
+    "name", ["sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan"]
+)
+def test_every_function_of_one_term_is_that_of_the_mathematics_library(name):
+    """Of the length over 400 mm, 0.35 to 0.65; inverse functions by their own inverse."""
+    run = slider_crank(loads.Expression(name, op(name, op("/", Reading(LENGTH), 400.0))))
+    wanted = [getattr(math, name)(value / 400.0) for value in length(run.positions)]
+    assert_allclose(run.efforts["gas"], wanted, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "wanted"),
+    [("+", lambda x: x + 200), ("-", lambda x: x - 200), ("*", lambda x: 200 * x),
+     ("/", lambda x: x / 200), ("**", lambda x: x**1.5), ("abs", lambda x: abs(x - 200)),
+     ("min", lambda x: min(x, 200)), ("max", lambda x: max(x, 200))],
+)  # fmt: skip
+def test_operators_and_choices_are_those_of_arithmetic(name, wanted):
+    terms = {"**": (1.5,), "abs": ()}.get(name, (200.0,))
+    first = op("-", Reading(LENGTH), 200.0) if name == "abs" else Reading(LENGTH)
+    run = slider_crank(loads.Expression(name, op(name, first, *terms)))
+    assert_allclose(
+        run.efforts["gas"], [wanted(x) for x in length(run.positions)], rtol=1e-9, atol=1e-6
+    )
 
 
 def test_a_rate_in_a_formula_is_the_damper_that_a_force_against_the_motion_is():
