@@ -110,19 +110,10 @@ def check_design(
     reading: float = 0.0,
     store: Store | None = None,
     live: bool = False,
-    begun: float | None = None,
-    keep: Keep | None = None,
 ) -> DesignResult:
-    """The result of `check_with_cycles`."""
+    """Check all parts of a design over all its cycles; as `check_with_cycles`."""
     return check_with_cycles(
-        design,
-        effort=effort,
-        say=say,
-        reading=reading,
-        store=store,
-        live=live,
-        begun=begun,
-        keep=keep,
+        design, effort=effort, say=say, reading=reading, store=store, live=live
     ).result
 
 

@@ -348,10 +348,12 @@ class _Search:
         new = {check.part for check in one.checks} - self._compared - {LINKAGE}
         if new:
             self._compare(sorted(new))
-        return min(
-            self.reserve(one, (name,)) / min(1.0, (1 - _SAME) * self._before(name))
-            for name in [*others, *([LINKAGE] if asks else [])]
-        )
+        ratios = [inf]
+        for name in [*others, *([LINKAGE] if asks else [])]:
+            before = min(1.0, (1 - _SAME) * self._before(name))
+            if before:  # 0 without an error bar: nothing can be said, before as after
+                ratios.append(self.reserve(one, (name,)) / before)
+        return min(ratios)
 
     def _others(self, change: Change) -> list[str]:
         return [part.name for part in self.result.parts if part.name not in change.parts]

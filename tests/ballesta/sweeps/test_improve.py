@@ -108,3 +108,15 @@ def test_a_saving_with_which_the_linkage_would_buckle_goes_only_as_far_as_it_hol
     smaller = read_design(file, (f"{width.key}=18 mm",))
     (linkage,) = check_design(smaller, effort=FORMULA).linkage
     assert linkage.status is not Status.PASS
+
+
+def test_a_part_without_an_error_bar_is_no_hindrance_for_the_change_of_another():
+    """The pitman's bars are infinite by formula; the pin's material changes nothing of that."""
+    stated = read_design(Path("designs/gallery/punching_press.toml"), ("require.static=3",))
+    result = check_design(stated, effort=FORMULA)
+    assert {part.name: min(c.limit / c.upper for c in part.checks) for part in result.parts}[
+        "pitman"
+    ] == 0
+    (change,) = with_changes(stated, result).changes
+    assert change.parts == ("pin_B",)
+    assert change.key == "parts.pin_B.material"
