@@ -240,10 +240,7 @@ class _Solver:
         phases = []
         for stretch in run.stretches:
             stated = self.cycle.phases[stretch.phase]
-            low, high = (
-                self.value_at(float(way) - stretch.turn * self.turn)
-                for way in stretch.knots[[0, -1], 1]
-            )
+            low, high = self.value_at(self._in_turn(stretch, stretch.knots[[0, -1], 1])).tolist()
             braked = " braked" if stretch.braked else ""
             phases.append(
                 Phase(
@@ -266,11 +263,16 @@ class _Solver:
             min(max(count, 2), MOST_POSITIONS),
         )
 
+    def _in_turn(self, stretch: _Stretch, ways: FloatArray) -> FloatArray:
+        """Ways (n,) within their own turn: turns that add up leave round-off at a phase's ends."""
+        own = self.ways[stretch.phase]
+        return np.clip(ways - stretch.turn * self.turn, own[0], own[-1])
+
     def _is_same(self, one: _Followed, other: _Followed) -> bool:
-        if abs(one.end - other.end) > _SETTLED * self.turn:
-            return False
-        count = ceil(_STEPS * (one.end - one.begin) / self.turn) + 2
-        ways = np.linspace(one.begin, one.end, count)
+        # beyond the end of the shorter one its speed stays: the ends count by the speed between them
+        end = max(one.end, other.end)
+        count = ceil(_STEPS * (end - one.begin) / self.turn) + 2
+        ways = np.linspace(one.begin, end, count)
         squares = [run.rates(ways)[0] ** 2 for run in (one, other)]
         return float(np.abs(squares[1] - squares[0]).max()) <= _SETTLED * self.fastest**2
 
@@ -288,7 +290,7 @@ class _Solver:
             first, last = (float(end) for end in stretch.knots[[0, -1], 1])
             ways = self.ways[stretch.phase] + stretch.turn * self.turn
             ways = np.array([first, *ways[(ways > first) & (ways < last)], last])
-            geometry = self.run.path.at(self.value_at(ways - stretch.turn * self.turn))
+            geometry = self.run.path.at(self.value_at(self._in_turn(stretch, ways)))
             rates = run.pace.rates(number, ways)
             solved = self.run.solve_at(stretch.phase, geometry, rates)
             found.append(self._peaks(stretch.phase, solved))
