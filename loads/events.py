@@ -269,7 +269,7 @@ class _Solver:
         return np.clip(ways - stretch.turn * self.turn, own[0], own[-1])
 
     def _is_same(self, one: _Followed, other: _Followed) -> bool:
-        # beyond the end of the shorter one its speed stays: the ends count by the speed between them
+        # the speed stays beyond the end of the shorter one: ends count by the speed between them
         end = max(one.end, other.end)
         count = ceil(_STEPS * (end - one.begin) / self.turn) + 2
         ways = np.linspace(one.begin, end, count)
