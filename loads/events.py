@@ -4,20 +4,22 @@
 
 s the way of the motor's angle, J flywheel and rotor, T the torques of motor and brake, and
 a dv/dt + b v^2 + c the torque that the linkage takes, linearised about a run as `loads/running.py`
-does, until the run stays. Over the time the equation is smooth at rest, where the squared speed
-over the way is not. Forces and shape repeat with every turn, so that the positions of all turns are
-those of one.
+does. A turn follows from those before it, so each phase of a turn settles before the next begins:
+it is followed again until the torque along it is the linkage's own. Over the time the equation is
+smooth at rest, where the squared speed over the way is not. Forces and shape repeat with every
+turn, so that the positions of all turns are those of one.
 """
 
+from bisect import bisect_right
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import ceil, isfinite
 from typing import Final, overload
 
 import numpy as np
 
 from loads.bodies import FloatArray, LinkageError
-from loads.cycle import Run, Stretch, begun
+from loads.cycle import Rates, Run, Stretch, begun
 from loads.driven import driven_by
 from loads.joints import place_in_words
 from loads.linkage import Linkage
@@ -33,12 +35,14 @@ NEAR: Final = 0.01  # of the steady speed: a start is over
 MOST_TURNS: Final = 100
 MOST_POSITIONS: Final = 20_000
 
-_SETTLED = 1e-8  # of the largest squared speed: change by another linearisation of a run that stays
+_SETTLED = 1e-8  # of the largest squared speed: from a torque that is not the linkage's, in a turn
 _MOST_ROUNDS = 40
-_TOLERANCE = 1e-10
-_STEPS = 40  # of a turn at the steady speed, at least
-_KNOTS = 10  # of a step
+_TOLERANCE, _ROUGH = 1e-10, 1e-5
+_STEPS, _ROUGH_STEPS = 40, 6  # of a turn at the steady speed, at least
+_KNOTS = 5  # of a step
 _SAME = 1e-9  # of a turn: no way at all
+_REST = 1e-12  # rad/s: friction needs a direction
+_TIE = 1e-3  # of the largest force: places whose rough runs differ by less are alike
 _STIFF = 1000.0  # of a turn's time over the time in which the motor takes up its speed
 _CORNER = "corner of the motor's torque at "
 _LONG = 1000  # turns' times at the steady speed: what takes longer does not come to an end
@@ -85,7 +89,8 @@ class EventRun:
 
     at      mm or rad, of the coordinate, where it begins
     time    s; turns: of the cycle, until it is over
-    tried   largest joint force, N, by the places from which it was tried
+    tried   largest joint force, N, by the places from which it was tried: of the event itself where
+            its place is stated, else of runs under the torque about the steady run
     force   largest of a joint, N; torque: largest that the drive puts in, N mm
     steady  both in the steady run
     """
@@ -112,23 +117,25 @@ def solve_event(name: str, linkage: Linkage, cycle: Cycle, event: Event) -> Even
         raise LinkageError(f"cycle {cycle.name!r}: no motor turns it, so it has no {event.kind}")
     solver = _Solver(linkage, cycle, pace, event)
     if event.at is not None:
-        begins = [solver.way_of(event.at)]
+        run = solver.solved(solver.way_of(event.at))
+        tried = [(event.at, run.largest[0])]
     else:
         begins = (solver.turn * np.arange(PLACES) / PLACES).tolist()
-    found = [solver.solved(begin) for begin in begins]
-    tried = tuple(
-        (solver.value_at(begin), one.largest[0]) for begin, one in zip(begins, found, strict=True)
-    )
-    # less is rounding, and must not choose the place
-    most = max(one.largest[0] for one in found) * (1.0 - _SETTLED)
-    worst = next(k for k, one in enumerate(found) if one.largest[0] >= most)
-    run = found[worst]
+        forces = [solver.solved(begin, rough=True).largest[0] for begin in begins]
+        tried = [
+            (solver.value_at(begin), force) for begin, force in zip(begins, forces, strict=True)
+        ]
+        # less is what a rough run leaves open, and must not choose the place
+        most = max(forces) * (1.0 - _TIE)
+        worst = next(k for k, force in enumerate(forces) if force >= most)
+        run = solver.solved(begins[worst])
+        tried[worst] = (tried[worst][0], run.largest[0])
     return EventRun(
         solver.as_cycle(name, run),
-        tried[worst][0],
+        solver.value_at(run.begin),
         float(run.stretches[-1].knots[-1, 0]),
         (run.end - run.begin) / solver.turn,
-        tried,
+        tuple(tried),
         *run.largest,
         solver.steady_peaks,
     )
@@ -152,8 +159,7 @@ class _Followed:
     """A run between two ways; largest force of a joint, N, and torque of the drive, N mm."""
 
     stretches: Sequence[_Stretch]
-    pace: RunPace
-    largest: tuple[float, float] = (0.0, 0.0)
+    largest: tuple[float, float]
 
     @property
     def begin(self) -> float:
@@ -163,19 +169,21 @@ class _Followed:
     def end(self) -> float:
         return float(self.stretches[-1].knots[-1, 1])
 
-    def rates(self, ways: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Speed and acceleration (n,) at ways; beyond its ends as there."""
-        ways = np.clip(ways, self.begin, self.end)
-        starts = [stretch.knots[0, 1] for stretch in self.stretches]
-        index = np.clip(np.searchsorted(starts, ways, side="right") - 1, 0, len(starts) - 1)
-        speed, acceleration = np.zeros(len(ways)), np.zeros(len(ways))
-        for k in np.unique(index):
-            rows = index == k
-            speed[rows], acceleration[rows] = self.pace.rates(int(k), ways[rows])
-        return speed, acceleration
 
+@dataclass(frozen=True)
+class _Leg:
+    """The way ahead within one phase of a turn, before or under the brake.
 
-Rows = dict[tuple[int, int], FloatArray]  # a, b, c (3 m + 1, 3) of a phase in a turn
+    state  s, rad and rad/s: time, way and speed at its beginning
+    end    rad, way of its end; until, s, time of its end
+    """
+
+    turn: int
+    phase: int
+    braked: bool
+    state: tuple[float, float, float]
+    end: float
+    until: float
 
 
 class _Solver:
@@ -200,7 +208,7 @@ class _Solver:
         steepness = self.motor.torque(self.motor.free_speed)[1]
         self.stiffness: Final = abs(steepness) / max(self.whole, 1e-30)
         self.fastest: Final = max(float(np.sqrt(one.c[-1].max())) for one in steady.phases)
-        self._rows: Final[dict[int, FloatArray]] = {}
+        self._rows: Final[dict[int, FloatArray]] = {}  # a, b, c (3 m + 1, 3), by phase
         peaks = []
         for k, ways in enumerate(self.ways):
             rates = steady.rates(k, ways)
@@ -220,20 +228,67 @@ class _Solver:
         """Value of the coordinate at a way within the cycle."""
         return self.cycle.start + self.sign * way
 
-    def solved(self, begin: float) -> _Followed:
-        """The run that begins at a way, with forces of the joints that fit to it."""
-        rows: Rows = {}
-        before: _Followed | None = None
+    def solved(self, begin: float, rough: bool = False) -> _Followed:
+        """The run that begins at a way.
+
+        A rough one keeps the linkage's torque as it is about the steady run.
+        """
+        event = self.event
+        turn, k = 0, next(k for k, own in enumerate(self.ways) if begin < own[-1])
+        still = event.kind == "start"
+        speed = 0.0 if still else float(self.steady.rates(k, np.array([begin]))[0][0])
+        state = 0.0, begin, speed
+        braked = event.kind == "brake" and event.delay <= 0.0
+        stop = begin + self.turn * (MOST_TURNS if event.turns is None else event.turns)
+        rows, stretches = dict(self._rows), list[_Stretch]()
+        while True:
+            end = min(float(self.ways[k][-1]) + turn * self.turn, stop)
+            until = np.inf if braked or event.kind != "brake" else event.delay
+            leg = _Leg(turn, k, braked, state, end, until)
+            piece, knots, why = self._settled(leg, rows, rough)
+            if still and piece.slope(0.0, (begin, 0.0))[1] <= 0.0:
+                raise self._stalled(piece, begin, begin)
+            still = False
+            state = knots[-1, 0].item(), knots[-1, 1].item(), knots[-1, 2].item()
+            if state[1] - knots[0, 1] > _SAME * self.turn:
+                stretches.append(_Stretch(turn, k, braked, knots))
+            if why == "delay":
+                braked = True
+            elif why == "way" and state[1] < stop:
+                turn, k = (turn, k + 1) if k + 1 < len(self.ways) else (turn + 1, 0)
+            else:
+                break
+        self._check_end(why, piece, begin, *state[1:])
+        return _Followed(stretches, self._largest(stretches, rough))
+
+    def _settled(
+        self, leg: _Leg, rows: dict[int, FloatArray], rough: bool
+    ) -> tuple["_Piece", FloatArray, str]:
+        """A leg under the linkage's own torque, its knots and how it ended; `rows` follow it."""
         for _ in range(_MOST_ROUNDS):
-            found = self._followed(begin, rows)
-            if before is not None and self._is_same(before, found):
-                return replace(found, largest=self._largest(found))
-            rows = self._along(found)
-            before = found
+            piece = _Piece(self, leg, rows[leg.phase])
+            knots, why = piece.followed(leg.state, rough)
+            about = None if rough else self._apart_from(piece, knots)
+            if about is None:
+                return piece, knots, why
+            rows[leg.phase] = self._linearised(leg.phase, *about)
         raise UnsettledError(
             f"forces of the joints and the speed of the {self.event.kind} do not settle on each "
-            "other"
+            f"other near {self._place(leg.state[1])}"
         )
+
+    def _apart_from(self, piece: "_Piece", knots: FloatArray) -> Rates | None:
+        """Rates of a leg at the places of its phase, if the linkage takes another torque there."""
+        k, ways = piece.leg.phase, self.ways[piece.leg.phase]
+        own = ways + piece.before
+        rates = _rates(knots, own)
+        a, b, c = piece.rows.T
+        taken = self._taken(k, *rates)
+        missing = np.abs(taken - (a * rates[1] + b * rates[0] ** 2 + c))
+        first = max(int(np.searchsorted(own, knots[0, 1], side="right")) - 4, 0)
+        last = int(np.searchsorted(own, knots[-1, 1])) + 4
+        small = max(0.5 * self.whole * self.fastest**2 / self.turn, float(np.abs(taken).max()))
+        return rates if missing[first:last].max() > _SETTLED * small else None
 
     def as_cycle(self, name: str, run: _Followed) -> Cycle:
         """A run as a cycle, each turn of it at the positions of the first."""
@@ -258,7 +313,11 @@ class _Solver:
             name,
             self.cycle.coordinate,
             self.cycle.start,
-            replace(run.pace, knots=tuple(knots - gone for knots in run.pace.knots)),
+            RunPace(
+                self.cycle.pace.coordinate,
+                self.whole,
+                tuple(stretch.knots - gone for stretch in run.stretches),
+            ),
             tuple(phases),
             min(max(count, 2), MOST_POSITIONS),
         )
@@ -268,94 +327,47 @@ class _Solver:
         own = self.ways[stretch.phase]
         return np.clip(ways - stretch.turn * self.turn, own[0], own[-1])
 
-    def _is_same(self, one: _Followed, other: _Followed) -> bool:
-        # the speed stays beyond the end of the shorter one: ends count by the speed between them
-        end = max(one.end, other.end)
-        count = ceil(_STEPS * (end - one.begin) / self.turn) + 2
-        ways = np.linspace(one.begin, end, count)
-        squares = [run.rates(ways)[0] ** 2 for run in (one, other)]
-        return float(np.abs(squares[1] - squares[0]).max()) <= _SETTLED * self.fastest**2
+    def _largest(self, stretches: Sequence[_Stretch], rough: bool) -> tuple[float, float]:
+        """Largest force of a joint and torque along a run.
 
-    def _along(self, run: _Followed) -> Rows:
-        """The linkage's torque about a run."""
-        return {
-            (turn, k): self._linearised(k, *run.rates(self.ways[k] + turn * self.turn))
-            for turn, k in dict.fromkeys((one.turn, one.phase) for one in run.stretches)
-        }
-
-    def _largest(self, run: _Followed) -> tuple[float, float]:
-        """Largest force of a joint and torque along a run; at both ends of every stretch, too."""
+        At both ends of every stretch, too; a rough one at the places of its phase alone.
+        """
         found = []
-        for number, stretch in enumerate(run.stretches):
-            first, last = (float(end) for end in stretch.knots[[0, -1], 1])
-            ways = self.ways[stretch.phase] + stretch.turn * self.turn
-            ways = np.array([first, *ways[(ways > first) & (ways < last)], last])
-            geometry = self.run.path.at(self.value_at(self._in_turn(stretch, ways)))
-            rates = run.pace.rates(number, ways)
-            solved = self.run.solve_at(stretch.phase, geometry, rates)
-            found.append(self._peaks(stretch.phase, solved))
+        for stretch in stretches:
+            k, (first, last) = stretch.phase, stretch.knots[[0, -1], 1].tolist()
+            ways = self.ways[k] + stretch.turn * self.turn
+            low, high = np.searchsorted(ways, [first, last])
+            if rough:
+                low, high = max(low - 1, 0), min(high + 1, len(ways))
+                inside, geometry = slice(low, high), self.places[k]
+            else:
+                inside, ways = slice(None), np.array([first, *ways[low:high], last])
+                geometry = self.run.path.at(self.value_at(self._in_turn(stretch, ways)))
+            solved = self.run.solve_at(k, geometry, _rates(stretch.knots, ways))
+            found.append(self._peaks(k, solved, inside))
         return _largest_of(found)
 
-    def _peaks(self, k: int, stretch: Stretch) -> tuple[float, float]:
-        solution = stretch.solution
-        force = max(float(np.hypot(*one.force.T).max()) for one in solution.joints.values())
-        return force, float(np.abs(solution.efforts[self.cycle.phases[k].solve]).max())
+    def _peaks(self, k: int, stretch: Stretch, rows: slice = slice(None)) -> tuple[float, float]:
+        solution, solve = stretch.solution, self.cycle.phases[k].solve
+        force = max(float(np.hypot(*one.force[rows].T).max()) for one in solution.joints.values())
+        return force, float(np.abs(solution.efforts[solve][rows]).max())
 
     def _linearised(self, k: int, speed: FloatArray, acceleration: FloatArray) -> FloatArray:
         """a, b and c (3 m + 1, 3) of a phase about speeds."""
-        squares, more = speed**2, 0.01 * self.fastest**2
-
-        def taken(squares: FloatArray, acceleration: FloatArray) -> FloatArray:
-            rates = np.sqrt(squares), acceleration
-            solution = self.run.solve_at(k, self.places[k], rates).solution
-            return self.levers[k] * solution.efforts[self.cycle.phases[k].solve]
-
-        here = taken(squares, acceleration)
-        b = (taken(squares + more, acceleration) - here) / more
-        a = (taken(squares, acceleration + more) - here) / more
+        more = 0.01 * self.fastest**2
+        here = self._taken(k, speed, acceleration)
+        b = (self._taken(k, np.sqrt(speed**2 + more), acceleration) - here) / more
+        a = (self._taken(k, speed, acceleration + more) - here) / more
         a = np.maximum(a, -0.5 * self.whole)  # less is the jump of a contact that opens
         if not (self.whole + a > 0.0).all():
             at = self.places[k].place(int(np.argmin(a)))
             raise LinkageError(f"nothing that the motor turns has a mass at {at}")
-        return np.column_stack([a, b, here - a * acceleration - b * squares])
+        return np.column_stack([a, b, here - a * acceleration - b * speed**2])
 
-    def _followed(self, begin: float, rows: Rows) -> _Followed:
-        """The run from a way under a known demand."""
-        event = self.event
-        turn, k = 0, next(k for k, own in enumerate(self.ways) if begin < own[-1])
-        still = event.kind == "start"
-        speed = 0.0 if still else float(self.steady.rates(k, np.array([begin]))[0][0])
-        time, way, stretches = 0.0, begin, []
-        braked = event.kind == "brake" and event.delay <= 0.0
-        stop = begin + self.turn * (MOST_TURNS if event.turns is None else event.turns)
-        while True:
-            own = _Piece(self, k, turn, rows.get((turn, k), self._rows[k]), braked)
-            if still:
-                self._check_start(own, begin)
-            end = min(float(self.ways[k][-1]) + turn * self.turn, stop)
-            until = np.inf if braked or event.kind != "brake" else event.delay
-            knots, why = own.followed(time, way, speed, end, until)
-            time, way, speed, _ = knots[-1].tolist()
-            if knots[-1, 1] - knots[0, 1] > _SAME * self.turn:
-                stretches.append(_Stretch(turn, k, braked, knots))
-            if why == "delay":
-                braked = True
-            elif why == "way":
-                if way >= stop:
-                    break
-                turn, k = (turn, k + 1) if k + 1 < len(self.ways) else (turn + 1, 0)
-            else:
-                break
-            still = False
-        self._check_end(why, own, begin, way, speed)
-        pace = RunPace(
-            self.cycle.pace.coordinate, self.whole, tuple(one.knots for one in stretches)
-        )
-        return _Followed(stretches, pace)
-
-    def _check_start(self, own: "_Piece", begin: float) -> None:
-        if own.slope(0.0, np.array([begin, 0.0]))[1] <= 0.0:
-            raise self._stalled(own, begin, begin)
+    def _taken(self, k: int, speed: FloatArray, acceleration: FloatArray) -> FloatArray:
+        """Torque (3 m + 1,) that the linkage takes at the places of a phase."""
+        solution = self.run.solve_at(k, self.places[k], (speed, acceleration)).solution
+        return self.levers[k] * solution.efforts[self.cycle.phases[k].solve]
 
     def _check_end(self, why: str, own: "_Piece", begin: float, way: float, speed: float) -> None:
         """Raise where a run did not come to its end."""
@@ -391,43 +403,44 @@ class _Solver:
 
 
 class _Piece:
-    """The equation of motion within one phase of a turn."""
+    """The equation of motion of a leg: rows (3 m + 1, 3) are a, b and c at the places of its phase.
 
-    def __init__(self, solver: _Solver, k: int, turn: int, rows: FloatArray, braked: bool) -> None:
-        self._solver, self._k = solver, k
-        self._before = turn * solver.turn
-        self._knots = solver.ways[k][::3]
+    before  rad, way of the turns that are behind
+    """
+
+    def __init__(self, solver: _Solver, leg: _Leg, rows: FloatArray) -> None:
+        self._solver, self.leg, self.rows = solver, leg, rows
+        self.before: Final = leg.turn * solver.turn
+        self._knots: Final = solver.ways[leg.phase][::3].tolist()
         places = np.array([0.0, *STEP_PLACES])
         inverse = np.linalg.inv(places[:, None] ** np.arange(4))
         index = 3 * np.arange(len(self._knots) - 1)[:, None] + np.arange(4)
         self._powers = np.einsum("pk,mkr->mrp", inverse, rows[index]).tolist()
-        self._brake = solver.event.torque if braked else 0.0
+        self._brake = solver.event.torque if leg.braked else 0.0
 
     def row(self, way: float) -> tuple[float, float, float]:
         """a, b and c at a way; beyond the phase as at its end."""
-        way = min(max(way - self._before, self._knots[0]), self._knots[-1])
-        i = min(max(int(np.searchsorted(self._knots, way, side="right")) - 1, 0),
-                len(self._knots) - 2)  # fmt: skip
-        u = (way - self._knots[i]) / (self._knots[i + 1] - self._knots[i])
-        a, b, c = (p + u * (q + u * (r + u * s)) for p, q, r, s in self._powers[i])
-        return a, b, c
+        knots = self._knots
+        way = min(max(way - self.before, knots[0]), knots[-1])
+        i = min(bisect_right(knots, way), len(knots) - 1) - 1
+        u = (way - knots[i]) / (knots[i + 1] - knots[i])
+        (a0, a1, a2, a3), (b0, b1, b2, b3), (c0, c1, c2, c3) = self._powers[i]
+        return (
+            a0 + u * (a1 + u * (a2 + u * a3)),
+            b0 + u * (b1 + u * (b2 + u * b3)),
+            c0 + u * (c1 + u * (c2 + u * c3)),
+        )
 
-    def slope(self, _: float, state: FloatArray) -> list[float]:
+    def slope(self, _: float, state: Sequence[float]) -> tuple[float, float]:
         """Rates of way and speed."""
         way, speed = float(state[0]), float(state[1])
         a, b, c = self.row(way)
         torque = self._solver.motor.torque(speed)[0] if self._solver.event.drives else 0.0
         taken = b * speed * speed + c + self._brake
-        return [speed, (torque - taken) / (self._solver.whole + a)]
+        return speed, (torque - taken) / (self._solver.whole + a)
 
     def followed(
-        self,
-        time: float,
-        way: float,
-        speed: float,
-        end: float,
-        until: float,
-        gone: tuple[float, ...] = (),
+        self, state: tuple[float, float, float], rough: bool, gone: tuple[float, ...] = ()
     ) -> tuple[FloatArray, str]:
         """Knots from a state to a way or time, to rest or the steady speed, and which it was.
 
@@ -437,15 +450,17 @@ class _Piece:
 
         solver = self._solver
         whole = solver.turn / solver.fastest
+        (time, way, speed), end, until = state, self.leg.end, self.leg.until
+        tolerance = _ROUGH if rough else _TOLERANCE
         ends: list[tuple[str, Callable[[float, FloatArray], float], float]] = [
             ("way", lambda _, y: y[0] - end, 1.0),
             ("rest", lambda _, y: y[1], -1.0),
         ]
         if solver.event.kind == "start" and solver.event.turns is None:
-            steady = solver.steady.phases[self._k]
+            steady = solver.steady.phases[self.leg.phase]
 
             def near(_: float, y: FloatArray) -> float:
-                place = min(y[0] - self._before, steady.x[-1])
+                place = min(y[0] - self.before, steady.x[-1])
                 return float(y[1] - (1.0 - NEAR) * np.sqrt(steady(place)))
 
             ends.append(("near", near, 1.0))
@@ -459,12 +474,12 @@ class _Piece:
             self.slope,
             (time, min(until, time + _LONG * whole)),
             [way, speed],
-            "LSODA" if solver.stiffness * whole > _STIFF else "DOP853",
+            "LSODA" if solver.stiffness * whole > _STIFF else "RK45" if rough else "DOP853",
             events=[function for _, function, _ in ends],
-            max_step=whole / _STEPS,
+            max_step=whole / (_ROUGH_STEPS if rough else _STEPS),
             dense_output=True,
-            rtol=_TOLERANCE,
-            atol=[1e-2 * _TOLERANCE * solver.turn, 1e-2 * _TOLERANCE * solver.fastest],
+            rtol=tolerance,
+            atol=[1e-2 * tolerance * solver.turn, 1e-2 * tolerance * solver.fastest],
         )
         if not found.success:
             raise UnsettledError(
@@ -492,10 +507,25 @@ class _Piece:
         knots = _apart(np.column_stack([times, states, slopes]), 0.01 * whole / _STEPS)
         if not why.startswith(_CORNER):
             return knots, why
-        time, way, speed, _ = knots[-1].tolist()
         passed = (*gone, float(why.removeprefix(_CORNER)))
-        beyond, why = self.followed(time, way, speed, end, until, passed)
+        beyond, why = self.followed(tuple(knots[-1, :3].tolist()), rough, passed)
         return np.concatenate([knots, beyond[1:]]), why
+
+
+def _rates(knots: FloatArray, ways: FloatArray) -> Rates:
+    """Speed and acceleration (n,) at ways; beyond the knots as at their ends.
+
+    Closely: the squared speed is cubic over the way between knots, the acceleration linear.
+    """
+    at, speeds, slopes = knots[:, 1:].T
+    ways = np.clip(ways, at[0], at[-1])
+    i = np.clip(np.searchsorted(at, ways, side="right") - 1, 0, len(at) - 2)
+    h = np.maximum(at[i + 1] - at[i], np.finfo(float).tiny)
+    u = (ways - at[i]) / h
+    low, high = speeds[i] ** 2, speeds[i + 1] ** 2
+    first, last = (2.0 * h * slopes[j] - (high - low) for j in (i, i + 1))
+    squares = low + u * (high - low) + u * (1.0 - u) * ((1.0 - u) * first - u * last)
+    return np.maximum(np.sqrt(np.maximum(squares, 0.0)), _REST), np.interp(ways, at, slopes)
 
 
 def _largest_of(peaks: Sequence[tuple[float, float]]) -> tuple[float, float]:

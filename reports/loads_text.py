@@ -22,6 +22,7 @@ from reports.loads_words import (
 from reports.terminal import labelled, wrap
 
 _LONGEST_NAME = 18
+_MOST_PHASES = 12  # more are turns of a start or a stop
 
 
 def loads_text(
@@ -50,7 +51,7 @@ def loads_text(
     absent = ", ".join(brief(item, 120) for item in result.absent)
     lines += ["", *labelled("NOT IN THESE LOADS", absent, width)]
     if result.assumed:
-        items = "; ".join(f"{brief(key, 48)} ({brief(what, 48)})" for key, what in result.assumed)
+        items = "; ".join(f"{brief(key, 48)} ({brief(what, 200)})" for key, what in result.assumed)
         lines += labelled("ASSUMED", f"{len(result.assumed)}: {items}", width)
     lines += [f"written: {clean(file)}" for file in files]
     return "\n".join(lines) + "\n"
@@ -75,6 +76,9 @@ def _cycle(cycle: ShownCycle, width: int) -> list[str]:
         ]
         for phase in cycle.phases
     ]
+    if len(phases) > _MOST_PHASES:
+        left = len(phases) - 6
+        phases[3:-3] = [[f"{left} more", "", "", "", "between these, turn by turn"]]
     unit = f"[{cycle.unit}]"
     lines += table(
         ["phase", f"from {unit}", f"to {unit}", "solves", "given"], phases, {1, 2}, width
@@ -145,7 +149,7 @@ def _extremes(extremes: Extremes, several: bool, largest: float) -> list[str]:
         (extremes.low, extremes.low_at, extremes.low_phase),
         (extremes.high, extremes.high_at, extremes.high_phase),
     ):
-        where = place_text(at) + (f" {brief(phase, 9)}" if several else "")
+        where = place_text(at) + (f" {brief(phase, 14)}" if several else "")
         cells += [number(value * factor, 4), where]
     return cells
 

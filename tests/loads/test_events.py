@@ -105,8 +105,8 @@ def test_a_brake_stops_a_rotor_in_the_turns_of_its_energy(delay):
     assert_allclose(loads.efforts["drive"][braked], -3e4 * INERTIA / WHOLE, rtol=1e-6)
 
 
-def by_hand(kind, state, delay=0.0, brake=0.0, mu=0.0, tends=10.0):
-    """The crank with its slider over the time, phase by phase, until it stands or 2.3 turns."""
+def by_hand(kind, state, delay=0.0, brake=0.0, turning=WHOLE, tends=10.0):
+    """The crank with its slider over the time, phase by phase, until it stands or `tends`."""
 
     def slope(t, y):
         q, v = y
@@ -114,7 +114,7 @@ def by_hand(kind, state, delay=0.0, brake=0.0, mu=0.0, tends=10.0):
         out = q % (2 * pi) >= pi
         force = -800.0 * first if out else 0.0
         given = torque(v) if kind == "start" else -brake if t >= delay else 0.0
-        whole = WHOLE + MASS * first**2
+        whole = turning + MASS * first**2
         return [v, (given + force - MASS * first * second * v**2) / whole]
 
     t, parts = 0.0, []
@@ -136,23 +136,23 @@ def by_hand(kind, state, delay=0.0, brake=0.0, mu=0.0, tends=10.0):
             return t, state, parts
 
 
-def test_a_start_against_the_load_is_that_of_an_integration_by_hand():
+@pytest.mark.parametrize(("heavier", "turns"), [(1.0, 2.3), (40.0, 26.3)])
+def test_a_start_against_the_load_is_that_of_an_integration_by_hand(heavier, turns):
     """Speed over the angle to 1e-6; the slider is pushed back by 800 N from 180 deg on."""
-    event = Event("start", "turn", at=1.0, turns=2.3)
-    run = solve_event("start", machine(), turn(driven(STARTING)), event)
+    event = Event("start", "turn", at=1.0, turns=turns)
+    drive = replace(driven(STARTING), inertia=heavier * FLYWHEEL)
+    run = solve_event("start", machine(), turn(drive), event)
     loads = run_cycle(machine(), run.cycle)
-    way = (
-        loads.positions
-        + 2 * pi * np.array([int(name[-1]) - 1 for name in loads.phases])[loads.phase_of]
-    )
-    _, _, parts = by_hand("start", [1.0, 0.0], tends=run.time)
+    way = unrolled(loads)
+    whole = WHOLE + (heavier - 1.0) * FLYWHEEL
+    _, _, parts = by_hand("start", [1.0, 0.0], turning=whole, tends=run.time)
     worst = 0.0
     for q, v, t in zip(way, loads.velocities[:, 1, 2], loads.times, strict=True):
         part = next(one for one in parts if one.t[-1] >= t - 1e-9)
         there = part.sol(min(t, part.t[-1]))
         worst = max(worst, abs(there[0] - q), abs(there[1] - v) / 14.0)
     assert worst < 1e-6
-    assert_allclose(way[-1] - way[0], 2.3 * 2 * pi, rtol=1e-9)
+    assert_allclose(way[-1] - way[0], turns * 2 * pi, rtol=1e-9)
 
 
 def test_a_start_ends_within_a_hundredth_of_the_steady_speed():
@@ -166,9 +166,10 @@ def test_a_start_ends_within_a_hundredth_of_the_steady_speed():
     assert run.cycle.phases[0].name == "back 1"
 
 
-def test_an_emergency_stop_is_that_of_an_integration_by_hand():
+@pytest.mark.parametrize("heavier", [1.0, 600.0])
+def test_an_emergency_stop_is_that_of_an_integration_by_hand(heavier):
     """Brake torque of 60 N m after 30 ms in which the motor is off: time and angle to 1e-6."""
-    cycle = turn(driven(), n=720)
+    cycle = turn(replace(driven(), inertia=heavier * FLYWHEEL), n=720)
     event = Event("brake", "turn", at=2.0, torque=6e4, delay=0.03)
     run = solve_event("stop", machine(), cycle, event)
     steady = run_cycle(machine(), cycle)
@@ -176,7 +177,9 @@ def test_an_emergency_stop_is_that_of_an_integration_by_hand():
 
     rows = steady.phase_of == 0
     at = CubicSpline(steady.positions[rows], steady.velocities[rows, 1, 2])(2.0)
-    time, (angle, _), _ = by_hand("brake", [2.0, float(at)], delay=0.03, brake=6e4)
+    whole = WHOLE + (heavier - 1.0) * FLYWHEEL
+    time, (angle, _), _ = by_hand("brake", [2.0, float(at)], 0.03, 6e4, whole, 60.0)
+    assert run.turns > (0.1 if heavier == 1.0 else 20.0)
     assert_allclose(run.time, time, rtol=1e-6)
     assert_allclose(run.turns * 2 * pi, angle - 2.0, rtol=1e-6)
 
@@ -238,7 +241,8 @@ def test_the_place_with_the_largest_joint_force_is_taken_where_none_is_stated():
     assert len(run.tried) == 12
     for place, force in run.tried[::4]:
         own = solve_event("stop", machine(), cycle, replace(event, at=place))
-        assert_allclose(own.force, force, rtol=1e-6)
+        assert_allclose(own.force, force, rtol=1e-2)  # tried by rough runs
+        assert own.force <= run.force * (1.0 + 1e-3)
         forces = run_cycle(machine(), own.cycle).reactions.values()
         largest = max(float(np.hypot(*one.force.T).max()) for one in forces)
         assert_allclose(largest, force, rtol=2e-2)
