@@ -115,6 +115,11 @@ KNOWN_UNITS = {
     **{name: Unit(size, _TIME) for name, size in (("s", 1.0), ("ms", 1e-3), ("min", 60.0),
                                                   ("h", 3600.0))},
     **{name: Unit(size, _ANGLE) for name, size in (("rad", 1.0), ("deg", math.pi / 180))},
+    **{name: Unit(size, {"gram": 1, "meter": 2, "second": -3}) for name, size in (("W", 1e3),
+                                                                                  ("kW", 1e6))},
+    "J": Unit(1e3, {"gram": 1, "meter": 2, "second": -2}),
+    "rpm": Unit(2.0 * math.pi / 60.0, {"radian": 1, "second": -1}),
+    "inch": Unit(0.0254, _LENGTH),
     "Hz": Unit(1.0, {"second": -1}),
     "percent": Unit(0.01, {}),
 }  # fmt: skip
