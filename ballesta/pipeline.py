@@ -7,6 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import date
 from importlib.metadata import PackageNotFoundError, version
+from math import inf
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -29,6 +30,7 @@ from ballesta.machine.warnings_of import (
     unloaded_warnings,
 )
 from ballesta.unfinished import FRAME, PART, Keep, KeptPart, with_parts, without_live
+from checks.columns.cylinders import cylinder_checks, not_checked_of
 from checks.columns.linkage_frame import FreeMotions, LinkageMode, linkage_check, worst_mode
 from checks.columns.linkage_store import stored_mode
 from checks.derivations.buckling import linkage_share
@@ -155,6 +157,7 @@ def check_with_cycles(
         motions = FreeMotions()
         mode = stored_mode(store, design, runs) if store else worst_mode(design, runs, motions)
         linkage = [] if mode is None else [_of_linkage(design, mode, doubts.all, motions)]
+        linkage += _of_cylinders(design, runs, doubts.all)
         timings["loads"] = perf_counter() - start - sum(models.seconds.values())
     except loads.LinkageError as error:
         raise DesignError(design.file, "linkage", str(error)) from error
@@ -209,6 +212,7 @@ def _frame(
         ],
         not_checked=(
             *_not_checked(design, machine),
+            *not_checked_of(design),
             *_not_checked_here(design),
             *not_measured(design),
         ),
@@ -270,6 +274,28 @@ def _of_linkage(
         ends = {d.words: [_linkage_share(design, end, motions) for end in d.ends] for d in doubts}
         check = with_doubts(check, ends)
     return check.explained_by(linkage_share(design, mode, check))
+
+
+def _of_cylinders(design: Design, runs: Runs, doubts: Sequence[Doubt]) -> list[Check]:
+    if not design.cylinders:
+        return []
+    at_ends = {
+        doubt.words: [
+            {check.quantity: check.value for check in cylinder_checks(design, end, doubted=True)}
+            for end in doubt.ends
+        ]
+        for doubt in doubts
+    }
+    return [
+        with_doubts(
+            check,
+            {
+                words: [end.get(check.quantity, inf) for end in ends]
+                for words, ends in at_ends.items()
+            },
+        )
+        for check in cylinder_checks(design, runs)
+    ]
 
 
 def _linkage_share(design: Design, runs: Runs, motions: FreeMotions) -> float:

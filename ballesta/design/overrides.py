@@ -14,8 +14,9 @@ Way = tuple[str | int, ...]
 WITH_LIKE = ("bodies", "cycles", "parts")
 _OPTIONAL_TABLES = {
     "require", "joints", "forces", "friction", "friction.pins", "friction.guides",
-    "friction.slots", "friction.joints", "elastic", "elastic.joints", "cycles", "events", "duty",
-    "duty.cycles", "drive", "drive.brake", "dynamics", "materials", "parts", "claims", "assumed",
+    "friction.slots", "friction.joints", "elastic", "elastic.joints", "cylinders", "cycles",
+    "events", "duty", "duty.cycles", "drive", "drive.brake", "dynamics", "materials", "parts",
+    "claims", "assumed",
 }  # fmt: skip
 _OPTIONAL_IN_ENTRY = {"column", "mesh", "pace", "shown", "stop", "guide", "interfaces", "forces",
                       "bush", "elastic", "friction", "available", "offsets", "fits",

@@ -15,6 +15,7 @@ from pydantic import BaseModel, Tag, ValidationError
 
 import loads
 from ballesta.design.cycles import cycles_of, duty_of, events_of, split_cycles
+from ballesta.design.cylinders import cylinders_of
 from ballesta.design.files import Sources, read_design_files
 from ballesta.design.forces import forces_of
 from ballesta.design.joints import friction_of, joint_compliances, joints_of, pins_of
@@ -94,6 +95,7 @@ def _assembled(
         if name not in model.parts:
             problems.add(f"claims.{name}", no_such("part", name, model.parts))
     forces, available = forces_of(model, problems)
+    cylinders = cylinders_of(model, forces, materials, problems)
     friction = friction_of("friction", model.friction, model, joints, problems)
     joint_compliance = joint_compliances(model, joints, problems)
     cycles = cycles_of(model, forces, joints, sources, problems)
@@ -183,6 +185,7 @@ def _assembled(
             for kind, claim in kinds.items()
         },
         events=events,
+        cylinders=cylinders,
     )
     return replace(design, cycles=split_cycles(design))
 

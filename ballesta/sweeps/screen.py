@@ -22,6 +22,7 @@ from ballesta.machine.events import with_events
 from ballesta.machine.quasi_static import vibration_of, with_dynamics
 from ballesta.machine.solved_cycles import linkage_of, part_masses, told_of_cycle
 from checks.by_formula import formula_checks
+from checks.columns.cylinders import cylinder_checks
 from checks.columns.linkage_frame import linkage_check, worst_mode
 from checks.design.data import Design, Part
 from checks.design.errors import DesignError, NumericsError
@@ -281,6 +282,8 @@ def _checked(
     mode = worst_mode(design, solved) if linkage else None
     if mode is not None:
         checks.append(linkage_check(design, mode.under(design.load_factor)))
+    if linkage:
+        checks += cylinder_checks(design, runs)
     return Screened(
         overrides=overrides,
         checks=checks,

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import pi
 from pathlib import Path
 from typing import NamedTuple
 
@@ -98,6 +99,47 @@ class Duty:
     life: str = "infinite"
     allowed_damage: float = 0.3
     damage_so_far: float = 0.0
+
+
+@dataclass(frozen=True)
+class Cylinder:
+    """A hydraulic or pneumatic cylinder: what gives the force between two points.
+
+    rod, bore, outer  mm, diameters of the rod, and of the tube inside and outside
+    closed            mm, between its eyes, rod pushed in; stroke: mm, how far it comes out
+    tube              mm, from the eye of the tube to the outer end of its gland
+    guide             mm, between the bearings of piston and gland, rod drawn out; 0 if not stated
+    play              mm, of the rod and the piston in them, on diameter; 0 if not stated
+    """
+
+    force: str
+    rod: float
+    bore: float
+    outer: float
+    closed: float
+    stroke: float
+    tube: float
+    material: Material
+    tube_material: Material
+    guide: float = 0.0
+    play: float = 0.0
+
+    @property
+    def second_moments(self) -> tuple[float, float]:
+        """Second moments of area, mm4, of tube and rod."""
+        return pi / 64 * (self.outer**4 - self.bore**4), pi / 64 * self.rod**4
+
+    @property
+    def areas(self) -> tuple[float, float]:
+        """Areas, mm2, that pressure acts on as it pushes and as it pulls."""
+        return pi / 4 * self.bore**2, pi / 4 * (self.bore**2 - self.rod**2)
+
+    @property
+    def masses(self) -> tuple[float, float]:
+        """Masses per length, t/mm, of the tube with the rod in it, and of the rod."""
+        rod = pi / 4 * self.rod**2 * self.material.density
+        tube = pi / 4 * (self.outer**2 - self.bore**2) * self.tube_material.density
+        return tube + rod, rod
 
 
 @dataclass(frozen=True)
@@ -204,6 +246,7 @@ class Design:
     assumed: tuple[tuple[str, str], ...]
     claims: Mapping[tuple[str, str], tuple[float, str]]
     events: Mapping[str, loads.Event] = field(default_factory=dict)
+    cylinders: Mapping[str, Cylinder] = field(default_factory=dict)
 
     @property
     def slides(self) -> Mapping[str, loads.Slot | loads.Prismatic]:

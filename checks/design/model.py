@@ -24,6 +24,7 @@ from checks.design.step_entry import (
 from checks.design.tables import (
     BodyEntry,
     CycleEntry,
+    CylinderEntry,
     DriveEntry,
     DynamicsEntry,
     ElasticJoints,
@@ -373,6 +374,9 @@ class DesignFile(Table):
         description="joints that are no plain pins; a point shared by bodies is a pin by itself",
     )
     forces: dict[Name, ForceEntry] = Field(default_factory=dict)
+    cylinders: dict[Name, CylinderEntry] = Field(
+        default_factory=dict, description="what gives a force between two points, to be checked"
+    )
     friction: FrictionEntry = Field(default=FrictionEntry.model_validate({}))
     elastic: ElasticJoints = Field(
         default=ElasticJoints.model_validate({}),

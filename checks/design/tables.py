@@ -139,6 +139,28 @@ AvailableEntry = Annotated[
 ]
 
 
+class CylinderEntry(Table):
+    """A cylinder that gives a force between two points: its tube is at the first of them."""
+
+    force: str = Field(description="the force between two points that it gives")
+    rod: PositiveLength = Field(description="diameter of the rod")
+    bore: PositiveLength = Field(description="inner diameter of the tube")
+    wall: PositiveLength = Field(description="wall of the tube")
+    closed: PositiveLength = Field(description="between its eyes, rod pushed in")
+    stroke: PositiveLength = Field(description="how far the rod comes out")
+    tube: PositiveLength = Field(
+        description="from the eye of the tube to where the rod leaves its gland"
+    )
+    material: str = Field(description="of the rod")
+    tube_material: str = Field(description="of the tube")
+    guide: PositiveLength | None = Field(
+        None, description="between the bearings of piston and gland, rod drawn out"
+    )
+    play: PositiveLength | None = Field(
+        None, description="of rod and piston in their bearings, on diameter: it bends the axis"
+    )
+
+
 class ForceEntry(Table):
     """A force: between two points, at a point of a body in a direction, or a torque on a body."""
 

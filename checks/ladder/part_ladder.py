@@ -8,6 +8,7 @@ from time import perf_counter
 
 import loads
 from checks import by_formula
+from checks.columns import cylinders
 from checks.columns.linkage_frame import LINKAGE
 from checks.columns.stability import ELASTIC
 from checks.derivations.bars import ERROR, rung_bars
@@ -261,7 +262,7 @@ UNKNOWN = "no derivation of this check is known: its numbers are put in as the c
 
 def known_kinds() -> list[Kind]:
     """Every kind of check: by models of stress, of buckling, and by formula."""
-    return [*stress_words.KINDS, ELASTIC, LINKAGE, *by_formula.kinds()]
+    return [*stress_words.KINDS, ELASTIC, LINKAGE, *cylinders.KINDS, *by_formula.kinds()]
 
 
 def explained(climb: Climb, checks: Sequence[Check]) -> list[Check]:

@@ -189,7 +189,7 @@ def loads_on(design: Design, part: Part, solved: Runs, doubts: Sequence[Doubt] =
             shown, unit, tuple(values.tolist()), tuple(history.phase_of.tolist()), phases
         )
         names += [name] * len(values)
-        stretch_of.append(_stretches(cycle_loads))
+        stretch_of.append(stretches_of(cycle_loads))
         known = isinstance(cycle_loads, loads.CycleLoads)
         path.append(cycle_loads.positions if known else np.full(len(values), np.nan))
         for entry in part.stack:
@@ -224,7 +224,7 @@ def loads_on(design: Design, part: Part, solved: Runs, doubts: Sequence[Doubt] =
     )
 
 
-def _stretches(cycle: loads.CycleLoads | loads.MeasuredLoads) -> IntArray:
+def stretches_of(cycle: loads.CycleLoads | loads.MeasuredLoads) -> IntArray:
     """Number (n,) of the stretch of a cycle, between two jumps, that each position is in."""
     jumps = np.diff(cycle.phase_of) != 0
     if isinstance(cycle, loads.CycleLoads):

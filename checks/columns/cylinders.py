@@ -1,0 +1,297 @@
+"""Hydraulic and pneumatic cylinders: buckling over the stroke, bending of the rod, pressure.
+
+A cylinder is a force between two points with dimensions. It carries that force alone: a column of
+tube and rod, hinged at its eyes, whose length changes with the stroke (docs/theory/cylinders.md).
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+import loads
+from checks.design.data import Cylinder, Design
+from checks.design.errors import DesignError
+from checks.handbook.stepped_column import buckling_force, largest_moments
+from checks.part.derived import NO_BAND, Band, Heading, Kind, Series, demand_over
+from checks.part.part_loads import Runs, first_largest, shown_of, stretches_of
+from checks.result.derivation import BARS, Derivation, Given, Item, LoadCase, Section, Step
+from checks.result.verdict import Check
+from checks.strength.sampling import with_sampling
+from checks.strength.splines import Spline
+from geometry.mesh import FloatArray, IntArray
+
+_PAGE = "[cylinders](../theory/cylinders.md)"
+BUCKLING = Kind(
+    name="buckling",
+    quantity="cylinder {}, elastic load share",
+    demand="force over the force at which tube and rod buckle as a hinged column at this length",
+    limit="1",
+    require="buckling",
+    source=_PAGE,
+)
+ROD = Kind(
+    name="static",
+    quantity="rod of cylinder {}, stress",
+    demand="compression or pull, and bending by weight, play and deflection, in the rod",
+    limit="yield stress of the rod",
+    require="static",
+    source=_PAGE,
+)
+TUBE = Kind(
+    name="static",
+    quantity="tube of cylinder {}, stress",
+    demand="equivalent stress by Tresca of pressure and bending at the bore of the tube",
+    limit="yield stress of the tube",
+    require="static",
+    source=_PAGE,
+)
+KINDS = (BUCKLING, ROD, TUBE)
+NOT_CHECKED = (
+    "fatigue, thread, eyes, welds and seals of {}, and friction of its eyes",
+    "play of the guides of {}: state guide and play",
+)
+_ROUND_OFF = 1e-6  # of the stroke
+_BETWEEN = np.array([0.25, 0.5, 0.75])  # of the steps beside the worst position
+
+
+def cylinder_checks(design: Design, runs: Runs, *, doubted: bool = False) -> list[Check]:
+    """The checks of all cylinders over the computed cycles, with their derivations.
+
+    doubted  True for runs at an end of a doubt, in which a stop may lie beyond the stroke
+
+    Raises DesignError where a cylinder is drawn out beyond its stroke or pushed in beyond it.
+    """
+    found: list[Check] = []
+    for name, cylinder in design.cylinders.items():
+        loaded = _Loaded.of(design, name, cylinder, runs)
+        if not doubted:
+            _check_stroke(loaded)
+        found += _checks_of(loaded)
+    return found
+
+
+def not_checked_of(design: Design) -> tuple[str, ...]:
+    """Effects that the checks of cylinders leave out."""
+    names = list(design.cylinders)
+    loose = [name for name in names if not design.cylinders[name].play]
+    told = [NOT_CHECKED[0].format(" and ".join(names))] if names else []
+    return (*told, *([NOT_CHECKED[1].format(" and ".join(loose))] if loose else ()))
+
+
+@dataclass(frozen=True, eq=False)
+class _Loaded:
+    """A cylinder at the n positions of all cycles.
+
+    push     (n,) N, of its eyes on each other; negative where it pulls
+    length   (n,) mm between its eyes
+    across   (n,) mm/s2, gravity across its axis
+    cases    cycle, position in words, and index in its cycle, of each position
+    stretch  (n,) between two jumps of the loads; path: (n,) along which the positions lie
+    """
+
+    design: Design
+    name: str
+    cylinder: Cylinder
+    push: FloatArray
+    length: FloatArray
+    across: FloatArray
+    cases: Sequence[tuple[str, str, int]]
+    stretch: IntArray
+    path: FloatArray
+
+    @staticmethod
+    def of(design: Design, name: str, cylinder: Cylinder, runs: Runs) -> "_Loaded":
+        pushes, reaches, cases, stretches, paths = [], [], [], [], []
+        gone = 0
+        for run, cycle in runs.items():
+            if not isinstance(cycle, loads.CycleLoads):
+                continue
+            ends = cycle.linkage.force(cylinder.force).coordinate
+            assert isinstance(ends, loads.Distance)
+            reach = cycle.point(ends.body_b, ends.point_b) - cycle.point(ends.body_a, ends.point_a)
+            shown, unit, values = shown_of(design, run, cycle)
+            phases = [cycle.phases[k] for k in cycle.phase_of]
+            cases += [
+                (run, f"{shown} = {value:.4g} {unit}" + (f" {p}" if p != run else ""), k)
+                for k, (value, p) in enumerate(zip(values, phases, strict=True))
+            ]
+            pushes.append(-design.load_factor * cycle.efforts[cylinder.force])
+            reaches.append(reach)
+            stretches.append(gone + stretches_of(cycle))
+            gone = int(stretches[-1][-1]) + 1
+            paths.append(cycle.positions)
+        reach = np.concatenate(reaches)
+        length = np.hypot(*reach.T)
+        weight = np.array(design.gravity)
+        across = np.abs(reach[:, 0] * weight[1] - reach[:, 1] * weight[0]) / length
+        return _Loaded(
+            design, name, cylinder, np.concatenate(pushes), length, across, cases,
+            np.concatenate(stretches), np.concatenate(paths),
+        )  # fmt: skip
+
+
+def _check_stroke(loaded: _Loaded) -> None:
+    cylinder, length = loaded.cylinder, loaded.length
+    low, high = cylinder.closed, cylinder.closed + cylinder.stroke
+    slack = _ROUND_OFF * cylinder.stroke
+    first, last = float(length.min()), float(length.max())
+    if first >= low - slack and last <= high + slack:
+        return
+    raise DesignError(
+        loaded.design.file,
+        f"cylinders.{loaded.name}.{'closed' if first < low - slack else 'stroke'}",
+        f"its eyes come from {first:.4g} to {last:.4g} mm apart in the cycles; closed and stroke "
+        f"give it {low:.4g} to {high:.4g} mm",
+    )
+
+
+def _checks_of(loaded: _Loaded) -> Iterator[Check]:
+    cylinder = loaded.cylinder
+    lengths = (np.full(len(loaded.length), cylinder.tube), loaded.length - cylinder.tube)
+    stiffness = (
+        cylinder.tube_material.youngs_modulus * cylinder.second_moments[0],
+        cylinder.material.youngs_modulus * cylinder.second_moments[1],
+    )
+    force = buckling_force(lengths, stiffness)
+    buckling = _buckling(loaded, force)
+    yield buckling
+    if buckling.value >= 1.0:
+        return  # bent without bound: there is no stress
+    tube, rod = (one * loaded.across for one in cylinder.masses)
+    apart = cylinder.guide + cylinder.closed + cylinder.stroke - loaded.length
+    kink = cylinder.play / apart if cylinder.play else np.zeros(len(force))
+    moments = largest_moments(loaded.push, lengths, stiffness, (tube, rod), kink)
+    yield _rod(loaded, moments[1])
+    yield _tube(loaded, moments[0])
+
+
+def _buckling(loaded: _Loaded, force: FloatArray) -> Check:
+    cylinder = loaded.cylinder
+    one, two = (f"{value:.4g}" for value in cylinder.second_moments)
+    demand: list[Series | Item] = [
+        Series("N", "push of the cylinder", np.maximum(loaded.push, 0.0), "N", main=True),
+        Series("L", "between its eyes", loaded.length, "mm", main=True),
+        Series("N_E", f"elastic buckling force of tube ({one} mm4 over {cylinder.tube:.4g} mm) and "
+               f"rod ({two} mm4), hinged at both eyes", force, "N",
+               "eigenvalue: docs/theory/cylinders.md", main=True),
+        Step("share", "share of the buckling force", "N/N_E", main=True),
+    ]  # fmt: skip
+    limit = [Given("one", "the load itself", 1.0, "", "at 1 it buckles", main=True)]
+    heading = Heading(
+        BUCKLING,
+        f"cylinder {loaded.name}",
+        "linear eigenvalue of a column of two lengths; the rod within the tube stiffens nothing",
+        of=loaded.name,
+        unit="",
+    )
+    return _worst(loaded, heading, demand, limit, unproved="N_E is the least root of an equation "
+                  "without a formula for it")  # fmt: skip
+
+
+def _rod(loaded: _Loaded, moment: FloatArray) -> Check:
+    cylinder = loaded.cylinder
+    demand: list[Series | Item] = [
+        Series("N", "force of the cylinder", np.abs(loaded.push), "N", main=True),
+        Series("M", "largest moment in the rod: weight, play and deflection", moment, "N mm",
+               "docs/theory/cylinders.md", main=True),
+        Given("d", "diameter of the rod", cylinder.rod, "mm", "design"),
+        Step("A", "section of the rod", "pi*d^2/4", "mm2"),
+        Step("W", "section modulus of the rod", "pi*d^3/32", "mm3"),
+        Step("sigma", "largest stress of the rod", "N/A + M/W", "MPa", main=True),
+    ]  # fmt: skip
+    limit = [
+        Given("R_e", f"yield stress of {cylinder.material.name}", cylinder.material.yield_stress,
+              "MPa", cylinder.material.source, main=True)
+    ]  # fmt: skip
+    heading = Heading(
+        ROD, f"rod of cylinder {loaded.name}",
+        "beam of second order, hinged at both eyes", of=loaded.name,
+    )  # fmt: skip
+    return _worst(loaded, heading, demand, limit)
+
+
+def _tube(loaded: _Loaded, moment: FloatArray) -> Check:
+    cylinder = loaded.cylinder
+    area = np.where(loaded.push > 0.0, *cylinder.areas)
+    demand: list[Series | Item] = [
+        Series("N", "force of the cylinder", np.abs(loaded.push), "N", main=True),
+        Series("A_p", "area that the pressure acts on", area, "mm2"),
+        Series("M", "largest moment in the tube: weight, play and deflection", moment, "N mm",
+               "docs/theory/cylinders.md"),
+        Given("D", "bore", cylinder.bore, "mm", "design"),
+        Given("D_o", "outer diameter of the tube", cylinder.outer, "mm", "design"),
+        Step("W", "section modulus of the tube", "pi*(D_o^4 - D^4)/(32*D_o)", "mm3"),
+        Step("p", "pressure that gives the force", "N/A_p", "MPa", main=True),
+        Step("sigma_h", "hoop stress at the bore, by Lame", "p*(D_o^2 + D^2)/(D_o^2 - D^2)", "MPa"),
+        Step("sigma", "largest difference of principal stresses", "sigma_h + max(p, M/W)", "MPa",
+             main=True),
+    ]  # fmt: skip
+    limit = [
+        Given("R_e", f"yield stress of {cylinder.tube_material.name}",
+              cylinder.tube_material.yield_stress, "MPa", cylinder.tube_material.source, main=True)
+    ]  # fmt: skip
+    below = [Step("b_lo", "von Mises' stress is at most this much less", "(1 - sqrt(3)/2)*sigma",
+                  "MPa")]  # fmt: skip
+    heading = Heading(
+        TUBE, f"tube of cylinder {loaded.name}",
+        "Lame's thick tube, Tresca: holds for ends that carry the pressure's axial force, and "
+        "for ends that do not", of=loaded.name,
+    )  # fmt: skip
+    return _worst(loaded, heading, demand, limit, Band(below=below))
+
+
+def _worst(
+    loaded: _Loaded,
+    heading: Heading,
+    demand: Sequence[Series | Item],
+    limit: Sequence[Item],
+    band: Band = NO_BAND,
+    unproved: str = "",
+) -> Check:
+    """The check of a demand against a limit at the position where it is largest."""
+    values = demand_over(demand)
+    (position,) = first_largest(values)
+    cycle, place, index = loaded.cases[position]
+    there = [item.at(position) if isinstance(item, Series) else item for item in demand]
+    sections = (("Demand", there), ("Limit", limit), (BARS, [*band.above, *band.below]))
+    derivation = Derivation(
+        cases=(LoadCase("", cycle, place, index, ()),),
+        sections=tuple(Section(title, tuple(items)) for title, items in sections if items),
+        value=demand[-1].symbol,
+        limit=limit[-1].symbol,
+        unproved=unproved,
+        bars=band.bars,
+    )
+    check = Check(
+        part="linkage",
+        kind=heading.kind.name,
+        quantity=heading.kind.quantity.format(heading.of),
+        value=derivation.number(derivation.value),
+        unit=heading.unit,
+        numerical=0.0,
+        model=0.0,
+        model_below=derivation.number(band.bars.below) if band.bars.below else 0.0,
+        limit=derivation.number(derivation.limit),
+        required=heading.kind.safety(loaded.design.require),
+        cycle=cycle,
+        position=place,
+        place=heading.place,
+        method="formula",
+        basis=heading.basis,
+        derivation=derivation,
+    )
+    return with_sampling(check, _rise(loaded, values, position))
+
+
+def _rise(loaded: _Loaded, values: FloatArray, position: int) -> float:
+    """How far a value rises beside a position, by a spline through its stretch."""
+    own = np.flatnonzero(loaded.stretch == loaded.stretch[position])
+    path = loaded.path[own] * np.sign(loaded.path[own[-1]] - loaded.path[own[0]])
+    if len(own) < 3 or not (np.diff(path) > 0.0).all():
+        return 0.0
+    k = position - int(own[0])
+    steps = [i for i in (k - 1, k) if 0 <= i < len(own) - 1]
+    places = np.concatenate([path[i] + _BETWEEN * (path[i + 1] - path[i]) for i in steps])
+    found = Spline.through(path, values[own]).at(places)
+    return max(0.0, float(found.max()) - float(values[position]))
