@@ -1,7 +1,6 @@
 """Fatigue life of a part: Goodman on the stress path of each point, endurance limits by Marin."""
 
 from fatigue.counting import Cycles, count_closed_cycles, count_cycles
-from fatigue.duty import duty_cycles
 from fatigue.fkm import (
     CAST_ROUGHNESS,
     ComponentLimit,
@@ -13,8 +12,14 @@ from fatigue.fkm import (
 )
 from fatigue.fkm_groups import FKM_GROUPS, GREY_IRON_BENDING, FkmGroup, fkm_temperature_factor
 from fatigue.goodman import ChordPath, FatigueResult, chord_path, goodman, goodman_utilisation
-from fatigue.invariants import ComparedCriteria, compared_criteria
-from fatigue.life import LifeVerdict, fkm_damage_sum, life_verdict, miner_damage, overstressed_curve
+from fatigue.life import (
+    LifeVerdict,
+    duty_cycles,
+    fkm_damage_sum,
+    life_verdict,
+    miner_damage,
+    overstressed_curve,
+)
 from fatigue.marin import (
     EnduranceLimit,
     endurance_limit,
@@ -38,7 +43,7 @@ from fatigue.notch_support import (
     neuber_notch_factor,
     stieler_support,
 )
-from fatigue.proportionality import PathBounds, path_bounds
+from fatigue.proportionality import ComparedCriteria, PathBounds, compared_criteria, path_bounds
 from fatigue.shear_planes import CriticalPlane, FindleyCriterion, critical_plane, findley_criterion
 from fatigue.smallest_circle import smallest_ball, smallest_circles
 from fatigue.sn_curve import SNCurve, basquin_curve, low_cycle_fraction, scatter_of_range

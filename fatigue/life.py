@@ -4,10 +4,30 @@ Damage of a duty is the sum of n/N over its cycles, N from an S-N curve at the e
 reversed amplitude; the part fails when it reaches an allowed sum, 1 by Miner. Tests under variable
 amplitudes give less: FKM takes 0.3 to 1, see `fkm_damage_sum`. Miner's rule knows no order of
 loads; `overstressed_curve` does, for one block after another.
+
+A duty is several blocks (start, idle, stroke, overload), each run a number of times.
+
+Between two blocks the stress goes from the extremes of one to those of the other, and that cycle
+(ground-air-ground, for an aircraft) may be larger than any within a block. How often it happens
+depends on the order in which the blocks run:
+
+"unknown"    The highest peaks meet the lowest valleys, as often as the counts allow: the largest
+             cycle of each block is taken apart into its peak and its valley, then the highest peak
+             left is paired with the lowest valley left, min(count, count) times, until none is
+             left. ASME Boiler and Pressure Vessel Code, III, NB-3222.4(e)(5). No order in which
+             each peak and valley happens once gives more cycles that reach above v and below u,
+             for any u < v. The smaller cycles of a block stay as counted within it.
+"as_listed"  All repetitions of the first block, then all of the second, and so on, over and over.
+             Exactly the count of that long history (docs/theory/life.md); the transitions run from
+             the last position of a block to the first of the next.
+
+Where blocks mix, as idle turns and strokes do, "as_listed" would count one transition per duty
+instead of thousands; "unknown" is therefore the default.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import isfinite, log10
 from typing import Literal
@@ -15,7 +35,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from fatigue.counting import Cycles
+from fatigue.counting import Cycles, check_histories, count_closed_cycles
 from fatigue.mean_stress import (
     MeanStressMaterial,
     Rule,
@@ -24,6 +44,8 @@ from fatigue.mean_stress import (
 )
 from fatigue.sn_curve import LOW_CYCLE, SNCurve
 from fatigue.stress_path import FloatArray, refuse
+
+Order = Literal["unknown", "as_listed"]
 
 # Powers of two between which the safety is sought, and the steps that halve it down to round-off.
 _LARGEST_POWER, _N_STEPS = 60.0, 58
@@ -193,3 +215,99 @@ def _counts(cycle_counts: npt.ArrayLike) -> FloatArray:
     counts = np.asarray(cycle_counts, dtype=np.float64)
     refuse(~(np.isfinite(counts) & (counts >= 0.0)), "a cycle count must be at least 0", counts)
     return counts
+
+
+def duty_cycles(
+    histories: Sequence[npt.ArrayLike], counts: Sequence[float], *, order: Order = "unknown"
+) -> Cycles:
+    """Return the cycles of one duty, the transitions between its blocks among them.
+
+    histories  one per block, each (n_positions,) or each (n_points, n_positions), MPa, as in
+               `count_closed_cycles`; blocks may differ in n_positions
+    counts     how often each block runs in one duty; whole numbers if "as_listed"
+    """
+    blocks = [check_histories(history) for history in histories]
+    if not blocks or len(counts) != len(blocks):
+        raise ValueError(
+            f"a duty needs at least one block and a count for each, got {len(blocks)} blocks "
+            f"and {len(counts)} counts"
+        )
+    kinds = {
+        (np.ndim(history), len(block)) for history, block in zip(histories, blocks, strict=True)
+    }
+    if len(kinds) > 1:
+        raise ValueError(
+            "the blocks of a duty must hold the same points, got the shapes "
+            f"{[np.shape(history) for history in histories]}"
+        )
+    times = np.asarray(counts, dtype=np.float64)
+    refuse(~(np.isfinite(times) & (times > 0.0)), "a block's count must be above 0", times, "block")
+    if order == "unknown":
+        cycles = _paired(blocks, times)
+    elif order == "as_listed":
+        refuse(times != np.round(times), "blocks as listed need whole counts", times, "block")
+        whole = count_closed_cycles(np.concatenate(blocks, axis=1))
+        again = [
+            count_closed_cycles(block).repeated(n - 1.0)
+            for block, n in zip(blocks, times, strict=True)
+        ]
+        cycles = _together([whole, *again])
+    else:
+        raise ValueError(f"order {order!r} is unknown; one of 'unknown', 'as_listed'")
+    if np.ndim(histories[0]) == 1:
+        return Cycles(cycles.stress_amplitude[0], cycles.mean_stress[0], cycles.cycle_counts[0])
+    return cycles
+
+
+def _paired(blocks: list[FloatArray], times: FloatArray) -> Cycles:
+    """Return the cycles of blocks in the order that makes the largest ones most frequent."""
+    inner: list[Cycles] = []
+    for block, n in zip(blocks, times, strict=True):
+        cycles = count_closed_cycles(block).repeated(float(n))
+        rest = cycles.cycle_counts.copy()
+        rest[:, 0] -= n  # one of the largest cycles per run of the block goes into the pairing
+        inner.append(Cycles(cycles.stress_amplitude, cycles.mean_stress, rest))
+    peaks = np.stack([block.max(axis=1) for block in blocks], axis=1)
+    valleys = np.stack([block.min(axis=1) for block in blocks], axis=1)
+
+    n_points, n_blocks = peaks.shape
+    descending = np.argsort(-peaks, axis=1, kind="stable")
+    ascending = np.argsort(valleys, axis=1, kind="stable")
+    # both queues, counted from their fronts; the pair changes where either goes on to its next
+    ends = np.concatenate(
+        [np.cumsum(times[descending], axis=1), np.cumsum(times[ascending], axis=1)], axis=1
+    )
+    cuts = np.sort(ends, axis=1)
+    counts = np.diff(cuts, axis=1, prepend=0.0)
+    middle = (cuts - counts / 2.0)[:, :, None]
+    last = n_blocks - 1
+    at_peak = np.minimum((ends[:, None, :n_blocks] < middle).sum(axis=2), last)
+    at_valley = np.minimum((ends[:, None, n_blocks:] < middle).sum(axis=2), last)
+    rows = np.arange(n_points)[:, None]
+    peak = np.take_along_axis(peaks[rows, descending], at_peak, axis=1)
+    valley = np.take_along_axis(valleys[rows, ascending], at_valley, axis=1)
+    # sums of counts are known to this; and a peak below a valley is no cycle but on the way of one
+    round_off = 4.0 * n_blocks * np.finfo(float).eps * float(times.sum())
+    counts = np.where((counts > round_off) & (peak >= valley), counts, 0.0)
+    amplitude = np.where(counts > 0.0, peak / 2.0 - valley / 2.0, 0.0)
+    mean = np.where(counts > 0.0, peak / 2.0 + valley / 2.0, 0.0)
+    return _together([Cycles(amplitude, mean, counts), *inner])
+
+
+def _together(parts: list[Cycles]) -> Cycles:
+    """Return all cycles of all parts, the largest first; columns that no point uses are dropped."""
+    amplitude, mean, counts = (
+        np.concatenate([getattr(part, name) for part in parts], axis=1)
+        for name in ("stress_amplitude", "mean_stress", "cycle_counts")
+    )
+    used = counts > 0.0
+    # unused ones last; of equal amplitudes the higher mean first
+    order = np.lexsort((-mean, -amplitude, ~used), axis=1)
+    columns = order[:, : max(1, int(used.sum(axis=1).max()))]
+    kept = np.take_along_axis(used, columns, axis=1)
+    return Cycles(
+        *(
+            np.where(kept, np.take_along_axis(values, columns, axis=1), 0.0)
+            for values in (amplitude, mean, counts)
+        )
+    )

@@ -12,7 +12,6 @@ from loads.drive import DriveFigures
 from loads.events import EVENTS, Event, EventRun, solve_event
 from loads.expressions import FUNCTIONS, Apply, Expression, Number, Reading, Term
 from loads.forces import ForceSolution, JointLoad, solve_forces
-from loads.history import LoadHistory
 from loads.joints import (
     Angle,
     Coordinate,
@@ -35,7 +34,7 @@ from loads.motors import Geared, Motor
 from loads.pace import MotorPace, Pace, RunPace, SteadyPace, StrokePace
 from loads.path import Path, trace
 from loads.phases import Cycle, Phase
-from loads.point_loads import PointLoad
+from loads.point_loads import LoadHistory, PointLoad
 from loads.resolve_forces import forces_again, moves_alike
 from loads.reversals import split_at_reversals
 from loads.turning import RunawayError, StallError, UnsettledError

@@ -3,7 +3,7 @@
 import numpy as np
 
 from checks.design.data import Part
-from checks.models import formula
+from checks.models import shapes
 from checks.part.part_loads import PartLoads, first_largest
 from checks.result.verdict import HandCheck
 from checks.result.words import number
@@ -98,7 +98,7 @@ def _at_named_places(part: Part, loads: PartLoads, level: Level) -> list[HandChe
     so are all of a part that has no formula.
     """
     try:
-        model = formula.model_of(part, loads)
+        model = shapes.model_of(part, loads)
     except SolverError:  # the ladder tells why
         return []
     if model is None or loads.is_nothing:

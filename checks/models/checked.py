@@ -9,17 +9,19 @@ import numpy as np
 from checks.columns.stability import ELASTIC
 from checks.design.data import Part
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
-from checks.models.bands import Band, NoBand, band_of
-from checks.models.estimate import Estimate
-from checks.models.formula import family_of
-from checks.models.proportions import (
+from checks.models.bands import (
     SHARE,
+    Band,
+    NoBand,
+    band_of,
     proportions_known,
     proportions_of,
     thin_wall,
     unknown_load,
 )
+from checks.models.estimate import Estimate
 from checks.models.rings import static_values, with_peaks
+from checks.models.shapes import family_of
 from checks.models.stress_words import Words, fatigue_words, static_words
 from checks.part.derived import VALUE, at_value
 from checks.part.loaded_part import LoadedPart
@@ -30,8 +32,7 @@ from checks.strength.fatigue_assessment import FatigueUse
 from checks.strength.part_strength import endurance_of
 from checks.strength.sampling import buckling_rise, fatigue_rise, static_rise, with_sampling
 from checks.stress.duty_verdict import duty_runs, most_used
-from checks.stress.part_model import RungLevel, RungModel
-from checks.stress.stress_result import judge
+from checks.stress.stress_result import RungLevel, RungModel, judge
 from fem.stress_history import StressHistory
 from geometry.mesh import FloatArray
 
@@ -41,6 +42,10 @@ MOST_PULLED = 10.0  # times a bent part's share; solids of levers have 1.18 to 1
 BY_STRESS = 12.0  # peak stress over E that a solid's share may exceed a bar's by; 4.0 was seen
 ONLY_PULLED = "the part is only pulled, which buckles no column"
 NOTHING = "nothing loads the part at any position: no model would find a stress"
+WORDS = f"model band: {100 * BEYOND_ARCS:g} % more in bores, whose arc is not stated"
+_PRESSURE = " cos 0"  # the unit load that only an interface with a bearing pressure has
+_ACROSS = ("M_x", "M_y", "torque")  # in names of unit loads: couples out of the linkage's plane
+_NEAR = 0.8  # of the largest fatigue use in bores: points that are asked again
 
 
 def rung_level(loaded: LoadedPart, model: RungModel, *, all_round: bool = True) -> RungLevel:
@@ -263,11 +268,6 @@ def _of_solids(band: Band, model: RungModel) -> str:
 #
 # Contacts exceed the assumed arcs by a share that solids have in their model band. The bands of
 # the rungs were compared with solids on the arcs alone, so they do not have it.
-
-WORDS = f"model band: {100 * BEYOND_ARCS:g} % more in bores, whose arc is not stated"
-_PRESSURE = " cos 0"  # the unit load that only an interface with a bearing pressure has
-_ACROSS = ("M_x", "M_y", "torque")  # in names of unit loads: couples out of the linkage's plane
-_NEAR = 0.8  # of the largest fatigue use in bores: points that are asked again
 
 
 def raised_in_bores(

@@ -15,7 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from checks.stress.part_model import RungModel
+from checks.stress.stress_result import RungModel
 from fem.stress_history import StressHistory
 from geometry.mesh import FloatArray, IntArray
 

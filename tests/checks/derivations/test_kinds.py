@@ -14,7 +14,7 @@ from checks.handbook.lateral_buckling import column_force
 from checks.ladder import part_ladder
 from checks.ladder.leaf_checks import Friction, LeafBand
 from checks.ladder.part_ladder import UNKNOWN, explained
-from checks.models.formula_buckling import column_items, stretch_items
+from checks.models.formula_bars import column_items, stretch_items
 from checks.result.derivation import BarSymbols, Derivation, Given, Section, Step
 from checks.stress.error_bars import Bars
 from fem.convergence import ErrorBar, discretisation_error

@@ -6,8 +6,8 @@ from numpy.testing import assert_allclose
 
 from checks.handbook.bar_forces import balanced_bar, deflection
 from checks.handbook.lateral_buckling import column_force, lateral_share, plate_stress
-from checks.handbook.pin_stress import cylinder_stress, section_stress, surface_stress, under_band
-from checks.handbook.slotted_frame import rail_forces
+from checks.models.shapes.pin import cylinder_stress, section_stress, surface_stress, under_band
+from checks.models.shapes.slotted_lever import rail_forces
 
 X = np.linspace(0.5, 99.5, 100)
 MASS = np.full(100, 1e-6)

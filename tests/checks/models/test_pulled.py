@@ -16,7 +16,7 @@ from checks.models.checked import (
     rung_level,
     stress_share,
 )
-from checks.models.formula import model_of
+from checks.models.shapes import model_of
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Status
