@@ -166,7 +166,7 @@ def component_limit(
 
     roughness     micrometres, Rz; CAST_ROUGHNESS for a skin left by rolling, forging or casting
     gradient      1/mm, related gradient of the local stress, for Stieler's support number; or
-    support       that number from elsewhere, such as `fkm_2012_support`; neither: 1
+    support       that number from elsewhere; neither: 1
     notch_factor  K_f~, None for the group's table value
     treatment     K_V, stated by the user: it depends on the process, the layer, notch and size
     temperature   deg C

@@ -2,8 +2,7 @@
 
 Damage of a duty is the sum of n/N over its cycles, N from an S-N curve at the equivalent fully
 reversed amplitude; the part fails when it reaches an allowed sum, 1 by Miner. Tests under variable
-amplitudes give less: FKM takes 0.3 to 1, see `fkm_damage_sum`. Miner's rule knows no order of
-loads; `overstressed_curve` does, for one block after another.
+amplitudes give less: FKM takes 0.3 to 1. Miner's rule knows no order of loads.
 
 A duty is several blocks (start, idle, stroke, overload), each run a number of times.
 
@@ -28,8 +27,8 @@ instead of thousands; "unknown" is therefore the default.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from math import isfinite, log10
+from dataclasses import dataclass
+from math import isfinite
 from typing import Literal
 
 import numpy as np
@@ -42,7 +41,7 @@ from fatigue.mean_stress import (
     equivalent_amplitude,
     mean_stress_utilisation,
 )
-from fatigue.sn_curve import LOW_CYCLE, SNCurve
+from fatigue.sn_curve import SNCurve
 from fatigue.stress_path import FloatArray, refuse
 
 Order = Literal["unknown", "as_listed"]
@@ -150,65 +149,6 @@ def life_verdict(
         endured = np.where(fails, endured, middle)
     safety = np.where(never, np.inf, 2.0**endured)
     return LifeVerdict(damage, duties, worst, safety, required_duties, allowed_damage)
-
-
-def fkm_damage_sum(
-    stress_amplitude: npt.ArrayLike, cycle_counts: npt.ArrayLike, slope: float
-) -> FloatArray:
-    """Return the damage sum at failure, 2 / A**(1/4), between 0.3 and 1, over the last axis.
-
-    A = sum n / sum n (S/S_max)**k is how many times longer the spectrum lives than its largest
-    amplitude: long spectra fail early. Wächter, Müller, Esderts, Angewandter Festigkeitsnachweis
-    nach FKM-Richtlinie (2017), p. 99. Without any amplitude it is 1.
-    """
-    amplitude = np.asarray(stress_amplitude, dtype=np.float64)
-    counts = _counts(cycle_counts)
-    refuse(~(np.isfinite(amplitude) & (amplitude >= 0.0)), "not an amplitude", amplitude)
-    largest = np.where(counts > 0.0, amplitude, 0.0).max(axis=-1, keepdims=True)
-    fullness = (counts * (amplitude / np.where(largest > 0.0, largest, 1.0)) ** slope).sum(axis=-1)
-    total = np.broadcast_to(counts, amplitude.shape).sum(axis=-1)
-    share = np.where(largest[..., 0] > 0.0, fullness / np.where(total > 0.0, total, 1.0), 1.0)
-    return np.asarray(np.clip(2.0 * share**0.25, 0.3, 1.0))
-
-
-def overstressed_curve(
-    curve: SNCurve, amplitude: float, cycles: float, method: Literal["miner", "manson"]
-) -> SNCurve:
-    """Return the curve of a part that has already borne `cycles` of an amplitude above the knee.
-
-    Both pass through (amplitude, cycles that are left). Miner keeps the slope, and so lowers even
-    the strength at 1e3 cycles; Manson keeps that strength and turns the line about it. Shigley,
-    9th ed., chapter 6, cumulative fatigue damage. For several blocks, apply it again.
-    """
-    if method not in ("miner", "manson"):
-        raise ValueError(f"method {method!r} is unknown; one of 'miner', 'manson'")
-    if np.ndim(curve.knee_amplitude) or np.ndim(curve.slope) or np.ndim(curve.knee_cycles):
-        raise ValueError("overstress is worked out for a single curve, not for one per point")
-    knee, knee_cycles = float(curve.knee_amplitude), float(curve.knee_cycles)
-    slope = float(curve.slope)
-    if not (isfinite(amplitude) and isfinite(cycles) and cycles >= 0.0):
-        raise ValueError(f"{cycles:g} cycles of {amplitude:g} MPa cannot be applied")
-    if amplitude < knee:
-        return curve
-    left = float(curve.cycles_to_failure(amplitude)) - cycles
-    if left <= 0.0:
-        raise ValueError(
-            f"{cycles:g} cycles of {amplitude:g} MPa already break the part: it endures "
-            f"{left + cycles:.0f}"
-        )
-    if method == "miner":
-        return replace(curve, knee_amplitude=amplitude * (left / knee_cycles) ** (1.0 / slope))
-    start = knee * (knee_cycles / LOW_CYCLE) ** (1.0 / slope)
-    if amplitude >= start or left <= LOW_CYCLE:
-        raise ValueError(
-            f"Manson's line needs an amplitude below {start:g} MPa and more than 1000 cycles left, "
-            f"got {amplitude:g} MPa and {left:.0f}"
-        )
-    steeper = log10(left / LOW_CYCLE) / log10(start / amplitude)
-    lowered = start * (LOW_CYCLE / knee_cycles) ** (1.0 / steeper)
-    straight = float(curve.slope_below) == slope  # Miner elementary stays elementary
-    below = steeper if straight else curve.slope_below
-    return replace(curve, knee_amplitude=lowered, slope=steeper, slope_below=below)
 
 
 def _counts(cycle_counts: npt.ArrayLike) -> FloatArray:

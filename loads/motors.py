@@ -80,11 +80,6 @@ class Motor:
         return tuple(self.free_speed * end for end in (1.0 - share, 1.0 + share) if end > 0.0)
 
     @property
-    def has_start(self) -> bool:
-        """True if the torque from rest is known: stated, or on a controller's straight line."""
-        return self.breakdown is None or self.starting is not None
-
-    @property
     def largest_torque(self) -> float:
         """Largest torque, N mm."""
         if self.breakdown is not None:

@@ -6,7 +6,6 @@ both ends and at values spread between them, and where it is not so no value is 
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import ceil, isfinite
 from typing import Generic, TypeVar
 
 from checks.result.verdict import Status
@@ -91,76 +90,3 @@ def _tried(
     known: dict[int, Status | None], values: Sequence[T]
 ) -> tuple[tuple[T, Status | None], ...]:
     return tuple((values[index], known[index]) for index in sorted(known))
-
-
-def smallest_passing(
-    check: Callable[[float], Status | None],
-    low: float,
-    high: float,
-    *,
-    tolerance: float = TOLERANCE,
-    step: float | None = None,
-    probes: int = PROBES,
-) -> Search[float]:
-    """Return the smallest number that passes, or the largest where smaller numbers are safer.
-
-    tolerance  of the result, as a share of the range; it is `beyond` less `found` at the most
-    step       instead of it: only low, low + step, ... up to high are tried
-
-    >>> smallest_passing(lambda x: Status.PASS if x > 2 else Status.FAIL, 0, 4, step=1).found
-    3.0
-    """
-    if not (isfinite(low) and isfinite(high) and low < high):
-        raise ValueError(f"a range goes from the smaller to the larger, got {low} to {high}")
-    if step is not None:
-        tolerance = step / (high - low)
-    if not 0 < tolerance <= 1:
-        raise ValueError(f"tolerance or step must be above 0 and within the range, got {tolerance}")
-    count = ceil(1 / tolerance - 1e-9)
-    if step is not None and abs(count * step - (high - low)) > 1e-9 * (high - low):
-        raise ValueError(f"steps of {step} from {low} do not end at {high}")
-    numbers = [low + (high - low) * k / count for k in range(count)] + [float(high)]
-    return search_passing(check, numbers, probes=probes)
-
-
-def greatest(
-    value: Callable[[float], float | None],
-    low: float,
-    high: float,
-    *,
-    tolerance: float = TOLERANCE,
-    probes: int = 16,
-) -> tuple[float, float] | None:
-    """Return where a value is greatest, and that value; None where it is allowed nowhere.
-
-    value      a number, or None where what is asked of the design does not hold
-    tolerance  of the place, as a share of the range
-    probes     evenly spread over the range; the greatest lies next to the best of them if the value
-               rises and falls no more than once between each two
-
-    Golden section between the neighbours of the best probe; also finds a greatest value at the edge
-    of what is allowed.
-    """
-    if not (isfinite(low) and isfinite(high) and low < high and 0 < tolerance < 1 and probes > 1):
-        raise ValueError(f"wrong range {low} to {high}, tolerance {tolerance} or probes {probes}")
-    width = (high - low) / (probes - 1)
-    best: tuple[float, float] | None = None
-    for k in range(probes):
-        place = high if k == probes - 1 else low + k * width
-        found = value(place)
-        if found is not None and (best is None or found > best[1]):
-            best = place, found
-    if best is None:
-        return None
-    left, right = max(low, best[0] - width), min(high, best[0] + width)
-    share = (3 - 5**0.5) / 2
-    while right - left > tolerance * (high - low):
-        to_right = right - best[0] > best[0] - left
-        place = best[0] + share * ((right if to_right else left) - best[0])
-        found = value(place)
-        if found is not None and found > best[1]:
-            left, right = (best[0], right) if to_right else (left, best[0])
-            best = place, found
-        else:
-            left, right = (left, place) if to_right else (place, right)
-    return best

@@ -22,8 +22,8 @@ from checks.result.derivation import Given, Item, Step
 from checks.strength.part_strength import elastic_of
 from checks.stress.stress_result import ElasticLoad, RungModel
 from fem.frame import POINTS, WEIGHTS, Frame, FrameLoads, FrameSolution
+from fem.frame_buckling import geometric_forms
 from fem.frame_joints import bar_frame
-from fem.frame_lateral import geometric_forms
 from fem.unit_loads import ACCELERATIONS, bearing_coefficients
 from geometry.bars import bore_places
 from geometry.mesh import FloatArray, Interface

@@ -67,18 +67,6 @@ def section_stress(
     return along, sheared
 
 
-def cylinder_stress(
-    angles: FloatArray, pressure: FloatArray, along: FloatArray, sheared: FloatArray
-) -> FloatArray:
-    """Stress (k, 6) at angles (k,) of a pin's surface under a pressure that is long along it.
-
-    A pressure on a solid disc, its resultant carried away evenly by shear along z, is the same
-    stress along the radius and around: of every harmonic of it, also the first (Michell's solution
-    with r^n and r^(n+2); x times the even body force). So it is -p in both.
-    """
-    return surface_stress(angles, -pressure, -pressure, along, sheared)
-
-
 def surface_stress(
     angles: FloatArray,
     radial: FloatArray,
