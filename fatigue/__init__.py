@@ -1,6 +1,5 @@
 """Fatigue life of a part: Goodman on the stress path of each point, endurance limits by Marin."""
 
-from fatigue.counting import Cycles, count_closed_cycles, count_cycles
 from fatigue.fkm import (
     CAST_ROUGHNESS,
     ComponentLimit,
@@ -9,11 +8,15 @@ from fatigue.fkm import (
     fkm_curve,
     fkm_utilisation,
     roughness_factor,
+    stieler_support,
 )
 from fatigue.fkm_groups import FKM_GROUPS, FkmGroup, fkm_temperature_factor
 from fatigue.goodman import ChordPath, FatigueResult, chord_path, goodman, goodman_utilisation
 from fatigue.life import (
+    Cycles,
     LifeVerdict,
+    count_closed_cycles,
+    count_cycles,
     duty_cycles,
     life_verdict,
     miner_damage,
@@ -34,9 +37,6 @@ from fatigue.mean_stress import (
     mean_stress_band,
     mean_stress_utilisation,
     yield_utilisation,
-)
-from fatigue.notch_support import (
-    stieler_support,
 )
 from fatigue.proportionality import ComparedCriteria, PathBounds, compared_criteria, path_bounds
 from fatigue.shear_planes import CriticalPlane, FindleyCriterion, critical_plane, findley_criterion

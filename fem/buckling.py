@@ -25,8 +25,7 @@ import numpy as np
 
 from fem.assembly import full, geometric_stiffness
 from fem.end_conditions import SupportedSolid, link_solid
-from fem.lowest_modes import lowest_modes
-from fem.mode_energies import elastic_and_geometric_energy, geometric_forms
+from fem.lowest_modes import elastic_and_geometric_energy, geometric_forms, lowest_modes
 from fem.recovery import tensor
 from fem.solvers import SolverError
 from fem.unit_solutions import UnitSolutions

@@ -25,9 +25,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from geometry.curving import ENOUGH, around, bent, least_coefficients, moved, nearly_folded
+from geometry.curving import ENOUGH, Gliding, around, bent, least_coefficients, moved, nearly_folded
 from geometry.element_count import SURE, check_elements, solid_elements, solid_unknowns
-from geometry.gliding import Gliding
 from geometry.graphics import INSTALL
 from geometry.memory import check_memory, compactness_of
 from geometry.mesh import (

@@ -18,8 +18,16 @@ import numpy as np
 from loads.bodies import FloatArray, LinkageError
 from loads.joints import in_words
 from loads.motion import Geometry, Motion
-from loads.motors import Geared
-from loads.pace import MotorPace, Pace, RunPace, SteadyPace, StrokePace, stroke_law, stroke_time
+from loads.pace import (
+    Geared,
+    MotorPace,
+    Pace,
+    RunPace,
+    SteadyPace,
+    StrokePace,
+    stroke_law,
+    stroke_time,
+)
 from loads.path import Path
 from loads.turning import Place, Turn, UnsettledError
 

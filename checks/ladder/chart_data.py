@@ -21,10 +21,17 @@ from checks import by_formula
 from checks.design.data import Part
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
-from checks.strength.equivalent_stress_history import counted, cycles_of, readings_of
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse
 from checks.strength.fatigue_facts import deciding_pair, haigh_of
-from checks.strength.finite_life import LifeTask, life_curve, lives_of, why_no_curve
+from checks.strength.finite_life import (
+    LifeTask,
+    counted,
+    cycles_of,
+    life_curve,
+    lives_of,
+    readings_of,
+    why_no_curve,
+)
 from checks.strength.fkm_strength import fkm_points, slopes_of
 from checks.strength.part_strength import life_task
 from checks.stress.duty_verdict import DutyVerdict, FatiguePeak

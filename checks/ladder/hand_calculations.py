@@ -12,8 +12,8 @@ from fem.recovery import von_mises
 from fem.solvers import SolverError
 from fem.stress_history import StressHistory
 from fem.unit_loads import ACCELERATIONS
+from geometry.bars import Section
 from geometry.mesh import FloatArray
-from geometry.sections import Section
 
 _SMALL = 0.05  # share of the other nominal stress below which one is not worth a line
 _TOLD = 0.3  # of the largest stress by formula: places that have less are not told

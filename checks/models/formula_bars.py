@@ -15,7 +15,7 @@ import numpy as np
 from checks.columns.column_moments import axial_compression
 from checks.design.data import Part
 from checks.handbook.bar_forces import BarForces, BarLoads, balanced_bar, deflection
-from checks.handbook.lateral_buckling import column_force, lateral_share
+from checks.handbook.column_curves import column_force, lateral_share
 from checks.models.formula_points import (
     XX,
     XY,
@@ -30,8 +30,8 @@ from checks.part.derived import numbers
 from checks.part.part_loads import PartLoads, first_largest
 from checks.result.derivation import Column, Given, Item, Step, Sum
 from checks.stress.stress_result import ElasticLoad, RungModel
+from geometry.bars import Section
 from geometry.mesh import FloatArray
-from geometry.sections import Section
 
 SHARE = "share"  # the symbol of the result
 _QUOTIENT = "Timoshenko's quotient: Timoshenko and Gere, Theory of Elastic Stability, 2nd ed., 2.8"

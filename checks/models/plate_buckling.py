@@ -15,7 +15,7 @@ import numpy as np
 
 from checks.design.data import Part
 from checks.handbook.bar_forces import deflection
-from checks.handbook.lateral_buckling import column_force, lateral_share
+from checks.handbook.column_curves import column_force, lateral_share
 from checks.models.formula_bars import HARDLY, column_items
 from checks.models.formula_points import Points, acceleration_units, wrench_units
 from checks.part.part_loads import PartLoads, first_largest

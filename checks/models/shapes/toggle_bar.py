@@ -5,7 +5,7 @@ from math import pi
 import numpy as np
 
 from checks.design.data import Part
-from checks.handbook.lateral_buckling import plate_stress
+from checks.handbook.column_curves import plate_stress
 from checks.handbook.lug_stress import Lug, strip_outline
 from checks.handbook.notch_factors import stepped_bar
 from checks.handbook.pin_loaded_hole import pin_loaded_hole
@@ -23,9 +23,9 @@ from checks.models.formula_points import Points
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.stress_result import RungModel
+from geometry.bars import Section, plate_section, square_tube_section
 from geometry.mesh import FloatArray
 from geometry.parts import ToggleBar
-from geometry.sections import Section, plate_section, square_tube_section
 
 _CUT = 1.25  # widths from a hole to where the cheek's stress is that of the bar
 _STATIONS = 9

@@ -8,8 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 from ballesta.commands.until_command import Wanted, run_until
-from ballesta.sweeps.bisection import search_passing
-from ballesta.sweeps.threshold_search import until_pass, until_text
+from ballesta.sweeps.threshold_search import search_passing, until_pass, until_text
 from checks.design.effort import Effort
 from checks.design.errors import DesignError, NumericsError
 from checks.result.verdict import Check, Gate, Status

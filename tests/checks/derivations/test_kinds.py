@@ -10,7 +10,7 @@ from ballesta.pipeline import check_design
 from checks.derivations import bars, buckling
 from checks.derivations.bars import solid_bars
 from checks.design.effort import Effort
-from checks.handbook.lateral_buckling import column_force
+from checks.handbook.column_curves import column_force
 from checks.ladder import part_ladder
 from checks.ladder.leaf_checks import Friction, LeafBand
 from checks.ladder.part_ladder import UNKNOWN, explained

@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from checks.handbook.bar_forces import balanced_bar, deflection
-from checks.handbook.lateral_buckling import column_force, lateral_share, plate_stress
+from checks.handbook.column_curves import column_force, lateral_share, plate_stress
 from checks.models.shapes.pin import section_stress, surface_stress, under_band
 from checks.models.shapes.slotted_lever import rail_forces
 

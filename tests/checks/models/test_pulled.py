@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ballesta.design.read import read_design
-from checks.handbook.lateral_buckling import lateral_share
+from checks.handbook.column_curves import lateral_share
 from checks.models.checked import (
     MOST_PULLED,
     band_around,
