@@ -20,9 +20,9 @@ from scipy.stats import t as student
 from bench.rung_truth import known
 from bench.rung_variations import SCENES, Machines, Variation
 from checks.ladder.climb import BUILDERS
+from checks.models.bands import of_buckling, proportions_of
 from checks.models.checked import BUCKLING, FATIGUE, STATIC, rung_level
-from checks.models.formula import family_of
-from checks.models.proportions import of_buckling, proportions_of
+from checks.models.shapes import family_of
 from checks.part.loaded_part import LoadedPart
 from checks.strength.part_strength import fatigue_use
 from fem.solvers import SolverError

@@ -30,10 +30,9 @@ from checks.design.errors import DesignError
 from checks.ladder.climb import BUILDERS
 from checks.ladder.levels import Asked
 from checks.ladder.solid import check_solid
-from checks.models.bands import distance_from, known_band
+from checks.models.bands import distance_from, known_band, of_buckling, proportions_of
 from checks.models.checked import BUCKLING, FATIGUE, STATIC, rung_level, stress_share
-from checks.models.formula import family_of
-from checks.models.proportions import of_buckling, proportions_of
+from checks.models.shapes import family_of
 from checks.part.loaded_part import LoadedPart, check_reach
 from checks.part.part_loads import PartLoads
 from checks.strength.part_strength import fatigue_use

@@ -1,7 +1,5 @@
 """Fatigue life of a part: Goodman on the stress path of each point, endurance limits by Marin."""
 
-from fatigue.counting import Cycles, count_closed_cycles, count_cycles
-from fatigue.duty import duty_cycles
 from fatigue.fkm import (
     CAST_ROUGHNESS,
     ComponentLimit,
@@ -10,11 +8,19 @@ from fatigue.fkm import (
     fkm_curve,
     fkm_utilisation,
     roughness_factor,
+    stieler_support,
 )
-from fatigue.fkm_groups import FKM_GROUPS, GREY_IRON_BENDING, FkmGroup, fkm_temperature_factor
+from fatigue.fkm_groups import FKM_GROUPS, FkmGroup, fkm_temperature_factor
 from fatigue.goodman import ChordPath, FatigueResult, chord_path, goodman, goodman_utilisation
-from fatigue.invariants import ComparedCriteria, compared_criteria
-from fatigue.life import LifeVerdict, fkm_damage_sum, life_verdict, miner_damage, overstressed_curve
+from fatigue.life import (
+    Cycles,
+    LifeVerdict,
+    count_closed_cycles,
+    count_cycles,
+    duty_cycles,
+    life_verdict,
+    miner_damage,
+)
 from fatigue.marin import (
     EnduranceLimit,
     endurance_limit,
@@ -32,16 +38,10 @@ from fatigue.mean_stress import (
     mean_stress_utilisation,
     yield_utilisation,
 )
-from fatigue.notch_support import (
-    SupportNumber,
-    fkm_2012_support,
-    neuber_notch_factor,
-    stieler_support,
-)
-from fatigue.proportionality import PathBounds, path_bounds
+from fatigue.proportionality import ComparedCriteria, PathBounds, compared_criteria, path_bounds
 from fatigue.shear_planes import CriticalPlane, FindleyCriterion, critical_plane, findley_criterion
 from fatigue.smallest_circle import smallest_ball, smallest_circles
-from fatigue.sn_curve import SNCurve, basquin_curve, low_cycle_fraction, scatter_of_range
+from fatigue.sn_curve import SNCurve, basquin_curve, low_cycle_fraction
 from fatigue.stress_path import COMPONENTS, principal_stresses, von_mises, von_mises_peaks
 from fatigue.verdict import Verdict, ductile_verdict
 
@@ -50,7 +50,6 @@ __all__ = [
     "COMPONENTS",
     "FKM_GROUPS",
     "FKM_SENSITIVITIES",
-    "GREY_IRON_BENDING",
     "RULES",
     "ChordPath",
     "ComparedCriteria",
@@ -66,7 +65,6 @@ __all__ = [
     "MeanStressMaterial",
     "PathBounds",
     "SNCurve",
-    "SupportNumber",
     "Verdict",
     "basquin_curve",
     "chord_path",
@@ -80,9 +78,7 @@ __all__ = [
     "endurance_limit",
     "equivalent_amplitude",
     "findley_criterion",
-    "fkm_2012_support",
     "fkm_curve",
-    "fkm_damage_sum",
     "fkm_factor",
     "fkm_sensitivity",
     "fkm_temperature_factor",
@@ -94,14 +90,11 @@ __all__ = [
     "mean_stress_band",
     "mean_stress_utilisation",
     "miner_damage",
-    "neuber_notch_factor",
-    "overstressed_curve",
     "path_bounds",
     "principal_stresses",
     "rectangle_equivalent_diameter",
     "roughness_factor",
     "round_equivalent_diameter",
-    "scatter_of_range",
     "smallest_ball",
     "smallest_circles",
     "stieler_support",

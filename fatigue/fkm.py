@@ -11,6 +11,13 @@ FKM guideline, 6th ed. (2012), chapter 4. R_m holds for the part at its size: ta
 range of thickness of its standard, or lower it by the technological size factor. Strengths hold
 for a survival of 97.5 %. Nothing here goes with Marin's factors (`marin`), which start from another
 strength at 50 %; a `ComponentLimit` and an `EnduranceLimit` refuse each other's functions.
+
+A notch endures more than its peak says. FKM takes the local stress and divides its demand by a
+support number n >= 1 that depends on the related stress gradient G (1/mm) at the surface.
+
+G = -(d sigma/dn)/sigma along the inward normal n: 2/h of a beam in bending (height h), 2/d of a
+round bar in torsion, 7/(3 r) of the hoop stress beside a hole in a sheet. Negative where the stress
+grows inwards; there nothing is supported.
 """
 
 from __future__ import annotations
@@ -24,9 +31,10 @@ import numpy.typing as npt
 
 from fatigue.fkm_groups import FkmGroup, StressKind, fkm_group, fkm_temperature_factor, stress_ratio
 from fatigue.mean_stress import MeanStressMaterial, fkm_sensitivity, mean_stress_utilisation
-from fatigue.notch_support import stieler_support
 from fatigue.sn_curve import SNCurve
 from fatigue.stress_path import FloatArray, refuse
+
+STEEPEST = 100.0  # 1/mm, the end of Stieler's law; what is steeper counts as this
 
 SURVIVAL = 0.975  # share of parts, of all FKM strengths
 KNEE_CYCLES = 1e6
@@ -166,7 +174,7 @@ def component_limit(
 
     roughness     micrometres, Rz; CAST_ROUGHNESS for a skin left by rolling, forging or casting
     gradient      1/mm, related gradient of the local stress, for Stieler's support number; or
-    support       that number from elsewhere, such as `fkm_2012_support`; neither: 1
+    support       that number from elsewhere; neither: 1
     notch_factor  K_f~, None for the group's table value
     treatment     K_V, stated by the user: it depends on the process, the layer, notch and size
     temperature   deg C
@@ -263,3 +271,41 @@ def _check(limit: ComponentLimit, safety: float) -> None:
         )
     if not (isfinite(safety) and safety >= 1.0):
         raise ValueError(f"the safety factor j_D must be at least 1, got {safety:g}")
+
+
+def stieler_support(
+    gradient: npt.ArrayLike,
+    ultimate_strength: float,
+    group: str = "steel",
+    stress: StressKind = "normal",
+) -> FloatArray:
+    """Return n >= 1 of related gradients, 1/mm, of any shape.
+
+    G <= 0.1          1 + G 10**-(a_G - 0.5 + R/b_G)
+    0.1 < G <= 1      1 + sqrt(G) 10**-(a_G + R/b_G)
+    1 < G <= 100      1 + G**(1/4) 10**-(a_G + R/b_G)
+
+    R is the ultimate strength, times f_W,tau for shear. FKM guideline, 6th ed., section 4.3.1.3.1.
+
+    >>> stieler_support([0.0, 0.5], 210.0, "grey_iron").round(3).tolist()
+    [1.0, 1.682]
+    """
+    gradient = _gradients(gradient)
+    _above_zero("ultimate strength", ultimate_strength, "MPa")
+    own = fkm_group(group)
+    a, b = own.support
+    reach = 10.0 ** -(a + ultimate_strength * stress_ratio(own, stress) / b)
+    root = np.where(gradient <= 1.0, np.sqrt(gradient), gradient**0.25)
+    return np.asarray(1.0 + reach * np.where(gradient <= 0.1, gradient * 10.0**0.5, root))
+
+
+def _gradients(gradient: npt.ArrayLike) -> FloatArray:
+    """Return gradients between 0 and the steepest that counts; NaN is refused with its place."""
+    gradient = np.asarray(gradient, dtype=np.float64)
+    refuse(np.isnan(gradient), "the related stress gradient is not a number", gradient, "point")
+    return np.asarray(np.clip(gradient, 0.0, STEEPEST))
+
+
+def _above_zero(what: str, value: float, unit: str) -> None:
+    if not (isfinite(value) and value > 0.0):
+        raise ValueError(f"the {what} must be above 0 {unit}, got {value:g}")

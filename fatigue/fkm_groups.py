@@ -147,16 +147,6 @@ FKM_GROUPS = {
     ),
 }
 
-# K_NL,E, section 4.3.5: what grey iron gains in bending, as its stress-strain line is curved.
-GREY_IRON_BENDING = {
-    "GJL-100": 1.075,
-    "GJL-150": 1.075,
-    "GJL-200": 1.05,
-    "GJL-250": 1.05,
-    "GJL-300": 1.025,
-    "GJL-350": 1.025,
-}
-
 
 def fkm_group(name: str) -> FkmGroup:
     """Return the numbers of a group; ValueError with the known names if there is none."""

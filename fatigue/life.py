@@ -2,31 +2,118 @@
 
 Damage of a duty is the sum of n/N over its cycles, N from an S-N curve at the equivalent fully
 reversed amplitude; the part fails when it reaches an allowed sum, 1 by Miner. Tests under variable
-amplitudes give less: FKM takes 0.3 to 1, see `fkm_damage_sum`. Miner's rule knows no order of
-loads; `overstressed_curve` does, for one block after another.
+amplitudes give less: FKM takes 0.3 to 1. Miner's rule knows no order of loads.
+
+A duty is several blocks (start, idle, stroke, overload), each run a number of times.
+
+Between two blocks the stress goes from the extremes of one to those of the other, and that cycle
+(ground-air-ground, for an aircraft) may be larger than any within a block. How often it happens
+depends on the order in which the blocks run:
+
+"unknown"    The highest peaks meet the lowest valleys, as often as the counts allow: the largest
+             cycle of each block is taken apart into its peak and its valley, then the highest peak
+             left is paired with the lowest valley left, min(count, count) times, until none is
+             left. ASME Boiler and Pressure Vessel Code, III, NB-3222.4(e)(5). No order in which
+             each peak and valley happens once gives more cycles that reach above v and below u,
+             for any u < v. The smaller cycles of a block stay as counted within it.
+"as_listed"  All repetitions of the first block, then all of the second, and so on, over and over.
+             Exactly the count of that long history (docs/theory/life.md); the transitions run from
+             the last position of a block to the first of the next.
+
+Where blocks mix, as idle turns and strokes do, "as_listed" would count one transition per duty
+instead of thousands; "unknown" is therefore the default.
+
+Cycles are counted out of stress histories by the rainflow method.
+`count_cycles` is ASTM E1049-85 (2017), 5.4.4, to the letter, with half cycles; it suits a history
+that happens once. A machine repeats its cycle: `count_closed_cycles` begins and ends at the highest
+peak, ASTM E1049-85, 5.4.5, so every cycle closes. That is the count of the four-point rule with the
+residue repeated, and does not depend on where the history is cut open. Verdicts use this one.
+
+The counter is the package `rainflow` (MIT, one file of Python without dependencies, exact on the
+standard's example). Of the others that are kept, fatpack knows no half cycles and pyLife brings
+pandas and HDF5; they are compiled, but turning points are found here in numpy, and few are left
+to count.
 """
 
 from __future__ import annotations
 
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from math import isfinite, log10
+from math import isfinite
 from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
+import rainflow  # type: ignore[import-untyped]
 
-from fatigue.counting import Cycles
 from fatigue.mean_stress import (
     MeanStressMaterial,
     Rule,
     equivalent_amplitude,
     mean_stress_utilisation,
 )
-from fatigue.sn_curve import LOW_CYCLE, SNCurve
-from fatigue.stress_path import FloatArray, refuse
+from fatigue.sn_curve import SNCurve
+from fatigue.stress_path import FloatArray, point_blocks, refuse
 
+# Cycles smaller than this fraction of the largest stress of their history are its round-off.
+_ROUND_OFF = 1e-12
+_Counts = dict[tuple[float, float], float]  # how often each (valley, peak) was counted
+Order = Literal["unknown", "as_listed"]
 # Powers of two between which the safety is sought, and the steps that halve it down to round-off.
 _LARGEST_POWER, _N_STEPS = 60.0, 58
+
+
+@dataclass(frozen=True, eq=False)
+class Cycles:
+    """Stress cycles and how often each happens, the largest first.
+
+    stress_amplitude  (n_cycles,) or (n_points, n_cycles)  MPa, half the range
+    mean_stress       the same shape                       MPa
+    cycle_counts      the same shape                       half cycles count 0.5
+
+    A point with fewer cycles than others has zeros behind its last.
+    """
+
+    stress_amplitude: FloatArray
+    mean_stress: FloatArray
+    cycle_counts: FloatArray
+
+    def __post_init__(self) -> None:
+        shape = self.stress_amplitude.shape
+        others = (self.mean_stress.shape, self.cycle_counts.shape)
+        if len(shape) not in (1, 2) or others != (shape, shape):
+            raise ValueError(
+                "cycles need amplitudes, means and counts of one shape, (n_cycles,) or "
+                f"(n_points, n_cycles), got {shape}, {others[0]} and {others[1]}"
+            )
+        for what, values in (
+            ("amplitude", self.stress_amplitude),
+            ("mean", self.mean_stress),
+            ("count", self.cycle_counts),
+        ):
+            refuse(~np.isfinite(values), f"the {what} of a cycle is not finite", values)
+        refuse(self.stress_amplitude < 0.0, "an amplitude is below 0 MPa", self.stress_amplitude)
+        refuse(self.cycle_counts < 0.0, "a cycle count is below 0", self.cycle_counts)
+
+    @property
+    def stress_range(self) -> FloatArray:
+        """Twice the amplitude, MPa."""
+        return 2.0 * self.stress_amplitude
+
+    @property
+    def peak(self) -> FloatArray:
+        """The highest stress of each cycle, MPa."""
+        return self.mean_stress + self.stress_amplitude
+
+    @property
+    def valley(self) -> FloatArray:
+        """The lowest stress of each cycle, MPa."""
+        return self.mean_stress - self.stress_amplitude
+
+    def repeated(self, times: float) -> Cycles:
+        """Return these cycles with all counts multiplied."""
+        return replace(self, cycle_counts=self.cycle_counts * times)
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,66 +217,231 @@ def life_verdict(
     return LifeVerdict(damage, duties, worst, safety, required_duties, allowed_damage)
 
 
-def fkm_damage_sum(
-    stress_amplitude: npt.ArrayLike, cycle_counts: npt.ArrayLike, slope: float
-) -> FloatArray:
-    """Return the damage sum at failure, 2 / A**(1/4), between 0.3 and 1, over the last axis.
-
-    A = sum n / sum n (S/S_max)**k is how many times longer the spectrum lives than its largest
-    amplitude: long spectra fail early. Wächter, Müller, Esderts, Angewandter Festigkeitsnachweis
-    nach FKM-Richtlinie (2017), p. 99. Without any amplitude it is 1.
-    """
-    amplitude = np.asarray(stress_amplitude, dtype=np.float64)
-    counts = _counts(cycle_counts)
-    refuse(~(np.isfinite(amplitude) & (amplitude >= 0.0)), "not an amplitude", amplitude)
-    largest = np.where(counts > 0.0, amplitude, 0.0).max(axis=-1, keepdims=True)
-    fullness = (counts * (amplitude / np.where(largest > 0.0, largest, 1.0)) ** slope).sum(axis=-1)
-    total = np.broadcast_to(counts, amplitude.shape).sum(axis=-1)
-    share = np.where(largest[..., 0] > 0.0, fullness / np.where(total > 0.0, total, 1.0), 1.0)
-    return np.asarray(np.clip(2.0 * share**0.25, 0.3, 1.0))
-
-
-def overstressed_curve(
-    curve: SNCurve, amplitude: float, cycles: float, method: Literal["miner", "manson"]
-) -> SNCurve:
-    """Return the curve of a part that has already borne `cycles` of an amplitude above the knee.
-
-    Both pass through (amplitude, cycles that are left). Miner keeps the slope, and so lowers even
-    the strength at 1e3 cycles; Manson keeps that strength and turns the line about it. Shigley,
-    9th ed., chapter 6, cumulative fatigue damage. For several blocks, apply it again.
-    """
-    if method not in ("miner", "manson"):
-        raise ValueError(f"method {method!r} is unknown; one of 'miner', 'manson'")
-    if np.ndim(curve.knee_amplitude) or np.ndim(curve.slope) or np.ndim(curve.knee_cycles):
-        raise ValueError("overstress is worked out for a single curve, not for one per point")
-    knee, knee_cycles = float(curve.knee_amplitude), float(curve.knee_cycles)
-    slope = float(curve.slope)
-    if not (isfinite(amplitude) and isfinite(cycles) and cycles >= 0.0):
-        raise ValueError(f"{cycles:g} cycles of {amplitude:g} MPa cannot be applied")
-    if amplitude < knee:
-        return curve
-    left = float(curve.cycles_to_failure(amplitude)) - cycles
-    if left <= 0.0:
-        raise ValueError(
-            f"{cycles:g} cycles of {amplitude:g} MPa already break the part: it endures "
-            f"{left + cycles:.0f}"
-        )
-    if method == "miner":
-        return replace(curve, knee_amplitude=amplitude * (left / knee_cycles) ** (1.0 / slope))
-    start = knee * (knee_cycles / LOW_CYCLE) ** (1.0 / slope)
-    if amplitude >= start or left <= LOW_CYCLE:
-        raise ValueError(
-            f"Manson's line needs an amplitude below {start:g} MPa and more than 1000 cycles left, "
-            f"got {amplitude:g} MPa and {left:.0f}"
-        )
-    steeper = log10(left / LOW_CYCLE) / log10(start / amplitude)
-    lowered = start * (LOW_CYCLE / knee_cycles) ** (1.0 / steeper)
-    straight = float(curve.slope_below) == slope  # Miner elementary stays elementary
-    below = steeper if straight else curve.slope_below
-    return replace(curve, knee_amplitude=lowered, slope=steeper, slope_below=below)
-
-
 def _counts(cycle_counts: npt.ArrayLike) -> FloatArray:
     counts = np.asarray(cycle_counts, dtype=np.float64)
     refuse(~(np.isfinite(counts) & (counts >= 0.0)), "a cycle count must be at least 0", counts)
     return counts
+
+
+def duty_cycles(
+    histories: Sequence[npt.ArrayLike], counts: Sequence[float], *, order: Order = "unknown"
+) -> Cycles:
+    """Return the cycles of one duty, the transitions between its blocks among them.
+
+    histories  one per block, each (n_positions,) or each (n_points, n_positions), MPa, as in
+               `count_closed_cycles`; blocks may differ in n_positions
+    counts     how often each block runs in one duty; whole numbers if "as_listed"
+    """
+    blocks = [check_histories(history) for history in histories]
+    if not blocks or len(counts) != len(blocks):
+        raise ValueError(
+            f"a duty needs at least one block and a count for each, got {len(blocks)} blocks "
+            f"and {len(counts)} counts"
+        )
+    kinds = {
+        (np.ndim(history), len(block)) for history, block in zip(histories, blocks, strict=True)
+    }
+    if len(kinds) > 1:
+        raise ValueError(
+            "the blocks of a duty must hold the same points, got the shapes "
+            f"{[np.shape(history) for history in histories]}"
+        )
+    times = np.asarray(counts, dtype=np.float64)
+    refuse(~(np.isfinite(times) & (times > 0.0)), "a block's count must be above 0", times, "block")
+    if order == "unknown":
+        cycles = _paired(blocks, times)
+    elif order == "as_listed":
+        refuse(times != np.round(times), "blocks as listed need whole counts", times, "block")
+        whole = count_closed_cycles(np.concatenate(blocks, axis=1))
+        again = [
+            count_closed_cycles(block).repeated(n - 1.0)
+            for block, n in zip(blocks, times, strict=True)
+        ]
+        cycles = _together([whole, *again])
+    else:
+        raise ValueError(f"order {order!r} is unknown; one of 'unknown', 'as_listed'")
+    if np.ndim(histories[0]) == 1:
+        return Cycles(cycles.stress_amplitude[0], cycles.mean_stress[0], cycles.cycle_counts[0])
+    return cycles
+
+
+def _paired(blocks: list[FloatArray], times: FloatArray) -> Cycles:
+    """Return the cycles of blocks in the order that makes the largest ones most frequent."""
+    inner: list[Cycles] = []
+    for block, n in zip(blocks, times, strict=True):
+        cycles = count_closed_cycles(block).repeated(float(n))
+        rest = cycles.cycle_counts.copy()
+        rest[:, 0] -= n  # one of the largest cycles per run of the block goes into the pairing
+        inner.append(Cycles(cycles.stress_amplitude, cycles.mean_stress, rest))
+    peaks = np.stack([block.max(axis=1) for block in blocks], axis=1)
+    valleys = np.stack([block.min(axis=1) for block in blocks], axis=1)
+
+    n_points, n_blocks = peaks.shape
+    descending = np.argsort(-peaks, axis=1, kind="stable")
+    ascending = np.argsort(valleys, axis=1, kind="stable")
+    # both queues, counted from their fronts; the pair changes where either goes on to its next
+    ends = np.concatenate(
+        [np.cumsum(times[descending], axis=1), np.cumsum(times[ascending], axis=1)], axis=1
+    )
+    cuts = np.sort(ends, axis=1)
+    counts = np.diff(cuts, axis=1, prepend=0.0)
+    middle = (cuts - counts / 2.0)[:, :, None]
+    last = n_blocks - 1
+    at_peak = np.minimum((ends[:, None, :n_blocks] < middle).sum(axis=2), last)
+    at_valley = np.minimum((ends[:, None, n_blocks:] < middle).sum(axis=2), last)
+    rows = np.arange(n_points)[:, None]
+    peak = np.take_along_axis(peaks[rows, descending], at_peak, axis=1)
+    valley = np.take_along_axis(valleys[rows, ascending], at_valley, axis=1)
+    # sums of counts are known to this; and a peak below a valley is no cycle but on the way of one
+    round_off = 4.0 * n_blocks * np.finfo(float).eps * float(times.sum())
+    counts = np.where((counts > round_off) & (peak >= valley), counts, 0.0)
+    amplitude = np.where(counts > 0.0, peak / 2.0 - valley / 2.0, 0.0)
+    mean = np.where(counts > 0.0, peak / 2.0 + valley / 2.0, 0.0)
+    return _together([Cycles(amplitude, mean, counts), *inner])
+
+
+def _together(parts: list[Cycles]) -> Cycles:
+    """Return all cycles of all parts, the largest first; columns that no point uses are dropped."""
+    amplitude, mean, counts = (
+        np.concatenate([getattr(part, name) for part in parts], axis=1)
+        for name in ("stress_amplitude", "mean_stress", "cycle_counts")
+    )
+    used = counts > 0.0
+    # unused ones last; of equal amplitudes the higher mean first
+    order = np.lexsort((-mean, -amplitude, ~used), axis=1)
+    columns = order[:, : max(1, int(used.sum(axis=1).max()))]
+    kept = np.take_along_axis(used, columns, axis=1)
+    return Cycles(
+        *(
+            np.where(kept, np.take_along_axis(values, columns, axis=1), 0.0)
+            for values in (amplitude, mean, counts)
+        )
+    )
+
+
+def count_cycles(history: npt.ArrayLike) -> Cycles:
+    """Return the cycles and half cycles of a history (n_positions,) that happens once.
+
+    ASTM E1049-85 (2017), 5.4.4; equal cycles are one entry. A history that never changes has none.
+
+    >>> count_cycles([-2, 1, -3, 5, -1, 3, -4, 4, -2]).stress_range.tolist()
+    [9.0, 8.0, 8.0, 6.0, 4.0, 4.0, 3.0]
+    """
+    values = check_histories(history)
+    if len(values) != 1 or np.ndim(history) != 1:
+        raise ValueError(f"count_cycles takes one history, got shape {np.shape(history)}")
+    turning = _turning_points(values)[0]
+    turning[[0, -1]] = True
+    cycles = _as_cycles([_count(values[0][turning].tolist())], _smallest(values).tolist())
+    return _of_one_point(cycles)
+
+
+def count_closed_cycles(history: npt.ArrayLike) -> Cycles:
+    """Return the cycles of one repetition of histories that repeat without end.
+
+    history  (n_positions,) or (n_points, n_positions)  MPa; its last position is followed by its
+             first, and may or may not repeat it
+
+    ASTM E1049-85 (2017), 5.4.5: the count starts at the highest peak, so that all cycles are whole.
+    A history that never changes is one cycle without amplitude, so that its mean is not lost.
+    Cycles below 1e-12 of the largest stress of their history are round-off, and left out.
+
+    >>> cycles = count_closed_cycles([0, 500, 200, 400, 300, 500, -300, 200, -500])
+    >>> cycles.stress_range.tolist(), cycles.cycle_counts.tolist()
+    ([1000.0, 500.0, 300.0, 100.0], [1.0, 1.0, 1.0, 1.0])
+    """
+    histories = check_histories(history)
+    found: list[_Counts] = []
+    smallest: list[float] = []
+    for block in point_blocks(len(histories), 8 * histories.shape[1]):
+        path = _from_the_peak(histories[block])
+        turning = _turning_points(path)
+        smallest += _smallest(path).tolist()
+        for values, turns in zip(path, turning, strict=True):
+            between = values[turns].tolist()
+            peak = float(values[0])
+            if len(between) > 1:
+                found.append(_count([peak, *between, peak]))
+            else:  # one valley or none: nothing to sort out
+                found.append({(between[0] if between else peak, peak): 1.0})
+    assert all(count.is_integer() for counts in found for count in counts.values())
+    cycles = _as_cycles(found, smallest)
+    return _of_one_point(cycles) if np.ndim(history) == 1 else cycles
+
+
+def check_histories(history: npt.ArrayLike) -> FloatArray:
+    """Return histories (n_points, n_positions) of floats, or say which value cannot be used."""
+    histories = np.asarray(history, dtype=np.float64)
+    if histories.ndim not in (1, 2) or 0 in histories.shape:
+        raise ValueError(
+            "a stress history needs the shape (n_positions,) or (n_points, n_positions) with at "
+            f"least one position, got {histories.shape}"
+        )
+    refuse(~np.isfinite(histories), "the stress history is not finite", histories, "position")
+    return np.atleast_2d(histories)
+
+
+def _from_the_peak(histories: FloatArray) -> FloatArray:
+    """Turn each history so that it begins at its highest value, and repeat that at the end."""
+    n_positions = histories.shape[1]
+    order = np.arange(n_positions + 1) + histories.argmax(axis=1)[:, None]
+    return np.take_along_axis(histories, order % n_positions, axis=1)
+
+
+def _turning_points(path: FloatArray) -> npt.NDArray[np.bool_]:
+    """Return where each path turns, not counting its ends; a plateau turns at its last position."""
+    turns = np.zeros(path.shape, dtype=bool)
+    if path.shape[1] < 3:
+        return turns
+    # signs of the differences: the difference of two huge or two tiny numbers cannot mislead these
+    direction = (path[:, 1:] > path[:, :-1]).astype(np.int8) - (path[:, 1:] < path[:, :-1])
+    steps = np.where(direction != 0, np.arange(direction.shape[1]), 0)
+    latest = np.maximum.accumulate(steps, axis=1)  # the step that led onto a plateau
+    direction = np.take_along_axis(direction, latest, axis=1)
+    turns[:, 1:-1] = direction[:, :-1] * direction[:, 1:] < 0
+    return turns
+
+
+def _count(values: list[float]) -> _Counts:
+    """Return how often the package counts each (valley, peak) of a list of turning points.
+
+    The package compares ranges with one end in common, which only the order of the other ends
+    decides; it is given their ranks, as differences of stresses are rounded and whole numbers not.
+    The last is given twice: it finds nothing in a list of two.
+    """
+    values = [*values, values[-1]]
+    rank = {value: index for index, value in enumerate(sorted(set(values)))}
+    counts: _Counts = defaultdict(float)
+    for _, _, count, first, second in rainflow.extract_cycles([rank[value] for value in values]):
+        low, high = values[first], values[second]
+        if low != high:
+            counts[(low, high) if low < high else (high, low)] += count
+    return counts
+
+
+def _smallest(path: FloatArray) -> FloatArray:
+    """Return, per path, the smallest amplitude that is not round-off, MPa."""
+    return np.asarray(_ROUND_OFF / 2.0 * np.abs(path).max(axis=-1))
+
+
+def _as_cycles(found: Sequence[_Counts], smallest: Iterable[float]) -> Cycles:
+    """Return (n_points, n_cycles) cycles, the largest first, of each point's counts."""
+    rows = []
+    for counts, limit in zip(found, smallest, strict=True):
+        # halves first: the sum or difference of two large numbers could overflow
+        row = [
+            (high / 2.0 - low / 2.0, low / 2.0 + high / 2.0, count)
+            for (low, high), count in counts.items()
+        ]
+        kept = [cycle for cycle in row if cycle[0] >= limit]
+        # without any amplitude, the mean is what there is to judge
+        rows.append(sorted(kept, reverse=True) or [(0.0, mean, n) for _, mean, n in row[:1]])
+    table = np.zeros((3, len(rows), max(map(len, rows))))
+    for index, row in enumerate(rows):
+        if row:
+            table[:, index, : len(row)] = np.transpose(row)
+    return Cycles(table[0], table[1], table[2])
+
+
+def _of_one_point(cycles: Cycles) -> Cycles:
+    return Cycles(cycles.stress_amplitude[0], cycles.mean_stress[0], cycles.cycle_counts[0])

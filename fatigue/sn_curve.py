@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import isfinite, log10
-from statistics import NormalDist
 from typing import Literal
 
 import numpy as np
@@ -22,8 +21,6 @@ from fatigue.stress_path import FloatArray, refuse
 Variant = Literal["original", "elementary", "haibach"]
 
 LOW_CYCLE = 1e3  # cycles, where Shigley's high-cycle line begins
-
-_TEN_TO_NINETY = 2.0 * NormalDist().inv_cdf(0.9)  # standard deviations between 10 % and 90 %
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,22 +116,6 @@ class SNCurve:
             raise ValueError(f"Miner's variant {variant!r} is unknown; one of {', '.join(slopes)}")
         return replace(self, slope_below=slopes[variant])
 
-    def for_survival(self, survival: float) -> SNCurve:
-        """Return the curve that another share of parts survives: S_D 10**(-z scatter).
-
-        z is the difference of the normal variates; amplitudes are log-normal with the same scatter
-        at every life, so the curve moves parallel and the knee stays at its cycles.
-        """
-        _check_survival(survival)
-        if self.scatter == 0.0 and survival != self.survival:
-            raise ValueError(
-                f"an S-N curve without scatter cannot be moved from {self.survival:g} to "
-                f"{survival:g} survival"
-            )
-        steps = NormalDist().inv_cdf(survival) - NormalDist().inv_cdf(self.survival)
-        knee = np.asarray(self.knee_amplitude) * 10.0 ** (-steps * self.scatter)
-        return replace(self, knee_amplitude=knee, survival=survival)
-
 
 def basquin_curve(
     ultimate_strength: float,
@@ -177,16 +158,6 @@ def low_cycle_fraction(ultimate_strength: float) -> float:
     first = ultimate_strength + 345.0
     exponent = -log10(first / min(0.5 * ultimate_strength, 700.0)) / log10(2e6)
     return min(0.9, float(first / ultimate_strength * 2e3**exponent))
-
-
-def scatter_of_range(stress_range_ratio: float) -> float:
-    """Return the standard deviation of log10 stress of T_S = S(10 %) / S(90 % survival) >= 1.
-
-    DIN 50100:2016: s = lg(T_S) / 2.5631.
-    """
-    if not (isfinite(stress_range_ratio) and stress_range_ratio >= 1.0):
-        raise ValueError(f"the scatter range T_S must be at least 1, got {stress_range_ratio:g}")
-    return log10(stress_range_ratio) / _TEN_TO_NINETY
 
 
 def _column(value: float | FloatArray) -> FloatArray:

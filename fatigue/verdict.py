@@ -21,9 +21,14 @@ import numpy as np
 import numpy.typing as npt
 
 from fatigue.goodman import FatigueResult, check_strengths, goodman, goodman_utilisation
-from fatigue.invariants import ComparedCriteria, compared_criteria
 from fatigue.plane_bounds import coarse_path, plane_bounds
-from fatigue.proportionality import PROPORTIONAL, PathBounds, path_bounds
+from fatigue.proportionality import (
+    PROPORTIONAL,
+    ComparedCriteria,
+    PathBounds,
+    compared_criteria,
+    path_bounds,
+)
 from fatigue.shear_planes import DUCTILE, CriticalPlane, critical_plane, findley_criterion
 from fatigue.stress_path import FloatArray, IntArray, check_history
 

@@ -5,6 +5,10 @@ largest 1 / lambda of both signs; a random block keeps modes of equal value apar
 product: of every vector the force that gives it is kept beside it. The last step is one inverse
 iteration and a Rayleigh-Ritz step with energies summed at the integration points. Their round-off
 grows with the slenderness; the round-off of x' K x grows with its square or worse.
+
+Energies of displacement fields are summed at the integration points. x' K x by matrix loses the
+square of (displacement over strain times element size) to round-off, the sum of strains at the
+points only its first power: what slender parts need.
 """
 
 from collections.abc import Callable
@@ -13,10 +17,16 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
+from fem.assembly import Pattern
+from fem.elements import Elements
 from fem.end_conditions import SupportedSolid
 from fem.solvers import Factor, SolverError, factorize
-from fem.unit_solutions import rigid_modes
+from fem.unit_solutions import Elastic, rigid_modes
 from geometry.mesh import BoolArray, FloatArray, IntArray
+
+_CHUNK = 2000  # elements at a time: bounds memory
+_UPPER = np.triu_indices(10)
+_MASS_DEGREE = 4  # of two quadratic shape functions
 
 _TOLERANCE = 1e-5  # a mode's residual in the norm of energy; the value's error is its square
 _BLOCK = 4  # vectors: solves in blocks cost half as much each
@@ -32,6 +42,8 @@ _BEYOND = 0.02  # relative: how far above the highest mode the count is made at 
 
 Times = Callable[[FloatArray], FloatArray]
 Energies = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
+_HELD_NODES = (0, 24, 96)  # far apart, beside what the known modes ask for; tried in turn
+_ZERO = 1e-11  # of the largest: a smaller eigenvalue of S has no certain sign
 
 
 @dataclass(frozen=True, eq=False)
@@ -268,9 +280,6 @@ def _wanted(values: FloatArray, count: int, limit: float) -> int:
 #
 # has as many negative eigenvalues as A on C x = 0 has, and one more per row of C.
 
-_HELD_NODES = (0, 24, 96)  # far apart, beside what the known modes ask for; tried in turn
-_ZERO = 1e-11  # of the largest: a smaller eigenvalue of S has no certain sign
-
 
 def count_below(
     solid: SupportedSolid, matrix: "scipy.sparse.csr_array", value: float, known: FloatArray
@@ -384,3 +393,94 @@ def _nodes_far_apart(solid: SupportedSolid, count: int) -> IntArray:
         nearer = np.linalg.norm(places - places[chosen[-1]], axis=1)
         away = nearer if len(chosen) == 1 else np.minimum(away, nearer)
     return (3 * np.array(chosen, dtype=np.int64)[:, None] + np.arange(3)).ravel()
+
+
+def elastic_and_geometric_energy(
+    elements: Elements, material: Elastic, stress: FloatArray, fields: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Bilinear forms (m, m) of stiffness and geometric stiffness on fields (3 n_nodes, m), N mm.
+
+    stress (n_elements, n_q, 3, 3), MPa, of the geometric stiffness
+
+    sum w (lambda div u div v + 2 mu e(u):e(v)) and sum w sigma_ij u_k,i v_k,j.
+    """
+    young, poisson = material.youngs_modulus, material.poisson_ratio
+    lame = young * poisson / ((1 + poisson) * (1 - 2 * poisson))
+    shear = young / (2 * (1 + poisson))
+    count = fields.shape[1]
+    elastic, geometric = np.zeros((count, count)), np.zeros((count, count))
+    for start in range(0, len(elements.mesh.elements), _CHUNK):
+        part = slice(start, start + _CHUNK)
+        slope = _slopes(elements, part, fields)  # (e, q, i, k, m): d u_k / d x_i
+        weights = elements.weights[part][:, :, None]
+        size = slope.shape[0] * slope.shape[1]
+        pushed = np.matmul(stress[part], slope.reshape(*slope.shape[:3], -1)).reshape(slope.shape)
+        pushed *= weights[..., None, None]
+        geometric += pushed.reshape(-1, count).T @ slope.reshape(-1, count)
+        strain = (slope + slope.swapaxes(2, 3)) / 2
+        volume = np.einsum("eqiim->eqm", strain)
+        weighted = strain * (2 * shear * weights[..., None, None])
+        elastic += weighted.reshape(-1, count).T @ strain.reshape(-1, count)
+        elastic += (lame * weights * volume).reshape(size, count).T @ volume.reshape(size, count)
+    return elastic, geometric
+
+
+def geometric_forms(elements: Elements, stress: FloatArray, fields: FloatArray) -> FloatArray:
+    """Forms (n_basis, m, m) of the geometric stiffness of several stresses on fields, N mm.
+
+    stress (n_elements, n_q, 6, n_basis), MPa, components xx, yy, zz, xy, yz, zx; fields
+    (3 n_nodes, m)
+    """
+    count = fields.shape[1]
+    first, second = np.triu_indices(count)
+    total = np.zeros((stress.shape[-1], len(first)))
+    for start in range(0, len(elements.mesh.elements), _CHUNK):
+        part = slice(start, start + _CHUNK)
+        slope = _slopes(elements, part, fields)  # (e, q, i, k, m)
+        one, two = slope[..., first], slope[..., second]
+        products = np.empty((*slope.shape[:2], 6, len(first)))
+        for row, (i, j) in enumerate(((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))):
+            products[:, :, row] = (one[:, :, i] * two[:, :, j]).sum(axis=2)
+            if i != j:
+                products[:, :, row] += (one[:, :, j] * two[:, :, i]).sum(axis=2)
+        products *= elements.weights[part][:, :, None, None]
+        total += stress[part].reshape(-1, len(total)).T @ products.reshape(-1, len(first))
+    forms = np.empty((len(total), count, count))
+    forms[:, first, second] = forms[:, second, first] = total
+    return forms
+
+
+def mass(pattern: Pattern, density: float) -> "scipy.sparse.csr_array":
+    """Upper triangle of the consistent mass matrix, t.
+
+    The block of nodes a and b is delta_ij sum_q w density N_a N_b, by a rule of degree 4: exact in
+    elements with straight edges.
+    """
+    import skfem
+
+    points, weights = skfem.quadrature.get_quadrature(skfem.refdom.RefTet, _MASS_DEGREE)
+    element = skfem.ElementTetP2()
+    both = [element.lbasis(points, node) for node in range(10)]
+    values = np.stack([value for value, _ in both])  # (10, n_q)
+    slopes = np.stack([slope for _, slope in both])  # (10, 3, n_q)
+    mesh = pattern.elements.mesh
+    products = (values[:, None] * values[None, :] * weights).reshape(100, -1)
+    blocks = np.empty((len(mesh.elements), 55))
+    for start in range(0, len(mesh.elements), _CHUNK):
+        part = slice(start, start + _CHUNK)
+        corners = mesh.nodes[mesh.elements[part]]  # (e, 10, 3)
+        jacobian = np.einsum("eax,akq->eqxk", corners, slopes, optimize=True)
+        local = (np.abs(np.linalg.det(jacobian)) @ products.T).reshape(-1, 10, 10)
+        order = pattern.order[part]
+        each = np.arange(len(order))[:, None]
+        blocks[part] = density * local[each, order[:, _UPPER[0]], order[:, _UPPER[1]]]
+    return pattern.upper_scalar(blocks)
+
+
+def _slopes(elements: Elements, part: slice, fields: FloatArray) -> FloatArray:
+    """Slopes (n_elements, n_q, 3, 3, m) of fields, d u_k / d x_i at [i, k]."""
+    nodes = elements.mesh.elements[part]
+    local = fields.reshape(len(elements.mesh.nodes), -1)[nodes]  # (e, 10, 3 m)
+    gradients = elements.gradients[part].swapaxes(2, 3)  # (e, q, 3, 10)
+    slope = np.matmul(gradients.reshape(len(nodes), -1, 10), local)
+    return np.asarray(slope.reshape(*gradients.shape[:3], 3, -1))

@@ -7,9 +7,20 @@ position of the cycle. The bodies of a stack are solved with the unknowns that i
 
 Half of a part (geometry/symmetry.py) takes half of each load. It is held along z all over its cut,
 which stands for the other half, and at three displacements in its plane.
+
+The compliance of a part at its interfaces is for a linkage that gives way. The displacement of an
+interface is the mean motion of its loaded surface, weighted with the unit load itself: c_ij = f_i .
+u_j, the work of load i on the displacements of load j, which makes the matrix symmetric (Maxwell
+and Betti). A single load is not in equilibrium. It is balanced by the inertia of the accelerated
+part, not by supports, whose point reactions have no finite compliance in a solid; for loads that
+balance each other the choice drops out.
+
+Bearing pressures that are applied as they are, on an arc, without a series, measure two errors of
+the unit loads at the positions that govern: the truncation of the bearing series, and the effect of
+the arc on which a pin presses.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -28,15 +39,19 @@ from fem.unit_loads import (
     InterfaceLoads,
     acceleration_loads,
     bearing_coefficients,
+    direct_bearing,
     interface_loads,
     resultants,
 )
 from geometry.memory import check_memory, compactness_of
 from geometry.mesh import FloatArray, IntArray, Mesh
 
+_INTERFACE_MOTION = [0, 1, 5]
+
 _IN_PLANE, _OUT_OF_PLANE = [0, 1, 5], [2, 3, 4]
 _UNBALANCED = 1e-9  # of force times size: what loads may leave out of the plane
 _UNEVEN = 1e-4  # of the inertia: what a mesh that is not quite symmetric about z = 0 may leave
+_TILTING = ("M_x", "M_y")  # columns whose pressure has no resultant force, hence no direction
 
 
 @dataclass(frozen=True)
@@ -376,3 +391,111 @@ def _solve_held(
     displacement = np.zeros_like(own)
     displacement[free], residual = factor.solve(own[free])
     return displacement if ties is None else ties.expand(displacement), residual
+
+
+def compliance(solutions: UnitSolutions, places: Sequence[str | tuple[str, float]]) -> FloatArray:
+    """Compliance (3 m, 3 m) of a part at m places: mm/N, rad/N, rad/(N mm).
+
+    places  names of interfaces; of a sliding contact its name and where it is along x from the
+            interface's centre, mm
+
+    Displacements x, y and turn of every place for forces x, y and couple at every place, in the
+    part's axes, against a frame that moves with the part as a whole. A bore or journal is loaded by
+    the first harmonic of a pin's pressure, a sliding contact half on each of its two surfaces.
+    Raises ValueError for a place that the part does not have, a part without mass, or half of one.
+    """
+    solutions.mesh.check_whole("a compliance")
+    if not solutions.material.density > 0:
+        raise ValueError("a compliance needs a density above 0: inertia balances its unit loads")
+    columns = np.concatenate([_unit_forces(solutions, place) for place in places], axis=1)
+    balance = solutions.unit_resultants[_INTERFACE_MOTION]
+    first = len(columns) - len(ACCELERATIONS)
+    columns[first : first + 3] -= np.linalg.solve(balance[:, first : first + 3], balance @ columns)
+    return np.asarray((solutions.loads @ columns).T @ (solutions.displacement @ columns))
+
+
+def _unit_forces(solutions: UnitSolutions, place: str | tuple[str, float]) -> FloatArray:
+    """Coefficients (n_basis, 3) of the unit loads for 1 N along x, along y, and 1 N mm there."""
+    name, at = (place, None) if isinstance(place, str) else place
+    result = np.zeros((solutions.loads.shape[1], 3))
+    column = 0
+    for loads in solutions.interfaces:
+        columns = slice(column, column + len(loads.names))
+        column = columns.stop
+        if loads.interface.name == name:
+            result[columns] = _of_interface(loads, at)
+            return result
+    known = ", ".join(loads.interface.name for loads in solutions.interfaces)
+    raise ValueError(f"the part has no interface {name!r}; it has {known}")
+
+
+def _of_interface(loads: InterfaceLoads, at: float | None) -> FloatArray:
+    interface = loads.interface
+    if (interface.kind == "slide") != (at is not None):
+        need = "needs" if interface.kind == "slide" else "does not slide, so it takes no"
+        raise ValueError(f"interface {interface.name!r} {need} place along x")
+    if at is not None:
+        unit = np.eye(3)
+        unit[1, 2] = at  # a force at the contact has a moment about the centre
+        reach = np.full(3, at)
+        pushed = sliding_coefficients(interface, unit, reach)
+        pulled = sliding_coefficients(interface, -unit, reach)
+        return np.asarray((pushed - pulled).T / 2)
+    result = np.zeros((len(loads.names), 3))
+    if interface.kind in ("bore", "journal"):
+        sign = -1.0 if interface.kind == "journal" else 1.0
+        rows, sizes = ("cos 1", "sin 1", "couple"), (sign, sign, 1.0)
+    else:
+        rows, sizes = ("F_x", "F_y", "M_z"), (1.0, 1.0, 1.0)
+    for axis, (row, size) in enumerate(zip(rows, sizes, strict=True)):
+        result[loads.names.index(row), axis] = size
+    return result
+
+
+def direct_displacement(
+    solutions: UnitSolutions,
+    wrenches: Mapping[str, FloatArray],
+    coefficients: FloatArray,
+    arcs: Sequence[float],
+    solved: Collection[str] = (),
+) -> FloatArray:
+    """Displacement (3 n_nodes, n_arcs) at one position with cosine pressures on arcs, mm.
+
+    wrenches      interface -> (6,) N, N mm
+    coefficients  (n_basis,) of that position; used as they are for end faces, clamps, sliding
+                  contacts, inertia, and the couples about x and y of pins that tilt
+    arcs          rad, full angles of contact of every bore and journal
+    solved        names of those whose pressure is solved: their columns are used as they are
+    """
+    load = np.zeros((len(solutions.loads), len(arcs)))
+    column = 0
+    for unit in solutions.interfaces:
+        columns = slice(column, column + len(unit.names))
+        column = columns.stop
+        assumed = _is_bearing(unit) and unit.interface.name not in solved
+        kept = np.array([not assumed or name in _TILTING for name in unit.names])
+        load += (solutions.loads[:, columns][:, kept] @ coefficients[columns][kept])[:, None]
+        if assumed:
+            planar = np.asarray(wrenches[unit.interface.name])[[0, 1, 5]]
+            for k, arc in enumerate(arcs):
+                load[:, k] += direct_bearing(solutions.elements, unit, planar, arc)
+    inertia = slice(column, column + len(ACCELERATIONS))
+    load += (solutions.loads[:, inertia] @ coefficients[inertia])[:, None]
+    return solutions.solve(load)
+
+
+def tilting_columns(solutions: UnitSolutions) -> IntArray:
+    """Columns (n,) of the basis that are couples about x and y of bores and journals."""
+    named = [(_is_bearing(u), name) for u in solutions.interfaces for name in u.names]
+    return np.flatnonzero([bearing and name in _TILTING for bearing, name in named])
+
+
+def has_bearings(solutions: UnitSolutions, solved: Collection[str] = ()) -> bool:
+    """Return True if any interface is a bore or a journal, and not one of those solved."""
+    return any(
+        _is_bearing(unit) and unit.interface.name not in solved for unit in solutions.interfaces
+    )
+
+
+def _is_bearing(unit: InterfaceLoads) -> bool:
+    return unit.interface.kind in ("bore", "journal")

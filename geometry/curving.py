@@ -10,20 +10,24 @@ own.
 The determinant of an element's Jacobian is a cubic polynomial; its least Bernstein coefficient is
 not above its least value anywhere in the element, as the polynomial lies in the convex hull of its
 coefficients. It is taken over the determinant of the element with straight edges.
+
+Nodes move where the part lets them: free inside of it, on the surface along it. A node on a CAD
+face has two coordinates of that face, one on a CAD edge has one, a corner of the CAD body has none.
+Moves along the face are in mm along the tangents where the node began, so that all count alike.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from itertools import product
 from math import factorial
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from geometry.mesh import TET_EDGES, BoolArray, FloatArray, IntArray, shape_gradients
 
-if TYPE_CHECKING:
-    from scipy.sparse import csr_matrix
-
+_SAME = 1e-6  # of the part's size: a node is where its coordinates on the face say
+_POLE = 1e-6  # of the longest tangent: a shorter second one is the pole of a face
 ENOUGH = 0.1  # the least coefficient that needs no mending; gmsh's own limit
 _WANTED = 0.25  # up to which it is raised where edges bend
 _STEPS = 200
@@ -32,6 +36,102 @@ _FREE = 1.0  # damping up to which a step is free
 _STUCK = 1e9  # damping beyond which no step helps
 _FLAT = 1e-9  # of the size: edges bent by less are straight
 _STIFF = 1e-3  # share of an edge's own bending in what is made small
+Scale = Callable[[FloatArray], FloatArray]  # places (n, 10, 3) of elements to det J (n,)
+
+
+@dataclass(frozen=True, eq=False)
+class _Patch:
+    """Some nodes on one CAD face or edge.
+
+    entity   (dimension, tag) of gmsh
+    rows     (n,)        their rows among the moving nodes
+    start    (n, d)      coordinates on the face or edge
+    per_mm   (n, d, d)   coordinates per mm along d tangents
+    """
+
+    entity: tuple[int, int]
+    rows: IntArray
+    start: FloatArray
+    per_mm: FloatArray
+
+
+class Gliding:
+    """Nodes of gmsh's model that may move.
+
+    moving  (m,) indices of nodes, ascending
+    """
+
+    def __init__(self, gmsh: Any, nodes: FloatArray, index: IntArray, wanted: IntArray) -> None:
+        """Let the nodes `wanted` (k,) move; nodes (n, 3) mm, index of each of gmsh's node tags."""
+        self._gmsh = gmsh
+        inside: list[IntArray] = []
+        on: list[tuple[tuple[int, int], IntArray, FloatArray, FloatArray]] = []
+        chosen: BoolArray = np.zeros(len(nodes), dtype=bool)
+        chosen[wanted] = True
+        for entity in gmsh.model.getEntities():
+            tags = gmsh.model.mesh.getNodes(*entity, returnParametricCoord=False)[0]
+            some = index[np.asarray(tags, dtype=np.int64)]
+            some = some[chosen[some]]
+            if entity[0] == 3:
+                inside.append(some)
+            elif entity[0] in (1, 2) and len(some):
+                on.extend(self._on(entity, some, nodes))
+        self.moving: IntArray = np.sort(np.concatenate([*inside, *(some for _, some, *_ in on)]))
+        self._start = nodes[self.moving]
+        self._inside = np.searchsorted(self.moving, np.concatenate(inside))
+        self._patches = [
+            _Patch(entity, np.searchsorted(self.moving, some), start, per_mm)
+            for entity, some, start, per_mm in on
+        ]
+
+    def _on(
+        self, entity: tuple[int, int], some: IntArray, nodes: FloatArray
+    ) -> Iterator[tuple[tuple[int, int], IntArray, FloatArray, FloatArray]]:
+        """Those nodes of a face or edge that have coordinates and tangents there."""
+        try:
+            flat = self._gmsh.model.getParametrization(*entity, nodes[some].ravel())
+            start = np.reshape(flat, (len(some), -1))
+            places, tangents = self._at(entity, start)
+        except Exception:  # gmsh raises bare Exception only; on such a face no node moves
+            return
+        upper = np.linalg.qr(tangents, mode="r")  # (n, d, d)
+        lengths = np.abs(np.diagonal(upper, axis1=1, axis2=2))
+        off = np.linalg.norm(places - nodes[some], axis=1)
+        good = (off < _SAME * np.ptp(nodes, axis=0).max()) & (
+            lengths.min(axis=1) > _POLE * lengths.max(axis=1)
+        )
+        if good.any():
+            yield entity, some[good], start[good], np.linalg.inv(upper[good])
+
+    def _at(self, entity: tuple[int, int], where: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Places (n, 3) and tangents (n, 3, d) at coordinates (n, d) of a face or edge."""
+        flat = where.ravel()
+        places = np.reshape(self._gmsh.model.getValue(*entity, flat), (-1, 3))
+        tangents = np.reshape(self._gmsh.model.getDerivative(*entity, flat), (len(where), -1, 3))
+        return places, np.swapaxes(tangents, 1, 2)
+
+    def places(self, moves: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Places (m, 3) mm after moves (m, 3) mm, and slopes (m, 3, 3): place by move.
+
+        On a face the third move does nothing, on an edge the second and third.
+        """
+        found = self._start.copy()
+        slopes = np.zeros((len(found), 3, 3))
+        found[self._inside] += moves[self._inside]
+        slopes[self._inside] = np.eye(3)
+        for patch in self._patches:
+            count = patch.start.shape[1]
+            own = moves[patch.rows, :count]
+            where = patch.start + np.einsum("nij,nj->ni", patch.per_mm, own)
+            places, tangents = self._at(patch.entity, where)
+            # where nothing moves, the node stays to the last bit
+            found[patch.rows] = np.where(np.any(own, axis=1)[:, None], places, found[patch.rows])
+            slopes[patch.rows, :, :count] = tangents @ patch.per_mm
+        return found, slopes
+
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
 
 
 def least_coefficients(nodes: FloatArray, elements: IntArray) -> FloatArray:
@@ -79,9 +179,6 @@ def bent(nodes: FloatArray, elements: IntArray, inside: IntArray) -> FloatArray:
         return first
     second = _raised(first, elements, inside, least < _WANTED)
     return second if least_coefficients(second, elements).min() >= least.min() else first
-
-
-Scale = Callable[[FloatArray], FloatArray]  # places (n, 10, 3) of elements to det J (n,)
 
 
 class Moves(Protocol):

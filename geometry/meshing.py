@@ -2,22 +2,32 @@
 
 Nodes, elements and groups are read from gmsh's API straight into arrays: a detour through a mesh
 file loses the names of surfaces on second-order meshes.
+
+Bodies that touch without being one have nodes of their own on the shared faces, and ties.
+
+gmsh's HXT optimises a mesh only within the memory that it has reserved. `hxtEdgeRemoval_opti` of
+gmsh 4.15 (contrib/hxt/tetMesh/src/hxt_edgeRemoval.c) keeps a pointer to the qualities of the
+tetrahedra across `createNewDeleted`, which may move them: it then writes into memory that is free
+or another's, and reads qualities that nobody has written. The mesh depends on what stood there, or
+the process ends. It happens where the tetrahedra to be optimised and those that HXT reserves
+together outgrow the array. So its size is followed through the messages of a meshing without
+optimisation, by the rules of hxt_tetDelaunay.c and hxt_tetSync.c.
 """
 
 import math
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import pairwise
 from threading import RLock
 from typing import Any, Protocol
 
 import numpy as np
 
-from geometry.curving import ENOUGH, around, bent, least_coefficients, moved, nearly_folded
+from geometry.curving import ENOUGH, Gliding, around, bent, least_coefficients, moved, nearly_folded
 from geometry.element_count import SURE, check_elements, solid_elements, solid_unknowns
-from geometry.gliding import Gliding
 from geometry.graphics import INSTALL
-from geometry.hxt import within_memory
 from geometry.memory import check_memory, compactness_of
 from geometry.mesh import (
     FloatArray,
@@ -26,13 +36,22 @@ from geometry.mesh import (
     Interface,
     Mesh,
     MeshError,
+    Tie,
     TooManyUnknownsError,
     UnsafeMesherError,
 )
 from geometry.part_sizes import in_unit, unit_of
 from geometry.sizing import SizeField
-from geometry.stacks import split_bodies, ties_of
 
+_RESERVED = re.compile(r"Initialization reserved (\d+) Tet")
+_REFINED = re.compile(r"Refinement adds (\d+) points from (\d+) tetrahedra")
+_BATCH = 8182  # tetrahedra by which the list of free ones is filled up (DELETED_BUFFER_SIZE)
+_CAVITY = 250  # tetrahedra of one insertion at the most, which count as free ones
+_RECOVERED = 0.02  # of the tetrahedra that recovering the boundary may add or take
+_SWAPPED = 0.03  # of the tetrahedra that the optimisation may add
+_Size = tuple[int, int]  # the least and the most that the array can have
+
+_NORMAL = 1  # a stack's faces are normal to y
 # Every option that changes a mesh is set here, so that the same part gives the same mesh.
 _ALONE = RLock()  # gmsh has one model at a time
 _OPTIONS = {
@@ -50,7 +69,6 @@ _OPTIONS = {
     "Geometry.OCCParallel": 0,
     "Geometry.Tolerance": 1e-8,
 }
-
 # Algorithms of the volume mesh, the faster one first; what the other one does where it cannot.
 _HXT, _DELAUNAY = ("HXT", 10), ("Delaunay", 1)
 # Unknowns of a mesh whose arrays in HXT stand among other data of the heap, less than 128 KiB each:
@@ -62,6 +80,20 @@ _LAYERS = (0, 1, 2, 3)  # of elements around those that fold whose nodes move
 _LOADS = 8  # unit loads of a pin
 _IN_PLANE = 1e-7  # units: how far the nodes of a half may be beside its cut, by gmsh's round-off
 _FROM_GMSH_TO_VTK = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
+
+
+@dataclass(frozen=True, eq=False)
+class Split:
+    """A conformal mesh of several bodies, taken apart.
+
+    nodes     (n_nodes, 3) mm: the given ones, then a copy for each further body on a shared face
+    copies    per body: the index of its own node for every given one, (n_given,)
+    pairs     (n, 2) node indices at one place: of a body, then of the next one there
+    """
+
+    nodes: FloatArray
+    copies: tuple[IntArray, ...]
+    pairs: IntArray
 
 
 @dataclass(frozen=True)
@@ -228,7 +260,7 @@ def _told(gmsh: Any, **options: float) -> Iterator[list[str]]:
 
 
 def _try_hxt(gmsh: Any) -> None:
-    """Raise UnsafeMesherError where HXT's optimisation would leave its memory: geometry/hxt.py.
+    """Raise UnsafeMesherError where HXT's optimisation would leave its memory: geometry/meshing.py.
 
     The surface is meshed again afterwards: gmsh turns some of its triangles round, on which HXT's
     next mesh would depend.
@@ -390,3 +422,139 @@ def _elements(gmsh: Any, index: IntArray, kind: int, tag: int, width: int) -> In
     _, connectivity = gmsh.model.mesh.getElementsByType(kind, tag)
     found: IntArray = index[np.asarray(connectivity, dtype=np.int64).reshape(-1, width)]
     return found
+
+
+def split_bodies(nodes: FloatArray, bodies: Sequence[IntArray]) -> Split:
+    """Give every body of a conformal mesh nodes of its own.
+
+    bodies  per body: elements (n, 10), indices into `nodes`
+
+    Raises MeshError if a body touches none of the others.
+    """
+    owner = np.full(len(nodes), -1)
+    latest = np.arange(len(nodes))
+    grown, copies, pairs = [nodes], [], []
+    touching = []
+    count = len(nodes)
+    for body, elements in enumerate(bodies):
+        used = np.unique(elements)
+        shared = used[owner[used] >= 0]
+        own = np.arange(len(nodes))
+        own[shared] = count + np.arange(len(shared))
+        count += len(shared)
+        grown.append(nodes[shared])
+        pairs.append(np.column_stack([latest[shared], own[shared]]))
+        touching += [(int(other), body) for other in np.unique(owner[shared])]
+        latest[shared] = own[shared]
+        owner[used] = body
+        copies.append(own)
+    _check_that_all_touch(len(bodies), touching)
+    return Split(np.concatenate(grown), tuple(copies), np.concatenate(pairs))
+
+
+def _check_that_all_touch(count: int, touching: Sequence[tuple[int, int]]) -> None:
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    first, second = np.array(touching, dtype=int).reshape(-1, 2).T
+    links = coo_matrix((np.ones(len(first)), (first, second)), shape=(count, count))
+    heaps, _ = connected_components(links, directed=False)
+    if heaps > 1:
+        raise MeshError(f"the {count} bodies of the stack fall into {heaps} that do not touch")
+
+
+def ties_of(nodes: FloatArray, pairs: IntArray, bolted_at: float | None) -> tuple[Tie, ...]:
+    """Return the ties of a stack: all pairs along y; those of the bolt at x, mm, along x too.
+
+    Along z one pair of each two bodies is tied, the nearest to their middle: bent bodies widen
+    where they are pressed and narrow where they are pulled, so two faces that meet must be free to
+    slide across; a line tied along z carried a shear without a finite stress.
+    Raises MeshError if there is a bolt and no pair in its plane.
+    """
+    if not len(pairs):
+        return ()
+    ties = (Tie(_NORMAL, pairs),)
+    if bolted_at is None:
+        return ties
+    bolt = pairs[np.abs(nodes[pairs[:, 0], 0] - bolted_at) <= 1e-6]
+    if not len(bolt):
+        raise MeshError(f"no nodes of the stack lie at the bolt's x = {bolted_at:g} mm")
+    heights = np.round(nodes[bolt[:, 0], 1], 6)
+    middle = np.abs(nodes[bolt[:, 0], 2])
+    order = np.lexsort((middle, heights))
+    _, first = np.unique(heights[order], return_index=True)
+    return (Tie(0, bolt), *ties, Tie(2, bolt[order[first]]))
+
+
+def within_memory(messages: Sequence[str]) -> bool:
+    """Tell whether HXT can optimise the mesh that gave these messages; else it may go astray.
+
+    messages  of gmsh's logger at a verbosity of 6, of a volume meshed without optimisation; where
+              it says nothing of HXT's memory, the answer is False
+    """
+    runs = list(_runs(messages))
+    return bool(runs) and all(_fits(size, counts) for size, counts in runs)
+
+
+def array_sizes(reserved: int, counts: Sequence[int]) -> list[_Size]:
+    """Sizes that the array of tetrahedra may have before they are optimised.
+
+    reserved  tetrahedra reserved at first
+    counts    tetrahedra of the mesh before each refinement and after the last
+    """
+    sizes = {(reserved, reserved)}
+    slack = int(_RECOVERED * counts[0])
+    sizes = {found for size in sizes for found in _inserted(size, 5, counts[0], slack)}
+    sizes = {(max(low, counts[0]), max(high, counts[0])) for low, high in sizes}
+    for before, after in pairwise(counts):
+        sizes = {found for size in sizes for found in _inserted(size, before, after, 0)}
+    return sorted(sizes)
+
+
+def _fits(reserved: int, counts: Sequence[int]) -> bool:
+    batches = 1 + int(_SWAPPED * counts[-1] / _BATCH)
+    needed = counts[-1] + batches * _BATCH
+    return all(low >= needed for low, _ in array_sizes(reserved, counts))
+
+
+def _inserted(size: _Size, before: int, after: int, slack: int) -> Iterator[_Size]:
+    """Sizes of the array after points were inserted, from one size and two numbers of tetrahedra.
+
+    Free tetrahedra are filled up to a batch whenever an insertion needs more than there are, those
+    of its own cavity included.
+    """
+    low, high = before + _BATCH - _CAVITY, before + _BATCH
+    for grown in _grown(size, low, high):
+        yield from _more(grown, low, high, after, slack)
+
+
+def _more(size: _Size, low: int, high: int, after: int, slack: int) -> Iterator[_Size]:
+    if after - slack <= high:  # these may have been enough
+        yield size
+    if after + slack > low - _CAVITY:
+        low, high = low + _BATCH - _CAVITY, high + _BATCH
+        for grown in _grown(size, low, high):
+            yield from _more(grown, low, high, after, slack)
+
+
+def _grown(size: _Size, low: int, high: int) -> Iterator[_Size]:
+    """Sizes of the array once a number of tetrahedra between two fits in: it grows by itself."""
+    least, most = size
+    if most >= low:
+        yield max(least, low), most
+    if least < high:
+        yield least + max(low, least + 1), most + high
+
+
+def _runs(messages: Sequence[str]) -> Iterator[tuple[int, list[int]]]:
+    """Tetrahedra reserved at first, and their later numbers, of each connected volume."""
+    reserved, counts = 0, list[int]()
+    for message in messages:
+        if found := _RESERVED.search(message):
+            if reserved:
+                yield reserved, counts
+            reserved, counts = int(found[1]), []
+        elif found := _REFINED.search(message):
+            counts.append(int(found[2]))
+    if reserved:
+        yield reserved, counts

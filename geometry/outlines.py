@@ -13,7 +13,7 @@ circle, into which longer ones are cut.
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import atan, inf, pi, tan
+from math import inf, pi, tan
 from typing import Self
 
 import numpy as np
@@ -480,8 +480,3 @@ def bulge_of(start: complex, end: complex, centre: complex, *, clockwise: bool =
     if clockwise:
         turn -= 2 * pi
     return tan(turn / 4)
-
-
-def turned_by(bulge: float) -> float:
-    """Angle of an arc by its bulge, rad."""
-    return 4 * atan(bulge)

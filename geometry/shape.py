@@ -9,10 +9,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from geometry.bars import Bar
+from geometry.bars import Bar, RulingSection, Section
 from geometry.mesh import Interface
 from geometry.meshing import Body
-from geometry.sections import RulingSection, Section
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,7 @@ from loads.dead_centre import PullThrough, pull_through
 from loads.diagnosis import Diagnosis, diagnose, percent, position_text
 from loads.drive import DriveFigures
 from loads.events import EVENTS, Event, EventRun, solve_event
-from loads.expressions import FUNCTIONS, Apply, Expression, Number, Reading, Term
 from loads.forces import ForceSolution, JointLoad, solve_forces
-from loads.history import LoadHistory
 from loads.joints import (
     Angle,
     Coordinate,
@@ -27,15 +25,25 @@ from loads.joints import (
     Slot,
 )
 from loads.kinematics import Kinematics
-from loads.laws import Contact, Law, Opposing, Table
+from loads.laws import (
+    FUNCTIONS,
+    Apply,
+    Contact,
+    Expression,
+    Law,
+    Number,
+    Opposing,
+    Reading,
+    Table,
+    Term,
+)
 from loads.linkage import Linkage
 from loads.measured import MeasuredBody, MeasuredLoad, MeasuredLoads
 from loads.motion import Geometry, Motion, move
-from loads.motors import Geared, Motor
-from loads.pace import MotorPace, Pace, RunPace, SteadyPace, StrokePace
+from loads.pace import Geared, Motor, MotorPace, Pace, RunPace, SteadyPace, StrokePace
 from loads.path import Path, trace
 from loads.phases import Cycle, Phase
-from loads.point_loads import PointLoad
+from loads.point_loads import LoadHistory, PointLoad
 from loads.resolve_forces import forces_again, moves_alike
 from loads.reversals import split_at_reversals
 from loads.turning import RunawayError, StallError, UnsettledError

@@ -13,11 +13,10 @@ import numpy as np
 
 from loads.bodies import BoolArray, FloatArray, LinkageError
 from loads.elasticity import LoadState, deflection
-from loads.expressions import Expression, expressed
 from loads.forces import ForceSolution, solve_forces, unit_forces
 from loads.joints import Fixed, Force, PointCoordinate, in_words
 from loads.kinematics import dot, unit
-from loads.laws import Contact, Law, Opposing, Table
+from loads.laws import Contact, Expression, Law, Opposing, Table, expressed
 from loads.linkage import Linkage
 from loads.motion import Motion
 from loads.reversals import opposing

@@ -9,25 +9,20 @@ from math import ceil
 import numpy as np
 
 from loads.bodies import FloatArray, LinkageError
-from loads.breakpoints import with_extremes, with_roots
 from loads.contact import Touch, contact_gaps, solve_laws
-from loads.cycle_loads import CycleLoads
-from loads.deflected import second_order
+from loads.cycle_loads import CycleLoads, unresolved
 from loads.driven import driven_by
-from loads.elasticity import check_compliance
-from loads.expressions import Expression, kinks
+from loads.elasticity import check_compliance, second_order
 from loads.forces import ForceSolution, JointLoad
 from loads.joints import Prismatic, Slot
-from loads.laws import Contact, Opposing, Table
+from loads.laws import Contact, Expression, Opposing, Table, kinks
 from loads.linkage import Linkage
 from loads.motion import Geometry, Motion, move
 from loads.pace import MotorPace, SteadyPace
 from loads.path import Path, trace
 from loads.phases import Cycle
-from loads.reversals import coordinate_speed
-from loads.running import running
-from loads.sampling_error import unresolved
-from loads.timing import Timing
+from loads.reversals import coordinate_speed, with_extremes, with_roots
+from loads.running import Timing, running
 from loads.turning import with_points
 
 _LEAST_PER_PHASE = 20

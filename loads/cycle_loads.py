@@ -1,23 +1,60 @@
-"""The result of a cycle: motion, reactions, efforts, their checks, and the loads on each part."""
+"""The result of a cycle: motion, reactions, efforts, their checks, and the loads on each part.
 
-from collections.abc import Mapping
+Loads of a body are assigned to the interfaces of its part.
+
+Between the positions of a cycle loads may rise: the part that too few positions miss.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from loads.assembly import worst_gaps
-from loads.assigned import AssignedLoads, by_interface, by_point
 from loads.bodies import GROUND, BoolArray, FloatArray, IntArray, LinkageError, nearest
 from loads.contact import Touch, rigidly_joined
 from loads.drive import DriveFigures, drive_figures, kinetic_energy
-from loads.forces import JointLoad
-from loads.history import LoadHistory
+from loads.forces import ForceSolution, JointLoad
 from loads.joints import Coordinate, Distance, PointCoordinate, Prismatic, Revolute, Slot
 from loads.kinematics import Kinematics, dot, rotated, turned_left
 from loads.linkage import Linkage
-from loads.point_loads import PointLoad, body_loads
-from loads.sampling_error import NOTHING, Unresolved
+from loads.motion import Motion
+from loads.point_loads import LoadHistory, PointLoad, body_loads
+
+LEAST_SIZE = 1e-9  # over the largest load: below it stands what rounding leaves of balanced halves
+Solved = Sequence[tuple[Motion, ForceSolution]]
+
+
+@dataclass(frozen=True)
+class Unresolved:
+    """The largest load that other positions of a cycle have and its own have not.
+
+    share  by which it is beyond that at the cycle's positions, over the largest of its kind
+    what   the load, in words
+    """
+
+    share: float
+    what: str
+
+
+NOTHING = Unresolved(0.0, "")
+
+
+@dataclass(frozen=True, eq=False)
+class AssignedLoads:
+    """The loads of a body, each at one of the interfaces.
+
+    interfaces  names
+    points      of the body, where the interfaces' wrenches are stated; None: the frame origin
+    sliding     True if an interface is the line of a slot or guide, along which its force moves
+    loads       number of the interface, and the load there
+    """
+
+    interfaces: tuple[str, ...]
+    points: tuple[str | None, ...]
+    sliding: tuple[bool, ...]
+    loads: tuple[tuple[int, PointLoad], ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -359,3 +396,115 @@ class CycleLoads:
             wrenches=wrenches,
             accelerations=np.zeros((n, 4)),
         )
+
+
+def by_point(loads: Sequence[PointLoad]) -> AssignedLoads:
+    """Every loaded point of a body as an interface of its own."""
+    points = tuple(dict.fromkeys(load.point for load in loads))
+    return AssignedLoads(
+        interfaces=tuple(str(point) for point in points),
+        points=points,
+        sliding=(False,) * len(points),
+        loads=tuple((points.index(load.point), load) for load in loads),
+    )
+
+
+def by_interface(
+    linkage: Linkage, body: str, interfaces: Mapping[str, str], loads: Sequence[PointLoad]
+) -> AssignedLoads:
+    """Every load at the interface of its point, or of its slot or guide where one names that.
+
+    interfaces  name -> point of the body, or the slot or guide whose line the body has; a point
+                goes before a joint of the same name
+    """
+    points = linkage.body(body).points
+    lines = {
+        joint.name: joint.point_a
+        for joint in linkage.joints
+        if isinstance(joint, Prismatic | Slot) and joint.body_a == body and joint.name not in points
+    }
+    order = list(interfaces.values())
+    for interface, named in interfaces.items():
+        if named not in points and named not in lines:
+            line = " or a slot or guide on it" if lines else ""
+            raise LinkageError(
+                f"body {body!r}: interface {interface!r} needs a point{line}, {named!r}, that it "
+                f"does not have; {nearest(named, [*points, *lines])}"
+            )
+        if order.count(named) > 1:
+            what = "point" if named in points else f"joint {named!r}"
+            raise LinkageError(f"body {body!r}: two interfaces are at the same {what}")
+    joints = {f"joint {named!r}": named for named in order if named in lines}
+    found = []
+    for load in loads:
+        place = joints.get(load.source, load.point)
+        if place is None:
+            raise LinkageError(
+                f"body {body!r}: the torque of {load.source} enters at no stated point; "
+                "state the point of its angle"
+            )
+        if place not in order:
+            raise LinkageError(
+                f"body {body!r}: {load.source} acts at point {load.point!r}, "
+                f"which is no interface (these are at {', '.join(order) or 'none'})"
+            )
+        found.append((order.index(place), load))
+    return AssignedLoads(
+        interfaces=tuple(interfaces),
+        points=tuple(lines.get(named, named) for named in order),
+        sliding=tuple(named in lines for named in order),
+        loads=tuple(found),
+    )
+
+
+def unresolved(cycle: Solved, others: Sequence[Solved]) -> Unresolved:
+    """Return the peaks that the positions of a cycle miss, found at other positions of it.
+
+    cycle   motion and loads, phase by phase, at the positions that count
+    others  the same at other positions
+
+    Compared are the largest and least components of every joint's force in the axes of both its
+    bodies, over the joint's largest force, and those of every effort over the largest effort: what
+    bends and presses the parts. A size is at least `LEAST_SIZE` of the largest of all. A smooth
+    peak between positions a step h apart is missed by a share of order h^2, so that a grid as fine
+    as the cycle's own but placed otherwise tells its size.
+    """
+    found = NOTHING
+    taken = {what: (low, high, size) for what, low, high, size in _extremes(cycle)}
+    least_size = LEAST_SIZE * max(size for _, _, size in taken.values())
+    for other in others:
+        for what, low, high, size in _extremes(other):
+            least, most, largest = taken[what]
+            scale = max(size, largest, least_size)
+            share = max(high - most, least - low, 0.0) / scale if scale else 0.0
+            if share > found.share:
+                found = Unresolved(share, what)
+    return found
+
+
+def _extremes(solved: Solved) -> Iterator[tuple[str, float, float, float]]:
+    """Least and largest of every load over all phases, and the size of its kind."""
+    motion, solution = solved[0]
+    linkage = motion.kinematics.linkage
+    for joint in linkage.joints:
+        forces = [s.joints[joint.name].force for _, s in solved]
+        size = max(float(np.hypot(*force.T).max()) for force in forces)
+        for body in (joint.body_a, joint.body_b):
+            row = motion.kinematics.index[body]
+            turned = [
+                rotated(force, -m.poses[:, row, 2])
+                for force, (m, _) in zip(forces, solved, strict=True)
+            ]
+            for axis, name in enumerate("xy"):
+                yield (
+                    f"{name} of the force in joint {joint.name} on {body}",
+                    *_ends([force[:, axis] for force in turned]),
+                    size,
+                )
+    for name in solution.efforts:
+        low, high = _ends([s.efforts[name] for _, s in solved])
+        yield f"the effort of {name}", low, high, max(-low, high)
+
+
+def _ends(values: Sequence[FloatArray]) -> tuple[float, float]:
+    return min(float(v.min()) for v in values), max(float(v.max()) for v in values)

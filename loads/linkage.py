@@ -1,4 +1,7 @@
-"""A planar linkage of one degree of freedom as data, checked when it is made."""
+"""A planar linkage of one degree of freedom as data, checked when it is made.
+
+Where its mobility is not 1, the missing and the redundant joints are named.
+"""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
@@ -6,7 +9,9 @@ from dataclasses import dataclass, field, replace
 from math import isfinite
 from typing import Self, TypeVar
 
-from loads.bodies import GROUND, Body, LinkageError, Pose, Vector, nearest
+import numpy as np
+
+from loads.bodies import GROUND, Body, FloatArray, LinkageError, Pose, Vector, nearest
 from loads.compliance import Compliance
 from loads.joints import (
     Angle,
@@ -19,7 +24,11 @@ from loads.joints import (
     PointCoordinate,
     Revolute,
 )
-from loads.mobility import freedom_problem
+from loads.kinematics import Kinematics
+
+_SINGULAR = 1e-6  # of the largest: the assembled pose may be stated in rounded numbers
+_NOTICED = 0.05  # share of a joint in what is held twice
+ItemT = TypeVar("ItemT", bound=Joint | Force)
 
 
 @dataclass(frozen=True)
@@ -159,9 +168,6 @@ class Linkage:
             )
 
 
-ItemT = TypeVar("ItemT", bound=Joint | Force)
-
-
 def _named(items: Iterable[ItemT], name: str, kind: str) -> ItemT:
     listed = tuple(items)
     for item in listed:
@@ -169,4 +175,58 @@ def _named(items: Iterable[ItemT], name: str, kind: str) -> ItemT:
             return item
     raise LinkageError(
         f"no {kind} is named {name!r}; {nearest(name, (item.name for item in listed))}"
+    )
+
+
+def freedom_problem(linkage: Linkage) -> str | None:
+    """Return the fault of the count of joints, in words; None for one degree of freedom."""
+    n_bodies = len(linkage.moving)
+    n_constraints = sum(joint.n_constraints for joint in linkage.joints)
+    freedom = 3 * n_bodies - n_constraints
+    if freedom == 1:
+        return None
+    count = (
+        f"{freedom} degrees of freedom (3 x {n_bodies} bodies - {n_constraints} constraints of "
+        f"joints {', '.join(joint.name for joint in linkage.joints) or 'none'}), must be 1"
+    )
+    kinematics = Kinematics(linkage)
+    left, sizes, right = np.linalg.svd(kinematics.joints_jacobian(kinematics.assembled)[0])
+    rank = int(np.sum(sizes > _SINGULAR * sizes.max(initial=0.0)))
+    if freedom > 1:
+        return f"{count}: {freedom - 1} too many, {_missing(linkage, right[rank:])}"
+    return f"{count}: {1 - freedom} too few, {_redundant(kinematics, left[:, rank:].T)}"
+
+
+def _missing(linkage: Linkage, motions: FloatArray) -> str:
+    """Name the bodies that are held least; motions (k, 3 moving) span what can move."""
+    ways = {}
+    for i, body in enumerate(linkage.moving):
+        own = motions[:, 3 * i : 3 * i + 3]
+        ways[body.name] = int(np.sum(np.linalg.svd(own, compute_uv=False) > _SINGULAR))
+    most = max(ways.values())
+    loose = [name for name in ways if ways[name] == most]
+    told = []
+    for name in loose:
+        held = [j.name for j in linkage.joints if name in (j.body_a, j.body_b)]
+        told.append(f"{name!r} ({'only joint' if len(held) == 1 else 'joints'} {', '.join(held)})")
+        if not held:
+            told[-1] = f"{name!r} (no joint)"
+    one = len(told) == 1
+    return (
+        f"a joint or guide is missing on body {told[0]}"
+        if one
+        else f"a joint or guide is missing on one of the bodies {', '.join(told)}"
+    ) + (f", which can move in {most} ways" if most > 1 else "")
+
+
+def _redundant(kinematics: Kinematics, stresses: FloatArray) -> str:
+    """Name the joints that hold the same motion; stresses (k, constraints) balance themselves."""
+    if not len(stresses):
+        return "nothing can move: a joint is one too many"
+    shares = {
+        name: float(np.linalg.norm(stresses[:, rows])) for name, rows in kinematics.rows.items()
+    }
+    names = sorted((n for n in shares if shares[n] > _NOTICED), key=lambda n: -shares[n])
+    return (
+        f"joints {', '.join(names)} hold the same motion: one of them is stated twice or too many"
     )

@@ -20,13 +20,23 @@ from math import sqrt
 import numpy as np
 
 from loads.bodies import FloatArray, LinkageError
-from loads.motors import Geared
+from loads.pace import Geared
 
 Place = Callable[[int, int], str]
 Row = tuple[float, float, float]  # J, b and c of a place
 
 _ROOT = sqrt(6.0)
 STEP_PLACES = ((4.0 - _ROOT) / 10.0, (4.0 + _ROOT) / 10.0, 1.0)
+_SAME = 1e-10  # of the squared speed: how far from the turn that repeats another may begin
+_ROUNDING = 1e-14  # of the squared speed: gain of a turn that repeats, by rounding alone
+_SURE = 1e-6  # of the squared speed: how far that may leave it
+_MOST_SPEED = 2.0  # of the speed without load: a load that drives faster runs away
+_STILL = 1e-8  # of the squared speed without load: the machine stands
+_STALLS = 1e-6  # of the squared speed: turns that stand and turns that slow down lie as close
+_STIFFEST = 1e9  # 1/rad, of a difference in squared speed: rounding moves dw/ds by 1e-7 of w
+_MOST_TURNS = 200
+_MOST_STEPS = 12  # of Newton's method
+_MOST_HALVES = 20
 
 
 def _weights() -> list[list[float]]:
@@ -46,16 +56,6 @@ def _cubics(share: FloatArray) -> FloatArray:
 
 
 _WEIGHTS = _weights()
-_SAME = 1e-10  # of the squared speed: how far from the turn that repeats another may begin
-_ROUNDING = 1e-14  # of the squared speed: gain of a turn that repeats, by rounding alone
-_SURE = 1e-6  # of the squared speed: how far that may leave it
-_MOST_SPEED = 2.0  # of the speed without load: a load that drives faster runs away
-_STILL = 1e-8  # of the squared speed without load: the machine stands
-_STALLS = 1e-6  # of the squared speed: turns that stand and turns that slow down lie as close
-_STIFFEST = 1e9  # 1/rad, of a difference in squared speed: rounding moves dw/ds by 1e-7 of w
-_MOST_TURNS = 200
-_MOST_STEPS = 12  # of Newton's method
-_MOST_HALVES = 20
 
 
 class StallError(LinkageError):

@@ -3,27 +3,107 @@
 A held linkage is statically determinate: unit loads on its masses give joint forces by equilibrium
 alone, these deform bodies and joints, and by virtual forces (Timoshenko and Young, Theory of
 Structures, ch. 6) the displacements of the masses are u = F f with F = S' S, where S are the
-deformations of unit loads (`loads.strains`). Free vibration has f = omega^2 M u, so that
+deformations of unit loads (`loads.vibration`). Free vibration has f = omega^2 M u, so that
 1/omega^2 are the eigenvalues of sqrt(M) F sqrt(M) (Clough and Penzien, Dynamics of Structures,
 ch. 11): the squared singular values of S sqrt(M). All of them are found; none can be skipped.
+
+S is the deformation as a list of numbers whose squares add up to the elastic energy: of loads in
+equilibrium every joint, beam and matrix gives rows s = sqrt(C) w, so that the work of one system of
+loads on the deformations of another is s . s' (`loads.elasticity.deflection`).
+
+Lumped mass of a linkage that vibrates: points on its beams, one place on every other body.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from loads.bodies import FloatArray, IntArray, LinkageError
+from loads.bodies import Body, FloatArray, IntArray, LinkageError
+from loads.compliance import BeamCompliance, JointCompliance, MatrixCompliance
 from loads.cycle_loads import CycleLoads
+from loads.elasticity import LoadState, beam_loads, section_forces, wrenches_on
 from loads.forces import ForceSolution, JointLoad, unit_forces
 from loads.joints import Angle, Coordinate, Distance, Force, PointCoordinate
 from loads.kinematics import Kinematics, rotated, turned_left
 from loads.linkage import Linkage
-from loads.lumped_masses import Lumps, lumps_of
 from loads.motion import Motion, coordinate_share
-from loads.strains import joint_strains, lump_strains
 
+_POINTS = 5  # along a beam; the first mode between two pins is then 0.02 % off
+_GAUSS = 0.5 / np.sqrt(3.0)  # two points integrate the product of two linear moments exactly
+_ROUNDING = 1e-6  # of the largest eigenvalue of a compliance: what may be below zero
 _STIFF = 1e-8  # of the softest mode's root: stiffer ones are rigid but for rounding
 _PUSH = ("push x", "push y", "turn")  # forces put on bodies to find what unit loads do
+
+
+@dataclass(frozen=True, eq=False)
+class Lumps:
+    """Ways in which mass can move, d in all: of a place along its body's x or y, or its turn.
+
+    bodies  (d,)    rows of their bodies in poses
+    way     (d,)    0 along x, 1 along y of the body, 2 turning
+    places  (d, 2)  mm, in the body's frame
+    arms    (d, 2)  mm, from the body's centre of mass
+    masses  (d,)    tonne, of a turn tonne mm2: all above 0
+    """
+
+    bodies: IntArray
+    way: IntArray
+    places: FloatArray
+    arms: FloatArray
+    masses: FloatArray
+
+    def of(self, row: int) -> IntArray:
+        """Return which of them belong to a body."""
+        return np.flatnonzero(self.bodies == row)
+
+    def wrenches(self, angles: FloatArray) -> FloatArray:
+        """Return the force and couple of unit loads at their body's centre (n, 3, d), ground axes.
+
+        angles  (n, bodies) rad
+        """
+        along = np.eye(3)[self.way][:, :2]
+        result = np.zeros((len(angles), 3, len(self.way)))
+        result[:, :2] = np.swapaxes(rotated(along[None], angles[:, self.bodies]), 1, 2)
+        turning = self.arms[:, 0] * along[:, 1] - self.arms[:, 1] * along[:, 0]
+        result[:, 2] = np.where(self.way == 2, 1.0, turning)
+        return result
+
+    def inertia_loads(self, motion: Motion) -> FloatArray:
+        """Return weight and inertia of a motion on every lump (n, d): N, and N mm on turns."""
+        gravity = np.array(motion.kinematics.linkage.gravity, dtype=float)
+        angles = motion.poses[:, self.bodies, 2]
+        places = rotated(self.places[None], angles)
+        spin, turn = motion.velocities[:, self.bodies, 2], motion.accelerations[:, self.bodies, 2]
+        pull = (
+            motion.accelerations[:, self.bodies, :2]
+            + turn[..., None] * turned_left(places)
+            - (spin**2)[..., None] * places
+            - gravity
+        )
+        own = rotated(pull, -angles)
+        each = np.where(self.way == 0, own[..., 0], np.where(self.way == 1, own[..., 1], turn))
+        result: FloatArray = -self.masses * each
+        return result
+
+    def body_motions(self, shapes: FloatArray, poses: FloatArray) -> FloatArray:
+        """Return the mean motion of every body (n, bodies, 3, k) for shapes (n, d, k).
+
+        Of its centre of mass in ground axes and its turn: as a rigid body that has the same
+        momentum; rates, accelerations or displacements alike.
+        """
+        n, _, k = shapes.shape
+        result = np.zeros((n, poses.shape[1], 3, k))
+        wrenches = self.wrenches(poses[:, :, 2])
+        for row in np.unique(self.bodies):
+            own = self.of(row)
+            momentum = wrenches[:, :, own] @ (self.masses[own, None] * shapes[:, own])
+            result[:, row, :2] = momentum[:, :2] / (self.masses[own] @ (self.way[own] == 0) or 1.0)
+            spread = self.arms[own, 0] * (self.way[own] == 1) - self.arms[own, 1] * (
+                self.way[own] == 0
+            )
+            inertia = float(self.masses[own] @ np.where(self.way[own] == 2, 1.0, spread**2))
+            result[:, row, 2] = momentum[:, 2] / (inertia or 1.0)
+        return result
 
 
 @dataclass(frozen=True, eq=False)
@@ -300,3 +380,135 @@ def _motion_at(motion: Motion, positions: IntArray) -> Motion:
         accelerations=motion.accelerations[positions],
         heading=motion.heading[positions],
     )
+
+
+def joint_strains(
+    kinematics: Kinematics, poses: FloatArray, solution: ForceSolution, lumps: Lumps
+) -> FloatArray:
+    """Return the rows (n, rows) of joints and forces, without loads on the lumps."""
+    state = LoadState(solution, None)
+    parts = []
+    for compliance in kinematics.linkage.compliance:
+        match compliance:
+            case JointCompliance(joint=joint, stiffness=stiffness):
+                parts.append(solution.joints[joint].force / np.sqrt(stiffness))
+            case MatrixCompliance():
+                parts.append(wrenches_on(kinematics, poses, compliance, state) @ _root(compliance))
+            case BeamCompliance():
+                places, loads = _on_beam(kinematics, poses, compliance, state, lumps)
+                parts.append(_beam_rows(compliance, places, loads))
+    return np.concatenate(parts, axis=1)
+
+
+def lump_strains(
+    kinematics: Kinematics, poses: FloatArray, solution: ForceSolution, lumps: Lumps
+) -> FloatArray:
+    """Return the rows (n, rows, d) of unit loads on the lumps alone, where they enter a beam.
+
+    Of a body with a matrix, inertia is spread as its mass; that is in the matrix already.
+    solution  any, for where the loads of beams are
+    """
+    state = LoadState(solution, None)
+    parts = []
+    for compliance in kinematics.linkage.compliance:
+        match compliance:
+            case JointCompliance():
+                parts.append(np.zeros((len(poses), 2, len(lumps.way))))
+            case MatrixCompliance():
+                rows = 3 * compliance.n_places
+                parts.append(np.zeros((len(poses), rows, len(lumps.way))))
+            case BeamCompliance():
+                places, loads = _on_beam(kinematics, poses, compliance, state, lumps)
+                own = lumps.of(kinematics.index[compliance.body])
+                rows = _n_rows(compliance, places.shape[1])
+                part = np.zeros((len(poses), rows, len(lumps.way)))  # other bodies' lumps: none
+                for at, d in enumerate(own, start=loads.shape[1] - len(own)):
+                    acting = np.zeros_like(loads)
+                    acting[:, at, lumps.way[d]] = 1.0
+                    if lumps.way[d] == 0:  # a force along x beside the axis
+                        acting[:, at, 2] = -lumps.places[d, 1]
+                    part[:, :, d] = _beam_rows(compliance, places, acting)
+                parts.append(part)
+    return np.concatenate(parts, axis=1)
+
+
+def _root(compliance: MatrixCompliance) -> FloatArray:
+    """Return the matrix (m, m) that makes rows of wrenches."""
+    matrix = np.asarray(compliance.matrix, dtype=float)
+    sizes, vectors = np.linalg.eigh((matrix + matrix.T) / 2.0)
+    # lengths and angles differ by orders: a negative value counts against the largest
+    if sizes[0] < -_ROUNDING * sizes[-1]:
+        raise LinkageError(
+            f"body {compliance.body!r}: its compliance gives energy back for some loads (lowest "
+            f"eigenvalue {sizes[0]:.3g}, highest {sizes[-1]:.3g}); it cannot vibrate"
+        )
+    result: FloatArray = vectors * np.sqrt(np.maximum(sizes, 0.0))
+    return result
+
+
+def _on_beam(
+    kinematics: Kinematics,
+    poses: FloatArray,
+    beam: BeamCompliance,
+    state: LoadState,
+    lumps: Lumps,
+) -> tuple[FloatArray, FloatArray]:
+    """Return places (n, k) and loads (n, k, 3) on a beam: joints and forces, then its lumps."""
+    places, loads = beam_loads(kinematics, poses, beam.body, state)
+    own = lumps.of(kinematics.index[beam.body])
+    at = np.broadcast_to(lumps.places[own, 0], (len(poses), len(own)))
+    none = np.zeros((len(poses), len(own), 3))
+    return (
+        np.concatenate([places[:, :-1], at], axis=1),  # without the weight at the centre of mass
+        np.concatenate([loads[:, :-1], none], axis=1),
+    )
+
+
+def _n_rows(beam: BeamCompliance, n_places: int) -> int:
+    """Number of rows of `_beam_rows` for a number of loads."""
+    return (n_places - 1) * (2 * (beam.bending is not None) + (beam.axial is not None))
+
+
+def _beam_rows(beam: BeamCompliance, places: FloatArray, loads: FloatArray) -> FloatArray:
+    """Return two rows of bending and one of stretching for every stretch between two loads."""
+    order = np.argsort(places, axis=1, kind="stable")
+    lengths = np.diff(np.take_along_axis(places, order, axis=1), axis=1)
+    normal, start, end = section_forces(loads, order, lengths)
+    rows = []
+    if beam.bending is not None:
+        weight = np.sqrt(lengths / (2.0 * beam.bending))
+        middle, rise = (start + end) / 2.0, end - start
+        rows += [weight * (middle - _GAUSS * rise), weight * (middle + _GAUSS * rise)]
+    if beam.axial is not None:
+        rows.append(np.sqrt(lengths / beam.axial) * normal)
+    return np.concatenate(rows, axis=1)
+
+
+def lumps_of(linkage: Linkage) -> Lumps:
+    """Return the lumps of a linkage; mass, centre and inertia of every body are kept.
+
+    A beam has the mass of an even bar with its mass and inertia, sqrt(12 I / m) long, in Gauss
+    points along its x axis. Every other body has all of it at its centre.
+    """
+    beams = {c.body for c in linkage.compliance if isinstance(c, BeamCompliance)}
+    rows: list[tuple[int, int, float, float, float, float, float]] = []
+    for row, body in enumerate(linkage.moving, start=1):
+        rows += [(row, *entry) for entry in _of_body(body, body.name in beams)]
+    table = np.array([entry for entry in rows if entry[6] > 0.0], dtype=float).reshape(-1, 7)
+    whole = table[:, :2].astype(int)
+    return Lumps(whole[:, 0], whole[:, 1], table[:, 2:4], table[:, 4:6], table[:, 6])
+
+
+def _of_body(body: Body, beam: bool) -> list[tuple[int, float, float, float, float, float]]:
+    x, y = body.centre
+    if not beam or body.mass <= 0.0 or body.inertia <= 0.0:
+        return [(way, x, y, 0.0, 0.0, mass) for way, mass in enumerate((body.mass,) * 2)] + [
+            (2, x, y, 0.0, 0.0, body.inertia)
+        ]
+    half = np.sqrt(3.0 * body.inertia / body.mass)
+    nodes, weights = np.polynomial.legendre.leggauss(_POINTS)
+    return [
+        (way, x + half * float(node), y, half * float(node), 0.0, body.mass * float(weight) / 2.0)
+        for node, weight in zip(nodes, weights, strict=True)
+        for way in (0, 1)
+    ]

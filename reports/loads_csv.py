@@ -27,8 +27,7 @@ import numpy as np
 
 from loads import CycleLoads, Fixed, MeasuredLoads, Prismatic, Revolute, Slot
 from reports.loads_figures import FloatArray
-from reports.loads_runs import ShownRun
-from reports.loads_summary import ShownCycle
+from reports.loads_summary import ShownCycle, ShownRun
 
 _POSE = ("x [mm]", "y [mm]", "angle [rad]")
 _VELOCITY = ("vx [mm/s]", "vy [mm/s]", "omega [rad/s]")

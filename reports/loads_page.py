@@ -13,8 +13,7 @@ from geometry.mesh import FloatArray
 from reports.charts import curves_chart
 from reports.files import plain, replacing
 from reports.loads_figures import Extremes
-from reports.loads_runs import ShownRun
-from reports.loads_summary import LoadsResult, ShownCycle
+from reports.loads_summary import LoadsResult, ShownCycle, ShownRun
 from reports.loads_words import (
     blow_sentence,
     broken_by_kind,

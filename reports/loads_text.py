@@ -9,8 +9,7 @@ from rich.cells import cell_len
 from checks.result.verdict import Gate
 from checks.result.words import brief, clean, gate_word, number, place_text, quantity_unit
 from reports.loads_figures import Extremes
-from reports.loads_runs import ShownRun
-from reports.loads_summary import LoadsResult, ShownCycle
+from reports.loads_summary import LoadsResult, ShownCycle, ShownRun
 from reports.loads_words import (
     blow_sentence,
     broken_by_kind,

@@ -8,7 +8,7 @@ from math import cbrt, hypot, pi, sqrt
 from documents_toggle import bar_force, bar_force_formula
 
 from checks.handbook.column_curves import ColumnStrength, column_strength
-from geometry.sections import square_tube_section
+from geometry.bars import square_tube_section
 
 YIELD, THESIS_YIELD, YOUNGS = 355.0, 400.0, 210e3  # MPa
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 from math import degrees, pi
 
 import loads
-from ballesta.design.coordinates import coordinate_of, dimension_along
+from ballesta.design.expressions import coordinate_of, dimension_along
 from ballesta.design.files import Sources
 from ballesta.design.joints import friction_of
 from ballesta.design.laws import law_of

@@ -16,10 +16,9 @@ from checks.part.placing import part_placing
 from checks.part.too_fine import gave_up, told_of_size
 from checks.strength.part_strength import elastic_of
 from checks.stress.solid_mesh_level import Models
-from fem.compliance import compliance
 from fem.sliding import stations
 from fem.solvers import SolverError
-from fem.unit_solutions import UnitSolutions
+from fem.unit_solutions import UnitSolutions, compliance
 from geometry.mesh import FloatArray, MeshError, TooManyElementsError
 
 Say = Callable[[str], None]
@@ -91,7 +90,7 @@ def body_compliance(design: Design, part: Part, solutions: UnitSolutions) -> loa
 
 @dataclass(frozen=True)
 class _Place:
-    """A place of `fem.compliance`, and the arm, mm, from it to where the body's load acts."""
+    """A place of `fem.unit_solutions`, and the arm, mm, from it to where the body's load acts."""
 
     what: str | tuple[str, float]
     arm: Pair

@@ -10,8 +10,7 @@ from checks.part.part_loads import shown_name, shown_of, shown_position
 from checks.result.words import brief, number
 from geometry.mesh import FloatArray
 from reports.loads_figures import ContactStated, MotorFigures, ShownPhase
-from reports.loads_runs import ShownRun
-from reports.loads_summary import ShownCycle
+from reports.loads_summary import ShownCycle, ShownRun
 
 EVEN = 0.1  # irregularity that is assumed of a drive of which nothing is stated
 _FINE = 5  # digits

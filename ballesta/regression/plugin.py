@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from ballesta.regression.baseline import CheckError, measure
 from ballesta.regression.compare import Comparison, compare
 from ballesta.regression.file import (
     SUFFIX,
@@ -22,7 +23,6 @@ from ballesta.regression.file import (
     read_baseline,
     write_record,
 )
-from ballesta.regression.isolated import CheckError, measure
 
 _TIMEOUT = "1800"
 _UPDATE = "--update-baselines"

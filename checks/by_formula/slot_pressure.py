@@ -1,14 +1,20 @@
-"""Sliding contacts by formula: Hertz pressure of a pin or roller, mean pressure of a block."""
+"""Sliding contacts by formula: Hertz pressure of a pin or roller, mean pressure of a block.
+
+Width, pressure and the shear below the surface of cylinders in contact are Hertz's: Johnson,
+Contact Mechanics, 1985, section 4.2(c), with the stress on the axis below. Bodies are half-spaces
+there, so the patch must be small against the radii: a pin that fits its hole closely is no such
+contact.
+"""
 
 from collections.abc import Iterator, Mapping
-from math import inf
+from dataclasses import dataclass
+from math import inf, isfinite, pi, sqrt
 
 import numpy as np
 
 from checks.design.data import Part, Roller
 from checks.design.errors import DesignError
 from checks.design.materials import Material
-from checks.handbook.hertz import HertzBody, HertzContact, HertzError, line_contact
 from checks.part.derived import Band, Heading, Kind, Series, yield_stress
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
@@ -17,6 +23,8 @@ from checks.result.formulas import Value
 from checks.result.verdict import Check
 from geometry.mesh import FloatArray, Interface
 
+_WIDEST = 0.5  # half width over the smaller radius: an arc of 60 degrees
+_FLATTEST = 1e-6  # relative curvature, against the larger of the two, below which it is conformal
 FLAT = Kind(
     name="contact",
     quantity="mean pressure at {}",
@@ -25,7 +33,6 @@ FLAT = Kind(
     require="static",
     source="[fits](../theory/fits.md)",
 )
-
 ROUND = Kind(
     name="contact",
     quantity="Hertz pressure at {}",
@@ -35,13 +42,54 @@ ROUND = Kind(
     source="Johnson, Contact Mechanics, 1985, 4.2(c); [fits](../theory/fits.md)",
 )
 KINDS = (FLAT, ROUND)
-
 # Johnson, Contact Mechanics, 1985, 4.2(c) and 6.1(a): the largest shear under a line contact is
 # 0.300283 p0, and Tresca's yield begins where it is half the yield stress: p0 = 1.67 Sy.
 FIRST_YIELD = 0.5 / 0.300283
 _TURNED = 1e-6  # of force times length: a couple that is more than round-off
 _JOHNSON = "Johnson, Contact Mechanics, 1985, 4.2(c)"
 _SHAPE, _DESIGN = "the part's shape", "the design"
+
+
+class HertzError(ValueError):
+    """A contact to which Hertz's theory does not apply."""
+
+
+@dataclass(frozen=True)
+class HertzBody:
+    """One of two bodies in contact.
+
+    radius          mm; infinite for a flat, negative for a hollow (a hole, a groove)
+    youngs_modulus  MPa
+    poisson_ratio   1
+    """
+
+    radius: float
+    youngs_modulus: float
+    poisson_ratio: float
+
+    def __post_init__(self) -> None:
+        if not self.radius or np.isnan(self.radius):
+            raise HertzError(f"a body's radius must not be 0 or missing, got {self.radius} mm")
+        if not 0 < self.youngs_modulus < inf:
+            raise HertzError(f"Young's modulus must be above 0 MPa, got {self.youngs_modulus}")
+        if not -1 < self.poisson_ratio <= 0.5:
+            raise HertzError(f"Poisson's ratio must be in (-1, 0.5], got {self.poisson_ratio}")
+
+
+@dataclass(frozen=True)
+class HertzContact:
+    """The contact of two bodies.
+
+    half_width     mm, of the line
+    peak_pressure  MPa
+    shear          MPa, the largest shear stress below the surface
+    shear_depth    mm, where it stands
+    """
+
+    half_width: float
+    peak_pressure: float
+    shear: float
+    shear_depth: float
 
 
 def checks(loaded: LoadedPart) -> Iterator[Check]:
@@ -186,3 +234,57 @@ def _couple(loads: PartLoads, interface: Interface) -> FloatArray:
     wrench = loads.wrenches[interface.name]
     reach = loads.reaches.get(interface.name, np.zeros(len(wrench)))
     return np.asarray(np.abs(wrench[:, 5] - reach * wrench[:, 1]))
+
+
+def line_contact(force: float, first: HertzBody, second: HertzBody) -> HertzContact:
+    """Contact of parallel cylinders under `force` per length, N/mm.
+
+    b = sqrt(4 P R / (pi E*)), p0 = 2 P / (pi b) with 1/R = 1/R1 + 1/R2. On the axis the largest
+    shear is p0 (s - s^2 / sqrt(1 + s^2)) at depth s b; its greatest is 0.300283 p0 at s^2 =
+    (sqrt 5 - 1) / 2, s = 0.786151, whatever Poisson's ratio.
+
+    >>> steel = 210e3, 0.3
+    >>> found = line_contact(100.0, HertzBody(10.0, *steel), HertzBody(float("inf"), *steel))
+    >>> round(found.half_width, 6), round(found.peak_pressure, 3)
+    (0.105046, 606.037)
+    """
+    if not (force > 0 and isfinite(force)):
+        raise HertzError(f"a contact needs a force above 0 N/mm, got {force}")
+    half = sqrt(4 * force * _relative_radius(first, second) / (pi * _modulus(first, second)))
+    _check_width(half, first, second)
+    pressure = 2 * force / (pi * half)
+    depth = sqrt((sqrt(5) - 1) / 2)
+    shear = depth - depth**2 / sqrt(1 + depth**2)
+    return HertzContact(half, pressure, shear * pressure, depth * half)
+
+
+def _modulus(first: HertzBody, second: HertzBody) -> float:
+    """E*, MPa: 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2."""
+    return 1 / sum((1 - body.poisson_ratio**2) / body.youngs_modulus for body in (first, second))
+
+
+def _relative_radius(first: HertzBody, second: HertzBody) -> float:
+    one, other = 1 / first.radius, 1 / second.radius
+    curvature = one + other
+    if one == other == 0:
+        raise HertzError("two flats touch on their whole faces, not on a Hertz contact")
+    if abs(curvature) <= _FLATTEST * max(abs(one), abs(other)):
+        raise HertzError(
+            f"radii of {first.radius:g} and {second.radius:g} mm fit each other: a conformal "
+            "contact, to which Hertz's theory does not apply"
+        )
+    if curvature < 0:
+        raise HertzError(
+            f"radii of {first.radius:g} and {second.radius:g} mm cannot touch: the hollow must be "
+            "wider than what lies in it"
+        )
+    return 1 / curvature
+
+
+def _check_width(half: float, first: HertzBody, second: HertzBody) -> None:
+    smallest = min(abs(first.radius), abs(second.radius))
+    if half > _WIDEST * smallest:
+        raise HertzError(
+            f"a contact of {half:.3g} mm half width is not small against a radius of "
+            f"{smallest:.3g} mm (limit {_WIDEST:g}): Hertz's theory does not apply"
+        )

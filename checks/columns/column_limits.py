@@ -30,7 +30,7 @@ from checks.handbook.tapered_columns import (
     least_critical_force,
 )
 from checks.part.placing import interface_distance
-from geometry.sections import Section
+from geometry.bars import Section
 
 UNKNOWN_CURVE = "c"  # EN 1993-1-1, table 6.2: solid sections and those that are no standard profile
 _JOINED = 1e-6  # of the column's length

@@ -23,9 +23,9 @@ from checks.columns.column_limits import Plane, is_stepped, whole_force
 from checks.design.data import Part
 from checks.handbook.column_curves import BOW
 from checks.part.part_loads import PartLoads, first_largest
+from geometry.bars import Section
 from geometry.mesh import FloatArray, IntArray
 from geometry.roots import root
-from geometry.sections import Section
 
 STRAIGHTNESS = 1000.0  # L/e of a bar without a stated curve or crookedness
 _TERMS = 9  # of the moments' sine series
@@ -34,6 +34,7 @@ _EVEN = 4 / (pi * _ORDER) * (_ORDER % 2)  # of an even moment
 _CLOSE = 1e-9  # of the load factor
 _EXACT = 1e-13  # of the load factor of one edge
 _NO_MOMENT = 1e-9  # of the largest force times the length
+GRID = 129  # even places along the part at which moments are computed
 
 
 def axial_compression(part: Part, loads: PartLoads) -> FloatArray:
@@ -274,8 +275,6 @@ def _stations(part: Part, length: float) -> tuple[FloatArray, list[Section]]:
 #
 # They are linear in what acts on the part, so each is a shape along the part times a size per
 # position: what follows from the shapes is computed once and not at every position.
-
-GRID = 129  # even places along the part at which moments are computed
 
 
 @dataclass(frozen=True, eq=False)

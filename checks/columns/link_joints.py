@@ -1,18 +1,110 @@
-"""A linkage's joints as rows of its frame that vanish, and what the forks hold."""
+"""A linkage's joints as rows of its frame that vanish, and what the forks hold.
 
-from collections.abc import Iterable
+A design's bodies are links of the frame: bars where their parts are, rigid bodies elsewhere. The
+forces of a cycle act on it as axial forces of bars, and what goes along.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import cos, sin
 
 import numpy as np
 
 import loads
-from checks.columns.link_model import LinkModel
-from fem.frame_joints import Motion, PlacedLinks, pin, slide
+from checks.design.data import Design
+from checks.part.placing import Placing, part_placing
+from checks.strength.part_strength import elastic_of
+from fem.frame import Frame
+from fem.frame_joints import (
+    Link,
+    Motion,
+    PlacedLinks,
+    bar_frame,
+    dead_force,
+    following_force,
+    pin,
+    slide,
+    slot_force,
+)
+from geometry.bars import Bar
 from geometry.mesh import FloatArray
 
+_ON_AXIS = 1e-9  # of a size: a shorter arm is none
+_AXES = np.eye(2)
+_ROUND_OFF = 1e-10  # of the largest force of the linkage
+
+
+_ASIDE = 1e-6  # of a bar's length: how far from its axis a point may be to be on it
 _SIDEWAYS, _TILTS, _TURN = 2, (3, 4), 5
 _WHOLE = 1e-6  # rad, short of a whole turn
+
+
+@dataclass(frozen=True, eq=False)
+class LinkModel:
+    """The links of a linkage, one per moving body, in the linkage's order.
+
+    linkage
+    links     in the axes of their parts
+    bars      number of the link -> its sections
+    placings  of the links' axes in the bodies'
+    """
+
+    linkage: loads.Linkage
+    links: tuple[Link, ...]
+    bars: Mapping[int, Bar]
+    placings: tuple[Placing, ...]
+
+    @property
+    def has_bars(self) -> bool:
+        """True if any body can bend."""
+        return bool(self.bars)
+
+    def number(self, body: str) -> int | None:
+        """Return the link of a body; None for the ground."""
+        return self._numbers[body]
+
+    @cached_property
+    def _numbers(self) -> dict[str, int | None]:
+        moving = enumerate(body.name for body in self.linkage.moving)
+        return {loads.GROUND: None, **{name: number for number, name in moving}}
+
+    def bending(self, number: int, plane: str) -> float:
+        """E I in the middle of a bar's longest stretch, N mm2, "in plane" or out of it."""
+        bar, frame = self.bars[number], self.links[number].frame
+        assert frame is not None
+        sections = bar.at(np.full((1, 6), sum(bar.main) / 2))
+        inertia = sections.inertia_z if plane == "in plane" else sections.inertia_y
+        return float(frame.material.youngs_modulus * np.ravel(inertia)[0])
+
+    def own(self, link: int, places: FloatArray) -> FloatArray:
+        """Places (..., 2) in a link's axes, for those in its body's."""
+        placing = self.placings[link]
+        c, s = cos(placing.angle), sin(placing.angle)
+        return np.asarray((places - np.array(placing.origin)) @ np.array([[c, -s], [s, c]]))
+
+    def placed(self, poses: FloatArray) -> PlacedLinks:
+        """The links in a pose (bodies, 3) of the linkage, the ground first."""
+        origins, angles = np.zeros((len(self.links), 2)), np.zeros(len(self.links))
+        for k, placing in enumerate(self.placings):
+            x, y, angle = poses[k + 1]
+            c, s = cos(angle), sin(angle)
+            origins[k] = np.array([x, y]) + np.array([[c, -s], [s, c]]) @ np.array(placing.origin)
+            angles[k] = angle + placing.angle
+        return PlacedLinks(self.links, origins, angles)
+
+    def moved(
+        self, placed: PlacedLinks, shape: FloatArray
+    ) -> tuple[dict[str, FloatArray], dict[str, FloatArray]]:
+        """Places (n, 2) and displacements (n, 3) by body, ground axes, largest 1."""
+        places, moves = {}, {}
+        for k, link in enumerate(self.links):
+            where = np.zeros((1, 2)) if link.frame is None else link.frame.nodes[:, :2]
+            motions = [placed.motion(k, place) for place in where]
+            places[link.name] = np.array([motion.place for motion in motions])
+            moves[link.name] = np.array([motion.rows[:3] @ shape for motion in motions])
+        largest = max(float(np.abs(move).max()) for move in moves.values())
+        return places, {name: move / largest for name, move in moves.items()}
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,6 +227,106 @@ class JointRows:
         return np.asarray(placed.motion(link, start).rows[_TURN])
 
 
+@dataclass(frozen=True, eq=False)
+class BarForces:
+    """Forces along a bar over a cycle.
+
+    points  (m, 6)  mm along the bar, its Gauss points
+    along   (l, n)  mm, where they act
+    pushed  (l, n)  N along the bar's x axis
+    """
+
+    points: FloatArray
+    along: FloatArray
+    pushed: FloatArray
+
+    def per_force(self, k: int) -> FloatArray:
+        """Axial force per force of position k at the Gauss points, (l, m, 6).
+
+        What forces leave unbalanced is taken by the bar's own weight and inertia, spread evenly
+        between the outermost of them.
+        """
+        at = self.along[:, k]
+        start, length = at.min(), np.ptp(at)
+        taken = self.points > start
+        if length > 0:
+            taken = np.clip((self.points - start) / length, 0.0, 1.0)
+        return np.asarray(taken - (self.points > at[:, None, None]))
+
+    def axial(self, k: int) -> FloatArray:
+        """Axial force of position k at the Gauss points (m, 6), N, tension above 0."""
+        return np.asarray(np.tensordot(self.pushed[:, k], self.per_force(k), 1))
+
+
+@dataclass(frozen=True, eq=False)
+class LinkForces:
+    """Forces of one cycle on the links, by number of the link.
+
+    bars    on bars, along them
+    arms    (link, (n, 2) mm in its axes, (n, 2) N in ground axes) of forces beside nodes of links
+    """
+
+    joints: JointRows
+    bars: Mapping[int, BarForces]
+    arms: tuple[tuple[int, FloatArray, FloatArray], ...]
+
+    def sizes(self) -> FloatArray:
+        """All forces over the cycle (n, c) N, in the order of `forms`; round-off is none."""
+        cycle = self.joints.cycle
+        columns = [force for bar in self.bars.values() for force in bar.pushed]
+        columns += [force[:, i] for _, _, force in self.arms for i in (0, 1)]
+        columns += [-force.sign * cycle.efforts[force.name] for force in self._between()]
+        columns += [
+            cycle.reactions[joint.name].force[:, i] for joint in self._slides() for i in (0, 1)
+        ]
+        sizes = np.stack(columns, axis=1)
+        sizes[np.abs(sizes) <= _ROUND_OFF * self._largest()] = 0.0
+        return sizes
+
+    def _largest(self) -> float:
+        """The largest force of the linkage over the cycle, N; torques over its size."""
+        cycle = self.joints.cycle
+        size = float(np.ptp(cycle.poses[:, :, :2])) or 1.0
+        found = [np.abs(load.force).max() for load in cycle.reactions.values()]
+        found += [np.abs(load.moment).max() / size for load in cycle.reactions.values()]
+        for force in cycle.linkage.forces:
+            arm = size if force.coordinate.angular else 1.0
+            found.append(np.abs(cycle.efforts[force.name]).max() / arm)
+        return float(max(found))
+
+    def forms(self, placed: PlacedLinks, k: int) -> FloatArray:
+        """Geometric stiffness per force in the pose of position k, (c, n, n)."""
+        found: list[FloatArray] = []
+        for link, bar in self.bars.items():
+            found.extend(placed.axial(link, bar.per_force(k)))
+        for link, places, _ in self.arms:
+            motion = placed.motion(link, places[k])
+            found += [dead_force(motion, axis) for axis in _AXES]
+        for force in self._between():
+            found.append(following_force(*self.joints.between(placed, force.coordinate), 1.0))
+        for joint in self._slides():
+            a, b, normal = self.joints.contact(placed, joint, k)
+            found += [slot_force(a, b, normal, float(share)) for share in normal]
+        return np.array(found)
+
+    def geometric(self, placed: PlacedLinks, k: int) -> FloatArray:
+        """Geometric stiffness (n, n) of all forces of position k."""
+        return np.asarray(np.tensordot(self.sizes()[k], self.forms(placed, k), 1))
+
+    def _between(self) -> list[loads.Force]:
+        """Forces between two points."""
+        forces = self.joints.cycle.linkage.forces
+        return [force for force in forces if isinstance(force.coordinate, loads.Distance)]
+
+    def _slides(self) -> list[loads.Prismatic | loads.Slot]:
+        """Slots and guides on bodies that move."""
+        return [
+            joint
+            for joint in self.joints.cycle.linkage.joints
+            if isinstance(joint, loads.Prismatic | loads.Slot) and joint.body_a != loads.GROUND
+        ]
+
+
 def shafts(cycles: Iterable[loads.CycleLoads]) -> frozenset[str]:
     """Bodies that make a whole turn in a cycle: cranks, on shafts with bearings of their own."""
     return frozenset(
@@ -143,3 +335,83 @@ def shafts(cycles: Iterable[loads.CycleLoads]) -> frozenset[str]:
         for body, angles in zip(run.linkage.moving, run.poses[:, 1:, 2].T, strict=True)
         if np.ptp(angles) > 2 * np.pi - _WHOLE
     )
+
+
+def link_model(design: Design, linkage: loads.Linkage, pieces: int) -> LinkModel:
+    """Return the links of a design, bars in `pieces` per longest stretch."""
+    parts = {part.body: part for part in design.parts.values() if part.body is not None}
+    links, bars, placings = [], {}, []
+    for k, body in enumerate(linkage.moving):
+        part = parts.get(body.name)
+        bar = None if part is None else part.geometry.link(part.material.poisson_ratio)
+        placing = Placing((0.0, 0.0), 0.0) if part is None else part_placing(design, part)
+        placings.append(placing)
+        if part is None or bar is None:
+            links.append(Link(body.name))
+            continue
+        bars[k] = bar
+        places = _on_axis(placing, body, bar)
+        links.append(Link(body.name, bar_frame(bar, elastic_of(part), pieces, places)))
+    return LinkModel(linkage, tuple(links), bars, tuple(placings))
+
+
+def _on_axis(placing: Placing, body: loads.Body, bar: Bar) -> Sequence[float]:
+    """Where points of the body are on the bar's axis, mm along it."""
+    c, s = cos(placing.angle), sin(placing.angle)
+    found = []
+    for point in body.points.values():
+        x, y = np.array(point) - np.array(placing.origin)
+        along, aside = c * x + s * y, -s * x + c * y
+        length = bar.cuts[-1] - bar.cuts[0]
+        if abs(aside) < _ASIDE * length and all(
+            abs(along - cut) > _ASIDE * length for cut in bar.cuts
+        ):
+            found.append(float(along))
+    return found
+
+
+def forces_of(model: LinkModel, joints: JointRows) -> LinkForces:
+    """Return the forces of a cycle on its links.
+
+    A bar's own weight and inertia are spread evenly along it; a rigid body's act at its centre.
+    """
+    cycle = joints.cycle
+    bars, arms = {}, []
+    for k, body in enumerate(model.linkage.moving):
+        angle = cycle.poses[:, k + 1, 2]
+        link = model.links[k]
+        along, pushed = [], []
+        total = np.zeros((len(angle), 2))
+        for load in cycle.body_loads(body.name):
+            if load.point is None:
+                continue  # a torque
+            total += load.force
+            reach = _turned(load.reach, -angle)
+            place = model.own(k, np.array(body.place(load.point), dtype=float) + reach)
+            along.append(place[:, 0])
+            pushed.append(_turned(load.force, -angle - model.placings[k].angle)[:, 0])
+            if _beside(link.frame, place):
+                arms.append((k, place, load.force))
+        if link.frame is None:
+            centre = model.own(k, np.array(body.centre, dtype=float))
+            if centre.any():
+                arms.append((k, np.broadcast_to(centre, total.shape), -total))
+        else:
+            points = link.frame.points[..., 0]
+            bars[k] = BarForces(points, np.array(along), np.array(pushed))
+    return LinkForces(joints, bars, tuple(arms))
+
+
+def _beside(frame: Frame | None, place: FloatArray) -> bool:
+    """True if a load acts beside a bar's axis, beyond its ends or off a rigid body's origin."""
+    nodes = np.zeros(1) if frame is None else frame.nodes[:, 0]
+    slack = _ON_AXIS * float(np.ptp(nodes))
+    x, y = place.T
+    beyond = np.maximum(nodes[0] - x, x - nodes[-1])
+    return bool(np.abs(y).max() > slack or beyond.max() > slack)
+
+
+def _turned(vectors: FloatArray, angle: FloatArray | float) -> FloatArray:
+    c, s = np.cos(angle), np.sin(angle)
+    x, y = vectors[:, 0], vectors[:, 1]
+    return np.stack([c * x - s * y, s * x + c * y], axis=1)

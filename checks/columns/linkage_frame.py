@@ -22,9 +22,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 import loads
-from checks.columns.link_forces import forces_of
-from checks.columns.link_joints import JointRows, shafts
-from checks.columns.link_model import LinkModel, link_model
+from checks.columns.link_joints import JointRows, LinkModel, forces_of, link_model, shafts
 from checks.design.data import Design
 from checks.part.derived import Kind
 from checks.part.part_loads import shown_of
@@ -51,6 +49,7 @@ _NEAR = 0.95  # of the largest share: about which of these all positions are ask
 _APART = 1e6  # how much stiffer one bar is than another where digits of the soft one are lost
 _PLANES = {"in plane": IN_PLANE, "out of plane": OUT_OF_PLANE}
 Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
+_Place = tuple[str, int]  # cycle and position
 
 
 class _Case(NamedTuple):
@@ -65,7 +64,6 @@ _IN, _SOFT, _STIFF = (
     _Case("out of plane", False),
     _Case("out of plane", True),
 )
-_Place = tuple[str, int]  # cycle and position
 
 
 @dataclass(frozen=True, eq=False)

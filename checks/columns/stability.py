@@ -15,9 +15,8 @@ from checks.part.part_loads import PartLoads, first_largest
 from checks.result.verdict import Check, Status
 from checks.store.solutions import remembered
 from checks.strength.sampling import beside, with_sampling
-from fem.buckling import Buckling, BucklingMode
+from fem.buckling import Buckling, BucklingMode, buckling_at, shares_of, worst_buckling
 from fem.unit_solutions import UnitSolutions
-from fem.worst_position import buckling_at, shares_of, worst_buckling
 from geometry.mesh import FloatArray
 
 ELASTIC = Kind(

@@ -10,8 +10,8 @@ from checks.part.part_loads import PartLoads
 from checks.result.derivation import BarSymbols, Given, Item, Step
 from checks.result.verdict import Check
 from checks.stress.error_bars import Bars
-from checks.stress.part_model import RungModel
 from checks.stress.pins_in_bores import CLEARANCE_WORDS, MIDDLE
+from checks.stress.stress_result import RungModel
 from fem.convergence import FINER, LEAST, ORDER, REPEATS, SAFETY, SCATTER
 
 ERROR = "e_r"  # the symbol of a rung's own error

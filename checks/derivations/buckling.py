@@ -19,7 +19,7 @@ from checks.result.derivation import (
 )
 from checks.result.formulas import number_text
 from checks.result.verdict import Check
-from checks.stress.part_model import ElasticLoad
+from checks.stress.stress_result import ElasticLoad
 from fem.buckling import BucklingMode
 
 _ONE = Given("one", "the load itself", 1.0, "", "at 1 it buckles", main=True)

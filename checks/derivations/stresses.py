@@ -7,9 +7,8 @@ from math import isclose, isfinite
 import numpy as np
 
 from checks.derivations.bars import solid_bars
-from checks.derivations.findley import findley
 from checks.derivations.marin import BOOK, at_point, limit_section
-from checks.derivations.superposed import patterns_of, superposed
+from checks.derivations.superposed import findley, patterns_of, superposed
 from checks.design.data import Part
 from checks.part.derived import amplitude_and_mean, load_case, yield_stress
 from checks.part.part_loads import PartLoads
@@ -31,6 +30,9 @@ from checks.strength.fkm_strength import FkmJudgement
 from checks.stress.error_bars import Bars, Judged
 from checks.stress.solid_mesh_level import Level
 from checks.stress.stress_result import Stressed
+
+_BOOK = "FKM guideline, 6th ed., chapter 4"
+_THEORY = "docs/theory/life.md"
 
 
 def static(part: Part, loads: PartLoads, level: Stressed) -> Derivation:
@@ -125,8 +127,6 @@ def of_solid(
 
 # The FKM guideline's chain at the worst point, as docs/theory/strength.md has it.
 
-_BOOK = "FKM guideline, 6th ed., chapter 4"
-
 
 def fkm(part: Part, loads: PartLoads, level: Stressed, use: FkmUse) -> Derivation:
     """Of the utilisation times the reference strength."""
@@ -194,8 +194,6 @@ def _demand(found: FkmJudgement) -> list[Item]:
 
 
 # A finite life: counted cycles, Miner's sum, and the safety that it leaves.
-
-_THEORY = "docs/theory/life.md"
 
 
 def miner(part: Part, loads: PartLoads, level: Stressed, use: LifeUse) -> Derivation:

@@ -1,15 +1,28 @@
-"""The stress at a point of a part as the sum of its unit loads."""
+"""The stress at a point of a part as the sum of its unit loads.
+
+Of it, Findley's criterion on the critical plane of a path that is not proportional.
+"""
 
 from collections.abc import Sequence
+from itertools import combinations
 
 import numpy as np
 
+from checks.derivations.marin import at_point, limit_section
+from checks.design.data import Part
 from checks.models.formula_points import columns_of
+from checks.part.derived import load_case, numbers
 from checks.part.part_loads import PartLoads
-from checks.result.derivation import Superposition, UnitLoad
-from checks.stress.part_model import RungLevel, UnitName
+from checks.result.derivation import Derivation, Given, Item, Section, Step, Superposition, UnitLoad
+from checks.strength.fatigue_assessment import FatigueUse
 from checks.stress.solid_mesh_level import Level
-from checks.stress.stress_result import Stressed
+from checks.stress.stress_result import RungLevel, Stressed, UnitName
+from fatigue import critical_plane, findley_criterion
+from fatigue.shear_planes import DUCTILE, CriticalPlane, resolved_shear
+from fatigue.smallest_circle import smallest_circles
+from geometry.mesh import FloatArray
+
+_SOURCE = "Findley 1959; Papadopoulos et al. 1997: docs/theory/multiaxial.md"
 
 PATTERNS = (
     "cos n and sin n of a bore or journal: a pressure that goes round it as cos nθ or sin nθ; "
@@ -73,3 +86,114 @@ def _source(level: Stressed) -> str:
     if rung == "formula":
         return "handbook stress of the place per unit: docs/theory/rungs.md"
     return f"solved by the rung {rung} with {unknowns} unknowns: docs/theory/rungs_{rung}.md"
+
+
+def findley(part: Part, loads: PartLoads, level: Stressed, use: FatigueUse) -> Derivation:
+    """Of the amplitude of equal safety of the worst plane of the worst point."""
+    assert level.duty is not None
+    point = use.worst(level).point
+    run = level.duty.runs[level.duty.worst_run]
+    stress = np.asarray(level.history.basis[point] @ level.coefficients[:, run])
+    plane = level.duty.worst.plane or critical_plane(stress, findley_criterion().k)
+    across = _normals(stress, plane)
+    carriers, most, least = _carriers(stress, plane), int(across.argmax()), int(across.argmin())
+    places = list(dict.fromkeys([*carriers, most, least]))
+    symbols = {place: f"s_{number}" for number, place in enumerate(places, 1)}
+    named = {int(run[place]): symbol for place, symbol in symbols.items()}
+    circle = [symbols[place] for place in carriers]
+    return Derivation(
+        cases=tuple(load_case(part, loads, k, symbol) for k, symbol in named.items()),
+        sections=(
+            Section(
+                "Stress at the point, at the positions that carry the criterion",
+                tuple(superposed(level, loads, point, k, symbol) for k, symbol in named.items()),
+            ),
+            Section(
+                "On the critical plane",
+                (
+                    Given(
+                        "n",
+                        "normal of the plane with the largest parameter, found by a search that "
+                        "proves its bound",
+                        numbers(plane.normal),
+                        "",
+                        _SOURCE,
+                    ),
+                    *_shear(circle, stress[:, carriers], plane),
+                    Step(
+                        "sigma_n",
+                        "largest normal stress of the cycle, or half its range; compression earns "
+                        "nothing",
+                        f"max(normal_stress({symbols[most]}, n), (normal_stress({symbols[most]}, "
+                        f"n) - normal_stress({symbols[least]}, n))/2)",
+                        "MPa",
+                        _SOURCE,
+                        main=True,
+                    ),
+                ),
+            ),
+            limit_section(part),
+            Section("Demand", tuple(_demand(level, use, point))),
+        ),
+        value="sigma",
+        limit="S_e",
+        notes=(patterns_of(level),),
+    )
+
+
+def _demand(level: Stressed, use: FatigueUse, point: int) -> list[Item]:
+    sine = "(2*t_r - 1)"
+    return [
+        *at_point(level, use, point),
+        Given("t_r", "limit in reversed torsion over that in bending: 1/√3", DUCTILE, "",
+              "von Mises"),
+        Step("k", "weight of the normal stress", f"{sine}/sqrt(1 - {sine}^2)", "", _SOURCE),
+        Step("f", "limit of the parameter", "S_p*t_r*sqrt(1 + k^2)", "MPa", _SOURCE),
+        Step("u", "stress over strength by Findley", "(tau_a + k*sigma_n)/f", "", _SOURCE,
+             main=True),
+        Step("sigma", "amplitude of equal safety", "u*S_e", "MPa",
+             main=True),
+    ]  # fmt: skip
+
+
+def _normals(stress: FloatArray, plane: CriticalPlane) -> FloatArray:
+    """Normal stress (n,) on the plane over the path (6, n), MPa."""
+    x, y, z = plane.normal
+    return np.asarray(np.array([x * x, y * y, z * z, 2 * x * y, 2 * y * z, 2 * z * x]) @ stress)
+
+
+def _carriers(stress: FloatArray, plane: CriticalPlane) -> list[int]:
+    """Positions of the path that carry the smallest circle round its shear stress: 2 or 3."""
+    shear = resolved_shear(plane.normal[None], stress)
+    return list(dict.fromkeys(int(k) for k in smallest_circles(shear)[2][0]))
+
+
+def _shear(symbols: list[str], stress: FloatArray, plane: CriticalPlane) -> list[Item]:
+    """The shear amplitude: half of a diameter, or the radius through three positions."""
+    said = "shear amplitude: radius of the smallest circle round the path of the shear stress"
+
+    def apart(one: str, other: str) -> str:
+        return f"shear_stress({one} - {other}, n)"
+
+    pairs = list(combinations(range(len(symbols)), 2))
+    shear = resolved_shear(plane.normal[None], stress)[0]
+    lengths = [float(np.linalg.norm(shear[:, one] - shear[:, other])) for one, other in pairs]
+    longest = int(np.argmax(lengths))
+    around = lengths[longest] ** 2 < sum(length**2 for length in lengths) - lengths[longest] ** 2
+    if len(symbols) < 3 or not around:
+        if len(symbols) < 2:
+            formula = "0"
+        else:
+            one, other = (symbols[k] for k in pairs[longest])
+            formula = f"{apart(one, other)}/2"
+        return [Step("tau_a", said, formula, "MPa", _SOURCE, main=True)]
+    sides = [
+        Step(
+            f"c_{number}",
+            f"shear stress from {symbols[one]} to {symbols[other]}",
+            apart(symbols[one], symbols[other]),
+            "MPa",
+        )
+        for number, (one, other) in enumerate(pairs, 1)
+    ]
+    return [*sides, Step("tau_a", said, "circumradius(c_1, c_2, c_3)", "MPa", _SOURCE, main=True)]

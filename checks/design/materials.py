@@ -13,8 +13,8 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from checks.design.units import Density, PositiveLength, PositiveStressIntensity, Stress
 from fatigue import FKM_GROUPS
+from geometry.bars import RulingSection
 from geometry.parameters import ParameterError, check_above
-from geometry.sections import RulingSection
 
 # What no material reaches: diamond 1.2e6 MPa, carbon fibres 7e3 MPa, osmium 2.26e-8 t/mm3; and the
 # other way foams of 1e-3 MPa and aerogels of 1e-12 t/mm3.

@@ -17,7 +17,7 @@ It is right to 1e-9 for stretches alike, to 1e-6 where their stiffness differs 1
 pieces: round-off of the stiffest.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from math import exp, factorial, inf, isinf, log, sqrt
@@ -251,19 +251,6 @@ class ColumnShape:
         rigid = np.full(len(size), inf) if shear is None else np.asarray(shear, dtype=float)
         return cls(size, np.stack([stiff, stiff], axis=-1), rigid)
 
-    @classmethod
-    def tapered(
-        cls, length: float, bending: Callable[[FloatArray], FloatArray], stretches: int = 64
-    ) -> Self:
-        """A column with the bending stiffness (N mm2) of a function of x (mm) that is smooth."""
-        if not length > 0 or stretches < 1:
-            raise ValueError(f"a column needs a length and stretches, got {length}, {stretches}")
-        size = length / stretches
-        middle = (np.arange(stretches) + 0.5) * size
-        places = np.stack([middle - GAUSS * size, middle + GAUSS * size], axis=-1)
-        values = np.broadcast_to(np.asarray(bending(places), dtype=float), places.shape)
-        return cls(np.full(stretches, size), values, np.full(stretches, inf))
-
     @property
     def length(self) -> float:
         """The whole length, mm."""
@@ -349,25 +336,6 @@ def _lowest(stretches: tuple[tuple[float, ...], ...], start: ColumnEnd, end: Col
     if high - low <= _EXACT * high:
         return (low + high) / 2 * counter.unit
     return root(counter.left, low, high, _EXACT) * counter.unit
-
-
-def count_critical_forces(
-    shape: ColumnShape, force: float, start: ColumnEnd = HINGED, end: ColumnEnd = HINGED
-) -> int:
-    """Number of compressive forces below this one, N, at which a column buckles elastically.
-
-    Raises ValueError for a column that moves without bending or gives way by shear before.
-
-    >>> count_critical_forces(ColumnShape.stepped([1.0], [1.0]), 40.0)  # pi^2 and 4 pi^2
-    2
-    """
-    counter = _counter(shape, start, end)
-    if not 0 <= force < counter.ceiling * counter.unit:
-        raise ValueError(
-            f"critical forces are counted from 0 to the least shear stiffness, "
-            f"{counter.ceiling * counter.unit:.4g} N; got {force:.4g} N"
-        )
-    return counter.below(force / counter.unit)
 
 
 def _check_held(start: ColumnEnd, end: ColumnEnd) -> None:

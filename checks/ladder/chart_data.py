@@ -21,20 +21,33 @@ from checks import by_formula
 from checks.design.data import Part
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
-from checks.strength.equivalent_stress_history import counted, cycles_of, readings_of
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse
 from checks.strength.fatigue_facts import deciding_pair, haigh_of
-from checks.strength.finite_life import LifeTask, life_curve, lives_of, why_no_curve
+from checks.strength.finite_life import (
+    LifeTask,
+    counted,
+    cycles_of,
+    life_curve,
+    lives_of,
+    readings_of,
+    why_no_curve,
+)
 from checks.strength.fkm_strength import fkm_points, slopes_of
 from checks.strength.part_strength import life_task
 from checks.stress.duty_verdict import DutyVerdict, FatiguePeak
 from checks.stress.error_bars import Judged, StaticPeak, mesh_bar
-from checks.stress.part_model import RungLevel
 from checks.stress.solid_mesh_level import Level
-from checks.stress.stress_result import Stressed
+from checks.stress.stress_result import RungLevel, Stressed
 from geometry.mesh import FloatArray, IntArray
 
 SOLID = "solid"
+_MOST_USED = 300  # points of the cloud
+_MOST_CYCLES = 60  # of a duty that are listed, the most damaging first
+_LOW_CYCLE = 1e3  # cycles at which Shigley's line begins
+_FKM_FIRST = 1e4  # cycles from which the guideline's line is drawn
+_ONWARDS = 1e3  # times the cycles of the knee, as far as a line is drawn
+# mean over amplitude: FKM's diagram is straight between these but for the last stretch
+_RAYS = np.r_[0.0, np.linspace(1.0, 3.0, 9), np.geomspace(3.0, 30.0, 9)[1:]]
 
 
 def charts_of(
@@ -104,14 +117,6 @@ def convergence_data(
 # state of the deciding pair, the less stressed one, to the state there: amplitude and mean are
 # those of a cycle between the two, so that the path passes through the critical point, at the
 # pair's other end.
-
-_MOST_USED = 300  # points of the cloud
-_MOST_CYCLES = 60  # of a duty that are listed, the most damaging first
-_LOW_CYCLE = 1e3  # cycles at which Shigley's line begins
-_FKM_FIRST = 1e4  # cycles from which the guideline's line is drawn
-_ONWARDS = 1e3  # times the cycles of the knee, as far as a line is drawn
-# mean over amplitude: FKM's diagram is straight between these but for the last stretch
-_RAYS = np.r_[0.0, np.linspace(1.0, 3.0, 9), np.geomspace(3.0, 30.0, 9)[1:]]
 
 
 def haigh_data(part: Part, level: Stressed, peak: FatiguePeak) -> dict[str, Any]:

@@ -7,25 +7,25 @@ from time import perf_counter
 
 from checks.design.data import Part
 from checks.ladder.leaf_checks import LeafBand, leaf_band
-from checks.models import beam, formula
+from checks.models import beam, shapes
 from checks.models.bands import known_band
 from checks.models.checked import BUCKLING, FATIGUE, STATIC, rung_estimates, rung_level
 from checks.models.estimate import Estimate
-from checks.models.formula import family_of
+from checks.models.shapes import family_of
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check, RungTried, Status
 from checks.strength.fatigue_assessment import FatigueUse
 from checks.strength.load_doubts import load_bars
 from checks.strength.part_strength import fatigue_use
-from checks.stress.part_model import RungLevel, RungModel
+from checks.stress.stress_result import RungLevel, RungModel
 from fem.solvers import SolverError
 from geometry.mesh import MeshError
 
 AUTO, SOLID = "auto", "solid"
 GAVE_UP = "gave up"
 BUILDERS: Mapping[str, Callable[..., RungModel | None]] = {  # of part and its loads
-    "formula": formula.model_of,
+    "formula": shapes.model_of,
     "beam": beam.model_of,
 }
 ANSWERS: Mapping[str, tuple[str, ...]] = {  # kinds of checks that a rung has an answer to

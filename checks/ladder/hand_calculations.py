@@ -3,7 +3,7 @@
 import numpy as np
 
 from checks.design.data import Part
-from checks.models import formula
+from checks.models import shapes
 from checks.part.part_loads import PartLoads, first_largest
 from checks.result.verdict import HandCheck
 from checks.result.words import number
@@ -12,8 +12,8 @@ from fem.recovery import von_mises
 from fem.solvers import SolverError
 from fem.stress_history import StressHistory
 from fem.unit_loads import ACCELERATIONS
+from geometry.bars import Section
 from geometry.mesh import FloatArray
-from geometry.sections import Section
 
 _SMALL = 0.05  # share of the other nominal stress below which one is not worth a line
 _TOLD = 0.3  # of the largest stress by formula: places that have less are not told
@@ -98,7 +98,7 @@ def _at_named_places(part: Part, loads: PartLoads, level: Level) -> list[HandChe
     so are all of a part that has no formula.
     """
     try:
-        model = formula.model_of(part, loads)
+        model = shapes.model_of(part, loads)
     except SolverError:  # the ladder tells why
         return []
     if model is None or loads.is_nothing:

@@ -19,7 +19,7 @@ from checks.result.derivation import Derivation, Given, Item, Step
 from checks.result.verdict import Check, Gate, PartResult
 from checks.stress.solid_mesh_level import Level, Models
 from fem.contact.condensed import ALLOWED
-from fem.tie_tension import tie_tension
+from fem.leaf_stack import tie_tension
 from geometry.parts import LeafPack
 from geometry.parts.leaf_pack import as_leaves
 

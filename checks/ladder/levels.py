@@ -16,7 +16,7 @@ from checks.stress.pins_in_bores import fits_of, pinned_bores
 from checks.stress.solid_mesh_level import Level, Models, solve_level
 from checks.stress.symmetry import half_of
 from fem.contact.condensed import ContactError
-from fem.error_estimate import refined_sizes, stress_error
+from fem.recovery import refined_sizes, stress_error
 from fem.unit_solutions import UnitSolutions
 from geometry.mesh import FloatArray, Mesh, MeshError, TooManyElementsError, TooManyUnknownsError
 from geometry.meshing import Buildable

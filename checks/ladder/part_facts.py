@@ -14,9 +14,9 @@ from checks.result.words import CONTACT
 from checks.stress.pins_in_bores import CLEARANCES, MIDDLE, Contact
 from checks.stress.solid_mesh_level import Level
 from fem.contact.condensed import ALLOWED as CONTACT_LIMIT
-from fem.direct import has_bearings
 from fem.recovery import LARGEST_RATIO, MEANING, von_mises
 from fem.solvers import BACKWARD_LIMIT
+from fem.unit_solutions import has_bearings
 from geometry.mesh import Interface, MassProperties, Mesh
 
 _LOAD_LIMIT, _RAW_LIMIT = 1e-6, 1e-3

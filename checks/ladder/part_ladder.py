@@ -42,14 +42,16 @@ from checks.result.derivation import BARS, BarSymbols, Derivation, Given, Item, 
 from checks.result.live_fields import LiveFields
 from checks.result.verdict import Check, PartResult
 from checks.stress.kept_models import check_seconds, report_seconds
-from checks.stress.part_model import RungLevel
 from checks.stress.solid_mesh_level import Models
+from checks.stress.stress_result import RungLevel
 from fem.solvers import SolverError
 from geometry.mesh import MeshError, TooManyElementsError
 
 Say = Callable[[str], None]
 _TELL_EVERY = 5.0  # s, what is known of a part by cheap models; it takes 0.1 s
 Finished = Callable[[PartResult, Sequence[str]], None]
+UNKNOWN = "no derivation of this check is known: its numbers are put in as the check has them"
+_ANEW = "--update-baselines --baseline-fidelity auto chooses the rungs anew"
 
 
 @dataclass(eq=False)
@@ -254,9 +256,6 @@ def told_of_part(design: Design, part: Part) -> Iterator[None]:
         raise gave_up(design, part, error) from error
 
 
-UNKNOWN = "no derivation of this check is known: its numbers are put in as the check has them"
-
-
 # All kinds of checks, and derivations of those by models of stress, after these are made.
 
 
@@ -343,8 +342,6 @@ def _unknown(check: Check) -> Derivation:
 
 
 # A part by the rungs that decided it before, so that a check can be repeated.
-
-_ANEW = "--update-baselines --baseline-fidelity auto chooses the rungs anew"
 
 
 def climb_pinned(

@@ -17,7 +17,7 @@ from checks.stress.error_bars import Judged, StaticPeak, at_clearances
 from checks.stress.pins_in_bores import MIDDLE, PinnedBores, widest_fits
 from checks.stress.solid_mesh_level import Level, solve_level
 from fem.contact.condensed import ContactError
-from fem.direct import has_bearings
+from fem.unit_solutions import has_bearings
 from geometry.mesh import Interface, MeshError
 
 _TRIED = (0.0, MIDDLE, 1.0)  # of the widest clearance

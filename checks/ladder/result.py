@@ -22,8 +22,8 @@ from checks.result.ways import mesh_that_settles
 from checks.strength.fatigue_facts import fatigue_facts
 from checks.strength.load_doubts import load_bars
 from checks.strength.part_strength import endurance_of, life_task
-from checks.stress.part_model import RungLevel
 from checks.stress.solid_mesh_level import Models
+from checks.stress.stress_result import RungLevel
 from fem.recovery import LARGEST_RATIO, MEANING
 from geometry.cad_body import Skin
 

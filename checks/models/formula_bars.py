@@ -1,10 +1,13 @@
-"""A part as a bar along x: its loads in balance, fibres of its sections, deflection, buckling."""
+"""A part as a bar along x: its loads in balance, fibres of its sections, deflection, buckling.
+
+Fibres are of square tubes and of plates in their walls.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from itertools import pairwise
-from math import inf
+from math import inf, pi
 from typing import Self
 
 import numpy as np
@@ -12,9 +15,10 @@ import numpy as np
 from checks.columns.column_moments import axial_compression
 from checks.design.data import Part
 from checks.handbook.bar_forces import BarForces, BarLoads, balanced_bar, deflection
-from checks.handbook.lateral_buckling import column_force, lateral_share
-from checks.models.formula_buckling import column_items, stretch_items
+from checks.handbook.column_curves import column_force, lateral_share
 from checks.models.formula_points import (
+    XX,
+    XY,
     Points,
     acceleration_units,
     along_x,
@@ -22,10 +26,17 @@ from checks.models.formula_points import (
     sheared,
     wrench_units,
 )
+from checks.part.derived import numbers
 from checks.part.part_loads import PartLoads, first_largest
-from checks.result.derivation import Item
-from checks.stress.part_model import ElasticLoad, RungModel
+from checks.result.derivation import Column, Given, Item, Step, Sum
+from checks.stress.stress_result import ElasticLoad, RungModel
+from geometry.bars import Section
 from geometry.mesh import FloatArray
+
+SHARE = "share"  # the symbol of the result
+_QUOTIENT = "Timoshenko's quotient: Timoshenko and Gere, Theory of Elastic Stability, 2nd ed., 2.8"
+_LATERAL = "Timoshenko and Gere, 2nd ed., 6.1 to 6.3"
+_FORCE_SHARE = Step(SHARE, "share of the elastic buckling load", "max(0, F/F_cr)", main=True)
 
 _STATIONS = 33  # of deflection and lateral buckling
 _IN_PLANE = "in plane: Euler's column"
@@ -292,3 +303,128 @@ def elastic_load(
         explain = partial(stretch_items, pressed, local)
     told = _PULLED if only_pulled else words
     return ElasticLoad(float(share[position]), position, told, explain, pulled=pulled)
+
+
+def column_items(
+    force: float,
+    stiffness: FloatArray,
+    shear: FloatArray | float,
+    length: float,
+    sideways: float | None = None,
+) -> list[Item]:
+    """Formulas of the share of a bar between its pins, as a hinged column.
+
+    force      N, compression
+    stiffness  (k,) N mm2, E I of the section at even places from pin to pin
+    shear      N, shear stiffness there, (k,) or of all; infinite where no shear strain is counted
+    length     mm, between the pins
+    sideways   share that its moments alone are of those that buckle it sideways; None where the
+               share is the compression's alone
+    """
+    critical = _critical(force, stiffness, shear, length)
+    return [*critical, *([_FORCE_SHARE] if sideways is None else _bent_besides(sideways))]
+
+
+def stretch_items(force: float, local: float) -> list[Item]:
+    """Formulas of the share of a stretch of a part that buckles by itself.
+
+    force  N, compression
+    local  1/N, share that 1 N is of the compression under which it buckles
+    """
+    return [
+        Given("F", "largest compression", force, "N", "the loads", main=True),
+        Given("F_cr", "force under which a stretch buckles by itself: plates and columns",
+              1 / local, "N", "Timoshenko and Gere, 2nd ed., 9.2; docs/theory/rungs.md"),
+        _FORCE_SHARE,
+    ]  # fmt: skip
+
+
+def _bent_besides(moments: float) -> list[Item]:
+    """Out of the plane, where a bent bar also gives way sideways."""
+    return [
+        Step("p", "compression over it", "F/F_cr"),
+        Given(
+            "m",
+            "share that the moments are of those that buckle the bar sideways: the lowest of an "
+            "energy of three waves",
+            moments,
+            "",
+            _LATERAL,
+        ),
+        Step(SHARE, "share of the elastic buckling load", "(p + sqrt(p^2 + 4*m^2))/2", "",
+             _LATERAL, main=True),
+    ]  # fmt: skip
+
+
+def _critical(
+    force: float, stiffness: FloatArray, shear: FloatArray | float, length: float
+) -> list[Item]:
+    """Compression, and the force under which such a hinged column buckles."""
+    count = len(stiffness)
+    weights = np.ones(count)
+    weights[[0, -1]] = 0.5
+    columns = [
+        Column("t", "place over the length, times π", "", numbers(np.linspace(0, pi, count))),
+        Column("w", "weight", "", numbers(weights)),
+    ]
+    bends = Column("B", "E I of the section there", "N mm2", numbers(stiffness))
+    slides, gives = [], "w*sin(t)^2/B"
+    if np.isfinite(shear).all():
+        slides = [Column("K", "shear stiffness there", "N",
+                         numbers(np.broadcast_to(np.asarray(shear), count)))]  # fmt: skip
+        gives += " + w*(pi/L*cos(t))^2/K"
+    names = tuple(f"station {number}" for number in range(1, count + 1))
+    return [
+        Given("F", "compression", force, "N", "the loads", main=True),
+        Given("L", "length between the pins", length, "mm", "the part's shape"),
+        Sum("Q_1", "work of the force, one wave", "w*(pi/L*cos(t))^2", names, tuple(columns), "",
+            _QUOTIENT),
+        Sum("Q_2", "what bends and slides", gives, names, (*columns, bends, *slides), "",
+            _QUOTIENT),
+        Step("F_cr", "buckling force of the hinged column", "Q_1/Q_2", "N", _QUOTIENT, main=True),
+    ]  # fmt: skip
+
+
+def add_tube_fibres(
+    points: Points,
+    name: str,
+    places: FloatArray,
+    sections: SectionForces,
+    tube: Section,
+    size: tuple[float, float],
+) -> None:
+    """Add corners and middles of the walls: sigma of N, M_z, M_y; shear of V in the cheeks."""
+    width, wall = size
+    half = width / 2
+    y = half * np.array([1.0, 1.0, -1.0, -1.0, 0.0, 0.0, 1.0, -1.0])
+    z = half * np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 0.0, 0.0])
+    cheek = (y == 0).astype(float)
+    columns, forces = sections.at(places)
+    stress = fibre_stress(forces, tube.area, y / tube.inertia_in_plane)
+    stress[:, :, XX] += z[:, None] / tube.inertia_out_of_plane * forces.moment_y[:, None]
+    # V S/(2 t I) in the middle of a thin square box: S = 3/8 of w^2 t, I = 2/3 w^3 t
+    sheared = cheek[:, None] * 9 / (16 * (width - wall) * wall)
+    stress[:, :, XY] = sheared * forces.shear[:, None]
+    add_fibres(points, name, places, (y, z), columns, stress)
+
+
+def fibre_stress(forces: BarForces, area: float, levers: FloatArray) -> FloatArray:
+    """Stress (k, fibres, 6, columns) of N and M_z; levers (fibres,) y/I, 1/mm3."""
+    stress = np.zeros((len(forces.axial), len(levers), 6, forces.axial.shape[1]))
+    stress[:, :, XX] = forces.axial[:, None] / area - levers[:, None] * forces.moment_z[:, None]
+    return stress
+
+
+def add_fibres(
+    points: Points,
+    name: str,
+    places: FloatArray,
+    at: tuple[FloatArray, FloatArray],
+    columns: list[int],
+    stress: FloatArray,
+) -> None:
+    """Add fibres at y and z (fibres,) of the sections at places (k,)."""
+    y, z = at
+    x = np.repeat(places, len(y))
+    found = np.column_stack([x, np.tile(y, len(places)), np.tile(z, len(places))])
+    points.add_block(name, found, columns, stress.reshape(len(found), 6, -1))

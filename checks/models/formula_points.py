@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from checks.handbook.pin_loaded_hole import PATTERNS
-from checks.stress.part_model import ElasticLoad, RungModel, UnitName
+from checks.stress.stress_result import ElasticLoad, RungModel, UnitName
 from fem.stress_history import StressHistory
 from fem.unit_loads import ACCELERATIONS
 from geometry.mesh import FloatArray, IntArray

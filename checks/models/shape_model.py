@@ -8,7 +8,7 @@ import numpy as np
 
 from checks.design.data import Part
 from checks.part.part_loads import PartLoads
-from checks.stress.part_model import RungModel
+from checks.stress.stress_result import RungModel
 from geometry.mesh import FloatArray
 from geometry.shape import Shape
 

@@ -99,15 +99,6 @@ class PartsMotion:
         return self._kinematics.travel_of(self.poses, joint)
 
 
-def between(rows: FloatArray, row: float) -> FloatArray:
-    """Values at a fractional row of an array, linear between its rows; outside the nearest."""
-    row = min(max(row, 0.0), len(rows) - 1.0)
-    low = min(int(row), max(len(rows) - 2, 0))
-    high = min(low + 1, len(rows) - 1)
-    share = row - low
-    return np.asarray((1.0 - share) * rows[low] + share * rows[high])
-
-
 def motion_gaps(result: DesignResult) -> list[str]:
     """A sentence for every cycle whose motion nobody knows."""
     return [

@@ -7,12 +7,15 @@ the loads jump somewhere in a step: both sides go on along their tangents over a
 check is made again under loads on a grid of an eighth of the step, where it may have more, and what
 it rises by, with a margin, is added to its numerical bar. Rows of measured loads are taken as they
 are.
+
+Cubic splines through values at rising places, for less time than SciPy takes to load its own.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import isfinite
+from typing import Self
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -22,9 +25,7 @@ from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check
 from checks.strength.fatigue_assessment import FatigueUse, LifeUse
 from checks.strength.load_doubts import doubted
-from checks.strength.splines import Spline
-from checks.stress.part_model import ElasticLoad, RungModel
-from checks.stress.stress_result import Stressed
+from checks.stress.stress_result import ElasticLoad, RungModel, Stressed
 from fatigue.stress_path import deviatoric_basis
 from fem.stress_history import StressHistory
 from geometry.mesh import FloatArray, IntArray
@@ -37,6 +38,71 @@ _ROUND_OFF = 1e-9  # of a value
 _STRAIGHT = 1e-6  # of the largest: what leaves the chord by less changes nothing that is told
 _FORMS = 0.7  # of the largest use: positions that may form what decides
 _FEW = 256  # positions: what lies beside these is asked at once
+_stretches_of: WeakKeyDictionary[PartLoads, list[tuple[int, int]]] = WeakKeyDictionary()
+
+
+@dataclass(frozen=True, eq=False)
+class Spline:
+    """A curve with continuous first and second derivatives, a cubic polynomial in every step.
+
+    The first two steps share theirs, and so do the last two ("not a knot", as of
+    `scipy.interpolate.CubicSpline`); through three values goes a parabola, through two a line.
+
+    places  (n,) rising
+    values  (n, ...)
+    slopes  (n, ...)
+    """
+
+    places: FloatArray
+    values: FloatArray
+    slopes: FloatArray
+
+    @classmethod
+    def through(cls, places: FloatArray, values: FloatArray) -> Self:
+        """The spline through values (n, ...) at places (n,), two at least."""
+        step = np.diff(places)
+        h = step.reshape(-1, *[1] * (values.ndim - 1))
+        rise = np.diff(values, axis=0) / h
+        if len(step) < 3:
+            bend = (rise[-1] - rise[0]) / (places[-1] - places[0])  # half the second derivative
+            first = rise[0] - bend * step[0]
+            return cls(places, values, first + 2 * bend * np.concatenate([0 * h[:1], h]).cumsum(0))
+        slopes = np.empty(values.shape)
+        slopes[1:-1] = 3 * (h[1:] * rise[:-1] + h[:-1] * rise[1:])
+        for end, next_one in ((0, 1), (-1, -2)):
+            both = h[end] + h[next_one]
+            weight = h[next_one] * (h[end] + 2 * both)
+            slopes[end] = (weight * rise[end] + h[end] ** 2 * rise[next_one]) / both
+        below = [*step[1:].tolist(), float(step[-2] + step[-1])]
+        main = [step[1], *(2 * (step[1:] + step[:-1])).tolist(), step[-2]]
+        above = [float(step[0] + step[1]), *step[:-1].tolist()]
+        for k, low in enumerate(below):  # elimination of a matrix of three diagonals
+            share = low / main[k]
+            main[k + 1] -= share * above[k]
+            slopes[k + 1] -= share * slopes[k]
+        slopes[-1] /= main[-1]
+        for k in reversed(range(len(step))):
+            slopes[k] = (slopes[k] - above[k] * slopes[k + 1]) / main[k]
+        return cls(places, values, slopes)
+
+    def at(self, x: FloatArray, derivative: int = 0) -> FloatArray:
+        """The value (m, ...) at places x (m,) within the spline, or its first or second derivative.
+
+        Where two steps meet, of the later one.
+        """
+        k = np.clip(np.searchsorted(self.places, x, side="right") - 1, 0, len(self.places) - 2)
+        shape = (-1, *[1] * (self.values.ndim - 1))
+        h = (self.places[k + 1] - self.places[k]).reshape(shape)
+        t = (x - self.places[k]).reshape(shape)
+        rise = (self.values[k + 1] - self.values[k]) / h
+        start, end = self.slopes[k], self.slopes[k + 1]
+        cubic = (start + end - 2 * rise) / h**2
+        square = (rise - start) / h - cubic * h
+        if derivative == 0:
+            return np.asarray(self.values[k] + t * (start + t * (square + t * cubic)))
+        if derivative == 1:
+            return np.asarray(start + t * (2 * square + 3 * t * cubic))
+        return np.asarray(2 * square + 6 * t * cubic)
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +214,6 @@ class Curves:
 
 _curves_of_loads: WeakKeyDictionary[PartLoads, Curves] = WeakKeyDictionary()
 _curves_of_level: WeakKeyDictionary[Stressed, Curves] = WeakKeyDictionary()
-_stretches_of: WeakKeyDictionary[PartLoads, list[tuple[int, int]]] = WeakKeyDictionary()
 
 
 def _load_curves(loads: PartLoads) -> Curves:

@@ -21,9 +21,9 @@ from fem.convergence import (
     growth_exponent,
     moves_like_singular,
 )
-from fem.direct import direct_displacement, has_bearings, tilting_columns
 from fem.recovery import von_mises
 from fem.singularity import singular_exponent
+from fem.unit_solutions import direct_displacement, has_bearings, tilting_columns
 from geometry.mesh import FloatArray, IntArray
 
 _UNRESOLVED = 0.05  # error that elements make in a notch, over the peak

@@ -4,11 +4,17 @@ import numpy as np
 from round_strut import RoundStrut
 
 from checks.design.data import Part
-from checks.models.formula_bars import BarPart, SectionForces, Stretches, fine_cells
+from checks.models.formula_bars import (
+    BarPart,
+    SectionForces,
+    Stretches,
+    add_fibres,
+    fibre_stress,
+    fine_cells,
+)
 from checks.models.shape_model import ShapeModel
-from checks.models.tube_fibres import add_fibres, fibre_stress
 from checks.part.part_loads import PartLoads
-from checks.stress.part_model import RungModel
+from checks.stress.stress_result import RungModel
 
 _STATIONS = 17
 _AROUND = np.radians(np.arange(0.0, 360.0, 45.0))

@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from geometry.bars import Bar, Sections, even, rectangle
+from geometry.bars import Bar, RulingSection, Sections, even, rectangle
 from geometry.mesh import Interface
 from geometry.meshing import Body, Region, faces_where
 from geometry.parameters import (
@@ -21,7 +21,6 @@ from geometry.parameters import (
     check_at_most,
     within,
 )
-from geometry.sections import RulingSection
 from geometry.shape import Shape
 
 

@@ -10,12 +10,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from geometry.bars import Bar, Sections, rectangle
+from geometry.bars import Bar, RulingSection, Sections, rectangle
 from geometry.mesh import FloatArray, Interface
 from geometry.meshing import Body, Region, faces_where
 from geometry.outlines import Contour, Edges, PlateOutline
 from geometry.parameters import ParameterError, check_above
-from geometry.sections import RulingSection
 from geometry.shape import Shape
 
 _BORE_ELEMENTS = 7.0  # elements along the radius of a bore

@@ -7,12 +7,21 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from geometry.bars import Bar, Sections, bored, chord, even, rectangle
+from geometry.bars import (
+    Bar,
+    RulingSection,
+    Section,
+    Sections,
+    bored,
+    chord,
+    even,
+    plate_section,
+    rectangle,
+)
 from geometry.mesh import FloatArray, Interface
 from geometry.meshing import Body, Region
 from geometry.parameters import GIVEN_BY_LINKAGE, ParameterError, a_length, check_above, check_below
 from geometry.parts._plates import bore_at, drill, stadium
-from geometry.sections import RulingSection, Section, plate_section
 from geometry.shape import Ligament, Shape
 
 

@@ -7,13 +7,12 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from geometry.bars import Bar, even
+from geometry.bars import Bar, RulingSection, Section, even, square_tube_section
 from geometry.bars import square_tube as square_section
 from geometry.mesh import Interface
 from geometry.meshing import Body, faces_where
 from geometry.parameters import GIVEN_BY_LINKAGE, a_length, check_square_tube
 from geometry.parts._plates import square_tube
-from geometry.sections import RulingSection, Section, square_tube_section
 from geometry.shape import Shape
 
 

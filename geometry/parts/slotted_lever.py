@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from geometry.bars import RulingSection
 from geometry.mesh import Interface
 from geometry.meshing import Body, Region, faces_where
 from geometry.parameters import (
@@ -19,7 +20,6 @@ from geometry.parameters import (
     within,
 )
 from geometry.parts._plates import bore_at, drill, stadium
-from geometry.sections import RulingSection
 from geometry.shape import Ligament, Shape
 
 

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from geometry.bars import RulingSection
 from geometry.mesh import FloatArray, Interface, MeshError
 from geometry.meshing import Body, Region
 from geometry.parameters import ParameterError, check_above
 from geometry.round_faces import Hole
-from geometry.sections import RulingSection
 from geometry.shape import Shape
 from geometry.step_file import StepSolid, file_hash, import_solid
 from geometry.step_survey import surveyed

@@ -7,7 +7,16 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from geometry.bars import Bar, Sections, even, rectangle
+from geometry.bars import (
+    Bar,
+    RulingSection,
+    Section,
+    Sections,
+    even,
+    plate_pair_section,
+    rectangle,
+    square_tube_section,
+)
 from geometry.bars import square_tube as square_section
 from geometry.mesh import FloatArray, Interface
 from geometry.meshing import Body, Region, faces_where
@@ -19,7 +28,6 @@ from geometry.parameters import (
     check_square_tube,
 )
 from geometry.parts._plates import square_tube
-from geometry.sections import RulingSection, Section, plate_pair_section, square_tube_section
 from geometry.shape import Ligament, Shape
 
 

@@ -7,7 +7,17 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from geometry.bars import Bar, Sections, bored, chord, even, round_tube
+from geometry.bars import (
+    Bar,
+    RulingSection,
+    Section,
+    Sections,
+    bored,
+    chord,
+    even,
+    round_tube,
+    round_tube_section,
+)
 from geometry.mesh import FloatArray, Interface
 from geometry.meshing import Body, Region, faces_where
 from geometry.parameters import (
@@ -20,7 +30,6 @@ from geometry.parameters import (
     check_below,
 )
 from geometry.parts._plates import Outline, bore_at, drill
-from geometry.sections import RulingSection, Section, round_tube_section
 from geometry.shape import Ligament, Shape
 
 _ANGLES, _WEIGHTS = np.polynomial.legendre.leggauss(24)

@@ -24,7 +24,7 @@ from checks.result.verdict import Status
 from checks.strength.part_strength import elastic_of, endurance_of
 from checks.stress import kept_models
 from checks.stress.solid_mesh_level import Models, solve_level
-from fem.contact.persson import persson_half_arc
+from fem.contact.cycle import persson_half_arc
 from geometry.sizing import SizeField
 
 SOLID = Effort("solid")

@@ -4,10 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 from numpy.testing import assert_allclose
-from pylife.materiallaws import WoehlerCurve
 from pylife.strength import Fatigue
 from pylife.strength.meanstress import HaighDiagram
-from pylife.strength.miner import MinerElementary, effective_damage_sum
 from pylife.stress.collective import LoadCollective
 from pylife.stress.rainflow import FourPointDetector, FullRecorder
 
@@ -16,9 +14,7 @@ from fatigue import (
     SNCurve,
     count_closed_cycles,
     equivalent_amplitude,
-    fkm_damage_sum,
     miner_damage,
-    scatter_of_range,
 )
 
 N_CYCLES = 400
@@ -73,25 +69,6 @@ def test_damage_is_pylifes(variant, slope_below):
     theirs = Fatigue(series).damage(LoadCollective(collective(amplitude, mean, counts)))
     assert (theirs == 0.0).any() == (variant == "original")
     assert miner_damage(amplitude, counts, curve) == pytest.approx(theirs.sum(), rel=1e-12)
-
-
-@pytest.mark.parametrize("survival", [0.975, 0.9, 0.5, 0.1])
-def test_the_curve_at_another_survival_is_pylifes(survival):
-    ours = SNCurve(120.0, 2e6, 5.0, 9.0, scatter=scatter_of_range(1.3)).for_survival(survival)
-    series = pd.Series({"SD": 120.0, "ND": 2e6, "k_1": 5.0, "k_2": 9.0, "TS": 1.3})
-    amplitude = np.array([50.0, 90.0, 130.0, 400.0])
-    theirs = WoehlerCurve(series).cycles(amplitude, 1.0 - survival)
-    assert_allclose(ours.cycles_to_failure(amplitude), theirs, rtol=1e-9)
-
-
-def test_the_damage_sum_of_the_guideline_is_pylifes():
-    for scale in (1.0, 0.2, 0.05):
-        amplitude = np.array([200.0, *(scale * 200.0 * np.array([0.9, 0.5, 0.1]))])
-        counts = np.array([1.0, 10.0, 1e3, 1e4])
-        series = pd.Series({"SD": 120.0, "ND": 2e6, "k_1": 5.0})
-        load = LoadCollective(collective(amplitude, 0.0 * amplitude, counts))
-        theirs = effective_damage_sum(MinerElementary(series).lifetime_multiple(load))
-        assert fkm_damage_sum(amplitude, counts, 5.0) == pytest.approx(theirs, rel=1e-9)
 
 
 def test_closed_cycles_are_pylifes_four_point_count_of_the_settled_history():

@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fatigue import compared_criteria
-from fatigue.invariants import deviator_components
+from fatigue.proportionality import deviator_components
 from fatigue.stress_path import deviatoric_basis
 from tests.fatigue.multiaxial_cases import (
     BENDING_LIMIT,

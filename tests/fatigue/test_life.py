@@ -11,14 +11,11 @@ from fatigue import (
     Cycles,
     MeanStressMaterial,
     SNCurve,
-    basquin_curve,
     count_closed_cycles,
     duty_cycles,
-    fkm_damage_sum,
     life_verdict,
     mean_stress_utilisation,
     miner_damage,
-    overstressed_curve,
 )
 
 CURVE = SNCurve(knee_amplitude=100.0, knee_cycles=1e6, slope=5.0)
@@ -59,43 +56,6 @@ def test_the_programme_is_endured_ten_times():
     strict = life_verdict(programme, CURVE, MATERIAL, allowed_damage=0.3, required_duties=3.1)
     assert strict.duties_to_failure.tolist() == pytest.approx([0.3 * 10.2750228], rel=1e-9)
     assert not strict.finite_life
-
-
-def test_overstress_lowers_the_endurance_limit_as_in_the_book():
-    """FT-06: 3000 cycles of 60 kpsi; Miner 38.55009149, Manson 34.45400205."""
-    curve = basquin_curve(80.0, 40.0, 0.9)
-    miner = overstressed_curve(curve, 60.0, 3000.0, "miner")
-    manson = overstressed_curve(curve, 60.0, 3000.0, "manson")
-    assert miner.knee_amplitude == pytest.approx(38.55009149, rel=1e-9)
-    assert manson.knee_amplitude == pytest.approx(34.45400205, rel=1e-9)
-    left = 8522.159176 - 3000.0
-    for damaged in (miner, manson):
-        assert damaged.cycles_to_failure(60.0) == pytest.approx(left, rel=1e-9)
-    assert manson.cycles_to_failure(72.0) == pytest.approx(1e3, rel=1e-9)
-    assert miner.cycles_to_failure(70.0) < curve.cycles_to_failure(70.0)
-
-
-@pytest.mark.parametrize("method", ["miner", "manson"])
-def test_overstress_in_two_blocks_is_overstress_in_one(method):
-    curve = basquin_curve(80.0, 40.0, 0.9).below_knee("elementary")
-    once = overstressed_curve(curve, 60.0, 3000.0, method)
-    halves = overstressed_curve(curve, 60.0, 1500.0, method)
-    twice = overstressed_curve(halves, 60.0, 1500.0, method)
-    assert twice.knee_amplitude == pytest.approx(once.knee_amplitude, rel=1e-10)
-    assert once.slope_below == once.slope
-    assert overstressed_curve(curve, 39.0, 1e9, method) is curve
-
-
-def test_overstress_that_breaks_the_part_is_refused():
-    curve = basquin_curve(80.0, 40.0, 0.9)
-    with pytest.raises(ValueError, match="already break the part: it endures 8522"):
-        overstressed_curve(curve, 60.0, 9000.0, "miner")
-    with pytest.raises(ValueError, match="more than 1000 cycles left"):
-        overstressed_curve(curve, 60.0, 8000.0, "manson")
-    with pytest.raises(ValueError, match="not for one per point"):
-        overstressed_curve(basquin_curve(80.0, [40.0, 30.0]), 60.0, 1.0, "miner")
-    with pytest.raises(ValueError, match="method 'max' is unknown"):
-        overstressed_curve(curve, 60.0, 1.0, "max")
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
@@ -151,14 +111,6 @@ def test_a_duty_runs_through_counting_mean_stress_and_damage():
     expected = 10.0 / 1e6 * 1.6**5 + 990.0 / 1e6 * (1.2 / 0.85) ** 5
     assert verdict.damage.tolist() == pytest.approx([expected], rel=1e-12)
     assert verdict.infinite_utilisation.tolist() == pytest.approx([1.4 + 0.125], rel=1e-12)
-
-
-def test_the_damage_sum_of_the_guideline_falls_with_the_length_of_the_spectrum():
-    """One block: A = 1, sum capped at 1. A = 2**4 * 2**4 = 256: 2/4 = 0.5. Long: not below 0.3."""
-    assert fkm_damage_sum([50.0], [1e4], 5.0) == 1.0
-    assert fkm_damage_sum([100.0, 1e-6], [1.0, 255.0], 5.0) == pytest.approx(0.5, rel=1e-12)
-    assert fkm_damage_sum([100.0, 1.0], [1.0, 1e9], 5.0) == 0.3
-    assert fkm_damage_sum([[0.0, 0.0], [9.0, 9.0]], [3.0, 4.0], 5.0).tolist() == [1.0, 1.0]
 
 
 def duties(most_mean=500.0):

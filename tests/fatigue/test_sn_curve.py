@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from fatigue import SNCurve, basquin_curve, endurance_limit, low_cycle_fraction, scatter_of_range
+from fatigue import SNCurve, basquin_curve, endurance_limit, low_cycle_fraction
 
 KNEE = SNCurve(knee_amplitude=100.0, knee_cycles=1e6, slope=5.0)
 
@@ -95,28 +95,6 @@ def test_no_stress_is_endured_without_end_and_infinite_stress_not_at_all():
         assert curve.cycles_to_failure([0.0, np.inf]).tolist() == [np.inf, 0.0]
 
 
-def test_survival_moves_the_curve_by_its_scatter():
-    """T_S = S(10 %)/S(90 %) = 1.26: from 50 to 90 % it is its root; DIN 50100."""
-    scatter = scatter_of_range(1.26)
-    curve = SNCurve(100.0, 1e6, 5.0, scatter=scatter)
-    safer = curve.for_survival(0.9)
-    assert safer.knee_amplitude == pytest.approx(100.0 / np.sqrt(1.26), rel=1e-12)
-    ratio = curve.for_survival(0.1).knee_amplitude / safer.knee_amplitude
-    assert ratio == pytest.approx(1.26, rel=1e-12)
-    assert safer.for_survival(0.5).knee_amplitude == pytest.approx(100.0, rel=1e-12)
-    life = curve.cycles_to_failure(300.0) / safer.cycles_to_failure(300.0)
-    assert life == pytest.approx(1.26**2.5, rel=1e-12)  # T_N = T_S**k
-    assert curve.knee_amplitude == 100.0
-
-
-@given(st.floats(0.01, 0.99), st.floats(0.01, 0.99), st.floats(0.01, 0.3))
-@settings(deadline=None)
-def test_more_survivors_never_live_longer(first, second, scatter):
-    curve = SNCurve(100.0, 1e6, 5.0, scatter=scatter)
-    low, high = sorted((first, second))
-    assert curve.for_survival(high).knee_amplitude <= curve.for_survival(low).knee_amplitude
-
-
 @given(st.floats(0.0, 2000.0), st.floats(0.0, 500.0), st.sampled_from([None, 800.0, 300.0]))
 @settings(deadline=None)
 def test_more_amplitude_never_does_less_damage(amplitude, more, strength):
@@ -151,15 +129,9 @@ def test_curves_that_cannot_be_are_refused():
         SNCurve(np.ones((1, 2)), 1e6, 5.0)
     with pytest.raises(ValueError, match=r"amplitude must be at least 0 MPa: nan at cycle 1"):
         KNEE.cycles_to_failure([1.0, np.nan])
-    with pytest.raises(ValueError, match=r"without scatter cannot be moved from 0.5 to 0.9"):
-        KNEE.for_survival(0.9)
-    with pytest.raises(ValueError, match=r"must lie between 0 and 1, got 1"):
-        KNEE.for_survival(1.0)
     with pytest.raises(ValueError, match=r"scatter of log10 stress must be at least 0, got -1"):
         SNCurve(100.0, 1e6, 5.0, scatter=-1.0)
     with pytest.raises(ValueError, match=r"'haybach' is unknown; one of original"):
         KNEE.below_knee("haybach")
     with pytest.raises(ValueError, match=r"below 582.36 MPa, endured 1e3 times: 600"):
         basquin_curve(690.0, 600.0, 0.844)
-    with pytest.raises(ValueError, match=r"T_S must be at least 1, got 0.8"):
-        scatter_of_range(0.8)

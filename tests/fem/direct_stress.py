@@ -1,6 +1,6 @@
 """Stress under bearing pressures that are applied as they are."""
 
-from fem.direct import direct_displacement
+from fem.unit_solutions import direct_displacement
 
 
 def direct_stress(solutions, wrenches, coefficients, arcs):

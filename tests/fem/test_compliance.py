@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.compliance import compliance
-from fem.unit_solutions import Elastic, solve_unit_loads
+from fem.unit_solutions import Elastic, compliance, solve_unit_loads
 from geometry.meshing import mesh_shape
 
 from .blocks import BAR, PIN, block

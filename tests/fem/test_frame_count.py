@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from fem.frame_buckling import frame_buckling
 from fem.solvers import SolverError
+from tests.fem.buckled_frames import frame_buckling
 from tests.fem.test_frame_buckling import EULER, column, held
 
 

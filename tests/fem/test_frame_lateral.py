@@ -6,12 +6,12 @@ from numpy.testing import assert_allclose
 
 from checks.models.shapes.prismatic_tube import pressed_edge_stress
 from fem.frame import POINTS, Frame
-from fem.frame_buckling import buckling_modes
-from fem.frame_buckling import geometric_stiffness as of_axial_force
+from fem.frame_buckling import buckling_modes, geometric_forms
 from fem.frame_joints import chain
-from fem.frame_lateral import geometric_forms, geometric_stiffness
 from fem.unit_solutions import Elastic
 from geometry.bars import rectangle
+from tests.fem.buckled_frames import axial_stiffness as of_axial_force
+from tests.fem.buckled_frames import geometric_stiffness
 
 STEEL = Elastic(210e3, 0.3, 7.85e-9)
 LENGTH, HEIGHT, WIDTH = 1000.0, 60.0, 5.0

@@ -10,8 +10,7 @@ import fem.lowest_modes
 from fem.assembly import full, geometric_stiffness
 from fem.buckling import part_buckling
 from fem.end_conditions import link_solid
-from fem.lowest_modes import count_below, shifted
-from fem.mode_energies import mass
+from fem.lowest_modes import count_below, mass, shifted
 from fem.recovery import tensor
 from fem.solvers import SolverError
 from fem.unit_solutions import Elastic, solve_unit_loads

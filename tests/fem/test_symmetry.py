@@ -10,11 +10,10 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fem.buckling import buckling_modes
-from fem.compliance import compliance
 from fem.deck import write_deck
-from fem.error_estimate import stress_error
+from fem.recovery import stress_error
 from fem.unit_loads import resultants
-from fem.unit_solutions import Elastic, rigid_modes, solve_unit_loads
+from fem.unit_solutions import Elastic, compliance, rigid_modes, solve_unit_loads
 from geometry.mesh import SYMMETRY, MeshError
 from geometry.meshing import mesh_shape
 from geometry.parts import PlateLink, PrismaticTube, SlottedLever

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.direct import has_bearings
 from fem.elements import Elements
 from fem.unit_loads import interface_loads, resultants
-from fem.unit_solutions import Elastic, solve_unit_loads
+from fem.unit_solutions import Elastic, has_bearings, solve_unit_loads
 from geometry.mesh import Interface, MeshError
 from geometry.meshing import mesh_shape
 from geometry.parts.plate_link import PlateLink

@@ -4,13 +4,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-import fem.worst_position
-from fem.buckling import part_buckling
-from fem.mode_energies import elastic_and_geometric_energy, geometric_forms
+import fem.buckling
+from fem.buckling import part_buckling, worst_buckling
+from fem.lowest_modes import elastic_and_geometric_energy, geometric_forms
 from fem.recovery import tensor
 from fem.solvers import SolverError
 from fem.unit_solutions import Elastic, solve_unit_loads
-from fem.worst_position import worst_buckling
 from geometry.meshing import mesh_shape
 from geometry.parts import PlateLink
 
@@ -94,7 +93,7 @@ def test_modes_that_cannot_be_proven_are_told_without_proof_and_stop_nothing(pla
             raise SolverError("1 modes lie below 210000, but only 0 were found")
         return part_buckling(*given, prove=False, **named)
 
-    monkeypatch.setattr(fem.worst_position, "part_buckling", unprovable)
+    monkeypatch.setattr(fem.buckling, "part_buckling", unprovable)
     coefficients = states(plate, np.array([-100.0, 20.0]), np.zeros(2))
     position, found = worst_buckling(plate, coefficients, [0, 1], tilt_held=False)
     assert position == 0

@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry import meshing
-from geometry.gliding import Gliding
+from geometry.curving import Gliding
 from geometry.meshing import gmsh_session
 
 

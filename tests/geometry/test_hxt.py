@@ -6,7 +6,7 @@ meshed finer and finer.
 
 import pytest
 
-from geometry.hxt import array_sizes, within_memory
+from geometry.meshing import array_sizes, within_memory
 
 RESERVED = 12_318
 TOLD = [

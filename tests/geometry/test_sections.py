@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 from numpy.testing import assert_allclose
 
-from geometry.sections import plate_pair_section, square_tube_section
+from geometry.bars import plate_pair_section, square_tube_section
 
 
 @pytest.mark.parametrize(

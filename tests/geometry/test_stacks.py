@@ -5,8 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.mesh import Mesh, MeshError, boundary_facets
-from geometry.meshing import Body, faces_where, mesh_shape
-from geometry.stacks import split_bodies, ties_of
+from geometry.meshing import Body, faces_where, mesh_shape, split_bodies, ties_of
 
 from .facets import area
 

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from loads.sampling_error import NOTHING, unresolved
+from loads.cycle_loads import NOTHING, unresolved
 
 
 def solved(angles, forces, efforts):

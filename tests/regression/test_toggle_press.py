@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 from ballesta.design.read import read_design
+from ballesta.regression.baseline import measure
 from ballesta.regression.compare import compare
 from ballesta.regression.file import baseline_path, read_baseline
-from ballesta.regression.isolated import measure
 from ballesta.regression.record import record_of
 from checks.store.fingerprints import stages_of
 

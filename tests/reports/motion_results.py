@@ -4,10 +4,20 @@ from dataclasses import replace
 
 import numpy as np
 
-from checks.result.motion import PartsMotion, PinForce, between
+from checks.result.motion import PartsMotion, PinForce
+from geometry.mesh import FloatArray
 from loads import GROUND, JointLoad
 
 from . import loads_results, results
+
+
+def between(rows: FloatArray, row: float) -> FloatArray:
+    """Values at a fractional row of an array, linear between its rows; outside the nearest."""
+    row = min(max(row, 0.0), len(rows) - 1.0)
+    low = min(int(row), max(len(rows) - 2, 0))
+    high = min(low + 1, len(rows) - 1)
+    share = row - low
+    return np.asarray((1.0 - share) * rows[low] + share * rows[high])
 
 
 def rows_of(load, rows):

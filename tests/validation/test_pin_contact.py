@@ -7,7 +7,7 @@ from bench.closed_forms import lug_factor, persson_pressure
 from bench.pin_contact import compare, condensed, contact, cosine
 from bench.pin_models import EYES, Eye, Grid, box
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
-from fem.contact.persson import persson_half_arc
+from fem.contact.cycle import persson_half_arc
 from tests.fem.calculix import needs_calculix
 
 

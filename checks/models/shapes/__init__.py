@@ -1,4 +1,4 @@
-"""Models of the shapes by formula: every module here is the model of one shape of `geometry.parts`.
+"""The rung `formula`, vectorised over positions: every module here models one shape.
 
 A module has a `ShapeModel` as `MODEL`. It is found by being here, or by the entry point group
 `ballesta.shape_models` of another package, whose entries name a `ShapeModel` (docs/extending.md).
@@ -12,7 +12,10 @@ from importlib.metadata import entry_points
 from pkgutil import iter_modules
 from typing import cast
 
+from checks.design.data import Part
 from checks.models.shape_model import S, ShapeModel
+from checks.part.part_loads import PartLoads
+from checks.stress.stress_result import RungModel
 from geometry.shape import Shape
 
 GROUP = "ballesta.shape_models"
@@ -29,3 +32,18 @@ def registered() -> Mapping[type[Shape], object]:
 def shape_model(shape: S) -> ShapeModel[S] | None:
     """Return the model of a part's shape; None for one that has none."""
     return cast(ShapeModel[S] | None, registered().get(type(shape)))
+
+
+def model_of(part: Part, loads: PartLoads) -> RungModel | None:
+    """A part's stress by formula; None for one that no formula is known for."""
+    model = shape_model(part.geometry)
+    return None if model is None else model.stress(part, part.geometry, loads)
+
+
+def family_of(part: Part, loads: PartLoads, kind: str) -> str:
+    """Name of the solids that a kind of check is compared with: those that carry loads alike.
+
+    It begins with the part's shape.
+    """
+    model = shape_model(part.geometry)
+    return part.shape if model is None else model.family(part, part.geometry, loads, kind)

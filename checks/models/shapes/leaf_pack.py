@@ -8,7 +8,7 @@ from checks.models.formula_bars import fine_cells, left_over
 from checks.models.formula_points import Points, along_x, in_section, sheared
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
-from checks.stress.part_model import RungModel
+from checks.stress.stress_result import RungModel
 from geometry.mesh import FloatArray
 from geometry.parts import LeafPack
 

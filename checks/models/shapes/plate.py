@@ -12,11 +12,10 @@ from checks.handbook.notch_factors import curved_bar
 from checks.handbook.pin_loaded_hole import PATTERNS, CurvedSection, open_hole, pin_loaded_hole
 from checks.models.formula_lugs import ANGLES
 from checks.models.formula_points import Points, bearing_units
-from checks.models.plate_buckling import deflected, elastic_load
-from checks.models.plate_forces import FlatSection, PlateForces, directed
+from checks.models.plate_buckling import FlatSection, PlateForces, deflected, directed, elastic_load
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
-from checks.stress.part_model import RungModel
+from checks.stress.stress_result import RungModel
 from fem.unit_loads import HARMONICS, bearing_coefficients
 from geometry.mesh import FloatArray
 from geometry.outlines import ComplexArray

@@ -5,6 +5,7 @@ import numpy as np
 from checks.design.data import Part
 from checks.handbook.lug_stress import Lug, strip_outline
 from checks.handbook.pin_loaded_hole import pin_loaded_hole
+from checks.models.bands import tilting_couple
 from checks.models.formula_bars import (
     BarPart,
     Stretches,
@@ -12,10 +13,9 @@ from checks.models.formula_bars import (
     fine_cells,
 )
 from checks.models.formula_lugs import add_bore, strip_edges
-from checks.models.proportions import tilting_couple
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
-from checks.stress.part_model import RungModel
+from checks.stress.stress_result import RungModel
 from geometry.bars import rectangle_torsion
 from geometry.parts import PlateLink
 

@@ -6,11 +6,16 @@ import numpy as np
 
 from checks.columns.column_moments import axial_compression
 from checks.design.data import Part
-from checks.models.formula_bars import BarPart, SectionForces, Stretches, fine_cells
+from checks.models.formula_bars import (
+    BarPart,
+    SectionForces,
+    Stretches,
+    add_tube_fibres,
+    fine_cells,
+)
 from checks.models.shape_model import ShapeModel
-from checks.models.tube_fibres import add_tube_fibres
 from checks.part.part_loads import PartLoads
-from checks.stress.part_model import RungModel
+from checks.stress.stress_result import RungModel
 from geometry.mesh import FloatArray
 from geometry.parts import PrismaticTube
 

@@ -28,13 +28,17 @@ from checks.models.formula_bars import (
 from checks.models.formula_points import Points, in_section
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
-from checks.stress.part_model import RungModel
+from checks.stress.stress_result import RungModel
 from geometry.bars import rectangle, rectangle_torsion
 from geometry.mesh import FloatArray
 from geometry.parts.step_part import Pair, StepPart
 
 _N, _V_Y, _V_Z, _T, _M_Y, _M_Z = range(6)
 _XX, _XY, _ZX = 0, 3, 5
+_STRAIGHT = 1e-3  # of the outermost holes' distance: how far a hole may stand beside the line
+_BESIDE = 1e-9  # of it: how far a section just beside a hole is from the hole's axis
+_BETWEEN = 13  # stations between two neighbouring holes
+_CELLS = 96  # of the mass
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,12 +77,6 @@ def rectangle_fibres(height: float, width: float) -> Fibres:
     unit[on_z, _XY, _T] = -np.sign(places[on_z, 1]) * height / longer / modulus
     unit[on_y, _ZX, _T] = np.sign(places[on_y, 0]) * width / longer / modulus
     return Fibres(places, unit)
-
-
-_STRAIGHT = 1e-3  # of the outermost holes' distance: how far a hole may stand beside the line
-_BESIDE = 1e-9  # of it: how far a section just beside a hole is from the hole's axis
-_BETWEEN = 13  # stations between two neighbouring holes
-_CELLS = 96  # of the mass
 
 
 def stress(part: Part, shape: StepPart, loads: PartLoads) -> RungModel | None:

@@ -5,20 +5,27 @@ from math import pi
 import numpy as np
 
 from checks.design.data import Part
-from checks.handbook.lateral_buckling import plate_stress
+from checks.handbook.column_curves import plate_stress
 from checks.handbook.lug_stress import Lug, strip_outline
 from checks.handbook.notch_factors import stepped_bar
 from checks.handbook.pin_loaded_hole import pin_loaded_hole
-from checks.models.formula_bars import BarPart, SectionForces, Stretches, fine_cells
+from checks.models.formula_bars import (
+    BarPart,
+    SectionForces,
+    Stretches,
+    add_fibres,
+    add_tube_fibres,
+    fibre_stress,
+    fine_cells,
+)
 from checks.models.formula_lugs import add_bore, strip_edges
 from checks.models.formula_points import Points
 from checks.models.shape_model import ShapeModel
-from checks.models.tube_fibres import add_fibres, add_tube_fibres, fibre_stress
 from checks.part.part_loads import PartLoads
-from checks.stress.part_model import RungModel
+from checks.stress.stress_result import RungModel
+from geometry.bars import Section, plate_section, square_tube_section
 from geometry.mesh import FloatArray
 from geometry.parts import ToggleBar
-from geometry.sections import Section, plate_section, square_tube_section
 
 _CUT = 1.25  # widths from a hole to where the cheek's stress is that of the bar
 _STATIONS = 9

@@ -12,12 +12,13 @@ from checks.models.formula_lugs import add_bore
 from checks.models.formula_points import Points, along_x, in_section, sheared
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
-from checks.stress.part_model import RungModel
+from checks.stress.stress_result import RungModel
 from geometry.mesh import FloatArray
 from geometry.parts import TubeRod
 
 _AROUND = np.radians(np.arange(0.0, 360.0, 45.0))
 _STATIONS = 9
+_FACTORS = ("tension", "bending")
 
 
 def stress(part: Part, shape: TubeRod, loads: PartLoads) -> RungModel | None:
@@ -75,9 +76,6 @@ def _add_tube(points: Points, shape: TubeRod, bar: BarLoads) -> None:
                 shear: sheared(_around_middle(z) * 2 / section.area),
             },
         )
-
-
-_FACTORS = ("tension", "bending")
 
 
 def _around_middle(z: FloatArray) -> FloatArray:

@@ -17,7 +17,7 @@ from checks.design.errors import DesignError
 from checks.part.loaded_part import FIRST
 from checks.strength.part_strength import elastic_of
 from checks.stress.solid_mesh_level import Models
-from fem.compliance import compliance
+from fem.unit_solutions import compliance
 
 DESIGNS = Path(__file__).parents[3] / "designs"
 LINKAGE = re.split(r"(?m)^\[(?:duty|parts|assumed)", (DESIGNS / "spring_hammer.toml").read_text())[

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from ballesta.regression import plugin
+from ballesta.regression.baseline import CheckError, measure
 from ballesta.regression.file import write_record
-from ballesta.regression.isolated import CheckError, measure
 from ballesta.regression.work import measured
 from checks.design.errors import DesignError
 

@@ -8,8 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 from ballesta.commands.until_command import Wanted, run_until
-from ballesta.sweeps.bisection import greatest, search_passing, smallest_passing
-from ballesta.sweeps.threshold_search import until_pass, until_text
+from ballesta.sweeps.threshold_search import search_passing, until_pass, until_text
 from checks.design.effort import Effort
 from checks.design.errors import DesignError, NumericsError
 from checks.result.verdict import Check, Gate, Status
@@ -18,6 +17,11 @@ from ...conftest import run_ballesta
 from ...small_machine import MACHINE, PLATE
 
 PASS, UNDECIDED, FAIL = Status.PASS, Status.UNDECIDED, Status.FAIL
+
+
+def smallest_passing(check, low, high, *, count=1000, probes=5):
+    numbers = [low + (high - low) * k / count for k in range(count + 1)]
+    return search_passing(check, numbers, probes=probes)
 
 
 def above(limit):
@@ -35,14 +39,14 @@ def test_the_smallest_number_that_passes_is_found_to_a_thousandth_of_the_range(l
 
 
 def test_where_smaller_is_safer_it_is_the_largest_that_passes():
-    search = smallest_passing(lambda x: PASS if x <= 2.5 else FAIL, 1, 8, tolerance=1e-4)
+    search = smallest_passing(lambda x: PASS if x <= 2.5 else FAIL, 1, 8, count=10_000)
     assert search.safer == "smaller"
     assert search.found <= 2.5 < search.beyond
     assert search.beyond - search.found == pytest.approx(7e-4)
 
 
 def test_with_a_step_only_what_can_be_made_is_tried():
-    search = smallest_passing(above(5.2), 4, 8, step=0.5)
+    search = smallest_passing(above(5.2), 4, 8, count=8)
     assert (search.found, search.beyond) == (5.5, 5.0)
     assert all(value % 0.5 == 0 for value, _ in search.tried)
 
@@ -97,32 +101,6 @@ def test_no_value_is_checked_twice():
 
     smallest_passing(check, 0, 8)
     assert len(asked) == len(set(asked))
-
-
-@pytest.mark.parametrize(
-    "given", [{"low": 2, "high": 2}, {"low": 0, "high": 1, "step": 0.3},
-              {"low": 0, "high": 1, "tolerance": 0}, {"low": 0, "high": float("inf")}],
-)  # fmt: skip
-def test_a_range_or_step_that_makes_no_sense_is_refused(given):
-    with pytest.raises(ValueError, match=r"range|steps|tolerance"):
-        smallest_passing(lambda x: PASS, **given)
-
-
-def test_the_greatest_of_a_smooth_number_is_found():
-    place, value = greatest(lambda x: 5 - (x - 2.718) ** 2, 0, 10, tolerance=1e-6)
-    assert place == pytest.approx(2.718, abs=1e-5)
-    assert value == pytest.approx(5)
-
-
-def test_the_greatest_at_the_edge_of_what_is_allowed_is_allowed():
-    place, _ = greatest(lambda x: x**2 if x < 2.2356 else None, 0, 3, tolerance=1e-6)
-    assert 2.2356 - 1e-5 < place < 2.2356
-
-
-def test_the_greatest_at_an_end_of_the_range_is_that_end():
-    assert greatest(lambda x: x, 0, 3) == (3, 3)
-    assert greatest(lambda x: -x, 1, 3) == (1, -1)
-    assert greatest(lambda x: None, 0, 3) is None
 
 
 # A design: the verdicts are made up, the design and its keys are real.

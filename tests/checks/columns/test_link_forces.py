@@ -11,9 +11,7 @@ from numpy.testing import assert_allclose
 
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import solve_cycles
-from checks.columns.link_forces import BarForces, forces_of
-from checks.columns.link_joints import JointRows
-from checks.columns.link_model import link_model
+from checks.columns.link_joints import BarForces, JointRows, forces_of, link_model
 from checks.columns.linkage_frame import _IN, _SOFT, _STIFF, COARSE, _Search, _spread, worst_mode
 from fem.frame_joints import slot_force
 from loads import Fixed, Slot

@@ -10,11 +10,11 @@ from ballesta.pipeline import check_design
 from checks.derivations import bars, buckling
 from checks.derivations.bars import solid_bars
 from checks.design.effort import Effort
-from checks.handbook.lateral_buckling import column_force
+from checks.handbook.column_curves import column_force
 from checks.ladder import part_ladder
 from checks.ladder.leaf_checks import Friction, LeafBand
 from checks.ladder.part_ladder import UNKNOWN, explained
-from checks.models.formula_buckling import column_items, stretch_items
+from checks.models.formula_bars import column_items, stretch_items
 from checks.result.derivation import BarSymbols, Derivation, Given, Section, Step
 from checks.stress.error_bars import Bars
 from fem.convergence import ErrorBar, discretisation_error

@@ -10,8 +10,8 @@ from ballesta.design.read import read_design
 from checks.design.errors import DesignError
 from checks.design.materials import Material, MaterialEntry, known_materials
 from fatigue import FkmMaterial, component_limit, endurance_limit
+from geometry.bars import RulingSection
 from geometry.parameters import ParameterError
-from geometry.sections import RulingSection
 
 PRESS = Path(__file__).parents[3] / "designs" / "toggle_press.toml"
 ALLOY = {

@@ -5,9 +5,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from checks.handbook.bar_forces import balanced_bar, deflection
-from checks.handbook.lateral_buckling import column_force, lateral_share, plate_stress
-from checks.handbook.pin_stress import cylinder_stress, section_stress, surface_stress, under_band
-from checks.handbook.slotted_frame import rail_forces
+from checks.handbook.column_curves import column_force, lateral_share, plate_stress
+from checks.models.shapes.pin import section_stress, surface_stress, under_band
+from checks.models.shapes.slotted_lever import rail_forces
 
 X = np.linspace(0.5, 99.5, 100)
 MASS = np.full(100, 1e-6)
@@ -141,11 +141,6 @@ def test_stress_around_a_pin_is_turned_into_its_axes():
     one = np.ones(1)
     found = surface_stress(np.array([np.pi / 2]), -7 * one, -3 * one, 2 * one, 5 * one)
     assert_allclose(found[0], [-3, -7, 2, 0, 0, -5], atol=1e-14)
-
-
-def test_a_disc_under_pressure_is_stressed_alike_along_its_radius_and_around():
-    found = cylinder_stress(np.array([0.3]), np.array([7.0]), np.array([2.0]), np.array([0.0]))
-    assert_allclose(found[0], [-7, -7, 2, 0, 0, 0], atol=1e-14)
 
 
 def band(place, half):

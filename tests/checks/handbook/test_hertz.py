@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
 
-from checks.handbook.hertz import HertzBody, HertzError, line_contact
+from checks.by_formula.slot_pressure import HertzBody, HertzError, line_contact
 
 STEEL = (210e3, 0.3)
 FLAT = HertzBody(inf, *STEEL)

@@ -7,9 +7,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from checks.by_formula import slot_pressure
-from checks.by_formula.slot_pressure import FIRST_YIELD
+from checks.by_formula.slot_pressure import FIRST_YIELD, HertzBody, line_contact
 from checks.design.errors import DesignError
-from checks.handbook.hertz import HertzBody, line_contact
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
 from geometry.mesh import Interface

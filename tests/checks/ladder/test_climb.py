@@ -11,7 +11,7 @@ from checks.ladder.climb import AUTO, climb_cheap, start_climb
 from checks.ladder.part_ladder import Effort, Ladder
 from checks.ladder.result import cheap_result, solid_result
 from checks.models import bands
-from checks.models.proportions import proportions_of
+from checks.models.bands import proportions_of
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
 from checks.result.verdict import NOT_MESHED, Status

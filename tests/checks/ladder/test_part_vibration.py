@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from checks.ladder.solid_buckling import frequency_facts
+from checks.ladder.solid import frequency_facts
 from checks.part.loaded_part import FIRST
 from checks.strength.part_strength import elastic_of
 from checks.stress.solid_mesh_level import Models

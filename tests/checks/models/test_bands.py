@@ -10,9 +10,8 @@ from bench import rung_bands
 from bench.rung_bands import Compared
 from bench.rung_beyond import PULLED
 from checks.models import bands
-from checks.models.bands import Band, NoBand, band_of, known_band
+from checks.models.bands import ARC, SHARE, Band, NoBand, band_of, known_band, of_buckling
 from checks.models.checked import MOST_PULLED
-from checks.models.proportions import ARC, SHARE, of_buckling
 
 CLOSE = bands._CLOSE
 DATA = bands._data()

@@ -9,9 +9,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from ballesta.design.read import read_design
 from checks.handbook.pin_loaded_hole import PATTERNS
-from checks.models import formula
-from checks.models.beam import model_of
-from checks.models.beam_solution import solve_frame
+from checks.models import shapes
+from checks.models.beam import model_of, solve_frame
 from checks.part.part_loads import PartLoads
 from geometry.cad_body import cad_body
 from geometry.parts import PrismaticTube
@@ -79,7 +78,7 @@ def test_twice_the_loads_are_twice_the_share_of_buckling(parts, name):
 @pytest.mark.parametrize("name", FRAMED)
 def test_stress_is_the_formulas(parts, name):
     part, loads = parts[name], pushed(parts[name], 1000.0)
-    by_frame, by_formula = model_of(part, loads), formula.model_of(part, loads)
+    by_frame, by_formula = model_of(part, loads), shapes.model_of(part, loads)
     assert_array_equal(by_frame.history.basis, by_formula.history.basis)
     assert by_frame.rung == "beam"
     assert by_frame.unknowns > by_formula.unknowns == 0

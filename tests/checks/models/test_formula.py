@@ -8,8 +8,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from ballesta.design.read import read_design
-from checks.models.formula import model_of
-from checks.models.proportions import proportions_of
+from checks.models.bands import proportions_of
+from checks.models.shapes import model_of
 from checks.part.part_loads import PartLoads
 from checks.stress.stress_result import judge
 from fem.recovery import von_mises

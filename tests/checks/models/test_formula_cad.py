@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 from ballesta.cli import main
 from checks.ladder.climb import AUTO, climb_cheap, start_climb
 from checks.models.bands import NoBand, band_of
-from checks.models.formula import family_of, model_of
+from checks.models.shapes import family_of, model_of
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads, loads_on
 from checks.strength.part_strength import elastic_of

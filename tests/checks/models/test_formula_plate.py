@@ -10,9 +10,9 @@ from checks.by_formula.lug_shear_out import ligaments
 from checks.design.materials import known_materials
 from checks.handbook.notch_factors import curved_bar
 from checks.handbook.pin_loaded_hole import CurvedSection, open_hole
-from checks.models.formula import model_of
 from checks.models.formula_points import Points
-from checks.models.plate_forces import FlatSection, PlateForces
+from checks.models.plate_buckling import FlatSection, PlateForces
+from checks.models.shapes import model_of
 from checks.models.shapes.plate import stress
 from checks.part.part_loads import PartLoads
 from fem.recovery import von_mises

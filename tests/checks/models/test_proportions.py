@@ -8,8 +8,8 @@ import pytest
 from checks.ladder import climb
 from checks.ladder.climb import AUTO, climb_cheap, start_climb
 from checks.models import bands
-from checks.models.formula import family_of
-from checks.models.proportions import ARC, SHARE, proportions_of, unknown_load
+from checks.models.bands import ARC, SHARE, proportions_of, unknown_load
+from checks.models.shapes import family_of
 from checks.part.loaded_part import LoadedPart
 from geometry.parts import Pin, Seat
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ballesta.design.read import read_design
-from checks.handbook.lateral_buckling import lateral_share
+from checks.handbook.column_curves import lateral_share
 from checks.models.checked import (
     MOST_PULLED,
     band_around,
@@ -16,7 +16,7 @@ from checks.models.checked import (
     rung_level,
     stress_share,
 )
-from checks.models.formula import model_of
+from checks.models.shapes import model_of
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Status

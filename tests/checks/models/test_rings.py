@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from checks.models.rings import static_values, with_peaks
-from checks.stress.part_model import RungModel
+from checks.models.checked import static_values, with_peaks
+from checks.stress.stress_result import RungModel
 from fem.stress_history import StressHistory
 
 COUNT = 24

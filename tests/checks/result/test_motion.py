@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from checks.result.motion import between, motion_gaps
+from checks.result.motion import motion_gaps
 
 from ...reports import loads_results, motion_results
 
@@ -26,10 +26,11 @@ def test_a_node_is_turned_moved_and_lifted_by_its_part_s_frame(press):
 
 def test_between_two_rows_the_frame_is_between_theirs(press):
     motion = press.motion["press"]
-    low, high = motion.parts["bar_upper"][3:5]
-    assert_allclose(between(motion.parts["bar_upper"], 3.25), 0.75 * low + 0.25 * high)
-    assert_allclose(between(motion.parts["bar_upper"], 1e9), motion.parts["bar_upper"][-1])
-    assert_allclose(between(motion.parts["bar_upper"], -1.0), motion.parts["bar_upper"][0])
+    upper = motion.parts["bar_upper"]
+    low, high = upper[3:5]
+    assert_allclose(motion_results.between(upper, 3.25), 0.75 * low + 0.25 * high)
+    assert_allclose(motion_results.between(upper, 1e9), upper[-1])
+    assert_allclose(motion_results.between(upper, -1.0), upper[0])
 
 
 def test_rows_of_positions_that_are_not_kept_are_fractions(press):

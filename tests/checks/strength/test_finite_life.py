@@ -8,8 +8,14 @@ import pytest
 from numpy.testing import assert_allclose
 
 from checks.design.materials import known_materials
-from checks.strength.equivalent_stress_history import raised_exactly
-from checks.strength.finite_life import LifeTask, life_curve, lives_of, shortest_life, why_no_curve
+from checks.strength.finite_life import (
+    LifeTask,
+    life_curve,
+    lives_of,
+    raised_exactly,
+    shortest_life,
+    why_no_curve,
+)
 from checks.stress.duty_verdict import duty_runs, duty_verdict
 
 STEEL = known_materials()["S355"]

@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.interpolate import CubicSpline
 
-from checks.strength.splines import Spline
+from checks.strength.sampling import Spline
 
 
 @pytest.mark.parametrize("count", [2, 3, 4, 5, 40])
