@@ -16,9 +16,11 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 
 import numpy as np
+from scipy.linalg import circulant
 
 from geometry.mesh import FloatArray
 
+_EVEN = 1e-12  # rad, between the widths of even hats: rounding
 _WAVES = 6  # of the finest hat's width: hats' series fall with the fourth power of the number
 
 
@@ -110,7 +112,12 @@ class Hats:
         wave  the same of cos(number angle), for numbers (m,) from 2
         """
         numbers, waves = self._series
-        parts = waves * np.tile(np.sqrt(wave(numbers) / np.pi), 2)
+        size = np.tile(wave(numbers) / np.pi, 2)
+        if np.ptp(self.widths) < _EVEN:  # the first hat gives way as each other one, turned
+            first = waves @ (size * waves[0])
+            first = (first + np.roll(first[::-1], 1)) / 2
+            return np.asarray(circulant(first) + mean / (2 * np.pi))
+        parts = waves * np.sqrt(size)
         return np.asarray(parts @ parts.T + mean / (2 * np.pi))
 
     @cached_property

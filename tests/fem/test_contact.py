@@ -164,6 +164,18 @@ def test_an_uneven_flexibility_is_refused():
         CondensedContact(np.array([[1.0, 0.1], [0.2, 1.0]]), np.ones((2, 1)))
 
 
+def test_even_hats_give_way_as_the_sum_over_their_waves_says():
+    """Their flexibility is taken from the first hat alone; here each pair is summed up."""
+    hats = Hats.even(15)
+    numbers = np.arange(2.0, 91.0)  # six waves in a hat
+    waves = hats.waves(numbers)
+    size = (2 * numbers - 1 + POISSON) / (numbers**2 - 1) / np.pi
+    wanted = (waves * size @ waves.conj().T).real + (1 - POISSON) / (2 * np.pi)
+    found = disc_flexibility(hats, LENGTH, YOUNG, POISSON) * YOUNG * LENGTH
+    assert_allclose(found, wanted, rtol=1e-11, atol=1e-12)
+    assert np.array_equal(found, found.T)
+
+
 @pytest.mark.parametrize("strain", [False, True])
 def test_discs_and_holes_give_way_as_finite_elements_do(strain):
     """A ring 1:40 stands for the sheet and, loaded outside, for the disc; harmonics 0, 2, 3, 5.

@@ -18,7 +18,8 @@ NO_GL = ("--disable-gpu", "--disable-3d-apis")
 _SOFTWARE_GL_SLOW = "GL Driver Message (OpenGL, Performance"
 _QUIET = (
     "--disable-dev-shm-usage", "--disable-quic", "--no-first-run", "--disable-sync",
-    "--disable-background-networking", "--disable-component-update",
+    "--disable-background-networking", "--disable-component-update", "--disable-extensions",
+    "--process-per-site",
 )  # fmt: skip
 
 
@@ -62,13 +63,38 @@ def launch() -> Iterator[Callable[..., Any]]:
             browser.close()
 
 
+@pytest.fixture(scope="session")
+def offline(
+    launch: Callable[..., Any], tmp_path_factory: pytest.TempPathFactory
+) -> Callable[..., Any]:
+    """Return what makes an offline context of a browser; equal keywords give the same context.
+
+    A new context costs as much of a processor as a page, and so does the process of a page: a bare
+    one stays open, which keeps that of the others. Pages keep nothing in a browser's storage
+    (test_page_browser.py), so those of one context know nothing of each other.
+    """
+    bare = tmp_path_factory.mktemp("bare") / "bare.html"
+    bare.write_text("<!DOCTYPE html><title>bare</title>", encoding="utf-8")
+    contexts: dict[str, Any] = {}
+
+    def context(flags: tuple[str, ...], **how: Any) -> Any:
+        key = repr((flags, sorted(how.items())))
+        if key not in contexts:
+            contexts[key] = launch(*flags).new_context(**how)
+            contexts[key].set_offline(True)
+            contexts[key].new_page().goto(bare.as_uri())
+        return contexts[key]
+
+    return context
+
+
 @pytest.fixture
-def opened(launch: Callable[..., Any]) -> Iterator[Callable[..., Opened]]:
+def opened(offline: Callable[..., Any]) -> Iterator[Callable[..., Opened]]:
     """Return what opens a file in a fresh, offline page: `opened(path, width=..., flags=...)`.
 
     Other keywords go to the browser's context: color_scheme, java_script_enabled, reduced_motion.
     """
-    contexts = []
+    pages = []
 
     def open_page(
         path: Path,
@@ -78,10 +104,10 @@ def opened(launch: Callable[..., Any]) -> Iterator[Callable[..., Opened]]:
         flags: tuple[str, ...] = (),
         **context: Any,
     ) -> Opened:
-        made = launch(*flags).new_context(viewport={"width": width, "height": height}, **context)
-        contexts.append(made)
-        made.set_offline(True)
+        made = offline(flags, **context)
         page = made.new_page()
+        pages.append(page)
+        page.set_viewport_size({"width": width, "height": height})
         if SLOWED > 1:
             throttle = made.new_cdp_session(page)
             throttle.send("Emulation.setCPUThrottlingRate", {"rate": SLOWED})
@@ -100,8 +126,8 @@ def opened(launch: Callable[..., Any]) -> Iterator[Callable[..., Opened]]:
         return result
 
     yield open_page
-    for context in contexts:
-        context.close()
+    for page in pages:
+        page.close()
 
 
 @pytest.fixture(scope="session")

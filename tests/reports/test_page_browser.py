@@ -105,6 +105,8 @@ def test_a_page_opens_without_a_word_on_the_console_and_asks_for_nothing(shown, 
     until(found.page, "scrollY > 0")
     settle(found.page)
     found.assert_quiet()
+    kept = found.page.evaluate("[localStorage.length, sessionStorage.length, document.cookie]")
+    assert kept == [0, 0, ""]
     ground = found.page.evaluate("getComputedStyle(document.body).backgroundColor")
     assert (ground == "rgb(255, 255, 255)") == (scheme == "light")
 
