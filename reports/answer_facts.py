@@ -14,6 +14,7 @@ from rich.cells import cell_len
 
 from checks.result.verdict import Check, DesignResult, PartResult, Status, deciding_of
 from checks.result.ways import (
+    LEAST,
     NOTHING,
     SAVED,
     change_cells,
@@ -219,7 +220,9 @@ def _changes(result: DesignResult) -> Iterator[Fact]:
         yield Fact(label, "first of all a model that knows its error bar")
         return
     if not result.changes:
-        yield Fact(label, SAVED if passes else lower_by(result.deciding), command)
+        less = "" if passes else lower_by(result.deciding)
+        said = result.unchanged or (SAVED if passes else LEAST)
+        yield Fact(label, "; ".join(filter(None, (less, said))), command * (not result.unchanged))
         return
     for change in result.changes:
         cells = tuple(map(_short, change_cells(change, result.deciding)))

@@ -47,8 +47,10 @@ def result_schema() -> Schema:
             ways_out=_list(_of("Way"), "out of what is open, the cheapest first"),
             changes=_list(
                 _of("Change"),
-                "single changes that make the design pass or save mass, best first; empty where "
-                "none were sought, as in batches",
+                "single changes that make the design pass or save mass, best first",
+            ),
+            unchanged=_text(
+                'why there are none; "" where there are, and where none were sought, as in batches'
             ),
         ),
         "$defs": parts,

@@ -474,7 +474,8 @@ class DesignResult:
     motion    cycle -> how the parts move in it; none of a run that was measured
     assumed_by_design  keys of `assumed` that the design itself marks; the others are the tool's
     ways     out of what is open, the cheapest first (checks/result/ways.py)
-    changes  single changes that make it pass, or save mass, best first; none where none were sought
+    changes  single changes that make it pass, or save mass, best first
+    unchanged  why there are no changes, in words; "" where there are, and where none were sought
     date     of the check, as 2026-11-23; "" if not known
     """
 
@@ -500,6 +501,7 @@ class DesignResult:
     ways: Sequence[Way] = ()
     changes: Sequence[Change] = ()
     date: str = ""
+    unchanged: str = ""
 
     @property
     def checks(self) -> list[Check]:
@@ -561,4 +563,5 @@ class DesignResult:
             "timings": dict(self.timings),
             "ways_out": [way.to_dict() for way in self.ways],
             "changes": [change.to_dict() for change in self.changes],
+            "unchanged": self.unchanged,
         }
