@@ -36,6 +36,7 @@ from checks.result.words import (
     safety_text,
     value_and_bars,
 )
+from reports.gauge import shares
 from reports.loads_words import broken_of
 from reports.terminal import footer, labelled, table_row
 
@@ -312,12 +313,8 @@ def _beside(result: DesignResult) -> Iterator[Fact]:
     counts = [f"{len(assumed)} assumption{'' if len(assumed) == 1 else 's'}"] if assumed else []
     counts += [f"{defaults} default value{'' if defaults == 1 else 's'}"] if defaults else []
     if counts:
-        own = [part for part in result.parts if result.checks and part.name == result.deciding.part]
-        first = [
-            f"of {_short(part.name)}: {_first(part.assumed[0]).partition(',')[0]}"
-            for part in own
-            if part.assumed
-        ]
+        widest = shares(result.deciding)[:1] if result.checks else []
+        first = [f"the widest: {_short(share.name)}, safety {share.ends}" for share in widest]
         yield Fact("assumed", "; ".join([" and ".join(counts), *first]))
     if result.not_checked:
         subjects = list(dict.fromkeys(_first(s).partition(",")[0] for s in result.not_checked))

@@ -111,6 +111,15 @@ _OF_CHECK = {
     "sampling": _number("part of `numerical` for peaks between positions, in `unit`"),
     "loads": _number("part of `model` for loads that are not certain, in `unit`"),
     "loads_below": _number("part of `model_below` for these, in `unit`"),
+    "doubts": _list(
+        {
+            "type": "array",
+            "prefixItems": [_text(), _number(), _number()],
+            "minItems": 3,
+            "maxItems": 3,
+        },
+        "what is not certain of the loads, with its part of `loads` and of `loads_below`",
+    ),
     "limit": _number("largest value that the part can take, in `unit`"),
     "required": _number("safety that must be shown"),
     "safety": _or_null(_number(), "limit / value; null where the value is 0"),

@@ -34,6 +34,7 @@ class Check:
     numerical         half-width of the numerical error bar, in `unit`; infinite if unknown
     sampling          part of `numerical` for peaks between the positions of the cycle, in `unit`
     loads, loads_below  parts of `model` and `model_below` for loads that are not known for certain
+    doubts            these parts one by one: words, above and below the value
     model             model band above the value, in `unit`
     model_below       model band below the value; None if the same as above
     limit             largest value that the part can take, in `unit`
@@ -65,6 +66,7 @@ class Check:
     sampling: float = 0.0
     loads: float = 0.0
     loads_below: float = 0.0
+    doubts: tuple[tuple[str, float, float], ...] = ()
     derivation: "Derivation | None" = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -130,6 +132,7 @@ class Check:
         names = (name for name in self.__dataclass_fields__ if name != "derivation")
         plain = {name: getattr(self, name) for name in names}
         plain |= {name: None for name in ("numerical", "model") if not isfinite(plain[name])}
+        plain["doubts"] = [list(doubt) for doubt in self.doubts]
         safety = self.safety if isfinite(self.safety) else None
         derived = {} if self.derivation is None else {"derivation": self.derivation.to_dict()}
         return plain | {
@@ -158,6 +161,8 @@ class Check:
             try:
                 if name == "derivation":
                     own[name] = None if value is None else derivation_of_data(value)
+                elif name == "doubts":
+                    own[name] = tuple((text_of(w), number_of(a), number_of(b)) for w, a, b in value)
                 elif name in _BARS:
                     own[name] = inf if value is None else number_of(value)
                 else:
