@@ -85,7 +85,8 @@ def test_what_a_model_band_is_made_of_adds_up_to_it(hammer):
         assert left <= check.upper - check.value + 0.012 * len(low) * check.value
     assert names >= {
         "friction and preload between the leaves", "formula in place of a solid", "stiff forks",
-        "the forks are between hinged and clamped", "changes of speed between its slowest and fastest",
+        "the forks are between hinged and clamped",
+        "changes of speed between its slowest and fastest",
     }  # fmt: skip
 
 
