@@ -153,7 +153,9 @@ def check_with_cycles(
         # where stress is shown, a mesh has a better surface
         machine = run_machine(design, models, say, store, skins=not effort.shows_stress)
         design = machine.design
+        say("loads: both ends of what is not known of them")
         runs, doubts = machine.all, doubts_of(design, machine)
+        say("loads: buckling of the linkage")
         motions = FreeMotions()
         mode = stored_mode(store, design, runs) if store else worst_mode(design, runs, motions)
         linkage = [] if mode is None else [_of_linkage(design, mode, doubts.all, motions)]

@@ -211,7 +211,7 @@ class _Lines:
         inside, seconds = self._expected
         so_far = f"{monotonic() - self._since:.0f} s"
         told = f"{self.text}: {inside}" if inside else self.text
-        return f"{told}, {so_far} of about {seconds:.0f} s" if seconds else f"{told}, {so_far}"
+        return f"{told}, {so_far} of about {seconds:.0f} s" if seconds >= 1 else f"{told}, {so_far}"
 
     def _line(self, text: str) -> None:
         passed = f"{monotonic() - self._began:6.1f} s  " if self._name else ""

@@ -14,6 +14,7 @@ from rich.cells import cell_len
 
 from checks.result.verdict import Check, DesignResult, PartResult, Status, deciding_of
 from checks.result.ways import (
+    LEAST,
     NOTHING,
     SAVED,
     change_cells,
@@ -35,6 +36,7 @@ from checks.result.words import (
     safety_text,
     value_and_bars,
 )
+from reports.gauge import shares
 from reports.loads_words import broken_of
 from reports.terminal import footer, labelled, table_row
 
@@ -219,7 +221,9 @@ def _changes(result: DesignResult) -> Iterator[Fact]:
         yield Fact(label, "first of all a model that knows its error bar")
         return
     if not result.changes:
-        yield Fact(label, SAVED if passes else lower_by(result.deciding), command)
+        less = "" if passes else lower_by(result.deciding)
+        said = result.unchanged or (SAVED if passes else LEAST)
+        yield Fact(label, "; ".join(filter(None, (less, said))), command * (not result.unchanged))
         return
     for change in result.changes:
         cells = tuple(map(_short, change_cells(change, result.deciding)))
@@ -309,12 +313,8 @@ def _beside(result: DesignResult) -> Iterator[Fact]:
     counts = [f"{len(assumed)} assumption{'' if len(assumed) == 1 else 's'}"] if assumed else []
     counts += [f"{defaults} default value{'' if defaults == 1 else 's'}"] if defaults else []
     if counts:
-        own = [part for part in result.parts if result.checks and part.name == result.deciding.part]
-        first = [
-            f"of {_short(part.name)}: {_first(part.assumed[0]).partition(',')[0]}"
-            for part in own
-            if part.assumed
-        ]
+        widest = shares(result.deciding)[:1] if result.checks else []
+        first = [f"the widest: {_short(share.name)}, safety {share.ends}" for share in widest]
         yield Fact("assumed", "; ".join([" and ".join(counts), *first]))
     if result.not_checked:
         subjects = list(dict.fromkeys(_first(s).partition(",")[0] for s in result.not_checked))

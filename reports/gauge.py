@@ -1,10 +1,12 @@
 """A check's utilisation drawn as a bar with its error bars, small enough for a cell of a table."""
 
+import re
 from dataclasses import dataclass, replace
 from math import isfinite
 
 from markupsafe import Markup
 
+from checks.result.derivation import Derivation, Given
 from checks.result.verdict import Check
 from checks.result.words import clipped, safety_text
 
@@ -68,7 +70,15 @@ def _line(name: str, start: float, end: float) -> str:
     return f'<path class="{name}" d="M{start:.2f} {_MIDDLE:g}H{end:.2f}"/>'
 
 
-# Error bars of the deciding check one by one: how far each alone moves its safety.
+# Assumptions and models behind the deciding check's error bars: how far each moves its safety.
+
+Bar = tuple[str, float, float]  # name, size above and below the value
+
+_UNNAMED = "loads that are not known for certain"
+_RUBBED = "friction adds"
+_BESIDE = "the model band is where "
+_PLAIN = ("model band", "error band", "e_")  # begins a meaning that names no cause
+_ROUND_OFF = 1e-9  # of a value
 
 
 @dataclass(frozen=True)
@@ -86,23 +96,72 @@ class Share:
 
 
 def shares(check: Check) -> list[Share]:
-    """Sources of a check's error bars, the widest first; those of no size are left out."""
+    """Assumptions and models behind a check's error bars, the widest first; none of no size."""
     mesh = check.numerical - check.sampling if isfinite(check.numerical) else check.numerical
-    words = check.derivation.bars.words if check.derivation else ""
-    said = words.partition("model: ")[2]
+    doubts = check.doubts or ((_UNNAMED, check.loads, check.loads_below),)
     found = [
-        (
-            f"model: {said}" if said else "model",
-            check.model - check.loads,
-            check.below - check.loads_below,
-        ),
-        ("loads that are not known for certain", check.loads, check.loads_below),
+        *_of_model(check),
+        *doubts,
         ("mesh and numerics", mesh, mesh),
         ("between the positions of the cycle", check.sampling, check.sampling),
     ]
     found = [(name, above, below) for name, above, below in found if above > 0 or below > 0]
     found.sort(key=lambda each: -(each[1] + each[2]))
     return [_share(check, *each) for each in found]
+
+
+def _of_model(check: Check) -> list[Bar]:
+    """The model band by what it is made of, as far as its derivation tells it apart."""
+    above, below = check.model - check.loads, check.below - check.loads_below
+    derivation = check.derivation
+    if derivation is None or not (isfinite(above) and isfinite(below)):
+        return [("model", above, below)]
+    words = derivation.bars.words.partition("model: ")[2] or derivation.bars.words
+    meant = {item.symbol: item.meaning for item in derivation.items}
+    sides = derivation.bars.above.split(), derivation.bars.below.split()
+    own = {s: derivation.number(s) for s in (*sides[0], *sides[1]) if not s.startswith("e_load")}
+    found = list[Bar]()
+    for kind in dict.fromkeys(symbol[0] for symbol in own):
+        up, low = (
+            sum(size for s, size in own.items() if s[0] == kind and s in side) for side in sides
+        )
+        pressed = _of_pins(derivation) if kind == "b" else []
+        said = meant[next(s for s in own if s[0] == kind)].rpartition(": ")[2]
+        clause = words.partition("; ")[0]
+        if said.startswith(_RUBBED):
+            name = "friction and preload between the leaves"
+        elif not said.startswith(_PLAIN):
+            name = said
+        elif _BESIDE in clause:
+            name = f"formula in place of a solid: {clause.partition(_BESIDE)[2]}"
+        else:
+            name = clause or "model"
+        rest = (name, up - sum(p[1] for p in pressed), low - sum(p[2] for p in pressed))
+        found += [*pressed, *([rest] if max(rest[1:]) > _ROUND_OFF * check.value else [])]
+    return found
+
+
+def _of_pins(derivation: Derivation) -> list[Bar]:
+    """Bands of a solid by the arcs and the clearances of its pins, from their single values."""
+    given = {
+        item.symbol: (float(item.value), item.meaning)
+        for item in derivation.items
+        if isinstance(item, Given) and not isinstance(item.value, tuple)
+    }
+    found = list[Bar]()
+    arcs = [given[s] for s in given if re.fullmatch(r"p_\d", s)]
+    if arcs:
+        (own, _), *_ = arcs
+        most, least = max(value for value, _ in arcs), min(value for value, _ in arcs)
+        wide = [re.sub(r".* arc of (\d+)°.*", r"\1", meaning) for _, meaning in (arcs[-1], arcs[0])]
+        found.append((f"arc on which pins press: {wide[0]} to {wide[1]}°", most - own, own - least))
+        if "p_b" in given:
+            found.append(("fit of pins that is not stated", max(0.0, given["p_b"][0] - most), 0.0))
+    fits = [given[s][0] for s in given if re.fullmatch(r"c_\d", s)]
+    if fits:
+        own, *_ = fits
+        found.append(("clearance of pins, over their fit", max(fits) - own, own - min(fits)))
+    return found
 
 
 def _share(check: Check, name: str, above: float, below: float) -> Share:

@@ -73,7 +73,10 @@ def _cycle(cycle: ShownCycle, prefix: str) -> dict[str, Any]:
 
 
 def _chart(cycle: ShownCycle) -> str:
-    """Forces, torques and reactions over the shown position."""
+    """Forces, torques and reactions over the shown position; of a start or stop over the time.
+
+    In several turns it comes through a place again and again.
+    """
     loads = cycle.loads
     phases = [cycle.phase_at(index) for index in range(len(cycle.shown))]
     panels = []
@@ -97,8 +100,10 @@ def _chart(cycle: ShownCycle) -> str:
     if cycle.motor is not None:
         speed = cycle.motor.speed * 60.0 / (2.0 * np.pi)
         panels.append(("Speed by the motor", "speed [rpm]", {"angle that sets the pace": speed}))
-    axis = f"{brief(cycle.shown_name, 20)} [{cycle.unit}]"
-    return curves_chart(f"Loads {brief(cycle.name, 40)}", cycle.shown, phases, panels, axis)
+    at, axis = cycle.shown, f"{brief(cycle.shown_name, 20)} [{cycle.unit}]"
+    if cycle.event is not None:
+        at, axis = loads.times, "time [s]"
+    return curves_chart(f"Loads {brief(cycle.name, 40)}", at, phases, panels, axis)
 
 
 def _run_chart(run: ShownRun) -> str:

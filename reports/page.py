@@ -10,6 +10,7 @@ from typing import Any
 
 from markupsafe import Markup, escape
 
+from checks.design.errors import LINKAGE
 from checks.result.derivation import LoadCase
 from checks.result.formulas import number_text, shown_symbol
 from checks.result.verdict import Check, DesignResult
@@ -111,6 +112,7 @@ def report_html(
         live=live,
         what_if=what_if(result),
         shares=shares(result.deciding) if result.checks else [],
+        decides=f"{result.deciding.part} {result.deciding.kind}" if result.checks else "",
         pictures_reason=pictures.reason,
         script=Markup(script_text()),
         script_hash=Markup(report_hash()),
@@ -174,6 +176,7 @@ def _environment() -> Any:
 # Inputs of a result: stated by the design, set on the command line, by default, or assumed.
 
 Pairs = Sequence[tuple[str, str]]
+_VIBRATION = "for vibration only", "rigid in vibration"  # what bears on no check of a part
 
 
 @dataclass(frozen=True)
@@ -194,15 +197,19 @@ class Inputs:
 
 @dataclass(frozen=True)
 class Assumed:
-    """Assumptions (keys, what): those that the design marks, and the tool's own."""
+    """Assumptions (keys, what): those that the design marks, and the tool's own.
+
+    elsewhere  of either kind, those of other parts than the one that decides, and of vibration
+    """
 
     design: Pairs
     tool: Pairs
+    elsewhere: Pairs
 
     @property
     def count(self) -> int:
         """Number of all of them."""
-        return len(self.design) + len(self.tool)
+        return len(self.design) + len(self.tool) + len(self.elsewhere)
 
 
 def sorted_inputs(result: DesignResult) -> Inputs:
@@ -230,9 +237,32 @@ def sorted_assumptions(result: DesignResult) -> Assumed:
     marked = set(result.assumed_by_design)
     mine = {what for key, what in result.assumed if key in marked}
     pairs = assumptions(result)
+    near = [pair for pair in pairs if _is_near(result, *pair)]
     return Assumed(
-        [pair for pair in pairs if pair[1] in mine], [pair for pair in pairs if pair[1] not in mine]
+        [pair for pair in near if pair[1] in mine],
+        [pair for pair in near if pair[1] not in mine],
+        [pair for pair in pairs if pair not in near],
     )
+
+
+def _is_near(result: DesignResult, keys: str, what: str) -> bool:
+    """True if an assumption is of the deciding part, or of no part alone."""
+    if what.endswith(_VIBRATION[0]) or what.startswith(_VIBRATION[1]):
+        return False
+    deciding = result.deciding.part if result.checks else LINKAGE
+    stated, owners = dict(result.inputs), [deciding]
+    while (like := stated.get(f"parts.{owners[-1]}.like")) and like not in owners:
+        owners.append(like)
+    names = [part.name for part in result.parts]
+    if deciding not in names:
+        return True
+
+    def of(key: str) -> str:
+        first, _, rest = key.partition(".")
+        return rest.partition(".")[0] if first == "parts" else first
+
+    of_parts = [of(key) for key in keys.split(", ")]
+    return any(name not in names or name in owners for name in of_parts)
 
 
 # The safety that decides on a scale: its range by the error bars, and what it must show.

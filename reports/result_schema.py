@@ -47,8 +47,10 @@ def result_schema() -> Schema:
             ways_out=_list(_of("Way"), "out of what is open, the cheapest first"),
             changes=_list(
                 _of("Change"),
-                "single changes that make the design pass or save mass, best first; empty where "
-                "none were sought, as in batches",
+                "single changes that make the design pass or save mass, best first",
+            ),
+            unchanged=_text(
+                'why there are none; "" where there are, and where none were sought, as in batches'
             ),
         ),
         "$defs": parts,
@@ -109,6 +111,15 @@ _OF_CHECK = {
     "sampling": _number("part of `numerical` for peaks between positions, in `unit`"),
     "loads": _number("part of `model` for loads that are not certain, in `unit`"),
     "loads_below": _number("part of `model_below` for these, in `unit`"),
+    "doubts": _list(
+        {
+            "type": "array",
+            "prefixItems": [_text(), _number(), _number()],
+            "minItems": 3,
+            "maxItems": 3,
+        },
+        "what is not certain of the loads, with its part of `loads` and of `loads_below`",
+    ),
     "limit": _number("largest value that the part can take, in `unit`"),
     "required": _number("safety that must be shown"),
     "safety": _or_null(_number(), "limit / value; null where the value is 0"),

@@ -3,6 +3,7 @@
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +25,7 @@ _UNTOLD = "cannot be explained"
 _HERE = Path("command line")
 _WRITTEN = (".html", ".vtu")  # files that a check writes beside its result
 _LISTED = 20  # results of a folder of many
+_ROUND_OFF = 1e-9  # of a value: its formulas, evaluated once more, differ by rounding alone
 
 
 @dataclass(frozen=True)
@@ -62,7 +64,7 @@ def run_why(
             said = "has no derivation, as another version wrote it: check the design again"
             raise DesignError(target, _UNTOLD, said)
         for check, _ in found:
-            _must_evaluate(target, check)
+            _must_agree(target, check)
         if wanted.as_json:
             plain = [check.to_dict() for check, _ in found]
             print(json.dumps(plain, indent=1, allow_nan=False, ensure_ascii=False))
@@ -182,13 +184,38 @@ def _of_another_version(target: Path, why: str) -> DesignError:
     return DesignError(target, _UNTOLD, told)
 
 
-def _must_evaluate(target: Path, check: Check) -> None:
-    """Raises DesignError where the formulas of a check's derivation give no number."""
+def _must_agree(target: Path, check: Check) -> None:
+    """Raises DesignError where a check's numbers are not those of its derivation's formulas.
+
+    An eigenvalue's error bars have none.
+    """
+    derivation = check.derivation
+    if derivation is None:
+        return
+    number, bars = derivation.number, derivation.bars
+    pairs = [
+        ("value", check.value, (derivation.value,)),
+        ("limit", check.limit, (derivation.limit,)),
+        ("numerical error bar", check.numerical, bars.numerical.split()),
+        ("model error bar above", check.model, bars.above.split()),
+        ("model error bar below", check.below, bars.below.split()),
+    ]
     try:
-        _ = check.derivation and check.derivation.values
+        found = [
+            (name, stated, sum(map(number, symbols)))
+            for name, stated, symbols in pairs
+            if symbols or not derivation.unproved
+        ]
     except FormulaError as error:
         told = f"{check.part} {check.kind}: the formulas give no number: {error}"
         raise _of_another_version(target, told) from error
+    for name, stated, own in found:
+        if isfinite(stated) and not abs(own - stated) <= _ROUND_OFF * max(check.value, stated):
+            told = (
+                f"a {name} of {stated:.6g} stands in the result, and its own formulas give "
+                f"{own:.6g}: one of them was changed; check the design again"
+            )
+            raise DesignError(target, f"{check.part} {check.kind}", told)
 
 
 def wanted_checks(target: Path, checks: Sequence[Check], wanted: Wanted) -> list[tuple[Check, str]]:

@@ -83,6 +83,7 @@ def run_machine(
     say("loads: solving the cycles")
     design = with_events(design, masses, compliances)
     rigid = solve_cycles(design, masses, compliances, store)
+    say("loads: vibration of the linkage")
     vibration = vibration_of(design, rigid)
     return MachineRuns(
         design=design,

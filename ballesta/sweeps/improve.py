@@ -136,6 +136,7 @@ def with_changes(
     rubbing  part -> friction between its leaves, as the check has found it
 
     None where only the linkage does not pass. Where all pass, the two heaviest shapes are tried.
+    Where none is found, the result tells why.
     Sampling errors are taken from the result, and of the cycles only those that decide a check or
     stand in the duty are solved; `improve` takes all, and finds sampling errors anew.
     """
@@ -143,7 +144,8 @@ def with_changes(
     found = search.changes(say, shapes=_HEAVIEST)
     if search.open:
         found = [change for change in found if result.deciding.part in change.parts]
-    return replace(result, changes=_ranked(found, search.harmless)[:_BEST])
+    best = _ranked(found, search.harmless)[:_BEST]
+    return replace(result, changes=best, unchanged="" if best else search.why_none)
 
 
 def _checker(path: Path, overrides: Sequence[str], effort: Effort) -> Verify:
@@ -253,6 +255,19 @@ class _Search:
         )
         return self.dimensions(tuple(part for parts in heaviest[:shapes] for part in parts), say)
 
+    @property
+    def why_none(self) -> str:
+        """Reason in words for an answer without changes."""
+        part = self.result.deciding.part
+        if self._linkage_open and (part == LINKAGE or not self.open):
+            return "what makes the linkage as a whole stiffer is not sought"
+        if self.open:
+            return (
+                f"no single dimension of {part} within a factor of {MOST:g}, nor a known material, "
+                "is estimated to make it pass"
+            )
+        return "no single dimension of the heaviest parts is estimated to save mass and pass"
+
     def dimensions(self, wanted: tuple[str, ...], say: Callable[[str], None]) -> list[Change]:
         """Changes of one dimension each, for the wanted parts that it matters for."""
         found: list[Change | None] = []
@@ -350,9 +365,11 @@ class _Search:
             self._compare(sorted(new))
         ratios = [inf]
         for name in [*others, *([LINKAGE] if asks else [])]:
-            before = min(1.0, (1 - _SAME) * self._before(name))
+            has = self._before(name)
+            before = min(1.0, (1 - _SAME) * has)
+            reshaped = has >= 1 and bool(self._parts_of(change.key, (name,)))
             if before:  # 0 without an error bar: nothing can be said, before as after
-                ratios.append(self.reserve(one, (name,)) / before)
+                ratios.append(self.reserve(one, (name,), margin=reshaped) / before)
         return min(ratios)
 
     def _others(self, change: Change) -> list[str]:
@@ -398,12 +415,15 @@ class _Search:
             owners.append(like)
         return owners
 
-    def reserve(self, one: Screened, parts: Sequence[str]) -> float:
-        """The least reserve of some parts' checks; 0 where a check has no upper end."""
-        return min((r for r, *_ in self._reserves(one, parts)), default=inf)
+    def reserve(self, one: Screened, parts: Sequence[str], *, margin: bool = True) -> float:
+        """The least reserve of some parts' checks; 0 where a check has no upper end.
+
+        margin  False for parts that keep their shape: so does the ratio of their models
+        """
+        return min((r for r, *_ in self._reserves(one, parts, margin=margin)), default=inf)
 
     def _reserves(
-        self, one: Screened, parts: Sequence[str]
+        self, one: Screened, parts: Sequence[str], *, margin: bool = True
     ) -> list[tuple[float, float, float, Check]]:
         """Reserve, safety at the value and at the upper end, and check, of some parts."""
         found = []
@@ -413,8 +433,8 @@ class _Search:
             ratio, reach, same = self._ratios.get(_name(check), (1.0, 1.0, True))
             safety = check.limit / (check.value * ratio)
             least = check.limit / ((check.upper if same else check.value) * reach)
-            margin = 1.0 if same else _MARGIN
-            found.append((least / (check.required * margin), safety, least, check))
+            kept = _MARGIN if margin and not same else 1.0
+            found.append((least / (check.required * kept), safety, least, check))
         return found
 
     def _exponent(self, part: str, aside: Screened) -> float:
@@ -489,7 +509,7 @@ class _Search:
             aim = _rounded(aim, old, up=outward)
             if aim == x and best is None:  # round-off short of it
                 aim = _rounded(x * (1 + (_NEXT if outward else -_NEXT)), old, up=outward)
-            if any(aim == x for x, _ in points):
+            if aim == unknown or any(aim == x for x, _ in points):
                 break
             one = self._screened(key, aim, unit, parts)
             reached = 0.0 if one.problem else self.reserve(one, parts)

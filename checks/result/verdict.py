@@ -34,6 +34,7 @@ class Check:
     numerical         half-width of the numerical error bar, in `unit`; infinite if unknown
     sampling          part of `numerical` for peaks between the positions of the cycle, in `unit`
     loads, loads_below  parts of `model` and `model_below` for loads that are not known for certain
+    doubts            these parts one by one: words, above and below the value
     model             model band above the value, in `unit`
     model_below       model band below the value; None if the same as above
     limit             largest value that the part can take, in `unit`
@@ -65,6 +66,7 @@ class Check:
     sampling: float = 0.0
     loads: float = 0.0
     loads_below: float = 0.0
+    doubts: tuple[tuple[str, float, float], ...] = ()
     derivation: "Derivation | None" = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -130,6 +132,7 @@ class Check:
         names = (name for name in self.__dataclass_fields__ if name != "derivation")
         plain = {name: getattr(self, name) for name in names}
         plain |= {name: None for name in ("numerical", "model") if not isfinite(plain[name])}
+        plain["doubts"] = [list(doubt) for doubt in self.doubts]
         safety = self.safety if isfinite(self.safety) else None
         derived = {} if self.derivation is None else {"derivation": self.derivation.to_dict()}
         return plain | {
@@ -158,6 +161,8 @@ class Check:
             try:
                 if name == "derivation":
                     own[name] = None if value is None else derivation_of_data(value)
+                elif name == "doubts":
+                    own[name] = tuple((text_of(w), number_of(a), number_of(b)) for w, a, b in value)
                 elif name in _BARS:
                     own[name] = inf if value is None else number_of(value)
                 else:
@@ -474,7 +479,8 @@ class DesignResult:
     motion    cycle -> how the parts move in it; none of a run that was measured
     assumed_by_design  keys of `assumed` that the design itself marks; the others are the tool's
     ways     out of what is open, the cheapest first (checks/result/ways.py)
-    changes  single changes that make it pass, or save mass, best first; none where none were sought
+    changes  single changes that make it pass, or save mass, best first
+    unchanged  why there are no changes, in words; "" where there are, and where none were sought
     date     of the check, as 2026-11-23; "" if not known
     """
 
@@ -500,6 +506,7 @@ class DesignResult:
     ways: Sequence[Way] = ()
     changes: Sequence[Change] = ()
     date: str = ""
+    unchanged: str = ""
 
     @property
     def checks(self) -> list[Check]:
@@ -561,4 +568,5 @@ class DesignResult:
             "timings": dict(self.timings),
             "ways_out": [way.to_dict() for way in self.ways],
             "changes": [change.to_dict() for change in self.changes],
+            "unchanged": self.unchanged,
         }

@@ -103,11 +103,9 @@ def _of_check(
 
 
 def lower_by(check: Check) -> str:
-    """How much lower a check's value must be to pass, in words; it ends with what improve tells."""
+    """How much lower a check's value must be to pass, in words; "" where that is not known."""
     less = _excess(check)
-    if not less:
-        return LEAST
-    return f"its value must be {number(less, 2)} % lower, error bars included; {LEAST}"
+    return f"its value must be {number(less, 2)} % lower, error bars included" if less else ""
 
 
 def _excess(check: Check) -> float:

@@ -20,22 +20,24 @@ def with_doubts(check: Check, ends: Mapping[str, Sequence[float]]) -> Check:
     ends  words of a doubt -> the check's value at its ends, in its unit
     """
     above = below = 0.0
-    told = []
+    told = list[tuple[str, float, float]]()
     for words, values in ends.items():
         more = max(0.0, *(value - check.value for value in values))
         less = max(0.0, *(check.value - value for value in values))
         if max(more, less) > _ROUND_OFF * check.value:
             above, below = above + more, below + less
-            told.append(words)
+            told.append((words, more, less))
     if not told:
         return check
-    note = f"loads not known for certain ({', '.join(told)}): {_sides(check, above, below)}"
+    names = ", ".join(words for words, *_ in told)
+    note = f"loads not known for certain ({names}): {_sides(check, above, below)}"
     found = replace(
         check,
         model=check.model + above,
         model_below=check.below + below,
         loads=check.loads + above,
         loads_below=check.loads_below + below,
+        doubts=(*check.doubts, *told),
         note="; ".join(text for text in (check.note, note) if text),
     )
     return found.explained_by(check.derivation)

@@ -50,8 +50,9 @@ def questions(result):
     binds = any(gate.binding for gate in broken)
     held = "not valid" if binds else "not met" if broken else "validity checks hold"
     known = passes or isfinite(check.upper)
-    told = known or result.changes  # a better model comes first where nothing else is told
-    changes = "ballesta improve" if told else "a model that knows its error bar"
+    changes = "ballesta improve" if result.changes else clean(result.unchanged)
+    if not (known or result.changes):  # a better model comes first where nothing else is told
+        changes = "a model that knows its error bar"
     return {
         "does it survive?": [str(result.status)],
         "which part?": [f"{check.kind}", f"of {check.part}"],

@@ -1,11 +1,18 @@
-"""Error bars of a check one by one."""
+"""Assumptions, models and errors behind a check's error bars, one by one."""
 
 from dataclasses import replace
 from math import inf
 
-from checks.result.verdict import Status
+import pytest
+
+from ballesta.design.read import read_design
+from ballesta.pipeline import check_design
+from checks.design.effort import Effort
+from checks.result.verdict import Check, Status
+from checks.strength.load_doubts import with_doubts
 from reports import report_html
 from reports.gauge import shares
+from reports.page import sorted_assumptions
 
 from . import results
 
@@ -42,3 +49,62 @@ def test_the_page_folds_the_bars_that_change_nothing_alone():
     )
     assert "safety 1.485 to 1.65" in shown
     assert "safety 1.550 to 1.60" in folded
+
+
+def test_each_doubt_about_the_loads_has_its_own_safeties():
+    """Of 225 MPa the first may make 250 and 220, the second 235: 25 and 10 above, 5 below."""
+    bare = results.check(value=225.0, numerical=0.0, model=0.0)
+    check = with_doubts(bare, {"speed": (250.0, 220.0), "stop": (225.0, 235.0), "rest": (225.0,)})
+    assert check.doubts == (("speed", 25.0, 5.0), ("stop", 10.0, 0.0))
+    assert (check.loads, check.loads_below) == (35.0, 5.0)
+    assert [(share.name, share.ends) for share in shares(check)] == [
+        ("speed", "1.42 to 1.61"),  # 355/250, 355/220
+        ("stop", "1.510 to 1.57"),  # 355/235, 355/225
+    ]
+    assert Check.from_dict(check.to_dict()) == check
+
+
+@pytest.fixture(scope="module")
+def hammer():
+    return check_design(read_design("designs/spring_hammer.toml"), effort=Effort("formula"))
+
+
+@pytest.mark.slow
+def test_what_a_model_band_is_made_of_adds_up_to_it(hammer):
+    """Friction of leaves, formula against solids, drive's speed; forks of columns and linkage."""
+    names = set()
+    for check in hammer.checks:
+        sizes = shares(check)
+        names |= {share.name.partition(":")[0] for share in sizes}
+        ends = [check.limit / check.upper, check.limit / check.value]
+        assert ends[0] <= ends[1]
+        low = [float(share.ends.partition(" ")[0]) for share in sizes]
+        left = sum(check.limit / safety - check.value for safety in low if safety < ends[1])
+        # safeties are rounded down in the third digit: each may tell 1 % more than there is
+        assert 0.97 * (check.upper - check.value) <= left + 1e-9
+        assert left <= check.upper - check.value + 0.012 * len(low) * check.value
+    assert names >= {
+        "friction and preload between the leaves", "formula in place of a solid", "stiff forks",
+        "the forks are between hinged and clamped",
+        "changes of speed between its slowest and fastest",
+    }  # fmt: skip
+
+
+def test_assumptions_of_other_parts_are_told_apart():
+    """The deciding part's, what it is like, and the machine's come first."""
+    assumed = [
+        ("duty.cycles.press", "one shift"), ("parts.bar_upper.hole", "bush"),
+        ("parts.pin_B.stack", "4 mm of space"), ("bodies.upper.elastic", "all for vibration only"),
+    ]  # fmt: skip
+    inputs = [("parts.bar_lower.like", "bar_upper")]
+    lower = results.part("bar_lower", [results.check("bar_lower", value=200.0)])
+    upper = results.part(checks=[results.PASSING])
+    pin = results.part("pin_B", [results.check("pin_B", value=1.0)], assumed=["short"])
+    result = results.design(upper, lower, pin, assumed=assumed, inputs=inputs)
+    assert result.deciding.part == "bar_lower"
+    found = sorted_assumptions(result)
+    near = [what for _, what in (*found.design, *found.tool)]
+    assert near == ["one shift", "bush", "bearing arc 120 deg"]
+    assert [what for _, what in found.elsewhere] == [
+        "4 mm of space", "all for vibration only", "short",
+    ]  # fmt: skip

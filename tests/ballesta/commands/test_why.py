@@ -241,6 +241,21 @@ def test_of_an_altered_result_the_key_is_named(result, tmp_path, capsys, path, v
     assert said in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("name", ["value", "limit", "numerical", "model", "model_below"])
+def test_a_number_that_was_changed_is_named(result, tmp_path, capsys, name):
+    """By its own formulas: 0.1 % of the smallest error bar, 0.004 of 8.6 MPa, is enough."""
+    data = json.loads(result.read_text(encoding="utf-8"))
+    file = tmp_path / "result.json"
+    assert run_why(result, Wanted("rod", ("static",))) == 0
+    kinds = [check["kind"] for check in data["parts"][0]["checks"]]
+    where = ("parts", 0, "checks", kinds.index("static"), name)
+    stated = data["parts"][0]["checks"][kinds.index("static")][name]
+    file.write_text(json.dumps(altered(data, where, (stated or 1.0) * 1.001)), "utf-8")
+    assert run_why(file, Wanted("rod", ("static",))) == 2
+    assert "rod static: a" in (said := capsys.readouterr().err)
+    assert "stands in the result, and its own formulas give" in said
+
+
 def nested(depth):
     value = []
     for _ in range(depth):

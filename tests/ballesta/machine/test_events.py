@@ -16,6 +16,7 @@ from ballesta.machine.validity_checks import load_gates
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort
 from checks.design.errors import DesignError
+from reports.loads_page import _chart
 from reports.loads_text import loads_text
 
 from ...small_machine import MACHINE, PLATE, machine
@@ -52,6 +53,9 @@ def test_the_example_of_the_document_runs(tmp_path):
     assert "to rest by the brake at crank.angle = 200 deg:" in said
     assert "in the steady run" in said
     assert "stands in the duty but is not closed" not in said
+    turn, *events = (_chart(cycle) for cycle in result.cycles)
+    assert all("time [s]" in chart and "crank.angle [deg]" not in chart for chart in events)
+    assert "time [s]" not in turn
 
 
 def test_a_stop_has_the_way_of_the_delay_and_then_of_its_energy(tmp_path):

@@ -1,6 +1,7 @@
 """Single changes that make a plate pass, against what its check says of them."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,7 @@ from ballesta.pipeline import check_design, check_file
 from ballesta.sweeps.improve import improve, with_changes
 from checks.design.effort import Effort
 from checks.result.verdict import Status
+from reports.answer_facts import answer_text
 from tests.small_machine import PLATE, machine
 
 FORMULA = Effort("formula")
@@ -120,3 +122,48 @@ def test_a_part_without_an_error_bar_is_no_hindrance_for_the_change_of_another()
     (change,) = with_changes(stated, result).changes
     assert change.parts == ("pin_B",)
     assert change.key == "parts.pin_B.material"
+
+
+def _as_by_solids(result):
+    """The result, as if a solid had found the same numbers."""
+    parts = [
+        replace(part, checks=[replace(check, method="solid") for check in part.checks])
+        for part in result.parts
+    ]
+    return replace(result, parts=parts)
+
+
+def test_a_part_that_fails_anyway_and_keeps_its_shape_is_no_hindrance(tmp_path):
+    """Both plates fail; the margin for a part's own shape is not asked of the other one.
+
+    The arm is bent, and as strong as the rod with 40 mm.
+    """
+    arm = PLATE.replace("[parts.rod]", "[parts.arm]").replace('body = "rod"', 'body = "crank"')
+    arm = arm.replace('first = "A", second = "B"', 'first = "O", second = "A"')
+    arm = arm.replace('"8 mm"', '"40 mm"')
+    stated = machine(tmp_path, PLATE + arm)
+    safeties = [
+        check.limit / check.upper
+        for part in check_design(stated, effort=FORMULA).parts
+        for check in part.checks
+        if check.kind == "static"
+    ]
+    stated = read_design(stated.file, (f"require.static={1.2 * max(safeties)}",))
+    result = _as_by_solids(check_design(stated, effort=FORMULA))
+    failing = [p.name for p in result.parts if any(c.status is not Status.PASS for c in p.checks)]
+    assert failing == ["rod", "arm"]
+    changes = with_changes(stated, result).changes
+    assert {change.parts for change in changes} == {(result.deciding.part,)}
+    assert with_changes(stated, result).unchanged == ""
+
+
+def test_where_no_change_is_found_the_result_tells_so(file):
+    """Ten times the safety is no matter of a factor of two in one dimension."""
+    check = rod(file)
+    design = read_design(file, [NEED.format(10 * check.limit / check.upper)])
+    result = with_changes(design, check_design(design, effort=FORMULA))
+    assert result.changes == []
+    assert result.unchanged.startswith("no single dimension of rod within a factor of 2")
+    told = answer_text(result)
+    assert result.unchanged in " ".join(told.split())
+    assert "ballesta improve" not in told
