@@ -21,7 +21,7 @@ from bench.levers import TURNS, drawn_levers
 from checks.design.data import Design, Part
 from checks.design.errors import DesignError
 from checks.part.loaded_part import LoadedPart, check_reach
-from checks.part.part_loads import PartLoads, loads_on
+from checks.part.part_loads import PartLoads, Runs, loads_on
 from checks.stress.solid_mesh_level import Models
 from geometry.cad_body import cad_body
 from geometry.mesh import MeshError
@@ -137,6 +137,7 @@ class Variation:
     """One variation of a scene: number 0 is the part as it is.
 
     factors  dimension -> factor on it
+    runs     name -> loads of the whole machine in a cycle, with the part as it is
     """
 
     scene: Scene
@@ -145,6 +146,7 @@ class Variation:
     design: Design
     part: Part
     loads: PartLoads
+    runs: Runs
 
     @property
     def name(self) -> str:
@@ -176,14 +178,13 @@ class Machines:
                 drawn_levers(scene.design, scene.count)
             ):
                 part = design.parts[scene.part]
-                yield Variation(
-                    scene, number, numbers, design, part, loads_on(design, part, cycles)
-                )
+                loads = loads_on(design, part, cycles)
+                yield Variation(scene, number, numbers, design, part, loads, cycles)
             return
         design, cycles = self.solved(scene.design)
         part = design.parts[scene.part]
         loads = loads_on(design, part, cycles)
-        yield Variation(scene, 0, {}, design, part, loads)
+        yield Variation(scene, 0, {}, design, part, loads, cycles)
         made = 0
         for factors in _factors(scene, part):
             if made == scene.count:
@@ -196,7 +197,7 @@ class Machines:
             except (ParameterError, MeshError, DesignError):
                 continue
             made += 1
-            yield Variation(scene, made, factors, design, changed, loads)
+            yield Variation(scene, made, factors, design, changed, loads, cycles)
 
 
 def _factors(scene: Scene, part: Part) -> Iterator[Mapping[str, float]]:

@@ -3,9 +3,9 @@
     python -m bench.rung_verdicts [--scene design/part]...   resumes; writes
                                                              bench/rungs/verdicts.jsonl
 
-Every variation is judged under loads multiplied so that the solid's worst utilisation of yield and
-fatigue is drawn between 0.2 and 3 (log-uniform, Sobol), and once more near its limit, between 0.85
-and 1.15. `auto` climbs as in a check: where it comes to the solid, the solid is really run.
+Every variation is judged for required safeties multiplied so that the solid's worst utilisation of
+yield and fatigue is drawn between 0.2 and 3 (log-uniform, Sobol), and once more near its limit,
+between 0.85 and 1.15. `auto` climbs as in a check: where it comes to the solid, it is really run.
 """
 
 import argparse
@@ -21,11 +21,11 @@ from scipy.stats import qmc
 
 from bench.rung_truth import known
 from bench.rung_variations import SCENES, SEED, Machines, Variation
+from checks.design.model import Requirements
 from checks.ladder.climb import AUTO, climb_cheap, start_climb
 from checks.ladder.result import cheap_result, solid_result
 from checks.models.checked import BUCKLING
 from checks.part.loaded_part import LoadedPart
-from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check, PartResult, Status
 from checks.stress.solid_mesh_level import Models
 
@@ -34,30 +34,31 @@ _WIDE, _NEAR = (0.2, 3.0), (0.85, 1.15)
 _DRAWN = 64  # more than any scene has variations
 
 
-def scaled(loads: PartLoads, factor: float) -> PartLoads:
-    """Loads times a factor, inertia included."""
-    return replace(
-        loads,
-        wrenches={name: factor * wrench for name, wrench in loads.wrenches.items()},
-        accelerations=factor * loads.accelerations,
-        tilting=factor * loads.tilting,
+def demanded(required: Requirements, factor: float) -> Requirements:
+    """Required safeties times a factor, which judges as loads times it would without friction."""
+    return Requirements(
+        static=factor * required.static,
+        fatigue=factor * required.fatigue,
+        buckling=factor * required.buckling,
+        bush=required.bush,
     )
 
 
-def truth_checks(line: Mapping[str, Any], variation: Variation, factor: float) -> dict[str, Check]:
-    """The solid's checks with all loads multiplied by a factor, by kind."""
-    require = variation.design.require
+def truth_checks(
+    line: Mapping[str, Any], variation: Variation, require: Requirements
+) -> dict[str, Check]:
+    """The solid's checks for some required safeties, by kind."""
     needed = {"static": require.static, "fatigue": require.fatigue, BUCKLING: require.buckling}
     return {
         check["kind"]: Check(
             part=variation.part.name,
             kind=check["kind"],
             quantity=check["kind"],
-            value=factor * check["value"],
+            value=check["value"],
             unit="",
-            numerical=inf if check["numerical"] is None else factor * check["numerical"],
-            model=factor * (check["above"] or 0.0),
-            model_below=factor * (check["below"] or 0.0),
+            numerical=inf if check["numerical"] is None else check["numerical"],
+            model=check["above"] or 0.0,
+            model_below=check["below"] or 0.0,
             limit=check["limit"],
             required=needed[check["kind"]],
             cycle="",
@@ -70,11 +71,13 @@ def truth_checks(line: Mapping[str, Any], variation: Variation, factor: float) -
     }
 
 
-def auto_of(variation: Variation, factor: float, models: Models) -> tuple[PartResult, float]:
-    """Verdict of `auto` under loads multiplied by a factor, and the seconds it took."""
+def auto_of(
+    variation: Variation, require: Requirements, models: Models
+) -> tuple[PartResult, float]:
+    """Verdict of `auto` for some required safeties, and the seconds it took."""
     start = perf_counter()
-    loads = scaled(variation.loads, factor)
-    climb = start_climb(LoadedPart(variation.design, variation.part, loads))
+    design = replace(variation.design, require=require)
+    climb = start_climb(LoadedPart(design, variation.part, variation.loads, variation.runs))
     if climb_cheap(climb, AUTO):
         result = solid_result(climb, models, lambda _: None, everything=False)
     else:
@@ -86,11 +89,12 @@ def compared(
     variation: Variation, line: Mapping[str, Any], target: float, drawn: str, models: Models
 ) -> Iterator[dict[str, Any]]:
     """A row for each check of a variation: the status by the solid and by `auto`."""
-    at_one = truth_checks(line, variation, 1.0)
+    require = variation.design.require
+    at_one = truth_checks(line, variation, require)
     worst = max(check.utilisation for kind, check in at_one.items() if kind != BUCKLING)
-    factor = target / worst
-    truth = truth_checks(line, variation, factor)
-    result, seconds = auto_of(variation, factor, models)
+    require = demanded(require, target / worst)
+    truth = truth_checks(line, variation, require)
+    result, seconds = auto_of(variation, require, models)
     tried = [rung.rung for rung in result.rungs if rung.checks]
     for check in result.checks:
         if check.quantity.startswith(("column", "crooked")) or check.kind not in truth:

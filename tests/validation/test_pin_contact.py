@@ -50,6 +50,31 @@ def test_a_square_ended_lug_reaches_the_charts_factor_by_its_bars_not_by_its_val
     assert (1 + BEYOND_ARCS) * max(peaks) > chart  # the upper end of a check's default bars
 
 
+# K_tb of Niu's Fig. 7.7.25, as digitised in Borlag/jolt, jolt/fatigue.py at 3df95dd, between points
+NIUS = {0.2: 1.2816, 0.3: 1.5583, 0.4: 1.9722, 0.5: 2.6506, 0.6: 3.572}
+# Net factors at 1 % clearance by ESDU 81006, as fitted in a public calculator, for a/W 0.6 and 0.5.
+ESDUS = {(0.6, 0.3): 3.893, (0.6, 0.4): 3.313, (0.6, 0.5): 3.048,
+         (0.5, 0.3): 4.207, (0.5, 0.4): 3.674, (0.5, 0.5): 3.447}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("front", "share", "factor"),
+    [
+        *((1.0, u, bearing * (1 - u) / u) for u, bearing in NIUS.items()),
+        *((*at, factor) for at, factor in ESDUS.items()),
+    ],
+)
+def test_a_lugs_default_bars_hold_the_charts_of_niu_and_of_esdu(front, share, factor):
+    """Above the half circle's own peak, below the upper end of the bars: "Pins in holes"."""
+    width, force = 20.0, 1000.0
+    reach, corners = box(2.5 * width, width / 2, front * width)
+    eye = Eye("lug", share * width, 1.0, force, reach, corners, -2.5 * width)
+    grid = Grid(eye, 1.2, 0.0, 1.0)
+    nominal = force / (width - eye.hole)
+    peaks = [cosine(grid, arc).hoop / nominal for arc in (180.0, 135.0, 90.0)]
+    assert peaks[0] < factor < (1 + BEYOND_ARCS) * max(peaks)
+
+
 @pytest.mark.parametrize(
     ("eye", "clearance", "arc", "pressure", "mises", "hoop"),
     [
