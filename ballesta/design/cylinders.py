@@ -8,8 +8,8 @@ from checks.design.errors import Problems, no_such
 from checks.design.materials import Material
 from checks.design.model import DesignFile
 from checks.design.tables import Available, CylinderEntry
+from geometry.bars import RulingSection
 from geometry.parameters import ParameterError
-from geometry.sections import RulingSection
 
 _SAME = 1e-9  # a length that is stated twice
 

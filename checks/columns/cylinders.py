@@ -17,8 +17,7 @@ from checks.part.derived import NO_BAND, Band, Heading, Kind, Series, demand_ove
 from checks.part.part_loads import Runs, first_largest, shown_of, stretches_of
 from checks.result.derivation import BARS, Derivation, Given, Item, LoadCase, Section, Step
 from checks.result.verdict import Check
-from checks.strength.sampling import with_sampling
-from checks.strength.splines import Spline
+from checks.strength.sampling import Spline, with_sampling
 from geometry.mesh import FloatArray, IntArray
 
 _PAGE = "[cylinders](../theory/cylinders.md)"
