@@ -14,6 +14,7 @@ from ballesta import check
 from ballesta.cli import main
 from ballesta.design.read import read_design
 from checks.columns.cylinders import KINDS
+from checks.columns.cylinders import cylinder_checks as cylinder_checks_of
 from checks.handbook.stepped_column import buckling_force, largest_moments
 
 EI = (2.1e5 * pi / 64 * (72**4 - 60**4), 2.1e5 * pi / 64 * 30**4)
@@ -249,3 +250,7 @@ def test_order_of_keys_and_units_change_nothing(jib):
     jib.write_text(f"{head}[cylinders.lift]\n{turned}\n[parts.jib]\n{rest}")
     assert read_design(jib).cylinders["lift"].closed == 950.0
     assert [one.value for one in cylinder_checks(jib)[0]] == before
+
+
+def test_measured_runs_say_nothing_of_cylinders(jib):
+    assert cylinder_checks_of(read_design(jib), {}) == []
