@@ -313,7 +313,8 @@ def _beside(result: DesignResult) -> Iterator[Fact]:
     counts = [f"{len(assumed)} assumption{'' if len(assumed) == 1 else 's'}"] if assumed else []
     counts += [f"{defaults} default value{'' if defaults == 1 else 's'}"] if defaults else []
     if counts:
-        widest = shares(result.deciding)[:1] if result.checks else []
+        known = result.checks and isfinite(result.deciding.upper)  # else "why open" tells it
+        widest = shares(result.deciding)[:1] if known else []
         first = [f"the widest: {_short(share.name)}, safety {share.ends}" for share in widest]
         yield Fact("assumed", "; ".join([" and ".join(counts), *first]))
     if result.not_checked:
