@@ -105,24 +105,19 @@ class FatigueUse(Judged):
         cycles        name -> slice of the m positions
         """
         assert level.duty is not None
-        basis = level.duty.basis[points]
-        return self._again(level, points, basis, coefficients, cycles)
+        duty = self._duty_over(level, points, level.duty.basis[points], coefficients, cycles)
+        return self._again(level, points, duty)
 
     def anew(
         self, level: Stressed, points: IntArray, basis: FloatArray, coefficients: FloatArray
     ) -> float:
         """The quantity at some surface points (n,) with another history, MPa."""
-        return self._again(level, points, basis, coefficients, self.loads.cycles)
+        duty = self._duty_over(level, points, basis, coefficients, self.loads.cycles)
+        return self._again(level, points, duty)
 
-    def _again(
-        self,
-        level: Stressed,
-        points: IntArray,
-        basis: FloatArray,
-        coefficients: FloatArray,
-        cycles: Mapping[str, slice],
-    ) -> float:
-        return self._duty_over(level, points, basis, coefficients, cycles).peak.value
+    def _again(self, level: Stressed, points: IntArray, duty: DutyVerdict) -> float:
+        """The quantity at some surface points (n,) of a level, over a duty of theirs, MPa."""
+        return duty.peak.value
 
     def _duty_over(
         self,
@@ -198,15 +193,7 @@ class LifeUse(FatigueUse):
         value = self.limit / life.safety
         return FatiguePeak(value, life.point, WHOLE_DUTY, life.pair, "Miner")
 
-    def _again(
-        self,
-        level: Stressed,
-        points: IntArray,
-        basis: FloatArray,
-        coefficients: FloatArray,
-        cycles: Mapping[str, slice],
-    ) -> float:
-        duty = self._duty_over(level, points, basis, coefficients, cycles)
+    def _again(self, level: Stressed, points: IntArray, duty: DutyVerdict) -> float:
         return self.limit / shortest_life(duty, self.task).safety
 
     def safety_missed(self, level: Stressed) -> float:
@@ -303,18 +290,14 @@ class FkmUse(FatigueUse):
         used = [found.utilisation_between(stress[..., k]) for k in range(len(numbers))]
         return [float(one.max()) * self.strength.reference for one in used]
 
-    def _again(
-        self,
-        level: Stressed,
-        points: IntArray,
-        basis: FloatArray,
-        coefficients: FloatArray,
-        cycles: Mapping[str, slice],
-    ) -> float:
-        duty = self._duty_over(level, points, basis, coefficients, cycles)
+    def _again(self, level: Stressed, points: IntArray, duty: DutyVerdict) -> float:
         slopes = slopes_of(_solid(level).solutions)
         found = fkm_judgement(
-            self.strength, duty.basis, coefficients, duty.runs, lambda some: slopes(points[some])
+            self.strength,
+            duty.basis,
+            duty.coefficients,
+            duty.runs,
+            lambda some: slopes(points[some]),
         )
         return found.demand
 
