@@ -10,7 +10,7 @@ Fatigue 19 (1997) 219. k and f follow from the limits in reversed bending and in
 
     k / sqrt(1 + k^2) = 2 t/b - 1,    f = t sqrt(1 + k^2) = b/2 (k + sqrt(1 + k^2))
 
-so both reversed tests give 1. **Compression earns no credit**: the mean of the normal stress on each
+so both reversed tests give 1. **Compression earns no credit**: the mean of the normal stress on a
 plane counts as not less than 0, sigma_n = max(largest, half the range).
 
 The search (proofs in docs/theory/multiaxial.md): along any great circle F is an upper envelope of
