@@ -54,52 +54,59 @@ Overrides = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="override a value, e.g. parts.bar.wall=5mm"),
 ]
+Accuracy = Annotated[
+    str | None,
+    typer.Option(
+        "--accuracy", help="numerical error to refine meshes to, such as 5%; else the file's"
+    ),
+]
+Fidelity = Annotated[
+    str,
+    typer.Option(
+        "--fidelity",
+        metavar="RUNG",
+        help="formula, beam, solid, or auto: the cheapest that settles each part",
+    ),
+]
+Within = Annotated[
+    str | None,
+    typer.Option(
+        "--within",
+        metavar="TIME",
+        help="time limit of a check, e.g. 60s; ends with the models finished by then",
+    ),
+]
+Store = Annotated[
+    Path | None,
+    typer.Option(
+        "--store",
+        metavar="DIR",
+        envvar="BALLESTA_STORE",
+        help="folder that keeps loads, meshes and solutions for later checks",
+    ),
+]
+NoStore = Annotated[
+    bool, typer.Option("--no-store", help="use no store, even if BALLESTA_STORE names one")
+]
+Out = Annotated[Path, typer.Option("--out", help="folder for reports")]
+Json = Annotated[bool, typer.Option("--json", help="print the result as JSON")]
 
 
 @app.command()
 def check(
     designs: Designs,
-    out: Annotated[Path, typer.Option("--out", help="folder for reports")] = Path("out"),
+    out: Out = Path("out"),
     json: Annotated[bool, typer.Option("--json", help="print the results as a JSON list")] = False,
     overrides: Overrides = None,
-    accuracy: Annotated[
-        str | None,
-        typer.Option(
-            "--accuracy", help="numerical error to refine meshes to, such as 5%; else the file's"
-        ),
-    ] = None,
-    fidelity: Annotated[
-        str,
-        typer.Option(
-            "--fidelity",
-            metavar="RUNG",
-            help="formula, beam, solid, or auto: the cheapest that settles each part",
-        ),
-    ] = "auto",
-    within: Annotated[
-        str | None,
-        typer.Option(
-            "--within",
-            metavar="TIME",
-            help="time limit, e.g. 60s; ends with the models finished by then",
-        ),
-    ] = None,
+    accuracy: Accuracy = None,
+    fidelity: Fidelity = "auto",
+    within: Within = None,
     fields: Fields = False,
     baseline: Annotated[
         bool, typer.Option("--write-baseline", help="write NAME.baseline.json beside each design")
     ] = False,
-    store: Annotated[
-        Path | None,
-        typer.Option(
-            "--store",
-            metavar="DIR",
-            envvar="BALLESTA_STORE",
-            help="folder that keeps loads, meshes and solutions for later checks",
-        ),
-    ] = None,
-    no_store: Annotated[
-        bool, typer.Option("--no-store", help="use no store, even if BALLESTA_STORE names one")
-    ] = False,
+    store: Store = None,
+    no_store: NoStore = False,
     pdf: Annotated[
         bool, typer.Option("--pdf", help="also print report.pdf, by the browser that is there")
     ] = False,
@@ -164,16 +171,9 @@ def batch(
             help="search one --sweep for the value that just passes: pass, or 'pass of PART, PART'",
         ),
     ] = None,
-    fidelity: Annotated[
-        str, typer.Option("--fidelity", metavar="RUNG", help="models, as for check")
-    ] = "auto",
-    within: Annotated[
-        str | None,
-        typer.Option("--within", metavar="TIME", help="time limit of each design, as for check"),
-    ] = None,
-    accuracy: Annotated[
-        str | None, typer.Option("--accuracy", help="accuracy of each design, as for check")
-    ] = None,
+    fidelity: Fidelity = "auto",
+    within: Within = None,
+    accuracy: Accuracy = None,
     time_limit: Annotated[
         str,
         typer.Option("--time-limit", metavar="TIME", help="stop a design after it; none: never"),
@@ -274,8 +274,8 @@ def loads(
         list[str] | None,
         typer.Option("--cycle", metavar="NAME", help="only this cycle or run; may be given again"),
     ] = None,
-    out: Annotated[Path, typer.Option("--out", help="folder for the page")] = Path("out"),
-    json: Annotated[bool, typer.Option("--json", help="print the result as JSON")] = False,
+    out: Out = Path("out"),
+    json: Json = False,
     overrides: Overrides = None,
 ) -> None:
     """Solve the cycles of a design: reactions, efforts, drive and contacts, and their validity.
@@ -297,8 +297,8 @@ def ladder(
     part: Annotated[
         str | None, typer.Option("--part", metavar="NAME", help="only this part; else all")
     ] = None,
-    out: Annotated[Path, typer.Option("--out", help="folder for the page")] = Path("out"),
-    json: Annotated[bool, typer.Option("--json", help="print the result as JSON")] = False,
+    out: Out = Path("out"),
+    json: Json = False,
     overrides: Overrides = None,
 ) -> None:
     """Try every model on every part: value and error bar against seconds; what auto chooses.
@@ -321,14 +321,9 @@ def diff(
     html: Annotated[
         Path | None, typer.Option("--html", metavar="FILE", help="write every change as a page")
     ] = None,
-    json: Annotated[bool, typer.Option("--json", help="print the result as JSON")] = False,
-    fidelity: Annotated[
-        str, typer.Option("--fidelity", metavar="RUNG", help="models that check design files")
-    ] = "auto",
-    within: Annotated[
-        str | None,
-        typer.Option("--within", metavar="TIME", help="time limit of each check, e.g. 60s"),
-    ] = None,
+    json: Json = False,
+    fidelity: Fidelity = "auto",
+    within: Within = None,
 ) -> None:
     """Compare A with B: verdicts, then inputs, loads, stresses, safety, masses.
 
@@ -370,10 +365,7 @@ def why(
     fidelity: Annotated[
         str | None, typer.Option("--fidelity", metavar="RUNG", help="models, as for check")
     ] = None,
-    store: Annotated[
-        Path | None,
-        typer.Option("--store", metavar="DIR", envvar="BALLESTA_STORE", help="as for check"),
-    ] = None,
+    store: Store = None,
 ) -> None:
     """Explain the number of a check: forces, stresses, formulas, limit, verdict.
 
@@ -397,19 +389,12 @@ def show(
         Path | None,
         typer.Option("--off-screen", metavar="FILE", help="write a PNG instead of a window"),
     ] = None,
-    fidelity: Annotated[
-        str, typer.Option("--fidelity", metavar="RUNG", help="as for check")
-    ] = "auto",
-    within: Annotated[
-        str | None, typer.Option("--within", metavar="TIME", help="as for check")
-    ] = None,
+    fidelity: Fidelity = "auto",
+    within: Within = None,
     fields: Fields = False,
     overrides: Overrides = None,
-    store: Annotated[
-        Path | None,
-        typer.Option("--store", metavar="DIR", envvar="BALLESTA_STORE", help="as for check"),
-    ] = None,
-    no_store: Annotated[bool, typer.Option("--no-store", help="as for check")] = False,
+    store: Store = None,
+    no_store: NoStore = False,
 ) -> None:
     """Check a design and open a window with the stress of its parts at every position.
 
@@ -431,10 +416,8 @@ def improve(
     apply: Annotated[
         bool, typer.Option("--apply", help="write the first change that passes into the file")
     ] = False,
-    fidelity: Annotated[
-        str, typer.Option("--fidelity", metavar="RUNG", help="as for check")
-    ] = "auto",
-    json: Annotated[bool, typer.Option("--json", help="print the changes as JSON")] = False,
+    fidelity: Fidelity = "auto",
+    json: Json = False,
     overrides: Overrides = None,
 ) -> None:
     """Find single changes that make a design pass, or save mass where it does.
@@ -486,13 +469,12 @@ def export(
 
     Exit code 0: written; 2: an input is wrong; 3: the numerics gave up.
     """
-    from ballesta.commands.export import run_export, run_export_cycle
+    from ballesta.commands.export import run_export
 
-    if pvd:
-        raise typer.Exit(
-            run_export_cycle(design, part, cycle=cycle, out=out, overrides=overrides or [])
-        )
-    raise typer.Exit(run_export(design, part, at, cycle=cycle, out=out, overrides=overrides or []))
+    position = None if pvd else at
+    raise typer.Exit(
+        run_export(design, part, position, cycle=cycle, out=out, overrides=overrides or [])
+    )
 
 
 @app.command()

@@ -5,7 +5,7 @@ K_R       = 1 - a_R lg(Rz) lg(2 R_m/R_m,N,min)            roughness, Rz in micro
 K_WK      = (1 + (1/K_R - 1)/K_f~) / (n K_V K_S K_NL,E)   design factor
 sigma_WK  = K_T,D sigma_W / K_WK                          strength of the part, R = -1
 sigma_AK  = K_AK sigma_WK                                 at the mean stress, `fkm_factor`
-a_BK      = sigma_a j_D / sigma_AK                        utilisation
+a_BK      = sigma_a / sigma_AK                            utilisation
 
 FKM guideline, 6th ed. (2012), chapter 4. R_m holds for the part at its size: take it from the
 range of thickness of its standard, or lower it by the technological size factor. Strengths hold
@@ -237,40 +237,35 @@ def fkm_utilisation(
     mean: npt.ArrayLike,
     limit: ComponentLimit,
     *,
-    safety: float = 1.0,
     credit: bool = False,
 ) -> FloatArray:
-    """Return sigma_a j_D / sigma_AK of local stresses in MPa, at constant R (overload case F2).
+    """Return sigma_a / sigma_AK of local stresses in MPa, at constant R (overload case F2).
 
-    safety is j_D. A compressive mean counts as 0; with `credit` it helps as the guideline allows.
+    A compressive mean counts as 0; with `credit` it helps as the guideline allows.
     """
-    _check(limit, safety)
+    _check(limit)
     material = MeanStressMaterial(1.0, 1.0, mean_stress_sensitivity=limit.sensitivity)
-    demand = mean_stress_utilisation(amplitude, mean, limit.limit, material, "fkm", credit=credit)
-    return np.asarray(safety * demand)
+    return mean_stress_utilisation(amplitude, mean, limit.limit, material, "fkm", credit=credit)
 
 
-def fkm_curve(limit: ComponentLimit, *, safety: float = 1.0) -> SNCurve:
-    """Return the component S-N curve of fully reversed local stress, lowered by j_D.
+def fkm_curve(limit: ComponentLimit) -> SNCurve:
+    """Return the component S-N curve of fully reversed local stress.
 
     Slope 5 (8 in shear) to 1e6 cycles; horizontal from there, but for aluminium and austenite,
     which go on with 15 (25). The guideline makes theirs horizontal at 1e8 cycles; this one goes on.
     """
-    _check(limit, safety)
+    _check(limit)
     below = float("inf") if limit.endures else _SLOPES_BELOW[limit.stress]
-    knee = limit.limit / safety
     slope = SLOPES[limit.stress]
-    return SNCurve(knee, KNEE_CYCLES, slope, slope_below=below, survival=SURVIVAL)
+    return SNCurve(limit.limit, KNEE_CYCLES, slope, slope_below=below, survival=SURVIVAL)
 
 
-def _check(limit: ComponentLimit, safety: float) -> None:
+def _check(limit: ComponentLimit) -> None:
     if not isinstance(limit, ComponentLimit):
         raise TypeError(
             f"the FKM chain needs a ComponentLimit, got {type(limit).__name__}: Marin's endurance "
             "limit and the guideline's strength are never mixed"
         )
-    if not (isfinite(safety) and safety >= 1.0):
-        raise ValueError(f"the safety factor j_D must be at least 1, got {safety:g}")
 
 
 def stieler_support(

@@ -8,20 +8,12 @@ A duty is several blocks (start, idle, stroke, overload), each run a number of t
 
 Between two blocks the stress goes from the extremes of one to those of the other, and that cycle
 (ground-air-ground, for an aircraft) may be larger than any within a block. How often it happens
-depends on the order in which the blocks run:
-
-"unknown"    The highest peaks meet the lowest valleys, as often as the counts allow: the largest
-             cycle of each block is taken apart into its peak and its valley, then the highest peak
-             left is paired with the lowest valley left, min(count, count) times, until none is
-             left. ASME Boiler and Pressure Vessel Code, III, NB-3222.4(e)(5). No order in which
-             each peak and valley happens once gives more cycles that reach above v and below u,
-             for any u < v. The smaller cycles of a block stay as counted within it.
-"as_listed"  All repetitions of the first block, then all of the second, and so on, over and over.
-             Exactly the count of that long history (docs/theory/life.md); the transitions run from
-             the last position of a block to the first of the next.
-
-Where blocks mix, as idle turns and strokes do, "as_listed" would count one transition per duty
-instead of thousands; "unknown" is therefore the default.
+depends on the order in which the blocks run, which is not known: the highest peaks meet the lowest
+valleys, as often as the counts allow. The largest cycle of each block is taken apart into its peak
+and its valley, then the highest peak left is paired with the lowest valley left, min(count, count)
+times, until none is left (ASME Boiler and Pressure Vessel Code, III, NB-3222.4(e)(5)). No order in
+which each peak and valley happens once gives more cycles that reach above v and below u, for any
+u < v. The smaller cycles of a block stay as counted within it.
 
 Cycles are counted out of stress histories by the rainflow method.
 `count_cycles` is ASTM E1049-85 (2017), 5.4.4, to the letter, with half cycles; it suits a history
@@ -41,7 +33,6 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
-from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -59,7 +50,6 @@ from fatigue.stress_path import FloatArray, point_blocks, refuse
 # Cycles smaller than this fraction of the largest stress of their history are its round-off.
 _ROUND_OFF = 1e-12
 _Counts = dict[tuple[float, float], float]  # how often each (valley, peak) was counted
-Order = Literal["unknown", "as_listed"]
 # Powers of two between which the safety is sought, and the steps that halve it down to round-off.
 _LARGEST_POWER, _N_STEPS = 60.0, 58
 
@@ -121,30 +111,22 @@ class LifeVerdict:
     """Number of duties that each point endures, and the factor by which the loads could grow.
 
     damage               (n_points,)  of one duty; infinite where a cycle cannot be endured once
-    duties_to_failure    (n_points,)  allowed damage over damage; infinite without damage
     infinite_utilisation (n_points,)  of the worst cycle against the endurance limit, both amplitude
                                       and mean growing; at most 1 is an infinite life
-    safety               (n_points,)  factor on all stresses of the duty with which the required
-                                      duties do just the allowed damage; infinite if unloaded
-    required_duties, allowed_damage   for which the safety holds
+    safety               (n_points,)  factor on all stresses of the duty with which it does just the
+                                      allowed damage; infinite if unloaded
+    allowed_damage                    for which the safety holds
     """
 
     damage: FloatArray
-    duties_to_failure: FloatArray
     infinite_utilisation: FloatArray
     safety: FloatArray
-    required_duties: float
     allowed_damage: float
 
     @property
     def critical(self) -> int:
         """The point with the smallest safety; of equal ones, the first."""
         return int(self.safety.argmin())
-
-    @property
-    def finite_life(self) -> bool:
-        """True if every point endures the required duties."""
-        return bool((self.damage * self.required_duties <= self.allowed_damage).all())
 
 
 def miner_damage(
@@ -172,9 +154,7 @@ def life_verdict(
     material: MeanStressMaterial,
     rule: Rule = "goodman",
     *,
-    required_duties: float = 1.0,
     allowed_damage: float = 1.0,
-    credit: bool = False,
 ) -> LifeVerdict:
     """Return damage, life and safety of every point under a duty.
 
@@ -182,39 +162,36 @@ def life_verdict(
     limit (Miner original) damage jumps where a cycle reaches it: the safety then is the largest
     factor with no more than the allowed damage, to 1e-15 of it.
     """
-    for what, value in (("required duties", required_duties), ("allowed damage", allowed_damage)):
-        if not (isfinite(value) and value > 0.0):
-            raise ValueError(f"the {what} must be above 0, got {value:g}")
+    if not (isfinite(allowed_damage) and allowed_damage > 0.0):
+        raise ValueError(f"the allowed damage must be above 0, got {allowed_damage:g}")
     amplitude, mean, counts = (
         np.atleast_2d(a) for a in (duty.stress_amplitude, duty.mean_stress, duty.cycle_counts)
     )
 
     def damage_at(factor: FloatArray) -> FloatArray:
         scaled = equivalent_amplitude(
-            factor[:, None] * amplitude, factor[:, None] * mean, material, rule, credit=credit
+            factor[:, None] * amplitude, factor[:, None] * mean, material, rule
         )
         return miner_damage(scaled, counts, curve)
 
     knee = np.asarray(curve.knee_amplitude, dtype=np.float64)
     utilisation = mean_stress_utilisation(
-        amplitude, mean, knee[:, None] if knee.ndim else knee, material, rule, credit=credit
+        amplitude, mean, knee[:, None] if knee.ndim else knee, material, rule
     )
     worst = np.where(counts > 0.0, utilisation, 0.0).max(axis=1)
     n_points = len(worst)
     damage = damage_at(np.ones(n_points))
-    with np.errstate(divide="ignore", over="ignore"):
-        duties = allowed_damage / damage
 
     endured = np.full(n_points, -_LARGEST_POWER)
     failing = np.full(n_points, _LARGEST_POWER)
-    never = damage_at(2.0**failing) * required_duties <= allowed_damage
+    never = damage_at(2.0**failing) <= allowed_damage
     for _ in range(_N_STEPS):
         middle = (endured + failing) / 2.0
-        fails = damage_at(2.0**middle) * required_duties > allowed_damage
+        fails = damage_at(2.0**middle) > allowed_damage
         failing = np.where(fails, middle, failing)
         endured = np.where(fails, endured, middle)
     safety = np.where(never, np.inf, 2.0**endured)
-    return LifeVerdict(damage, duties, worst, safety, required_duties, allowed_damage)
+    return LifeVerdict(damage, worst, safety, allowed_damage)
 
 
 def _counts(cycle_counts: npt.ArrayLike) -> FloatArray:
@@ -223,14 +200,12 @@ def _counts(cycle_counts: npt.ArrayLike) -> FloatArray:
     return counts
 
 
-def duty_cycles(
-    histories: Sequence[npt.ArrayLike], counts: Sequence[float], *, order: Order = "unknown"
-) -> Cycles:
+def duty_cycles(histories: Sequence[npt.ArrayLike], counts: Sequence[float]) -> Cycles:
     """Return the cycles of one duty, the transitions between its blocks among them.
 
     histories  one per block, each (n_positions,) or each (n_points, n_positions), MPa, as in
                `count_closed_cycles`; blocks may differ in n_positions
-    counts     how often each block runs in one duty; whole numbers if "as_listed"
+    counts     how often each block runs in one duty
     """
     blocks = [check_histories(history) for history in histories]
     if not blocks or len(counts) != len(blocks):
@@ -248,18 +223,7 @@ def duty_cycles(
         )
     times = np.asarray(counts, dtype=np.float64)
     refuse(~(np.isfinite(times) & (times > 0.0)), "a block's count must be above 0", times, "block")
-    if order == "unknown":
-        cycles = _paired(blocks, times)
-    elif order == "as_listed":
-        refuse(times != np.round(times), "blocks as listed need whole counts", times, "block")
-        whole = count_closed_cycles(np.concatenate(blocks, axis=1))
-        again = [
-            count_closed_cycles(block).repeated(n - 1.0)
-            for block, n in zip(blocks, times, strict=True)
-        ]
-        cycles = _together([whole, *again])
-    else:
-        raise ValueError(f"order {order!r} is unknown; one of 'unknown', 'as_listed'")
+    cycles = _paired(blocks, times)
     if np.ndim(histories[0]) == 1:
         return Cycles(cycles.stress_amplitude[0], cycles.mean_stress[0], cycles.cycle_counts[0])
     return cycles

@@ -10,8 +10,8 @@ Fatigue 19 (1997) 219. k and f follow from the limits in reversed bending and in
 
     k / sqrt(1 + k^2) = 2 t/b - 1,    f = t sqrt(1 + k^2) = b/2 (k + sqrt(1 + k^2))
 
-so both reversed tests give 1. **Compression earns no credit** unless `credit` is set: the mean of
-the normal stress on each plane counts as not less than 0, sigma_n = max(largest, half the range).
+so both reversed tests give 1. **Compression earns no credit**: the mean of the normal stress on a
+plane counts as not less than 0, sigma_n = max(largest, half the range).
 
 The search (proofs in docs/theory/multiaxial.md): along any great circle F is an upper envelope of
 functions whose second derivative is at least -M, M = 4/sqrt(3) (R + k Q), R the radius of a ball
@@ -121,9 +121,7 @@ class CriticalPlane:
         return ends[0], ends[1]
 
 
-def critical_plane(
-    stress: FloatArray, k: float, *, credit: bool = False, floor: float = -np.inf
-) -> CriticalPlane:
+def critical_plane(stress: FloatArray, k: float, *, floor: float = -np.inf) -> CriticalPlane:
     """Return Findley's worst plane of a path, stress (6, n_positions).
 
     `floor`, MPa: planes below it are of no interest. Where the bound shows that none reaches it the
@@ -137,14 +135,14 @@ def critical_plane(
         raise ValueError(f"the stress path is not finite at position {bad[0]}")
     if not (isfinite(k) and k >= 0.0):
         raise ValueError(f"the weight of the normal stress must not be below 0, got {k:g}")
-    return _Search(stress, k, credit, floor).result()
+    return _Search(stress, k, floor).result()
 
 
 class _Search:
     """Normals evaluated so far, upper bounds of F at each, and the best plane among them."""
 
-    def __init__(self, stress: FloatArray, k: float, credit: bool, floor: float) -> None:
-        self.k, self.credit, self.floor = k, credit, floor
+    def __init__(self, stress: FloatArray, k: float, floor: float) -> None:
+        self.k, self.floor = k, floor
         path = deviatoric_basis(stress)
         away = ((path - path.mean(axis=1)[:, None]) ** 2).sum(axis=0)
         first = int(away.argmax())
@@ -234,9 +232,7 @@ class _Search:
         shear = (rows[:, :2].reshape(-1, 6) @ self.swing).reshape(len(rows), 2, -1)
         normal = rows[:, 2] @ self.stress
         largest = normal.max(axis=1)
-        if not self.credit:
-            largest = np.maximum(largest, (largest - normal.min(axis=1)) / 2.0)
-        return shear, largest
+        return shear, np.maximum(largest, (largest - normal.min(axis=1)) / 2.0)
 
     def _plane(self, bound: float, finest: float) -> CriticalPlane:
         normal = self.normals[self.best_at]

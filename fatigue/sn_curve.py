@@ -31,7 +31,6 @@ class SNCurve:
     knee_cycles              N_D
     slope                    k above the knee
     slope_below              k' below the knee, not less than k; infinite: endured without end
-    scatter                  standard deviation of log10(S), the same along the curve
     survival                 the share of parts that survive the curve
     ultimate_strength  MPa   if given, the curve bends at 1e3 cycles to reach it in the first cycle
 
@@ -47,7 +46,6 @@ class SNCurve:
     knee_cycles: float | FloatArray
     slope: float | FloatArray
     slope_below: float | FloatArray = float("inf")
-    scatter: float = 0.0
     survival: float = 0.5
     ultimate_strength: float | None = None
 
@@ -65,10 +63,6 @@ class SNCurve:
         problem = "the slope below the knee of an S-N curve must not be less than that above"
         bad = ~(below >= np.asarray(self.slope))
         refuse(bad, problem, np.broadcast_to(below, bad.shape), "point")
-        if not (isfinite(self.scatter) and self.scatter >= 0.0):
-            raise ValueError(
-                f"the scatter of log10 stress must be at least 0, got {self.scatter:g}"
-            )
         _check_survival(self.survival)
         strength = self.ultimate_strength
         if strength is not None and not (isfinite(strength) and strength > 0.0):

@@ -48,20 +48,6 @@ _NODES = np.array(
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
 _TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 _CHUNK = 4000  # elements at a time: bounds memory
-_NODE_POINTS = np.array(
-    [
-        [0, 0, 0],
-        [1, 0, 0],
-        [0, 1, 0],
-        [0, 0, 1],
-        [0.5, 0, 0],
-        [0.5, 0.5, 0],
-        [0, 0.5, 0],
-        [0, 0, 0.5],
-        [0.5, 0, 0.5],
-        [0, 0.5, 0.5],
-    ]
-)
 LARGEST_RATIO = 0.45  # the mean stress is as exact as the von Mises stress, to a factor of 2
 MEANING = (
     "Poisson's ratio: nearer to 0.5 von Mises stress and displacement hold, but the mean stress is "
@@ -142,7 +128,7 @@ class Recovery:
         """(10, n_q): linear continuation from the integration points to the nodes."""
         local = self.elements.local_points
         design = np.column_stack([np.ones(len(local)), local])
-        at_nodes = np.column_stack([np.ones(10), _NODE_POINTS])
+        at_nodes = np.column_stack([np.ones(10), _NODES])
         return np.asarray(at_nodes @ np.linalg.inv(design))
 
     def quadrature_stress(self, displacement: FloatArray, part: IntArray | slice) -> FloatArray:

@@ -13,7 +13,7 @@ _ROUND_OFF = 1e-12  # of a stress
 _R = np.sqrt(3.0)
 # Rows: xx - (yy + zz)/2, sqrt(3)/2 (yy - zz), sqrt(3) times each shear stress. The sum of their
 # squares is the square of the von Mises stress (Ilyushin's five-dimensional stress space).
-_DEVIATOR = np.array(
+DEVIATOR = np.array(
     [
         [1.0, -0.5, -0.5, 0.0, 0.0, 0.0],
         [0.0, _R / 2, -_R / 2, 0.0, 0.0, 0.0],
@@ -66,7 +66,7 @@ class StressHistory:
         """
         n_positions = self.coefficients.shape[1]
         best, where = np.empty(n_positions), np.zeros(n_positions, dtype=np.int64)
-        vectors = np.ascontiguousarray(_DEVIATOR @ self.basis)  # (n_points, 5, n_basis)
+        vectors = np.ascontiguousarray(DEVIATOR @ self.basis)  # (n_points, 5, n_basis)
         norms = np.linalg.norm(vectors, axis=1)
         starts = np.arange(0, n_positions, _BLOCK)
         batch = max(1, _NUMBERS // (5 * max(len(self.nodes), 1)))
@@ -101,7 +101,7 @@ class StressHistory:
 
     def peaks_by_point(self, points: IntArray | slice = slice(None)) -> FloatArray:
         """Largest von Mises stress (n,) of each point, or of some, over the positions."""
-        vectors = np.ascontiguousarray(_DEVIATOR @ self.basis[points])
+        vectors = np.ascontiguousarray(DEVIATOR @ self.basis[points])
         found = np.zeros(len(vectors))
         if not len(vectors):
             return found

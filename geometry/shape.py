@@ -38,20 +38,32 @@ class Shape(ABC):
     may_buckle       False for what has no compression along x worth a check
     stressed_evenly  True where axial force decides, for Marin's load factor
     middle_plane     True if z = 0 is a plane of symmetry, at which `named` finds a half, too
-    interfaces       names of the places where other parts press; empty where a pin's stack has them
     """
 
     name: ClassVar[str] = ""
     stressed_evenly: ClassVar[bool] = False
     middle_plane: ClassVar[bool] = False
     may_buckle: ClassVar[bool] = True
-    interfaces: ClassVar[tuple[str, ...]] = ()
     if TYPE_CHECKING:  # a field of most shapes
 
         @property
         def length(self) -> float:
             """Distance of the first two interfaces; of a pin its whole length, mm."""
             ...
+
+    @property
+    def interfaces(self) -> tuple[str, ...]:
+        """Names of the places where other parts press, a constant of most shapes.
+
+        Empty for a pin, whose stack has them.
+        """
+        return ()
+
+    @classmethod
+    def fixed_interfaces(cls) -> tuple[str, ...]:
+        """The names of `interfaces` where all parts of the shape have the same; else none."""
+        names = cls.interfaces
+        return names if isinstance(names, tuple) else ()
 
     @abstractmethod
     def build(self, gmsh: Any) -> Body:

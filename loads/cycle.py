@@ -13,7 +13,7 @@ from loads.contact import Touch, contact_gaps, solve_laws
 from loads.cycle_loads import CycleLoads, unresolved
 from loads.driven import driven_by
 from loads.elasticity import check_compliance, second_order
-from loads.forces import ForceSolution, JointLoad
+from loads.forces import ForceSolution, one_after_another
 from loads.joints import Prismatic, Slot
 from loads.laws import Contact, Expression, Opposing, Table, kinks
 from loads.linkage import Linkage
@@ -302,15 +302,7 @@ def _joined(
 ) -> CycleLoads:
     motions = [stretch.motion for stretch in stretches]
     solutions = [stretch.solution for stretch in stretches]
-    reactions = {
-        joint.name: JointLoad(
-            *(
-                np.concatenate([getattr(s.joints[joint.name], part) for s in solutions])
-                for part in ("force", "moment", "friction_couple", "friction_force")
-            )
-        )
-        for joint in linkage.joints
-    }
+    whole = one_after_another(solutions)
     return CycleLoads(
         linkage=linkage,
         name=cycle.name,
@@ -323,11 +315,8 @@ def _joined(
         velocities=np.concatenate([motion.velocities for motion in motions]),
         accelerations=np.concatenate([motion.accelerations for motion in motions]),
         heading=np.concatenate([motion.heading for motion in motions]),
-        reactions=reactions,
-        efforts={
-            force.name: np.concatenate([s.efforts[force.name] for s in solutions])
-            for force in linkage.forces
-        },
+        reactions=whole.joints,
+        efforts={force.name: whole.efforts[force.name] for force in linkage.forces},
         touches=_touches(stretches),
         second_order=max(
             (
@@ -339,7 +328,7 @@ def _joined(
             ),
             default=0.0,
         ),
-        conditioning=np.concatenate([s.conditioning for s in solutions]),
+        conditioning=whole.conditioning,
         unresolved=unresolved(_solved(stretches), [_solved(other) for other in tried]),
     )
 

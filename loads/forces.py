@@ -55,6 +55,25 @@ class ForceSolution:
     vector: FloatArray
 
 
+def one_after_another(solutions: Sequence[ForceSolution]) -> ForceSolution:
+    """Join the solutions of successive phases into one over all positions."""
+    first = solutions[0]
+    return ForceSolution(
+        {
+            name: JointLoad(
+                *(
+                    np.concatenate([getattr(one.joints[name], part) for one in solutions])
+                    for part in ("force", "moment", "friction_couple", "friction_force")
+                )
+            )
+            for name in first.joints
+        },
+        {name: np.concatenate([one.efforts[name] for one in solutions]) for name in first.efforts},
+        np.concatenate([one.conditioning for one in solutions]),
+        np.concatenate([one.vector for one in solutions]),
+    )
+
+
 @dataclass(frozen=True, eq=False)
 class _Sliding:
     """Friction of one joint: |reaction in rows| times a factor, along ``pull`` (n, unknowns)."""

@@ -15,7 +15,7 @@ from loads.bodies import Body, LinkageError
 from loads.contact import solve_laws
 from loads.cycle import CycleError
 from loads.cycle_loads import CycleLoads
-from loads.forces import JointLoad
+from loads.forces import one_after_another
 from loads.kinematics import Kinematics
 from loads.laws import Contact, Law
 from loads.linkage import Linkage
@@ -67,24 +67,13 @@ def forces_again(known: CycleLoads, linkage: Linkage, cycle: Cycle) -> CycleLoad
             raise CycleError(cycle.name, k, phase.name, str(error)) from None
         motions.append(solved[0])
         solutions.append(solved[1])
-    reactions = {
-        joint.name: JointLoad(
-            *(
-                np.concatenate([getattr(s.joints[joint.name], part) for s in solutions])
-                for part in ("force", "moment", "friction_couple", "friction_force")
-            )
-        )
-        for joint in linkage.joints
-    }
+    whole = one_after_another(solutions)
     return replace(
         known,
         linkage=linkage,
-        reactions=reactions,
-        efforts={
-            force.name: np.concatenate([s.efforts[force.name] for s in solutions])
-            for force in linkage.forces
-        },
-        conditioning=np.concatenate([s.conditioning for s in solutions]),
+        reactions=whole.joints,
+        efforts={force.name: whole.efforts[force.name] for force in linkage.forces},
+        conditioning=whole.conditioning,
     )
 
 

@@ -156,46 +156,30 @@ def export_cycle(
     return written
 
 
-def run_export_cycle(
-    path: Path,
-    name: str,
-    *,
-    cycle: str | None = None,
-    out: Path | None = None,
-    overrides: Sequence[str] = (),
-) -> int:
-    """Write a part over its cycles for ParaView, print the files; returns the exit code."""
-
-    def say(text: str) -> None:
-        step(f"{path.stem}: {text}")
-
-    def work() -> None:
-        for file in export_cycle(path, name, cycle=cycle, out=out, overrides=overrides, say=say):
-            print(file)
-
-    return guarded(work)
-
-
 def run_export(
     path: Path,
     name: str,
-    at: str = WORST,
+    at: str | None = WORST,
     *,
     cycle: str | None = None,
     out: Path | None = None,
     overrides: Sequence[str] = (),
 ) -> int:
-    """Write a deck and print what it holds; returns the exit code.
+    """Write a deck, or for `at` None the cycles for ParaView, and print what was written.
 
-    0: written; 2: an input is wrong; 3: the numerics gave up.
+    Returns the exit code. 0: written; 2: an input is wrong; 3: the numerics gave up.
     """
 
     def say(text: str) -> None:
         step(f"{path.stem}: {text}")
 
     def work() -> None:
-        done = export_part(path, name, at, cycle=cycle, out=out, overrides=overrides, say=say)
-        print(done.text())
+        if at is None:
+            files = export_cycle(path, name, cycle=cycle, out=out, overrides=overrides, say=say)
+            print(*files, sep="\n")
+        else:
+            deck = export_part(path, name, at, cycle=cycle, out=out, overrides=overrides, say=say)
+            print(deck.text())
 
     return guarded(work)
 

@@ -282,7 +282,7 @@ def _sits_in_body(
         return False
     right = True
     holes = isinstance(entry, _WITH_HOLES)
-    wanted = tuple(entry.holes) if holes else SHAPES[entry.shape].interfaces
+    wanted = tuple(entry.holes) if holes else SHAPES[entry.shape].fixed_interfaces()
     kind = "hole of the part" if holes else f"interface of {entry.shape}"
     pins = file.bodies[entry.body].pins
     sliding = () if holes else SLIDING
@@ -375,7 +375,7 @@ def _geometry(entry: Any, bodies: Mapping[str, loads.Body]) -> Shape:
         if given_by == GIVEN_BY_DESIGN:
             values[parameter.name] = _rounded(getattr(entry, parameter.name))
         elif given_by == GIVEN_BY_LINKAGE:
-            first, second = (entry.interfaces[name] for name in shape.interfaces[:2])
+            first, second = (entry.interfaces[name] for name in shape.fixed_interfaces()[:2])
             points = bodies[entry.body].points
             values[parameter.name] = _rounded(math.dist(points[first], points[second]))
     if shape is Pin:

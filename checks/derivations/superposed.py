@@ -90,11 +90,10 @@ def _source(level: Stressed) -> str:
 
 def findley(part: Part, loads: PartLoads, level: Stressed, use: FatigueUse) -> Derivation:
     """Of the amplitude of equal safety of the worst plane of the worst point."""
-    assert level.duty is not None
     point = use.worst(level).point
-    run = level.duty.runs[level.duty.worst_run]
+    run = level.judged_duty.runs[level.judged_duty.worst_run]
     stress = np.asarray(level.history.basis[point] @ level.coefficients[:, run])
-    plane = level.duty.worst.plane or critical_plane(stress, findley_criterion().k)
+    plane = level.judged_duty.worst.plane or critical_plane(stress, findley_criterion().k)
     across = _normals(stress, plane)
     carriers, most, least = _carriers(stress, plane), int(across.argmax()), int(across.argmin())
     places = list(dict.fromkeys([*carriers, most, least]))

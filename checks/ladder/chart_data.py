@@ -125,9 +125,8 @@ def haigh_data(part: Part, level: Stressed, peak: FatiguePeak) -> dict[str, Any]
     away   MPa, endurance limit away from notches and fretting
     paths  cycle -> mean and amplitude of each position, (n,) MPa
     """
-    assert level.duty is not None
     return haigh_of(part, level, peak) | {
-        "away": float(level.duty.limit),
+        "away": float(level.judged_duty.limit),
         "paths": _paths(level, deciding_pair(level, peak), peak),
     }
 
@@ -147,8 +146,7 @@ def _paths(
 
 def _judged_cycles(level: Stressed, peak: FatiguePeak) -> Mapping[str, IntArray]:
     """The cycles of the path that decides: one, or all of the duty."""
-    assert level.duty is not None
-    own = cycles_of(level.duty)
+    own = cycles_of(level.judged_duty)
     return {peak.cycle: own[peak.cycle]} if peak.cycle in own else own
 
 
@@ -178,8 +176,7 @@ def life_data(
     state            "beyond the curve" where a cycle reaches the ultimate strength: no finite
                      number of them does the damage, and those that do have None for it; else ""
     """
-    duty, point, required = level.duty, peak.point, loaded.required.fatigue
-    assert duty is not None
+    duty, point, required = level.judged_duty, peak.point, loaded.required.fatigue
     limit = float(level.limits[point])
     why = why_no_curve(task.material, limit, axial=task.axial) or ""
     data: dict[str, Any] = {
@@ -273,8 +270,7 @@ def fkm_data(
     cloud  (m, 2) MPa, of the most used points, each brought to the critical point's strength in
            proportion to its own
     """
-    found, duty = use.found(level), level.duty
-    assert duty is not None
+    found, duty = use.found(level), level.judged_duty
     assert isinstance(level, Level)
     strength = found.strength
     limit = float(found.limit.limit) * strength.endurance_share
@@ -305,8 +301,7 @@ def fkm_data(
 
 def _fkm_life(loaded: LoadedPart, level: Level, use: FkmUse, limit: float) -> dict[str, Any]:
     """The guideline's S-N line and the longest chord of every cycle of the duty."""
-    found, duty = use.found(level), level.duty
-    assert duty is not None
+    found, duty = use.found(level), level.judged_duty
     slopes = slopes_of(level.solutions)
     curve, required = fatigue.fkm_curve(found.limit), loaded.required.fatigue
     cycles = []

@@ -314,8 +314,7 @@ def raised_in_bores(
     if use is None:
         own = history.nodes[points], history.points[points], history.basis[points]
         return float(StressHistory(*own, raised).peaks_by_position()[0].max())
-    assert level.duty is not None
-    used = level.duty.bound[points]
+    used = level.judged_duty.bound[points]
     return use.over(level, points[used >= _NEAR * used.max()], raised, loads.cycles)
 
 

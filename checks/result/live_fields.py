@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from fem.stress_history import DEVIATOR
+
 FloatArray = npt.NDArray[np.float64]
 RealArray = npt.NDArray[np.floating[Any]]
 IntArray = npt.NDArray[np.int64]
@@ -14,18 +16,6 @@ IntArray = npt.NDArray[np.int64]
 _TOGETHER = 256  # points whose principal stresses are found together
 
 FATIGUE = ("utilisation", "amplitude", "mean")
-# Rows: xx - (yy + zz)/2, sqrt(3)/2 (yy - zz), sqrt(3) times each shear stress: the sum of their
-# squares is the square of the von Mises stress (Ilyushin's five-dimensional stress space).
-_R = 3.0**0.5
-DEVIATOR = np.array(
-    [
-        [1.0, -0.5, -0.5, 0.0, 0.0, 0.0],
-        [0.0, _R / 2, -_R / 2, 0.0, 0.0, 0.0],
-        [0.0, 0.0, 0.0, _R, 0.0, 0.0],
-        [0.0, 0.0, 0.0, 0.0, _R, 0.0],
-        [0.0, 0.0, 0.0, 0.0, 0.0, _R],
-    ]
-)
 
 
 @dataclass(frozen=True)

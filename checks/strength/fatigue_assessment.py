@@ -53,13 +53,11 @@ class FatigueUse(Judged):
 
     def at(self, level: Stressed, points: IntArray) -> FloatArray:
         """Equivalent amplitude at some surface points (n,) on the path that decides, MPa."""
-        assert level.duty is not None
-        return level.duty.utilisation_at(points) * self.limit
+        return level.judged_duty.utilisation_at(points) * self.limit
 
     def bound(self, level: Stressed, points: IntArray) -> FloatArray:
         """Not less than the quantity (n,) at some surface points on any path, MPa."""
-        assert level.duty is not None
-        return level.duty.bound[points] * self.limit
+        return level.judged_duty.bound[points] * self.limit
 
     def states(self, level: Stressed) -> list[FloatArray]:
         """Half the swing, and the middle, of the pair of positions."""
@@ -89,7 +87,6 @@ class FatigueUse(Judged):
 
         Nothing where both criteria have been asked.
         """
-        assert level.duty is not None
         return 0.0, ""
 
     def over(
@@ -104,25 +101,19 @@ class FatigueUse(Judged):
         coefficients  (n_basis, m) of the unit loads
         cycles        name -> slice of the m positions
         """
-        assert level.duty is not None
-        basis = level.duty.basis[points]
-        return self._again(level, points, basis, coefficients, cycles)
+        duty = self._duty_over(level, points, level.judged_duty.basis[points], coefficients, cycles)
+        return self._again(level, points, duty)
 
     def anew(
         self, level: Stressed, points: IntArray, basis: FloatArray, coefficients: FloatArray
     ) -> float:
         """The quantity at some surface points (n,) with another history, MPa."""
-        return self._again(level, points, basis, coefficients, self.loads.cycles)
+        duty = self._duty_over(level, points, basis, coefficients, self.loads.cycles)
+        return self._again(level, points, duty)
 
-    def _again(
-        self,
-        level: Stressed,
-        points: IntArray,
-        basis: FloatArray,
-        coefficients: FloatArray,
-        cycles: Mapping[str, slice],
-    ) -> float:
-        return self._duty_over(level, points, basis, coefficients, cycles).peak.value
+    def _again(self, level: Stressed, points: IntArray, duty: DutyVerdict) -> float:
+        """The quantity at some surface points (n,) of a level, over a duty of theirs, MPa."""
+        return duty.peak.value
 
     def _duty_over(
         self,
@@ -132,8 +123,7 @@ class FatigueUse(Judged):
         coefficients: FloatArray,
         cycles: Mapping[str, slice],
     ) -> DutyVerdict:
-        duty = level.duty
-        assert duty is not None
+        duty = level.judged_duty
         found = duty_verdict(
             basis,
             coefficients,
@@ -147,8 +137,7 @@ class FatigueUse(Judged):
 
     def safety_missed(self, level: Stressed) -> float:
         """How far from 1 the safety is that all loads times the safety leave."""
-        assert level.duty is not None
-        return level.duty.safety_missed()
+        return level.judged_duty.safety_missed()
 
     def _of_pair(self, stress: FloatArray, limits: FloatArray) -> float:
         """Goodman's amplitude of equal safety of two states, stress (n, 6, 2), at the worst point.
@@ -187,9 +176,8 @@ class LifeUse(FatigueUse):
 
     def life(self, level: Stressed) -> DutyLife:
         """Life of the worst point of a level, sought once."""
-        assert level.duty is not None
         if level not in self._lives:
-            self._lives[level] = shortest_life(level.duty, self.task)
+            self._lives[level] = shortest_life(level.judged_duty, self.task)
         return self._lives[level]
 
     def worst(self, level: Stressed) -> FatiguePeak:
@@ -198,15 +186,7 @@ class LifeUse(FatigueUse):
         value = self.limit / life.safety
         return FatiguePeak(value, life.point, WHOLE_DUTY, life.pair, "Miner")
 
-    def _again(
-        self,
-        level: Stressed,
-        points: IntArray,
-        basis: FloatArray,
-        coefficients: FloatArray,
-        cycles: Mapping[str, slice],
-    ) -> float:
-        duty = self._duty_over(level, points, basis, coefficients, cycles)
+    def _again(self, level: Stressed, points: IntArray, duty: DutyVerdict) -> float:
         return self.limit / shortest_life(duty, self.task).safety
 
     def safety_missed(self, level: Stressed) -> float:
@@ -214,8 +194,7 @@ class LifeUse(FatigueUse):
         life = self.life(level)
         if not isfinite(life.safety):
             return 0.0
-        assert level.duty is not None
-        (again,) = lives_of(level.duty, self.task, np.array([life.point]), life.safety)
+        (again,) = lives_of(level.judged_duty, self.task, np.array([life.point]), life.safety)
         return abs(again.safety - 1.0)
 
 
@@ -231,8 +210,7 @@ class FkmUse(FatigueUse):
 
     def judgement(self, level: Stressed, factor: float = 1.0) -> FkmJudgement:
         """The worst point of a level, all loads multiplied by a factor."""
-        assert level.duty is not None
-        duty = level.duty
+        duty = level.judged_duty
         slopes = slopes_of(_solid(level).solutions)
         return fkm_judgement(
             self.strength, duty.basis, factor * duty.coefficients, duty.runs, slopes
@@ -255,13 +233,11 @@ class FkmUse(FatigueUse):
 
     def bound(self, level: Stressed, points: IntArray) -> FloatArray:
         """The quantity (n,) at some surface points on the path that uses each most, MPa."""
-        assert level.duty is not None
-        every = [self._on(level, points, run) for run in level.duty.runs]
+        every = [self._on(level, points, run) for run in level.judged_duty.runs]
         return np.asarray(np.max(every, axis=0))
 
     def _on(self, level: Stressed, points: IntArray, run: str) -> FloatArray:
-        assert level.duty is not None
-        duty = level.duty
+        duty = level.judged_duty
         path = np.ascontiguousarray(duty.coefficients[:, duty.runs[run]])
         slopes = slopes_of(_solid(level).solutions)
         used = fkm_points(self.strength, duty.basis, path, points, slopes).utilisation
@@ -275,8 +251,7 @@ class FkmUse(FatigueUse):
         found = self.found(level)
         if found.width <= PROPORTIONAL:
             return 0.0, ""
-        assert level.duty is not None
-        duty = level.duty
+        duty = level.judged_duty
         criterion = fatigue.findley_criterion()
         path = np.ascontiguousarray(duty.coefficients[:, duty.runs[found.run]])
         plane = fatigue.critical_plane(duty.basis[found.point] @ path, criterion.k)
@@ -303,18 +278,14 @@ class FkmUse(FatigueUse):
         used = [found.utilisation_between(stress[..., k]) for k in range(len(numbers))]
         return [float(one.max()) * self.strength.reference for one in used]
 
-    def _again(
-        self,
-        level: Stressed,
-        points: IntArray,
-        basis: FloatArray,
-        coefficients: FloatArray,
-        cycles: Mapping[str, slice],
-    ) -> float:
-        duty = self._duty_over(level, points, basis, coefficients, cycles)
+    def _again(self, level: Stressed, points: IntArray, duty: DutyVerdict) -> float:
         slopes = slopes_of(_solid(level).solutions)
         found = fkm_judgement(
-            self.strength, duty.basis, coefficients, duty.runs, lambda some: slopes(points[some])
+            self.strength,
+            duty.basis,
+            duty.coefficients,
+            duty.runs,
+            lambda some: slopes(points[some]),
         )
         return found.demand
 

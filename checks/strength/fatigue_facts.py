@@ -32,8 +32,7 @@ _RULES = {
 
 def path_of(level: Stressed, peak: FatiguePeak) -> IntArray:
     """Positions of the path that decides; of a finite life those of all cycles."""
-    assert level.duty is not None
-    runs = level.duty.runs
+    runs = level.judged_duty.runs
     if peak.cycle in runs:
         return runs[peak.cycle]
     return runs[widest(runs)]
@@ -81,7 +80,6 @@ def fatigue_facts(
     part: Part, level: Stressed, peak: FatiguePeak, task: LifeTask
 ) -> dict[str, float | str]:
     """Facts of the critical point, by name; safeties are on all loads."""
-    assert level.duty is not None
     material, limit = part.material, float(level.limits[peak.point])
     amplitude, mean, along = chord_at(level, peak)
     signed = mean if mean > 0.0 else min(along, 0.0)
@@ -106,7 +104,7 @@ def fatigue_facts(
     facts |= _multiaxial(level, peak)
     if why_no_curve(material, limit, axial=task.axial):
         return facts
-    (life,) = lives_of(level.duty, task, np.array([peak.point]))
+    (life,) = lives_of(level.judged_duty, task, np.array([peak.point]))
     facts["Miner's sum of the duty at the critical point"] = (
         (
             f"{life.damage:.3g} of {task.allowed_damage:.3g} that are allowed or left"
@@ -149,8 +147,7 @@ def _by_rule(amplitude: float, mean: float, limit: float, rules: fatigue.MeanStr
 
 def _by_survival(part: Part, level: Stressed, peak: FatiguePeak, task: LifeTask) -> str:
     """The verdict's safety by the share of parts that survive: scatter of the limit alone."""
-    assert level.duty is not None
-    duty, ultimate = level.duty, part.material.ultimate_stress
+    duty, ultimate = level.judged_duty, part.material.ultimate_stress
     amplitude, mean, _ = chord_at(level, peak)
     own = reliability_factor(part.reliability)
     said = []
@@ -201,13 +198,12 @@ def haigh_of(
     part: Part, level: Stressed, peak: FatiguePeak, most_used: int = 300
 ) -> dict[str, object]:
     """Plain data of the Haigh diagram: the critical point, its path, and the most used points."""
-    assert level.duty is not None
-    verdict = level.duty.worst
+    verdict = level.judged_duty.worst
     amplitude, mean, _ = chord_at(level, peak)
     order = np.argsort(-verdict.goodman_bound, kind="stable")[:most_used]
     cloud = fatigue.goodman(
         level.history.basis[order],
-        level.duty.path,
+        level.judged_duty.path,
         level.limits[order],
         part.material.ultimate_stress,
     )

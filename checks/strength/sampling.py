@@ -444,8 +444,7 @@ def _that_tire(
     positions that hold a circle of radius r each is sqrt 2 r or more from another. The largest
     tension counts by itself; p + 2/3 of the von Mises stress is not less.
     """
-    duty = level.duty
-    assert duty is not None
+    duty = level.judged_duty
     curves = _level_curves(level, loads)
     basis = duty.basis[points]
     vectors = deviatoric_basis(basis)

@@ -110,14 +110,15 @@ def edge_level(
     basis = _on_planes([fit for fit in fits.values() if fit], at, leading=leading)
     rows = np.searchsorted(level.history.nodes, places.nodes[fitted])
     limits = np.repeat(level.limits[rows].min(axis=1), count)
-    assert level.duty is not None
     history = StressHistory(
         np.repeat(places.nodes[fitted, 2], count),
         np.repeat(places.points[fitted], count, axis=0),
         basis,
         level.coefficients,
     )
-    judged = judge(history, limits, level.duty.limit, level.duty.ultimate, loads, duty)
+    judged = judge(
+        history, limits, level.judged_duty.limit, level.judged_duty.ultimate, loads, duty
+    )
     return EdgeLevel(
         solid=level,
         places=places,
@@ -140,8 +141,7 @@ def _that_matter(level: Level, at: float) -> list[int]:
     a factor of two: a place with less than a part of the largest, brought to the same distance by
     the edge's exponent, cannot be the worst.
     """
-    places, duty = level.edge_places, level.duty
-    assert duty is not None
+    places, duty = level.edge_places, level.judged_duty
     able = [k for k in range(len(places.points)) if has_room(places, k)]
     rows = np.searchsorted(level.history.nodes, places.nodes[able])
     exponents = np.array([singular_exponent(float(places.angles[k])) for k in able])

@@ -83,6 +83,12 @@ class Stressed(ABC):
         """Coefficients (n_basis, n) of the unit loads over all positions."""
         return self.history.coefficients
 
+    @property
+    def judged_duty(self) -> DutyVerdict:
+        """Fatigue over the cycles of the duty, of a part that has one."""
+        assert self.duty is not None
+        return self.duty
+
     @cached_property
     def fatigue(self) -> FatiguePeak | None:
         """The deciding peak of fatigue over the duty; None without a duty."""

@@ -93,7 +93,7 @@ class Plate(Shape):
         return dict(self.moved)
 
     @property
-    def interfaces(self) -> tuple[str, ...]:  # type: ignore[override]  # those of the entry
+    def interfaces(self) -> tuple[str, ...]:
         """Names of the bores; the first two make the frame."""
         return tuple(bore.name for bore in self.bores)
 

@@ -204,7 +204,7 @@ class StepPart(Shape):
             )
 
     @property
-    def interfaces(self) -> tuple[str, ...]:  # type: ignore[override]  # those of the file
+    def interfaces(self) -> tuple[str, ...]:
         """Names of the holes; the first two make the frame."""
         return tuple(hole.name for hole in self.holes)
 

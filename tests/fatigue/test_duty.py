@@ -36,31 +36,18 @@ def n_beyond(cycles, low, high):
     return float(cycles.cycle_counts[reach].sum())
 
 
-@given(blocks)
-@settings(deadline=None)
-def test_blocks_as_listed_are_the_count_of_the_long_history(duty):
-    """The n-th repetition of a block adds just its own closed cycles (docs/theory/life.md)."""
-    histories, counts = zip(*duty, strict=True)
-    written_out = np.concatenate([history * n for history, n in duty])
-    counted = duty_cycles(histories, counts, order="as_listed")
-    assert as_table(counted) == as_table(count_closed_cycles(written_out))
-
-
 @given(blocks, st.integers(0, 9))
 @settings(deadline=None)
 def test_one_block_alone_is_its_closed_count(duty, shift):
     history, n = duty[0]
     expected = as_table(count_closed_cycles(history).repeated(n))
     assert as_table(duty_cycles([np.roll(history, shift)], [n])) == expected
-    assert as_table(duty_cycles([history], [n], order="as_listed")) == expected
 
 
 def test_the_cycle_between_the_extremes_of_two_blocks_is_counted():
     """Ground-air-ground: 20 flights of 0..100 MPa amid a million cycles of 0..-60."""
     cycles = duty_cycles([[0.0, 100.0], [-60.0, 0.0]], [20, 1e6])
     assert as_table(cycles) == {(-60.0, 100.0): 20.0, (-60.0, 0.0): 1e6 - 20.0}
-    once = duty_cycles([[0.0, 100.0], [-60.0, 0.0]], [20, 1e6], order="as_listed")
-    assert as_table(once) == {(-60.0, 100.0): 1.0, (0.0, 100.0): 19.0, (-60.0, 0.0): 1e6 - 1.0}
 
 
 def test_ripple_stays_with_its_block():
@@ -122,14 +109,13 @@ def test_the_order_in_which_blocks_are_named_changes_nothing_when_it_is_unknown(
     assert as_table(backwards) == as_table(duty_cycles(histories, counts))
 
 
-@pytest.mark.parametrize("order", ["unknown", "as_listed"])
-def test_many_points_are_counted_as_each_of_them_alone(order):
+def test_many_points_are_counted_as_each_of_them_alone():
     rng = np.random.default_rng(3)
     histories = [rng.integers(-9, 9, size=(20, n)).astype(float) for n in (6, 4, 1)]
     counts = [1000, 3, 20]
-    together = duty_cycles(histories, counts, order=order)
+    together = duty_cycles(histories, counts)
     for point in range(20):
-        alone = duty_cycles([block[point] for block in histories], counts, order=order)
+        alone = duty_cycles([block[point] for block in histories], counts)
         n = len(alone.cycle_counts)
         assert together.stress_amplitude[point, :n].tolist() == alone.stress_amplitude.tolist()
         assert together.mean_stress[point, :n].tolist() == alone.mean_stress.tolist()
@@ -144,11 +130,7 @@ def test_duties_that_make_no_sense_are_refused():
         duty_cycles([], [])
     with pytest.raises(ValueError, match=r"must be above 0: 0 at block 1"):
         duty_cycles([[1.0], [2.0]], [1, 0])
-    with pytest.raises(ValueError, match=r"whole counts: 2.5 at block 0"):
-        duty_cycles([[1.0]], [2.5], order="as_listed")
     with pytest.raises(ValueError, match=r"hold the same points, got the shapes"):
         duty_cycles([[[1.0, 2.0]], [[1.0], [2.0]]], [1, 1])
-    with pytest.raises(ValueError, match="order 'random' is unknown"):
-        duty_cycles([[1.0]], [1], order="random")
     with pytest.raises(ValueError, match=r"nan at position 1"):
         duty_cycles([[1.0, np.nan]], [1])

@@ -194,7 +194,7 @@ def test_a_thousand_million_cycles_are_endured_just_up_to_the_verdict_s_safety(m
     material = MeanStressMaterial(ULTIMATE, 300.0)
     for factor, endures in ((1.0 - 1e-9, True), (1.0 + 1e-9, False)):
         duty = count_closed_cycles(factor * safety * path[0]).repeated(1e9)
-        assert life_verdict(duty, curve, material).finite_life is endures
+        assert bool((life_verdict(duty, curve, material).damage <= 1.0).all()) is endures
     duty = count_closed_cycles(path[0]).repeated(1e9)
     assert life_verdict(duty, curve, material).safety[0] == pytest.approx(safety, rel=1e-9)
 

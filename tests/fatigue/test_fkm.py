@@ -156,12 +156,10 @@ def test_a_measured_strength_and_sensitivity_replace_the_formulas():
     assert own.sensitivity() == 0.2
 
 
-def test_the_safety_factor_divides_the_strength_in_both_verdicts():
+def test_the_example_is_used_as_far_as_the_guideline_says():
     limit = example()
-    assert fkm_utilisation(47.0, 13.0, limit, safety=1.5) == pytest.approx(1.5 * 0.4641792389)
-    assert fkm_curve(limit, safety=1.5).knee_amplitude == pytest.approx(limit.limit / 1.5)
-    with pytest.raises(ValueError, match=r"j_D must be at least 1, got 0\.9"):
-        fkm_utilisation(47.0, 13.0, limit, safety=0.9)
+    assert fkm_utilisation(47.0, 13.0, limit) == pytest.approx(0.4641792389)
+    assert fkm_curve(limit).knee_amplitude == pytest.approx(limit.limit)
 
 
 def test_compression_helps_only_where_the_guideline_is_asked_for_it():

@@ -1,5 +1,6 @@
 """Which rungs are tried, and what a part's result says of it."""
 
+from dataclasses import replace
 from math import inf
 
 import numpy as np
@@ -238,13 +239,12 @@ def test_parts_that_need_solids_come_cheapest_first_under_a_time_limit(tmp_path,
 def test_what_no_model_settles_is_not_meshed(tmp_path, bars, monkeypatch):
     """A band that every model has, across the limit wherever in the formula's bars the value is."""
     bars(formula=0.05)
-    wide = lambda check: check.__class__(  # noqa: E731
-        **{
-            **{name: getattr(check, name) for name in check.__dataclass_fields__},
-            "model": check.model + check.value,
-            "model_below": check.below + 0.9 * check.value,
-        }
-    )
+
+    def wide(check):
+        return replace(
+            check, model=check.model + check.value, model_below=check.below + 0.9 * check.value
+        )
+
     monkeypatch.setattr(climb, "leaf_band", lambda *_: wide)
     first = started(tmp_path)
     climb_cheap(first, AUTO)
