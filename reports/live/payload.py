@@ -179,8 +179,8 @@ def motion_text(result: DesignResult) -> str:
     A cycle's motion is {index, parts, pins}: `index` (k) the positions of the cycle that are kept;
     `parts`, one for each part of the result or null, {x, y, angle: series, z} in mm and rad;
     `pins` [{on: index of the part, minor, z, x, y, fx, fy: series}] in mm and N; a minor one acts
-    on a pin, against those on the bodies that it joins, and one of a pair of lugs is half of it. `templating` says what a series is.
-    "" where no cycle has a motion.
+    on a pin, against those on the bodies that it joins, and one of a pair of lugs is half of it.
+    `templating` says what a series is. "" where no cycle has a motion.
     """
     if not result.motion:
         return ""

@@ -3,6 +3,7 @@
 import json
 import re
 import shlex
+from functools import cache
 from itertools import product
 from pathlib import Path
 
@@ -14,7 +15,7 @@ from ballesta.design.read import read_design
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort
 from checks.result.words import check_titles
-from reports import write_report
+from reports import report_html, write_report
 from reports.what_if import _CLEARANCES, _is_smooth, what_if
 from tests.small_machine import PLATE, machine
 
@@ -159,6 +160,11 @@ def _checked_by_solids(file, sets=(), effort="solid"):
     return check_design(read_design(file, sets), effort=Effort(effort), live=True)
 
 
+@cache
+def _result_of(name):
+    return _checked_by_solids(PRESS.parent / f"{name}.toml", effort="auto")
+
+
 def _misses(file, result, part, kind, text, effort="solid"):
     """How far value, upper and lower end of a setting are off a fresh check's value."""
     lever, rows = _of_pins(result, part, kind)
@@ -192,23 +198,27 @@ def test_a_stated_arc_is_that_of_a_fresh_check_to_2_percent(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "part", "kinds", "shares"),
-    [
-        ("toggle_press", "bar_upper", ("static", "fatigue"), (5 / 32, 20 / 32)),
-        ("slider_crank", "crank", ("fatigue",), (2 / 32, 5 / 32, 14 / 32)),
-    ],
+    ("name", "part", "kinds"),
+    [("toggle_press", "bar_upper", ("static", "fatigue")), ("slider_crank", "crank", ("static",))],
 )
-def test_a_clearance_is_that_of_a_fresh_check_to_2_percent(name, part, kinds, shares):
-    """The crank's fatigue goes from 54.4 MPa on neat pins to 62.5, most of it in the first quarter.
-
-    Ends of bars are compared to 2 % of the value, too; each mesh has a numerical bar of its own.
+def test_a_clearance_is_that_of_a_fresh_check_to_2_percent(name, part, kinds):
+    """Value and both ends of the bars. Fatigue of the crank is not followed: on neat pins its worst
+    positions are others (62 and 285 deg) than at the middle of the fit (68 and 295 deg), 4 % worse.
     """
-    file = PRESS.parent / f"{name}.toml"
-    result = _checked_by_solids(file, effort="auto")
-    for kind, share in product(kinds, shares):
+    file, result = PRESS.parent / f"{name}.toml", _result_of(name)
+    for kind, share in product(kinds, (5 / 32, 20 / 32)):
         lever, _ = _of_pins(result, part, kind)
         text = lever["texts"][1 + _CLEARANCES.index(share)]
         assert _misses(file, result, part, kind, text, "auto").max() < 0.02, (kind, text)
+    if "fatigue" not in kinds:
+        _, rows = _of_pins(result, part, "fatigue")
+        assert rows[1:] == [None] * (len(rows) - 1)
+
+
+@pytest.mark.slow
+def test_the_page_of_the_press_takes_at_most_3_megabytes():
+    """Its stills take 0.1 MB more."""
+    assert len(report_html(_result_of("toggle_press")).encode()) < 2.9e6
 
 
 def test_what_jumps_between_solved_settings_is_not_followed():
