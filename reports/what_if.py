@@ -2,18 +2,20 @@
 
 No part is solved again: the stresses stay, and the formulas of the checks' derivations are
 evaluated with other numbers put in. Error bars stay in proportion to their value. A factor on all
-loads divides the safeties, but where pins press by contact, whose arc it changes.
+loads divides the safeties, but where pins press by contact, whose arc it changes. Clearances and
+arcs of pins lie between those that a solid's check has solved (`checks.ladder.chart_data`).
 """
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import product
 from math import isfinite
 from operator import attrgetter
 from shlex import quote
 from typing import Any
 
+import numpy as np
 from markupsafe import Markup
 
 from checks.design.materials import Material, known_materials
@@ -46,6 +48,10 @@ _FACTORS = (
     1.75,
     2.0,
 )
+_CLEARANCES = tuple(k / 32 for k in (0, 1, 2, 3, 4, 5, 6, 8, 10, 12, 14, 16, 20, 24, 28, 32))
+_SMOOTH = 0.02  # of a value, by which a solved one may lie off the line through its neighbours
+_HALF = 180.0
+_ARCS = (90.0, 105.0, 120.0, 135.0, 150.0, 165.0, _HALF)  # deg
 _UNTOLD = "untold"  # among changes: no formula tells what they do
 _HALVINGS = 20  # of the range of a factor that is sought
 _REQUIRED = ("buckling", "fatigue", "bush")  # kinds with a required safety of their own
@@ -62,19 +68,24 @@ class Lever:
     key      of the design file
     now      the design's own setting, as text
     changes  by setting, to the formulas of the check that it acts on
+    overrides  by setting, where they are not the key with the text
     """
 
     key: str
     title: str
     now: str
     changes: Mapping[str, Changes]
+    overrides: Mapping[str, Sequence[str]] = field(default_factory=dict)
 
     def to_dict(self) -> dict[str, Any]:
         """Data of the page's script."""
         return {
             "title": clipped(self.title, 80),
             "texts": list(self.changes),
-            "sets": [quote(f"{self.key}={text}") for text in self.changes],
+            "sets": [
+                " --set ".join(map(quote, self.overrides.get(text, (f"{self.key}={text}",))))
+                for text in self.changes
+            ],
             "now": list(self.changes).index(self.now),
             "material": self.key.endswith(".material"),
         }
@@ -97,6 +108,7 @@ def what_if(result: DesignResult) -> Markup | None:
     for each, check in zip(checks, (check for check in result.checks if check.value), strict=True):
         pressed = check.part in contacts and check.method.startswith(SOLID)
         each["load"] = None if pressed else _exponent_of_load(check)
+        each["pins"] = _by_pins(check, levers)
     if not checks:
         return None
     load = levers.number(levers.load())
@@ -134,6 +146,18 @@ def _check(check: Check, title: str, levers: "_Levers", governs: bool) -> dict[s
         "shared": _is_shared(check),
         "status": str(check.status),
     } | ({"fixed": True} if required is None else {})
+
+
+def _by_pins(check: Check, levers: "_Levers") -> list[dict[str, Any]]:
+    """A check's value and bars by the settings of its pins, each over the value as it is.
+
+    None where a setting is not followed: the stress of a like part that no solid was solved for.
+    """
+    found = []
+    for lever, settings in levers.of_pins(check):
+        rows = [one and [one.value, one.upper, one.lower] for one in settings]
+        found.append({"lever": levers.number(lever), "rows": rows})
+    return found
 
 
 def _exponent_of_load(check: Check) -> float:
@@ -333,11 +357,130 @@ class _Levers:
             title = f"runs of {keys[0].removeprefix('duty.cycles.')} in the life"
             yield Lever(keys[0], title, texts[1.0], changes)
 
+    def of_pins(self, check: Check) -> Iterator[tuple[Lever, list["Pressed | None"]]]:
+        """Clearance and arc of the pins in a part, and its check by their settings.
+
+        The first setting is the design's own. Parts that are alike have one lever.
+        """
+        if check.kind not in ("static", "fatigue") or not isfinite(check.upper):
+            return
+        for key, lever_of, values_of in (
+            ("fits", self._clearance, _by_clearance),
+            ("bearing_arc", self._arc, _by_arc),
+        ):
+            owner = self._owner(check.part, key)[0]
+            alike = [name for name in self.parts if self._owner(name, key)[0] == owner]
+            data = {name: self.parts[name].charts.get("pins", {}) for name in alike}
+            levers = [lever_of(owner, data[name]) for name in alike]
+            lever = next((one for one in levers if one is not None), None)
+            if lever is None:
+                continue
+            own = data[check.part].get("kinds", {}).get(check.kind)
+            if own is None or not check.method.startswith(SOLID):
+                yield lever, [Pressed(1.0, 1.0, 1.0), *[None] * (len(lever.changes) - 1)]
+                continue
+            yield lever, [values_of(check, own, one) for one in lever.changes.values()]
+
+    def _clearance(self, owner: str, pins: Mapping[str, Any]) -> Lever | None:
+        """Clearance of all pins of a part, at a share of the range of its fit."""
+        fits: Mapping[str, Sequence[float]] = pins.get("fits", {})
+        if not any("clearances" in kind for kind in pins.get("kinds", {}).values()):
+            return None
+        ranges = {tuple(ends) for ends in fits.values()}
+        now = f"{' or '.join(f'{low:.4g} to {high:.4g}' for low, high in sorted(ranges))} mm"
+        changes: dict[str, Changes] = {now: {}}
+        overrides = {}
+        for share in _CLEARANCES:
+            sizes = {name: low + share * (high - low) for name, (low, high) in fits.items()}
+            text = f"{' or '.join(f'{size:.4g}' for size in sorted(set(sizes.values())))} mm"
+            changes[text] = {"share": share}
+            overrides[text] = [
+                f'parts.{owner}.fits.{name}="{size:.4g} mm"' for name, size in sizes.items()
+            ]
+        return Lever(f"parts.{owner}.fits", f"clearance of pins, {owner}", now, changes, overrides)
+
+    def _arc(self, owner: str, pins: Mapping[str, Any]) -> Lever | None:
+        """Arc on which the pins of a part press."""
+        arcs = [kind["arcs"] for kind in pins.get("kinds", {}).values() if "arcs" in kind]
+        if not arcs:
+            return None
+        narrow = min(arc for arc, _ in arcs[0])
+        key = f"parts.{owner}.bearing_arc"
+        now = f"{narrow:g} deg" if key in self.stated else "not stated"
+        changes: dict[str, Changes] = {now: {}}
+        changes |= {f"{arc:g} deg": {"arc": arc} for arc in _ARCS if f"{arc:g} deg" not in changes}
+        changes = {text: one for text, one in changes.items() if one.get("arc", narrow) >= narrow}
+        return Lever(key, f"arc on which pins press, {owner}", now, changes)
+
     def _owner(self, part: str, key: str) -> tuple[str, str]:
         """Part that states a key for a part that is like it, and the key."""
-        while f"parts.{part}.{key}" not in self.stated and f"parts.{part}.like" in self.stated:
+        while f"parts.{part}.like" in self.stated and not any(
+            one == f"parts.{part}.{key}" or one.startswith(f"parts.{part}.{key}.")
+            for one in self.stated
+        ):
             part = self.inputs[f"parts.{part}.like"]
         return part, f"parts.{part}.{key}"
+
+
+@dataclass(frozen=True)
+class Pressed:
+    """A check's value, upper and lower end under another press of its pins, over its own value."""
+
+    value: float
+    upper: float
+    lower: float
+
+
+def _by_clearance(check: Check, own: Mapping[str, Any], at: Changes) -> Pressed | None:
+    """At one clearance: no band of clearances is left, the other bars stay in proportion."""
+    above, below = check.model - own["above"], check.below - own["below"]
+    if not at:
+        return _pressed(check, check.value, check.model, check.below)
+    if not _is_smooth(own.get("clearances", ())):
+        return None
+    value = _between(own["clearances"], at["share"])
+    less = value / check.value
+    return _pressed(check, value, above * less, below * less, check.numerical * less)
+
+
+def _by_arc(check: Check, own: Mapping[str, Any], at: Changes) -> Pressed | None:
+    """With an arc stated the value stays that of the half circle; its band reaches to this arc."""
+    if not at:
+        return _pressed(check, check.value, check.model, check.below)
+    if not _is_smooth(own.get("arcs", ())):
+        return None
+    half = _between(own["arcs"], _HALF)
+    some = [_between(own["arcs"], arc) for arc in (at["arc"], (_HALF + at["arc"]) / 2, _HALF)]
+    above = check.model - own["above"] + max(some) - half
+    return _pressed(check, check.value, above, check.below - own["below"] + half - min(some))
+
+
+def _pressed(
+    check: Check, value: float, above: float, below: float, numerical: float | None = None
+) -> Pressed:
+    bar = check.numerical if numerical is None else numerical
+    ends = value + bar + max(above, 0.0), value - bar - max(below, 0.0)
+    return Pressed(value / check.value, ends[0] / check.value, ends[1] / check.value)
+
+
+def _is_smooth(points: Sequence[Sequence[float]]) -> bool:
+    """True if each solved value lies within 2 % of the line through its neighbours.
+
+    So what lies between is known better than that. Where the end of a pin's pressure passes from
+    node to node a stress may jump, and nothing is told.
+    """
+    ordered = sorted(map(tuple, points))
+    off = [
+        abs(_between((before, after), at) / value - 1)
+        for before, (at, value), after in zip(ordered, ordered[1:], ordered[2:], strict=False)
+    ]
+    return bool(off) and max(off) <= _SMOOTH
+
+
+def _between(points: Sequence[Sequence[float]], at: float) -> float:
+    """Value between solved ones, (place, value) each, on straight lines."""
+    places, values = zip(*sorted(map(tuple, points)), strict=True)
+    return float(np.interp(at, places, values))
 
 
 def _stiff_as(one: Material, other: Material) -> bool:

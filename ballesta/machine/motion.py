@@ -14,6 +14,7 @@ from checks.result.motion import MOST_POSITIONS, PartsMotion, PinForce
 from checks.result.verdict import PartResult
 from checks.result.words import brief, number
 from geometry.mesh import FloatArray, IntArray
+from geometry.parts.pin import as_pin
 
 _STEP = np.radians(6.0) + 1e-9  # that a body turns by between two kept positions, at most
 
@@ -105,6 +106,9 @@ def _pins(
     found = {}
     part_loads = loads_on(design, part, {cycle.name: cycle})
     heights = interface_heights(part)
+    pin = as_pin(part.geometry)
+    seats = [] if pin is None else pin.seats
+    pairs = {seat.name: (-seat.at, seat.at) for seat in seats if not seat.single and seat.at}
     shifts = part_placing(design, part).shifts
     for interface, wrench in part_loads.wrenches.items():
         own = np.zeros((len(frame), 2))
@@ -118,6 +122,7 @@ def _pins(
             place=_place(part, interface, cycle) + _turned(own, frame[:, 2]),
             force=_turned(wrench[:, :2], frame[:, 2]),
             z=layer + heights.get(interface, 0.0) + part.offsets.get(interface, 0.0),
+            halves=tuple(layer + height for height in pairs.get(interface, ())),
         )
     return found
 

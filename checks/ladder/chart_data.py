@@ -7,11 +7,14 @@
     sn           S-N line and the duty's cycles, of either chain
     column       stress and slenderness as a column (checks.by_formula.column)
     convergence  the judged stresses on every mesh
+    pins         the judged stresses by clearance and arc of pins (pins_data)
 
 Keys without data are left out; the pages say why.
 """
 
 from collections.abc import Mapping, Sequence
+from itertools import product
+from math import ceil, degrees, radians
 from typing import Any
 
 import numpy as np
@@ -35,7 +38,7 @@ from checks.strength.finite_life import (
 from checks.strength.fkm_strength import fkm_points, slopes_of
 from checks.strength.part_strength import life_task
 from checks.stress.duty_verdict import DutyVerdict, FatiguePeak
-from checks.stress.error_bars import Judged, StaticPeak, mesh_bar
+from checks.stress.error_bars import Bars, Judged, StaticPeak, at_clearances, mesh_bar
 from checks.stress.solid_mesh_level import Level
 from checks.stress.stress_result import RungLevel, Stressed
 from geometry.mesh import FloatArray, IntArray
@@ -318,3 +321,73 @@ def _fkm_life(loaded: LoadedPart, level: Level, use: FkmUse, limit: float) -> di
         "allowed": 1.0, "damage": None, "state": "", "cycles": cycles,
         "left_out": 0.0, "left_damage": 0.0,
     }  # fmt: skip
+
+
+# Stresses by how the pins of a solid press, as they were solved: for settings between them.
+
+# of a fit: close where a pin becomes loose
+_SHARES = (0.0, *(k / 32 for k in (1, 2, 3, 4, 6, 8, 12, 16, 24)), 1.0)
+_PROBED = (0, 3, 6, 10)  # of these, where other positions are tried
+_ARC_STEP = radians(15.0)
+
+
+def pins_data(level: Level, bars: Mapping[Judged, Bars]) -> dict[str, Any]:
+    """Stresses by clearance and by arc of the pins, under "pins"; empty where neither is open.
+
+    It is for the page alone: a check by solids takes some 3 % longer with it.
+
+    fits   bore -> least and largest clearance, mm; of fatigue only where the same two positions
+           decide throughout
+    kinds  kind of check -> "clearances": [share of the fit, MPa], "arcs": [deg, MPa], and how far
+           the model band that comes of these reaches "above" and "below" the value, MPa
+    """
+    fits = {} if level.contact is None else level.contact.pins.fits
+    ranges = {name: [fit.least, fit.largest] for name, fit in fits.items()}
+    kinds: dict[str, Any] = {}
+    for what, own in bars.items():
+        found: dict[str, Any] = {"above": own.above, "below": own.below}
+        if any(least < most for least, most in ranges.values()):
+            values = what.direct(level, _SHARES, at_clearances)
+            if not _is_elsewhere(what, level, values):
+                found["clearances"] = [list(pair) for pair in zip(_SHARES, values, strict=True)]
+        if len(own.by_arc) > 1:
+            narrow, wide = min(own.by_arc), max(own.by_arc)
+            arcs = np.linspace(wide, narrow, 1 + max(2, ceil((wide - narrow) / _ARC_STEP - 1e-9)))
+            values = what.direct(level, arcs.tolist())
+            found["arcs"] = [[degrees(arc), v] for arc, v in zip(arcs, values, strict=True)]
+        if len(found) > 2:
+            kinds["static" if isinstance(what, StaticPeak) else "fatigue"] = found
+    return {"pins": {"fits": ranges, "kinds": kinds}} if kinds else {}
+
+
+def _is_elsewhere(what: Judged, level: Level, values: Sequence[float]) -> bool:
+    """True if fatigue by other clearances is higher between other positions than those it has.
+
+    Both positions are moved by 5 degrees of a turn of 360, each way; 1 % is left to the mesh.
+    """
+    if not isinstance(what, FatigueUse):
+        return False
+    first, second = what.worst(level).pair
+    ends = [run for run in what.loads.cycles.values() if run.start <= first < run.stop]
+    step = max(1, round((ends[0].stop - ends[0].start) / 72)) if ends else 1
+    for way in product((-step, step), repeat=2):
+        places = {
+            k: min(max(k + by, run.start), run.stop - 1)
+            for k, by in zip((first, second), way, strict=True)
+            for run in what.loads.cycles.values()
+            if run.start <= k < run.stop
+        }
+
+        def moved(
+            loads: PartLoads,
+            at: Level,
+            position: int,
+            shares: Sequence[float],
+            places: Mapping[int, int] = places,
+        ) -> FloatArray:
+            return at_clearances(loads, at, places[position], shares)
+
+        others = what.direct(level, [_SHARES[k] for k in _PROBED], moved)
+        if any(one > 1.01 * values[k] for one, k in zip(others, _PROBED, strict=True)):
+            return True
+    return False

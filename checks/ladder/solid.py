@@ -14,7 +14,7 @@ from checks.columns.stability import eigenvalue_check
 from checks.derivations.buckling import solid_share
 from checks.derivations.stresses import of_solid
 from checks.design.data import Part
-from checks.ladder.chart_data import charts_of
+from checks.ladder.chart_data import charts_of, pins_data
 from checks.ladder.edge_checks import edge_fatigue, edge_static, known_at_edges
 from checks.ladder.hand_calculations import hand_checks
 from checks.ladder.levels import (
@@ -130,7 +130,8 @@ def check_solid(
         hand_checks=by_hand,
         meshes=[{"body": "half" if lv.half else "whole", **mesh_row(lv)} for lv in levels],
         facts=_facts(loaded, levels, use, properties, asked) | arcs,
-        charts=charts_of(loaded, finest, use, levels),
+        charts=charts_of(loaded, finest, use, levels)
+        | (pins_data(finest, solved.bars) if asked.live else {}),
         surface=shown_surface(loads, finest),
         assumed=assumed,
         mode=buckled.mode,
@@ -145,6 +146,7 @@ class _Solved:
     sizes    of the elements of the last mesh; None where it is the first
     stopped  why the accuracy was not reached, or no more was asked for
     doubts   bars of its loads
+    bars     of the stresses that are judged by themselves, not by sharp edges
     """
 
     loaded: LoadedPart
@@ -154,6 +156,7 @@ class _Solved:
     doubts: LoadBars
     by_hand: Sequence[HandCheck]
     checks: Sequence[Check]
+    bars: Mapping[Judged, Bars]
 
     @property
     def finest(self) -> Level:
@@ -224,7 +227,8 @@ def _solved(
             else check
             for check in stressed
         ]
-    return _Solved(loaded, levels, sizes, stopped, widened(levels), by_hand, stressed)
+    bars = {one.what: one.bars for one in judgements_of(levels, wanted) if one.own is not None}
+    return _Solved(loaded, levels, sizes, stopped, widened(levels), by_hand, stressed, bars)
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,6 +26,7 @@ class PinForce:
     place          (k, 2) mm, where the force acts; it moves on the part where a contact slides
     force          (k, 2) N
     z              mm, the height at which it acts
+    halves         mm, heights of a pair of lugs that take half of it each; () where it is not one
     """
 
     on: str
@@ -34,6 +35,7 @@ class PinForce:
     place: FloatArray
     force: FloatArray
     z: float = 0.0
+    halves: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

@@ -179,8 +179,8 @@ def motion_text(result: DesignResult) -> str:
     A cycle's motion is {index, parts, pins}: `index` (k) the positions of the cycle that are kept;
     `parts`, one for each part of the result or null, {x, y, angle: series, z} in mm and rad;
     `pins` [{on: index of the part, minor, z, x, y, fx, fy: series}] in mm and N; a minor one acts
-    on a pin, against those on the bodies that it joins. `templating` says what a series is.
-    "" where no cycle has a motion.
+    on a pin, against those on the bodies that it joins, and one of a pair of lugs is half of it.
+    `templating` says what a series is. "" where no cycle has a motion.
     """
     if not result.motion:
         return ""
@@ -206,13 +206,15 @@ def _motion(motion: PartsMotion, shown: Sequence[PartResult]) -> dict[str, Any]:
         {
             "on": names.index(pin.on),
             "minor": shown[names.index(pin.on)].shape == "pin",
-            "z": round(float(pin.z), 4),
+            "z": round(float(z), 4),
             "x": series(pin.place[:, 0]),
             "y": series(pin.place[:, 1]),
-            "fx": series(pin.force[:, 0]),
-            "fy": series(pin.force[:, 1]),
+            "fx": series(pin.force[:, 0] / len(heights)),
+            "fy": series(pin.force[:, 1] / len(heights)),
         }
         for pin in motion.pins.values()
         if pin.on in names
+        for heights in [pin.halves or (pin.z,)]
+        for z in heights
     ]
     return {"index": np.asarray(motion.index).tolist(), "parts": parts, "pins": pins}

@@ -12,16 +12,19 @@
       const place = check.levers.reduce((at, k) => at * levers[k].texts.length + places[k], 0);
       const open = (check.shared && levers.some((lever, k) => lever.material && moved(k))) ||
         (check.load === null && moved(load));
-      const known = open ? null : check.safety[place];
+      const pressed = check.pins.filter(({ lever }) => moved(lever));
+      const row = pressed.length === 1 ? pressed[0].rows[places[pressed[0].lever]] : null;
+      const known = open || (pressed.length && !row) ? null : check.safety[place];
+      const [ratio, upper, lower] = row ?? [1, check.upper, check.lower];
       const factor = Number(levers[load].texts[places[load]]) / loaded;
-      const safety = known === null ? null : known / factor ** check.load;
+      const safety = known === null ? null : known / ratio / factor ** check.load;
       const required = check.fixed ? check.required
         : Number(levers[check.required].texts[places[check.required]]);
       if (safety === null) return { check, status: "not followed" };
-      const use = required / safety, top = use * (check.upper ?? Infinity);
-      const least = check.lower === null ? 0 : use * check.lower;
+      const use = required / safety, top = use * (upper / ratio || Infinity);
+      const least = lower === null ? 0 : use * (lower / ratio);
       const status = top <= 1 ? "pass" : least > 1 ? "FAIL" : "UNDECIDED";
-      return { check, safety, required, status, top: check.upper === null ? use : top };
+      return { check, safety, required, status, top: upper === null ? use : top };
     };
     const down = (value) => { // rounded down to four digits
       const step = 10 ** (3 - Math.floor(Math.log10(value)));
@@ -51,7 +54,7 @@
     };
 
     const first = new Set(checks.filter((check) => check.governs)
-      .flatMap((check) => [load, ...check.levers, ...(check.fixed ? [] : [check.required])]));
+      .flatMap((check) => [load, ...check.levers, ...check.pins.map(({ lever }) => lever), ...(check.fixed ? [] : [check.required])]));
     levers.forEach((lever, k) => {
       const label = document.createElement("label"), slider = document.createElement("input");
       const value = document.createElement("output");
