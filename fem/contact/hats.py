@@ -16,7 +16,6 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 
 import numpy as np
-from scipy.linalg import circulant
 
 from geometry.mesh import FloatArray
 
@@ -116,7 +115,8 @@ class Hats:
         if np.ptp(self.widths) < _EVEN:  # the first hat gives way as each other one, turned
             first = waves @ (size * waves[0])
             first = (first + np.roll(first[::-1], 1)) / 2
-            return np.asarray(circulant(first) + mean / (2 * np.pi))
+            steps = np.arange(len(first))
+            return np.asarray(first[steps[:, None] - steps] + mean / (2 * np.pi))
         parts = waves * np.sqrt(size)
         return np.asarray(parts @ parts.T + mean / (2 * np.pi))
 
