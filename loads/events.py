@@ -121,7 +121,7 @@ def solve_event(name: str, linkage: Linkage, cycle: Cycle, event: Event) -> Even
         tried = [(event.at, run.largest[0])]
     else:
         begins = (solver.turn * np.arange(PLACES) / PLACES).tolist()
-        forces = [solver.solved(begin, rough=True).largest[0] for begin in begins]
+        forces = [solver.tried(begin) for begin in begins]
         tried = [
             (solver.value_at(begin), force) for begin, force in zip(begins, forces, strict=True)
         ]
@@ -227,6 +227,13 @@ class _Solver:
     def value_at(self, way: float | FloatArray) -> float | FloatArray:
         """Value of the coordinate at a way within the cycle."""
         return self.cycle.start + self.sign * way
+
+    def tried(self, begin: float) -> float:
+        """Largest force of a joint, N, in a rough run; raises StallError where the run itself stalls."""
+        try:
+            return self.solved(begin, rough=True).largest[0]
+        except StallError:
+            return self.solved(begin).largest[0]
 
     def solved(self, begin: float, rough: bool = False) -> _Followed:
         """The run that begins at a way.
