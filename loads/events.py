@@ -229,7 +229,7 @@ class _Solver:
         return self.cycle.start + self.sign * way
 
     def tried(self, begin: float) -> float:
-        """Largest force of a joint, N, in a rough run; raises StallError where the run itself stalls."""
+        """Largest force of a joint, N, in a rough run; raises StallError as the run itself does."""
         try:
             return self.solved(begin, rough=True).largest[0]
         except StallError:
