@@ -31,6 +31,7 @@ from checks.result.verdict import Change, Check, DesignResult, Status
 from fem.threads import one_thread
 
 _DIMENSION = re.compile(r"^\s*(\d+(?:\.\d+)?)\s*(mm|cm|m|deg)\s*$")
+_CYLINDER = re.compile(r"cylinders\.\w+\.(rod|wall)$")
 _STEP = 1.03  # of a dimension, as a factor, to find its exponent
 _NEAR = 1.5  # times the least reserve: to pass it a step would need an exponent of 14
 _STRESS = ("static", "fatigue")
@@ -65,7 +66,7 @@ class Improved:
     """The best single changes of a design, best first.
 
     result   of the design as it is
-    open     parts that do not pass; the changes are meant for them, else they save mass
+    open     what does not pass, parts and the linkage; changes are meant for it, else they save mass
     changes  at most three for each set of parts
     """
 
@@ -119,7 +120,7 @@ def improve(
     best = _ranked(search.changes(say), search.harmless)
     if verify:
         best = [_verified(change, checked((change.override,)), say) for change in best]
-    return Improved(result, search.open, tuple(best))
+    return Improved(result, search.all_open, tuple(best))
 
 
 @one_thread()
@@ -179,7 +180,7 @@ def _ranked(found: Iterable[Change], harmless: Callable[[Change], Change | None]
 
 
 def _verified(change: Change, result: DesignResult, say: Callable[[str], None]) -> Change:
-    checks = [check for part in result.parts if part.name in change.parts for check in part.checks]
+    checks = [check for check in result.checks if check.part in change.parts]
     governing = min(checks, key=_reserve)
     status = Status.PASS
     for check in checks:
@@ -244,9 +245,9 @@ class _Search:
         """
         if self.open:
             known = tuple(part for part in self.open if self.reserve(self.base, (part,)) > 0)
-            return self.dimensions(known, say) + self.materials(known)
+            return self.dimensions(known, say) + self.materials(known) + self.cylinders()
         if self._linkage_open or not self.base.checks:  # what makes a linkage stiffer is not sought
-            return []
+            return self.cylinders()
         shared: dict[str, list[str]] = {}
         for part in self.result.parts:
             shared.setdefault(self._owners(part.name)[-1], []).append(part.name)
@@ -256,10 +257,17 @@ class _Search:
         return self.dimensions(tuple(part for parts in heaviest[:shapes] for part in parts), say)
 
     @property
+    def all_open(self) -> tuple[str, ...]:
+        """What does not pass: parts, and the linkage as a whole."""
+        return (*self.open, *([LINKAGE] if self._linkage_open else []))
+
+    @property
     def why_none(self) -> str:
         """Reason in words for an answer without changes."""
         part = self.result.deciding.part
         if self._linkage_open and (part == LINKAGE or not self.open):
+            if self.result.deciding.place.startswith(("cylinder", "rod of", "tube of")):
+                return f"no rod or tube up to {MOST:g} times as thick makes it pass"
             return "what makes the linkage as a whole stiffer is not sought"
         if self.open:
             return (
@@ -292,6 +300,24 @@ class _Search:
                 say(f"{key}: {', '.join(parts)}")
                 found.append(self._change(key, value, unit, parts, exponents[parts[0]]))
         return [change for change in found if change is not None]
+
+    def cylinders(self) -> list[Change]:
+        """Thicker rods and tubes with which the linkage passes, each at the next standard size."""
+        found = []
+        for key, text in self.design.inputs if self._linkage_open else ():
+            match = _DIMENSION.match(text)
+            if not match or not _CYLINDER.match(key):
+                continue
+            old, unit = float(match[1]), match[2]
+            size = old
+            while (size := _standard(size * (1 + _NEXT), up=True)) <= old * MOST:
+                one = self._screening.of({key: _written(size, unit)}, (), linkage=True)
+                if one.problem or self.reserve(one, (LINKAGE,)) >= 1:
+                    break
+            if size <= old * MOST and not one.problem:
+                value = _written(size, unit)
+                found.append(self._told(key, text, value, value, (LINKAGE,), one))
+        return found
 
     def materials(self, wanted: tuple[str, ...]) -> list[Change]:
         """The weakest of the known materials with which parts pass, for each key of one."""

@@ -202,6 +202,23 @@ def test_a_slender_rod_fails_and_has_no_stress(jib):
     assert result.status.name == "FAIL"
 
 
+def test_a_thicker_rod_is_told_that_makes_the_design_pass(jib, capsys):
+    """The next sizes of R20 up to the first that passes: 20 and 22.4 mm do not, 25 mm does."""
+    thin = ["--set", "cylinders.lift.rod=20 mm"]
+    out = str(jib.parent / "out")
+    main(["check", str(jib), "--fidelity", "formula", "--json", *thin, "--out", out])
+    result = json.loads(capsys.readouterr().out)[0]
+    told = {change["key"]: change for change in result["changes"]}
+    assert told.keys() >= {"cylinders.lift.rod"}
+    size = told["cylinders.lift.rod"]["value"]
+    passes = {}
+    for rod in ("20 mm", "22.4 mm", "25 mm", "28 mm"):
+        checks, _ = cylinder_checks(jib, overrides=[f"cylinders.lift.rod={rod}"])
+        passes[rod] = all(one.status.name == "PASS" for one in checks)
+    assert size == next(rod for rod, right in passes.items() if right)
+    assert not passes["20 mm"]
+
+
 def test_what_is_left_out_is_told(jib):
     _, result = cylinder_checks(jib)
     assert any("seals of lift" in words for words in result.not_checked)
