@@ -66,7 +66,7 @@ class Improved:
     """The best single changes of a design, best first.
 
     result   of the design as it is
-    open     what does not pass, parts and the linkage; changes are meant for it, else they save mass
+    open     parts that do not pass, and the linkage; changes are for them, else they save mass
     changes  at most three for each set of parts
     """
 
