@@ -13,8 +13,8 @@ from time import perf_counter
 from typing import Any
 
 import loads
+from ballesta.design.plate_parts import told_of_steps
 from ballesta.design.read import read_design
-from ballesta.design.step_parts import told_of_steps
 from ballesta.machine.balance import balance_gates, not_measured
 from ballesta.machine.blows import blow_subject
 from ballesta.machine.drive_speed import speed_assumptions, speed_warnings

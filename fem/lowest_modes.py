@@ -9,6 +9,9 @@ grows with the slenderness; the round-off of x' K x grows with its square or wor
 Energies of displacement fields are summed at the integration points. x' K x by matrix loses the
 square of (displacement over strain times element size) to round-off, the sum of strains at the
 points only its first power: what slender parts need.
+
+Natural frequencies of a solid, afloat, on the pins of a link, or with fixed unknowns, are such
+modes of K x = omega^2 M x with the consistent mass matrix (docs/theory/vibration.md).
 """
 
 from collections.abc import Callable
@@ -17,11 +20,11 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from fem.assembly import Pattern
+from fem.assembly import Pattern, full
 from fem.elements import Elements
-from fem.end_conditions import SupportedSolid
+from fem.end_conditions import SupportedSolid, link_solid, loose_solid
 from fem.solvers import Factor, SolverError, factorize
-from fem.unit_solutions import Elastic, rigid_modes
+from fem.unit_solutions import Elastic, UnitSolutions, rigid_modes
 from geometry.mesh import BoolArray, FloatArray, IntArray
 
 _CHUNK = 2000  # elements at a time: bounds memory
@@ -484,3 +487,81 @@ def _slopes(elements: Elements, part: slice, fields: FloatArray) -> FloatArray:
     gradients = elements.gradients[part].swapaxes(2, 3)  # (e, q, 3, 10)
     slope = np.matmul(gradients.reshape(len(nodes), -1, 10), local)
     return np.asarray(slope.reshape(*gradients.shape[:3], 3, -1))
+
+
+@dataclass(frozen=True, eq=False)
+class Vibration:
+    """The lowest natural frequencies; rigid motions are not among them.
+
+    angular  (k,) rad/s, ascending
+    shapes   (k, n_nodes, 3), largest displacement 1
+    proven   rad/s: every frequency below it is among these, or follows the last of them in steps
+             below 0.1 %: a count by inertia says so; 0 if no count was asked for
+    """
+
+    angular: FloatArray
+    shapes: FloatArray
+    proven: float
+
+    @property
+    def hertz(self) -> FloatArray:
+        """(k,) Hz, ascending."""
+        return np.asarray(self.angular / (2 * np.pi))
+
+
+def free_vibration(solutions: UnitSolutions, *, count: int = 4, prove: bool = True) -> Vibration:
+    """Return the elastic vibration of a part afloat; its six rigid motions are left out.
+
+    Raises SolverError if the modes do not converge or cannot be proven, ValueError for a stack of
+    tied bodies, half of a part and a part without mass.
+    """
+    upper = _mass(solutions)
+    momentum = full(upper) @ rigid_modes(solutions.mesh.nodes)
+    return _vibration(loose_solid(solutions, momentum, "vibration"), upper, count, prove)
+
+
+def link_vibration(
+    solutions: UnitSolutions, *, tilt_held: bool, count: int = 4, prove: bool = True
+) -> Vibration:
+    """Return the vibration of a part whose pins stand still, as buckling holds it.
+
+    tilt_held  True if the forks hold the ends against tilting out of the plane
+    """
+    solid = link_solid(solutions, tilt_held=tilt_held, what="vibration")
+    return _vibration(solid, _mass(solutions), count, prove)
+
+
+def solid_vibration(solid: SupportedSolid, *, count: int = 4, prove: bool = True) -> Vibration:
+    """Return the vibration of a supported solid."""
+    _check_mass(solid.material.density)
+    return _vibration(solid, mass(solid.pattern, solid.material.density), count, prove)
+
+
+def _mass(solutions: UnitSolutions) -> "scipy.sparse.csr_array":
+    _check_mass(solutions.material.density)
+    return mass(solutions.pattern, solutions.material.density)
+
+
+def _check_mass(density: float) -> None:
+    if not density > 0:
+        raise ValueError(f"frequencies need a density above 0 t/mm3, got {density}")
+
+
+def _vibration(
+    solid: SupportedSolid, upper: "scipy.sparse.csr_array", count: int, prove: bool
+) -> Vibration:
+    by_node = full(upper[::3][:, ::3].tocsr())  # the blocks are multiples of the identity
+
+    def times(fields: FloatArray) -> FloatArray:
+        return np.asarray(by_node @ fields.reshape(by_node.shape[0], -1)).reshape(fields.shape)
+
+    def energies(fields: FloatArray) -> tuple[FloatArray, FloatArray]:
+        elements = solid.elements
+        none = np.zeros((*elements.weights.shape, 3, 3))
+        elastic, _ = elastic_and_geometric_energy(elements, solid.material, none, fields)
+        return elastic, fields.T @ times(fields)
+
+    found = lowest_modes(solid, upper, times, energies, count, prove=prove)
+    shapes = found.shapes.T.reshape(len(found.values), -1, 3)
+    shapes = shapes / np.abs(shapes).max(axis=(1, 2), keepdims=True)
+    return Vibration(np.sqrt(found.values), shapes, float(np.sqrt(found.proven)))

@@ -24,8 +24,7 @@ from loads.forces import ForceSolution, solve_forces
 from loads.joints import Joint, Prismatic, Slot
 from loads.kinematics import Kinematics, cross, dot, rotated, turned_left, unit
 from loads.linkage import Linkage
-from loads.loop_closure import closed_poses
-from loads.motion import Motion
+from loads.motion import Motion, closed_poses
 from loads.point_loads import PointLoad, body_loads
 
 _ASIDE = 1e-2  # of the size of the linkage: how far from its axis a beam may be loaded

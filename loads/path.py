@@ -17,8 +17,15 @@ from loads.change_points import change_point_error, check_change_points
 from loads.joints import Coordinate, in_words, place_in_words
 from loads.kinematics import Kinematics
 from loads.linkage import Linkage
-from loads.loop_closure import closed_poses, matrix, orientation, pose_norm
-from loads.motion import Geometry, derivative, differentiate
+from loads.motion import (
+    Geometry,
+    closed_poses,
+    derivative,
+    differentiate,
+    matrix,
+    orientation,
+    pose_norm,
+)
 
 _STRAIGHT = 0.95  # cosine of the largest turn of the motion in one step of the walk
 _LONGEST_CHORD = 1.5  # of what the rates at the ends of a step make of it

@@ -7,8 +7,7 @@ from typing import Any
 
 import loads
 from ballesta.design.files import Sources
-from ballesta.design.plate_parts import plate_geometry, shape_name
-from ballesta.design.step_parts import step_geometry
+from ballesta.design.plate_parts import plate_geometry, shape_name, step_geometry
 from checks.design.data import Part, Roller
 from checks.design.errors import LINKAGE, DesignError, Problems, listed, no_such
 from checks.design.materials import Material, known_materials

@@ -1,20 +1,25 @@
-"""Makes a plate from its entry: the outline of a lever or a drawing, and which holes take pins."""
+"""Makes a plate from its entry: the outline of a lever or a drawing, and which holes take pins.
 
-from collections.abc import Mapping, Sequence
+A part of a STEP file is made from the file and from where the linkage has its holes.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from math import atan2, cos, sin
 from typing import Any
 
 from ballesta.design.files import Sources
-from ballesta.design.step_parts import add_to_sources, from_frame
-from checks.design.data import Pair
+from checks.design.data import Pair, Part
 from checks.design.errors import listed, no_such
-from checks.design.model import PlatePartEntry
+from checks.design.model import PlatePartEntry, StepPartEntry
 from checks.design.step_entry import KINDS
+from geometry.bounded_files import MOST_CAD, read_bounded
 from geometry.drawings import DrawingError, Drawn
 from geometry.dxf_file import UNITS, read_dxf
 from geometry.lever_outline import Eye, lever_outline
 from geometry.outlines import OutlineError
 from geometry.parameters import ParameterError
 from geometry.parts.plate import Plate, PlateBore
+from geometry.parts.step_part import NamedHole, StepPart
 from geometry.svg_path import read_svg_path
 
 _MOST_TOLD = 20  # holes in one message
@@ -255,3 +260,54 @@ def _unit_hint(stated: float, found: float) -> str:
         if size > 1 and abs(apart / size - 1) < 1e-3:
             return f"; {size:g} times apart: were {name} and mm mixed up?"
     return ""
+
+
+def step_geometry(
+    key: str, entry: StepPartEntry, points: Mapping[str, Pair], sources: Sources
+) -> StepPart:
+    """Return the part's geometry; the STEP file's text is added to the sources.
+
+    Raises DesignError for a file that cannot be read, ParameterError where it is not the part.
+    """
+    shape = f"{key}.shape.step"
+    path = sources.file_of(shape).parent / entry.shape.step
+    add_to_sources(shape, entry.shape.step, sources)
+    at = [points[point] for point in entry.interfaces.values()]
+    return StepPart(
+        path=path,
+        holes=tuple(
+            NamedHole(name, hole.diameter, hole.at, hole.kind)
+            for name in entry.interfaces
+            for hole in (entry.holes[name],)
+        ),
+        places=tuple(from_frame(at[0], at[1], point) for point in at),
+        tolerance=entry.hole_tolerance,
+        flip=entry.flip,
+        section=entry.section,
+    )
+
+
+def told_of_steps(parts: Mapping[str, Part]) -> Iterator[tuple[str, str]]:
+    """Reading of each part's STEP file or drawing: its key, and unit and holes in words."""
+    for name, part in parts.items():
+        yield from ((f"parts.{name}.shape", said) for said in part.geometry.told)
+
+
+def add_to_sources(key: str, name: str, sources: Sources) -> None:
+    """Read a CAD file's text; names in it may be in any encoding, which changes no geometry."""
+    path = sources.file_of(key).parent / name
+    try:
+        text = read_bounded(path, MOST_CAD)
+        text.decode("utf-8-sig")
+    except (OSError, ValueError) as error:
+        if isinstance(error, UnicodeDecodeError):
+            sources.texts[path] = text.decode("latin-1")
+            return
+    sources.read_beside(key, name, MOST_CAD)
+
+
+def from_frame(origin: Pair, towards: Pair, point: Pair) -> Pair:
+    """Return a point in the frame with its x axis from one point towards another."""
+    angle = atan2(towards[1] - origin[1], towards[0] - origin[0])
+    x, y = point[0] - origin[0], point[1] - origin[1]
+    return cos(angle) * x + sin(angle) * y, cos(angle) * y - sin(angle) * x

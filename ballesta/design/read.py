@@ -30,7 +30,7 @@ from ballesta.design.overrides import (
     split_key,
 )
 from ballesta.design.parts import materials_of, parts_of
-from ballesta.design.step_parts import told_of_steps
+from ballesta.design.plate_parts import told_of_steps
 from checks.design.data import Cycle, Design, Part, StatedMass
 from checks.design.errors import Problems, listed, nearest, no_such
 from checks.design.model import PART_MODELS, DesignFile

@@ -4,15 +4,17 @@ Inertia forces go with the square of the speed, and a change of speed has inerti
 The rest of the loads does not change, so each doubt is a pair of load histories, solved at its
 ends: the slowest and the fastest speed everywhere, and the drive's own acceleration forwards and
 backwards.
+
+So is the doubt about friction. A doubt that has a pair needs no validity check: the loads at its
+ends are in the bars of every check of the parts.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 import loads
-from ballesta.machine.load_pairs import LoadPair, Solved
 from ballesta.machine.shown_loads import EVEN, shown_cycle
 from checks.design.data import Design
 from checks.result.verdict import Gate
@@ -20,10 +22,24 @@ from checks.result.words import number
 from geometry.mesh import FloatArray
 from reports.loads_figures import DriveSummary
 
+Solved = Mapping[str, loads.CycleLoads]
+_FRICTION = 1.0 / 3.0  # of a coefficient: a stated one is known to a third at best
 _LARGEST = (
     0.3  # irregularity up to which the energy of the ripple gives it, as the mean speed holds
 )
 _NOTHING = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class LoadPair:
+    """A doubt about the loads, by the cycles at its two ends.
+
+    gate  name of the validity check that the pair takes the place of; empty for none
+    """
+
+    words: str
+    ends: tuple[Solved, Solved]
+    gate: str = ""
 
 
 @dataclass(frozen=True)
@@ -186,3 +202,52 @@ def _surge(cycle: loads.CycleLoads, drive: str) -> FloatArray:
     way = float(value[-1] - value[0])
     surge: FloatArray = np.sign(way) * figures.speed * (figures.work / way - push) / ripple
     return surge
+
+
+def friction_gate(cycle: str) -> str:
+    """Name of the validity check of a cycle's friction."""
+    return f"{cycle}: share of friction"
+
+
+def friction_pairs(design: Design, solved: Solved) -> tuple[list[LoadPair], list[Gate]]:
+    """The loads of every cycle with friction a third lower and a third higher than stated.
+
+    All coefficients go the same way. Where no loads balance the higher ones (self-locking), no bar
+    tells anything: a validity check that does not hold stands for that cycle.
+    """
+    pairs, gates = [], []
+    for name, cycle in solved.items():
+        if not any(one.coefficient for one in cycle.linkage.friction.values()):
+            continue
+        run = design.cycles[name].run
+        try:
+            low, high = (
+                loads.run_cycle(_with_friction(cycle.linkage, factor), run)
+                for factor in (1.0 - _FRICTION, 1.0 + _FRICTION)
+            )
+        except loads.LinkageError as error:
+            gates.append(_unbalanced(name, str(error)))
+            continue
+        words = f"{name}: coefficients of friction a third lower or higher"
+        ends = ({**solved, name: low}, {**solved, name: high})
+        pairs.append(LoadPair(words, ends, friction_gate(name)))
+    return pairs, gates
+
+
+def _with_friction(linkage: loads.Linkage, factor: float) -> loads.Linkage:
+    scaled = {
+        joint: replace(one, coefficient=factor * one.coefficient)
+        for joint, one in linkage.friction.items()
+    }
+    return replace(linkage, friction=scaled)
+
+
+def _unbalanced(cycle: str, problem: str) -> Gate:
+    return Gate(
+        f"{cycle}: friction a third from its stated coefficients",
+        1.0,
+        0.0,
+        "cycles that cannot be solved there, and a coefficient of friction is known to a third at "
+        f"best: {problem}",
+        cure="Less friction, or a mechanism farther from self-locking",
+    )

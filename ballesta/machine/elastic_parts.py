@@ -11,8 +11,7 @@ import loads
 from ballesta.machine.solved_cycles import parts_that_give
 from checks.design.data import Design, Pair, Part
 from checks.part.loaded_part import FIRST
-from checks.part.part_loads import interface_heights
-from checks.part.placing import part_placing
+from checks.part.part_loads import interface_heights, part_placing
 from checks.part.too_fine import gave_up, told_of_size
 from checks.strength.part_strength import elastic_of
 from checks.stress.solid_mesh_level import Models

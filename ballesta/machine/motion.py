@@ -8,8 +8,7 @@ import numpy as np
 
 import loads
 from checks.design.data import Design, Part
-from checks.part.part_loads import interface_heights, loads_on
-from checks.part.placing import part_placing
+from checks.part.part_loads import interface_heights, loads_on, part_placing
 from checks.result.motion import MOST_POSITIONS, PartsMotion, PinForce
 from checks.result.verdict import PartResult
 from checks.result.words import brief, number
@@ -17,6 +16,10 @@ from geometry.mesh import FloatArray, IntArray
 from geometry.parts.pin import as_pin
 
 _STEP = np.radians(6.0) + 1e-9  # that a body turns by between two kept positions, at most
+Spans = list[tuple[float, float]]
+_AROUND = 1.3  # of the radius of a bore: what stands at a joint
+_GAP = 0.03  # between parts that are moved apart, over the thickness of what is there
+_TOLD = 6  # names in a sentence
 
 
 def motions_of(
@@ -193,12 +196,6 @@ def _turned(vectors: FloatArray, angle: FloatArray) -> FloatArray:
 
 
 # Heights of parts across the linkage's plane in a picture: as stated, else side by side.
-
-Spans = list[tuple[float, float]]
-
-_AROUND = 1.3  # of the radius of a bore: what stands at a joint
-_GAP = 0.03  # between parts that are moved apart, over the thickness of what is there
-_TOLD = 6  # names in a sentence
 
 
 @dataclass(frozen=True, eq=False)

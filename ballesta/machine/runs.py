@@ -8,10 +8,17 @@ import numpy as np
 
 import loads
 from ballesta.machine.balance import measured_loads
-from ballesta.machine.drive_speed import Evenness, evenness_of, speed_doubts, speed_gates
+from ballesta.machine.drive_speed import (
+    Evenness,
+    LoadPair,
+    Solved,
+    evenness_of,
+    friction_pairs,
+    speed_doubts,
+    speed_gates,
+)
 from ballesta.machine.elastic_parts import compliances_of
 from ballesta.machine.events import with_events
-from ballesta.machine.load_pairs import LoadPair, Solved, friction_pairs
 from ballesta.machine.quasi_static import (
     CycleVibration,
     vibration_of,
@@ -30,6 +37,9 @@ from checks.part.part_loads import Doubt, Runs, shown_name
 from checks.result.verdict import Gate
 from checks.store.store import Store
 from checks.stress.kept_models import Models
+
+_AT_END = 1e-9  # of the travel
+_LEFT = 0.2  # of the share of the motion that the solved force sees: less is the dead centre
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,9 +149,6 @@ def doubts_of(design: Design, machine: MachineRuns) -> MachineDoubts:
 # is off by at most is stated (`stop.tolerance`), so the loads at both ends of that are a doubt
 # with bars. Where one of them comes next to the dead centre itself no bar tells anything: the
 # gate binds.
-
-_AT_END = 1e-9  # of the travel
-_LEFT = 0.2  # of the share of the motion that the solved force sees: less is the dead centre
 
 
 def stop_doubts(design: Design, solved: Solved) -> list[LoadPair]:

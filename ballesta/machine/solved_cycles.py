@@ -10,7 +10,7 @@ import numpy as np
 import loads
 from checks.design.data import Cycle, Design, Part
 from checks.design.errors import DesignError, NumericsError
-from checks.part.placing import part_placing
+from checks.part.part_loads import part_placing
 from checks.part.too_fine import gave_up, told_of_size
 from checks.store.store import Store
 from checks.stress.kept_models import Models

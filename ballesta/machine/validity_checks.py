@@ -4,8 +4,8 @@ from collections.abc import Collection, Mapping
 from math import ceil, sqrt
 
 import loads
+from ballesta.machine.drive_speed import friction_gate
 from ballesta.machine.events import event_figures
-from ballesta.machine.load_pairs import friction_gate
 from ballesta.machine.shown_loads import motor_figures, shown_cycle
 from checks.design.data import Design
 from checks.part.part_loads import shown_name, shown_position

@@ -9,8 +9,7 @@ import loads
 from ballesta.machine.shown_loads import shown_cycle
 from ballesta.machine.solved_cycles import linkage_of
 from checks.design.data import Cycle, Design, Part
-from checks.part.part_loads import is_loaded, shown_name, shown_position
-from checks.part.placing import interface_distance
+from checks.part.part_loads import interface_distance, is_loaded, shown_name, shown_position
 from checks.result.verdict import PartResult
 from checks.result.words import quantity_unit
 from geometry.parts import Pin

@@ -29,7 +29,7 @@ from checks.handbook.tapered_columns import (
     critical_force,
     least_critical_force,
 )
-from checks.part.placing import interface_distance
+from checks.part.part_loads import interface_distance
 from geometry.bars import Section
 
 UNKNOWN_CURVE = "c"  # EN 1993-1-1, table 6.2: solid sections and those that are no standard profile

@@ -13,7 +13,7 @@ import numpy as np
 
 import loads
 from checks.design.data import Design
-from checks.part.placing import Placing, part_placing
+from checks.part.part_loads import Placing, part_placing
 from checks.strength.part_strength import elastic_of
 from fem.frame import Frame
 from fem.frame_joints import (

@@ -9,8 +9,7 @@ from checks.design.data import Part
 from checks.ladder.leaf_checks import LeafBand, leaf_band
 from checks.models import beam, shapes
 from checks.models.bands import known_band
-from checks.models.checked import BUCKLING, FATIGUE, STATIC, rung_estimates, rung_level
-from checks.models.estimate import Estimate
+from checks.models.checked import BUCKLING, FATIGUE, STATIC, Estimate, rung_estimates, rung_level
 from checks.models.shapes import family_of
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads

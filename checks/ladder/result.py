@@ -15,8 +15,7 @@ from checks.ladder.levels import Asked, Say, first_of
 from checks.ladder.part_facts import SMALL_DISPLACEMENT, facts_of
 from checks.ladder.section_fields import section_fields
 from checks.ladder.solid import RESCALED, check_solid
-from checks.models.checked import BALANCE, BUCKLING, FATIGUE, STATIC
-from checks.models.estimate import Estimate
+from checks.models.checked import BALANCE, BUCKLING, FATIGUE, STATIC, Estimate
 from checks.result.verdict import NOT_MESHED, Check, Gate, PartResult, RungTried, Status, Surface
 from checks.result.ways import mesh_that_settles
 from checks.strength.fatigue_facts import fatigue_facts

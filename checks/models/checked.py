@@ -9,10 +9,12 @@ the number of points, so that its values at even angles give it at all angles ex
 Where a section comes near the largest, static or of fatigue, it is asked at finer and finer angles;
 those where it is largest join the model's points. So a pin's result does not depend on how it lies
 in its axes.
+
+An `Estimate` is a check by any model; its bars leave the verdict open or not.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import inf
 
 import numpy as np
@@ -30,13 +32,12 @@ from checks.models.bands import (
     thin_wall,
     unknown_load,
 )
-from checks.models.estimate import Estimate
 from checks.models.shapes import family_of
 from checks.models.stress_words import Words, fatigue_words, static_words
 from checks.part.derived import VALUE, at_value
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
-from checks.result.verdict import Check
+from checks.result.verdict import Check, Status
 from checks.result.words import UNKNOWN_BAR
 from checks.strength.fatigue_assessment import FatigueUse
 from checks.strength.part_strength import endurance_of
@@ -46,6 +47,7 @@ from checks.stress.stress_result import RungLevel, RungModel, judge
 from fem.stress_history import StressHistory
 from geometry.mesh import FloatArray, IntArray
 
+GUARD = 1.5  # times the bars of a rung: what climbing stops at must not flip by a solid
 _NEARLY = 0.97  # of the largest: sections and angles beside which there may be more
 _FINER = 5  # times, from one round to the next
 _ROUNDS = 5  # from 15 degrees to 0.005: the peak, flat there, is missed by 1e-8
@@ -53,10 +55,6 @@ _MOST = 16  # angles that are followed
 _ROUND_OFF = 1e-12  # of the largest wave of a stress around its ring
 _SAME = 1e-6  # of a degree's radians: two points are one
 Values = Callable[[StressHistory, FloatArray], tuple[FloatArray, FloatArray]]
-"""Of a history's points with their fretting (n,): what is judged where it is known, exact at the
-worst, and a bound (n,) that it does not exceed."""
-
-
 STATIC, FATIGUE, BUCKLING = "static", "fatigue", "buckling"
 BALANCE = 1e-6  # of the largest force: what may be left of a part's balance
 MOST_PULLED = 10.0  # times a bent part's share; solids of levers have 1.18 to 1.74 times it
@@ -67,6 +65,106 @@ WORDS = f"model band: {100 * BEYOND_ARCS:g} % more in bores, whose arc is not st
 _PRESSURE = " cos 0"  # the unit load that only an interface with a bearing pressure has
 _ACROSS = ("M_x", "M_y", "torque")  # in names of unit loads: couples out of the linkage's plane
 _NEAR = 0.8  # of the largest fatigue use in bores: points that are asked again
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A check, and which part of its model band a better model can take away.
+
+    check         with its bars, all of them
+    above, below  of the model band: how far the rung's own error reaches, in the check's unit
+    guard         times the rung's bars that must leave the verdict as it is
+    """
+
+    check: Check
+    above: float = 0.0
+    below: float = 0.0
+    guard: float = GUARD
+
+    @property
+    def spread(self) -> float:
+        """All that a better model can take away, over the value."""
+        value = self.check.value
+        return (self.above + self.below + 2 * self.check.numerical) / value if value else 0.0
+
+    @property
+    def settled(self) -> bool:
+        """True if a better model cannot be expected to change the verdict, guard included."""
+        if self.check.status is Status.UNDECIDED:
+            return False
+        return self._widened(self.guard).status is self.check.status
+
+    @property
+    def open_for_good(self) -> bool:
+        """True if no better model would settle it: the bars that all models share leave it open."""
+        if self.check.status is not Status.UNDECIDED:
+            return False
+        low = self._moved(-self.below - self.check.numerical)
+        high = self._moved(self.above + self.check.numerical)
+        return low is Status.UNDECIDED and high is Status.UNDECIDED
+
+    def agrees(self, other: "Estimate") -> bool:
+        """True if the bars of two models of one check overlap."""
+        (low, high), (lowest, highest) = self._ends, other._ends
+        return low <= highest and lowest <= high
+
+    @property
+    def _ends(self) -> tuple[float, float]:
+        """Where the bars end."""
+        check = self.check
+        return (
+            check.value - check.numerical - check.below,
+            check.value + check.numerical + check.model,
+        )
+
+    def would_settle(self, low: float, high: float) -> bool:
+        """True if a model whose band is from `low` to `high` times its value may settle it."""
+        value = self.check.value
+        other = Estimate(
+            replace(
+                self.check,
+                numerical=0.0,
+                model=self._shared_above + max(0.0, high - 1) * value,
+                model_below=self._shared_below + max(0.0, 1 - low) * value,
+            ),
+            max(0.0, high - 1) * value,
+            max(0.0, 1 - low) * value,
+            self.guard,
+        )
+        return other.settled
+
+    @property
+    def _shared_above(self) -> float:
+        return max(0.0, self.check.model - self.above) if self.check.model < inf else 0.0
+
+    @property
+    def _shared_below(self) -> float:
+        return max(0.0, self.check.below - self.below) if self.check.below < inf else 0.0
+
+    def _widened(self, guard: float) -> Check:
+        check = self.check
+        return replace(
+            check,
+            numerical=guard * check.numerical,
+            model=check.model + (guard - 1) * self.above,
+            model_below=check.below + (guard - 1) * self.below,
+        )
+
+    def _moved(self, by: float) -> Status:
+        """Status of a better model's check with the value moved and only the shared band left."""
+        if not abs(by) < inf:
+            return Status.PASS  # unknown: a better model may say anything
+        return replace(
+            self.check,
+            value=max(0.0, self.check.value + by),
+            numerical=0.0,
+            model=self._shared_above,
+            model_below=self._shared_below,
+        ).status
+
+
+"""Of a history's points with their fretting (n,): what is judged where it is known, exact at the
+worst, and a bound (n,) that it does not exceed."""
 
 
 def rung_level(loaded: LoadedPart, model: RungModel, *, all_round: bool = True) -> RungLevel:

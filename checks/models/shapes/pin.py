@@ -11,7 +11,7 @@ from math import pi
 import numpy as np
 
 from checks.design.data import Part
-from checks.handbook.notch_factors import stepped_shaft
+from checks.handbook.lug_stress import stepped_shaft
 from checks.handbook.pin_loaded_hole import PATTERNS
 from checks.joints.pin_diagrams import PinDiagram, pin_diagram
 from checks.models.formula_points import YZ, ZX, Points, bearing_units, interface_units

@@ -7,8 +7,7 @@ from itertools import product
 import numpy as np
 
 from checks.design.data import Part
-from checks.handbook.lug_stress import Lug, strip_outline
-from checks.handbook.notch_factors import curved_bar
+from checks.handbook.lug_stress import Lug, curved_bar, strip_outline
 from checks.handbook.pin_loaded_hole import PATTERNS, CurvedSection, open_hole, pin_loaded_hole
 from checks.models.formula_lugs import ANGLES
 from checks.models.formula_points import Points, bearing_units

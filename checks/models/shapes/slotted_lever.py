@@ -9,8 +9,7 @@ import numpy as np
 
 from checks.design.data import Part
 from checks.handbook.bar_forces import BarLoads
-from checks.handbook.lug_stress import Lug, strip_outline
-from checks.handbook.notch_factors import bent_plate_hole, curved_bar, stepped_bar
+from checks.handbook.lug_stress import Lug, bent_plate_hole, curved_bar, stepped_bar, strip_outline
 from checks.handbook.pin_loaded_hole import pin_loaded_hole
 from checks.models.formula_bars import (
     BarPart,

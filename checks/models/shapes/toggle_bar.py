@@ -6,8 +6,7 @@ import numpy as np
 
 from checks.design.data import Part
 from checks.handbook.column_curves import plate_stress
-from checks.handbook.lug_stress import Lug, strip_outline
-from checks.handbook.notch_factors import stepped_bar
+from checks.handbook.lug_stress import Lug, stepped_bar, strip_outline
 from checks.handbook.pin_loaded_hole import pin_loaded_hole
 from checks.models.formula_bars import (
     BarPart,

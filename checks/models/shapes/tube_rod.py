@@ -4,8 +4,7 @@ import numpy as np
 
 from checks.design.data import Part
 from checks.handbook.bar_forces import BarLoads
-from checks.handbook.lug_stress import Lug, mirrored, round_outline
-from checks.handbook.notch_factors import stepped_shaft
+from checks.handbook.lug_stress import Lug, mirrored, round_outline, stepped_shaft
 from checks.handbook.pin_loaded_hole import ComplexArray, pin_loaded_hole
 from checks.models.formula_bars import BarPart, Stretches, fine_cells
 from checks.models.formula_lugs import add_bore

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ballesta.design.read import read_design
-from ballesta.machine.load_pairs import friction_gate, friction_pairs
+from ballesta.machine.drive_speed import friction_gate, friction_pairs
 from ballesta.machine.solved_cycles import solve_cycles
 from ballesta.machine.validity_checks import load_gates
 from ballesta.pipeline import check_design

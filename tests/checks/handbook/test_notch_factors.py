@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from checks.handbook.notch_factors import bent_plate_hole, curved_bar, stepped_bar, stepped_shaft
+from checks.handbook.lug_stress import bent_plate_hole, curved_bar, stepped_bar, stepped_shaft
 
 
 @pytest.mark.parametrize(

@@ -13,8 +13,7 @@ from checks.design.errors import DesignError
 from checks.ladder.climb import BUILDERS, climb_cheap, start_climb
 from checks.ladder.part_ladder import Effort
 from checks.ladder.result import solid_result
-from checks.models.checked import NOTHING, rung_estimates, rung_level
-from checks.models.estimate import Estimate
+from checks.models.checked import NOTHING, Estimate, rung_estimates, rung_level
 from checks.part.loaded_part import LoadedPart
 from checks.result.verdict import Check, Status
 from checks.result.words import reason, safety_text, utilisation_text

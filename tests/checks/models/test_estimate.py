@@ -5,7 +5,7 @@ from math import inf
 
 import pytest
 
-from checks.models.estimate import Estimate
+from checks.models.checked import Estimate
 from checks.result.verdict import Check, Status
 
 CHECK = Check(

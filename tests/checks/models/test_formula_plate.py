@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from checks.by_formula.lug_shear_out import ligaments
 from checks.design.materials import known_materials
-from checks.handbook.notch_factors import curved_bar
+from checks.handbook.lug_stress import curved_bar
 from checks.handbook.pin_loaded_hole import CurvedSection, open_hole
 from checks.models.formula_points import Points
 from checks.models.plate_buckling import FlatSection, PlateForces
