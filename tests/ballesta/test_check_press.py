@@ -1,6 +1,6 @@
 """The toggle press checked end to end, beside what a designer works out by hand.
 
-Meshes are coarser than a user's (fineness 0.4 to 0.6), the pin has two: quick, and still within
+Meshes are coarser than a user's (fineness 0.35 to 0.5), the pin has two: quick, and still within
 the errors stated.
 """
 
@@ -33,7 +33,7 @@ PRESS = DESIGNS / "toggle_press.toml"
 TWO_MESHES = "parts.pin_B.mesh.most_unknowns=20000"
 COARSE = [
     "parts.bar_upper.mesh.fineness=0.4",
-    "parts.pin_B.mesh.fineness=0.5",
+    "parts.pin_B.mesh.fineness=0.45",
     TWO_MESHES,
     "cycles.press.positions=91",
 ]
@@ -169,7 +169,7 @@ def test_the_knee_pin_is_bent_as_the_hand_formula_says(press):
 
 def test_a_plain_pin_of_40_mm_is_bent_with_56_mpa():
     """(35/40)^3 of the stepped pin's 83 MPa; 60.24 MPa if the lugs pressed at their mid-planes."""
-    result = pin_alone(PLAIN_PIN, "parts.pin_B.mesh.fineness=0.8", TWO_MESHES)
+    result = pin_alone(PLAIN_PIN, "parts.pin_B.mesh.fineness=0.5", "accuracy=20%")
     assert 55.6 < bent_at_mid_plane(result, 40) < 60.24
 
 

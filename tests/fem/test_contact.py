@@ -167,7 +167,7 @@ def test_an_uneven_flexibility_is_refused():
 def test_even_hats_give_way_as_the_sum_over_their_waves_says():
     """Their flexibility is taken from the first hat alone; here each pair is summed up."""
     hats = Hats.even(15)
-    numbers = np.arange(2.0, 91.0)  # six waves in a hat
+    numbers = np.arange(2.0, 92.0)  # six waves in a hat, rounded up
     waves = hats.waves(numbers)
     size = (2 * numbers - 1 + POISSON) / (numbers**2 - 1) / np.pi
     wanted = (waves * size @ waves.conj().T).real + (1 - POISSON) / (2 * np.pi)

@@ -22,6 +22,8 @@ from checks.stress.solid_mesh_level import Models
 from ...small_machine import PLATE, machine, solved
 from ..models.wide_bands import bands_of
 
+LOOSE = "accuracy=25%"  # two meshes say which model has judged as well as four
+
 
 @pytest.fixture
 def bars(monkeypatch):
@@ -188,13 +190,15 @@ def test_a_verdict_by_auto_is_that_of_the_solid_near_the_limit(tmp_path, bars):
     climb_cheap(first, AUTO)
     for share in (0.98, 1.015):
         need = required_at(first, "static", share)
-        design = machine(tmp_path, PLATE, f"require.static={need}")
+        design = machine(tmp_path, PLATE, f"require.static={need}", LOOSE)
         (part,) = check_design(design).parts
         (whole,) = check_design(design, effort=Effort("solid")).parts
         by_auto, by_solid = (
             next(check for check in one.checks if check.kind == "static") for one in (part, whole)
         )
         assert by_auto.status is by_solid.status
+        assert by_auto.method == by_solid.method
+        assert by_auto.value == pytest.approx(by_solid.value, abs=by_solid.numerical)
         assert part.rungs[-1].rung == "solid"
         assert part.rungs[-1].seconds > 0
 
@@ -258,7 +262,7 @@ def test_a_solid_that_is_asked_for_one_check_leaves_the_others_to_the_rungs_belo
     bars(formula=0.1)
     first = started(tmp_path)
     climb_cheap(first, AUTO)
-    state = started(tmp_path, f"require.fatigue={required_at(first, 'fatigue', 1.0)}")
+    state = started(tmp_path, f"require.fatigue={required_at(first, 'fatigue', 1.0)}", LOOSE)
     assert climb_cheap(state, AUTO)
     assert state.open == ["fatigue"]
     result = solid_result(state, Models(), lambda _: None, everything=False)
