@@ -94,6 +94,26 @@ def test_a_material_says_to_which_group_of_the_guideline_it_belongs():
         Material(**ALLOY, endurance_ratio=0.4, fkm_group="alloy")
 
 
+def test_cycles_belong_to_an_endurance_ratio():
+    stated = {
+        "youngs_modulus": "169 GPa",
+        "poisson_ratio": 0.28,
+        "density": "7100 kg/m3",
+        "yield_stress": "250 MPa",
+        "ultimate_stress": "400 MPa",
+    }
+    iron = MaterialEntry.model_validate({**stated, "endurance_ratio": 0.34})
+    assert iron.named("iron").endurance_cycles == 5e8
+    known = MaterialEntry.model_validate({**iron.model_dump(), **stated, "endurance_cycles": 1e6})
+    assert known.named("iron").endurance_cycles == 1e6
+    alone = MaterialEntry.model_validate({**stated, "endurance_cycles": 1e6})
+    with pytest.raises(ParameterError, match="must be stated where endurance_cycles are"):
+        alone.named("iron")
+    for cycles in (0.0, 1e4, 1e11):
+        with pytest.raises(ParameterError, match=r"between 100000 and 1e\+10"):
+            Material(**ALLOY, endurance_ratio=0.4, endurance_cycles=cycles)
+
+
 def test_a_threshold_is_a_stress_intensity_of_some_metal():
     """1 MPa m^0.5 is 31.62 MPa mm^0.5."""
     entry = MaterialEntry.model_validate(
