@@ -484,12 +484,12 @@ def _between(points: Sequence[Sequence[float]], at: float) -> float:
 
 
 def _stiff_as(one: Material, other: Material) -> bool:
-    """True if stresses and loads are the same of both, and Marin's chain begins alike."""
+    """True if stresses and loads are the same of both, and their chains of fatigue begin alike."""
 
     def form(of: Material) -> tuple[object, ...]:
         return (
             of.youngs_modulus, of.poisson_ratio, of.density, of.ductile, of.endurance_ratio,
-            of.threshold,
+            of.endurance_cycles, of.fkm_group, of.threshold,
         )  # fmt: skip
 
     return form(one) == form(other)

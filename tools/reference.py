@@ -43,8 +43,9 @@ Another material stands under `[materials.NAME]` in the design file, with
 {rows}
 
 E is Young's modulus, ν Poisson's ratio, ρ the density, S_e/S_u the endurance limit of a polished
-bar over the tensile strength; a material that is not steel must state it. A brittle material has
-none: neither von Mises nor Goodman can judge it, and the result says so.
+bar over the tensile strength, at the cycles beside it; without cycles steel's, at 10⁶. A material
+that is not steel must state it; stainless and cast steels here do. A brittle material has none:
+neither von Mises nor Goodman can judge it, and the result says so.
 """
 CHECKS = """\
 # Checks
@@ -94,7 +95,6 @@ def materials_page() -> str:
     """Every material that ballesta knows, with its values and their source."""
     rows = []
     for one in known_materials().values():
-        ratio = one.endurance_ratio or (0.5 if one.ductile else None)
         cells = (
             f"`{one.name}`",
             f"{one.youngs_modulus / 1e3:g}",
@@ -102,12 +102,19 @@ def materials_page() -> str:
             f"{one.density * 1e12:g}",
             _by_size(one, "yield_stress"),
             _by_size(one, "ultimate_stress"),
-            f"{ratio:g}" if ratio else "brittle",
+            _endured(one),
             one.fkm_group or "none",
             one.source,
         )
         rows.append(row(*cells))
     return MATERIALS.format(anchor=anchor("materials.NAME"), rows="\n".join(rows))
+
+
+def _endured(material: Material) -> str:
+    """Its endurance ratio, and the cycles of a stated one."""
+    if material.endurance_ratio:
+        return f"{material.endurance_ratio:g} at {material.endurance_cycles:g}"
+    return "0.5" if material.ductile else "brittle"
 
 
 def _by_size(material: Material, name: str) -> str:

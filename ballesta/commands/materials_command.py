@@ -68,7 +68,8 @@ def _values(material: Material) -> list[tuple[str, str]]:
         values.append(("fatigue", material.why_not_goodman))
     else:
         ratio = material.endurance_ratio
-        share, of = (0.5, ", as steel's") if ratio is None else (ratio, "")
+        at = f" at {material.endurance_cycles:g} cycles"
+        share, of = (0.5, ", as steel's") if ratio is None else (ratio, at)
         values.append(
             ("fatigue", f"endurance limit of a polished bar {share:g} of the ultimate strength{of}")
         )

@@ -44,7 +44,7 @@ _DIGITS = 2  # of the change, to which a dimension is rounded
 _BEST = 3
 _MARGIN = 1.1  # on what another model than the formula decides: so far may their ratio change
 _HEAVIEST = 2  # shapes that a check of what passes seeks to make lighter
-_TRIES = 4  # of materials, from the weakest that may be strong enough
+_TRIES = 8  # of materials, from the weakest that may be strong enough
 _MAY = 0.8  # of the strength that is needed: weaker ones are not tried
 _MATERIAL = ".material"
 # R20 of ISO 3:1973, as the package renard 1.3 lists it: steps of about 12 %.
@@ -320,7 +320,7 @@ class _Search:
         return found
 
     def materials(self, wanted: tuple[str, ...]) -> list[Change]:
-        """The weakest of the known materials with which parts pass, for each key of one."""
+        """The weakest material of the same group with which parts pass, for each key of one."""
         known = known_materials()
         found = []
         for key, value in self.design.inputs:
@@ -328,8 +328,13 @@ class _Search:
             if not key.endswith(_MATERIAL) or value not in known or not own:
                 continue
             least = known[value].ultimate_stress * _MAY / self.reserve(self.base, own)
+            group = known[value].fkm_group
             others = sorted(
-                (m for m in known.values() if m.ductile and m.ultimate_stress >= least),
+                (
+                    m
+                    for m in known.values()
+                    if m.ductile and m.fkm_group == group and m.ultimate_stress >= least
+                ),
                 key=lambda m: m.ultimate_stress,
             )
             for name in [m.name for m in others if m.name != value][:_TRIES]:

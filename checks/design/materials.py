@@ -24,8 +24,10 @@ _PLAUSIBLE = {
     "yield_stress": (1e-6, 1e5, "MPa"),
     "ultimate_stress": (1e-6, 1e5, "MPa"),
 }
+ENDURANCE_CYCLES = 5e8  # of rotating-bar tests of metals without an endurance limit
 _THRESHOLDS = (0.1 * 1000**0.5, 100 * 1000**0.5)  # MPa mm^0.5
 _STEEL = (180e3, 230e3)  # MPa, Young's modulus of what takes steel's endurance limit
+_CYCLES = (1e5, 1e10)  # of a stated endurance ratio
 
 
 @dataclass(frozen=True)
@@ -53,6 +55,7 @@ class Material:
     up_to            mm, largest thickness of which the strengths hold; up_to_diameter: of rounds
     larger           strengths of larger sizes, the smallest first
     endurance_ratio  of a polished bar, of the ultimate strength; None: steel's 0.5, or brittle
+    endurance_cycles at which a stated ratio holds, the knee of the S-N curve
     fkm_group        one of `fatigue.FKM_GROUPS`; None: the guideline's chain cannot be used
     threshold        MPa mm^0.5, range of the stress intensity at R = -1 below which no long crack
                      grows; None: fatigue at sharp re-entrant edges is not judged
@@ -67,6 +70,7 @@ class Material:
     ductile: bool
     source: str
     endurance_ratio: float | None = None
+    endurance_cycles: float = ENDURANCE_CYCLES
     fkm_group: str | None = None
     threshold: float | None = None
     up_to: float = inf
@@ -105,6 +109,11 @@ class Material:
             )
         if ratio is not None and not 0 < ratio < 1:
             raise ParameterError("endurance_ratio", f"must be between 0 and 1, got {ratio:g}")
+        if not _CYCLES[0] <= self.endurance_cycles <= _CYCLES[1]:
+            raise ParameterError(
+                "endurance_cycles",
+                f"must be between {_CYCLES[0]:g} and {_CYCLES[1]:g}, got {self.endurance_cycles:g}",
+            )
         if self.threshold is not None and not _THRESHOLDS[0] <= self.threshold <= _THRESHOLDS[1]:
             low, high = (limit / 1000**0.5 for limit in _THRESHOLDS)
             raise ParameterError(
@@ -220,6 +229,11 @@ class MaterialEntry(BaseModel):
         description="endurance limit of a polished bar over the tensile strength; without it 0.5, "
         "for steel only",
     )
+    endurance_cycles: Annotated[float, Field(strict=True, allow_inf_nan=False)] | None = Field(
+        None,
+        description="cycles at which `endurance_ratio` holds, the knee of a finite life's S-N "
+        f"curve; without it {ENDURANCE_CYCLES:g}, not for steel's 0.5",
+    )
     fkm_group: str | None = Field(
         None, description="material group of the FKM guideline; without it that chain is not used"
     )
@@ -243,9 +257,13 @@ class MaterialEntry(BaseModel):
         """Return the checked material; raises ParameterError."""
         if self.up_to is None and (self.larger or self.up_to_diameter is not None):
             raise ParameterError("up_to", "must be stated where larger sizes are")
-        own = self.model_dump(exclude={"larger", "up_to"})
+        if self.endurance_cycles is not None and self.endurance_ratio is None:
+            raise ParameterError("endurance_ratio", "must be stated where endurance_cycles are")
+        own = self.model_dump(exclude={"larger", "up_to", "endurance_cycles"})
+        cycles = self.endurance_cycles
         return Material(
             name=name,
+            endurance_cycles=ENDURANCE_CYCLES if cycles is None else cycles,
             up_to=inf if self.up_to is None else self.up_to,
             larger=tuple(entry.grade() for entry in self.larger),
             **own,

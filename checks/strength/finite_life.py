@@ -62,7 +62,6 @@ _TOGETHER = 32  # points that are counted before the bound is asked again
 _ROUND_OFF = 1e-9  # of a bound
 _AXIAL = 0.75  # of the ultimate strength, what 1e3 cycles of axial force leave
 _ALUMINIUM = 0.9  # the same in bending, of metals other than steel
-_NO_KNEE = 5e8  # cycles at which the strength of metals without an endurance limit is stated
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,9 +144,10 @@ def life_curve(material: Material, limits: FloatArray, *, axial: bool) -> SNCurv
     """Return the S-N curve through the strength at 1e3 cycles and the endurance limits, MPa.
 
     Steel: f S_u (Shigley, 9th ed., figure 6-18), in axial force not above 0.75 S_u, knee at 1e6.
-    Metals with a stated endurance ratio: 0.9 S_u, axial 0.75 S_u, and the ratio's 5e8 cycles
-    (Norton, Machine Design, 5th ed., section 6.6). Below the knee the slope is Haibach's 2 k - 1:
-    cycles under the endurance limit do damage where larger ones have begun it.
+    Metals with a stated endurance ratio: 0.9 S_u, axial 0.75 S_u, and the ratio's own cycles, 5e8
+    where none are stated (Norton, Machine Design, 5th ed., section 6.6). Below the knee the slope
+    is Haibach's 2 k - 1: cycles under the endurance limit do damage where larger ones have begun
+    it.
     """
     fraction, knee = _start_and_knee(material, axial=axial)
     ultimate = material.ultimate_stress
@@ -170,7 +170,7 @@ def _start_and_knee(material: Material, *, axial: bool) -> tuple[float, float]:
     """Share of the ultimate strength endured 1e3 times, and the cycles of the knee."""
     steel = material.endurance_ratio is None
     fraction = low_cycle_fraction(material.ultimate_stress) if steel else _ALUMINIUM
-    return min(fraction, _AXIAL) if axial else fraction, 1e6 if steel else _NO_KNEE
+    return min(fraction, _AXIAL) if axial else fraction, 1e6 if steel else material.endurance_cycles
 
 
 def shortest_life(verdict: DutyVerdict, task: LifeTask) -> DutyLife:

@@ -168,7 +168,14 @@ def of_any_size(data, machine):
             "density": f"{own.density * 1e12!r} kg/m3",
             "yield_stress": f"{own.yield_stress!r} MPa",
             "ultimate_stress": f"{own.ultimate_stress!r} MPa",
-            **({"endurance_ratio": own.endurance_ratio} if own.endurance_ratio else {}),
+            **(
+                {
+                    "endurance_ratio": own.endurance_ratio,
+                    "endurance_cycles": own.endurance_cycles,
+                }
+                if own.endurance_ratio
+                else {}
+            ),
         }
         fits = {
             bore: f"{least!r} .. {most!r} mm"

@@ -1,5 +1,7 @@
 """The list of materials, and all values of one."""
 
+import re
+
 import pytest
 
 from ballesta.cli import main
@@ -40,8 +42,22 @@ def test_one_material_has_all_of_its_values_and_its_source(name, capsys):
     assert said.count("strength yield") == len(material.grades)
     assert "source " + " ".join(material.source.split()) in said
     assert ("brittle" in said) is (not material.ductile)
+    if material.endurance_ratio:
+        cycles = f"of the ultimate strength at {material.endurance_cycles:g} cycles"
+        assert f"{material.endurance_ratio:g} {cycles}" in said
 
 
-def test_a_name_that_is_none_gets_the_nearest(capsys):
-    assert main(["materials", "S335"]) == 2
-    assert "did you mean S355" in capsys.readouterr().err
+@pytest.mark.parametrize(
+    ("name", "nearest"),
+    [
+        ("S335", "S355"),
+        ("S460", "S460N"),
+        ("X5CrNi1810", "X5CrNi18-10"),
+        ("X20Cr13", "X20Cr13_QT[78]00"),
+        ("GJS-500-7", "EN-GJS-500-7"),
+        ("7075-T6", "7075-T651"),
+    ],
+)
+def test_a_name_that_is_none_gets_the_nearest(name, nearest, capsys):
+    assert main(["materials", name]) == 2
+    assert re.search(f"did you mean {nearest}\\b", capsys.readouterr().err)

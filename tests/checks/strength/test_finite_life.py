@@ -132,6 +132,21 @@ def test_aluminium_has_no_endless_life():
     assert life.safety < 1.0
 
 
+def test_the_line_meets_the_limit_at_the_cycles_of_a_stated_endurance_ratio():
+    """0.34 S_u at 1e6 cycles, by hand at 1e5: 0.9 S_u (0.34/0.9)^(2/3)."""
+    iron = replace(STEEL, endurance_ratio=0.34, endurance_cycles=1e6)
+    limit = 0.34 * 470
+    curve = life_curve(iron, np.array([limit]), axial=False)
+    found = curve.cycles_to_failure(np.array([0.9 * 470 * (0.34 / 0.9) ** (2 / 3)]))
+    assert_allclose(found, 1e5, rtol=1e-9)
+    unstated = replace(iron, endurance_cycles=STEEL.endurance_cycles)
+    longer = life_of(line(XX, 250, -250), counts=[1.0], limit=limit, material=unstated).damage
+    shorter = life_of(line(XX, 250, -250), counts=[1.0], limit=limit, material=iron).damage
+    slope = [np.log(0.9 / 0.34) / np.log(knee / 1e3) for knee in (1e6, 5e8)]
+    by_hand = [1e-3 * (250 / (0.9 * 470)) ** (1 / one) for one in slope]
+    assert_allclose([shorter, longer], by_hand, rtol=1e-9)
+
+
 def test_a_limit_above_the_strength_at_a_thousand_cycles_has_no_line():
     good = replace(STEEL, endurance_ratio=0.4)
     assert why_no_curve(good, 0.89 * 470, axial=False) is None
