@@ -26,7 +26,7 @@ def column_items(
     force      N, compression
     stiffness  (k,) N mm2, E I of the section at even places from pin to pin
     shear      N, shear stiffness there, (k,) or of all; infinite where no shear strain is counted
-    length     mm, between the pins
+    length     mm, between where the pins press
     sideways   share that its moments alone are of those that buckle it sideways; None where the
                share is the compression's alone
     """
@@ -85,7 +85,8 @@ def _critical(
     names = tuple(f"station {number}" for number in range(1, count + 1))
     return [
         Given("F", "compression", force, "N", "the loads", main=True),
-        Given("L", "length between the pins", length, "mm", "the part's shape"),
+        Given("L", "length between where the pins press", length, "mm",
+              "pins' distance less 8/(3π) of the bores' radii"),
         Sum("Q_1", "work of the force, one wave", "w*(pi/L*cos(t))^2", names, tuple(columns), "",
             _QUOTIENT),
         Sum("Q_2", "what bends and slides", gives, names, (*columns, bends, *slides), "",
