@@ -19,9 +19,17 @@ from scipy.stats import t as student
 
 from bench.rung_truth import known
 from bench.rung_variations import SCENES, Machines, Variation
-from checks.ladder.climb import BUILDERS
+from checks.ladder.climb import ANSWERS, BUILDERS
 from checks.models.bands import of_buckling, proportions_of
-from checks.models.checked import BUCKLING, FATIGUE, STATIC, rung_level
+from checks.models.checked import (
+    BUCKLING,
+    BY_STRESS,
+    FATIGUE,
+    STATIC,
+    STOUT,
+    rung_level,
+    stress_share,
+)
 from checks.models.shapes import family_of
 from checks.part.loaded_part import LoadedPart
 from checks.strength.part_strength import fatigue_use
@@ -33,6 +41,9 @@ BANDS = Path(__file__).parents[1] / "checks" / "models" / "bands.json"
 SHARE = 0.95  # of solids that a band is to hold
 _KINDS = (STATIC, FATIGUE, BUCKLING)
 FLOOR = 0.02  # of the value: half of the narrowest band; the loads compared are few
+# Of a buckling load: none of the flat links compared buckles in its plane, and one beyond, as thick
+# as it is wide, has 3 % less.
+BUCKLED_FLOOR = 0.05
 _FEWEST = 5  # solids that a band needs
 _CONVERGED = 0.15  # of its value: a larger numerical bar is no truth to compare with
 
@@ -43,6 +54,7 @@ class Compared:
 
     truth        the solid's value; bar its numerical bar, above and below its model band
     value        the rung's
+    by_stress    of a share of the buckling load: what a stout body may have more, else 0
     """
 
     family: str
@@ -57,11 +69,17 @@ class Compared:
     value: float
     seconds: float
     scales: Mapping[str, float]
+    by_stress: float = 0.0
 
     @property
     def ratio(self) -> float:
         """Solid over rung."""
         return self.truth / self.value
+
+    @property
+    def left(self) -> float:
+        """Solid over rung, less of an excess what stress alone explains: the bars' other term."""
+        return min(self.ratio, max(1.0, (self.truth - self.by_stress) / self.value))
 
 
 def of_solid(line: Mapping[str, Any], kind: str) -> Mapping[str, Any] | None:
@@ -98,7 +116,7 @@ def rungs_of(variation: Variation, line: Mapping[str, Any]) -> Iterable[Compared
         seconds = perf_counter() - start
         for kind, value in values.items():
             truth = of_solid(line, kind)
-            if truth is None or not value > 0:
+            if kind not in ANSWERS[rung] or truth is None or not value > 0:
                 continue
             yield Compared(
                 family_of(part, loads, kind),
@@ -113,6 +131,7 @@ def rungs_of(variation: Variation, line: Mapping[str, Any]) -> Iterable[Compared
                 value,
                 seconds,
                 proportions_of(part, loads),
+                STOUT / BY_STRESS * stress_share(part, model) if kind == BUCKLING else 0.0,
             )
 
 
@@ -147,10 +166,11 @@ def predicted(ratios: Sequence[float]) -> tuple[float, float]:
 
 def band_of(rows: Sequence[Compared]) -> dict[str, Any]:
     """The band of a rung's check from what was compared."""
-    ratios = [row.ratio for row in rows]
+    ratios = [row.left for row in rows]
     middle = exp(float(np.log(ratios).mean()))
     low, high = predicted(ratios)
-    low, high = min(low, middle * (1 - FLOOR)), max(high, middle * (1 + FLOOR))
+    floor = BUCKLED_FLOOR if rows[0].kind == BUCKLING else FLOOR
+    low, high = min(low, middle * (1 - floor)), max(high, middle * (1 + floor))
     bands = {
         side: sorted(getattr(row, side) / row.truth for row in rows) for side in ("above", "below")
     }

@@ -86,7 +86,8 @@ def bands_table(rows: Sequence[Compared]) -> list[str]:
         if band is None:
             continue
         ratios = np.array([row.ratio for row in some])
-        inside = int(((ratios >= band.low) & (ratios <= band.high)).sum())
+        left = np.array([row.left for row in some])
+        inside = int(((left >= band.low) & (left <= band.high)).sum())
         lines.append(
             [
                 family,

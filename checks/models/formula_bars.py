@@ -41,6 +41,7 @@ _FORCE_SHARE = Step(SHARE, "share of the elastic buckling load", "max(0, F/F_cr)
 _STATIONS = 33  # of deflection and lateral buckling
 _IN_PLANE = "in plane: Euler's column"
 _SIDEWAYS = "out of plane: Euler's column and lateral buckling of the bent bar"
+PRESSED = 8 / (3 * pi)  # of a bore's radius: where the resultant of a half cosine pressure stands
 HARDLY = 0.05  # of the largest force: what presses a part that is nearly always pulled
 _NO_MOMENT = 1e-9  # of the largest force times the length: round-off
 _PULLED = "only pulled: lateral buckling of the bent bar, without the pull that stiffens it"
@@ -148,6 +149,7 @@ class BarPart:
 
     forces  its loads in balance
     length  mm, from pin to pin
+    radii   mm, of the bores of both pins; 0 of an end face
     """
 
     part: Part
@@ -156,22 +158,30 @@ class BarPart:
     mass: Stretches
     length: float
     points: Points
+    radii: tuple[float, float]
 
     @classmethod
     def of(
-        cls, part: Part, loads: PartLoads, places: dict[str, float], mass: Stretches, length: float
+        cls,
+        part: Part,
+        loads: PartLoads,
+        places: dict[str, float],
+        mass: Stretches,
+        length: float,
+        radii: tuple[float, float] = (0.0, 0.0),
     ) -> Self:
         """A bar without points yet; interfaces at x = `places`, as in `bar_loads`."""
         forces, points = bar_loads(part, loads, places, mass), Points(len(loads.accelerations))
-        return cls(part, loads, forces, mass, length, points)
+        return cls(part, loads, forces, mass, length, points, radii)
 
     def model(self, *, neglects: str, local: float = 0.0) -> RungModel:
         """The rung `formula` of its points; `local` as in `elastic_load`."""
         part, loads, bar, mass, length = self.part, self.loads, self.forces, self.mass, self.length
+        buckling = elastic_load(part, loads, bar, mass, length, self.radii, local=local)
         return self.points.model(
             residual=left_over(bar, loads, length),
             deflection=most_deflected(bar, part, mass, length),
-            buckling=elastic_load(part, loads, bar, mass, length, local=local),
+            buckling=buckling,
             neglects=neglects,
         )
 
@@ -247,12 +257,20 @@ def most_deflected(loads: BarLoads, part: Part, mass: Stretches, length: float) 
     return float(max(along, off))
 
 
+def _worked(bar: BarLoads, first: float, last: float) -> FloatArray:
+    """Mean compression (n,) from one place to another, N, weighed by cos^2 of a half wave."""
+    share = (np.arange(_STATIONS) + 0.5) / _STATIONS
+    weight = np.cos(pi * share) ** 2
+    return np.asarray(-(weight / weight.sum()) @ bar.at(first + (last - first) * share).axial)
+
+
 def elastic_load(
     part: Part,
     loads: PartLoads,
     bar: BarLoads,
     mass: Stretches,
     length: float,
+    radii: tuple[float, float] = (0.0, 0.0),
     *,
     local: float = 0.0,
 ) -> ElasticLoad:
@@ -263,6 +281,12 @@ def elastic_load(
     position is no column; what bends it may buckle it sideways, and the pull counts as nothing, as
     it does for one that is hardly ever pressed.
 
+    A pin that pushes presses on the side of its bore that faces the other pin: the resultant of its
+    half cosine stands `PRESSED` radii from its centre. Beyond it the bar carries nothing and stays
+    straight, so the column's length is between both resultants. The compression is the mean over
+    it, weighed by the wave's squared slope, on which the force works.
+
+    radii  mm, of the bores
     local  1/N, share that 1 N of compression is of the load under which a stretch of the part
            buckles by itself
     """
@@ -272,21 +296,27 @@ def elastic_load(
     pulled = bool(force.max() <= HARDLY * largest)
     if pulled:
         force = np.maximum(force, 0.0)
+    largest_push = force
     places = np.linspace(0.0, length, _STATIONS)
+    first, last = PRESSED * radii[0], length - PRESSED * radii[1]
+    pressed_at, column = np.linspace(first, last, _STATIONS), last - first
+    worked = _worked(bar, first, last)
+    force = np.where(force > 0.0, np.maximum(worked, HARDLY * force), force)
     young, ratio = part.material.youngs_modulus, part.material.poisson_ratio
-    flat, across = (young * mass.at(i, places) for i in (mass.inertia_z, mass.inertia_y))
-    racking = np.inf if mass.racking is None else young * mass.at(mass.racking, places)
+    flat, firm = (young * mass.at(i, pressed_at) for i in (mass.inertia_z, mass.inertia_y))
+    racking = np.inf if mass.racking is None else young * mass.at(mass.racking, pressed_at)
+    across = young * mass.at(mass.inertia_y, places)
     twisting = young / (2 * (1 + ratio)) * mass.at(mass.torsion, places)
     moment = bar.at(places).moment_z
     if only_pulled:
         least = _NO_MOMENT * largest * length
         moment = np.where(np.abs(moment) > least, moment, 0.0)
     shares = {
-        _IN_PLANE: force / column_force(flat, np.inf, length),
+        _IN_PLANE: force / column_force(flat, np.inf, column),
         _SIDEWAYS: lateral_share(
-            force / column_force(across, racking, length), moment, across, twisting, length
+            force / column_force(firm, racking, column), moment, across, twisting, length
         ),
-        "a stretch by itself: plates and columns": force * local,
+        "a stretch by itself: plates and columns": largest_push * local,
     }
     words = _SIDEWAYS if only_pulled else max(shares, key=lambda name: float(shares[name].max()))
     share = np.maximum(shares[words], 0.0)
@@ -294,13 +324,13 @@ def elastic_load(
     pressed = float(force[position])
     explain: Callable[[], Sequence[Item]]
     if words == _IN_PLANE:
-        explain = partial(column_items, pressed, flat, inf, length)
+        explain = partial(column_items, pressed, flat, inf, column)
     elif words == _SIDEWAYS:
         bent = moment[:, [position]]
         alone = float(lateral_share(np.zeros(1), bent, across, twisting, length)[0])
-        explain = partial(column_items, pressed, across, racking, length, alone)
+        explain = partial(column_items, pressed, firm, racking, column, alone)
     else:
-        explain = partial(stretch_items, pressed, local)
+        explain = partial(stretch_items, float(largest_push[position]), local)
     told = _PULLED if only_pulled else words
     return ElasticLoad(float(share[position]), position, told, explain, pulled=pulled)
 

@@ -16,7 +16,7 @@ import numpy as np
 from checks.design.data import Part
 from checks.handbook.bar_forces import deflection
 from checks.handbook.column_curves import column_force, lateral_share
-from checks.models.formula_bars import HARDLY, column_items
+from checks.models.formula_bars import HARDLY, PRESSED, column_items
 from checks.models.formula_points import Points, acceleration_units, wrench_units
 from checks.part.part_loads import PartLoads, first_largest
 from checks.result.derivation import Item
@@ -155,9 +155,9 @@ def elastic_load(part: Part, forces: PlateForces) -> ElasticLoad | None:
     pulled = bool(force.max() <= HARDLY * largest)
     force = np.maximum(force, 0.0)
     shares = {
-        _IN_PLANE: force / column_force(flat, np.inf, length),
+        _IN_PLANE: force / column_force(flat, np.inf, way.pressed),
         _SIDEWAYS: lateral_share(
-            force / column_force(across, np.inf, length), moments, across, twisting, length
+            force / column_force(across, np.inf, way.pressed), moments, across, twisting, length
         ),
     }
     words = max(shares, key=lambda name: float(shares[name].max()))
@@ -166,11 +166,11 @@ def elastic_load(part: Part, forces: PlateForces) -> ElasticLoad | None:
     pressed = float(force[position])
     explain: Callable[[], Sequence[Item]]
     if words == _IN_PLANE:
-        explain = partial(column_items, pressed, flat, np.inf, length)
+        explain = partial(column_items, pressed, flat, np.inf, way.pressed)
     else:
         bent = moments[:, [position]]
         alone = float(lateral_share(np.zeros(1), bent, across, twisting, length)[0])
-        explain = partial(column_items, pressed, across, np.inf, length, alone)
+        explain = partial(column_items, pressed, across, np.inf, way.pressed, alone)
     return ElasticLoad(float(share[position]), position, words, explain, pulled=pulled)
 
 
@@ -193,6 +193,7 @@ class _Way:
     """The bar along the bores' longest way, at even places (k,).
 
     length          mm
+    pressed         mm, between where the pins at both ends press as they push
     area            (k,) mm2
     flat, across    (k,) mm4, bending in the plane and out of it
     torsion         (k,) mm4, Saint-Venant's
@@ -200,6 +201,7 @@ class _Way:
     """
 
     length: float
+    pressed: float
     area: FloatArray
     flat: FloatArray
     across: FloatArray
@@ -231,7 +233,9 @@ def _along(forces: PlateForces) -> _Way | None:
         across = height * shape.thickness**3 / 12
         rows.append((section.area, section.inertia, across, torsion, axial, moment))
     columns = (np.array(column) for column in zip(*rows, strict=True))
-    return _Way(float(reached[-1]), *columns)
+    length = float(reached[-1])
+    pressed = length - PRESSED * (way[0].diameter + way[-1].diameter) / 2
+    return _Way(length, pressed, *columns)
 
 
 def directed(along: complex, axial: FloatArray, shear: FloatArray) -> FloatArray:

@@ -29,7 +29,14 @@ def stress(part: Part, shape: PlateLink, loads: PartLoads) -> RungModel:
     holes = {"first": (0.0, shape.hole), "second": (shape.length, second)}
     half, thickness = shape.width / 2, shape.thickness
     mass = _stretches(shape, holes)
-    whole = BarPart.of(part, loads, {name: x for name, (x, _) in holes.items()}, mass, shape.length)
+    whole = BarPart.of(
+        part,
+        loads,
+        {name: x for name, (x, _) in holes.items()},
+        mass,
+        shape.length,
+        (shape.hole / 2, second / 2),
+    )
     bar, points = whole.forces, whole.points
     modulus = float(rectangle_torsion(shape.width, thickness)[1])
     cut = min(_CUT * shape.width, shape.length / 2)

@@ -40,7 +40,7 @@ def stress(part: Part, shape: ToggleBar, loads: PartLoads) -> RungModel:
     tube, cheeks = _sections(shape)
     mass = _stretches(shape, free, tube, cheeks)
     places = {"knee": 0.0, "end": shape.length}
-    whole = BarPart.of(part, loads, places, mass, shape.length)
+    whole = BarPart.of(part, loads, places, mass, shape.length, (shape.hole / 2, shape.hole / 2))
     bar, points = whole.forces, whole.points
     cut = min(_CUT * shape.width, shape.length / 2)
     stringer = (shape.width - 2 * shape.wall) / 2

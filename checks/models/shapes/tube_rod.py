@@ -30,7 +30,7 @@ def stress(part: Part, shape: TubeRod, loads: PartLoads) -> RungModel | None:
         return None
     places = {"first": 0.0, "second": shape.length}
     mass = _stretches(shape)
-    whole = BarPart.of(part, loads, places, mass, shape.length)
+    whole = BarPart.of(part, loads, places, mass, shape.length, (shape.hole / 2, shape.hole / 2))
     bar, points = whole.forces, whole.points
     ligament = shape.ligament / shape.eye_width
     radius = shape.hole / 2 + ligament

@@ -11,7 +11,7 @@ from bench.rung_bands import Compared
 from bench.rung_beyond import PULLED
 from checks.models import bands
 from checks.models.bands import ARC, SHARE, Band, NoBand, band_of, known_band, of_buckling
-from checks.models.checked import MOST_PULLED
+from checks.models.checked import BY_STRESS, MOST_PULLED, STOUT
 
 CLOSE = bands._CLOSE
 DATA = bands._data()
@@ -144,8 +144,9 @@ def test_long_bars_beyond_the_range_lie_inside_the_band_of_those_within():
         solid, rung = line["solid"].get("buckling"), line["rungs"].get("buckling")
         if solid and rung and len(line["families"]) and line["families"].get("buckling"):
             band = DATA[line["families"]["buckling"]]["formula"]["buckling"]
+            stout = STOUT / BY_STRESS * line["by stress"]
             held += [
-                band["low"] <= solid[0] / rung <= band["high"]
+                band["low"] <= solid[0] / rung and solid[0] <= band["high"] * rung + stout
                 for name, value in of_buckling(line["scales"]).items()
                 if name.startswith("length / ") and value > band["scales"][name][1]
             ]

@@ -76,7 +76,10 @@ def result_of(site, folder, fidelity):
 
 
 def test_a_shape_of_another_package_is_checked_by_formula_column_and_frame(site, tmp_path):
-    """12 mm round, 144 x 72 mm between its pins: its mass, and Euler's load from two models."""
+    """12 mm round, 144 x 72 mm between its pins: its mass, and Euler's load from two models.
+
+    Only the frame has shear strain: Engesser's pi^2 E/(slenderness^2 k G), 1 %, Cowper's k.
+    """
     found = result_of(site, tmp_path, "beam")
     length = np.hypot(144, 72)
     assert_allclose(found["mass"], 7.85e-6 * np.pi * 36 * length, rtol=1e-4)
@@ -86,7 +89,8 @@ def test_a_shape_of_another_package_is_checked_by_formula_column_and_frame(site,
     assert by_kind["peak von Mises stress"][0] == "formula"
     assert any(quantity.startswith("column") for quantity in by_kind)
     by_formula = {q: v for _, q, _, v in result_of(site, tmp_path, "formula")["checks"]}
-    assert_allclose(share, by_formula["elastic load share"], rtol=0.01)
+    shear = (np.pi / (length / 3)) ** 2 * 2.6 / 0.886
+    assert_allclose(share, by_formula["elastic load share"] * (1 + shear), rtol=2e-3)
     assert_allclose(by_kind["peak von Mises stress"][1], by_formula["peak von Mises stress"])
 
 
