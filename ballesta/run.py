@@ -128,7 +128,7 @@ def _print_pdf(path: Path, folder: Path, browser: str) -> None:
 
     pdf = folder / "report.pdf"
     start = perf_counter()
-    with progress(path) as say, _told_of_folder(folder):
+    with progress(path) as say, told_of_folder(folder):
         say("printing the report")
         try:
             print_pdf(folder / "report.html", pdf, browser)
@@ -161,7 +161,7 @@ def _ended_to_folder(folder: Path) -> "DesignResult | None":
     result = unfinished(telling.recovered, why)
     if result is None:
         return None
-    with _told_of_folder(folder):
+    with told_of_folder(folder):
         for left in folder.glob(".*.tmp"):  # of a file that was being written
             left.unlink(missing_ok=True)
         write_json(result, folder / "result.json")
@@ -214,7 +214,7 @@ def check_to_folder(
     kept = recalled_result(store, path, overrides, effort)
     if kept is not None and (kept.files or has_fields(kept.result)):
         result = without_fields(kept.result)
-        with progress(path) as say, _told_of_folder(folder):
+        with progress(path) as say, told_of_folder(folder):
             say("unchanged: taken from the store")
             if kept.files:
                 write_kept(kept, folder)
@@ -231,7 +231,7 @@ def check_to_folder(
     start = perf_counter()
     design = read_design(path, overrides)
     reading = perf_counter() - start
-    with _told_of_folder(folder):
+    with told_of_folder(folder):
         folder.mkdir(parents=True, exist_ok=True)
     prepare_drawing(stress=effort.shows_stress)
 
@@ -252,7 +252,7 @@ def check_to_folder(
             keep=_kept() if telling.is_supervised() else None,
         )
         shown = checked.result
-        with drawing(shown) as pictures, _told_of_folder(folder):
+        with drawing(shown) as pictures, told_of_folder(folder):
             if effort.within is None:  # a limit of time is for the checks
                 say("seeking single changes by formula")
                 shown = with_changes(design, shown, checked.cycles, checked.rubbing, say)
@@ -321,8 +321,8 @@ def _write_baseline(result: "DesignResult", say: Say) -> None:
 
 
 @contextmanager
-def _told_of_folder(folder: Path) -> Iterator[None]:
-    """Tell of an error which folder cannot be written."""
+def told_of_folder(folder: Path) -> Iterator[None]:
+    """Tell of an error which folder or file cannot be written: DesignError."""
     try:
         yield
     except OSError as error:

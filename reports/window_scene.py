@@ -11,16 +11,11 @@ from pathlib import Path
 
 import numpy as np
 
-from checks.result.live_fields import (
-    FATIGUE,
-    FloatArray,
-    LiveFields,
-    von_mises,
-    with_required_safety,
-)
+from checks.result.live_fields import FATIGUE, LiveFields, von_mises, with_required_safety
 from checks.result.verdict import DesignResult
 from checks.result.words import brief, number, place_text
 from checks.store.records import from_record, to_record
+from geometry.mesh import FloatArray
 
 FIELDS = {
     "mises": ("von Mises stress", "MPa"),

@@ -1,8 +1,7 @@
 """A part under the loads of one position, for another finite-element program: `ballesta export`."""
 
 import re
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,8 +9,8 @@ import numpy as np
 
 import loads
 from ballesta.design.read import read_design
-from ballesta.machine.runs import run_machine
-from ballesta.run import Say, guarded
+from ballesta.machine.runs import solved_runs
+from ballesta.run import Say, guarded, told_of_folder
 from checks.design.data import Design, Part
 from checks.design.errors import DesignError, NumericsError, no_such
 from checks.part.part_loads import PartLoads, Runs, loads_on, shown_of
@@ -147,10 +146,10 @@ def export_cycle(
                 "stress [MPa]": stress @ weights,  # xx, yy, zz, xy, yz, zx as ParaView has it
             }
             steps.append((float(k) if times is None else float(times[k]), file))
-            with _told_of(folder):
+            with told_of_folder(folder):
                 (folder / f"{name}_{run}").mkdir(parents=True, exist_ok=True)
                 write_volume(folder / file, mesh.nodes, mesh.elements, fields)
-        with _told_of(folder):
+        with told_of_folder(folder):
             write_pvd(folder / f"{name}_{run}.pvd", steps)
         written.append(folder / f"{name}_{run}.pvd")
     return written
@@ -194,7 +193,7 @@ def _prepared(
     part = design.parts[name]
     try:
         models = Models()
-        design, solved = _solved(design, models, say)
+        design, solved = solved_runs(design, models, say)
         part_loads = loads_on(design, part, solved)
         return design, solved, part_loads, _solve(part, part_loads, models, say)
     except (loads.LinkageError, TooManyElementsError) as error:
@@ -212,23 +211,6 @@ def _among_cycles(design: Design, part_loads: PartLoads, cycle: str) -> None:
         raise DesignError(
             design.file, "--cycle", no_such("cycle that loads the part", cycle, part_loads.cycles)
         )
-
-
-@contextmanager
-def _told_of(file: Path) -> Iterator[None]:
-    try:
-        yield
-    except OSError as error:
-        raise DesignError(file, "--out", f"cannot be written: {error.strerror}") from error
-
-
-def _solved(design: Design, models: Models, say: Say) -> tuple[Design, Runs]:
-    """The design with its events, its cycles solved and its measured runs, as a check has them."""
-    try:
-        machine = run_machine(design, models, say)
-        return machine.design, machine.all
-    except loads.LinkageError as error:
-        raise DesignError(design.file, "linkage", str(error)) from error
 
 
 def _solve(part: Part, part_loads: PartLoads, models: Models, say: Say) -> Level:
@@ -340,7 +322,7 @@ def _write(exported: Exported, design: Design, level: Level, position: int) -> N
             "Nodal forces hold these, inertia and weight; they balance, the supports carry nothing",
         ]
     )
-    with _told_of(exported.file), replacing(exported.file) as temporary:
+    with told_of_folder(exported.file), replacing(exported.file) as temporary:
         write_deck(
             temporary,
             solutions.mesh,

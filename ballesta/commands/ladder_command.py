@@ -8,9 +8,8 @@ from pathlib import Path
 from time import perf_counter
 from typing import TypeVar
 
-import loads
 from ballesta.design.read import read_design
-from ballesta.machine.runs import run_machine
+from ballesta.machine.runs import solved_runs
 from ballesta.run import Say, guarded
 from checks.design.data import Design, Part
 from checks.design.errors import DesignError, no_such
@@ -109,7 +108,7 @@ def ladder_of_file(
     parts = _parts(design, part)
     keep_freed_memory()
     models = PricedModels()
-    design, solved = _solved(design, models, say)
+    design, solved = solved_runs(design, models, say)
     found = []
     for done, each in enumerate(parts):
         with told_of_part(design, each):
@@ -174,15 +173,6 @@ def _parts(design: Design, name: str | None) -> list[Part]:
     if name not in design.parts:
         raise DesignError(design.file, "parts", no_such("part", name, design.parts))
     return [design.parts[name]]
-
-
-def _solved(design: Design, models: Models, say: Say) -> tuple[Design, Solved]:
-    """The design with its events, its cycles solved and its measured runs, as a check has them."""
-    try:
-        machine = run_machine(design, models, say)
-        return machine.design, machine.all
-    except loads.LinkageError as error:
-        raise DesignError(design.file, "linkage", str(error)) from error
 
 
 def _ladder(

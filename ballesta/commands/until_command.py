@@ -5,15 +5,14 @@ on where it was, and a wider one begins with what is known.
 """
 
 import json
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ballesta.batches.plan import design_files
 from ballesta.design.read import read_design
-from ballesta.run import guarded, output_folders, store_at
+from ballesta.run import guarded, output_folders, store_at, told_of_folder
 from ballesta.sweeps.threshold_search import UntilResult, until_pass, until_text
 from checks.design.effort import Effort, effort_of
 from checks.design.errors import DesignError, listed
@@ -68,7 +67,7 @@ def run_until(designs: Sequence[Path], sweeps: Sequence[str], wanted: Wanted) ->
         folders = output_folders(files, wanted.out)
 
         def one(file: Path, folder: Path) -> int:
-            with _told_of_out(wanted.out):
+            with told_of_folder(wanted.out):
                 folder.mkdir(parents=True, exist_ok=True)
             before = read_design(file, wanted.overrides).sources
             result = until_pass(
@@ -135,14 +134,5 @@ def stored_check(
 
 def _write(result: UntilResult, path: Path, out: Path) -> None:
     text = json.dumps(plain(result.to_dict()), indent=1, allow_nan=False, ensure_ascii=False)
-    with _told_of_out(out), replacing(path) as temporary:
+    with told_of_folder(out), replacing(path) as temporary:
         temporary.write_text(text + "\n", encoding="utf-8", newline="\n")
-
-
-@contextmanager
-def _told_of_out(out: Path) -> Iterator[None]:
-    """Tell of an error that the output folder cannot be written."""
-    try:
-        yield
-    except OSError as error:
-        raise DesignError(out, "--out", f"cannot be written: {error.strerror}") from error

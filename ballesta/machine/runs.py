@@ -33,6 +33,7 @@ from ballesta.machine.solved_cycles import (
 )
 from ballesta.machine.validity_checks import dead_centre_gate, is_near_dead_centre
 from checks.design.data import Design
+from checks.design.errors import DesignError
 from checks.part.part_loads import Doubt, Runs, shown_name
 from checks.result.verdict import Gate
 from checks.store.store import Store
@@ -104,6 +105,18 @@ def run_machine(
         vibration=vibration,
         warnings=vibration_warnings(design, rigid, vibration),
     )
+
+
+def solved_runs(design: Design, models: Models, say: Callable[[str], None]) -> tuple[Design, Runs]:
+    """The design with its events, its cycles solved and its measured runs, as a check has them.
+
+    Raises DesignError, for the linkage itself too, and NumericsError.
+    """
+    try:
+        machine = run_machine(design, models, say)
+        return machine.design, machine.all
+    except loads.LinkageError as error:
+        raise DesignError(design.file, "linkage", str(error)) from error
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,8 +23,9 @@ from checks.result.derivation import (
     Step,
     value_of,
 )
-from checks.result.formulas import FloatArray, Value, evaluate_each
+from checks.result.formulas import Value, evaluate_each
 from checks.result.verdict import Check
+from geometry.mesh import FloatArray
 
 
 @dataclass(frozen=True)

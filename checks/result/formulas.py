@@ -17,11 +17,10 @@ from statistics import NormalDist
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from checks.result.words import number
+from geometry.mesh import FloatArray
 
-FloatArray = npt.NDArray[np.float64]
 Value = float | FloatArray
 Scope = Mapping[str, Value]
 

@@ -8,10 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from fem.stress_history import DEVIATOR
+from geometry.mesh import FloatArray, IntArray
 
-FloatArray = npt.NDArray[np.float64]
 RealArray = npt.NDArray[np.floating[Any]]
-IntArray = npt.NDArray[np.int64]
 
 _TOGETHER = 256  # points whose principal stresses are found together
 

@@ -5,14 +5,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 
 from checks.result.verdict import DesignResult
 from checks.result.words import brief
+from geometry.mesh import FloatArray, IntArray
 from loads import JointLoad, Kinematics, Linkage
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 MOST_POSITIONS = 361  # of a cycle whose bodies turn little from one to the next
 

@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from checks.result.live_fields import FATIGUE, EncodedPart, FloatArray, IntArray, LiveFields
+from checks.result.live_fields import FATIGUE, EncodedPart, LiveFields
 from checks.result.words import brief
+from geometry.mesh import FloatArray, IntArray
 from reports.live.extremes import (
     LENGTH_METRIC,
     STRESS_METRIC,

@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from checks.result.live_fields import FloatArray, LiveFields, largest_principal
+from checks.result.live_fields import LiveFields, largest_principal
 from fem.stress_history import DEVIATOR
+from geometry.mesh import FloatArray
 
 # Rows whose squares sum up to that of the von Mises stress, and the mean stress.
 STRESS_METRIC = np.vstack([DEVIATOR, [1 / 3, 1 / 3, 1 / 3, 0.0, 0.0, 0.0]])

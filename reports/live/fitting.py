@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from checks.result.live_fields import FloatArray, IntArray
+from geometry.mesh import FloatArray, IntArray
 from reports.live.extremes import largest_by_cycle
 
 MOST_POSITIONS = 3601  # of a cycle in a page

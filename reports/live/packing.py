@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from checks.result.live_fields import FloatArray, IntArray
+from geometry.mesh import FloatArray, IntArray
 
 Integers = npt.NDArray[np.int32]
 

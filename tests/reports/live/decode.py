@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from checks.result.live_fields import FATIGUE, FloatArray, IntArray
+from checks.result.live_fields import FATIGUE
+from geometry.mesh import FloatArray, IntArray
 from reports.live.packing import GZIP, Neighbours, neighbours
 
 _Whole = npt.NDArray[np.int64]
