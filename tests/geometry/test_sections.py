@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 from numpy.testing import assert_allclose
 
-from geometry.bars import plate_pair_section, square_tube_section
+from geometry.bars import plate_pair_section, round_tube_section, square_tube_section
 
 
 @pytest.mark.parametrize(
@@ -48,3 +48,10 @@ def test_two_plates_carry_the_columns_moment_by_pushing_and_pulling():
 def test_a_stretch_that_ends_before_it_starts_is_refused():
     with pytest.raises(ValueError, match="'tube' stretches from 9 mm, to 3 mm"):
         replace(square_tube_section("tube", 30, 1.6, 0.0), stretch=(9.0, 3.0))
+
+
+def test_a_round_tube_has_the_area_and_inertia_of_two_discs():
+    """30 mm with a bore of 20: pi/4 (900 - 400) mm2, pi/64 (810 000 - 160 000) mm4."""
+    section = round_tube_section("tube", 30.0, 20.0)
+    assert section.area == pytest.approx(392.699081699)
+    assert section.inertia_in_plane == section.inertia_out_of_plane == pytest.approx(31906.8003880)

@@ -141,3 +141,9 @@ def test_pull_through_refuses_what_it_cannot_mean():
         pull_through(linkage, "cylinder", float("nan"), "process", -498.0)
     assert pull_through(linkage, "cylinder", -11e3, "process", -498.0) is None
     assert pull_through(linkage, "cylinder", 11e3, "process", -500.0) is None
+
+
+@pytest.mark.parametrize("stiffness", [0.0, -1.0, float("inf"), float("nan")])
+def test_a_contact_without_a_finite_stiffness_above_0_is_refused(stiffness):
+    with pytest.raises(LinkageError, match="stiffness of a contact must be above 0"):
+        Contact(0.0, stiffness)
