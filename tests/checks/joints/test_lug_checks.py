@@ -12,7 +12,7 @@ from checks.part.loaded_part import LoadedPart
 from checks.stress.solid_mesh_level import Models
 from geometry.mesh import Interface
 from geometry.meshing import mesh_shape
-from geometry.parts import SlottedLever, ToggleBar, TubeRod
+from geometry.parts import PlateLink, SlottedLever, ToggleBar, TubeRod
 from geometry.parts.step_part import NamedHole, StepPart
 
 from ...geometry.step_files import LINK, hole, link_file, link_part, plate_with, write_step
@@ -286,3 +286,13 @@ def test_a_part_from_cad_is_judged_in_the_direction_that_the_pin_pulls(tmp_path,
     assert_allclose(torn(0, 2000)[0].value, 2000 / (2 * 8 * 14), rtol=5e-4)
     assert_allclose(torn(1414.2, 1414.2)[0].value, 2000 / (2 * 8 * 19.83), rtol=5e-4)
     assert not torn(2000, 0)
+
+
+@pytest.mark.parametrize(
+    ("interface", "direction"), [("first", (-1.0, 0.0)), ("second", (1.0, 0.0))]
+)
+def test_a_link_is_torn_by_a_force_from_its_bore_to_the_end_behind_it(interface, direction):
+    """A unit vector: forces are taken along it. Area 20 mm (90 - 44)/2 beside the bore."""
+    (found,) = PlateLink(length=250.0, width=90.0, thickness=20.0, hole=44.0).ligaments(interface)
+    assert found.direction == direction
+    assert found.area == (460.0,)
