@@ -15,7 +15,10 @@ from checks.result.words import clean, moment, need_text, number, safety_text
 from reports import write_report
 from reports.answer_facts import answer_text
 
+from .test_numbers_agree import assert_same_everywhere, schema_of_results
+
 ROOT = Path(__file__).parents[2]
+schema = schema_of_results
 DESIGNS = ROOT / "designs"
 ALL = sorted([*DESIGNS.glob("*.toml"), *DESIGNS.glob("gallery/*.toml")])
 FAST = "toggle_press_30x30"
@@ -85,7 +88,9 @@ def unanswered(result, text):
         for path in ALL
     ],
 )
-def test_page_and_terminal_answer_ten_questions_at_once(design, tmp_path, opened, monkeypatch):
+def test_page_and_terminal_answer_ten_questions_at_once_with_the_same_numbers(
+    design, tmp_path, opened, monkeypatch, schema
+):
     """By formula, so that no design costs a solid: page and terminal are written the same way.
 
     Designs are named as their users do: a long path takes lines of the commands that are told.
@@ -107,3 +112,4 @@ def test_page_and_terminal_answer_ten_questions_at_once(design, tmp_path, opened
     printed = found.page.pdf(format="A4", print_background=True)
     assert len(re.findall(rb"/Type /Page\b", printed)) <= MOST_SHEETS
     found.assert_quiet()
+    assert_same_everywhere(result, tmp_path, schema)

@@ -3,6 +3,7 @@
 import json
 import re
 import shlex
+from dataclasses import replace
 from functools import cache
 from itertools import product
 from pathlib import Path
@@ -121,6 +122,15 @@ def test_fewer_runs_of_a_finite_life_are_followed_and_what_miners_sum_does_not_t
     assert followed[0] == pytest.approx(fresh.safety, rel=2e-3)
 
 
+def _loaded(design, factor):
+    """A machine by formula; the hammer's cycles that decide, two of twelve."""
+    stated = read_design(PRESS.parent / f"{design}.toml", [f"load_factor={factor}"])
+    if design == "spring_hammer":
+        few = {name: stated.cycles[name] for name in ("at_5_work_10", "at_10")}
+        stated = replace(stated, cycles=few)
+    return check_design(stated, effort=Effort("formula"))
+
+
 @pytest.mark.parametrize(
     "design",
     [
@@ -132,10 +142,7 @@ def test_fewer_runs_of_a_finite_life_are_followed_and_what_miners_sum_does_not_t
 )
 def test_a_load_factor_divides_every_safety_as_a_fresh_check_finds_it(design):
     """Values are linear in the loads, or one over a factor on them; 0.2 % is asked, 1e-6 is met."""
-    file = PRESS.parent / f"{design}.toml"
-    before, after = (
-        ballesta.check(file, [f"load_factor={factor}"], fidelity="formula") for factor in (1, 1.3)
-    )
+    before, after = (_loaded(design, factor) for factor in (1, 1.3))
     data = json.loads(what_if(before))
     assert data["loaded"] == 1.0
     assert data["levers"][data["load"]]["sets"][-1] == "load_factor=2"

@@ -1,5 +1,6 @@
 """Changes that a check shows before anything is solved anew, against checks by solids with them."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -64,18 +65,25 @@ def test_changes_of_twenty_open_or_failing_checks_pass_and_keep_their_promise(tm
     assert sum(error < 0.10 for error in kept) >= 18, sorted(kept)
 
 
+def hammer(*overrides: str):
+    design = read_design(HAMMER, overrides)
+    return replace(design, cycles={name: design.cycles[name] for name in ("at_5_work_10", "at_10")})
+
+
 @pytest.mark.slow
 def test_changes_of_the_hammers_leaves_hold_with_the_friction_that_they_then_have():
     """Of leaves 12.6 mm thick friction's share of fatigue is 2 % more than of those of 9.6 mm: with
     the share kept they had passed with 1.305 of 1.3, and a check has 1.297: UNDECIDED.
+
+    Of its cycles the duty's and the fastest: others decide nothing of the leaves.
     """
     formula = Effort("formula")
-    design = read_design(HAMMER)
+    design = hammer()
     checked = check_with_cycles(design, effort=formula)
     changes = with_changes(design, checked.result, checked.cycles, checked.rubbing).changes
     assert len(changes) >= 2
     for change in changes:
-        after = check_design(read_design(HAMMER, (change.override,)), effort=formula)
+        after = check_design(hammer(change.override), effort=formula)
         (leaves,) = (part for part in after.parts if part.name == "leaves")
         assert all(check.status is Status.PASS for check in leaves.checks), change
         least = min(check.limit / check.upper for check in leaves.checks if check.kind == "fatigue")
