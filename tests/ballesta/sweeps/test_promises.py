@@ -83,7 +83,8 @@ def test_changes_of_the_hammers_leaves_hold_with_the_friction_that_they_then_hav
 
 
 ORDINARY = (
-    "air_compressor", "crank_rocker", "gripper", "push_pull_clamp", "riveting_press", "sickle_mower",
+    "air_compressor", "crank_rocker", "gripper", "push_pull_clamp", "riveting_press",
+    "sickle_mower",
 )  # fmt: skip
 OVER = (1.05, 1.2, 1.4, 1.7)  # loads over those that the weakest part's bars just hold
 
@@ -91,7 +92,7 @@ OVER = (1.05, 1.2, 1.4, 1.7)  # loads over those that the weakest part's bars ju
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ORDINARY)
 def test_changes_of_ordinary_machines_under_more_load_pass_and_keep_their_promise(name):
-    """Six machines of four loads: 24 open or failing checks by formula; of each three have a change.
+    """Six machines of four loads: 24 open or failing checks, of each three with a change.
 
     What was shown before passes with all its parts, and the linkage is no worse. The promise is the
     formula's own, of the cycles that decide and with the sampling errors of the check before.
