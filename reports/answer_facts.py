@@ -315,13 +315,18 @@ def _beside(result: DesignResult) -> Iterator[Fact]:
     if counts:
         known = result.checks and isfinite(result.deciding.upper)  # else "why open" tells it
         widest = shares(result.deciding)[:1] if known else []
-        first = [f"the widest: {_short(share.name)}, safety {share.ends}" for share in widest]
+        first = [f"the widest: {_cause(share.name)}, safety {share.ends}" for share in widest]
         yield Fact("assumed", "; ".join([" and ".join(counts), *first]))
     if result.not_checked:
         subjects = list(dict.fromkeys(_first(s).partition(",")[0] for s in result.not_checked))
         first, more = subjects[:_MOST_SUBJECTS], len(subjects) - _MOST_SUBJECTS
         said = f"{', '.join(first)} and {more} more subjects" if more > 1 else ", ".join(subjects)
         yield Fact("not checked", said)
+
+
+def _cause(name: str) -> str:
+    """An assumption without what is told of it."""
+    return _short(name.partition(": ")[0])
 
 
 def _warnings(result: DesignResult) -> Iterator[Fact]:

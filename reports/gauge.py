@@ -8,7 +8,7 @@ from markupsafe import Markup
 
 from checks.result.derivation import Derivation, Given
 from checks.result.verdict import Check
-from checks.result.words import clipped, safety_text
+from checks.result.words import clipped, range_text, safety_text
 
 END = 1.3  # utilisation at the right end; what reaches further ends in an arrow
 _UNIT = 100.0  # of the drawing, for a utilisation of 1
@@ -167,9 +167,8 @@ def _of_pins(derivation: Derivation) -> list[Bar]:
 def _share(check: Check, name: str, above: float, below: float) -> Share:
     bare = replace(check, numerical=0.0, model=0.0, model_below=0.0)
     alone = replace(bare, model=above, model_below=below)
-    least = check.limit / alone.upper if isfinite(above) else 0.0
-    most = check.limit / alone.lower if alone.lower > 0 else float("inf")
-    ends = f"{safety_text(least, check.required)} to " + (
-        safety_text(most, check.required) if isfinite(most) else "any"
-    )
+    ends = range_text(alone).removeprefix("between ").replace(" and ", " to ")
+    if not ends:
+        most = safety_text(check.limit / alone.lower, check.required) if alone.lower > 0 else "any"
+        ends = f"0 to {most}"
     return Share(clipped(name, 120), gauge(alone), ends, alone.status is not bare.status)

@@ -270,9 +270,12 @@ class _Search:
                 return f"no rod or tube up to {MOST:g} times as thick makes it pass"
             return "what makes the linkage as a whole stiffer is not sought"
         if self.open:
+            if part in self.open and not self.reserve(self.base, (part,)):
+                return f"no change is estimated: a formula of {part} has no error bar"
+            stack = " (its stack's were not tried)" if self.design.parts[part].stack else ""
             return (
-                f"no single dimension of {part} within a factor of {MOST:g}, nor a known material, "
-                "is estimated to make it pass"
+                f"no single dimension of {part}{stack} within a factor of {MOST:g}, nor a known "
+                "material, is estimated to make it pass"
             )
         return "no single dimension of the heaviest parts is estimated to save mass and pass"
 
