@@ -325,7 +325,7 @@ def _beside(result: DesignResult) -> Iterator[Fact]:
 
 
 def _cause(name: str) -> str:
-    """An assumption without what is told of it."""
+    """An assumption without the words about it."""
     return _short(name.partition(": ")[0])
 
 

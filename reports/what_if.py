@@ -444,7 +444,7 @@ def _by_clearance(check: Check, own: Mapping[str, Any], at: Changes) -> Pressed 
 
 
 def _by_arc(check: Check, own: Mapping[str, Any], at: Changes) -> Pressed | None:
-    """With an arc stated the value stays that of the half circle; its band reaches to this arc."""
+    """With an arc stated the value is still the half circle's; its band reaches to this arc."""
     if not at:
         return _pressed(check, check.value, check.model, check.below)
     if not _is_smooth(own.get("arcs", ())):
@@ -466,7 +466,7 @@ def _pressed(
 def _is_smooth(points: Sequence[Sequence[float]]) -> bool:
     """True if each solved value lies within 2 % of the line through its neighbours.
 
-    So what lies between is known better than that. Where the end of a pin's pressure passes from
+    So everything between them is known better. Where the end of a pin's pressure passes from
     node to node a stress may jump, and nothing is told.
     """
     ordered = sorted(map(tuple, points))

@@ -258,7 +258,7 @@ class _Search:
 
     @property
     def all_open(self) -> tuple[str, ...]:
-        """What does not pass: parts, and the linkage as a whole."""
+        """Parts that do not pass, and the linkage as a whole where it does not."""
         return (*self.open, *([LINKAGE] if self._linkage_open else []))
 
     @property

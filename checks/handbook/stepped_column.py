@@ -63,7 +63,7 @@ def largest_moments(
              to which the weight bends the column
 
     With M1 = p1 (cos k1 x - 1) + D1 sin k1 x from the hinge of the first length, p1 = q1/k1^2, and
-    M2 alike from that of the second, the constants follow from M1 = M2 and M1' - M2' = F kink
+    M2 alike from the second's hinge, the constants follow from M1 = M2 and M1' - M2' = F kink
     where they meet.
     """
     # less is none, but for rounding
