@@ -467,7 +467,7 @@ def _is_smooth(points: Sequence[Sequence[float]]) -> bool:
     """True if each solved value lies within 2 % of the line through its neighbours.
 
     So everything between them is known better. Where the end of a pin's pressure passes from
-    node to node a stress may jump, and nothing is told.
+    node to node a stress may jump, and no value is given.
     """
     ordered = sorted(map(tuple, points))
     off = [
