@@ -15,6 +15,7 @@ from ballesta.design.templates import new_design
 from geometry.parts import PlateLink
 from tools.update_readme import folder
 
+from .conftest import run_ballesta
 from .geometry.step_files import write_step
 
 ROOT = Path(__file__).parent.parent
@@ -72,22 +73,9 @@ def console(text, number):
     return command, without_times(output)
 
 
-def printed(command, where, *arguments):
-    done = subprocess.run(
-        [
-            sys.executable,
-            "-m",
-            "ballesta.cli",
-            *command.removeprefix("$ ballesta ").split(),
-            *arguments,
-        ],
-        cwd=where,
-        capture_output=True,
-        text=True,
-        env=os.environ | {"COLUMNS": "120", "PYTHONPATH": str(ROOT)},
-        check=False,
-    )
-    assert done.returncode in (0, 1), done.stderr
+def printed(command, where):
+    done = run_ballesta(*shlex.split(command)[2:], out=Path(where), cwd=where)
+    assert done.code in (0, 1), done.stderr
     return without_times(done.stdout)
 
 

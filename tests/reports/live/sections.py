@@ -144,6 +144,7 @@ def motion(names, positions=POSITIONS):
         place = np.stack([60 * k + 20 * np.cos(t), 20 * np.sin(t + k), 0.3 * np.sin(t)], axis=1)
         parts[name] = place
         pins[f"{name} eye"] = SimpleNamespace(
+            halves=(),
             on=name, interface="eye", place=place[:, :2], z=12.0,
             force=1e4 * (k + 1) * np.stack([np.cos(2 * t), np.sin(t)], axis=1),
         )  # fmt: skip
