@@ -14,6 +14,7 @@ from ballesta.pipeline import check_design
 from checks.design.effort import Effort
 from checks.result.motion import MOST_POSITIONS, motion_gaps
 from checks.store.records import from_record, to_record
+from reports.live.payload import _motion
 
 from ...lighter import buckling_of_no_linkage, without_fatigue
 from ...reports.motion_results import placed
@@ -293,3 +294,20 @@ def test_between_kept_rows_no_body_turns_by_more_than_six_degrees_if_it_can_be(t
     place = 100 * np.stack([np.cos(angle), np.sin(angle)], axis=1)  # of a crank's pin
     shown = np.stack([np.interp(np.arange(n), rows, column[rows]) for column in place.T], axis=1)
     assert np.linalg.norm(shown - place, axis=1).max() < 0.15
+
+
+def test_a_pair_of_lugs_presses_a_pin_at_its_own_heights_and_the_page_draws_half_at_each():
+    """The press' cheeks at 42.95 and 32.65 mm on both sides of the cylinder's eye in the middle."""
+    result = check_design(
+        read_design(DESIGNS / "toggle_press.toml"), effort=Effort("formula"), live=True
+    )
+    motion = result.motion["press"]
+    middle = motion.layer["pin_B"]
+    for body, height in (("upper", 42.95), ("lower", 32.65)):
+        assert_allclose(motion.pins[f"pin_B {body}"].halves, [middle - height, middle + height])
+    assert motion.pins["pin_B cylinder"].halves == ()
+    number_of = [part.name for part in result.parts].index("pin_B")
+    drawn = [pin for pin in _motion(motion, result.parts)["pins"] if pin["on"] == number_of]
+    assert sorted(pin["z"] - middle for pin in drawn) == pytest.approx(
+        [-42.95, -32.65, 0.0, 32.65, 42.95]
+    )
