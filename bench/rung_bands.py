@@ -43,7 +43,7 @@ _KINDS = (STATIC, FATIGUE, BUCKLING)
 FLOOR = 0.02  # of the value: half of the narrowest band; the loads compared are few
 # Of a buckling load: none of the flat links compared buckles in its plane, and one beyond, as thick
 # as it is wide, has 3 % less.
-BUCKLED_FLOOR = 0.05
+BUCKLED_FLOOR = 0.04
 _FEWEST = 5  # solids that a band needs
 _CONVERGED = 0.15  # of its value: a larger numerical bar is no truth to compare with
 
@@ -131,7 +131,7 @@ def rungs_of(variation: Variation, line: Mapping[str, Any]) -> Iterable[Compared
                 value,
                 seconds,
                 proportions_of(part, loads),
-                STOUT / BY_STRESS * stress_share(part, model) if kind == BUCKLING else 0.0,
+                STOUT[rung] / BY_STRESS * stress_share(part, model) if kind == BUCKLING else 0.0,
             )
 
 
@@ -164,13 +164,18 @@ def predicted(ratios: Sequence[float]) -> tuple[float, float]:
     return exp(middle - reach), exp(middle + reach)
 
 
-def band_of(rows: Sequence[Compared]) -> dict[str, Any]:
-    """The band of a rung's check from what was compared."""
+def ends_of(rows: Sequence[Compared]) -> tuple[float, float]:
+    """Ends of the band of a rung's check: as predicted, and as wide as its floor at the least."""
     ratios = [row.left for row in rows]
     middle = exp(float(np.log(ratios).mean()))
     low, high = predicted(ratios)
     floor = BUCKLED_FLOOR if rows[0].kind == BUCKLING else FLOOR
-    low, high = min(low, middle * (1 - floor)), max(high, middle * (1 + floor))
+    return min(low, middle * (1 - floor)), max(high, middle * (1 + floor))
+
+
+def band_of(rows: Sequence[Compared]) -> dict[str, Any]:
+    """The band of a rung's check from what was compared."""
+    low, high = ends_of(rows)
     bands = {
         side: sorted(getattr(row, side) / row.truth for row in rows) for side in ("above", "below")
     }

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from bench.rung_bands import Compared, predicted
+from bench.rung_bands import Compared, ends_of
 from bench.rung_truth import ACCURACY, PIN_ACCURACY, known
 from bench.rung_variations import SCENES, SEED
 from checks.models.bands import known_band
@@ -106,18 +106,18 @@ def bands_table(rows: Sequence[Compared]) -> list[str]:
 
 def left_out(rows: Sequence[Compared]) -> dict[str, tuple[int, int]]:
     """Solids inside the band that all others of their family make, and all, by rung."""
-    groups: dict[tuple[str, str, str], list[float]] = defaultdict(list)
+    groups: dict[tuple[str, str, str], list[Compared]] = defaultdict(list)
     for row in rows:
         if known_band(row.family, row.rung, row.kind) is not None:
-            groups[row.family, row.rung, row.kind].append(row.ratio)
+            groups[row.family, row.rung, row.kind].append(row)
     found = dict.fromkeys((*RUNGS, "all"), (0, 0))
-    for (_, rung, _), ratios in groups.items():
+    for (_, rung, _), some in groups.items():
         inside = 0
-        for k, ratio in enumerate(ratios):
-            low, high = predicted(ratios[:k] + ratios[k + 1 :])
-            inside += low <= ratio <= high
+        for k, row in enumerate(some):
+            low, high = ends_of(some[:k] + some[k + 1 :])
+            inside += low <= row.left <= high
         for name in (rung, "all"):
-            found[name] = found[name][0] + inside, found[name][1] + len(ratios)
+            found[name] = found[name][0] + inside, found[name][1] + len(some)
     return found
 
 
@@ -130,9 +130,9 @@ def coverage(rows: Sequence[Compared]) -> dict[str, tuple[int, int, float, float
             band = known_band(row.family, row.rung, row.kind)
             if band is None or rung not in (row.rung, "all"):
                 continue
-            inside += band.low <= row.ratio <= band.high
+            inside += band.low <= row.left <= band.high
             above, below = max(0.0, band.high - 1), max(0.0, 1 - band.low)
-            bars.append((above + below) / 2 * row.value / row.truth)
+            bars.append(((above + below) * row.value + row.by_stress) / 2 / row.truth)
             errors.append(abs(row.value / row.truth - 1))
         found[rung] = inside, len(bars), float(np.median(bars)), float(np.median(errors))
     return found
