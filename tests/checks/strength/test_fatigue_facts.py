@@ -36,7 +36,7 @@ def level_of(stress, notch=1.0):
     runs = duty_runs({"a": slice(0, stress.shape[2])}, {"a": 1.0})
     duty = duty_verdict(stress, coefficients, limits, LIMIT, S355.ultimate_stress, runs)
     return SimpleNamespace(
-        duty=duty,
+        judged_duty=duty,
         fatigue=duty.peak,
         limits=limits,
         coefficients=coefficients,
