@@ -276,15 +276,17 @@ def elastic_load(
 ) -> ElasticLoad:
     """Largest share of the elastic buckling load over the positions.
 
-    In the plane Euler's of a hinged column with the part's steps; out of it the same, with ends
-    free to tilt, together with the lateral buckling of the bent bar. A part that is pulled at every
+    In the plane Euler's of a hinged column with the part's steps, from pin to pin: the push of a
+    pin goes through its axis, however far the bore turns. Out of it the same, with ends free to
+    tilt, together with the lateral buckling of the bent bar. A part that is pulled at every
     position is no column; what bends it may buckle it sideways, and the pull counts as nothing, as
     it does for one that is hardly ever pressed.
 
     A pin that pushes presses on the side of its bore that faces the other pin: the resultant of its
-    half cosine stands `PRESSED` radii from its centre. Beyond it the bar carries nothing and stays
-    straight, so the column's length is between both resultants. The compression is the mean over
-    it, weighed by the wave's squared slope, on which the force works.
+    half cosine stands `PRESSED` radii from its centre, and the bore takes it along as it tilts
+    out of the plane. Beyond it the bar carries nothing and stays straight, so the column's length
+    is between both resultants. The compression is the mean over a column, weighed by the wave's
+    squared slope, on which the force works.
 
     radii  mm, of the bores
     local  1/N, share that 1 N of compression is of the load under which a stretch of the part
@@ -296,14 +298,19 @@ def elastic_load(
     pulled = bool(force.max() <= HARDLY * largest)
     if pulled:
         force = np.maximum(force, 0.0)
-    largest_push = force
     places = np.linspace(0.0, length, _STATIONS)
     first, last = PRESSED * radii[0], length - PRESSED * radii[1]
     pressed_at, column = np.linspace(first, last, _STATIONS), last - first
-    worked = _worked(bar, first, last)
-    force = np.where(force > 0.0, np.maximum(worked, HARDLY * force), force)
+    push = force
+    within, force = (
+        np.where(push > 0.0, np.maximum(_worked(bar, *ends), HARDLY * push), push)
+        for ends in ((0.0, length), (first, last))
+    )
     young, ratio = part.material.youngs_modulus, part.material.poisson_ratio
-    flat, firm = (young * mass.at(i, pressed_at) for i in (mass.inertia_z, mass.inertia_y))
+    flat, firm = (
+        young * mass.at(mass.inertia_z, places),
+        young * mass.at(mass.inertia_y, pressed_at),
+    )
     racking = np.inf if mass.racking is None else young * mass.at(mass.racking, pressed_at)
     across = young * mass.at(mass.inertia_y, places)
     twisting = young / (2 * (1 + ratio)) * mass.at(mass.torsion, places)
@@ -312,25 +319,25 @@ def elastic_load(
         least = _NO_MOMENT * largest * length
         moment = np.where(np.abs(moment) > least, moment, 0.0)
     shares = {
-        _IN_PLANE: force / column_force(flat, np.inf, column),
+        _IN_PLANE: within / column_force(flat, np.inf, length),
         _SIDEWAYS: lateral_share(
             force / column_force(firm, racking, column), moment, across, twisting, length
         ),
-        "a stretch by itself: plates and columns": largest_push * local,
+        "a stretch by itself: plates and columns": push * local,
     }
     words = _SIDEWAYS if only_pulled else max(shares, key=lambda name: float(shares[name].max()))
     share = np.maximum(shares[words], 0.0)
     (position,) = first_largest(share)
-    pressed = float(force[position])
+    pressed = float((within if words == _IN_PLANE else force)[position])
     explain: Callable[[], Sequence[Item]]
     if words == _IN_PLANE:
-        explain = partial(column_items, pressed, flat, inf, column)
+        explain = partial(column_items, pressed, flat, inf, length)
     elif words == _SIDEWAYS:
         bent = moment[:, [position]]
         alone = float(lateral_share(np.zeros(1), bent, across, twisting, length)[0])
         explain = partial(column_items, pressed, firm, racking, column, alone)
     else:
-        explain = partial(stretch_items, float(largest_push[position]), local)
+        explain = partial(stretch_items, float(push[position]), local)
     told = _PULLED if only_pulled else words
     return ElasticLoad(float(share[position]), position, told, explain, pulled=pulled)
 
@@ -347,7 +354,7 @@ def column_items(
     force      N, compression
     stiffness  (k,) N mm2, E I of the section at even places from pin to pin
     shear      N, shear stiffness there, (k,) or of all; infinite where no shear strain is counted
-    length     mm, between the pins
+    length     mm, between the hinges
     sideways   share that its moments alone are of those that buckle it sideways; None where the
                share is the compression's alone
     """
@@ -406,7 +413,8 @@ def _critical(
     names = tuple(f"station {number}" for number in range(1, count + 1))
     return [
         Given("F", "compression", force, "N", "the loads", main=True),
-        Given("L", "length between the pins", length, "mm", "the part's shape"),
+        Given("L", "length: in the plane between the pins, out of it between where they press",
+              length, "mm", "pins' distance; out of the plane less 8/(3π) of the bores' radii"),
         Sum("Q_1", "work of the force, one wave", "w*(pi/L*cos(t))^2", names, tuple(columns), "",
             _QUOTIENT),
         Sum("Q_2", "what bends and slides", gives, names, (*columns, bends, *slides), "",

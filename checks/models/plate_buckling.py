@@ -155,7 +155,7 @@ def elastic_load(part: Part, forces: PlateForces) -> ElasticLoad | None:
     pulled = bool(force.max() <= HARDLY * largest)
     force = np.maximum(force, 0.0)
     shares = {
-        _IN_PLANE: force / column_force(flat, np.inf, way.pressed),
+        _IN_PLANE: force / column_force(flat, np.inf, length),
         _SIDEWAYS: lateral_share(
             force / column_force(across, np.inf, way.pressed), moments, across, twisting, length
         ),
@@ -166,7 +166,7 @@ def elastic_load(part: Part, forces: PlateForces) -> ElasticLoad | None:
     pressed = float(force[position])
     explain: Callable[[], Sequence[Item]]
     if words == _IN_PLANE:
-        explain = partial(column_items, pressed, flat, np.inf, way.pressed)
+        explain = partial(column_items, pressed, flat, np.inf, length)
     else:
         bent = moments[:, [position]]
         alone = float(lateral_share(np.zeros(1), bent, across, twisting, length)[0])
