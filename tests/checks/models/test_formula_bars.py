@@ -118,3 +118,16 @@ def test_a_push_that_falls_along_a_link_by_its_inertia_counts_with_its_mean():
     shares = [rung.model_of(PART, falling).buckling.share for rung in (shapes, beam)]
     assert shares[0] == pytest.approx(even, rel=0.02)
     assert shares[0] == pytest.approx(shares[1], rel=0.03)
+
+
+def test_in_its_plane_a_link_buckles_from_pin_to_pin():
+    """F L^2/(pi^2 E I_z): a pin's push goes through its axis, however far the bore turns about it.
+
+    Thicker than wide, so that it gives way in the plane.
+    """
+    force, thick = 1000.0, replace(LINK, thickness=30.0)
+    model = shapes.model_of(replace(PART, geometry=thick), pushed(force, force))
+    inertia = thick.thickness * thick.width**3 / 12
+    share = force * thick.length**2 / (np.pi**2 * PART.material.youngs_modulus * inertia)
+    assert model.buckling.words.startswith("in plane")
+    assert model.buckling.share == pytest.approx(share, rel=1e-6)

@@ -241,3 +241,17 @@ def test_a_round_window_raises_the_stress_beside_it(radius):
     even = 5000 / (10 * 40)
     wanted = (2 + (1 - radius / 20) ** 3) / (1 - radius / 20) * even
     assert_allclose(von_mises(model.history.at(0))[here].max(), wanted, rtol=0.02)
+
+
+@pytest.mark.parametrize(("thickness", "plane"), [(60.0, "in plane"), (10.0, "out of plane")])
+def test_a_straight_lever_buckles_as_a_column(thickness, plane):
+    """F l^2/(pi^2 E I): from pin to pin in its plane, between where pins press out of it."""
+    shape = lever(((0, 40), (150, 40), (250, 40)), thickness=thickness)
+    loads = loads_of({"A": (1000, 0), "B": (0, 0), "C": (-1000, 0)})
+    model = model_of(part_of(shape), loads)
+    flat = plane == "in plane"
+    length = 250.0 - (0.0 if flat else 8 / (3 * np.pi) * 12.0)
+    inertia = thickness * 40**3 / 12 if flat else 40 * thickness**3 / 12
+    share = 1000.0 * length**2 / (np.pi**2 * STEEL.youngs_modulus * inertia)
+    assert model.buckling.words.startswith(plane)
+    assert model.buckling.share == pytest.approx(share, rel=1e-6)
