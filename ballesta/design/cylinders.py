@@ -39,9 +39,12 @@ def cylinders_of(
         rod, tube = own["material"], own["tube_material"]
         if len(problems) > before or rod is None or tube is None or entry.force not in forces:
             continue
+        available = file.forces[entry.force].available
+        pressure = available.pressure if isinstance(available, Available) else None
         found[name] = Cylinder(
             entry.force, entry.rod, entry.bore, entry.bore + 2 * entry.wall, entry.closed,
             entry.stroke, entry.tube, rod, tube, entry.guide or 0.0, entry.play or 0.0,
+            pressure or 0.0,
         )  # fmt: skip
     return found
 

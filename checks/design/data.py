@@ -110,6 +110,7 @@ class Cylinder:
     tube              mm, from the eye of the tube to the outer end of its gland
     guide             mm, between the bearings of piston and gland, rod drawn out; 0 if not stated
     play              mm, of the rod and the piston in them, on diameter; 0 if not stated
+    pressure          MPa, that its drive has available; 0 if not stated
     """
 
     force: str
@@ -123,6 +124,7 @@ class Cylinder:
     tube_material: Material
     guide: float = 0.0
     play: float = 0.0
+    pressure: float = 0.0
 
     @property
     def second_moments(self) -> tuple[float, float]:

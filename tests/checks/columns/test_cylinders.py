@@ -195,6 +195,14 @@ def test_force_share_and_stress_of_a_jib_are_those_by_hand(jib):
     assert (rod.limit, tube.limit) == (305.0, 355.0)
 
 
+def test_the_tube_holds_the_pressure_that_the_drive_has(jib):
+    """25 MPa, more than the force takes: Lame's hoop stress and the pressure itself."""
+    stated = 'forces.lift.available={bore="60 mm",rod="30 mm",pressure="25 MPa"}'
+    tube = cylinder_checks(jib, overrides=[stated])[0][2]
+    assert_allclose(tube.value, 25 * ((72**2 + 60**2) / (72**2 - 60**2) + 1), rtol=1e-9)
+    assert tube.value > 3 * cylinder_checks(jib)[0][2].value
+
+
 def test_a_slender_rod_fails_and_has_no_stress(jib):
     checks, result = cylinder_checks(jib, overrides=["cylinders.lift.rod=12 mm"])
     assert [one.kind for one in checks] == ["buckling"]
