@@ -7,15 +7,6 @@ tilt and ends that cannot (docs/theory/buckling.md).
 
 The largest mu of -K_s x = mu K x is found, so that the load factor 1/mu is right at any size of the
 load and tension gives no positive factor; that no lower one was skipped is proven by a count.
-
-Of the positions of a cycle, modes of some judge the others.
-
-The geometric stiffness is linear in the unit loads. The modes of a few load states that all
-positions are made of, of either sign, are displacement fields that the part could take at any; the
-largest mu of -K_s x = mu K x among them, at every position, is never above the true one (Rayleigh
-and Ritz), and close to it where the part buckles alike. The position where it is largest is solved
-next, its modes join, until the position that looks worst has been solved. The reported factor is a
-solved one; that no other position has a lower one is not proved but sought.
 """
 
 from collections.abc import Sequence
@@ -25,17 +16,14 @@ import numpy as np
 
 from fem.assembly import full, geometric_stiffness
 from fem.end_conditions import SupportedSolid, link_solid
+from fem.load_states import leading_states, worst_position
 from fem.lowest_modes import elastic_and_geometric_energy, geometric_forms, lowest_modes
 from fem.recovery import tensor
 from fem.solvers import SolverError
 from fem.unit_solutions import UnitSolutions
 from geometry.mesh import FloatArray
 
-_MOST = 6  # positions that are solved
-_TIE = 1e-6  # factors that are closer are equal: the first position is named
-_CLOSE = 0.98  # of the lowest factor: an estimate above that asks for no further position
-_PATTERNS = 4  # load states whose modes are taken to begin with
-_SMALL = 0.1  # of the largest stress: what is left of all states counts as known
+_CLOSE = 0.98  # of the largest share: an estimate below that over it asks for no further position
 _DEPENDENT = 1e-8  # of the largest energy: fields that say nothing new
 
 # A mode that needs a larger elastic stress than this share of Young's modulus somewhere is none of
@@ -182,34 +170,30 @@ def worst_buckling(
 
     coefficients (n_basis, n) of the unit loads over all positions; starts: positions solved first
     """
-    solved: dict[int, Buckling] = {}
-    fields: list[FloatArray] = []
-    for pattern in _patterns(solutions, coefficients):
+    fields = []
+    measure = solutions.basis.reshape(-1, len(coefficients))  # stress at the surface
+    for state in leading_states(measure, coefficients):
         for sign in (1.0, -1.0):
-            one = part_buckling(solutions, sign * pattern, tilt_held=tilt_held, prove=False)
-            fields += [mode.shape.ravel() for mode in one.modes]
-    waiting = list(dict.fromkeys(starts))
-    while waiting and len(solved) < _MOST:
-        position = waiting.pop(0)
+            one = part_buckling(solutions, sign * state, tilt_held=tilt_held, prove=False)
+            fields.append(_fields(solutions, one))
+    solved: dict[int, Buckling] = {}
+
+    def solve(position: int) -> tuple[float, FloatArray]:
         found = buckling_at(solutions, coefficients[:, position], tilt_held=tilt_held)
         solved[position] = found
-        fields += [mode.shape.ravel() for mode in found.modes]
-        if waiting or not fields:
-            continue
-        estimates = shares_of(solutions, coefficients, np.stack(fields, axis=1))
-        lowest = min((one.modes[0].factor for one in solved.values() if one.modes), default=np.inf)
-        for other in np.argsort(-estimates):
-            if estimates[other] <= 0.0 or 1.0 / estimates[other] > _CLOSE * lowest:
-                break
-            if int(other) not in solved:
-                waiting.append(int(other))
-                break
-    buckling = {k: one for k, one in solved.items() if one.modes}
-    if not buckling:
-        return None
-    lowest = min(one.modes[0].factor for one in buckling.values())
-    worst = min(k for k, one in buckling.items() if one.modes[0].factor <= (1.0 + _TIE) * lowest)
-    return worst, buckling[worst]
+        return (1 / found.modes[0].factor if found.modes else 0.0), _fields(solutions, found)
+
+    def shares(known: FloatArray) -> FloatArray:
+        return shares_of(solutions, coefficients, known)
+
+    worst = worst_position(solve, shares, fields, starts=starts, close=_CLOSE)
+    return None if worst is None else (worst[0], solved[worst[0]])
+
+
+def _fields(solutions: UnitSolutions, found: Buckling) -> FloatArray:
+    """Shapes (3 n_nodes, k) of the modes."""
+    none = np.zeros((len(solutions.displacement), 0))
+    return np.column_stack([none, *(mode.shape.ravel() for mode in found.modes)])
 
 
 def buckling_at(solutions: UnitSolutions, state: FloatArray, *, tilt_held: bool) -> Buckling:
@@ -226,30 +210,6 @@ def buckling_at(solutions: UnitSolutions, state: FloatArray, *, tilt_held: bool)
         if not found.modes:
             raise
         return found
-
-
-def _patterns(solutions: UnitSolutions, coefficients: FloatArray) -> list[FloatArray]:
-    """Load states that those of all positions are made of, to a tenth of the largest.
-
-    What each position adds to the ones before it, the largest first, measured by the stress at the
-    surface.
-    """
-    stress = solutions.basis.reshape(-1, len(coefficients))
-    root = np.linalg.qr(stress, mode="r")
-    left, states = root @ coefficients, coefficients.copy()
-    sizes = np.linalg.norm(left, axis=0)
-    largest = float(sizes.max(initial=0.0))
-    found: list[FloatArray] = []
-    while largest > 0.0 and len(found) < _PATTERNS:
-        sizes = np.linalg.norm(left, axis=0)
-        most = int(sizes.argmax())
-        if sizes[most] < _SMALL * largest:
-            break
-        found.append(states[:, most].copy())
-        along = (left[:, most] @ left) / sizes[most] ** 2
-        states -= np.outer(states[:, most].copy(), along)
-        left -= np.outer(left[:, most].copy(), along)
-    return found
 
 
 def shares_of(solutions: UnitSolutions, coefficients: FloatArray, fields: FloatArray) -> FloatArray:

@@ -24,17 +24,14 @@ from checks.stress.stress_result import ElasticLoad, RungModel
 from fem.frame import POINTS, WEIGHTS, Frame, FrameLoads, FrameSolution
 from fem.frame_buckling import geometric_forms
 from fem.frame_joints import bar_frame
+from fem.load_states import leading_states, worst_position
 from fem.unit_loads import ACCELERATIONS, bearing_coefficients
 from geometry.bars import bore_places
 from geometry.mesh import FloatArray, Interface
 
 _PIECES = 12  # of the longest stretch
 _PLANAR, _TILTS = [0, 1, 5], [3, 4]
-_MOST = 6  # positions that are solved
-_PATTERNS = 4  # load states whose modes are taken to begin with
-_SMALL = 0.1  # of the largest: what is left of all states counts as known
-_CLOSE = 0.999  # of the lowest factor: an estimate above that asks for no further position
-_TIE = 1e-6  # factors that are closer are equal: the first position is named
+_CLOSE = 0.999  # of the largest share: an estimate below that over it asks for no other position
 _COUNT = 3  # modes of each state
 _SOFTEST = 40  # motions of the frame that modes are made of
 _NONE = 1e-9  # of the largest factor's inverse: below it, round-off
@@ -129,9 +126,7 @@ def model_of(part: Part, loads: PartLoads) -> RungModel | None:
 
 # At which position a part's frame buckles first, its pins as hinges that let it tilt.
 #
-# As fem/buckling.py finds it for solids: modes of a few states judge all positions
-# (Rayleigh and Ritz, never above the truth), the position that looks worst is solved, its modes
-# join.
+# As for solids, by fem/load_states.py.
 
 
 def buckling_of(
@@ -213,54 +208,32 @@ class _Search:
 
     def worst(self) -> tuple[int, float, FloatArray] | None:
         """The position with the lowest factor found, the factor and its shape (6 n,)."""
-        fields = [self.modes(sign * state)[1] for state in self._patterns() for sign in (1.0, -1.0)]
-        if not fields:
+        states = leading_states(self._measure(), self.coefficients)
+        fields = [self.modes(sign * state)[1] for state in states for sign in (1.0, -1.0)]
+        shapes: dict[int, FloatArray] = {}
+
+        def solve(position: int) -> tuple[float, FloatArray]:
+            factors, modes = self.modes(self.coefficients[:, position])
+            shapes[position] = modes
+            return (float(1 / factors[0]) if len(factors) else 0.0), modes
+
+        worst = worst_position(solve, self._shares, fields, close=_CLOSE)
+        if worst is None:
             return None
-        solved: dict[int, tuple[FloatArray, FloatArray]] = {}
-        while len(solved) < _MOST:
-            shares = self._shares(np.hstack(fields))
-            shares[list(solved)] = 0.0
-            position = int(np.argmax(shares))
-            known = max((1 / m[0][0] for m in solved.values() if len(m[0])), default=0.0)
-            if not shares[position] * _CLOSE > known:
-                break
-            solved[position] = self.modes(self.coefficients[:, position])
-            fields.append(solved[position][1])
-        buckling = {k: modes for k, modes in solved.items() if len(modes[0])}
-        if not buckling:
-            return None
-        lowest = min(factors[0] for factors, _ in buckling.values())
-        worst = min(k for k, m in buckling.items() if m[0][0] <= (1.0 + _TIE) * lowest)
-        factors, shapes = buckling[worst]
-        return worst, float(factors[0]), self.fields @ shapes[:, 0]
+        position, share = worst
+        return position, 1 / share, self.fields @ shapes[position][:, 0]
 
     def plane(self, shape: FloatArray) -> str:
         """In which plane a mode moves more."""
         moved = np.abs(shape.reshape(-1, 6)[:, :3]).max(axis=0)
         return "out of plane" if moved[2] > moved[:2].max() else "in plane"
 
-    def _patterns(self) -> list[FloatArray]:
-        """Load states that those of all positions are made of, to a tenth of the largest.
-
-        Measured by the section forces, moments over the part's size.
-        """
+    def _measure(self) -> FloatArray:
+        """Section forces (m, n_basis) of the unit cases, moments over the part's size."""
         scale = np.r_[np.ones(3), np.full(3, 1 / self.solved.size)]
-        forces = self.solved.at_points * scale[:, None]
-        left = np.linalg.qr(forces.reshape(-1, len(self.coefficients)), mode="r")
-        left = left @ self.coefficients
-        states = self.coefficients.copy()
-        largest = float(np.linalg.norm(left, axis=0).max(initial=0.0))
-        found: list[FloatArray] = []
-        while largest > 0.0 and len(found) < _PATTERNS:
-            sizes = np.linalg.norm(left, axis=0)
-            most = int(sizes.argmax())
-            if sizes[most] < _SMALL * largest:
-                break
-            found.append(states[:, most].copy())
-            along = (left[:, most] @ left) / sizes[most] ** 2
-            states -= np.outer(found[-1], along)
-            left -= np.outer(left[:, most].copy(), along)
-        return found
+        return np.asarray(
+            (self.solved.at_points * scale[:, None]).reshape(-1, len(self.coefficients))
+        )
 
     def _shares(self, fields: FloatArray) -> FloatArray:
         """Share (n,) of its lowest factor that each position's load is at least; 0 without any."""
