@@ -3,7 +3,8 @@
 The pins are hinges about their own axis: at each interface the mean displacement is held, in the
 plane of the mechanism the part may turn at both ends, about its own axis it may not turn at the
 first. Out of plane the ends are as stiff as their forks; both bounds are computed, ends free to
-tilt and ends that cannot (docs/theory/buckling.md).
+tilt and ends that cannot (docs/theory/buckling.md). A pin's pressure does not turn with its bore:
+its push goes through its axis.
 
 The largest mu of -K_s x = mu K x is found, so that the load factor 1/mu is right at any size of the
 load and tension gives no positive factor; that no lower one was skipped is proven by a count.
@@ -17,7 +18,7 @@ import numpy as np
 from fem.assembly import full, geometric_stiffness
 from fem.end_conditions import SupportedSolid, link_solid
 from fem.load_states import leading_states, worst_position
-from fem.lowest_modes import elastic_and_geometric_energy, geometric_forms, lowest_modes
+from fem.lowest_modes import LowRank, elastic_and_geometric_energy, geometric_forms, lowest_modes
 from fem.recovery import tensor
 from fem.solvers import SolverError
 from fem.unit_solutions import UnitSolutions
@@ -97,12 +98,43 @@ def part_buckling(
     solid = link_solid(solutions, tilt_held=tilt_held, what="buckling")
     displacement = solutions.displacement @ coefficients
     stress = solutions.recovery.quadrature_stress(displacement[:, None], slice(None))[..., 0]
-    return solid_buckling(solid, stress, count=count, prove=prove, weaker=weaker)
+    turns, virials = pin_turns(solutions)
+    pins = LowRank(turns, virials @ coefficients)
+    return solid_buckling(solid, stress, pins, count=count, prove=prove, weaker=weaker)
+
+
+def pin_turns(solutions: UnitSolutions) -> tuple[FloatArray, FloatArray]:
+    """Mean turn of each round interface about its pin, and what makes pressure turn it back.
+
+    turns    (3 n_nodes, k): `turns.T @ u` are the means of the displacement along the rim, over the
+             radius: what its friction couple works on
+    virials  (k, n_basis), N mm per unit: sum of (x - axis) . f over the loads of the interface
+
+    Loads that keep their direction and place on the part turn a rim back by virial x turn. A pin's
+    pressure does not (docs/theory/buckling.md).
+    """
+    nodes, start = solutions.mesh.nodes, 0
+    turns, virials = [], []
+    for loads in solutions.interfaces:
+        own = slice(start, start + len(loads.names))
+        start = own.stop
+        if "couple" not in loads.names:
+            continue
+        arm = nodes - loads.interface.centre
+        arm[:, 2] = 0.0
+        virial = np.zeros(solutions.loads.shape[1])
+        virial[own] = arm.ravel() @ solutions.loads[:, own]
+        turns.append(solutions.loads[:, own][:, loads.names.index("couple")])
+        virials.append(virial)
+    if not turns:
+        return np.zeros((3 * len(nodes), 0)), np.zeros((0, solutions.loads.shape[1]))
+    return np.stack(turns, axis=1), np.stack(virials)
 
 
 def solid_buckling(
     solid: SupportedSolid,
     stress: FloatArray,
+    pins: LowRank | None = None,
     *,
     count: int = 2,
     prove: bool = True,
@@ -111,6 +143,8 @@ def solid_buckling(
     """Return the buckling of a supported solid under a stress state.
 
     stress  (n_elements, n_q, 6) at the integration points, MPa (fem.recovery)
+    pins    mean turns of its bores, weighed with the virials of the pins' pressure, N mm; None
+            where all loads keep their direction
     """
     size = float(np.abs(stress).max())
     if not size > 0:
@@ -118,20 +152,30 @@ def solid_buckling(
     unit = tensor(stress / size)
     upper = geometric_stiffness(solid.pattern, unit)
     upper.data *= -1.0
+    more = None if pins is None else LowRank(pins.vectors, pins.weights / size)
     by_node = full(upper[::3][:, ::3].tocsr())  # the blocks are multiples of the identity
 
     def times(fields: FloatArray) -> FloatArray:
-        return np.asarray(by_node @ fields.reshape(by_node.shape[0], -1)).reshape(fields.shape)
+        found = np.asarray(by_node @ fields.reshape(by_node.shape[0], -1)).reshape(fields.shape)
+        return found if more is None else found + more.times(fields)
 
     def energies(fields: FloatArray) -> tuple[FloatArray, FloatArray]:
         elastic, geometric = elastic_and_geometric_energy(
             solid.elements, solid.material, unit, fields
         )
-        return elastic, -geometric
+        return elastic, -geometric if more is None else more.form(fields) - geometric
 
     limit = _STRESS_LIMIT * solid.material.youngs_modulus
     found = lowest_modes(
-        solid, upper, times, energies, count, limit=limit, prove=prove, weaker=weaker
+        solid,
+        upper,
+        times,
+        energies,
+        count,
+        beside=more,
+        limit=limit,
+        prove=prove,
+        weaker=weaker,
     )
     modes = tuple(
         _mode(value / size, vector)
@@ -221,6 +265,10 @@ def shares_of(solutions: UnitSolutions, coefficients: FloatArray, fields: FloatA
     kept = values > _DEPENDENT * values[-1]
     whiten = vectors[:, kept] / np.sqrt(values[kept])
     stress = solutions.recovery.quadrature_stress(solutions.displacement, slice(None))
-    forms = whiten.T @ geometric_forms(elements, stress, fields) @ whiten
+    forms = geometric_forms(elements, stress, fields)
+    turns, virials = pin_turns(solutions)
+    seen = turns.T @ fields
+    forms -= np.einsum("kb,km,kn->bmn", virials, seen, seen)
+    forms = whiten.T @ forms @ whiten
     states = -np.tensordot(coefficients.T, forms, axes=1)
     return np.asarray(np.linalg.eigvalsh(states)[:, -1])

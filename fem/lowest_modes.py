@@ -43,6 +43,28 @@ _AROUND = 3.0  # times the highest mode: modes that the count is told of
 _WEAKER = (0.5, 0.1)  # of the lowest value found: where a count may still prove something
 _BEYOND = 0.02  # relative: how far above the highest mode the count is made at most
 
+
+@dataclass(frozen=True, eq=False)
+class LowRank:
+    """The matrix V diag(weights) V' of a few vectors.
+
+    vectors  (3 n_nodes, k)
+    weights  (k,) of any sign
+    """
+
+    vectors: FloatArray
+    weights: FloatArray
+
+    def times(self, fields: FloatArray) -> FloatArray:
+        """Products (3 n_nodes, m) with fields (3 n_nodes, m)."""
+        return np.asarray(self.vectors @ (self.weights[:, None] * (self.vectors.T @ fields)))
+
+    def form(self, fields: FloatArray) -> FloatArray:
+        """The form (m, m) between fields (3 n_nodes, m)."""
+        seen = self.vectors.T @ fields
+        return np.asarray(seen.T @ (self.weights[:, None] * seen))
+
+
 Times = Callable[[FloatArray], FloatArray]
 Energies = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 _HELD_NODES = (0, 24, 96)  # far apart, beside what the known modes ask for; tried in turn
@@ -73,15 +95,17 @@ def lowest_modes(
     energies: Energies,
     count: int,
     *,
+    beside: LowRank | None = None,
     limit: float = np.inf,
     prove: bool = True,
     weaker: bool = False,
 ) -> Modes:
     """Return the lowest positive values of K x = lambda B x and their shapes.
 
-    matrix    upper triangle of B, with the pattern of the stiffness
+    matrix    upper triangle of B without `beside`, with the pattern of the stiffness
     times     x (3 n_nodes, m) to B x
     energies  x (3 n_nodes, m) to x' K x and x' B x, (m, m) each
+    beside    part of B that couples nodes which no element joins
     limit     values above it are not wanted
     prove     whether no value is skipped is proven by a count
     weaker    where the count finds others, or cannot be made: whether a proof that none lies below
@@ -102,7 +126,7 @@ def lowest_modes(
         cut = _cut(values, found.following, limit)
         below = np.count_nonzero(values < cut)
         try:
-            counted = count_below(solid, matrix, cut, found.around)
+            counted = count_below(solid, matrix, cut, found.around, beside)
         except SolverError as error:
             problem = error
             break
@@ -112,17 +136,21 @@ def lowest_modes(
         block *= 2
     for share in _WEAKER if weaker else ():
         proven = share * float(values[0] if len(values) else limit)
-        if _none_below(solid, matrix, proven, found.around):
+        if _none_below(solid, matrix, proven, found.around, beside):
             return Modes(values[:count], shapes[:, :count], proven, found.negative)
     raise problem
 
 
 def _none_below(
-    solid: SupportedSolid, matrix: "scipy.sparse.csr_array", value: float, known: FloatArray
+    solid: SupportedSolid,
+    matrix: "scipy.sparse.csr_array",
+    value: float,
+    known: FloatArray,
+    beside: LowRank | None,
 ) -> bool:
     """Return True if a count can be made and shows that no mode lies below a value."""
     try:
-        return count_below(solid, matrix, value, known) == 0
+        return count_below(solid, matrix, value, known, beside) == 0
     except SolverError:
         return False
 
@@ -281,15 +309,21 @@ def _wanted(values: FloatArray, count: int, limit: float) -> int:
 #     S = [ A_HH - A_HF A_FF^-1 A_FH     C_H' - A_HF A_FF^-1 C_F' ]
 #         [ C_H - C_F A_FF^-1 A_FH         - C_F A_FF^-1 C_F'     ]
 #
-# has as many negative eigenvalues as A on C x = 0 has, and one more per row of C.
+# has as many negative eigenvalues as A on C x = 0 has, and one more per row of C. A part of B that
+# is w v v' joins H as one more unknown: with s = value w, A - s v v' has the inertia of
+# [A, v; v', 1/s] without that of 1/s (the same additivity).
 
 
 def count_below(
-    solid: SupportedSolid, matrix: "scipy.sparse.csr_array", value: float, known: FloatArray
+    solid: SupportedSolid,
+    matrix: "scipy.sparse.csr_array",
+    value: float,
+    known: FloatArray,
+    beside: LowRank | None = None,
 ) -> int:
     """Number of modes of K x = lambda B x with lambda in (0, value), with the solid's supports.
 
-    matrix  upper triangle of B, with the pattern of the stiffness
+    matrix  upper triangle of B without `beside`, with the pattern of the stiffness
     known   (3 n_nodes, k) modes thought to lie below the value: where they move, the part is held.
             They make the count quick and have no say in its result
 
@@ -297,13 +331,17 @@ def count_below(
     round-off, or lies above so many that holding 96 nodes does not stop them.
     """
     difference = shifted(solid, matrix, value)
+    more = np.zeros(0) if beside is None else value * beside.weights
+    kept = more != 0.0
+    vectors = np.zeros((len(known), 0)) if beside is None else beside.vectors[:, kept]
+    vectors, signs = vectors * np.sqrt(np.abs(more[kept])), np.sign(more[kept])
     moving = _where_it_moves(solid, known)
     for count in _HELD_NODES:
         held = moving.copy()
         held[_nodes_far_apart(solid, count)] = True
         held[solid.fixed] = False
         try:
-            return _count(solid, difference, held)
+            return _count(solid, difference, held, vectors, signs)
         except _IndefiniteError:
             continue
     raise SolverError(
@@ -327,24 +365,32 @@ class _IndefiniteError(Exception):
     """Holding these unknowns leaves a negative direction."""
 
 
-def _count(solid: SupportedSolid, difference: "scipy.sparse.csr_array", held: BoolArray) -> int:
+def _count(
+    solid: SupportedSolid,
+    difference: "scipy.sparse.csr_array",
+    held: BoolArray,
+    vectors: FloatArray,
+    signs: FloatArray,
+) -> int:
+    """Modes with some unknowns held, of A - vectors diag(signs) vectors' (of few columns)."""
     still = held.copy()
     still[solid.fixed] = True
     rest, chosen = np.flatnonzero(~still), np.flatnonzero(held)
     to_rest = difference[:, rest]
     place = None if solid.place is None else solid.place[rest]
     coupling = to_rest[chosen].T + difference[rest][:, chosen]
-    border = np.hstack([coupling.toarray(), solid.rows[:, rest].T])
+    rows = np.vstack([solid.rows, vectors.T])
+    border = np.hstack([coupling.toarray(), rows[:, rest].T])
     corner = difference[chosen][:, chosen].toarray()
     corner += np.triu(corner, k=1).T
     n_held, n_rows = len(chosen), len(solid.rows)
-    whole = np.zeros((n_held + n_rows, n_held + n_rows))
+    whole = np.diag(np.r_[np.zeros(n_held + n_rows), signs])
     whole[:n_held, :n_held] = corner
-    whole[:n_held, n_held:] = solid.rows[:, chosen].T
-    whole[n_held:, :n_held] = solid.rows[:, chosen]
+    whole[:n_held, n_held:] = rows[:, chosen].T
+    whole[n_held:, :n_held] = rows[:, chosen]
     if len(rest):
         whole -= border.T @ _positive(to_rest[rest], place).apply(border)
-    return _negative(whole) - n_rows
+    return _negative(whole) - n_rows - int((signs < 0).sum())
 
 
 def _positive(own: "scipy.sparse.csr_array", place: IntArray | None) -> Factor:

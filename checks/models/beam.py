@@ -197,8 +197,22 @@ class _Search:
 
     @cached_property
     def forms(self) -> FloatArray:
-        """Second-order work (n_basis, k, k) of each unit case between the fields."""
-        return geometric_forms(self.solved.frame, self.solved.at_points, self.fields)
+        """Second-order work (n_basis, k, k) of each unit case between the fields.
+
+        A pin's push goes through its axis, however far the bore turns (docs/theory/buckling.md):
+        what acts along the part at a node keeps the moment that it has about the pin, none.
+        """
+        forms = geometric_forms(self.solved.frame, self.solved.at_points, self.fields)
+        first = 0
+        for entry in self.solved.entries:
+            count = entry.loads.nodal.shape[1]
+            along = entry.loads.nodal[::6]  # (n, columns)
+            nodes = np.flatnonzero(np.abs(along).max(axis=1) > 0.0)
+            place = self.solved.frame.nodes[nodes, 0] - entry.interface.centre[0]
+            virials, turns = along[nodes] * place[:, None], self.fields[6 * nodes + 5]
+            forms[first : first + count] -= np.einsum("nc,nk,nl->ckl", virials, turns, turns)
+            first += count
+        return forms
 
     def modes(self, state: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Lowest factors above 0 of a state (n_basis,) of the loads, and shapes by the fields."""

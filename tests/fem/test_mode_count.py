@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.linalg
+from numpy.testing import assert_allclose
 
 import fem.lowest_modes
 from fem.assembly import full, geometric_stiffness
 from fem.buckling import part_buckling
 from fem.end_conditions import link_solid
-from fem.lowest_modes import count_below, mass, shifted
+from fem.lowest_modes import LowRank, count_below, mass, shifted
 from fem.recovery import tensor
 from fem.solvers import SolverError
 from fem.unit_solutions import Elastic, solve_unit_loads
@@ -77,6 +78,29 @@ def test_the_count_does_not_believe_what_it_is_told(solid, geometric):
     values = dense_values(solid, geometric)
     false = np.random.default_rng(3).standard_normal((len(solid.rows[0]), 6))
     assert count_below(solid, geometric, (values[2] + values[3]) / 2, false) == 3
+
+
+@pytest.mark.parametrize("signs", [(1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (0.0, 1.0)])
+def test_a_part_of_few_vectors_is_counted_and_found_with_the_matrix(solid, geometric, signs):
+    """Of either sign, and large enough to move the values; without it they are others."""
+    rng = np.random.default_rng(5)
+    vectors = rng.standard_normal((len(solid.rows[0]), 2))
+    vectors /= np.linalg.norm(vectors, axis=0)
+    seen = np.abs(vectors.T @ (full(geometric) @ vectors)).max()
+    more = LowRank(vectors, 40.0 * seen * np.array(signs))
+    space = scipy.linalg.null_space(solid.rows)
+    both = full(geometric).toarray() + vectors @ np.diag(more.weights) @ vectors.T
+    stiff, other = (space.T @ (m @ space) for m in (full(solid.stiffness), both))
+    inverse = scipy.linalg.eigh(other, stiff, eigvals_only=True)
+    values = np.sort(1 / inverse[inverse > 0])[:12]
+    assert np.abs(values / dense_values(solid, geometric)[:12] - 1).max() > 1e-3
+    nothing = np.zeros((len(vectors), 0))
+    for number in range(12):
+        below = values[number - 1] if number else 0.0
+        if values[number] > 1.0001 * below:
+            middle = (below + values[number]) / 2
+            assert count_below(solid, geometric, middle, nothing, more) == number
+    assert_allclose(more.form(space), space.T @ more.times(space), rtol=1e-9, atol=1e-9 * seen)
 
 
 def test_frequencies_are_counted_likewise(solid):
@@ -161,11 +185,11 @@ def test_where_no_count_can_be_made_at_a_mode_one_lower_down_is_tried(column, st
     known = part_buckling(column, state, tilt_held=False, count=1).modes[0]
     count, values = fem.lowest_modes.count_below, []
 
-    def failing(solid, matrix, value, around):
+    def failing(solid, matrix, value, *rest):
         values.append(value)
         if value > 0.51 * values[0]:
             raise SolverError("cannot be counted")
-        return count(solid, matrix, value, around)
+        return count(solid, matrix, value, *rest)
 
     monkeypatch.setattr(fem.lowest_modes, "count_below", failing)
     with pytest.raises(SolverError, match="cannot be counted"):
