@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.assembly import full, geometric_stiffness
-from fem.end_conditions import SupportedSolid, link_solid
+from fem.end_conditions import SupportedSolid, link_solid, surface_weights
 from fem.load_states import leading_states, worst_position
 from fem.lowest_modes import LowRank, elastic_and_geometric_energy, geometric_forms, lowest_modes
 from fem.recovery import tensor
@@ -98,37 +98,70 @@ def part_buckling(
     solid = link_solid(solutions, tilt_held=tilt_held, what="buckling")
     displacement = solutions.displacement @ coefficients
     stress = solutions.recovery.quadrature_stress(displacement[:, None], slice(None))[..., 0]
-    turns, virials = pin_turns(solutions)
-    pins = LowRank(turns, virials @ coefficients)
+    pins = pins_pressing(solutions, coefficients)
     return solid_buckling(solid, stress, pins, count=count, prove=prove, weaker=weaker)
 
 
-def pin_turns(solutions: UnitSolutions) -> tuple[FloatArray, FloatArray]:
-    """Mean turn of each round interface about its pin, and what makes pressure turn it back.
+@dataclass(frozen=True, eq=False)
+class RoundContact:
+    """A bore on its pin, or a journal in its lug, under small motions u (3 n_nodes,).
 
-    turns    (3 n_nodes, k): `turns.T @ u` are the means of the displacement along the rim, over the
-             radius: what its friction couple works on
-    virials  (k, n_basis), N mm per unit: sum of (x - axis) . f over the loads of the interface
-
-    Loads that keep their direction and place on the part turn a rim back by virial x turn. A pin's
-    pressure does not (docs/theory/buckling.md).
+    turn     (3 n_nodes,): turn @ u is the mean turn about the axis, displacement along the rim over
+             the radius
+    columns  of the basis, the unit loads that act here
+    lost     (3 n_nodes, n_columns), N mm per unit: lost.T @ u are the moments about the moved axis,
+             turned round, of loads that keep their direction and stay at their points of the part
+    virials  (n_columns,), N mm per unit: the same for a turn by 1 rad, sum of (x - axis) . f
     """
+
+    turn: FloatArray
+    columns: slice
+    lost: FloatArray
+    virials: FloatArray
+
+
+def round_contacts(solutions: UnitSolutions) -> list[RoundContact]:
+    """Return the round interfaces of a part, of which a pin's pressure does not turn with it."""
     nodes, start = solutions.mesh.nodes, 0
-    turns, virials = [], []
+    found = []
     for loads in solutions.interfaces:
-        own = slice(start, start + len(loads.names))
-        start = own.stop
+        columns = slice(start, start + len(loads.names))
+        start = columns.stop
         if "couple" not in loads.names:
             continue
+        acting = solutions.loads[:, columns]
+        along, across = acting[::3], acting[1::3]  # (n_nodes, n_columns)
+        mean = surface_weights(solutions.elements, loads.interface.name)[:, None]
+        lost = np.zeros(acting.shape)
+        lost[::3] = mean * across.sum(axis=0) - across
+        lost[1::3] = along - mean * along.sum(axis=0)
         arm = nodes - loads.interface.centre
-        arm[:, 2] = 0.0
-        virial = np.zeros(solutions.loads.shape[1])
-        virial[own] = arm.ravel() @ solutions.loads[:, own]
-        turns.append(solutions.loads[:, own][:, loads.names.index("couple")])
-        virials.append(virial)
-    if not turns:
-        return np.zeros((3 * len(nodes), 0)), np.zeros((0, solutions.loads.shape[1]))
-    return np.stack(turns, axis=1), np.stack(virials)
+        virials = arm[:, 0] @ along + arm[:, 1] @ across
+        turn = acting[:, loads.names.index("couple")].copy()
+        found.append(RoundContact(turn, columns, lost, virials))
+    return found
+
+
+def pins_pressing(solutions: UnitSolutions, coefficients: FloatArray) -> LowRank:
+    """What a load state's pins do besides to the geometric stiffness, turned round; N mm.
+
+    coefficients  (n_basis,) of the unit loads
+
+    turn lost' + lost turn' - virial turn turn' of every round interface under the state: then its
+    loads have no moment about its axis (docs/theory/buckling.md).
+    """
+    vectors, weights = [np.zeros((len(solutions.loads), 0))], [np.zeros(0)]
+    for contact in round_contacts(solutions):
+        state = coefficients[contact.columns]
+        lost, virial = contact.lost @ state, float(contact.virials @ state)
+        ratio = float(np.linalg.norm(lost) / np.linalg.norm(contact.turn))
+        if not ratio > 0.0:
+            continue
+        scaled = np.stack([contact.turn * np.sqrt(ratio), lost / np.sqrt(ratio)], axis=1)
+        own, mix = np.linalg.eigh(np.array([[-virial / ratio, 1.0], [1.0, 0.0]]))
+        vectors.append(scaled @ mix)
+        weights.append(own)
+    return LowRank(np.hstack(vectors), np.concatenate(weights))
 
 
 def solid_buckling(
@@ -143,8 +176,7 @@ def solid_buckling(
     """Return the buckling of a supported solid under a stress state.
 
     stress  (n_elements, n_q, 6) at the integration points, MPa (fem.recovery)
-    pins    mean turns of its bores, weighed with the virials of the pins' pressure, N mm; None
-            where all loads keep their direction
+    pins    of `pins_pressing`; None where all loads keep their direction and their points
     """
     size = float(np.abs(stress).max())
     if not size > 0:
@@ -266,9 +298,11 @@ def shares_of(solutions: UnitSolutions, coefficients: FloatArray, fields: FloatA
     whiten = vectors[:, kept] / np.sqrt(values[kept])
     stress = solutions.recovery.quadrature_stress(solutions.displacement, slice(None))
     forms = geometric_forms(elements, stress, fields)
-    turns, virials = pin_turns(solutions)
-    seen = turns.T @ fields
-    forms -= np.einsum("kb,km,kn->bmn", virials, seen, seen)
+    for contact in round_contacts(solutions):
+        turn, lost = contact.turn @ fields, contact.lost.T @ fields
+        both = lost[:, :, None] * turn
+        both += both.swapaxes(1, 2) - contact.virials[:, None, None] * np.outer(turn, turn)
+        forms[contact.columns] -= both
     forms = whiten.T @ forms @ whiten
     states = -np.tensordot(coefficients.T, forms, axes=1)
     return np.asarray(np.linalg.eigvalsh(states)[:, -1])
