@@ -10,9 +10,9 @@ import ast
 import math
 import operator
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache, reduce
+from functools import lru_cache, partial, reduce
 from statistics import NormalDist
 from typing import Any
 
@@ -23,6 +23,7 @@ from geometry.mesh import FloatArray
 
 Value = float | FloatArray
 Scope = Mapping[str, Value]
+Work = Callable[[Scope], Value]
 
 _LONGEST = 2000  # characters of a formula
 _SHOWN = 60  # characters of it in a message
@@ -217,7 +218,7 @@ def functions_of(text: str) -> list[str]:
 
 def evaluate(text: str, scope: Scope) -> Value:
     """Value of a formula: a float, or a float64 vector as the symbols are; raises FormulaError."""
-    return _finite(_value_in(_tree(text), text, scope, FUNCTIONS), text)
+    return _finite(_value_in(_work(text, each=False), text, scope), text)
 
 
 def evaluate_each(text: str, scope: Scope) -> Value:
@@ -229,29 +230,37 @@ def evaluate_each(text: str, scope: Scope) -> Value:
     >>> evaluate_each("max(F, 2)/d", {"F": np.array([1.0, 4.0]), "d": 2.0}).tolist()
     [1.0, 2.0]
     """
-    return _finite(_value_in(_tree(text), text, scope, _EACH), text)
+    return _finite(_value_in(_work(text, each=True), text, scope), text)
 
 
 def _finite(value: Value, text: str) -> Value:
-    if not np.isfinite(value).all():
+    if not (math.isfinite(value) if isinstance(value, float) else np.isfinite(value).all()):
         raise FormulaError(f"{_cut(text)} has no finite value")
     return value
 
 
-def _value_in(node: ast.expr, text: str, scope: Scope, functions: Mapping[str, Function]) -> Value:
-    """Value of a node of a formula, which may be infinite; raises FormulaError."""
+def _value_in(work: Work, text: str, scope: Scope) -> Value:
+    """Value of a formula, or of a part of it, which may be infinite; raises FormulaError."""
     try:
         with np.errstate(all="ignore"):
-            return _value(node, scope, functions)
+            return work(scope)
     except FormulaError as error:
         raise FormulaError(f"{_cut(text)}: {error}") from None
     except (ArithmeticError, TypeError, ValueError, np.linalg.LinAlgError) as error:
         raise FormulaError(f"{_cut(text)} has no value: {error}") from None
 
 
-def _value(node: ast.expr, scope: Scope, functions: Mapping[str, Function]) -> Value:
-    """Value of a node: a float or a float64 vector, no other number passes on the way."""
-    value = _worked(node, scope, functions)
+@lru_cache(maxsize=8192)
+def _work(text: str, *, each: bool) -> Work:
+    """A formula as a function of its symbols' values; raises FormulaError for what is none.
+
+    each  True for values at all positions
+    """
+    return _work_of(_tree(text), _EACH if each else FUNCTIONS)
+
+
+def _sound(value: object) -> Value:
+    """A float or a float64 vector: no other number passes on the way."""
     if isinstance(value, float):
         return value
     if isinstance(value, np.ndarray) and value.dtype == np.float64 and value.ndim == 1:
@@ -259,37 +268,51 @@ def _value(node: ast.expr, scope: Scope, functions: Mapping[str, Function]) -> V
     raise FormulaError(f"it has no value: {value!r} is neither a real number nor a vector")
 
 
-def _worked(node: ast.expr, scope: Scope, functions: Mapping[str, Function]) -> object:
+def _work_of(node: ast.expr, functions: Mapping[str, Function]) -> Work:
+    """A node as a function of the symbols' values: its tree is walked once for all values."""
     match node:
         case ast.Constant(value=int() | float() as value):
-            return float(value)
+            constant = float(value)
+            return lambda scope: constant
         case ast.Name(id=name):
-            if name in scope:
-                return scope[name]
-            if name == "pi":
-                return math.pi
-            raise FormulaError(f"the symbol {name!r} has no value")
+            return partial(_symbol, name)
         case ast.UnaryOp(operand=inner):
-            return -_value(inner, scope, functions)
+            inside = _work_of(inner, functions)
+            return lambda scope: _sound(-inside(scope))
         case ast.BinOp(left=left, right=right):
-            one, other = (_value(side, scope, functions) for side in (left, right))
-            return _BINARY[type(node.op)][2](one, other)
+            one, other = (_work_of(side, functions) for side in (left, right))
+            join = _BINARY[type(node.op)][2]
+            return lambda scope: _sound(join(one(scope), other(scope)))
         case ast.Call(func=ast.Name(id=name), args=arguments):
-            values = [_value(argument, scope, functions) for argument in arguments]
-            if name not in functions:
-                raise FormulaError(f"{name} is no function of numbers")
-            function = functions[name]
-            if functions is _EACH:
-                found = function.work(*values)
-                return found if np.ndim(found) else float(found)
-            shapes = function.shape if function.shape != "*" else "1" * len(values)
-            for given, size in zip(values, shapes, strict=True):
-                if np.shape(given) != (() if size == "1" else (int(size),)):
-                    wanted = "a number" if size == "1" else f"a vector of {size}"
-                    raise FormulaError(f"{name} takes {wanted}, got {_size_text(given)}")
-            return float(function.work(*values))
+            works = [_work_of(argument, functions) for argument in arguments]
+            return lambda scope: _sound(_called(name, [work(scope) for work in works], functions))
         case _:
             raise AssertionError("checked before")
+
+
+def _symbol(name: str, scope: Scope) -> Value:
+    if name in scope:
+        return _sound(scope[name])
+    if name == "pi":
+        return math.pi
+    raise FormulaError(f"the symbol {name!r} has no value")
+
+
+def _called(name: str, values: Sequence[Value], functions: Mapping[str, Function]) -> object:
+    """What a function makes of its arguments."""
+    if name not in functions:
+        raise FormulaError(f"{name} is no function of numbers")
+    function = functions[name]
+    if functions is _EACH:
+        found = function.work(*values)
+        return found if np.ndim(found) else float(found)
+    shapes = function.shape if function.shape != "*" else "1" * len(values)
+    for given, size in zip(values, shapes, strict=True):
+        fits = size == "1" if isinstance(given, float) else len(given) == int(size) > 1
+        if not fits:
+            wanted = "a number" if size == "1" else f"a vector of {size}"
+            raise FormulaError(f"{name} takes {wanted}, got {_size_text(given)}")
+    return float(function.work(*values))
 
 
 def _size_text(value: Value) -> str:
@@ -314,7 +337,7 @@ def substituted(text: str, scope: Scope, digits: int = 4) -> str:
     tree = _tree(text)
     if isinstance(tree, ast.Call) and isinstance(tree.func, ast.Name) and tree.func.id == _EXPANDED:
         try:
-            stress = _value_in(tree.args[0], text, scope, FUNCTIONS)
+            stress = _value_in(_work_of(tree.args[0], FUNCTIONS), text, scope)
         except FormulaError:
             stress = 0.0
         if np.shape(stress) == (len(COMPONENTS),):

@@ -22,7 +22,7 @@ def clean(text: object, *, lines: bool = False) -> str:
 
     Line breaks and tabs stay with `lines`, and become spaces without.
     """
-    if (plain := str(text)).isascii() and plain.isprintable():
+    if (plain := str(text)).isprintable():  # no control and no turning mark is printable
         return plain
     return "".join(_harmless(letter, lines) for letter in plain)
 

@@ -8,6 +8,7 @@ shortest long waves are to a sheet's, between plane strain and plane stress
 -p across the edge of the bore and -p along it, as in a sheet whatever n.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -77,12 +78,18 @@ class BoreHarmonics:
         """Pressure (n, m), MPa, of forces (n_hats, m) N at `points`, without its long waves."""
         interface = self.loads.interface
         area = interface.radius * interface.length
-        n = np.arange(1, self.last + 1)
-        turned = n * self.angles[:, None]
+        values = self._once("values", hats, lambda: hats.values(self.angles))
+        whole = values @ (forces / (hats.extents * area)[:, None])
+        return np.asarray(whole - self._unit_pressures @ (self.waves(hats).T @ forces))
+
+    @cached_property
+    def _unit_pressures(self) -> FloatArray:
+        """Pressures (n, 2 last + 1), MPa/N, of the columns at `points`."""
+        interface = self.loads.interface
+        turned = np.arange(1, self.last + 1) * self.angles[:, None]
         both = np.stack([np.cos(turned), np.sin(turned)], axis=2).reshape(len(turned), -1)
-        unit = np.column_stack([np.full(len(turned), 0.5), both]) / (np.pi * area)
-        whole = hats.values(self.angles) @ (forces / (hats.extents * area)[:, None])
-        return np.asarray(whole - unit @ (self.waves(hats).T @ forces))
+        unit = np.column_stack([np.full(len(turned), 0.5), both])
+        return np.asarray(unit / (np.pi * (interface.radius * interface.length)))
 
     @cached_property
     def short_wave_stress(self) -> FloatArray:
@@ -112,8 +119,26 @@ class BoreHarmonics:
         """Share of the part that the mesh is."""
         return self.solutions.mesh.share
 
-    def moved_by(self, displacement: FloatArray) -> FloatArray:
-        """Outward harmonics (2 last + 1, m) mm of the bore in displacements (3 n_nodes, m)."""
+    @cached_property
+    def _found(self) -> dict[tuple[str, object], FloatArray]:
+        return {}
+
+    def _once(self, name: str, of: object, work: Callable[[], FloatArray]) -> FloatArray:
+        """What some work gives for hats or another bore; done once for every clearance of a pin."""
+        if (name, of) not in self._found:
+            self._found[name, of] = work()
+        return self._found[name, of]
+
+    @cached_property
+    def moved_by_loads(self) -> FloatArray:
+        """Outward harmonics (2 last + 1, n_basis) mm of the bore by each unit load of the part."""
+        return self._moved_by(self.solutions.displacement)
+
+    def moved_by(self, other: "BoreHarmonics") -> FloatArray:
+        """Outward harmonics (2 last + 1, m) mm/N of the bore by those of another bore."""
+        return self._once("moved", other, lambda: self._moved_by(other.displacement))
+
+    def _moved_by(self, displacement: FloatArray) -> FloatArray:
         return np.asarray(self.vectors.T @ displacement / self.share)
 
     @cached_property
@@ -147,12 +172,18 @@ class BoreHarmonics:
 
     def waves(self, hats: Hats) -> FloatArray:
         """Harmonics (n, 2 last + 1) of unit forces on the hats."""
+        return self._once("waves", hats, lambda: self._waves(hats))
+
+    def _waves(self, hats: Hats) -> FloatArray:
         waves = hats.waves(np.arange(1.0, self.last + 1))
         both = np.stack([waves.real, waves.imag], axis=2).reshape(len(waves), -1)
         return np.column_stack([np.ones(len(waves)), both])
 
     def hat_flexibility(self, hats: Hats) -> FloatArray:
         """Mean outward displacement (n, n) mm/N of each hat per force on each hat."""
+        return self._once("flexibility", hats, lambda: self._hat_flexibility(hats))
+
+    def _hat_flexibility(self, hats: Hats) -> FloatArray:
         material, length = self.solutions.material, self.loads.interface.length
         young, poisson = material.youngs_modulus / self.to_sheet, material.poisson_ratio
         waves = self.waves(hats)

@@ -172,7 +172,6 @@ class PartContact:
     ) -> None:
         if not harmonics:
             raise ValueError("contact needs at least one pin in a bore")
-        self._part = harmonics[0].solutions
         self._bores = [
             _Bore(one, pins[one.loads.interface.name], coefficients) for one in harmonics
         ]
@@ -197,7 +196,7 @@ class PartContact:
                     strain=a.pin.strain,
                 )
                 if a is b
-                else a.waves @ a.harmonics.moved_by(b.harmonics.displacement) @ b.waves.T
+                else a.waves @ a.harmonics.moved_by(b.harmonics) @ b.waves.T
                 for b in self._bores
             ]
             for a in self._bores
@@ -214,8 +213,7 @@ class PartContact:
         others = self._others[:, list(chosen)]
         opened = np.concatenate(
             [
-                bore.waves @ (bore.harmonics.moved_by(self._part.displacement) @ others)
-                + bore.pin.clearance / 2
+                bore.waves @ (bore.harmonics.moved_by_loads @ others) + bore.pin.clearance / 2
                 for bore in self._bores
             ]
         )

@@ -12,6 +12,7 @@ from geometry.mesh import FloatArray, IntArray
 from reports.live.extremes import (
     LENGTH_METRIC,
     STRESS_METRIC,
+    largest_anywhere,
     largest_by_cycle,
     largest_principal_stress,
     lost_in_single,
@@ -142,8 +143,10 @@ def _fit(live: LiveFields, tolerance: float) -> _Fit | None:
     ways = dict.fromkeys(peaks, 0.0)
     if live.displacement is not None:
         moved = fewest(live.displacement, live.coefficients)
-        sizes = largest_by_cycle(moved.fields, moved.weights, LENGTH_METRIC)
-        ways = {name: float(lengths.max()) for name, (lengths, _) in sizes.items()}
+        ways = {
+            name: float(largest_anywhere(moved.fields, weights, LENGTH_METRIC)[0])
+            for name, weights in moved.weights.items()
+        }
         if any(ways.values()):
             lost_ways = lost_in_single(live.displacement, live.coefficients, LENGTH_METRIC)
             groups["displacement"] = fit(moved, ways, lost_ways, LENGTH_METRIC)

@@ -15,6 +15,8 @@ STRESS_METRIC = np.vstack([DEVIATOR, [1 / 3, 1 / 3, 1 / 3, 0.0, 0.0, 0.0]])
 LENGTH_METRIC = np.eye(3)
 _NUMBER = np.eye(1)
 _TOGETHER = 200_000  # nodes times positions, so that their sums stay near the processor
+_BLOCK = 32  # positions whose sums are bounded together
+_TOP = 64  # nodes of the highest bounds, which tell what others must reach
 _SINGLE = 2.0**-24
 _MORE = 1.0 + 1e-5  # peaks are known in double precision, fields in single
 
@@ -31,18 +33,61 @@ def largest_sizes(fields: FloatArray, weights: FloatArray, metric: FloatArray) -
     """
     if len(fields) == 1 < weights.shape[1]:
         return np.asarray(largest_sizes(fields, np.ones((1, 1)), metric) * np.abs(weights))
+    return _largest(_rows(fields, metric), np.ascontiguousarray(weights, dtype=np.float32))
+
+
+def largest_anywhere(fields: FloatArray, weights: FloatArray, metric: FloatArray) -> FloatArray:
+    """Largest (2,) of `largest_sizes` over all positions.
+
+    In a block of positions a node reaches at most the sizes of its fields times their largest
+    weights there. Only nodes that may reach more than is known are asked for their sums, those of
+    the highest bounds first.
+    """
+    if not fields.size or not weights.size:
+        return np.zeros(2)
+    rows = _rows(fields, metric)
+    shares = np.ascontiguousarray(weights, dtype=np.float32)
+    reached = [np.sqrt(_squared(rows.copy()))]  # (n, r)
+    if metric is STRESS_METRIC:
+        reached.append(2 / 3 * reached[0] + np.abs(rows[:, 5]))
+    starts = np.arange(0, shares.shape[1], _BLOCK)
+    most = np.maximum.reduceat(np.abs(shares), starts, axis=1)  # (r, blocks)
+    bounds = np.stack([one @ most for one in reached])  # (1 or 2, n, blocks)
+    bounds *= 1 + 4 * len(fields) * _SINGLE
+    known = np.zeros((2, 1))
+    for block in np.argsort(-bounds[0].max(axis=0), kind="stable"):
+        own = shares[:, starts[block] : starts[block] + _BLOCK]
+        top = np.argpartition(bounds[0, :, block], -min(_TOP, len(rows)))[-_TOP:]
+        known = np.maximum(known, _largest(rows[top], own).max(axis=1, keepdims=True))
+        left = (bounds[:, :, block] > known[: len(bounds)]).any(axis=0)
+        known = np.maximum(known, _largest(rows[left], own).max(axis=1, keepdims=True))
+    return known[:, 0]
+
+
+def _rows(fields: FloatArray, metric: FloatArray) -> npt.NDArray[np.float32]:
+    """Rows (n, m, r) of a metric (m, c) for fields (r, n, c), in single precision."""
+    return np.ascontiguousarray((fields @ metric.T).transpose(1, 2, 0), dtype=np.float32)
+
+
+def _squared(sums: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+    """Squares (n, k) of the sizes of sums (n, m, k): of the first five of m, in place."""
+    squares = np.square(sums[:, :5], out=sums[:, :5])
+    return np.asarray(squares.sum(axis=1))
+
+
+def _largest(rows: npt.NDArray[np.float32], weights: npt.NDArray[np.float32]) -> FloatArray:
+    """`largest_sizes` (2, K) of sums of rows (n, m, r) times weights (r, K)."""
+    count, m, r = rows.shape
     found = np.zeros((2, weights.shape[1]))
-    rows = np.tensordot(metric, fields, axes=(1, 2)).astype(np.float32)  # (m, r, n)
-    shares = np.ascontiguousarray(weights.T, dtype=np.float32)
-    size = max(1, _TOGETHER // max(1, len(shares)))
-    for first in range(0, rows.shape[2] if len(fields) else 0, size):
-        sums = shares @ np.ascontiguousarray(rows[:, :, first : first + size])  # (m, K, n)
-        squares = np.square(sums[:5], out=sums[:5])
-        sizes = np.sqrt(sum(squares[1:], start=squares[0]))
-        np.maximum(found[0], sizes.max(axis=1), out=found[0])
-        if metric is STRESS_METRIC:
-            both = 2 / 3 * sizes + np.abs(sums[5])
-            np.maximum(found[1], both.max(axis=1), out=found[1])
+    size = max(1, _TOGETHER // max(1, weights.shape[1]))
+    for first in range(0, count if r else 0, size):
+        some = rows[first : first + size]
+        sums = (some.reshape(-1, r) @ weights).reshape(len(some), m, -1)
+        sizes = np.sqrt(_squared(sums))
+        np.maximum(found[0], sizes.max(axis=0), out=found[0])
+        if m > 5:
+            both = 2 / 3 * sizes + np.abs(sums[:, 5])
+            np.maximum(found[1], both.max(axis=0), out=found[1])
     return found
 
 

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from geometry.mesh import FloatArray, IntArray
-from reports.live.extremes import largest_by_cycle
+from reports.live.extremes import largest_anywhere
 
 MOST_POSITIONS = 3601  # of a cycle in a page
 FLOOR = 1e-4  # of the largest cycle's size: cycles below that are as exact as if they had it
@@ -174,10 +174,12 @@ def fitted(
 
     def largest(fields: FloatArray, weights: Mapping[str, FloatArray]) -> tuple[FloatArray, ...]:
         """Largest norm and principal stress of sums at kept positions, and at all."""
-        found = largest_by_cycle(fields, weights, metric)
-        at_kept = [sizes[:, kept[name]].max(axis=1) for name, sizes in found.items()]
-        at_all = [sizes.max(axis=1) for sizes in found.values()]
-        return np.max(at_kept, axis=0), np.max(at_all, axis=0)
+        at_kept = np.hstack([path[:, kept[name]] for name, path in weights.items()])
+        at_all = np.hstack([*weights.values()])
+        found = largest_anywhere(fields, at_kept, metric)
+        if at_kept.shape == at_all.shape:
+            return found, found
+        return found, largest_anywhere(fields, at_all, metric)
 
     by_weights = largest(fields, {name: shown[name] - path for name, path in paths.items()})
     other = by_weights[0][0] + digits

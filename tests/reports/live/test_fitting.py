@@ -10,6 +10,7 @@ from reports.live.encode import encode
 from reports.live.extremes import (
     LENGTH_METRIC,
     STRESS_METRIC,
+    largest_anywhere,
     largest_principal_stress,
     largest_sizes,
     lost_in_single,
@@ -48,6 +49,18 @@ def test_largest_sizes_hold_at_every_position_and_between_them(errors):
     between = np.stack([np.interp(np.arange(360) + 0.5, np.arange(361), row) for row in path])
     half = largest_sizes(errors, between, STRESS_METRIC)
     assert (half <= np.maximum(found[:, 1:], found[:, :-1]) * (1 + 1e-6)).all()
+
+
+@pytest.mark.parametrize("metric", [STRESS_METRIC, LENGTH_METRIC], ids=["stress", "length"])
+@pytest.mark.parametrize("falling", [0.0, 1.0, 6.0])
+def test_the_largest_anywhere_is_that_of_all_nodes_and_positions(falling, metric):
+    """Of fields that are alike at all nodes, or much smaller at most; paths are smooth or noise."""
+    chance = np.random.default_rng(7)
+    fields = chance.normal(size=(9, 700, len(metric)))
+    fields *= np.exp(-falling * chance.uniform(size=(700, 1)))
+    for path in (turning(9, 500), chance.normal(size=(9, 500)), np.zeros((9, 500))):
+        found = largest_anywhere(fields, path, metric)
+        assert_allclose(found, largest_sizes(fields, path, metric).max(axis=1), rtol=1e-6)
 
 
 def test_largest_lengths_are_those_of_the_sums(errors):
