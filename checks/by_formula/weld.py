@@ -38,19 +38,11 @@ from geometry.bars import rectangle_torsion
 from geometry.mesh import FloatArray, IntArray
 
 _PAGE = "[welds](../theory/welds.md)"
-TOE = Kind(
+FATIGUE = Kind(
     name="weld",
-    quantity="toe at {}",
-    demand="category over the safety that ranges of nominal stress in the walls leave",
+    quantity="fatigue of the {}",
+    demand="category over the safety that ranges of nominal stress in walls or throat leave",
     limit="category, EN 1993-1-9",
-    require="fatigue",
-    source=_PAGE,
-)
-ROOT_KIND = Kind(
-    name="weld",
-    quantity="root at {}",
-    demand="category 36* over the safety that ranges of nominal stress in the throat leave",
-    limit="36 MPa, EN 1993-1-9, table 8.5",
     require="fatigue",
     source=_PAGE,
 )
@@ -62,7 +54,7 @@ THROAT = Kind(
     require="static",
     source=_PAGE,
 )
-KINDS = (TOE, ROOT_KIND, THROAT)
+KINDS = (FATIGUE, THROAT)
 OVER_CYCLES = True  # ranges, which no position shows by itself
 
 _THEORY = "docs/theory/welds.md"
@@ -92,12 +84,12 @@ def checks(loaded: LoadedPart) -> Iterator[Check]:
         if not any(force.any() for force in forces.values()):
             continue
         if any(name in loaded.loads.cycles for name in loaded.duty.cycles):
-            places = [(TOE, weld.category, weld.where, _walls(weld))]
+            places = [("toe", weld.category, weld.where, _walls(weld))]
             if weld.throat is not None:
                 root = f"{STANDARD}, {ROOT}: 36* and 80"
-                places.append((ROOT_KIND, ROOT_CATEGORY, root, _throat(weld)))
-            for kind, category, where, section in places:
-                found = _Ranges(loaded, weld, kind, category, where, section, forces).check()
+                places.append(("root", ROOT_CATEGORY, root, _throat(weld)))
+            for name, category, where, section in places:
+                found = _Ranges(loaded, weld, name, category, where, section, forces).check()
                 if found is not None:
                     yield found
         if weld.throat is not None:
@@ -105,7 +97,7 @@ def checks(loaded: LoadedPart) -> Iterator[Check]:
 
 
 def not_checked(loaded: LoadedPart) -> Iterator[str]:
-    """What nominal stress does not know."""
+    """Subjects that nominal stress does not know."""
     if loaded.part.welds:
         yield (
             "welds by nominal stress: quality and inspection as the table of the detail asks, no "
@@ -203,7 +195,7 @@ def _outline(weld: Weld) -> list[tuple[float, float]]:
 
 @dataclass(frozen=True, eq=False)
 class _Ranges:
-    """Fatigue at one place of a weld.
+    """Fatigue at the toe or the root of a weld.
 
     section  items of its section
     forces   (n,) at the weld
@@ -211,7 +203,7 @@ class _Ranges:
 
     loaded: LoadedPart
     weld: Weld
-    kind: Kind
+    name: str
     category: float
     where: str
     section: Sequence[Item]
@@ -294,8 +286,8 @@ class _Ranges:
     def _heading(self) -> Heading:
         walls = self.weld.walls
         return Heading(
-            kind=self.kind,
-            of=self.weld.place,
+            kind=FATIGUE,
+            of=f"{self.name} at {self.weld.place}",
             place=f"weld at {self.weld.place}, {walls.outline} {walls.size:g} x {walls.wall:g} mm",
             basis=f"{self.where}; partial factor {self.weld.partial_factor:g} as the least safety",
         )

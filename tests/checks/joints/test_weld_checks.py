@@ -73,7 +73,7 @@ def pulled(design, forces, across=None, **more):
     }
     loads = replace(loads_of(rows), **more)
     found = weld.checks(LoadedPart(design, design.parts["rod"], loads))
-    return {check.quantity.split()[0]: check for check in found}
+    return {check.quantity.removeprefix("fatigue of the ").split()[0]: check for check in found}
 
 
 def test_a_pull_on_a_flat_bar_by_hand(tmp_path):
@@ -402,7 +402,8 @@ def test_json_page_and_why_show_welds(tmp_path, capsys):
     result = json.loads(capsys.readouterr().out)[0]
     (rod,) = result["parts"]
     shown = {one["quantity"]: one for one in rod["checks"] if one["kind"] == "weld"}
-    assert set(shown) == {kind.quantity.format("40 mm") for kind in weld.KINDS}
+    at = "at 40 mm"
+    assert set(shown) == {f"fatigue of the toe {at}", f"fatigue of the root {at}", f"throat {at}"}
     assert any("welds that no part states" in text for text in result["not_checked"])
     assert any("welds by nominal stress" in text for text in rod["assumed"])
     page = (tmp_path / "out" / "machine" / "report.html").read_text()
