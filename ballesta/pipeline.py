@@ -309,9 +309,14 @@ def _not_checked(design: Design, machine: MachineRuns) -> tuple[str, ...]:
     """Effects that no check of a design knows."""
     blow = blow_subject(design, machine.rigid)
     changes = "any speed change within a cycle"
+    stated = any(part.welds for part in design.parts.values())
+    told = tuple(
+        one.replace("welds,", "welds that no part states,") if stated else one
+        for one in NOT_CHECKED
+    )
     if design.drive.motor:
-        return (blow or "impact", *NOT_CHECKED)
-    return ((blow, changes) if blow else (f"impact and {changes}",)) + NOT_CHECKED
+        return (blow or "impact", *told)
+    return ((blow, changes) if blow else (f"impact and {changes}",)) + told
 
 
 def _not_checked_here(design: Design) -> list[str]:

@@ -101,6 +101,15 @@ class Cycles:
         """The lowest stress of each cycle, MPa."""
         return self.mean_stress - self.stress_amplitude
 
+    def of_point(self, point: int) -> Cycles:
+        """The cycles of one point, without the zeros behind its last."""
+        used = self.cycle_counts[point] > 0.0
+        return Cycles(
+            self.stress_amplitude[point][used],
+            self.mean_stress[point][used],
+            self.cycle_counts[point][used],
+        )
+
     def repeated(self, times: float) -> Cycles:
         """Return these cycles with all counts multiplied."""
         return replace(self, cycle_counts=self.cycle_counts * times)

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields
 from itertools import pairwise
 from math import pi
+from typing import Literal
 
 import numpy as np
 
@@ -65,6 +66,24 @@ class Section:
                 f"section {self.name!r} stretches from {self.stretch[0]:g} mm, to "
                 f"{self.stretch[1]:g} mm"
             )
+
+
+@dataclass(frozen=True)
+class Walls:
+    """A stretch of a part with one section, across which a weld may run all round.
+
+    outline  "round": tube or bar, "square": tube, "flat": rectangular bar
+    size     mm, outer diameter or width; of a flat bar its height in the linkage's plane
+    wall     mm, thickness of the wall, or of the flat bar; of a solid round bar its diameter
+    stretch  mm, from where to where along x
+    section  whose area and second moments count there
+    """
+
+    outline: Literal["round", "square", "flat"]
+    size: float
+    wall: float
+    stretch: tuple[float, float]
+    section: Section
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from geometry.bars import Bar, RulingSection, Section
+from geometry.bars import Bar, RulingSection, Section, Walls
 from geometry.mesh import Interface
 from geometry.meshing import Body
 
@@ -91,6 +91,11 @@ class Shape(ABC):
     @property
     def sections(self) -> Sequence[Section]:
         """Sections that are compressed along the length, as columns; none of what is bent."""
+        return ()
+
+    @property
+    def walls(self) -> Sequence[Walls]:
+        """Stretches across which a weld may run, the stress there known; none of most shapes."""
         return ()
 
     @property

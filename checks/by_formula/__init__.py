@@ -4,7 +4,8 @@ A module has a function `checks` that takes a `LoadedPart` and yields its checks
 `LoadedPart.worst`, `at` or `derived`, so that their numbers are those of the formulas that are
 shown, and `KINDS`, what they compare, for the reference of all checks. It may have functions of a
 `LoadedPart` besides: `not_checked` yields sentences on what it leaves out, `facts` returns numbers
-that stand beside the checks by name, `charts` plain data of charts by name. A module is found by
+that stand beside the checks by name, `charts` plain data of charts by name. One whose checks are
+of ranges over the cycles says so by `OVER_CYCLES = True`. A module is found by
 being here, or by the entry point group `ballesta.checks` of another package (docs/extending.md).
 Own modules come in the order of their names, then those of others.
 """
@@ -71,4 +72,4 @@ def _sampled(module: ModuleType, loaded: LoadedPart) -> list[Check]:
     def under(some: PartLoads) -> list[Check]:
         return list(module.checks(loaded if some is loaded.loads else loaded.between(some)))
 
-    return sampled(under, loaded.loads)
+    return sampled(under, loaded.loads, whole=getattr(module, "OVER_CYCLES", False))

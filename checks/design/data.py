@@ -11,6 +11,7 @@ from checks.design.materials import Material
 from checks.design.model import Column, Requirements, StackEntry
 from checks.design.strength import FkmStrength
 from checks.design.tables import DriveEntry, DynamicsEntry
+from geometry.bars import Walls
 from geometry.shape import Shape
 from loads import MeasuredLoads
 
@@ -153,6 +154,31 @@ class Roller:
 
 
 @dataclass(frozen=True)
+class Weld:
+    """A weld across a part.
+
+    at              mm, from the part's first interface
+    walls           that it stands on
+    category        MPa, range of nominal stress in the walls that 2e6 cycles endure
+    where           where the category is from
+    throat          mm; None of a weld without a root that carries load
+    partial_factor  least safety of its fatigue
+    """
+
+    at: float
+    walls: Walls
+    category: float
+    where: str
+    throat: float | None
+    partial_factor: float
+
+    @property
+    def place(self) -> str:
+        """Where it is, as reports say it."""
+        return f"{self.at:g} mm"
+
+
+@dataclass(frozen=True)
 class Part:
     """A part: a body of the linkage, or the pin of a joint (then `stack` tells its lugs)."""
 
@@ -180,6 +206,7 @@ class Part:
     beside: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     # bore -> least and largest clearance of its pin, mm on diameter, where the file states its fit
     clearances: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    welds: tuple[Weld, ...] = ()
     fit_assumed: str = ""  # where `clearances` are from if the file states no fit, in words
 
 

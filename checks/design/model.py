@@ -53,6 +53,7 @@ from checks.design.units import (
     StatedFit,
     Survival,
 )
+from checks.handbook.weld_details import PARTIAL_FACTOR, DetailName
 from geometry.parameters import GIVEN_BY_DESIGN
 from geometry.parts import SHAPES, Pin
 from geometry.shape import Shape
@@ -207,6 +208,32 @@ class ContactEntry(Table):
     )
 
 
+class WeldEntry(Table):
+    """A weld all round a part, or along both faces of a flat one, across its axis."""
+
+    at: Length = Field(description="distance from the part's first interface, along the part")
+    detail: DetailName | None = Field(
+        None, description="detail of EN 1993-1-9, tables 8.3 to 8.6, which has its category"
+    )
+    category: PositiveStress | None = Field(
+        None,
+        description="instead of `detail`: range of nominal stress that 2e6 cycles endure, of "
+        "another source",
+    )
+    throat: PositiveLength | None = Field(
+        None,
+        description="throat of a fillet weld: its root is checked, too, and its static strength",
+    )
+    length: PositiveLength | None = Field(
+        None, description="l of the table's drawing, where the category depends on it"
+    )
+    partial_factor: Annotated[float, Field(strict=True, ge=1, allow_inf_nan=False)] = Field(
+        PARTIAL_FACTOR,
+        description="least safety of its fatigue, where `require.fatigue` is lower: the partial "
+        "factor of table 3.1, 1 to 1.35",
+    )
+
+
 class BodyPartEntry(PartEntry):
     """A part that is a body of the linkage."""
 
@@ -229,6 +256,10 @@ class BodyPartEntry(PartEntry):
     contacts: dict[str, ContactEntry] = Field(
         default_factory=dict,
         description="sliding interface = the pin or roller on it; without it a flat block",
+    )
+    welds: list[WeldEntry] = Field(
+        default_factory=list,
+        description="welds across the part; none that is not stated is checked",
     )
     tilt_held_at: str | None = Field(
         None,

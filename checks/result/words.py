@@ -166,7 +166,7 @@ def check_titles(checks: Sequence[Check]) -> list[str]:
 
 def moment(check: Check) -> str:
     """Where in the cycle; of a fatigue check the two ends of the swing that decides it."""
-    swing = check.kind == "fatigue" and " to " in check.position
+    swing = check.kind in ("fatigue", "weld") and " to " in check.position
     position = f"swing from {check.position}" if swing else check.position
     return ": ".join(text for text in (check.cycle, position) if text)
 

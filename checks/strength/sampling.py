@@ -302,14 +302,19 @@ def _stretches(loads: PartLoads) -> list[tuple[int, int]]:
     return found
 
 
-def sampled(make: Callable[[PartLoads], Sequence[Check]], loads: PartLoads) -> list[Check]:
+def sampled(
+    make: Callable[[PartLoads], Sequence[Check]], loads: PartLoads, *, whole: bool = False
+) -> list[Check]:
     """Make checks that are formulas of the loads, with what the positions miss of them in the bars.
+
+    whole  whether a check is of ranges over the cycles, which no position shows by itself: then all
+           places between positions are asked, and all at once
 
     A check of the same kind and quantity under the loads between counts by its utilisation: which
     of several places it is about may change.
     """
     checks = list(make(loads))
-    places = _that_matter(make, loads, checks) if checks else None
+    places = (finer(loads) if whole else _that_matter(make, loads, checks)) if checks else None
     if places is None:
         return doubted(make, loads, checks)
     between = _used(make(places.between))

@@ -12,6 +12,7 @@ from geometry.bars import (
     RulingSection,
     Section,
     Sections,
+    Walls,
     bored,
     chord,
     even,
@@ -72,6 +73,13 @@ class PlateLink(Shape):
     def sections(self) -> tuple[Section, ...]:
         """The plate's one section, away from the holes."""
         return (plate_section("plate", self.width, self.thickness),)
+
+    @property
+    def walls(self) -> tuple[Walls, ...]:
+        """The plate between its holes."""
+        first, second = (hole / 2 for hole in self._holes.values())
+        stretch = (first, self.length - second)
+        return (Walls("flat", self.width, self.thickness, stretch, self.sections[0]),)
 
     def link(self, poisson_ratio: float) -> Bar:
         """The plate from hole to hole."""

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from geometry.bars import Bar, RulingSection, Section, even, square_tube_section
+from geometry.bars import Bar, RulingSection, Section, Walls, even, square_tube_section
 from geometry.bars import square_tube as square_section
 from geometry.mesh import Interface
 from geometry.meshing import Body, faces_where
@@ -57,6 +57,11 @@ class PrismaticTube(Shape):
         (tube,) = self.sections
         one = square_section(self.width, self.wall, tube.area, tube.inertia_in_plane)
         return even(one, 0.0, self.length)
+
+    @property
+    def walls(self) -> tuple[Walls, ...]:
+        """The tube from end to end."""
+        return (Walls("square", self.width, self.wall, (0.0, self.length), self.sections[0]),)
 
     @property
     def clear_width(self) -> float:

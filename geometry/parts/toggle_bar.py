@@ -12,6 +12,7 @@ from geometry.bars import (
     RulingSection,
     Section,
     Sections,
+    Walls,
     even,
     plate_pair_section,
     rectangle,
@@ -116,6 +117,15 @@ class ToggleBar(Shape):
             tube = replace(tube, stretch=(free, self.length))
             cheeks = replace(cheeks, stretch=(0.0, free))
         return tube, cheeks
+
+    @property
+    def walls(self) -> tuple[Walls, ...]:
+        """The closed tube between the cut-out, or the knee's hole, and the hole at the end."""
+        free = self.cutout_length - self.overhang
+        stretch = (max(free, self.hole / 2), self.length - self.hole / 2)
+        if not stretch[0] < stretch[1]:
+            return ()
+        return (Walls("square", self.width, self.wall, stretch, self.sections[0]),)
 
     @property
     def _places(self) -> Mapping[str, float]:

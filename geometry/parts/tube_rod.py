@@ -12,6 +12,7 @@ from geometry.bars import (
     RulingSection,
     Section,
     Sections,
+    Walls,
     bored,
     chord,
     even,
@@ -120,6 +121,13 @@ class TubeRod(Shape):
         """The tube, or the solid rod."""
         name = "tube" if self._bore else "rod"
         return (round_tube_section(name, self.tube_diameter, self._bore),)
+
+    @property
+    def walls(self) -> tuple[Walls, ...]:
+        """The tube, or the solid rod, between the fillets of the eyes."""
+        wall = self.tube_diameter if self.wall is None else self.wall
+        stretch = (self.shank_end, self.length - self.shank_end)
+        return (Walls("round", self.tube_diameter, wall, stretch, self.sections[0]),)
 
     def build(self, gmsh: Any) -> Body:
         """Build the rod in gmsh's current model."""

@@ -1,0 +1,455 @@
+"""Welds across a part by nominal stress: fatigue at the toe and at the root, and the throat.
+
+Section forces at the weld give normal stress at the outline and shear where it is largest, in the
+part's walls (toe) and in the throat, laid round the outline (root). EN 1993-1-9:2005 judges their
+ranges over the duty; EN 1993-1-8, 4.5.3.3, the throat's largest force per length
+(docs/theory/welds.md).
+"""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import sqrt
+
+import numpy as np
+
+from checks.design.data import Weld
+from checks.design.errors import DesignError
+from checks.handbook.bar_forces import balanced_bar
+from checks.handbook.weld_details import ROOT, ROOT_CATEGORY, SHEAR_CATEGORY, STANDARD
+from checks.part.derived import Band, Heading, Kind, Series, load_case
+from checks.part.loaded_part import LoadedPart
+from checks.result.derivation import Column, Derivation, Given, Item, Section, Step, Sum, value_of
+from checks.result.formulas import Value, evaluate_each
+from checks.result.verdict import Check
+from checks.stress.duty_verdict import WHOLE_DUTY
+from fatigue.life import Cycles, duty_cycles
+from fatigue.weld_life import (
+    AT_CUT_OFF,
+    AT_KNEE,
+    KNEE,
+    REFERENCE,
+    SHEAR_CUT_OFF,
+    endless_weld_safety,
+    weld_safety,
+)
+from geometry.bars import rectangle_torsion
+from geometry.mesh import FloatArray, IntArray
+
+_PAGE = "[welds](../theory/welds.md)"
+FATIGUE = Kind(
+    name="weld",
+    quantity="fatigue of the {}",
+    demand="category over the safety that ranges of nominal stress in walls or throat leave",
+    limit="category, EN 1993-1-9",
+    require="fatigue",
+    source=_PAGE,
+)
+THROAT = Kind(
+    name="weld",
+    quantity="throat at {}",
+    demand="largest force on the throat per length of weld",
+    limit="shear strength of the throat, EN 1993-1-8, 4.5.3.3",
+    require="static",
+    source=_PAGE,
+)
+KINDS = (FATIGUE, THROAT)
+OVER_CYCLES = True  # ranges, which no position shows by itself
+
+_THEORY = "docs/theory/welds.md"
+_ROUND = 16  # points round a round outline
+_CELLS = 256  # of the part's mass along it
+_INSIDE = 1e-9  # of the length: a weld at an end stands beside the force there
+_BETA, _GAMMA = 1.0, 1.25  # EN 1993-1-8: largest correlation factor of table 4.1, and gamma_M2
+_YIELDS = 1.5  # EN 1993-1-9, (8.1): largest range over the yield stress
+_NOMINAL = Band(words="a formula has no mesh; strengths of welds are of nominal stress")
+_CLOSE = 1e-6  # of Miner's sum
+_CURVE = f"{STANDARD}, 7.1"
+_STRESS = "N/A - M_z*y/I_z + M_y*z/I_y"
+_SHEAR = "V*q_V + T*q_T"
+_FORCES = {
+    "N": ("axial force", "N"),
+    "V": ("shear force", "N"),
+    "T": ("torque", "N mm"),
+    "M_y": ("moment out of the plane", "N mm"),
+    "M_z": ("moment in the plane", "N mm"),
+}
+
+
+def checks(loaded: LoadedPart) -> Iterator[Check]:
+    """Toe, root and throat of every weld that the part states."""
+    for weld in loaded.part.welds:
+        forces = _forces(loaded, weld)
+        if not any(force.any() for force in forces.values()):
+            continue
+        if any(name in loaded.loads.cycles for name in loaded.duty.cycles):
+            places = [("toe", weld.category, weld.where, _walls(weld))]
+            if weld.throat is not None:
+                root = f"{STANDARD}, {ROOT}: 36* and 80"
+                places.append(("root", ROOT_CATEGORY, root, _throat(weld)))
+            for name, category, where, section in places:
+                found = _Ranges(loaded, weld, name, category, where, section, forces).check()
+                if found is not None:
+                    yield found
+        if weld.throat is not None:
+            yield _static(loaded, weld, forces)
+
+
+def not_checked(loaded: LoadedPart) -> Iterator[str]:
+    """Subjects that nominal stress does not know."""
+    if loaded.part.welds:
+        yield (
+            "welds by nominal stress: quality and inspection as the table of the detail asks, no "
+            "misalignment, no bending of the walls across themselves or of what they are welded to"
+        )
+
+
+def _forces(loaded: LoadedPart, weld: Weld) -> dict[str, FloatArray]:
+    """Section forces (n,) at a weld, N and N mm, of the part's loads and its own inertia."""
+    shape, loads = loaded.part.geometry, loaded.loads
+    bar = shape.profile or shape.link(loaded.part.material.poisson_ratio)
+    assert bar is not None, "a shape with walls is a bar"
+    cuts = np.linspace(bar.cuts[0], bar.cuts[-1], _CELLS + 1)
+    middles = (cuts[1:] + cuts[:-1]) / 2
+    area = np.broadcast_to(bar.at(middles[:, None]).area, (_CELLS, 1))[:, 0]
+    mass = loaded.part.material.density * area * np.diff(cuts)
+    places = {one.name: float(one.centre[0]) for one in shape.placed_interfaces}
+    points = [(places[name], wrench) for name, wrench in loads.wrenches.items()]
+    balanced = balanced_bar(points, middles, mass, loads.accelerations)
+    low, high = weld.walls.stretch
+    slack = _INSIDE * (high - low)
+    found = balanced.at(np.array([min(max(weld.at, low + slack), high - slack)]))
+    return {
+        "N": found.axial[0], "V": found.shear[0], "T": found.torque[0],
+        "M_y": found.moment_y[0], "M_z": found.moment_z[0],
+    }  # fmt: skip
+
+
+def _walls(weld: Weld) -> list[Item]:
+    """The section of the walls, and its shear per force and per torque."""
+    walls, section = weld.walls, weld.walls.section
+    items: list[Item] = [
+        Given("A", "area of the section", section.area, "mm2", "the part's shape"),
+        Given("I_z", "second moment in the plane", section.inertia_in_plane, "mm4",
+              "the part's shape"),
+        Given("I_y", "second moment out of the plane", section.inertia_out_of_plane, "mm4",
+              "the part's shape"),
+        Given("d", "outer size", walls.size, "mm", "the part's shape"),
+    ]  # fmt: skip
+    if walls.outline == "round":
+        shear, torque = "2/A", "d/(4*I_z)"
+    elif walls.outline == "square":
+        items.append(Given("t", "wall", walls.wall, "mm", "the part's shape"))
+        shear, torque = "9/(16*(d - t)*t)", "1/(2*(d - t)^2*t)"
+    else:
+        modulus = float(rectangle_torsion(walls.size, walls.wall)[1])
+        items.append(Given("W_t", "torsion modulus", modulus, "mm3", "Saint-Venant's series"))
+        shear, torque = "3/(2*A)", "1/W_t"
+    return [*items, *_shear_steps(shear, torque)]
+
+
+def _throat(weld: Weld) -> list[Item]:
+    """The section of the throat, laid round the outline; of a flat bar along both faces."""
+    walls = weld.walls
+    items: list[Item] = [
+        Given("a", "throat", weld.throat or 0.0, "mm", "the design", main=True),
+        Given("d", "outer size, round which it runs", walls.size, "mm", "the part's shape"),
+    ]  # fmt: skip
+    if walls.outline == "round":
+        area, along, across = "pi*d*a", "pi*d^3*a/8", "I_z"
+        shear, torque = "2/A", "2/(pi*d^2*a)"
+    elif walls.outline == "square":
+        area, along, across = "4*d*a", "2*d^3*a/3", "I_z"
+        shear, torque = "9/(16*d*a)", "1/(2*d^2*a)"
+    else:
+        items.append(Given("t", "thickness of the bar", walls.wall, "mm", "the part's shape"))
+        area, along, across = "2*d*a", "d^3*a/6", "d*t^2*a/2"
+        shear, torque = "3/(2*A)", "1/(d*t*a)"
+    return [
+        *items,
+        Step("A", "area of the throat", area, "mm2", _THEORY),
+        Step("I_z", "its second moment in the plane", along, "mm4", _THEORY),
+        Step("I_y", "its second moment out of the plane", across, "mm4", _THEORY),
+        *_shear_steps(shear, torque),
+    ]
+
+
+def _shear_steps(shear: str, torque: str) -> list[Item]:
+    return [
+        Step("q_V", "largest shear stress of 1 N", shear, "1/mm2", _THEORY),
+        Step("q_T", "largest shear stress of 1 N mm of torque", torque, "1/mm3", _THEORY),
+    ]
+
+
+def _outline(weld: Weld) -> list[tuple[float, float]]:
+    """Points (y, z) of the outline, mm, among which the normal stress is largest."""
+    walls = weld.walls
+    half = walls.size / 2
+    if walls.outline == "round":
+        angles = 2 * np.pi * np.arange(_ROUND) / _ROUND
+        return [(float(half * np.sin(a)), float(half * np.cos(a))) for a in angles]
+    depth = walls.wall / 2 if walls.outline == "flat" else half
+    return [(y, z) for y in (half, -half) for z in (depth, -depth)]
+
+
+@dataclass(frozen=True, eq=False)
+class _Ranges:
+    """Fatigue at the toe or the root of a weld.
+
+    section  items of its section
+    forces   (n,) at the weld
+    """
+
+    loaded: LoadedPart
+    weld: Weld
+    name: str
+    category: float
+    where: str
+    section: Sequence[Item]
+    forces: Mapping[str, FloatArray]
+
+    def check(self) -> Check | None:
+        """The check; None where no stress changes."""
+        loaded, duty, categories = self.loaded, self.loaded.duty, (self.category, SHEAR_CATEGORY)
+        runs = {name: self._positions(name) for name in duty.cycles if name in loaded.loads.cycles}
+        every = np.concatenate(list(runs.values()))
+        outline = _outline(self.weld)
+        normal = np.stack([self._over(_STRESS, y=y, z=z) for y, z in outline])
+        sides = [self._over(_SHEAR, T=sign * self.forces["T"]) for sign in (1.0, -1.0)]
+        shear = max(sides, key=lambda one: float(np.ptp(one[every])))
+        swing, turned = np.ptp(normal[:, every], axis=1), float(np.ptp(shear[every]))
+        if not max(float(swing.max()), turned) > 0.0:
+            return None
+        endless = endless_weld_safety(swing, turned, categories, begun=duty.damage_so_far > 0)
+        lasting, own, beside = np.zeros(len(outline)), None, None
+        if duty.life == "finite":
+            counts = [duty.cycles[name] for name in runs]
+            own = duty_cycles([normal[:, run] for run in runs.values()], counts)
+            beside = duty_cycles([shear[run] for run in runs.values()], counts)
+            lasting = weld_safety(own, beside, categories, allowed_damage=self._left)
+        with np.errstate(divide="ignore"):
+            most = _YIELDS * loaded.part.material.yield_stress / np.maximum(swing, sqrt(3) * turned)
+        safety = np.minimum(np.maximum(endless, lasting), most)
+        worst = int(safety.argmin())
+        along = normal[worst] if swing[worst] > 0.0 else shear
+        ends = (int(every[along[every].argmin()]), int(every[along[every].argmax()]))
+        if safety[worst] >= most[worst]:
+            proof = self._within_yield()
+        elif own is None or beside is None or endless[worst] >= lasting[worst]:
+            proof = self._without_end()
+        else:
+            proof = self._miner(own.of_point(worst), beside, float(safety[worst]))
+        derivation = self._derivation(
+            ends, outline[worst], shear, turned, float(safety[worst]), proof
+        )
+        check = loaded.derived(self._heading(), ends[1], derivation)
+        names = [loaded.loads.cycle_names[k] for k in ends]
+        labels = [loaded.loads.labels[k] for k in ends]
+        if names[0] != names[1]:
+            labels = [f"{name} {label}" for name, label in zip(names, labels, strict=True)]
+        return replace(
+            check,
+            cycle=names[0] if names[0] == names[1] else WHOLE_DUTY,
+            position=" to ".join(labels),
+            required=max(check.required, self.weld.partial_factor),
+        )
+
+    def _positions(self, name: str) -> IntArray:
+        run = self.loaded.loads.cycles[name]
+        return np.arange(run.start, run.stop)
+
+    @property
+    def _left(self) -> float:
+        """Miner's sum that earlier use has left; raises DesignError where it has left none."""
+        left = 1.0 - self.loaded.duty.damage_so_far
+        if not left > 0.0:
+            raise DesignError(
+                self.loaded.design.file,
+                "duty.damage_so_far",
+                f"{1.0 - left:g} leaves a weld nothing of Miner's sum 1 ({STANDARD}, A.6)",
+            )
+        return left
+
+    def _over(self, formula: str, **more: Value) -> FloatArray:
+        """A formula (n,) at all positions."""
+        found = np.asarray(evaluate_each(formula, self._scope | more), dtype=np.float64)
+        return np.broadcast_to(found, self.forces["N"].shape)
+
+    @cached_property
+    def _scope(self) -> dict[str, Value]:
+        scope: dict[str, Value] = {}
+        for item in self.section:
+            scope[item.symbol] = value_of(item, scope)
+        return scope | dict(self.forces)
+
+    def _heading(self) -> Heading:
+        walls = self.weld.walls
+        return Heading(
+            kind=FATIGUE,
+            of=f"{self.name} at {self.weld.place}",
+            place=f"weld at {self.weld.place}, {walls.outline} {walls.size:g} x {walls.wall:g} mm",
+            basis=f"{self.where}; partial factor {self.weld.partial_factor:g} as the least safety",
+        )
+
+    def _derivation(
+        self,
+        ends: tuple[int, int],
+        fibre: tuple[float, float],
+        shear: FloatArray,
+        turned: float,
+        safety: float,
+        proof: "_Proof",
+    ) -> Derivation:
+        loads, part = self.loaded.loads, self.loaded.part
+        stress: list[Item] = [
+            Given("y", "point of the outline, in the plane", fibre[0], "mm"),
+            Given("z", "the same, out of the plane", fibre[1], "mm"),
+        ]
+        for number, position in enumerate(ends, start=1):
+            stress += [
+                Given(f"{symbol}_{number}", meaning, float(self.forces[symbol][position]), unit,
+                      "the loads")
+                for symbol, (meaning, unit) in _FORCES.items()
+                if symbol in ("N", "M_y", "M_z")
+            ]  # fmt: skip
+            stress.append(Step(f"s_{number}", "normal stress", _numbered(_STRESS, number), "MPa",
+                               _THEORY))  # fmt: skip
+        stress += [
+            Step("S", "largest range of normal stress", "abs(s_2 - s_1)", "MPa", main=True),
+            Given("T_r", "largest range of the shear stress V q_V +- T q_T", turned, "MPa",
+                  "the loads"),
+        ]  # fmt: skip
+        limit: list[Item] = [
+            Given("S_C", "category", self.category, "MPa", self.where, main=True),
+            Given("T_C", "category of shear", SHEAR_CATEGORY, "MPa", f"{STANDARD}, {ROOT}"),
+        ]
+        value: list[Item] = [
+            Given("n", "factor on all loads, sought until this is reached", safety, "", _THEORY,
+                  main=True),
+            *proof.items,
+            Step("sigma", "category over the safety", "S_C/n", "MPa", _THEORY, main=True),
+        ]  # fmt: skip
+        sections = {
+            "Section": self.section,
+            "Stress at both ends of the largest range": stress,
+            "Limit": limit,
+            "Demand": value,
+        }
+        return Derivation(
+            cases=tuple(
+                load_case(part, loads, position, f"s_{number}")
+                for number, position in enumerate(ends, start=1)
+            ),
+            sections=tuple(Section(title, tuple(items)) for title, items in sections.items()),
+            value="sigma",
+            limit="S_C",
+            bars=_NOMINAL.bars,
+            equal=proof.equal,
+        )
+
+    def _within_yield(self) -> "_Proof":
+        steel = self.loaded.part.material
+        return _Proof(
+            Given("S_y", f"yield stress of {steel.name}", steel.yield_stress, "MPa", steel.source),
+            Step("n_y", "the largest range that the code allows over the range",
+                 f"{_YIELDS:g}*S_y/max(S, sqrt(3)*T_r)", "", f"{STANDARD}, (8.1)", main=True),
+            equal=(("n", "n_y"),),
+        )  # fmt: skip
+
+    def _without_end(self) -> "_Proof":
+        share = AT_CUT_OFF if self.loaded.duty.damage_so_far > 0 else AT_KNEE
+        return _Proof(
+            Step("S_D", "range of a life without end", f"{share:.15g}*S_C", "MPa", _CURVE),
+            Step("T_L", "the same of shear", f"{SHEAR_CUT_OFF:.15g}*T_C", "MPa", _CURVE),
+            Step("D", "normal and shear stress together", "(n*S/S_D)^3 + (n*T_r/T_L)^5", "",
+                 f"{STANDARD}, (8.3)", main=True),
+            Given("D_a", "limit of it", 1.0, "", f"{STANDARD}, (8.3)"),
+            equal=(("D", "D_a"),),
+        )  # fmt: skip
+
+    def _miner(self, own: Cycles, beside: Cycles, safety: float) -> "_Proof":
+        items: list[Item] = [
+            Step("S_D", "range at the knee", f"{AT_KNEE:.15g}*S_C", "MPa", _CURVE),
+            Step("S_L", "cut-off", f"{AT_CUT_OFF:.15g}*S_C", "MPa", _CURVE),
+            Step("T_L", "cut-off of shear", f"{SHEAR_CUT_OFF:.15g}*T_C", "MPa", _CURVE),
+            _miner("D_s", "normal stress", own,
+                   f"choose(n*r, S_L, m/{KNEE:.0f}*(n*r/S_D)^choose(n*r, S_D, 3, 5), 0)"),
+            _miner("D_t", "shear stress", beside,
+                   f"choose(n*r, T_L, m/{REFERENCE:.0f}*(n*r/T_C)^5, 0)"),
+            Step("D", "both together", "D_s + D_t", "", f"{STANDARD}, (8.3) with (A.3)", main=True),
+            Given("D_a", "Miner's sum that is left of 1", self._left, "", f"{STANDARD}, A.6"),
+        ]  # fmt: skip
+        scope: dict[str, Value] = {"S_C": self.category, "n": safety, "T_C": SHEAR_CATEGORY}
+        for item in items:
+            scope[item.symbol] = value_of(item, scope)
+        at_jump = abs(float(scope["D"]) - self._left) > _CLOSE
+        return _Proof(*items, equal=() if at_jump else (("D", "D_a"),))
+
+
+class _Proof:
+    """Items that show what a safety reaches, and pairs of symbols that agree then.
+
+    No pair where a range comes to the cut-off: the damage jumps over its limit there.
+    """
+
+    def __init__(self, *items: Item, equal: tuple[tuple[str, str], ...]) -> None:
+        self.items, self.equal = items, equal
+
+
+def _miner(symbol: str, of: str, cycles: Cycles, formula: str) -> Sum:
+    rows = range(len(cycles.cycle_counts))
+    return Sum(
+        symbol,
+        f"Miner's sum of {of} under n times the loads",
+        formula,
+        tuple(str(row + 1) for row in rows),
+        (
+            Column("r", "range", "MPa", tuple(cycles.stress_range.tolist())),
+            Column("m", "how often in the life", "", tuple(cycles.cycle_counts.tolist())),
+        ),
+        "",
+        f"{STANDARD}, (A.1)",
+    )
+
+
+def _numbered(formula: str, number: int) -> str:
+    """A formula with the symbols of the forces at one of two positions."""
+    return re.sub(rf"\b({'|'.join(_FORCES)})\b", rf"\1_{number}", formula)
+
+
+def _static(loaded: LoadedPart, weld: Weld, forces: Mapping[str, FloatArray]) -> Check:
+    """Largest force per length on the throat against its strength, by the simplified method."""
+    walls, material = weld.walls, loaded.part.material
+    depth = walls.wall if walls.outline == "flat" else walls.size
+    demand: list[Series | Item] = [
+        *(
+            Series(symbol, meaning, forces[symbol], unit, main=symbol in ("N", "M_z"))
+            for symbol, (meaning, unit) in _FORCES.items()
+        ),
+        *_throat(weld),
+        Given("c_z", "half its size in the plane", walls.size / 2, "mm", "the part's shape"),
+        Given("c_y", "half its size out of the plane", depth / 2, "mm", "the part's shape"),
+        Step("s", "normal stress in the throat", "abs(N)/A + abs(M_z)*c_z/I_z + abs(M_y)*c_y/I_y",
+             "MPa", _THEORY, main=True),
+        Step("tau", "shear stress along it", "abs(V)*q_V + abs(T)*q_T", "MPa", _THEORY, main=True),
+        Step("F_w", "force per length", "a*sqrt(s^2 + tau^2)", "N/mm", "EN 1993-1-8, 4.5.3.3",
+             main=True),
+    ]  # fmt: skip
+    limit: list[Item] = [
+        Given("f_u", f"tensile strength of {material.name}", material.ultimate_stress, "MPa",
+              material.source, main=True),
+        Given("beta_w", "correlation factor, the largest of all steels", _BETA, "",
+              "EN 1993-1-8, table 4.1"),
+        Given("gamma_M2", "partial factor", _GAMMA, "", "EN 1993-1-8, 2.2"),
+        Step("F_R", "strength per length", "a*f_u/(sqrt(3)*beta_w*gamma_M2)", "N/mm",
+             "EN 1993-1-8, (4.3) and (4.4)", main=True),
+    ]  # fmt: skip
+    heading = Heading(
+        kind=THROAT,
+        of=weld.place,
+        place=f"weld at {weld.place}, throat {weld.throat:g} mm",
+        basis="EN 1993-1-8, 4.5.3.3, whatever the direction of the force",
+        unit="N/mm",
+    )
+    return loaded.worst(heading, demand, limit, _NOMINAL)

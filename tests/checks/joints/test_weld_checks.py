@@ -1,0 +1,414 @@
+"""Welds by nominal stress: toe, root and throat against calculations by hand, and refusals."""
+
+# ruff: noqa: E501 - one refusal a line
+
+import json
+from dataclasses import replace
+from math import pi, sqrt
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from ballesta.cli import main
+from checks import by_formula
+from checks.by_formula import weld
+from checks.design.errors import DesignError
+from checks.handbook.weld_details import ROWS, category_of
+from checks.models.formula_bars import bar_loads
+from checks.models.shapes import plate_link, toggle_bar, tube_rod
+from checks.part.loaded_part import LoadedPart
+from checks.part.part_loads import loads_on
+from fatigue.weld_life import AT_KNEE, SHEAR_CUT_OFF
+from geometry.bars import rectangle_torsion
+
+from ...small_machine import PLATE, loads_of, machine, solved
+from .test_slot_checks import lever
+
+BAR = 'welds = [{ at = "40 mm", detail = "bar on plate by fillet", throat = "3 mm", length = "20 mm" }]'
+ROD = """
+[parts.rod]
+body = "rod"
+shape = "tube_rod"
+interfaces = { first = "A", second = "B" }
+material = "S275"
+tube_diameter = "20 mm"
+wall = "2.5 mm"
+eye_diameter = "30 mm"
+eye_width = "22 mm"
+hole = "12 mm"
+fillet = "5 mm"
+"""
+TUBE = 'welds = [{ at = "40 mm", detail = "tube on plate by fillet", throat = "2 mm" }]\n'
+TOGGLE = """
+[parts.rod]
+body = "rod"
+shape = "toggle_bar"
+interfaces = { knee = "A", end = "B" }
+material = "S355"
+width = "30 mm"
+wall = "3 mm"
+hole = "12 mm"
+overhang = "15 mm"
+inner_radius = "2 mm"
+cutout_length = "25 mm"
+cutout_corner = "3 mm"
+welds = [{ at = "80 mm", detail = "tube on plate by fillet", throat = "2 mm" }]
+"""
+LENGTH = sqrt(144.0**2 + 72.0**2)
+ROUND = pi / 4 * (20.0**2 - 15.0**2)
+
+
+def flat(folder, *overrides, welds=BAR):
+    return machine(folder, PLATE + welds + "\n", *overrides)
+
+
+def pulled(design, forces, across=None, **more):
+    """The checks of the rod under forces along it, and across it at both ends, at two positions."""
+    shear = np.zeros(len(forces)) if across is None else np.asarray(across)
+    shape = design.parts["rod"].geometry.interfaces
+    rows = {
+        shape[0]: [(-f, -v, -v * LENGTH) for f, v in zip(forces, shear, strict=True)],
+        shape[1]: [(f, v, 0.0) for f, v in zip(forces, shear, strict=True)],
+    }
+    loads = replace(loads_of(rows), **more)
+    found = weld.checks(LoadedPart(design, design.parts["rod"], loads))
+    return {check.quantity.removeprefix("fatigue of the ").split()[0]: check for check in found}
+
+
+def test_a_pull_on_a_flat_bar_by_hand(tmp_path):
+    """0 to 4.8 kN on 30 x 8 mm: 20 MPa at the toe, category 80; 4800/(2 x 30 x 3) in the throat."""
+    found = pulled(flat(tmp_path), [0.0, 4800.0])
+    toe, root = found["toe"], found["root"]
+    assert_allclose(toe.safety, AT_KNEE * 80.0 / 20.0, rtol=1e-9)
+    assert_allclose(root.safety, AT_KNEE * 36.0 / (4800.0 / 180.0), rtol=1e-9)
+    assert (toe.limit, root.limit) == (80.0, 36.0)
+    assert_allclose(found["throat"].value, 4800.0 / 60.0, rtol=1e-12)  # N/mm on each of two welds
+    strength = 3.0 * found["throat"].derivation.number("f_u") / (sqrt(3) * 1.25)
+    assert_allclose(found["throat"].limit, strength, rtol=1e-12)
+
+
+def test_only_the_range_counts(tmp_path):
+    """A pull that stays on, a push, and another strength change nothing of the fatigue."""
+    zero = pulled(flat(tmp_path), [0.0, 4800.0])
+    for forces in ([40000.0, 44800.0], [-4800.0, 0.0], [-2400.0, 2400.0]):
+        other = pulled(flat(tmp_path, 'parts.rod.material="S355"'), forces)
+        for place in ("toe", "root"):
+            assert_allclose(other[place].safety, zero[place].safety, rtol=1e-9)
+
+
+def test_the_partial_factor_is_the_least_safety(tmp_path):
+    assert pulled(flat(tmp_path), [0.0, 100.0])["toe"].required == 1.35
+    own = flat(tmp_path, "parts.rod.welds[0].partial_factor=1.15")
+    assert pulled(own, [0.0, 100.0])["toe"].required == 1.3  # require.fatigue
+    assert pulled(flat(tmp_path, "require.fatigue=2"), [0.0, 100.0])["root"].required == 2.0
+    assert pulled(own, [0.0, 100.0])["throat"].required == 1.5
+
+
+def test_bending_and_shear_of_a_flat_bar_by_hand(tmp_path):
+    """V = 100 N at the far end: M_z = V (L - 40 mm), and 1.5 V over the section or the throat."""
+    found = pulled(flat(tmp_path), [0.0, 0.0], [0.0, 100.0])
+    moment = 100.0 * (LENGTH - 40.0)
+    bent, sheared = moment * 15.0 / (8.0 * 30.0**3 / 12), 1.5 * 100.0 / 240.0
+    n = found["toe"].safety
+    limits = AT_KNEE * 80.0, SHEAR_CUT_OFF * 80.0
+    assert_allclose((n * bent / limits[0]) ** 3 + (n * sheared / limits[1]) ** 5, 1.0, rtol=1e-9)
+    bent, sheared = moment * 15.0 / (3.0 * 30.0**3 / 6), 1.5 * 100.0 / 180.0
+    n = found["root"].safety
+    limits = AT_KNEE * 36.0, SHEAR_CUT_OFF * 80.0
+    assert_allclose((n * bent / limits[0]) ** 3 + (n * sheared / limits[1]) ** 5, 1.0, rtol=1e-9)
+    assert_allclose(found["throat"].value, 3.0 * sqrt(bent**2 + sheared**2), rtol=1e-9)
+
+
+def test_a_round_tube_by_hand(tmp_path):
+    found = pulled(machine(tmp_path, ROD + TUBE), [0.0, 3000.0], [0.0, 50.0])
+    moment = 50.0 * (LENGTH - 40.0)
+    toe = 3000.0 / ROUND + moment * 10.0 / (pi / 64 * (20.0**4 - 15.0**4))
+    root = 3000.0 / (pi * 20.0 * 2.0) + moment * 10.0 / (pi * 20.0**3 * 2.0 / 8)
+    for place, stress, category in (("toe", toe, 40.0), ("root", root, 36.0)):
+        shear = 2 * 50.0 / (ROUND if place == "toe" else pi * 20.0 * 2.0)
+        n = found[place].safety
+        first, second = n * stress / (AT_KNEE * category), n * shear / (SHEAR_CUT_OFF * 80.0)
+        assert_allclose(first**3 + second**5, 1.0, rtol=1e-9)
+        assert found[place].place.startswith("weld at 40 mm, round 20 x 2.5 mm")
+        assert found[place].derivation.number("sigma") == found[place].value
+
+
+def test_a_finite_life_by_hand(tmp_path):
+    """1e5 runs of 0 to 24 kN: 100 MPa on category 80, n^3 = 20 (80/100)^3; 133 MPa in the throat.
+
+    The throat endures 2e6 (36/133.3)^3 = 39 366 runs: n^3 = 0.394.
+    """
+    design = flat(tmp_path, 'duty.life="finite"', "duty.cycles.turn=1e5")
+    found = pulled(design, [0.0, 24000.0])
+    assert_allclose(found["toe"].safety, (20 * 0.8**3) ** (1 / 3), rtol=1e-9)
+    assert_allclose(found["root"].safety, (20 * (36.0 * 180 / 24000) ** 3) ** (1 / 3), rtol=1e-9)
+    derivation = found["root"].derivation
+    assert derivation.equal == (("D", "D_a"),)
+    assert_allclose(derivation.number("D"), 1.0, rtol=1e-9)
+    worn = flat(
+        tmp_path, 'duty.life="finite"', "duty.cycles.turn=1e5", "duty.damage_so_far=0.2",
+    )  # fmt: skip
+    again = pulled(worn, [0.0, 24000.0])["root"]
+    assert_allclose(again.safety / found["root"].safety, 0.8 ** (1 / 3), rtol=1e-9)
+
+
+def test_no_range_above_one_and_a_half_times_yield(tmp_path):
+    """EN 1993-1-9, (8.1): one run of any range does less damage than that."""
+    design = flat(tmp_path, 'duty.life="finite"', "duty.cycles.turn=1")
+    toe = pulled(design, [0.0, 24000.0])["toe"]
+    assert_allclose(toe.safety, 1.5 * 275.0 / 100.0, rtol=1e-9)
+    assert toe.derivation.equal == (("n", "n_y"),)
+
+
+def test_two_cycles_meet_in_the_duty(tmp_path):
+    """A pull in one cycle and a push in another are one range, as often as both run."""
+    design = flat(tmp_path)
+    whole = pulled(design, [-2000.0, 2000.0])["root"]
+    cycles = {"turn": slice(0, 1), "back": slice(1, 2)}
+    duty = replace(design.duty, cycles={"turn": 1e6, "back": 1e6})
+    split = pulled(
+        replace(design, duty=duty), [-2000.0, 2000.0], cycles=cycles, cycle_names=("turn", "back")
+    )["root"]
+    assert_allclose(split.safety, whole.safety, rtol=1e-12)
+    assert (split.cycle, split.position) == ("the whole duty", "turn k = 0 to back k = 1")
+
+
+@pytest.mark.parametrize(
+    ("text", "stretches"),
+    [
+        (PLATE + BAR, lambda s: plate_link._stretches(s, {"first": (0, s.hole), "second": (s.length, s.hole)})),
+        (ROD + TUBE, tube_rod._stretches),
+        (TOGGLE, lambda s: toggle_bar._stretches(s, s.cutout_length - s.overhang, *toggle_bar._sections(s))),
+    ],
+)  # fmt: skip
+def test_forces_at_a_weld_are_those_of_the_formula_model(tmp_path, text, stretches):
+    design = machine(tmp_path, text + "\n")
+    part = design.parts["rod"]
+    loads = loads_on(design, part, solved(design))
+    own = weld._forces(LoadedPart(design, part, loads), part.welds[0])
+    places = {one.name: float(one.centre[0]) for one in part.geometry.placed_interfaces}
+    bar = bar_loads(part, loads, places, stretches(part.geometry))
+    beside = bar.at(np.array([part.welds[0].at]))
+    largest = loads.largest_force
+    assert_allclose(own["N"], beside.axial[0], atol=2e-3 * largest)
+    assert_allclose(own["V"], beside.shear[0], atol=2e-3 * largest)
+    assert_allclose(own["M_z"], beside.moment_z[0], atol=2e-3 * largest * LENGTH)
+
+
+def test_a_weld_at_an_end_carries_the_force_there(tmp_path):
+    tube = """
+[parts.rod]
+body = "rod"
+shape = "prismatic_tube"
+interfaces = { start = "A", end = "B" }
+material = "S355"
+width = "30 mm"
+wall = "3 mm"
+"""
+    for at in ("0 mm", "160.9968 mm"):
+        welds = f'welds = [{{ at = "{at}", detail = "tube on plate by butt" }}]\n'
+        found = pulled(machine(tmp_path, tube + welds), [0.0, 10000.0])
+        assert list(found) == ["toe"]
+        stress = 10000.0 / (30.0**2 - 24.0**2)
+        assert_allclose(found["toe"].safety, AT_KNEE * 45.0 / stress, rtol=1e-3)
+
+
+def throat(tmp_path, text):
+    design = machine(tmp_path, text)
+    scope = {}
+    for item in weld._throat(design.parts["rod"].welds[0]):
+        scope[item.symbol] = weld.value_of(item, scope)
+    return scope
+
+
+def shear_flow(points, lengths, thickness):
+    """Largest stress of 1 N along y on closed thin walls (points (k, 2), even pieces), by q = V Q/I.
+
+    Symmetric about y: the flow vanishes at the first point, which lies on that axis.
+    """
+    y = points[:, 0]
+    second = float((y**2 * lengths).sum()) * thickness
+    flow = np.cumsum(y * lengths) * thickness / second
+    return float(np.abs(flow).max()) / thickness
+
+
+def test_the_square_throat_is_that_of_thin_walls(tmp_path):
+    """Area, second moment and largest shear of four lines of 30 mm, summed over 4000 pieces."""
+    scope = throat(tmp_path, TOGGLE)
+    n = 1000
+    t = (np.arange(n) + 0.5) / n
+    half, side = 15.0 * np.ones(n), 30.0 * t - 15.0
+    top = np.column_stack([half, np.abs(side)])
+    rows = [
+        top[n // 2 :],  # from the middle of the top
+        np.column_stack([-side, half]),
+        np.column_stack([-half, -side]),
+        np.column_stack([side, -half]),
+        top[: n // 2],
+    ]
+    points = np.concatenate(rows)
+    lengths = np.full(len(points), 30.0 / n)
+    assert_allclose(scope["A"], 2.0 * lengths.sum(), rtol=1e-9)
+    assert_allclose(scope["I_z"], 2.0 * (points[:, 0] ** 2 * lengths).sum(), rtol=1e-5)
+    assert_allclose(scope["q_V"], shear_flow(points, lengths, 2.0), rtol=1e-3)
+    assert_allclose(scope["q_T"], 1.0 / (2 * 30.0**2 * 2.0), rtol=1e-12)  # Bredt
+
+
+def test_the_round_throat_is_that_of_thin_walls(tmp_path):
+    scope = throat(tmp_path, ROD + TUBE)
+    angle = 2 * pi * (np.arange(4000) + 0.5) / 4000
+    points = 10.0 * np.column_stack([np.cos(angle), np.sin(angle)])
+    lengths = np.full(4000, 2 * pi * 10.0 / 4000)
+    assert_allclose(scope["A"], 2.0 * lengths.sum(), rtol=1e-9)
+    assert_allclose(scope["I_z"], 2.0 * (points[:, 0] ** 2 * lengths).sum(), rtol=1e-9)
+    assert_allclose(scope["q_V"], shear_flow(points, lengths, 2.0), rtol=1e-3)
+    assert_allclose(scope["q_T"], 1.0 / (2 * pi * 10.0**2 * 2.0), rtol=1e-12)
+
+
+def test_a_torque_is_counted_on_the_side_where_it_adds(tmp_path):
+    """T = 1 N m with V = 200 N; a flat bar by its torsion modulus, both signs alike."""
+    design = flat(tmp_path)
+    modulus = float(rectangle_torsion(30.0, 8.0)[1])
+    found = []
+    for torque in (1000.0, -1000.0):
+        rows = {
+            "first": [(0, 0, 0), (0, -200.0, -200.0 * LENGTH)],
+            "second": [(0, 0, 0), (0, 200.0, 0)],
+        }
+        loads = loads_of(rows)
+        loads.wrenches["first"][1, 3], loads.wrenches["second"][1, 3] = -torque, torque
+        part = design.parts["rod"]
+        toe = next(weld.checks(LoadedPart(design, part, loads)))
+        found.append(toe.derivation.number("T_r"))
+    assert_allclose(found, 1.5 * 200.0 / 240.0 + 1000.0 / modulus, rtol=1e-9)
+
+
+def test_ranges_between_positions_widen_the_bar(tmp_path):
+    """A sine with peaks between 6 positions: the range that they miss is in the bar, doubled."""
+    design = flat(tmp_path)
+    n, part = 6, flat(tmp_path).parts["rod"]
+    path = np.linspace(0.0, 2 * pi, n)
+    force = 5000.0 * np.sin(path)
+    rows = {"first": [(-f, 0, 0) for f in force], "second": [(f, 0, 0) for f in force]}
+    loads = replace(loads_of(rows), path=path)
+    found = by_formula._sampled(weld, LoadedPart(design, part, loads))
+    toe = found[0]
+    missed = 1.0 / np.sin(2 * pi / 5) - 1.0  # 5 %
+    assert missed < toe.numerical / toe.value < 3 * missed
+
+
+def test_a_part_without_welds_has_no_check(tmp_path):
+    design = machine(tmp_path, PLATE)
+    loaded = LoadedPart(
+        design, design.parts["rod"], loads_of({"first": [(1, 0, 0)], "second": [(-1, 0, 0)]})
+    )
+    assert [*weld.checks(loaded), *weld.not_checked(loaded)] == []
+
+
+def test_categories_as_the_tables_have_them():
+    """UNI EN 1993-1-9:2005, pages 23 to 27; table 8.5, detail 1, over l and t."""
+    for name, outline, wall, length, category in (
+        ("tube on plate by fillet", "round", 8.0, None, 40.0),
+        ("tube on plate by fillet", "square", 3.0, None, 36.0),
+        ("tube on plate by butt", "round", 12.5, None, 50.0),
+        ("tube on plate by butt", "square", 3.0, None, 45.0),
+        ("tube end to end by butt", "round", 3.0, None, 71.0),
+        ("tube end to end by butt", "square", 3.0, None, 56.0),
+        ("tube in socket by fillet", "round", 20.0, None, 40.0),
+        ("attachment on tube", "square", 3.0, 100.0, 71.0),
+        ("attachment along bar", "flat", 8.0, 50.0, 80.0),
+        ("attachment along bar", "flat", 8.0, 101.0, 56.0),
+        ("attachment across bar", "flat", 8.0, 80.0, 71.0),
+        ("bar end to end from one side", "flat", 40.0, None, 36.0),
+        ("bar end to end from one side tested", "flat", 25.0, None, 71.0),
+        ("bar end to end from one side tested", "flat", 50.0, None, 71.0 * 0.5**0.2),
+    ):
+        assert_allclose(category_of(name, outline, wall, length)[0], category, rtol=1e-12)
+    for length, wall, category in (
+        (40, 10, 80), (50, 10, 71), (60, 10, 71), (90, 10, 63), (110, 10, 56), (150, 15, 56), (150, 25, 50),
+        (250, 25, 50), (250, 40, 45), (400, 40, 45), (400, 60, 40), (150, 40, 50), (250, 60, 45),
+    ):  # fmt: skip
+        for name in ("bar on plate by fillet", "bar on plate penetrated"):
+            assert category_of(name, "flat", wall, length)[0] == category
+
+
+def test_rows_cover_each_wall_once():
+    for row in ROWS:
+        others = [one for one in ROWS if (one.name, one.outline) == (row.name, row.outline)]
+        assert not any(
+            one is not row and max(one.walls[0], row.walls[0]) < min(one.walls[1], row.walls[1])
+            for one in others
+        )
+        lengths = [most for most, _ in row.by_length]
+        assert lengths == sorted(lengths)
+
+
+@pytest.mark.parametrize(
+    ("welds", "wording"),
+    [
+        ('at = "3 mm", detail = "bar on plate penetrated", length = "9 mm"', r"welds\[0\]\.at: no even walls are at 3 mm; the part has them from 6 to 155 mm"),
+        ('at = "40 mm", detail = "bar on plate by fillet", throat = "9 mm", length = "9 mm"', r"welds\[0\]\.throat: 9 mm is more than the wall of 8 mm; it must be at most 8 mm"),
+        ('at = "40 mm", detail = "bar on plate by filet", throat = "3 mm"', r"welds\[0\]\.detail: must be .* got \"bar on plate by filet\", did you mean bar on plate by fillet\?"),
+        ('at = "40 mm", detail = "tube on plate by fillet", throat = "3 mm"', r"has it for no flat bar, .* there are attachment across bar; .*bar on plate by fillet"),
+        ('at = "40 mm", detail = "bar on plate by fillet", length = "9 mm"', r"welds\[0\]\.throat: must be stated"),
+        ('at = "40 mm", detail = "bar on plate penetrated", throat = "3 mm", length = "9 mm"', r"throat: 'bar on plate penetrated' has no root that carries load"),
+        ('at = "40 mm", detail = "bar on plate penetrated"', r"detail: .* table 8.5, detail 1, depends on l of the table's drawing: state length"),
+        ('at = "40 mm", detail = "attachment across bar", length = "90 mm"', r"table 8.4, detail 6, is for l up to 80 mm, got 90 mm"),
+        ('at = "40 mm", detail = "bar end to end from one side", length = "9 mm"', r"asks for no length"),
+        ('at = "40 mm"', r"welds\[0\]\.detail: needs either detail or category"),
+        ('at = "40 mm", category = "170 MPa"', r"welds\[0\]\.category: 170 MPa is above 160 MPa"),
+        ('at = "40 mm", category = "36 MPa", partial_factor = 0.9', r"partial_factor: must be at least 1"),
+        ('at = "40 mm", category = "36 MPa" }, { at = "4 cm", category = "36 MPa"', r"welds\[1\]\.at: another weld of the part stands at 40 mm"),
+    ],
+)  # fmt: skip
+def test_refusals(tmp_path, welds, wording):
+    with pytest.raises(DesignError, match=wording):
+        flat(tmp_path, welds=f"welds = [{{ {welds} }}]")
+
+
+def test_walls_that_no_table_has_are_refused(tmp_path):
+    with pytest.raises(DesignError, match=r"is for walls up to 8 mm, the part has 9 mm there; for "
+                       r"such a wall there are attachment on tube; tube end to end by butt"):  # fmt: skip
+        machine(tmp_path, ROD + TUBE, 'parts.rod.wall="9 mm"')
+
+
+def test_only_steel_is_judged(tmp_path):
+    with pytest.raises(
+        DesignError,
+        match=r"parts\.rod\.welds: welds are judged by EN 1993-1-9:2005, which is of steel",
+    ):
+        flat(tmp_path, 'parts.rod.material="6082-T6"')
+
+
+def test_a_shape_without_walls_is_refused(tmp_path):
+    with pytest.raises(DesignError, match=r"welds\[0\]\.at: the part has no stretch with walls .* "
+                       r"are plate_link, prismatic_tube, toggle_bar, tube_rod"):  # fmt: skip
+        lever(tmp_path, 'welds = [{ at = "40 mm", category = "36 MPa" }]')
+
+
+def test_a_stated_category_has_no_table(tmp_path):
+    design = flat(tmp_path, welds='welds = [{ at = "40 mm", category = "63 MPa" }]')
+    found = pulled(design, [0.0, 4800.0])
+    assert list(found) == ["toe"]
+    assert_allclose(found["toe"].safety, AT_KNEE * 63.0 / 20.0, rtol=1e-9)
+    assert "stated in the design" in found["toe"].basis
+
+
+def test_json_page_and_why_show_welds(tmp_path, capsys):
+    flat(tmp_path)
+    path, out = tmp_path / "machine.toml", str(tmp_path / "out")
+    main(["check", str(path), "--fidelity", "formula", "--json", "--out", out])
+    result = json.loads(capsys.readouterr().out)[0]
+    (rod,) = result["parts"]
+    shown = {one["quantity"]: one for one in rod["checks"] if one["kind"] == "weld"}
+    at = "at 40 mm"
+    assert set(shown) == {f"fatigue of the toe {at}", f"fatigue of the root {at}", f"throat {at}"}
+    assert any("welds that no part states" in text for text in result["not_checked"])
+    assert any("welds by nominal stress" in text for text in rod["assumed"])
+    page = (tmp_path / "out" / "machine" / "report.html").read_text()
+    assert "root at 40 mm" in page
+    main(["why", f"{out}/machine", "rod", "root at"])
+    said = " ".join(capsys.readouterr().out.split())
+    assert "table 8.5" in said
+    assert "D = (n·S/S_D)³ + (n·T_r/T_L)⁵" in said
