@@ -34,6 +34,8 @@ from checks.design.errors import DesignError, NumericsError
 from checks.store.results import BY_THE_DAY
 
 _SYNC_EVERY = 1.0  # s; waiting for the disk after each job would keep workers waiting, too
+_TABLES_EVERY = 60.0  # s, while designs are checked, and a twentieth of the time at the most
+_TABLES_SHARE = 20.0
 Write = Callable[[int, bytes], int]
 
 
@@ -188,6 +190,7 @@ def run_batch(
                     outcomes[index], timings[index] = entry.outcome, entry.timings
             done = sum(outcome is not None for outcome in outcomes) - len(plan.refused)
             live.kept(done, len(plan.jobs), journal.damaged)
+            tables = _Tables(plan, out)
             try:
                 left = [index for index, outcome in enumerate(outcomes) if outcome is None]
                 for finished in _run(plan, left, settings, live, function, out):
@@ -199,24 +202,47 @@ def run_batch(
                     for f, entry in zip(finished, entries, strict=True):
                         outcomes[f.index], timings[f.index] = entry.outcome, entry.timings
                         live.finished(entry.outcome, entry.timings)
+                    tables.now_and_then(outcomes, timings)
             except KeyboardInterrupt:
-                write_results(plan, out, _with_the_rest(plan, outcomes), timings)
+                tables.write(outcomes, timings, "the batch was stopped before")
                 raise
-            found = _with_the_rest(plan, outcomes)
-            write_results(plan, out, found, timings)
-            return found
+            return tables.write(outcomes, timings, "")
     except OSError as error:
         raise folder_error(out, error) from error
     except PoolError as error:
         raise NumericsError(str(error), "batch", "try `ballesta check` on one design") from error
 
 
-def _with_the_rest(plan: Plan, outcomes: Sequence[dict[str, Any] | None]) -> list[dict[str, Any]]:
-    """All outcomes, with a word in place of those that there are not."""
-    return [
-        ended(job, NOT_RUN, "the batch was stopped before", "") if outcome is None else outcome
-        for job, outcome in zip(plan.jobs, outcomes, strict=True)
-    ]
+class _Tables:
+    """Index and tables of a batch: at its end, and now and then while it runs."""
+
+    def __init__(self, plan: Plan, out: Path) -> None:
+        self._plan, self._out = plan, out
+        self._next = monotonic() + _TABLES_EVERY
+
+    def write(
+        self,
+        outcomes: Sequence[dict[str, Any] | None],
+        timings: Sequence[Mapping[str, float]],
+        why: str,
+    ) -> list[dict[str, Any]]:
+        """Write all outcomes, with the word `why` in place of those that there are not."""
+        found = [
+            ended(job, NOT_RUN, why, "") if outcome is None else outcome
+            for job, outcome in zip(self._plan.jobs, outcomes, strict=True)
+        ]
+        write_results(self._plan, self._out, found, timings)
+        return found
+
+    def now_and_then(
+        self, outcomes: Sequence[dict[str, Any] | None], timings: Sequence[Mapping[str, float]]
+    ) -> None:
+        """Write what there is, if it is time to."""
+        start = monotonic()
+        if start >= self._next:
+            self.write(outcomes, timings, "the batch has not come to it yet")
+            end = monotonic()
+            self._next = end + max(_TABLES_EVERY, _TABLES_SHARE * (end - start))
 
 
 def _run(

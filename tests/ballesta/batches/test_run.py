@@ -8,8 +8,10 @@ from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 
+import pandas
 import pytest
 
+from ballesta.batches import run as batch_run
 from ballesta.batches.run import Journal, Settings, locked, run_batch
 from checks.design.errors import DesignError, NumericsError
 
@@ -62,6 +64,30 @@ def test_rows_are_in_the_order_of_the_jobs_not_of_finishing(tmp_path):
     assert told.names[0] == "b"
     lines = (tmp_path / "out" / "results.csv").read_text().splitlines()
     assert [line.split(",")[0] for line in lines[1:]] == ["a", "b", "c", "d"]
+
+
+@pytest.mark.usefixtures("in_this_process")
+def test_tables_are_written_while_a_batch_runs(tmp_path, monkeypatch):
+    """With a row for each design that is still to come, and those that are finished whole."""
+    monkeypatch.setattr(batch_run, "_TABLES_EVERY", 0.0)
+    monkeypatch.setattr(batch_run, "_TABLES_SHARE", 0.0)
+    seen, out = [], tmp_path / "out"
+
+    class Watching(jobs.Silent):
+        def finished(self, outcome, timings):
+            super().finished(outcome, timings)
+            if (out / "results.parquet").exists():
+                seen.append(pandas.read_parquet(out / "results.parquet"))
+
+    plan = jobs.plan_of(tmp_path, TEXTS, out)
+    run_batch(plan, out, Settings(1), Watching(), function=FUNCTION)
+    assert [list(table["error"]).count("the batch has not come to it yet") for table in seen] == [
+        3,
+        2,
+        1,
+    ]
+    assert list(seen[1]["error"][:2]) == ["first", "second"]
+    assert "not run" not in (out / "results.csv").read_text()
 
 
 @pytest.mark.usefixtures("in_this_process")
