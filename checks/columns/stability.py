@@ -15,7 +15,7 @@ from checks.part.part_loads import PartLoads, first_largest
 from checks.result.verdict import Check, Status
 from checks.store.solutions import remembered
 from checks.strength.sampling import beside, with_sampling
-from fem.buckling import Buckling, BucklingMode, buckling_at, shares_of, worst_buckling
+from fem.buckling import Buckling, BucklingMode, buckling_at, mesh_bar, shares_of, worst_buckling
 from fem.unit_solutions import UnitSolutions
 from geometry.mesh import FloatArray
 
@@ -28,10 +28,6 @@ ELASTIC = Kind(
     source="[buckling](../theory/buckling.md)",
 )
 ELASTIC_SHARE = ELASTIC.quantity
-# Half-width of the bar while only the first mesh has been asked, times its fineness. From there to
-# the finest mesh the factor falls by 1.4 % for the toggle bar; for local modes of thin-walled tubes
-# by 22 % at fineness 1, 46 % at 0.5 and 79 % at 0.35.
-_ONE_MESH_BAR = 0.3
 _SAME = 1e-9  # of a safety
 _FAR = 3.0  # times the required safety: beyond it the stiffer fork's bound is not computed
 
@@ -180,13 +176,14 @@ def eigenvalue_check(
         share, *others = shares_of(solutions, between, fields)
         rise = max(0.0, max(others) / share - 1)
 
-    check = checked(modes[0], _ONE_MESH_BAR / part.fineness, "one mesh")
+    check = checked(modes[0], _bar_of(solutions, coefficients[:, worst], modes), "one mesh")
     if check.status is Status.UNDECIDED and len(levels) > 1:
         solutions, coefficients = levels[-1]
         again = _buckling_at(solutions, coefficients[:, worst], tilt_held=False)
         if again.modes:
             proof, missed = _proof(again)
-            bar = abs(again.modes[0].factor / modes[0].factor - 1)
+            moved = abs(again.modes[0].factor / modes[0].factor - 1)
+            bar = max(moved, _bar_of(solutions, coefficients[:, worst], again.modes))
             return checked(again.modes[0], bar, "two meshes"), again.modes[0]
     return check, modes[0]
 
@@ -198,6 +195,16 @@ def _buckling_at(solutions: UnitSolutions, state: FloatArray, *, tilt_held: bool
         "buckling_at",
         (state, tilt_held),
         lambda: buckling_at(solutions, state, tilt_held=tilt_held),
+    )
+
+
+def _bar_of(solutions: UnitSolutions, state: FloatArray, modes: Sequence[BucklingMode]) -> float:
+    """Error of the share by the mesh, over it, from the store of the solutions if they have it."""
+    return remembered(
+        solutions,
+        "buckling_bar",
+        state,
+        lambda: mesh_bar(solutions, state, modes),
     )
 
 

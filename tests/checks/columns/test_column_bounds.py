@@ -224,7 +224,7 @@ def test_a_bar_crooked_in_the_plane_yields_by_couples_out_of_it_as_these_grow_th
 # eigenvalues -------------------------------------------------------------------------------------
 
 
-def asked(monkeypatch, folder, first, finer=None, turned=None, held=None, fineness=1):
+def asked(monkeypatch, folder, first, finer=None, turned=None, held=None, bar=0.3):
     """The check of a rod whose lowest factors are given: first mesh, finer mesh, stiff forks."""
 
     def buckling(factor, turned=None, proven=np.inf):
@@ -239,26 +239,31 @@ def asked(monkeypatch, folder, first, finer=None, turned=None, held=None, finene
 
     monkeypatch.setattr(stability, "worst_buckling", worst)
     monkeypatch.setattr(stability, "buckling_at", at)
-    design, part = rod(folder, f"parts.rod.mesh.fineness={fineness}")
+    monkeypatch.setattr(stability, "mesh_bar", lambda *given, **named: bars.pop(0))
+    bars = list(np.atleast_1d(bar))
+    bars += bars
+    design, part = rod(folder)
     level = SimpleNamespace(ties=None, interfaces=("first", "second")), np.zeros((1, 1))
     levels = [level] if finer is None else [level, level]
     check, mode = eigenvalue_check(LoadedPart(design, part, pushed(1e3)), levels, 0)
     return check, mode, design.require.buckling
 
 
-def test_two_meshes_have_the_change_between_them_as_bar(tmp_path, monkeypatch):
-    """5 % less on the finer mesh: its factor decides, 5 % either way."""
-    check, mode, required = asked(monkeypatch, tmp_path, 3.0, 3.0 * 0.95)
+@pytest.mark.parametrize(("finer", "bar"), [(0.02, 0.05), (0.08, 0.08)])
+def test_two_meshes_have_the_change_between_them_as_bar_or_the_finer_ones_own(
+    tmp_path, monkeypatch, finer, bar
+):
+    """5 % less on the finer mesh: its factor decides, 5 % either way, or what it has itself."""
+    check, mode, required = asked(monkeypatch, tmp_path, 3.0, 3.0 * 0.95, bar=[0.3, finer])
     assert required == 3.0  # what makes the first mesh's bar of 0.3 leave it open
     assert check.method == "solid (two meshes)"
     assert check.value == pytest.approx(1 / 2.85)
-    assert check.numerical == pytest.approx(0.05 / 2.85)
+    assert check.numerical == pytest.approx(bar / 2.85)
     assert mode.factor == 3.0 * 0.95
 
 
-def test_a_coarse_mesh_alone_is_as_uncertain_as_it_is_coarse(tmp_path, monkeypatch):
-    """0.3 at fineness 1, twice that at 0.5."""
-    check, mode, _ = asked(monkeypatch, tmp_path, 100.0, fineness=0.5)
+def test_a_mesh_alone_has_the_bar_of_its_modes_error(tmp_path, monkeypatch):
+    check, mode, _ = asked(monkeypatch, tmp_path, 100.0, bar=0.6)
     assert check.method == "solid (one mesh)"
     assert check.numerical == pytest.approx(0.6 / 100)
     assert mode.factor == 100.0
@@ -266,7 +271,7 @@ def test_a_coarse_mesh_alone_is_as_uncertain_as_it_is_coarse(tmp_path, monkeypat
 
 def test_forks_that_hold_the_ends_are_a_band_below_the_load_share(tmp_path, monkeypatch):
     """1/3 with ends free to tilt, 1/12 with forks that hold them, alike on two meshes."""
-    check, *_ = asked(monkeypatch, tmp_path, 3.0, 3.0, held=12.0)
+    check, *_ = asked(monkeypatch, tmp_path, 3.0, 3.0, held=12.0, bar=[0.3, 0.0])
     assert check.value - check.below == pytest.approx(1 / 12)
     assert "against tilting: 12" in check.note
     far, *_ = asked(monkeypatch, tmp_path, 100.0, held=400.0)
