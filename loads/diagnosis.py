@@ -1,6 +1,6 @@
 """Diagnosis of measured loads that do not balance: the slip that would explain it."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations
@@ -68,13 +68,16 @@ def _explained(
 ) -> tuple[Suggestion, ...]:
     brief = body.at(_rows(body, gravity, size))
     slips = slips_of(brief, gravity, size)
+    enough = min(tolerance, _BETTER * float(brief.shares(gravity, size)[0].max()))
+    alone = {slip: slip.mend(brief) for slip in slips}
     for tried in (
         _singles(slips),
         _pairs(slips, bool(_mass_gains(body, gravity, size, tolerance))),
     ):
         found = []
         for together in tried:
-            if not _closes(brief, together, gravity, size, tolerance):
+            first, *others = together
+            if _mended(alone[first], others).shares(gravity, size)[0].max() > enough:
                 continue
             left = _mended(body, together).shares(gravity, size)[0]
             if left.max() <= tolerance and _explains(body, together, gravity, size):
@@ -114,18 +117,10 @@ def _rows(body: MeasuredBody, gravity: Vector, size: float) -> IntArray:
     return np.unique([*np.linspace(0, n - 1, min(n, _ROWS)).astype(np.int64), *marked])
 
 
-def _mended(body: MeasuredBody, slips: tuple[Slip, ...]) -> MeasuredBody:
+def _mended(body: MeasuredBody, slips: Sequence[Slip]) -> MeasuredBody:
     for slip in slips:
         body = slip.mend(body)
     return body
-
-
-def _closes(
-    body: MeasuredBody, slips: tuple[Slip, ...], gravity: Vector, size: float, tolerance: float
-) -> bool:
-    before = body.shares(gravity, size)[0].max()
-    after = _mended(body, slips).shares(gravity, size)[0].max()
-    return bool(after <= min(tolerance, _BETTER * before))
 
 
 def _explains(body: MeasuredBody, slips: tuple[Slip, ...], gravity: Vector, size: float) -> bool:
