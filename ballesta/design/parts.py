@@ -256,6 +256,12 @@ def _weld(stated: WeldEntry, geometry: Shape) -> Weld:
         category, where = stated.category, "stated in the design"
     else:
         assert stated.detail is not None
+        if walls.outline == "round" and 2 * walls.wall >= walls.size:
+            raise ParameterError(
+                "detail",
+                f"{stated.detail!r}: {STANDARD} has it of tubes, the part is a solid rod there; "
+                "state a category of another source",
+            )
         try:
             category, row = category_of(stated.detail, walls.outline, walls.wall, stated.length)
         except ValueError as error:

@@ -42,7 +42,7 @@ FATIGUE = Kind(
     name="weld",
     quantity="fatigue of the {}",
     demand="category over the safety that ranges of nominal stress in walls or throat leave",
-    limit="category, EN 1993-1-9",
+    limit="category, EN 1993-1-9; the safety is at least `partial_factor`",
     require="fatigue",
     source=_PAGE,
 )
@@ -64,6 +64,8 @@ _INSIDE = 1e-9  # of the length: a weld at an end stands beside the force there
 _BETA, _GAMMA = 1.0, 1.25  # EN 1993-1-8: largest correlation factor of table 4.1, and gamma_M2
 _YIELDS = 1.5  # EN 1993-1-9, (8.1): largest range over the yield stress
 _NOMINAL = Band(words="a formula has no mesh; strengths of welds are of nominal stress")
+_MINER = 0.5  # at failure; EN 1993-1-9, A.6, has 1, which IIW finds not safe for its curve
+_MINER_SOURCE = "IIW XIII-1965-03, 4.3.1"
 _CLOSE = 1e-6  # of Miner's sum
 _CURVE = f"{STANDARD}, 7.1"
 _STRESS = "N/A - M_z*y/I_z + M_y*z/I_y"
@@ -262,12 +264,13 @@ class _Ranges:
     @property
     def _left(self) -> float:
         """Miner's sum that earlier use has left; raises DesignError where it has left none."""
-        left = 1.0 - self.loaded.duty.damage_so_far
+        left = _MINER - self.loaded.duty.damage_so_far
         if not left > 0.0:
             raise DesignError(
                 self.loaded.design.file,
                 "duty.damage_so_far",
-                f"{1.0 - left:g} leaves a weld nothing of Miner's sum 1 ({STANDARD}, A.6)",
+                f"{_MINER - left:g} leaves a weld nothing of its Miner's sum of {_MINER:g} "
+                f"({_MINER_SOURCE})",
             )
         return left
 
@@ -378,7 +381,7 @@ class _Ranges:
             _miner("D_t", "shear stress", beside,
                    f"choose(n*r, T_L, m/{REFERENCE:.0f}*(n*r/T_C)^5, 0)"),
             Step("D", "both together", "D_s + D_t", "", f"{STANDARD}, (8.3) with (A.3)", main=True),
-            Given("D_a", "Miner's sum that is left of 1", self._left, "", f"{STANDARD}, A.6"),
+            Given("D_a", f"Miner's sum that is left of {_MINER:g}", self._left, "", _MINER_SOURCE),
         ]  # fmt: skip
         scope: dict[str, Value] = {"S_C": self.category, "n": safety, "T_C": SHEAR_CATEGORY}
         for item in items:

@@ -138,22 +138,41 @@ def test_a_round_tube_by_hand(tmp_path):
 
 
 def test_a_finite_life_by_hand(tmp_path):
-    """1e5 runs of 0 to 24 kN: 100 MPa on category 80, n^3 = 20 (80/100)^3; 133 MPa in the throat.
+    """1e5 runs of 0 to 24 kN, half of which may be used up: 100 MPa on category 80, 133 on 36.
 
-    The throat endures 2e6 (36/133.3)^3 = 39 366 runs: n^3 = 0.394.
+    n^3 = 0.5 x 20 (80/100)^3 at the toe; 2e6 (36/133.3)^3 = 39 366 runs, n^3 = 0.197 in the throat.
     """
     design = flat(tmp_path, 'duty.life="finite"', "duty.cycles.turn=1e5")
     found = pulled(design, [0.0, 24000.0])
-    assert_allclose(found["toe"].safety, (20 * 0.8**3) ** (1 / 3), rtol=1e-9)
-    assert_allclose(found["root"].safety, (20 * (36.0 * 180 / 24000) ** 3) ** (1 / 3), rtol=1e-9)
+    assert_allclose(found["toe"].safety, (10 * 0.8**3) ** (1 / 3), rtol=1e-9)
+    assert_allclose(found["root"].safety, (10 * (36.0 * 180 / 24000) ** 3) ** (1 / 3), rtol=1e-9)
     derivation = found["root"].derivation
     assert derivation.equal == (("D", "D_a"),)
-    assert_allclose(derivation.number("D"), 1.0, rtol=1e-9)
+    assert_allclose(derivation.number("D"), 0.5, rtol=1e-9)
     worn = flat(
         tmp_path, 'duty.life="finite"', "duty.cycles.turn=1e5", "duty.damage_so_far=0.2",
     )  # fmt: skip
     again = pulled(worn, [0.0, 24000.0])["root"]
-    assert_allclose(again.safety / found["root"].safety, 0.8 ** (1 / 3), rtol=1e-9)
+    assert_allclose(again.safety / found["root"].safety, 0.6 ** (1 / 3), rtol=1e-9)
+
+
+def test_earlier_use_that_leaves_nothing_is_refused(tmp_path):
+    worn = ['duty.life="finite"', "duty.allowed_damage=1", "duty.damage_so_far=0.6"]
+    with pytest.raises(
+        DesignError, match=r"duty\.damage_so_far: 0\.6 leaves a weld nothing of its Miner"
+    ):
+        pulled(flat(tmp_path, *worn), [0.0, 24000.0])
+
+
+def test_the_strength_of_a_throat_is_the_printed_one(tmp_path):
+    """FrameAI, Fillet Weld Sizing Calculator: S355, f_u = 510 MPa, beta_w 0.9: 261.73 MPa, 785.2 N/mm.
+
+    Here beta_w is 1, the largest of all steels.
+    """
+    found = pulled(flat(tmp_path), [0.0, 4800.0])["throat"]
+    printed = found.limit * 510.0 / found.derivation.number("f_u") / 0.9
+    assert_allclose(printed, 785.2, atol=0.05)
+    assert_allclose(printed / 3.0, 261.73, atol=0.005)
 
 
 def test_no_range_above_one_and_a_half_times_yield(tmp_path):
@@ -374,6 +393,11 @@ def test_walls_that_no_table_has_are_refused(tmp_path):
     with pytest.raises(DesignError, match=r"is for walls up to 8 mm, the part has 9 mm there; for "
                        r"such a wall there are attachment on tube; tube end to end by butt"):  # fmt: skip
         machine(tmp_path, ROD + TUBE, 'parts.rod.wall="9 mm"')
+
+
+def test_details_of_tubes_are_none_of_solid_rods(tmp_path):
+    with pytest.raises(DesignError, match=r"the part is a solid rod there; state a category"):
+        machine(tmp_path, ROD.replace('wall = "2.5 mm"\n', "") + TUBE)
 
 
 def test_only_steel_is_judged(tmp_path):
