@@ -440,12 +440,12 @@ def _static(loaded: LoadedPart, weld: Weld, forces: Mapping[str, FloatArray]) ->
              main=True),
     ]  # fmt: skip
     limit: list[Item] = [
-        Given("f_u", f"tensile strength of {material.name}", material.ultimate_stress, "MPa",
+        Given("S_u", f"tensile strength of {material.name}", material.ultimate_stress, "MPa",
               material.source, main=True),
         Given("beta_w", "correlation factor, the largest of all steels", _BETA, "",
               "EN 1993-1-8, table 4.1"),
         Given("gamma_M2", "partial factor", _GAMMA, "", "EN 1993-1-8, 2.2"),
-        Step("F_R", "strength per length", "a*f_u/(sqrt(3)*beta_w*gamma_M2)", "N/mm",
+        Step("F_R", "strength per length", "a*S_u/(sqrt(3)*beta_w*gamma_M2)", "N/mm",
              "EN 1993-1-8, (4.3) and (4.4)", main=True),
     ]  # fmt: skip
     heading = Heading(

@@ -24,6 +24,7 @@ from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
 from fatigue.weld_life import AT_KNEE, SHEAR_CUT_OFF
 from geometry.bars import rectangle_torsion
+from reports.what_if import what_if
 
 from ...small_machine import PLATE, loads_of, machine, solved
 from .test_slot_checks import lever
@@ -87,7 +88,7 @@ def test_a_pull_on_a_flat_bar_by_hand(tmp_path):
     assert_allclose(root.safety, AT_KNEE * 36.0 / (4800.0 / 180.0), rtol=1e-9)
     assert (toe.limit, root.limit) == (80.0, 36.0)
     assert_allclose(found["throat"].value, 4800.0 / 60.0, rtol=1e-12)  # N/mm on each of two welds
-    strength = 3.0 * found["throat"].derivation.number("f_u") / (sqrt(3) * 1.25)
+    strength = 3.0 * found["throat"].derivation.number("S_u") / (sqrt(3) * 1.25)
     assert_allclose(found["throat"].limit, strength, rtol=1e-12)
 
 
@@ -170,7 +171,7 @@ def test_the_strength_of_a_throat_is_the_printed_one(tmp_path):
     Here beta_w is 1, the largest of all steels.
     """
     found = pulled(flat(tmp_path), [0.0, 4800.0])["throat"]
-    printed = found.limit * 510.0 / found.derivation.number("f_u") / 0.9
+    printed = found.limit * 510.0 / found.derivation.number("S_u") / 0.9
     assert_allclose(printed, 785.2, atol=0.05)
     assert_allclose(printed / 3.0, 261.73, atol=0.005)
 
@@ -459,3 +460,18 @@ def test_a_thicker_throat_is_a_way_out(tmp_path):
     assert 3.0 * 1.35 * 5000 / 180 / (AT_KNEE * 36.0) < throat < 6.0
     again = check_file(path, [change.override], effort=Effort("formula"))
     assert all(str(one.status) == "pass" for one in again.checks if one.kind == "weld")
+
+
+@pytest.mark.parametrize("life", ["infinite", "finite"])
+def test_the_page_follows_no_other_runs_of_a_weld(tmp_path, life):
+    """Other runs of a finite life are sought by a check alone; of an endless one they are nothing."""
+    flat(tmp_path)
+    path = tmp_path / "machine.toml"
+    result = check_file(path, [f'duty.life="{life}"'], effort=Effort("formula"))
+    data = json.loads(what_if(result))
+    (root,) = [one for one in data["checks"] if "fatigue of the root" in one["name"]]
+    followed = [data["levers"][k]["sets"][0] for k in root["levers"]]
+    assert ["duty.cycles.turn" in one for one in followed] == ([True] if life == "finite" else [])
+    assert sum(one is not None for one in root["safety"]) == 1
+    assert root["fixed"]
+    assert root["load"] == 1.0
