@@ -237,10 +237,10 @@ wall = "3 mm"
         assert_allclose(found["toe"].safety, AT_KNEE * 45.0 / stress, rtol=1e-3)
 
 
-def throat(tmp_path, text):
+def throat(tmp_path, text, of=weld._throat):
     design = machine(tmp_path, text)
     scope = {}
-    for item in weld._throat(design.parts["rod"].welds[0]):
+    for item in of(design.parts["rod"].welds[0]):
         scope[item.symbol] = weld.value_of(item, scope)
     return scope
 
@@ -276,6 +276,9 @@ def test_the_square_throat_is_that_of_thin_walls(tmp_path):
     assert_allclose(scope["I_z"], 2.0 * (points[:, 0] ** 2 * lengths).sum(), rtol=1e-5)
     assert_allclose(scope["q_V"], shear_flow(points, lengths, 2.0), rtol=1e-3)
     assert_allclose(scope["q_T"], 1.0 / (2 * 30.0**2 * 2.0), rtol=1e-12)  # Bredt
+    walls = throat(tmp_path, TOGGLE, weld._walls)  # 3 mm thick, 27 mm between their middles
+    assert_allclose(walls["q_V"], shear_flow(0.9 * points, 0.9 * lengths, 3.0), rtol=1e-3)
+    assert_allclose(walls["q_T"], 1.0 / (2 * 27.0**2 * 3.0), rtol=1e-12)
 
 
 def test_the_round_throat_is_that_of_thin_walls(tmp_path):
@@ -287,6 +290,9 @@ def test_the_round_throat_is_that_of_thin_walls(tmp_path):
     assert_allclose(scope["I_z"], 2.0 * (points[:, 0] ** 2 * lengths).sum(), rtol=1e-9)
     assert_allclose(scope["q_V"], shear_flow(points, lengths, 2.0), rtol=1e-3)
     assert_allclose(scope["q_T"], 1.0 / (2 * pi * 10.0**2 * 2.0), rtol=1e-12)
+    walls = throat(tmp_path, ROD + TUBE, weld._walls)
+    assert_allclose(walls["q_T"], 10.0 / (pi / 32 * (20.0**4 - 15.0**4)), rtol=1e-12)
+    assert_allclose(walls["q_V"], 2.0 / ROUND, rtol=1e-12)
 
 
 def test_a_torque_is_counted_on_the_side_where_it_adds(tmp_path):
