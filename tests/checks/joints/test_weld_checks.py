@@ -376,7 +376,7 @@ def test_rows_cover_each_wall_once():
 @pytest.mark.parametrize(
     ("welds", "wording"),
     [
-        ('at = "3 mm", detail = "bar on plate penetrated", length = "9 mm"', r"welds\[0\]\.at: no even walls are at 3 mm; the part has them from 6 to 155 mm"),
+        ('at = "3 mm", detail = "bar on plate penetrated", length = "9 mm"', r"welds\[0\]\.at: at 3 mm the stress is not that of even walls; it is from 37\.5 to 123\.5 mm"),
         ('at = "40 mm", detail = "bar on plate by fillet", throat = "9 mm", length = "9 mm"', r"welds\[0\]\.throat: 9 mm is more than the wall of 8 mm; it must be at most 8 mm"),
         ('at = "40 mm", detail = "bar on plate by filet", throat = "3 mm"', r"welds\[0\]\.detail: must be .* got \"bar on plate by filet\", did you mean bar on plate by fillet\?"),
         ('at = "40 mm", detail = "tube on plate by fillet", throat = "3 mm"', r"has it for no flat bar, .* there are attachment across bar; .*bar on plate by fillet"),
@@ -394,6 +394,11 @@ def test_rows_cover_each_wall_once():
 def test_refusals(tmp_path, welds, wording):
     with pytest.raises(DesignError, match=wording):
         flat(tmp_path, welds=f"welds = [{{ {welds} }}]")
+
+
+def test_a_link_whose_holes_are_near_has_no_walls(tmp_path):
+    with pytest.raises(DesignError, match=r"no stretch with even walls, away from holes"):
+        flat(tmp_path, 'parts.rod.width="70 mm"')
 
 
 def test_walls_that_no_table_has_are_refused(tmp_path):
@@ -416,7 +421,7 @@ def test_only_steel_is_judged(tmp_path):
 
 
 def test_a_shape_without_walls_is_refused(tmp_path):
-    with pytest.raises(DesignError, match=r"welds\[0\]\.at: the part has no stretch with walls .* "
+    with pytest.raises(DesignError, match=r"welds\[0\]\.at: the part has no stretch with even walls, .* "
                        r"are plate_link, prismatic_tube, toggle_bar, tube_rod"):  # fmt: skip
         lever(tmp_path, 'welds = [{ at = "40 mm", category = "36 MPa" }]')
 
