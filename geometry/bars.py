@@ -15,6 +15,7 @@ from geometry.mesh import FloatArray
 
 Holes = Sequence[tuple[float, float]]
 _ARCS = 8  # of half a bore's rim
+BESIDE = 1.25  # widths from a hole's axis to where a bar's stress is that of its section again
 
 
 @dataclass(frozen=True)

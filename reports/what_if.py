@@ -169,6 +169,10 @@ def _exponent_of_load(check: Check) -> float:
     return 0.5 if check.quantity.startswith(_HERTZ) else 1.0
 
 
+def _is_weld_fatigue(check: Check) -> bool:
+    return check.kind == "weld" and check.quantity.startswith("fatigue")
+
+
 def _is_shared(check: Check) -> bool:
     return any(
         isinstance(item, Given) and _SHARED.search(item.meaning)
@@ -275,6 +279,8 @@ class _Levers:
 
     def required(self, check: Check) -> Lever | None:
         """Required safety of a check's kind; None where another one is required of it."""
+        if _is_weld_fatigue(check):
+            return None  # its partial factor may be the one
         crooked = check.quantity.startswith("crooked")
         kind = check.kind if check.kind in _REQUIRED and not crooked else "static"
         key = f"require.{kind}"
@@ -310,6 +316,8 @@ class _Levers:
             yield from self._allowable(check)
         if check.quantity.startswith("Miner"):
             yield from self._runs(not check.derivation.equal)
+        if _is_weld_fatigue(check) and self.inputs.get("duty.life") == "finite":
+            yield from self._runs(True, told=False)
 
     def _material(
         self, check: Check, given: Mapping[str, Any], untold: dict[str, float]
@@ -345,13 +353,16 @@ class _Levers:
                 title = f"allowable pressure, {check.quantity}"
                 yield Lever(f"{seat[1]}.bush.allowable", title, texts[1.0], changes)
 
-    def _runs(self, endless: bool) -> Iterator[Lever]:
-        """Runs of the only cycle of a duty; endless: more of them change nothing, fewer may."""
+    def _runs(self, endless: bool, *, told: bool = True) -> Iterator[Lever]:
+        """Runs of the only cycle of a duty; endless: more of them change nothing, fewer may.
+
+        told  False where no formula tells of other runs
+        """
         keys = [key for key in self.inputs if key.startswith("duty.cycles.")]
         if len(keys) == 1:
             texts = {step: f"{float(self.inputs[keys[0]]) * step:.4g}" for step in _COUNTS}
             changes = {
-                text: {"m": step} if not endless else {_UNTOLD: 0.0} if step < 1 else {}
+                text: {"m": step} if not endless else {_UNTOLD: 0.0} if step < 1 or not told else {}
                 for step, text in texts.items()
             }
             title = f"runs of {keys[0].removeprefix('duty.cycles.')} in the life"

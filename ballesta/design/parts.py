@@ -8,20 +8,14 @@ from typing import Any
 import loads
 from ballesta.design.files import Sources
 from ballesta.design.plate_parts import plate_geometry, shape_name, step_geometry
-from checks.design.data import Part, Roller, Weld
+from ballesta.design.welds import welds_of
+from checks.design.data import Part, Roller
 from checks.design.errors import LINKAGE, DesignError, Problems, listed, no_such
 from checks.design.materials import Material, known_materials
-from checks.design.model import (
-    BodyPartEntry,
-    DesignFile,
-    PlatePartEntry,
-    StepPartEntry,
-    WeldEntry,
-)
+from checks.design.model import BodyPartEntry, DesignFile, PlatePartEntry, StepPartEntry
 from checks.design.stacks import check_stacks
 from checks.design.strength import FkmStrength, fkm_of
 from checks.handbook.fits import clearances_of
-from checks.handbook.weld_details import HIGHEST, STANDARD, category_of
 from checks.result.words import clipped
 from geometry.parameters import GIVEN_BY_DESIGN, GIVEN_BY_LINKAGE, ParameterError
 from geometry.part_sizes import check_sizes, key_of
@@ -31,7 +25,6 @@ from geometry.shape import Shape
 _WITH_HOLES = (StepPartEntry, PlatePartEntry)  # whose interfaces are holes that the entry names
 SLIDING = ("contact", "slot")  # interfaces of shapes on which a slot or guide of the linkage runs
 _LONGEST = 200  # bytes of a name: systems allow 255 for a file, with its suffix
-_STEEL = (185e3, 220e3)  # MPa, Young's modulus of steels
 _SHOWN = 40  # letters of a name that is longer
 
 
@@ -130,7 +123,7 @@ def parts_of(
             continue
         fkm = fkm_of(key, entry, material, geometry, problems) if material.ductile else None
         clearances = _clearances(key, entry, geometry, problems)
-        welds = _welds(key, entry, geometry, material, problems)
+        welds = welds_of(key, entry, geometry, material, problems)
         made = _part(name, entry, file, geometry, material, rollers, fkm, clearances)
         parts[name] = dataclasses.replace(made, welds=welds)
     check_stacks(parts, file.parts, problems)
@@ -194,81 +187,6 @@ def _clearances(
                 f"of {2 * bores[name].radius:g} mm; is it in another unit?",
             )
     return found
-
-
-def _welds(
-    key: str, entry: Any, geometry: Shape, material: Material, problems: Problems
-) -> tuple[Weld, ...]:
-    """The welds of a part that are in order."""
-    found: list[Weld] = []
-    if getattr(entry, "welds", ()) and not _STEEL[0] <= material.youngs_modulus <= _STEEL[1]:
-        problems.add(
-            f"{key}.welds",
-            f"welds are judged by {STANDARD}, which is of steel; {material.name} is none, as its "
-            f"Young's modulus of {material.youngs_modulus / 1e3:.4g} GPa says; leave them out",
-        )
-        return ()
-    for index, stated in enumerate(getattr(entry, "welds", ())):
-        here = f"{key}.welds[{index}]"
-        try:
-            found.append(_weld(stated, geometry))
-        except ParameterError as error:
-            problems.add(f"{here}.{error.field}", error.problem)
-            continue
-        if any(one.at == stated.at for one in found[:-1]):
-            problems.add(f"{here}.at", f"another weld of the part stands at {stated.at:g} mm")
-    return tuple(found)
-
-
-def _weld(stated: WeldEntry, geometry: Shape) -> Weld:
-    """A weld; raises ParameterError where there is no wall, or none that its detail is for."""
-    if not geometry.walls:
-        able = sorted(name for name, one in SHAPES.items() if one.walls is not Shape.walls)
-        raise ParameterError(
-            "at",
-            "the part has no stretch with walls of which the stress at a weld is known; shapes "
-            f"that have one are {listed(able)}",
-        )
-    walls = next((w for w in geometry.walls if w.stretch[0] <= stated.at <= w.stretch[1]), None)
-    if walls is None:
-        spans = listed(f"{low:.4g} to {high:.4g} mm" for low, high in
-                       (one.stretch for one in geometry.walls))  # fmt: skip
-        raise ParameterError(
-            "at", f"no even walls are at {stated.at:g} mm; the part has them from {spans}"
-        )
-    if stated.throat is not None and stated.throat > walls.wall:
-        raise ParameterError(
-            "throat",
-            f"{stated.throat:g} mm is more than the wall of {walls.wall:g} mm; it must be at most "
-            f"{walls.wall:g} mm; is {stated.throat:g} mm the leg, which is 1.41 times the throat?",
-        )
-    if (stated.detail is None) == (stated.category is None):
-        raise ParameterError("detail", "needs either detail or category, one of the two")
-    if stated.category is not None:
-        if stated.category > HIGHEST:
-            raise ParameterError(
-                "category",
-                f"{stated.category:g} MPa is above {HIGHEST:g} MPa, the highest of {STANDARD}, "
-                "figure 7.1",
-            )
-        if stated.length is not None:
-            raise ParameterError("length", "is of a detail; a stated category needs none")
-        category, where = stated.category, "stated in the design"
-    else:
-        assert stated.detail is not None
-        try:
-            category, row = category_of(stated.detail, walls.outline, walls.wall, stated.length)
-        except ValueError as error:
-            raise ParameterError("detail", f"{stated.detail!r}: {error}") from None
-        if row.throat != (stated.throat is not None):
-            raise ParameterError(
-                "throat",
-                "must be stated: the root of a fillet weld carries the load"
-                if row.throat
-                else f"{stated.detail!r} has no root that carries load; leave it out",
-            )
-        where = f"{STANDARD}, {row.where}"
-    return Weld(stated.at, walls, category, where, stated.throat, stated.partial_factor)
 
 
 def _part(

@@ -31,6 +31,7 @@ from checks.result.verdict import Change, Check, DesignResult, Status
 from fem.threads import one_thread
 
 _DIMENSION = re.compile(r"^\s*(\d+(?:\.\d+)?)\s*(mm|cm|m|deg)\s*$")
+_VARIED = re.compile(r"parts\.\w+\.(\w+(?<!hole)|welds\[\d+\]\.throat)$")
 _CYLINDER = re.compile(r"cylinders\.\w+\.(rod|wall)$")
 _STEP = 1.03  # of a dimension, as a factor, to find its exponent
 _NEAR = 1.5  # times the least reserve: to pass it a step would need an exponent of 14
@@ -590,9 +591,9 @@ def _name(check: Check) -> tuple[str, str, str]:
 
 
 def _dimension(key: str, value: str) -> tuple[float, str] | None:
-    """Number and unit of an input that is a dimension of a part; its pin sets a hole's."""
+    """Number and unit of a dimension of a part, or of a weld's throat; its pin sets a hole's."""
     match = _DIMENSION.match(value)
-    if not match or not re.match(r"parts\.\w+\.\w+(?<!hole)$", key) or not float(match[1]):
+    if not match or not _VARIED.match(key) or not float(match[1]):
         return None
     return float(match[1]), match[2]
 

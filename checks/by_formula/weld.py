@@ -42,7 +42,7 @@ FATIGUE = Kind(
     name="weld",
     quantity="fatigue of the {}",
     demand="category over the safety that ranges of nominal stress in walls or throat leave",
-    limit="category, EN 1993-1-9",
+    limit="category, EN 1993-1-9; the safety is at least `partial_factor`",
     require="fatigue",
     source=_PAGE,
 )
@@ -64,8 +64,12 @@ _INSIDE = 1e-9  # of the length: a weld at an end stands beside the force there
 _BETA, _GAMMA = 1.0, 1.25  # EN 1993-1-8: largest correlation factor of table 4.1, and gamma_M2
 _YIELDS = 1.5  # EN 1993-1-9, (8.1): largest range over the yield stress
 _NOMINAL = Band(words="a formula has no mesh; strengths of welds are of nominal stress")
+_MINER = 0.5  # at failure; EN 1993-1-9, A.6, has 1, which IIW finds not safe for its curve
+_MINER_SOURCE = "IIW XIII-1965-03, 4.3.1"
 _CLOSE = 1e-6  # of Miner's sum
 _CURVE = f"{STANDARD}, 7.1"
+_Proof = tuple[list[Item], tuple[tuple[str, str], ...]]  # items, and pairs that agree then
+_REACHED = (("D", "D_a"),)
 _STRESS = "N/A - M_z*y/I_z + M_y*z/I_y"
 _SHEAR = "V*q_V + T*q_T"
 _FORCES = {
@@ -126,60 +130,58 @@ def _forces(loaded: LoadedPart, weld: Weld) -> dict[str, FloatArray]:
     }  # fmt: skip
 
 
+_WALLS = {  # by outline: shear stress of 1 N and of 1 N mm of torque, where it is largest
+    "round": ("2/A", "d/(4*I_z)"),
+    "square": ("9/(16*(d - t)*t)", "1/(2*(d - t)^2*t)"),
+    "flat": ("3/(2*A)", "1/W_t"),
+}
+_THROATS = {  # by outline: A, I_z, I_y, and as above
+    "round": ("pi*d*a", "pi*d^3*a/8", "I_z", "2/A", "2/(pi*d^2*a)"),
+    "square": ("4*d*a", "2*d^3*a/3", "I_z", "9/(16*d*a)", "1/(2*d^2*a)"),
+    "flat": ("2*d*a", "d^3*a/6", "d*t^2*a/2", "3/(2*A)", "1/(d*t*a)"),
+}
+_STEPS = (
+    ("A", "area", "mm2"),
+    ("I_z", "second moment in the plane", "mm4"),
+    ("I_y", "second moment out of the plane", "mm4"),
+    ("q_V", "largest shear stress of 1 N", "1/mm2"),
+    ("q_T", "largest shear stress of 1 N mm of torque", "1/mm3"),
+)
+
+
+def _sizes(weld: Weld) -> list[Item]:
+    shape = "the part's shape"
+    return [
+        Given("d", "outer size", weld.walls.size, "mm", shape),
+        Given("t", "thickness of the wall or bar", weld.walls.wall, "mm", shape),
+    ]
+
+
 def _walls(weld: Weld) -> list[Item]:
     """The section of the walls, and its shear per force and per torque."""
     walls, section = weld.walls, weld.walls.section
+    values = (section.area, section.inertia_in_plane, section.inertia_out_of_plane)
     items: list[Item] = [
-        Given("A", "area of the section", section.area, "mm2", "the part's shape"),
-        Given("I_z", "second moment in the plane", section.inertia_in_plane, "mm4",
-              "the part's shape"),
-        Given("I_y", "second moment out of the plane", section.inertia_out_of_plane, "mm4",
-              "the part's shape"),
-        Given("d", "outer size", walls.size, "mm", "the part's shape"),
-    ]  # fmt: skip
-    if walls.outline == "round":
-        shear, torque = "2/A", "d/(4*I_z)"
-    elif walls.outline == "square":
-        items.append(Given("t", "wall", walls.wall, "mm", "the part's shape"))
-        shear, torque = "9/(16*(d - t)*t)", "1/(2*(d - t)^2*t)"
-    else:
+        Given(symbol, meaning, value, unit, "the part's shape")
+        for (symbol, meaning, unit), value in zip(_STEPS, values, strict=False)
+    ]
+    if walls.outline == "flat":
         modulus = float(rectangle_torsion(walls.size, walls.wall)[1])
         items.append(Given("W_t", "torsion modulus", modulus, "mm3", "Saint-Venant's series"))
-        shear, torque = "3/(2*A)", "1/W_t"
-    return [*items, *_shear_steps(shear, torque)]
+    shears = zip(_STEPS[3:], _WALLS[walls.outline], strict=True)
+    return [*_sizes(weld), *items, *(_step(*one) for one in shears)]
 
 
 def _throat(weld: Weld) -> list[Item]:
     """The section of the throat, laid round the outline; of a flat bar along both faces."""
-    walls = weld.walls
-    items: list[Item] = [
-        Given("a", "throat", weld.throat or 0.0, "mm", "the design", main=True),
-        Given("d", "outer size, round which it runs", walls.size, "mm", "the part's shape"),
-    ]  # fmt: skip
-    if walls.outline == "round":
-        area, along, across = "pi*d*a", "pi*d^3*a/8", "I_z"
-        shear, torque = "2/A", "2/(pi*d^2*a)"
-    elif walls.outline == "square":
-        area, along, across = "4*d*a", "2*d^3*a/3", "I_z"
-        shear, torque = "9/(16*d*a)", "1/(2*d^2*a)"
-    else:
-        items.append(Given("t", "thickness of the bar", walls.wall, "mm", "the part's shape"))
-        area, along, across = "2*d*a", "d^3*a/6", "d*t^2*a/2"
-        shear, torque = "3/(2*A)", "1/(d*t*a)"
-    return [
-        *items,
-        Step("A", "area of the throat", area, "mm2", _THEORY),
-        Step("I_z", "its second moment in the plane", along, "mm4", _THEORY),
-        Step("I_y", "its second moment out of the plane", across, "mm4", _THEORY),
-        *_shear_steps(shear, torque),
-    ]
+    throat = Given("a", "throat", weld.throat or 0.0, "mm", "the design", main=True)
+    steps = zip(_STEPS, _THROATS[weld.walls.outline], strict=True)
+    return [throat, *_sizes(weld), *(_step(*one) for one in steps)]
 
 
-def _shear_steps(shear: str, torque: str) -> list[Item]:
-    return [
-        Step("q_V", "largest shear stress of 1 N", shear, "1/mm2", _THEORY),
-        Step("q_T", "largest shear stress of 1 N mm of torque", torque, "1/mm3", _THEORY),
-    ]
+def _step(told: tuple[str, str, str], formula: str) -> Step:
+    symbol, meaning, unit = told
+    return Step(symbol, meaning, formula, unit, _THEORY)
 
 
 def _outline(weld: Weld) -> list[tuple[float, float]]:
@@ -212,7 +214,8 @@ class _Ranges:
     def check(self) -> Check | None:
         """The check; None where no stress changes."""
         loaded, duty, categories = self.loaded, self.loaded.duty, (self.category, SHEAR_CATEGORY)
-        runs = {name: self._positions(name) for name in duty.cycles if name in loaded.loads.cycles}
+        slices = loaded.loads.cycles
+        runs = {name: _positions(slices[name]) for name in duty.cycles if name in slices}
         every = np.concatenate(list(runs.values()))
         outline = _outline(self.weld)
         normal = np.stack([self._over(_STRESS, y=y, z=z) for y, z in outline])
@@ -240,9 +243,7 @@ class _Ranges:
             proof = self._without_end()
         else:
             proof = self._miner(own.of_point(worst), beside, float(safety[worst]))
-        derivation = self._derivation(
-            ends, outline[worst], shear, turned, float(safety[worst]), proof
-        )
+        derivation = self._derivation(ends, outline[worst], turned, float(safety[worst]), proof)
         check = loaded.derived(self._heading(), ends[1], derivation)
         names = [loaded.loads.cycle_names[k] for k in ends]
         labels = [loaded.loads.labels[k] for k in ends]
@@ -255,19 +256,16 @@ class _Ranges:
             required=max(check.required, self.weld.partial_factor),
         )
 
-    def _positions(self, name: str) -> IntArray:
-        run = self.loaded.loads.cycles[name]
-        return np.arange(run.start, run.stop)
-
     @property
     def _left(self) -> float:
         """Miner's sum that earlier use has left; raises DesignError where it has left none."""
-        left = 1.0 - self.loaded.duty.damage_so_far
+        left = _MINER - self.loaded.duty.damage_so_far
         if not left > 0.0:
             raise DesignError(
                 self.loaded.design.file,
                 "duty.damage_so_far",
-                f"{1.0 - left:g} leaves a weld nothing of Miner's sum 1 ({STANDARD}, A.6)",
+                f"{_MINER - left:g} leaves a weld nothing of its Miner's sum of {_MINER:g} "
+                f"({_MINER_SOURCE})",
             )
         return left
 
@@ -296,10 +294,9 @@ class _Ranges:
         self,
         ends: tuple[int, int],
         fibre: tuple[float, float],
-        shear: FloatArray,
         turned: float,
         safety: float,
-        proof: "_Proof",
+        proof: _Proof,
     ) -> Derivation:
         loads, part = self.loaded.loads, self.loaded.part
         stress: list[Item] = [
@@ -327,7 +324,7 @@ class _Ranges:
         value: list[Item] = [
             Given("n", "factor on all loads, sought until this is reached", safety, "", _THEORY,
                   main=True),
-            *proof.items,
+            *proof[0],
             Step("sigma", "category over the safety", "S_C/n", "MPa", _THEORY, main=True),
         ]  # fmt: skip
         sections = {
@@ -345,30 +342,30 @@ class _Ranges:
             value="sigma",
             limit="S_C",
             bars=_NOMINAL.bars,
-            equal=proof.equal,
+            equal=proof[1],
         )
 
-    def _within_yield(self) -> "_Proof":
+    def _within_yield(self) -> _Proof:
         steel = self.loaded.part.material
-        return _Proof(
+        items: list[Item] = [
             Given("S_y", f"yield stress of {steel.name}", steel.yield_stress, "MPa", steel.source),
             Step("n_y", "the largest range that the code allows over the range",
                  f"{_YIELDS:g}*S_y/max(S, sqrt(3)*T_r)", "", f"{STANDARD}, (8.1)", main=True),
-            equal=(("n", "n_y"),),
-        )  # fmt: skip
+        ]  # fmt: skip
+        return items, (("n", "n_y"),)
 
-    def _without_end(self) -> "_Proof":
+    def _without_end(self) -> _Proof:
         share = AT_CUT_OFF if self.loaded.duty.damage_so_far > 0 else AT_KNEE
-        return _Proof(
+        items: list[Item] = [
             Step("S_D", "range of a life without end", f"{share:.15g}*S_C", "MPa", _CURVE),
             Step("T_L", "the same of shear", f"{SHEAR_CUT_OFF:.15g}*T_C", "MPa", _CURVE),
             Step("D", "normal and shear stress together", "(n*S/S_D)^3 + (n*T_r/T_L)^5", "",
                  f"{STANDARD}, (8.3)", main=True),
             Given("D_a", "limit of it", 1.0, "", f"{STANDARD}, (8.3)"),
-            equal=(("D", "D_a"),),
-        )  # fmt: skip
+        ]  # fmt: skip
+        return items, _REACHED
 
-    def _miner(self, own: Cycles, beside: Cycles, safety: float) -> "_Proof":
+    def _miner(self, own: Cycles, beside: Cycles, safety: float) -> _Proof:
         items: list[Item] = [
             Step("S_D", "range at the knee", f"{AT_KNEE:.15g}*S_C", "MPa", _CURVE),
             Step("S_L", "cut-off", f"{AT_CUT_OFF:.15g}*S_C", "MPa", _CURVE),
@@ -378,23 +375,17 @@ class _Ranges:
             _miner("D_t", "shear stress", beside,
                    f"choose(n*r, T_L, m/{REFERENCE:.0f}*(n*r/T_C)^5, 0)"),
             Step("D", "both together", "D_s + D_t", "", f"{STANDARD}, (8.3) with (A.3)", main=True),
-            Given("D_a", "Miner's sum that is left of 1", self._left, "", f"{STANDARD}, A.6"),
+            Given("D_a", f"Miner's sum that is left of {_MINER:g}", self._left, "", _MINER_SOURCE),
         ]  # fmt: skip
         scope: dict[str, Value] = {"S_C": self.category, "n": safety, "T_C": SHEAR_CATEGORY}
         for item in items:
             scope[item.symbol] = value_of(item, scope)
-        at_jump = abs(float(scope["D"]) - self._left) > _CLOSE
-        return _Proof(*items, equal=() if at_jump else (("D", "D_a"),))
+        at_cut_off = abs(float(scope["D"]) - self._left) > _CLOSE  # D jumps over its limit there
+        return items, () if at_cut_off else _REACHED
 
 
-class _Proof:
-    """Items that show what a safety reaches, and pairs of symbols that agree then.
-
-    No pair where a range comes to the cut-off: the damage jumps over its limit there.
-    """
-
-    def __init__(self, *items: Item, equal: tuple[tuple[str, str], ...]) -> None:
-        self.items, self.equal = items, equal
+def _positions(run: slice) -> IntArray:
+    return np.arange(run.start, run.stop)
 
 
 def _miner(symbol: str, of: str, cycles: Cycles, formula: str) -> Sum:
@@ -437,12 +428,12 @@ def _static(loaded: LoadedPart, weld: Weld, forces: Mapping[str, FloatArray]) ->
              main=True),
     ]  # fmt: skip
     limit: list[Item] = [
-        Given("f_u", f"tensile strength of {material.name}", material.ultimate_stress, "MPa",
+        Given("S_u", f"tensile strength of {material.name}", material.ultimate_stress, "MPa",
               material.source, main=True),
         Given("beta_w", "correlation factor, the largest of all steels", _BETA, "",
               "EN 1993-1-8, table 4.1"),
         Given("gamma_M2", "partial factor", _GAMMA, "", "EN 1993-1-8, 2.2"),
-        Step("F_R", "strength per length", "a*f_u/(sqrt(3)*beta_w*gamma_M2)", "N/mm",
+        Step("F_R", "strength per length", "a*S_u/(sqrt(3)*beta_w*gamma_M2)", "N/mm",
              "EN 1993-1-8, (4.3) and (4.4)", main=True),
     ]  # fmt: skip
     heading = Heading(

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from geometry.bars import (
+    BESIDE,
     Bar,
     RulingSection,
     Section,
@@ -76,8 +77,10 @@ class PlateLink(Shape):
 
     @property
     def walls(self) -> tuple[Walls, ...]:
-        """The plate between its holes."""
-        first, second = (hole / 2 for hole in self._holes.values())
+        """The plate between its holes, where their stress has died away."""
+        first, second = (max(hole / 2, BESIDE * self.width) for hole in self._holes.values())
+        if not first < self.length - second:
+            return ()
         stretch = (first, self.length - second)
         return (Walls("flat", self.width, self.thickness, stretch, self.sections[0]),)
 

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from geometry.bars import (
+    BESIDE,
     Bar,
     RulingSection,
     Section,
@@ -120,9 +121,9 @@ class ToggleBar(Shape):
 
     @property
     def walls(self) -> tuple[Walls, ...]:
-        """The closed tube between the cut-out, or the knee's hole, and the hole at the end."""
-        free = self.cutout_length - self.overhang
-        stretch = (max(free, self.hole / 2), self.length - self.hole / 2)
+        """The closed tube, a width beyond the cut-out, where the holes' stress has died away."""
+        beside, free = BESIDE * self.width, self.cutout_length - self.overhang
+        stretch = (max(free + self.width, beside), self.length - beside)
         if not stretch[0] < stretch[1]:
             return ()
         return (Walls("square", self.width, self.wall, stretch, self.sections[0]),)

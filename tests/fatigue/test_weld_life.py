@@ -44,6 +44,26 @@ def test_printed_lives_on_the_slope_of_three(category, stress_range, printed):
     assert round(1.0 / float(weld_damage(stress_range, category))) == printed
 
 
+@pytest.mark.parametrize(
+    ("category", "printed"),
+    [(112, 2.810e12), (90, 1.458e12), (80, 1.024e12), (71, 7.158e11), (63, 5.001e11),
+     (56, 3.512e11), (50, 2.500e11), (45, 1.823e11), (40, 1.280e11), (36, 9.331e10)],
+)  # fmt: skip
+def test_the_constants_that_iiw_prints(category, printed):
+    """IIW XIII-1965-03 (February 2005), table {4}-1: C of N = C/S^3 above the knee."""
+    stress = 1.3 * category
+    last_digit = 10.0 ** (np.floor(np.log10(printed)) - 3)
+    assert_allclose(
+        stress**3 / weld_damage(stress, category), printed, rtol=0, atol=0.5001 * last_digit
+    )
+
+
+@pytest.mark.parametrize(("category", "printed"), [(100.0, 45.7), (80.0, 36.6)])
+def test_the_cut_off_of_shear_that_iiw_prints(category, printed):
+    """The same table: range at 1e8 cycles on slope 5."""
+    assert_allclose(SHEAR_CUT_OFF * category, printed, atol=0.05)
+
+
 def test_a_printed_limit_of_constant_amplitude():
     """reuven.tools, Fatigue Life Calculator: category 90 endures 66.3 MPa without end."""
     (safety,) = endless_weld_safety(np.array([60.0]), 0.0, (90.0, 80.0))

@@ -16,12 +16,12 @@ from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.stress_result import RungModel
 from fem.unit_loads import HARMONICS, bearing_coefficients
+from geometry.bars import BESIDE
 from geometry.mesh import FloatArray
 from geometry.outlines import ComplexArray
 from geometry.parts.plate import Plate, PlateBore
 
 _STATIONS = 13  # between two bores
-_CUT = 1.25  # widths from a hole to where the plate is a bar again
 _ON_ARC = (0.1, 0.3, 0.5, 0.7, 0.9)  # of a hollow edge, where it is asked
 _ROUND = 0.05  # of half a width: an end that is as far as the sides are is round
 _STRAIGHT = 1e-6  # of a unit vector
@@ -187,9 +187,9 @@ def _lug(
         for at in (middle, middle + radius * along)
     )
     half = (beside + further) / 2 if round_end and further > radius else beside
-    behind = min(shape.outline.reach(middle, -along), 2 * _CUT * half)
+    behind = min(shape.outline.reach(middle, -along), 2 * BESIDE * half)
     end = None if round_end and abs(behind / half - 1) < _ROUND else behind
-    outline = strip_outline(half, end, max(2 * _CUT * half, 1.5 * radius))
+    outline = strip_outline(half, end, max(2 * BESIDE * half, 1.5 * radius))
     found = pin_loaded_hole(radius, outline, part.material.poisson_ratio)
     own = np.zeros((len(ANGLES), 6, len(PATTERNS)))
     turn = phase(along)

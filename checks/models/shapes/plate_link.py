@@ -16,10 +16,9 @@ from checks.models.formula_lugs import add_bore, strip_edges
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.stress_result import RungModel
-from geometry.bars import rectangle_torsion
+from geometry.bars import BESIDE, rectangle_torsion
 from geometry.parts import PlateLink
 
-_CUT = 1.25  # widths from a hole to where the plate is a bar again
 _STATIONS = 13
 
 
@@ -39,7 +38,7 @@ def stress(part: Part, shape: PlateLink, loads: PartLoads) -> RungModel:
     )
     bar, points = whole.forces, whole.points
     modulus = float(rectangle_torsion(shape.width, thickness)[1])
-    cut = min(_CUT * shape.width, shape.length / 2)
+    cut = min(BESIDE * shape.width, shape.length / 2)
     for name, (x, hole) in holes.items():
         outline = strip_outline(half, None, max(cut, 0.75 * hole))
         found = pin_loaded_hole(hole / 2, outline, part.material.poisson_ratio)

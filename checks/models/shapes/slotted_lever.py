@@ -22,11 +22,10 @@ from checks.models.formula_points import Points, along_x, in_section
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.stress_result import RungModel
-from geometry.bars import rectangle_torsion
+from geometry.bars import BESIDE, rectangle_torsion
 from geometry.mesh import FloatArray
 from geometry.parts import SlottedLever
 
-_CUT = 1.25  # widths from a hole to where the plate is a bar again
 _STATIONS = 25  # along the slot
 
 
@@ -75,7 +74,7 @@ def _add_lug(
 ) -> None:
     """Add a bore as in a strip of the plate's width; the tip's is as thick as plate and bosses."""
     half, depth = shape.width / 2, shape.thickness + bosses
-    cut = max(min(_CUT * shape.width, 2 * room), 0.75 * shape.hole)
+    cut = max(min(BESIDE * shape.width, 2 * room), 0.75 * shape.hole)
     outline = strip_outline(half, shape.overhang, cut)
     hole = pin_loaded_hole(shape.hole / 2, outline, part.material.poisson_ratio)
     _, modulus = rectangle_torsion(shape.width, depth)

@@ -22,11 +22,10 @@ from checks.models.formula_points import Points
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.stress_result import RungModel
-from geometry.bars import Section, plate_section, square_tube_section
+from geometry.bars import BESIDE, Section, plate_section, square_tube_section
 from geometry.mesh import FloatArray
 from geometry.parts import ToggleBar
 
-_CUT = 1.25  # widths from a hole to where the cheek's stress is that of the bar
 _STATIONS = 9
 
 
@@ -42,7 +41,7 @@ def stress(part: Part, shape: ToggleBar, loads: PartLoads) -> RungModel:
     places = {"knee": 0.0, "end": shape.length}
     whole = BarPart.of(part, loads, places, mass, shape.length, (shape.hole / 2, shape.hole / 2))
     bar, points = whole.forces, whole.points
-    cut = min(_CUT * shape.width, shape.length / 2)
+    cut = min(BESIDE * shape.width, shape.length / 2)
     stringer = (shape.width - 2 * shape.wall) / 2
     for name, x in places.items():
         outline = strip_outline(

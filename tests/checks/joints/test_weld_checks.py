@@ -11,8 +11,11 @@ import pytest
 from numpy.testing import assert_allclose
 
 from ballesta.cli import main
+from ballesta.pipeline import check_file
+from ballesta.sweeps.improve import improve
 from checks import by_formula
 from checks.by_formula import weld
+from checks.design.effort import Effort
 from checks.design.errors import DesignError
 from checks.handbook.weld_details import ROWS, category_of
 from checks.models.formula_bars import bar_loads
@@ -21,6 +24,7 @@ from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
 from fatigue.weld_life import AT_KNEE, SHEAR_CUT_OFF
 from geometry.bars import rectangle_torsion
+from reports.what_if import what_if
 
 from ...small_machine import PLATE, loads_of, machine, solved
 from .test_slot_checks import lever
@@ -84,7 +88,7 @@ def test_a_pull_on_a_flat_bar_by_hand(tmp_path):
     assert_allclose(root.safety, AT_KNEE * 36.0 / (4800.0 / 180.0), rtol=1e-9)
     assert (toe.limit, root.limit) == (80.0, 36.0)
     assert_allclose(found["throat"].value, 4800.0 / 60.0, rtol=1e-12)  # N/mm on each of two welds
-    strength = 3.0 * found["throat"].derivation.number("f_u") / (sqrt(3) * 1.25)
+    strength = 3.0 * found["throat"].derivation.number("S_u") / (sqrt(3) * 1.25)
     assert_allclose(found["throat"].limit, strength, rtol=1e-12)
 
 
@@ -135,22 +139,41 @@ def test_a_round_tube_by_hand(tmp_path):
 
 
 def test_a_finite_life_by_hand(tmp_path):
-    """1e5 runs of 0 to 24 kN: 100 MPa on category 80, n^3 = 20 (80/100)^3; 133 MPa in the throat.
+    """1e5 runs of 0 to 24 kN, half of which may be used up: 100 MPa on category 80, 133 on 36.
 
-    The throat endures 2e6 (36/133.3)^3 = 39 366 runs: n^3 = 0.394.
+    n^3 = 0.5 x 20 (80/100)^3 at the toe; 2e6 (36/133.3)^3 = 39 366 runs, n^3 = 0.197 in the throat.
     """
     design = flat(tmp_path, 'duty.life="finite"', "duty.cycles.turn=1e5")
     found = pulled(design, [0.0, 24000.0])
-    assert_allclose(found["toe"].safety, (20 * 0.8**3) ** (1 / 3), rtol=1e-9)
-    assert_allclose(found["root"].safety, (20 * (36.0 * 180 / 24000) ** 3) ** (1 / 3), rtol=1e-9)
+    assert_allclose(found["toe"].safety, (10 * 0.8**3) ** (1 / 3), rtol=1e-9)
+    assert_allclose(found["root"].safety, (10 * (36.0 * 180 / 24000) ** 3) ** (1 / 3), rtol=1e-9)
     derivation = found["root"].derivation
     assert derivation.equal == (("D", "D_a"),)
-    assert_allclose(derivation.number("D"), 1.0, rtol=1e-9)
+    assert_allclose(derivation.number("D"), 0.5, rtol=1e-9)
     worn = flat(
         tmp_path, 'duty.life="finite"', "duty.cycles.turn=1e5", "duty.damage_so_far=0.2",
     )  # fmt: skip
     again = pulled(worn, [0.0, 24000.0])["root"]
-    assert_allclose(again.safety / found["root"].safety, 0.8 ** (1 / 3), rtol=1e-9)
+    assert_allclose(again.safety / found["root"].safety, 0.6 ** (1 / 3), rtol=1e-9)
+
+
+def test_earlier_use_that_leaves_nothing_is_refused(tmp_path):
+    worn = ['duty.life="finite"', "duty.allowed_damage=1", "duty.damage_so_far=0.6"]
+    with pytest.raises(
+        DesignError, match=r"duty\.damage_so_far: 0\.6 leaves a weld nothing of its Miner"
+    ):
+        pulled(flat(tmp_path, *worn), [0.0, 24000.0])
+
+
+def test_the_strength_of_a_throat_is_the_printed_one(tmp_path):
+    """FrameAI, Fillet Weld Sizing Calculator: S355, f_u = 510 MPa, beta_w 0.9: 261.73 MPa, 785.2 N/mm.
+
+    Here beta_w is 1, the largest of all steels.
+    """
+    found = pulled(flat(tmp_path), [0.0, 4800.0])["throat"]
+    printed = found.limit * 510.0 / found.derivation.number("S_u") / 0.9
+    assert_allclose(printed, 785.2, atol=0.05)
+    assert_allclose(printed / 3.0, 261.73, atol=0.005)
 
 
 def test_no_range_above_one_and_a_half_times_yield(tmp_path):
@@ -214,10 +237,10 @@ wall = "3 mm"
         assert_allclose(found["toe"].safety, AT_KNEE * 45.0 / stress, rtol=1e-3)
 
 
-def throat(tmp_path, text):
+def throat(tmp_path, text, of=weld._throat):
     design = machine(tmp_path, text)
     scope = {}
-    for item in weld._throat(design.parts["rod"].welds[0]):
+    for item in of(design.parts["rod"].welds[0]):
         scope[item.symbol] = weld.value_of(item, scope)
     return scope
 
@@ -253,6 +276,9 @@ def test_the_square_throat_is_that_of_thin_walls(tmp_path):
     assert_allclose(scope["I_z"], 2.0 * (points[:, 0] ** 2 * lengths).sum(), rtol=1e-5)
     assert_allclose(scope["q_V"], shear_flow(points, lengths, 2.0), rtol=1e-3)
     assert_allclose(scope["q_T"], 1.0 / (2 * 30.0**2 * 2.0), rtol=1e-12)  # Bredt
+    walls = throat(tmp_path, TOGGLE, weld._walls)  # 3 mm thick, 27 mm between their middles
+    assert_allclose(walls["q_V"], shear_flow(0.9 * points, 0.9 * lengths, 3.0), rtol=1e-3)
+    assert_allclose(walls["q_T"], 1.0 / (2 * 27.0**2 * 3.0), rtol=1e-12)
 
 
 def test_the_round_throat_is_that_of_thin_walls(tmp_path):
@@ -264,6 +290,9 @@ def test_the_round_throat_is_that_of_thin_walls(tmp_path):
     assert_allclose(scope["I_z"], 2.0 * (points[:, 0] ** 2 * lengths).sum(), rtol=1e-9)
     assert_allclose(scope["q_V"], shear_flow(points, lengths, 2.0), rtol=1e-3)
     assert_allclose(scope["q_T"], 1.0 / (2 * pi * 10.0**2 * 2.0), rtol=1e-12)
+    walls = throat(tmp_path, ROD + TUBE, weld._walls)
+    assert_allclose(walls["q_T"], 10.0 / (pi / 32 * (20.0**4 - 15.0**4)), rtol=1e-12)
+    assert_allclose(walls["q_V"], 2.0 / ROUND, rtol=1e-12)
 
 
 def test_a_torque_is_counted_on_the_side_where_it_adds(tmp_path):
@@ -347,7 +376,7 @@ def test_rows_cover_each_wall_once():
 @pytest.mark.parametrize(
     ("welds", "wording"),
     [
-        ('at = "3 mm", detail = "bar on plate penetrated", length = "9 mm"', r"welds\[0\]\.at: no even walls are at 3 mm; the part has them from 6 to 155 mm"),
+        ('at = "3 mm", detail = "bar on plate penetrated", length = "9 mm"', r"welds\[0\]\.at: at 3 mm the stress is not that of even walls; it is from 37\.5 to 123\.5 mm"),
         ('at = "40 mm", detail = "bar on plate by fillet", throat = "9 mm", length = "9 mm"', r"welds\[0\]\.throat: 9 mm is more than the wall of 8 mm; it must be at most 8 mm"),
         ('at = "40 mm", detail = "bar on plate by filet", throat = "3 mm"', r"welds\[0\]\.detail: must be .* got \"bar on plate by filet\", did you mean bar on plate by fillet\?"),
         ('at = "40 mm", detail = "tube on plate by fillet", throat = "3 mm"', r"has it for no flat bar, .* there are attachment across bar; .*bar on plate by fillet"),
@@ -367,10 +396,20 @@ def test_refusals(tmp_path, welds, wording):
         flat(tmp_path, welds=f"welds = [{{ {welds} }}]")
 
 
+def test_a_link_whose_holes_are_near_has_no_walls(tmp_path):
+    with pytest.raises(DesignError, match=r"no stretch with even walls, away from holes"):
+        flat(tmp_path, 'parts.rod.width="70 mm"')
+
+
 def test_walls_that_no_table_has_are_refused(tmp_path):
     with pytest.raises(DesignError, match=r"is for walls up to 8 mm, the part has 9 mm there; for "
                        r"such a wall there are attachment on tube; tube end to end by butt"):  # fmt: skip
         machine(tmp_path, ROD + TUBE, 'parts.rod.wall="9 mm"')
+
+
+def test_details_of_tubes_are_none_of_solid_rods(tmp_path):
+    with pytest.raises(DesignError, match=r"the part is a solid rod there; state a category"):
+        machine(tmp_path, ROD.replace('wall = "2.5 mm"\n', "") + TUBE)
 
 
 def test_only_steel_is_judged(tmp_path):
@@ -382,7 +421,7 @@ def test_only_steel_is_judged(tmp_path):
 
 
 def test_a_shape_without_walls_is_refused(tmp_path):
-    with pytest.raises(DesignError, match=r"welds\[0\]\.at: the part has no stretch with walls .* "
+    with pytest.raises(DesignError, match=r"welds\[0\]\.at: the part has no stretch with even walls, .* "
                        r"are plate_link, prismatic_tube, toggle_bar, tube_rod"):  # fmt: skip
         lever(tmp_path, 'welds = [{ at = "40 mm", category = "36 MPa" }]')
 
@@ -412,3 +451,38 @@ def test_json_page_and_why_show_welds(tmp_path, capsys):
     said = " ".join(capsys.readouterr().out.split())
     assert "table 8.5" in said
     assert "D = (n·S/S_D)³ + (n·T_r/T_L)⁵" in said
+
+
+def test_a_thicker_throat_is_a_way_out(tmp_path):
+    """A push of 5 kN on half of the turn: 28 to 31 MPa in the throat of 3 mm, 26.5 over 1.35 allowed."""
+    flat(tmp_path)
+    path = tmp_path / "machine.toml"
+    whole = 'name = "round", to = "450 deg", forces = { push = "400 N" }, solve = "drive"'
+    halves = (
+        'name = "out", to = "270 deg", forces = { push = "5 kN" }, solve = "drive" }, '
+        '{ name = "back", to = "450 deg", forces = { push = "0 N" }, solve = "drive"'
+    )
+    text = path.read_text()
+    assert whole in text
+    path.write_text(text.replace(whole, halves).replace("positions = 25\n", ""))
+    found = improve(path, effort=Effort("formula"))
+    change = next(one for one in found.changes if one.key == "parts.rod.welds[0].throat")
+    throat = float(change.value.split()[0])
+    assert 3.0 * 1.35 * 5000 / 180 / (AT_KNEE * 36.0) < throat < 6.0
+    again = check_file(path, [change.override], effort=Effort("formula"))
+    assert all(str(one.status) == "pass" for one in again.checks if one.kind == "weld")
+
+
+@pytest.mark.parametrize("life", ["infinite", "finite"])
+def test_the_page_follows_no_other_runs_of_a_weld(tmp_path, life):
+    """Other runs of a finite life are sought by a check alone; of an endless one they are nothing."""
+    flat(tmp_path)
+    path = tmp_path / "machine.toml"
+    result = check_file(path, [f'duty.life="{life}"'], effort=Effort("formula"))
+    data = json.loads(what_if(result))
+    (root,) = [one for one in data["checks"] if "fatigue of the root" in one["name"]]
+    followed = [data["levers"][k]["sets"][0] for k in root["levers"]]
+    assert ["duty.cycles.turn" in one for one in followed] == ([True] if life == "finite" else [])
+    assert sum(one is not None for one in root["safety"]) == 1
+    assert root["fixed"]
+    assert root["load"] == 1.0
