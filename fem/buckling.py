@@ -149,7 +149,7 @@ def round_contacts(solutions: UnitSolutions) -> list[RoundContact]:
 
 
 def pins_pressing(solutions: UnitSolutions, coefficients: FloatArray) -> LowRank:
-    """What a load state's pins do besides to the geometric stiffness, turned round; N mm.
+    """Part of the geometric stiffness by a load state's pins, turned round; N mm.
 
     coefficients  (n_basis,) of the unit loads
 

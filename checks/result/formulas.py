@@ -299,7 +299,7 @@ def _symbol(name: str, scope: Scope) -> Value:
 
 
 def _called(name: str, values: Sequence[Value], functions: Mapping[str, Function]) -> object:
-    """What a function makes of its arguments."""
+    """Value of a function at its arguments."""
     if name not in functions:
         raise FormulaError(f"{name} is no function of numbers")
     function = functions[name]

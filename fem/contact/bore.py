@@ -124,7 +124,7 @@ class BoreHarmonics:
         return {}
 
     def _once(self, name: str, of: object, work: Callable[[], FloatArray]) -> FloatArray:
-        """What some work gives for hats or another bore; done once for every clearance of a pin."""
+        """Result of some work for hats or another bore, done once for every clearance of a pin."""
         if (name, of) not in self._found:
             self._found[name, of] = work()
         return self._found[name, of]

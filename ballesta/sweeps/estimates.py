@@ -1,0 +1,202 @@
+"""Formula estimates of a design's variations, set against the result of its check.
+
+A change multiplies the demand that the deciding model has found, and its upper end, by the ratio of
+the formula's demands after and before; where the formula decided, by the ratio of its upper ends.
+"""
+
+import re
+from collections.abc import Mapping, Sequence
+from math import inf, isfinite
+
+import loads
+from ballesta.sweeps.dimensions import dimension, written
+from ballesta.sweeps.screen import Screened, Screening
+from checks.design.data import Design
+from checks.design.materials import known_materials
+from checks.ladder.leaf_checks import LeafBand
+from checks.result.verdict import Change, Check, DesignResult, Status
+
+LINKAGE = "linkage"  # name of its checks' part
+MATERIAL = ".material"  # with which the key of one ends
+STRESS = ("static", "fatigue")
+_MARGIN = 1.1  # on what another model than the formula decides: so far may their ratio change
+_SAME = 1e-6  # of a reserve: no worse than before
+_THIN = 0.02  # of the stiffness of a section may be left by a change of unknown effect
+_LOADS = 2.0  # by so much may other masses change the loads
+
+
+class Estimates:
+    """Formula estimates of a design's variations, set against its result.
+
+    open  parts that do not pass
+    base  the formula's checks of these, or of all, as they are
+    """
+
+    def __init__(
+        self,
+        design: Design,
+        result: DesignResult,
+        solved: Mapping[str, loads.CycleLoads] | None = None,
+        rubbing: Mapping[str, LeafBand] | None = None,
+        *,
+        between: bool = True,
+    ) -> None:
+        self.design, self.result = design, result
+        self.open = tuple(
+            part.name
+            for part in result.parts
+            if any(check.status is not Status.PASS for check in part.checks)
+        )
+        self.linkage_open = any(check.status is not Status.PASS for check in result.linkage)
+        deciding = {check.cycle for check in result.checks}
+        cycles = None if between else {*design.duty.cycles, *deciding}
+        self.screening = Screening(
+            design, between=between, rubbing=rubbing, cycles=cycles, solved=solved
+        )
+        self._known = {_name(check): check for check in result.checks}
+        self._ratios: dict[tuple[str, str, str], tuple[float, float, bool]] = {}
+        self._compared: set[str] = set()
+        self.base = self._compare(self.open or [part.name for part in result.parts])
+
+    def _compare(self, parts: Sequence[str]) -> Screened:
+        """The formula's checks of some parts as they are, beside those of the result."""
+        base = self.screening.of({}, parts)
+        self.screening.rubbing |= base.rubbing
+        self._compared |= set(parts)
+        for check in base.checks:
+            better = self._known.get(_name(check))
+            if better is not None and check.value > 0:
+                same = better.method == check.method
+                reach = better.upper / check.upper if same else better.upper / check.value
+                ratios = better.value / check.value, reach, same
+                self._ratios[_name(check)] = ratios
+        return base
+
+    @property
+    def all_open(self) -> tuple[str, ...]:
+        """Parts that do not pass, and the linkage as a whole where it does not."""
+        return (*self.open, *([LINKAGE] if self.linkage_open else []))
+
+    def reserve(self, one: Screened, parts: Sequence[str], *, margin: bool = True) -> float:
+        """The least reserve of some parts' checks; 0 where a check has no upper end.
+
+        margin  False for parts that keep their shape: so does the ratio of their models
+        """
+        return min((r for r, *_ in self.reserves(one, parts, margin=margin)), default=inf)
+
+    def reserves(
+        self, one: Screened, parts: Sequence[str], *, margin: bool = True
+    ) -> list[tuple[float, float, float, Check]]:
+        """Reserve, safety at the value and at the upper end, and check, of some parts."""
+        found = []
+        for check in one.checks:
+            if check.part not in parts or not check.value:
+                continue
+            ratio, reach, same = self._ratios.get(_name(check), (1.0, 1.0, True))
+            safety = check.limit / (check.value * ratio)
+            least = check.limit / ((check.upper if same else check.value) * reach)
+            kept = _MARGIN if margin and not same else 1.0
+            found.append((least / (check.required * kept), safety, least, check))
+        return found
+
+    def before(self, name: str) -> float:
+        """Reserve of a part, or of the linkage, in the design as it is."""
+        checks = [check for check in self.result.checks if check.part == name]
+        return min(map(reserve_of, checks), default=inf)
+
+    def beside(self, change: Change) -> float:
+        """The least reserve of other parts and of the linkage, over 1 or a lesser one before."""
+        others = self.others(change)
+        asks = self._asks_linkage(change)
+        if not others and not asks:
+            return inf
+        reserves = {name: self.before(name) for name in others}
+        one = self.screening.of({change.key: change.value}, others, linkage=asks, reserves=reserves)
+        if one.problem:
+            return 0.0
+        new = {check.part for check in one.checks} - self._compared - {LINKAGE}
+        if new:
+            self._compare(sorted(new))
+        ratios = [inf]
+        for name in [*others, *([LINKAGE] if asks else [])]:
+            has = self.before(name)
+            before = min(1.0, (1 - _SAME) * has)
+            reshaped = has >= 1 and bool(self.parts_of(change.key, (name,)))
+            if before:  # 0 without an error bar: nothing can be said, before as after
+                ratios.append(self.reserve(one, (name,), margin=reshaped) / before)
+        return min(ratios)
+
+    def others(self, change: Change) -> list[str]:
+        """Parts that a change is not for."""
+        return [part.name for part in self.result.parts if part.name not in change.parts]
+
+    def _asks_linkage(self, change: Change) -> bool:
+        """True if a change may matter for the linkage's buckling.
+
+        The stiffness of a section goes at most with the fourth power of a dimension that is larger
+        where it is stiffer; masses change the loads by less than a factor of two.
+        """
+        left = self.before(LINKAGE)
+        old, value = (dimension(change.key, text) for text in (change.was, change.value))
+        stiffness = _THIN
+        if change.key.endswith(MATERIAL):
+            known = known_materials()
+            stiffness = known[change.value].youngs_modulus / known[change.was].youngs_modulus
+        elif old and value and (value[0] > old[0]) == bool(self.open):
+            stiffness = min(old[0] / value[0], value[0] / old[0]) ** 4
+        return isfinite(left) and left * stiffness < _LOADS
+
+    def parts_of(self, key: str, wanted: tuple[str, ...]) -> tuple[str, ...]:
+        """The wanted parts whose shape or material a key states: its own, and those like it."""
+        match = re.match(r"parts\.(\w+)\.", key)
+        return tuple(part for part in wanted if match and match[1] in self.owners(part))
+
+    def owners(self, part: str) -> list[str]:
+        """A part, the part that it is like, and so on."""
+        stated = dict(self.design.inputs)
+        owners = [part]
+        while (like := stated.get(f"parts.{owners[-1]}.like")) and like not in owners:
+            owners.append(like)
+        return owners
+
+    def screened(self, key: str, value: float, unit: str, parts: tuple[str, ...]) -> Screened:
+        """A variation of one dimension, by its checks of some parts."""
+        return self.screening.of({key: written(value, unit)}, parts)
+
+    def settled(self, key: str, value: str, parts: Sequence[str], one: Screened) -> Screened:
+        """A variation with the friction between leaves that it has itself."""
+        if all(one.rubbing[part].friction is None for part in parts if part in one.rubbing):
+            return one
+        return self.screening.of({key: value}, parts, anew=True)
+
+    def told(
+        self, key: str, was: str, value: str, least: str, parts: tuple[str, ...], one: Screened
+    ) -> Change:
+        """A change in words, with the safety that is estimated for some parts."""
+        _, safety, lower, check = min(self.reserves(one, parts), key=lambda found: found[0])
+        decided = self._known.get(_name(check), check).method
+        return Change(
+            key,
+            was,
+            value,
+            least,
+            parts,
+            safety,
+            lower,
+            check.required,
+            f"{check.part} {check.kind}",
+            decided,
+            float(one.mass),
+            float(self.base.mass - one.mass),
+        )
+
+
+def reserve_of(check: Check) -> float:
+    """Limit over the upper demand times the required safety: at least 1 passes."""
+    return check.limit / (check.upper * check.required) if check.upper else inf
+
+
+def _name(check: Check) -> tuple[str, str, str]:
+    """By what checks of two models are the same; stress has other names by each."""
+    alike = check.kind in STRESS
+    return check.part, check.kind, "" if alike else check.quantity
