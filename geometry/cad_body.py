@@ -10,9 +10,10 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from geometry.body import Body, Buildable
 from geometry.element_count import check_skin
 from geometry.mesh import FloatArray, IntArray, Interface, MassProperties, MeshError
-from geometry.meshing import Body, Buildable, gmsh_session
+from geometry.meshing import gmsh_session
 from geometry.part_sizes import in_unit, unit_of
 
 T = TypeVar("T")

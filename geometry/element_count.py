@@ -1,14 +1,12 @@
 """Number of elements of a mesh, estimated from the CAD body before it is meshed."""
 
 from math import inf, pi, sqrt
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from geometry.body import Body, Region
 from geometry.mesh import FloatArray, TooFineError
-
-if TYPE_CHECKING:
-    from geometry.meshing import Body, Region
 
 _TRIANGLE = sqrt(3.0) / 4.0  # area of an equilateral triangle over its edge squared
 _TETRAHEDRON = 1.0 / (6.0 * sqrt(2.0))  # volume of a regular one over its edge cubed
@@ -70,7 +68,7 @@ def _largest_curvature(gmsh: Any, face: int) -> float:
     return float(np.abs([*largest, *smallest]).max(initial=0.0))
 
 
-def solid_elements(gmsh: Any, body: "Body", fineness: float) -> float:
+def solid_elements(gmsh: Any, body: Body, fineness: float) -> float:
     """Tetrahedra of a body, its regions included.
 
     A region's elements grow evenly from its size to the general one over its reach: of a face with
@@ -86,7 +84,7 @@ def solid_elements(gmsh: Any, body: "Body", fineness: float) -> float:
     return float(found)
 
 
-def solid_unknowns(gmsh: Any, body: "Body", fineness: float) -> float:
+def solid_unknowns(gmsh: Any, body: Body, fineness: float) -> float:
     """Unknowns of a body's mesh of quadratic tetrahedra, estimated to a factor of two.
 
     A region below a face reaches no deeper than the volume over the area of the region's faces.
@@ -108,7 +106,7 @@ def solid_unknowns(gmsh: Any, body: "Body", fineness: float) -> float:
 
 
 def _region_elements(
-    gmsh: Any, region: "Region", small: float, general: float, deepest: float = inf
+    gmsh: Any, region: Region, small: float, general: float, deepest: float = inf
 ) -> tuple[float, float]:
     """Tetrahedra of a region and its volume, mm3; below faces no deeper than a depth, mm."""
     depth = np.geomspace(1e-3 * _CLOSE, 1.0, 200) * region.reach

@@ -16,15 +16,16 @@ optimisation, by the rules of hxt_tetDelaunay.c and hxt_tetSync.c.
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import pairwise
 from threading import RLock
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
+from geometry.body import Body, Buildable
 from geometry.curving import ENOUGH, Gliding, around, bent, least_coefficients, moved, nearly_folded
 from geometry.element_count import SURE, check_elements, solid_elements, solid_unknowns
 from geometry.graphics import INSTALL
@@ -33,7 +34,6 @@ from geometry.mesh import (
     FloatArray,
     FoldedElementError,
     IntArray,
-    Interface,
     Mesh,
     MeshError,
     Tie,
@@ -94,53 +94,6 @@ class Split:
     nodes: FloatArray
     copies: tuple[IntArray, ...]
     pairs: IntArray
-
-
-@dataclass(frozen=True)
-class Region:
-    """A target size near some surfaces or curves.
-
-    entities  (dimension, tag) pairs of gmsh
-    size      mm, on the entities
-    reach     mm, distance at which the size has grown to the part's general size
-    """
-
-    entities: Sequence[tuple[int, int]]
-    size: float
-    reach: float
-
-
-@dataclass(frozen=True)
-class Body:
-    """A solid built in the running gmsh session, and what the mesher must know of it.
-
-    Its lengths are in the unit in which it is built, mm but for very small and very large parts.
-
-    surfaces    name -> tags of its CAD faces
-    interfaces  the places where other parts press
-    size        general element size
-    regions     where elements are smaller
-    stacked     True if it is several solids that share faces normal to y (made conformal in gmsh);
-                they keep nodes of their own there, with equal displacement along y
-    bolted_at   x of the plane in which a stack's solids do not slide on each other either
-    half        True if it is the half at z >= 0 of a part (geometry/symmetry.py)
-    """
-
-    surfaces: Mapping[str, Sequence[int]]
-    interfaces: Sequence[Interface]
-    size: float
-    regions: Sequence[Region]
-    stacked: bool = False
-    bolted_at: float | None = None
-    half: bool = False
-
-
-class Buildable(Protocol):
-    """A shape that can build itself with gmsh's OpenCASCADE kernel."""
-
-    def build(self, gmsh: Any) -> Body:
-        """Build the solid in gmsh's current model and say what stands where."""
-        ...
 
 
 @contextmanager
@@ -327,16 +280,6 @@ def _nodes(gmsh: Any) -> tuple[IntArray, FloatArray, IntArray]:
 def _place(gmsh: Any, tags: IntArray, now: FloatArray, wanted: FloatArray) -> None:
     for node in np.flatnonzero((now != wanted).any(axis=1)):
         gmsh.model.mesh.setNode(int(tags[node]), wanted[node].tolist(), [])
-
-
-def faces_where(gmsh: Any, test: Callable[[Any, str], bool]) -> list[int]:
-    """Tags of the CAD faces whose bounding box (6,) and type pass the test."""
-    found = []
-    for _, tag in gmsh.model.getEntities(2):
-        box = np.array(gmsh.model.getBoundingBox(2, tag))
-        if test(box, gmsh.model.getType(2, tag)):
-            found.append(tag)
-    return found
 
 
 def _set_sizes(gmsh: Any, body: Body, fineness: float, sizes: SizeField | None) -> None:

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from geometry.bars import Bar, RulingSection, Section, Walls
+from geometry.body import Body
 from geometry.mesh import Interface
-from geometry.meshing import Body
 
 
 @dataclass(frozen=True)

@@ -23,8 +23,8 @@ from checks.stress.solid_mesh_level import Models
 from fem.solvers import SolverError
 from fem.threads import keep_freed_memory
 from fem.unit_solutions import Elastic, UnitSolutions
+from geometry.body import Buildable
 from geometry.mesh import Mesh, MeshError
-from geometry.meshing import Buildable
 from geometry.progress import step
 from geometry.sizing import SizeField
 from reports.files import plain, replacing

@@ -23,10 +23,11 @@ from checks.part.derived import (
 from checks.part.part_loads import Doubt, PartLoads, Runs, first_largest, loads_on
 from checks.result.derivation import BARS, Derivation, Item, Section
 from checks.result.verdict import Check
+from geometry.body import Buildable
 from geometry.cad_body import SolidBody, cad_body
 from geometry.closed_form import closed_body
 from geometry.mesh import Interface, Mesh
-from geometry.meshing import Buildable, mesh_shape
+from geometry.meshing import mesh_shape
 
 FIRST = 0.7  # fineness of the first mesh; where the stress decides, later ones are finer
 

@@ -8,8 +8,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from geometry.bars import Bar, RulingSection, Section, even, round_tube, round_tube_section
+from geometry.body import Body, faces_where
 from geometry.mesh import Interface
-from geometry.meshing import Body, faces_where
 from geometry.parameters import GIVEN_BY_LINKAGE, a_length, check_above
 from geometry.shape import Shape
 

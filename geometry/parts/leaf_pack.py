@@ -7,8 +7,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from geometry.bars import Bar, RulingSection, Sections, even, rectangle
+from geometry.body import Body, Region, faces_where
 from geometry.mesh import Interface
-from geometry.meshing import Body, Region, faces_where
 from geometry.parameters import (
     GIVEN_BY_LINKAGE,
     ParameterError,

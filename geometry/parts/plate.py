@@ -11,8 +11,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from geometry.bars import Bar, RulingSection, Sections, rectangle
+from geometry.body import Body, Region, faces_where
 from geometry.mesh import FloatArray, Interface
-from geometry.meshing import Body, Region, faces_where
 from geometry.outlines import Contour, Edges, PlateOutline
 from geometry.parameters import ParameterError, check_above
 from geometry.shape import Shape

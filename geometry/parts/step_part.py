@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from geometry.bars import RulingSection
+from geometry.body import Body, Region
 from geometry.mesh import FloatArray, Interface, MeshError
-from geometry.meshing import Body, Region
 from geometry.parameters import ParameterError, check_above
 from geometry.round_faces import Hole
 from geometry.shape import Shape

@@ -20,8 +20,8 @@ from geometry.bars import (
     square_tube_section,
 )
 from geometry.bars import square_tube as square_section
+from geometry.body import Body, Region, faces_where
 from geometry.mesh import FloatArray, Interface
-from geometry.meshing import Body, Region, faces_where
 from geometry.parameters import (
     GIVEN_BY_LINKAGE,
     ParameterError,

@@ -19,8 +19,8 @@ from geometry.bars import (
     round_tube,
     round_tube_section,
 )
+from geometry.body import Body, Region, faces_where
 from geometry.mesh import FloatArray, Interface
-from geometry.meshing import Body, Region, faces_where
 from geometry.parameters import (
     GIVEN_BY_LINKAGE,
     ParameterError,

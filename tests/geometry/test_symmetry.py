@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from geometry.body import Body
 from geometry.mesh import SYMMETRY, MeshError
-from geometry.meshing import Body, gmsh_session, mesh_shape
+from geometry.meshing import gmsh_session, mesh_shape
 from geometry.parts import (
     SHAPES,
     Pin,
