@@ -38,7 +38,8 @@ from checks.strength.finite_life import (
 from checks.strength.fkm_strength import fkm_points, slopes_of
 from checks.strength.part_strength import life_task
 from checks.stress.duty_verdict import DutyVerdict, FatiguePeak
-from checks.stress.error_bars import Bars, Judged, StaticPeak, at_clearances, mesh_bar
+from checks.stress.error_bars import Bars, at_clearances, mesh_bar
+from checks.stress.judged import Judged, StaticPeak
 from checks.stress.solid_mesh_level import Level
 from checks.stress.stress_result import RungLevel, Stressed
 from geometry.mesh import FloatArray, IntArray

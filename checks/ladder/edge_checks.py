@@ -25,7 +25,8 @@ from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check, Status
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse
 from checks.strength.part_strength import endurance_of
-from checks.stress.error_bars import Bars, Judged, arcs_of, bars_of, clearance_values, mesh_bar
+from checks.stress.error_bars import Bars, arcs_of, bars_of, clearance_values, mesh_bar
+from checks.stress.judged import Judged
 from checks.stress.pins_in_bores import MIDDLE
 from checks.stress.sharp_edges import (
     EdgeLevel,

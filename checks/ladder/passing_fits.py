@@ -13,7 +13,8 @@ from checks.result.verdict import Check, Status
 from checks.result.ways import clearance_fact
 from checks.strength.fatigue_assessment import FatigueUse
 from checks.strength.part_strength import endurance_of
-from checks.stress.error_bars import Judged, StaticPeak, at_clearances
+from checks.stress.error_bars import at_clearances
+from checks.stress.judged import Judged, StaticPeak
 from checks.stress.pins_in_bores import MIDDLE, PinnedBores, widest_fits
 from checks.stress.solid_mesh_level import Level, solve_level
 from fem.contact.condensed import ContactError

@@ -13,7 +13,7 @@ from checks.part.part_loads import PartLoads
 from checks.strength.finite_life import DutyLife, LifeTask, lives_of, shortest_life
 from checks.strength.fkm_strength import FkmJudgement, fkm_judgement, fkm_points, slopes_of
 from checks.stress.duty_verdict import WHOLE_DUTY, DutyVerdict, FatiguePeak, duty_runs, duty_verdict
-from checks.stress.error_bars import Judged, Under, direct_under, raised_in_bores
+from checks.stress.judged import Judged, Under, direct_under, raised_in_bores
 from checks.stress.solid_mesh_level import Level
 from checks.stress.stress_result import Stressed
 from fatigue.proportionality import PROPORTIONAL

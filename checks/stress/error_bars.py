@@ -1,7 +1,6 @@
 """Stress at the worst point of a part, and its error bars from one mesh to the next."""
 
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import degrees, pi
 from weakref import WeakKeyDictionary
@@ -11,9 +10,9 @@ import numpy as np
 from checks.design.data import Part
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
 from checks.part.part_loads import PartLoads
+from checks.stress.judged import Judged, raised_in_bores
 from checks.stress.pins_in_bores import CLEARANCE_WORDS, CLEARANCES, MIDDLE
-from checks.stress.solid_mesh_level import Level, peak_of
-from checks.stress.stress_result import Stressed
+from checks.stress.solid_mesh_level import Level
 from fem.convergence import (
     ORDER,
     ErrorBar,
@@ -21,15 +20,11 @@ from fem.convergence import (
     growth_exponent,
     moves_like_singular,
 )
-from fem.recovery import von_mises
 from fem.singularity import singular_exponent
-from fem.unit_solutions import direct_displacement, has_bearings, tilting_columns
-from geometry.mesh import FloatArray, IntArray
+from fem.unit_solutions import has_bearings
+from geometry.mesh import FloatArray
 
 _UNRESOLVED = 0.05  # error that elements make in a notch, over the peak
-
-# Stress (n, 6, m), MPa, of a level at a position under pressures other than its own, by m numbers.
-Under = Callable[[PartLoads, Level, int, Sequence[float]], FloatArray]
 
 
 @dataclass(frozen=True)
@@ -51,100 +46,6 @@ class Bars:
     by_arc: Mapping[float, float] = field(default_factory=dict)
     in_bores: float = 0.0
     by_clearance: Mapping[float, float] = field(default_factory=dict)
-
-
-class Judged(ABC):
-    """A quantity of a part that is judged at its worst point."""
-
-    @abstractmethod
-    def value(self, level: Stressed) -> float:
-        """The quantity on one mesh, MPa."""
-
-    @abstractmethod
-    def point(self, level: Stressed) -> int:
-        """Index of the surface point that carries it."""
-
-    @abstractmethod
-    def at(self, level: Stressed, points: IntArray) -> FloatArray:
-        """The quantity at some surface points (n,), MPa."""
-
-    @abstractmethod
-    def bound(self, level: Stressed, points: IntArray) -> FloatArray:
-        """Not less than the quantity (n,) at some surface points over all positions, MPa."""
-
-    @abstractmethod
-    def anew(
-        self, level: Stressed, points: IntArray, basis: FloatArray, coefficients: FloatArray
-    ) -> float:
-        """The quantity at some surface points (n,) with another history, MPa.
-
-        basis         (n, 6, m) MPa per unit; coefficients (m, n_positions)
-        """
-
-    @abstractmethod
-    def scatter(self, level: Level, *, of_edges: bool = True) -> float:
-        """Scatter of the elements that meet at the point, in the quantity, MPa.
-
-        of_edges  as in `Level.scatter`
-        """
-
-    @abstractmethod
-    def states(self, level: Stressed) -> list[FloatArray]:
-        """Coefficients (n_basis,) of the load states whose stress it is made of."""
-
-    @abstractmethod
-    def direct(
-        self, level: Level, numbers: Sequence[float], under: Under | None = None
-    ) -> list[float]:
-        """The quantity under other pressures, by `under` and its numbers.
-
-        Without `under` the numbers are arcs, rad, of bearing pressures as they are, without a
-        series (`direct_under`).
-        """
-
-
-@dataclass(frozen=True, eq=False)
-class StaticPeak(Judged):
-    """The largest von Mises stress over all cycles."""
-
-    loads: PartLoads
-
-    def value(self, level: Stressed) -> float:
-        """The quantity on one mesh, MPa."""
-        return level.peak.value
-
-    def point(self, level: Stressed) -> int:
-        """Index of the surface point that carries it."""
-        return level.peak.point
-
-    def at(self, level: Stressed, points: IntArray) -> FloatArray:
-        """Von Mises stress at some surface points (n,) at the position of the peak, MPa."""
-        return von_mises(level.history.at(level.peak.position)[points])
-
-    def bound(self, level: Stressed, points: IntArray) -> FloatArray:
-        """Largest von Mises stress (n,) over all positions, MPa."""
-        return level.history.peaks_by_point(points)
-
-    def anew(
-        self, level: Stressed, points: IntArray, basis: FloatArray, coefficients: FloatArray
-    ) -> float:
-        """The peak at some surface points (n,) with another history, MPa."""
-        return float(von_mises(np.moveaxis(basis @ coefficients, 1, -1)).max())
-
-    def states(self, level: Stressed) -> list[FloatArray]:
-        """The load state of the peak."""
-        return [level.coefficients[:, level.peak.position]]
-
-    def scatter(self, level: Level, *, of_edges: bool = True) -> float:
-        """Scatter of the elements that meet at the point, MPa."""
-        return level.scatter(self.states(level)[0], level.peak.point, of_edges=of_edges)
-
-    def direct(
-        self, level: Level, numbers: Sequence[float], under: Under | None = None
-    ) -> list[float]:
-        """The peak at the same position under other pressures."""
-        stress = (under or direct_under)(self.loads, level, level.peak.position, numbers)
-        return [peak_of(stress[:, :, k]) for k in range(len(numbers))]
 
 
 def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float) -> Bars:
@@ -317,29 +218,6 @@ def arcs_of(part: Part, level: Level) -> list[float]:
     return [pi] if narrow >= pi else [pi, (pi + narrow) / 2, narrow]
 
 
-def direct_under(
-    loads: PartLoads, level: Level, position: int, arcs: Sequence[float]
-) -> FloatArray:
-    """Surface stress (n, 6, n_arcs) at a position under bearing pressures as they are, MPa.
-
-    Arcs (rad) that are new are solved together, each once per level for positions with the same
-    loads.
-    """
-    state = level.coefficients[:, position]
-    known = level.direct_stresses.setdefault(state.tobytes(), {})
-    missing = [arc for arc in arcs if arc not in known]
-    if missing:
-        wrenches = {name: wrench[position] for name, wrench in loads.wrenches.items()}
-        solved = level.solved_bores
-        moved = direct_displacement(level.solutions, wrenches, state, missing, solved)
-        found = level.stress_of(moved)
-        if level.contact is not None:  # short waves move nothing
-            short = level.contact.short_waves
-            found = found + (level.history.basis[:, :, short] @ state[short])[:, :, None]
-        known.update(zip(missing, np.moveaxis(found, -1, 0), strict=True))
-    return np.stack([known[arc] for arc in arcs], axis=-1)
-
-
 def at_clearances(
     _loads: PartLoads, level: Level, position: int, clearances: Sequence[float]
 ) -> FloatArray:
@@ -354,20 +232,6 @@ def at_clearances(
                 stress[points, :, k] += more
         stress[level.left_out] = 0.0
     return stress
-
-
-def raised_in_bores(
-    loads: PartLoads, level: Level, position: int, arcs: Sequence[float]
-) -> FloatArray:
-    """Stress (n, 6, n_arcs) in the bores, as `direct_under`, with more of the forces' share, MPa.
-
-    Lugs were compared under forces in their plane: the stress of couples out of it stays.
-    """
-    points, solutions = level.in_bores, level.solutions
-    tilting = tilting_columns(solutions)
-    couples = level.history.basis[points][:, :, tilting] @ level.coefficients[tilting, position]
-    stress = direct_under(loads, level, position, arcs)[points]
-    return np.asarray((1 + BEYOND_ARCS) * stress - BEYOND_ARCS * couples[:, :, None])
 
 
 def _singular_edge(judged: Judged, levels: Sequence[Level]) -> tuple[float, float]:

@@ -20,7 +20,8 @@ from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check, Status
 from checks.result.ways import clearance_fact, mesh_that_settles
 from checks.strength.part_strength import endurance_of, fatigue_use
-from checks.stress.error_bars import StaticPeak, _missed_of_contact, bars_of
+from checks.stress.error_bars import _missed_of_contact, bars_of
+from checks.stress.judged import StaticPeak
 from checks.stress.pins_in_bores import CLEARANCES, LARGEST, LEAST, MIDDLE, fits_of
 from checks.stress.solid_mesh_level import Models
 from fem.contact.superposed import superposed
