@@ -59,6 +59,10 @@ class FatigueUse(Judged):
         """Not less than the quantity (n,) at some surface points on any path, MPa."""
         return level.judged_duty.bound[points] * self.limit
 
+    def deciding(self, level: Stressed) -> list[int]:
+        """The pair of positions."""
+        return list(self.worst(level).pair)
+
     def states(self, level: Stressed) -> list[FloatArray]:
         """Half the swing, and the middle, of the pair of positions."""
         first, second = (level.coefficients[:, k] for k in self.worst(level).pair)
@@ -105,10 +109,16 @@ class FatigueUse(Judged):
         return self._again(level, points, duty)
 
     def anew(
-        self, level: Stressed, points: IntArray, basis: FloatArray, coefficients: FloatArray
+        self,
+        level: Stressed,
+        points: IntArray,
+        basis: FloatArray,
+        coefficients: FloatArray,
+        cycles: Mapping[str, slice] | None = None,
     ) -> float:
         """The quantity at some surface points (n,) with another history, MPa."""
-        duty = self._duty_over(level, points, basis, coefficients, self.loads.cycles)
+        cycles = self.loads.cycles if cycles is None else cycles
+        duty = self._duty_over(level, points, basis, coefficients, cycles)
         return self._again(level, points, duty)
 
     def _again(self, level: Stressed, points: IntArray, duty: DutyVerdict) -> float:

@@ -9,9 +9,9 @@ import numpy as np
 
 from checks.design.data import Part
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
-from checks.part.part_loads import PartLoads
+from checks.stress.clearances import OverClearances, over_clearances
 from checks.stress.judged import Judged, raised_in_bores
-from checks.stress.pins_in_bores import CLEARANCE_WORDS, CLEARANCES, MIDDLE
+from checks.stress.pins_in_bores import CLEARANCE_WORDS
 from checks.stress.solid_mesh_level import Level
 from fem.convergence import (
     ORDER,
@@ -22,7 +22,6 @@ from fem.convergence import (
 )
 from fem.singularity import singular_exponent
 from fem.unit_solutions import has_bearings
-from geometry.mesh import FloatArray
 
 _UNRESOLVED = 0.05  # error that elements make in a notch, over the peak
 
@@ -34,7 +33,7 @@ class Bars:
     values, sizes  MPa and mm: the quantity, and the elements at its place, mesh by mesh
     by_arc         arc of contact, rad -> the quantity under that pressure, MPa; empty without pins
     in_bores       the largest in the bores, raised, MPa; 0 where the arc is stated
-    by_clearance   share of the range of clearances -> the quantity there, MPa; empty without fits
+    clearances     the quantity over the clearances that fits leave; None without fits
     """
 
     numerical: ErrorBar
@@ -45,7 +44,7 @@ class Bars:
     sizes: Sequence[float] = ()
     by_arc: Mapping[float, float] = field(default_factory=dict)
     in_bores: float = 0.0
-    by_clearance: Mapping[float, float] = field(default_factory=dict)
+    clearances: OverClearances | None = None
 
 
 def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float) -> Bars:
@@ -54,7 +53,7 @@ def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float
     value = judged.value(finest)
     arcs = arcs_of(part, finest)
     by_arc = dict(zip(arcs, judged.direct(finest, arcs), strict=True)) if arcs else {}
-    by_clearance = clearance_values(judged, finest)
+    clearances = over_clearances(judged, finest)
     values = [judged.value(level) for level in levels]
     sizes = sizes_at_peak(judged, levels)
     angle, exponent = _singular_edge(judged, levels)
@@ -106,21 +105,14 @@ def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float
     reached = [*by_arc.values(), in_bores]
     above = max(reached) - by_arc[pi] if by_arc else 0.0
     below = max((by_arc[pi] - other for other in by_arc.values()), default=0.0)
-    if by_clearance:
-        by = ", ".join(f"{CLEARANCE_WORDS[s]} {v:.4g}" for s, v in by_clearance.items())
-        notes.append(f"by clearance of the pins, MPa: {by}")
-        middle = by_clearance[MIDDLE]
-        above += max(by_clearance.values()) - middle
-        below += middle - min(by_clearance.values())
+    if clearances is not None:
+        by = ", ".join(f"{word} {clearances.values[s]:.4g}" for s, word in CLEARANCE_WORDS.items())
+        ends = f"{min(clearances.values.values()):.4g} to {max(clearances.values.values()):.4g}"
+        notes.append(f"by clearance of the pins, MPa: {by}; over all of them {ends}")
+        above += clearances.above
+        below += clearances.below
     words = "; ".join(notes)
-    return Bars(bar, above, below, words, values, sizes, by_arc, in_bores, by_clearance)
-
-
-def clearance_values(judged: Judged, level: Level) -> dict[float, float]:
-    """The quantity, MPa, by the share of the range of its pins' clearances; empty without fits."""
-    if level.contact is None:
-        return {}
-    return dict(zip(CLEARANCES, judged.direct(level, CLEARANCES, at_clearances), strict=True))
+    return Bars(bar, above, below, words, values, sizes, by_arc, in_bores, clearances)
 
 
 def mesh_bar(judged: Judged, levels: Sequence[Level]) -> float:
@@ -216,22 +208,6 @@ def arcs_of(part: Part, level: Level) -> list[float]:
         return []
     narrow = part.bearing_arc
     return [pi] if narrow >= pi else [pi, (pi + narrow) / 2, narrow]
-
-
-def at_clearances(
-    _loads: PartLoads, level: Level, position: int, clearances: Sequence[float]
-) -> FloatArray:
-    """Stress (n, 6, m) at a position by shares of the range of the pins' clearances, MPa."""
-    contact = level.contact
-    assert contact is not None
-    states = np.stack([contact.state(position, share) for share in clearances], axis=1)
-    stress = np.asarray(level.history.basis @ states)
-    if isinstance(level, Level):  # other levels have no points at a bore's surface
-        for k, share in enumerate(clearances):
-            for points, more in contact.short_waves_at(position, share):
-                stress[points, :, k] += more
-        stress[level.left_out] = 0.0
-    return stress
 
 
 def _singular_edge(judged: Judged, levels: Sequence[Level]) -> tuple[float, float]:

@@ -1,7 +1,7 @@
 """A quantity of a part that is judged at its worst point, and its value under other pressures."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +19,12 @@ Under = Callable[[PartLoads, Level, int, Sequence[float]], FloatArray]
 
 
 class Judged(ABC):
-    """A quantity of a part that is judged at its worst point."""
+    """A quantity of a part that is judged at its worst point.
+
+    loads  on the part
+    """
+
+    loads: PartLoads
 
     @abstractmethod
     def value(self, level: Stressed) -> float:
@@ -39,12 +44,23 @@ class Judged(ABC):
 
     @abstractmethod
     def anew(
-        self, level: Stressed, points: IntArray, basis: FloatArray, coefficients: FloatArray
+        self,
+        level: Stressed,
+        points: IntArray,
+        basis: FloatArray,
+        coefficients: FloatArray,
+        cycles: Mapping[str, slice] | None = None,
     ) -> float:
         """The quantity at some surface points (n,) with another history, MPa.
 
-        basis         (n, 6, m) MPa per unit; coefficients (m, n_positions)
+        basis         (n, 6, m) MPa per unit
+        coefficients  (m, n_positions)
+        cycles        name -> slice of the positions; None where they are those of the loads
         """
+
+    @abstractmethod
+    def deciding(self, level: Stressed) -> list[int]:
+        """Positions that decide it."""
 
     @abstractmethod
     def scatter(self, level: Level, *, of_edges: bool = True) -> float:
@@ -91,10 +107,19 @@ class StaticPeak(Judged):
         return level.history.peaks_by_point(points)
 
     def anew(
-        self, level: Stressed, points: IntArray, basis: FloatArray, coefficients: FloatArray
+        self,
+        level: Stressed,
+        points: IntArray,
+        basis: FloatArray,
+        coefficients: FloatArray,
+        cycles: Mapping[str, slice] | None = None,
     ) -> float:
         """The peak at some surface points (n,) with another history, MPa."""
         return float(von_mises(np.moveaxis(basis @ coefficients, 1, -1)).max())
+
+    def deciding(self, level: Stressed) -> list[int]:
+        """Position of the peak."""
+        return [level.peak.position]
 
     def states(self, level: Stressed) -> list[FloatArray]:
         """The load state of the peak."""

@@ -91,14 +91,15 @@ class ContactCycle:
     unbalanced: float
     steps: int
 
-    def at(self, position: int) -> "ContactCycle":
-        """One of its positions alone."""
-        one = slice(position, position + 1)
+    def over(self, positions: IntArray) -> "ContactCycle":
+        """Some of its positions (m,) alone."""
         bores = {
-            name: replace(bore, forces=bore.forces[:, one], pressures=bore.pressures[:, one])
+            name: replace(
+                bore, forces=bore.forces[:, positions], pressures=bore.pressures[:, positions]
+            )
             for name, bore in self.bores.items()
         }
-        return replace(self, bores=bores, others=self.others[:, one])
+        return replace(self, bores=bores, others=self.others[:, positions])
 
 
 class _Bore:
@@ -129,10 +130,10 @@ class _Bore:
         per_length = force / self.harmonics.loads.interface.length
         return persson_half_arc(pin.clearance / 2 / (softness * per_length))
 
-    def start(self, position: int, before: BoolArray | None) -> BoolArray:
-        """Hats that may touch at a position: those of the position before, turned, or Persson's."""
+    def start(self, position: int, last: int, before: BoolArray | None) -> BoolArray:
+        """Hats that may touch at a position: those of the `last` one, turned, or Persson's."""
         if before is not None and before.any():
-            turn = self.directions[position] - self.directions[position - 1]
+            turn = self.directions[position] - self.directions[last]
             hats = -round(turn / self.hats.widths[0]) % len(before)
             turned = np.concatenate([before[hats:], before[:hats]]) if hats else before
             if np.count_nonzero(turned) >= _FEW:
@@ -222,17 +223,15 @@ class PartContact:
         forces, steps = np.zeros(opened.shape), 0
         solved: dict[tuple[int, ...], list[ContactState]] = {}
         before: list[BoolArray | None] = [None] * len(self._bores)
-        following = -1
+        last = -1
         for column, position in enumerate(chosen):
-            if position != following:  # what touched at another position is no start
-                before = [None] * len(self._bores)
-            following = position + 1
             pressed = self._pressed(position)
             if not pressed:
                 before = [None] * len(self._bores)
                 continue
             problem, at = self._problem(pressed)
-            state = self._state(problem, pressed, opened[at, column], position, before)
+            state = self._state(problem, pressed, opened[at, column], position, last, before)
+            last = position
             forces[at, column] = state.forces
             before = [forces[a:b, column] > 0 for a, b in pairwise(self._limits)]
             solved.setdefault(pressed, []).append(state)
@@ -270,10 +269,11 @@ class PartContact:
         pressed: tuple[int, ...],
         opened: FloatArray,
         position: int,
+        last: int,
         before: Sequence[BoolArray | None],
     ) -> ContactState:
         load = np.concatenate([self._bores[i].forces[:, position] for i in pressed])
-        start = np.concatenate([self._bores[i].start(position, before[i]) for i in pressed])
+        start = np.concatenate([self._bores[i].start(position, last, before[i]) for i in pressed])
         try:
             return problem.solve(opened, load, start)
         except ContactError as error:
