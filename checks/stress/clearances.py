@@ -22,7 +22,8 @@ from geometry.mesh import FloatArray, IntArray
 FIRST = (LEAST, 1 / 16, 1 / 8, 1 / 4, MIDDLE, 3 / 4, LARGEST)  # close where a pin becomes loose
 _MOST = 16  # clearances
 _SETTLED = 0.01  # of the value, by which it may lie farther out between two clearances
-_POSITIONS = 48  # of each cycle, besides those that decide at the middle
+_NEAR = 0.75  # of the largest use by such a chord: points that other criteria may use more
+POSITIONS = 36  # of each cycle, besides those that decide at the middle
 _MAY_DECIDE = 0.5  # of what the judged point has at the middle, outside of bores
 
 
@@ -105,7 +106,7 @@ def values_at(
     """
     contact = level.contact
     assert contact is not None
-    positions, cycles = some_positions(loads or judged.loads, level, [judged], _POSITIONS)
+    positions, cycles = some_positions(loads or judged.loads, level, [judged], POSITIONS)
     points = _points(judged, level, positions)
     basis = level.history.basis[points]
     at_bores = isinstance(level, Level)  # other levels have no points at a bore's surface
@@ -118,7 +119,7 @@ def values_at(
         stress = np.asarray(basis @ states)
         if at_bores:
             contact.add_short_waves(stress, points, positions, share)
-        some = slice(None) if isinstance(judged, StaticPeak) else _that_swing(level, points, stress)
+        some = slice(None) if isinstance(judged, StaticPeak) else that_swing(level, points, stress)
         whole = np.eye(len(positions))
         found[share] = judged.anew(level, points[some], stress[some], whole, cycles)
     return found
@@ -145,25 +146,30 @@ def some_positions(
     }
 
 
-def _that_swing(level: Stressed, points: IntArray, stress: FloatArray) -> IntArray:
+def that_swing(
+    level: Stressed, points: IntArray, stress: FloatArray, known: float = 0.0
+) -> IntArray:
     """Which of some points (n,) may decide fatigue under stress (n, 6, m), MPa.
 
-    From the middle of a long chord of the path no stress is farther than r, so no amplitude is
-    more than r; half that chord is less than the largest. By half of it for criteria that weigh
-    amplitudes otherwise than the von Mises norm.
+    Judged by a long chord of each path: from the position farthest from its middle to the one that
+    is farthest from there. The longest one, Goodman's, is little longer; other criteria may use a
+    point more than he does.
+
+    known  MPa, what they must exceed in any case
     """
     duty, rows = level.judged_duty, np.arange(len(points))
 
-    def away(place: FloatArray) -> FloatArray:
-        return von_mises(np.moveaxis(stress - place[:, :, None], 1, -1))
+    def farthest(place: FloatArray) -> FloatArray:
+        away = von_mises(np.moveaxis(stress - place[:, :, None], 1, -1))
+        return stress[rows, :, away.argmax(axis=1)]
 
-    one = stress[rows, :, away(stress.mean(axis=2)).argmax(axis=1)]
-    other = stress[rows, :, away(one).argmax(axis=1)]
-    least = von_mises(one - other) / 2 / duty.limits[points]
-    tension = stress[:, :3].mean(axis=1) + 2 / 3 * von_mises(np.moveaxis(stress, 1, -1))
-    most = away((one + other) / 2).max(axis=1) / duty.limits[points]
-    most += np.maximum(tension.max(axis=1), 0.0) / duty.ultimate
-    return np.flatnonzero(most >= _MAY_DECIDE * least.max(initial=0.0))
+    one = farthest(stress.mean(axis=2))
+    other = farthest(one)
+    swing, middle = von_mises(one - other) / 2 / duty.limits[points], (one + other) / 2
+    even = middle[:, :3].mean(axis=1)  # the largest principal stress is this or more
+    least = swing + np.maximum(even, 0.0) / duty.ultimate
+    most = swing + np.maximum(even + 2 / 3 * von_mises(middle), 0.0) / duty.ultimate
+    return np.flatnonzero(most >= _NEAR * max(known / duty.limit, least.max(initial=0.0)))
 
 
 def _points(judged: Judged, level: Level, positions: IntArray) -> IntArray:

@@ -9,6 +9,7 @@ import numpy as np
 
 from checks.design.data import Part
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
+from checks.stress.between_nodes import missed_between_nodes
 from checks.stress.clearances import OverClearances, over_clearances
 from checks.stress.judged import Judged, raised_in_bores
 from checks.stress.pins_in_bores import CLEARANCE_WORDS
@@ -69,7 +70,8 @@ def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float
         discretisation_error(values, sizes, order),
         judged.scatter(finest),
         (_truncation(judged, levels, by_arc[pi], sizes) if by_arc else 0.0)
-        + _missed_of_contact(judged, finest),
+        + _missed_of_contact(judged, finest)
+        + missed_between_nodes(judged, finest),
         abs(value),
         exponent or grows,
         _notch_bar(judged, finest),

@@ -103,10 +103,13 @@ class PinnedBores:
         cycle = self.problem(coefficients, MIDDLE).solve()
         return Contact(self, *superposed(self.harmonics, cycle), cycle, coefficients)
 
-    def problem(self, coefficients: FloatArray, share: float) -> PartContact:
-        """The contact at a share of the range of clearances, not solved yet."""
+    def problem(self, coefficients: FloatArray, share: float, finer: int = 1) -> PartContact:
+        """The contact at a share of the range of clearances, not solved yet.
+
+        finer  times as many hats of pressure as its arcs ask for
+        """
         pins = {name: fit.pin(share) for name, fit in self.fits.items()}
-        return PartContact(self.harmonics, coefficients, pins)
+        return PartContact(self.harmonics, coefficients, pins, finer)
 
 
 def pinned_bores(solutions: UnitSolutions, fits: Mapping[str, Fit]) -> PinnedBores | None:
@@ -162,6 +165,14 @@ class Contact:
             if share not in self._problems:
                 self._problems[share] = self.pins.problem(self.assumed, share)
             self._solved[key] = self._problems[share].solve(positions.tolist())
+        return self._solved[key]
+
+    def finer(self, positions: IntArray, times: int) -> ContactCycle:
+        """The contact at the middle of the clearances, with more hats; raises ContactError."""
+        key = -float(times), positions.tobytes()
+        if key not in self._solved:
+            problem = self.pins.problem(self.assumed, MIDDLE, times)
+            self._solved[key] = problem.solve(positions.tolist())
         return self._solved[key]
 
     def add_short_waves(

@@ -67,6 +67,12 @@ class BorePressure:
     forces: FloatArray
     pressures: FloatArray
 
+    def at(self, angles: FloatArray) -> FloatArray:
+        """Pressure (n, n_positions) MPa at angles (n,) around the bore, rad."""
+        left, right, share = self.hats.beside(angles)
+        share = share[:, None]
+        return np.asarray((1 - share) * self.pressures[left] + share * self.pressures[right])
+
     @cached_property
     def arcs(self) -> FloatArray:
         """Arc of contact (n_positions,), rad; 0 where nothing presses."""
@@ -105,7 +111,9 @@ class ContactCycle:
 class _Bore:
     """A bore of the part with its pin and its hats."""
 
-    def __init__(self, harmonics: BoreHarmonics, pin: FittedPin, coefficients: FloatArray) -> None:
+    def __init__(
+        self, harmonics: BoreHarmonics, pin: FittedPin, coefficients: FloatArray, finer: int
+    ) -> None:
         self.name, self.pin, self.harmonics = harmonics.loads.interface.name, pin, harmonics
         self.columns = harmonics.pressing
         self.forces = coefficients[[self.columns[name] for name in ("cos 1", "sin 1")]]
@@ -118,7 +126,7 @@ class _Bore:
             )
         half = self.half_arc(float(self.sizes.max(initial=0.0)))
         count = int(np.ceil(_HATS_IN_ARC * np.pi / half / 12)) * 12
-        self.hats = Hats.even(min(max(count, _FEWEST), _MOST))
+        self.hats = Hats.even(finer * min(max(count, _FEWEST), _MOST))
         self.waves = harmonics.waves(self.hats)
 
     def half_arc(self, force: float) -> float:
@@ -161,6 +169,7 @@ class PartContact:
     harmonics     of the bores, of one part
     coefficients  (n_basis, n_positions) of the part's unit loads, with any pressure in the bores
     pins          bore -> its pin
+    finer         times as many hats as Persson's arc asks for
 
     Raises ContactError if a pin floats at all positions, ValueError without bores.
     """
@@ -170,12 +179,13 @@ class PartContact:
         harmonics: Sequence[BoreHarmonics],
         coefficients: FloatArray,
         pins: Mapping[str, FittedPin],
+        finer: int = 1,
     ) -> None:
         if not harmonics:
             raise ValueError("contact needs at least one pin in a bore")
         self._part = harmonics[0].solutions
         self._bores = [
-            _Bore(one, pins[one.loads.interface.name], coefficients) for one in harmonics
+            _Bore(one, pins[one.loads.interface.name], coefficients, finer) for one in harmonics
         ]
         self._others = np.array(coefficients)
         for bore in self._bores:
