@@ -17,7 +17,7 @@ from fem.recovery import von_mises
 from geometry.mesh import FloatArray, IntArray
 
 _FINER = 2  # times as many hats of pressure
-_MOST = 8  # places from one node to the next
+_MOST = 24  # places from one node to the next
 _TOGETHER = 4000
 _LEAST = 0.9  # of the value: what does not reach it there is not sought
 
@@ -63,7 +63,8 @@ def missed_between_nodes(judged: Judged, level: Level) -> float:
             if not isinstance(judged, StaticPeak):
                 kept = that_swing(level, points, stress, best)
                 stress, points = stress[kept], points[kept]
-            best = max(best, judged.anew(level, points, stress, whole, cycles))
+            if len(points):
+                best = max(best, judged.anew(level, points, stress, whole, cycles))
     return abs(best - value)
 
 

@@ -63,15 +63,16 @@ def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float
     # while a mesh does not follow a notch yet the peak grows, too, and so does the stress beside a
     # pressed edge as elements come nearer: finite both, with an error in the bar
     follow = [k for k, size in enumerate(sizes) if own * (size / sizes[-1]) ** 2 <= _UNRESOLVED]
-    grows = 0.0
-    if not exponent and order >= ORDER:
+    grows, between = 0.0, missed_between_nodes(judged, finest)
+    steady = len(values) < 2 or abs(values[-1] - values[-2]) > between  # else nodes came nearer
+    if not exponent and order >= ORDER and steady:
         grows = growth_exponent([values[k] for k in follow], [sizes[k] for k in follow])
     bar = ErrorBar(
         discretisation_error(values, sizes, order),
         judged.scatter(finest),
         (_truncation(judged, levels, by_arc[pi], sizes) if by_arc else 0.0)
         + _missed_of_contact(judged, finest)
-        + missed_between_nodes(judged, finest),
+        + between,
         abs(value),
         exponent or grows,
         _notch_bar(judged, finest),
