@@ -15,7 +15,8 @@ from bench.rung_variations import SCENES, Machines, Variation
 from checks.ladder.levels import COARSE, LOOSE, Asked, solve_levels
 from checks.part.loaded_part import FIRST, LoadedPart
 from checks.strength.part_strength import endurance_of, fatigue_use
-from checks.stress.error_bars import Judged, StaticPeak, bars_of
+from checks.stress.error_bars import bars_of
+from checks.stress.judged import Judged, StaticPeak
 from checks.stress.solid_mesh_level import Models
 
 _KINDS = frozenset(("static", "fatigue"))

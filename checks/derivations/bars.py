@@ -9,6 +9,7 @@ from checks.models.checked import band_around
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import BarSymbols, Given, Item, Step
 from checks.result.verdict import Check
+from checks.stress.clearances import OverClearances
 from checks.stress.error_bars import Bars
 from checks.stress.pins_in_bores import CLEARANCE_WORDS, MIDDLE
 from checks.stress.stress_result import RungModel
@@ -20,7 +21,7 @@ _OF_MESH = "numerical: last refinement, scatter of the elements, series of the p
 _SERIES = "what the series of the pins' pressure misses"
 _PATTERNS = "what patterns miss of the pressure that contact solved, and series of other pins'"
 _OF_ARCS = "model: arcs on which pins may press"
-_OF_FITS = "model: ends of the pins' clearances"
+_OF_FITS = "model: the range of the pins' clearances"
 _CALIBRATED = "docs/theory/error_bars.md"
 
 
@@ -76,13 +77,13 @@ def solid_bars(bars: Bars, value: str, more: float = 0.0) -> Told:
                  "MPa", _CALIBRATED),
             Given("e_s", "scatter of the elements that meet there", own.scatter, "MPa"),
             Given("e_n", "what elements of this size miss in the notch", own.notch, "MPa"),
-            Given("e_t", _PATTERNS if bars.by_clearance else _SERIES, own.truncation, "MPa"),
+            Given("e_t", _PATTERNS if bars.clearances else _SERIES, own.truncation, "MPa"),
             Step("e_num", "numerical error bar",
                  f"max(e_h, {scatter}, e_n) + {REPEATS:g}*{value} + e_t", "MPa",
                  _CALIBRATED),
         ]  # fmt: skip
     above, below = _arcs(bars.by_arc, bars.in_bores, items)
-    more_above, more_below = _clearances(bars.by_clearance, items)
+    more_above, more_below = _clearances(bars.clearances, items)
     above, below = _sum(above, more_above), _sum(below, more_below)
     if more:
         items.append(Given("b_c", "how far another criterion lies above", more, "MPa", "the note"))
@@ -93,7 +94,7 @@ def solid_bars(bars: Bars, value: str, more: float = 0.0) -> Told:
         items.append(Step(up, "model band above", above, "MPa", "docs/theory/bearing.md"))
     if low:
         items.append(Step(low, "model band below", below, "MPa", "docs/theory/bearing.md"))
-    of = (_OF_ARCS if bars.by_arc or more else "", _OF_FITS if bars.by_clearance else "")
+    of = (_OF_ARCS if bars.by_arc or more else "", _OF_FITS if bars.clearances else "")
     words = "; ".join(text for text in (told.words, *of) if text)
     return BarSymbols(told.numerical, up, low, words), items
 
@@ -108,21 +109,29 @@ def _sum(*terms: str) -> str:
     return " + ".join(term for term in terms if term)
 
 
-def _clearances(by_clearance: Mapping[float, float], items: list[Item]) -> tuple[str, str]:
+def _clearances(over: OverClearances | None, items: list[Item]) -> tuple[str, str]:
     """Formulas of the band above and below, by the clearances that a fit leaves."""
-    if not by_clearance:
+    if over is None:
         return "", ""
     names = {}
-    for number, (share, value) in enumerate(by_clearance.items(), 1):
+    for number, (share, value) in enumerate(over.values.items(), 1):
         names[share] = f"c_{number}"
-        said = (
-            f"the value at the {CLEARANCE_WORDS[share]} clearance of the pins whose fit is stated"
-        )
+        at = f"{100 * share:g} % of the way from the least to the largest"
+        said = f"the value at the {CLEARANCE_WORDS.get(share, at)} clearance of the pins"
         items.append(Given(names[share], said, value, "MPa", "contact, solved"))
     middle = names[MIDDLE]
     more = ", ".join(f"{name} - {middle}" for name in names.values())
     less = ", ".join(f"{middle} - {name}" for name in names.values())
-    return f"max({more})", f"max({less})"
+    ends = []
+    for symbol, side, beyond in (
+        ("c_up", "above", over.above_these),
+        ("c_lo", "below", over.below_these),
+    ):
+        if beyond:
+            said = f"how far it may lie {side} these between them: half the smaller step beside"
+            items.append(Given(symbol, said, beyond, "MPa", "docs/theory/contact.md"))
+        ends.append(f" + {symbol}" if beyond else "")
+    return f"max({more}){ends[0]}", f"max({less}){ends[1]}"
 
 
 def _arcs(by_arc: Mapping[float, float], in_bores: float, items: list[Item]) -> tuple[str, str]:

@@ -27,7 +27,8 @@ from checks.result.verdict import Check, HandCheck
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse, LifeUse
 from checks.strength.finite_life import DutyLife, life_curve
 from checks.strength.fkm_strength import FkmJudgement
-from checks.stress.error_bars import Bars, Judged
+from checks.stress.error_bars import Bars
+from checks.stress.judged import Judged
 from checks.stress.solid_mesh_level import Level
 from checks.stress.stress_result import Stressed
 

@@ -13,7 +13,6 @@ Keys without data are left out; the pages say why.
 """
 
 from collections.abc import Mapping, Sequence
-from itertools import product
 from math import ceil, degrees, radians
 from typing import Any
 
@@ -37,8 +36,10 @@ from checks.strength.finite_life import (
 )
 from checks.strength.fkm_strength import fkm_points, slopes_of
 from checks.strength.part_strength import life_task
+from checks.stress.clearances import values_at
 from checks.stress.duty_verdict import DutyVerdict, FatiguePeak
-from checks.stress.error_bars import Bars, Judged, StaticPeak, at_clearances, mesh_bar
+from checks.stress.error_bars import Bars, mesh_bar
+from checks.stress.judged import Judged, StaticPeak
 from checks.stress.solid_mesh_level import Level
 from checks.stress.stress_result import RungLevel, Stressed
 from geometry.mesh import FloatArray, IntArray
@@ -327,10 +328,6 @@ def _fkm_life(loaded: LoadedPart, level: Level, use: FkmUse, limit: float) -> di
 
 # of a fit: close where a pin becomes loose
 _SHARES = (0.0, *(k / 32 for k in (1, 2, 3, 4, 6, 8, 12, 16, 24)), 1.0)
-_PROBED = (0, 3, 6, 10)  # of these, where other positions are tried
-_RISE = (
-    1.003  # seen where they decide 1.0004; slider-crank, neat: 1.009, and 1.04 where it is worst
-)
 _ARC_STEP = radians(15.0)
 
 
@@ -339,8 +336,7 @@ def pins_data(level: Level, bars: Mapping[Judged, Bars]) -> dict[str, Any]:
 
     It is for the page alone: a check by solids takes some 3 % longer with it.
 
-    fits   bore -> least and largest clearance, mm; of fatigue only where the same two positions
-           decide throughout
+    fits   bore -> least and largest clearance, mm
     kinds  kind of check -> "clearances": [share of the fit, MPa], "arcs": [deg, MPa], and how far
            the model band that comes of these reaches "above" and "below" the value, MPa
     """
@@ -350,9 +346,9 @@ def pins_data(level: Level, bars: Mapping[Judged, Bars]) -> dict[str, Any]:
     for what, own in bars.items():
         found: dict[str, Any] = {"above": own.above, "below": own.below}
         if any(least < most for least, most in ranges.values()):
-            values = what.direct(level, _SHARES, at_clearances)
-            if not _is_elsewhere(what, level, values):
-                found["clearances"] = [list(pair) for pair in zip(_SHARES, values, strict=True)]
+            solved = dict(own.clearances.values) if own.clearances else {}
+            solved |= values_at(what, level, [one for one in _SHARES if one not in solved])
+            found["clearances"] = [list(pair) for pair in sorted(solved.items())]
         if len(own.by_arc) > 1:
             narrow, wide = min(own.by_arc), max(own.by_arc)
             arcs = np.linspace(wide, narrow, 1 + max(2, ceil((wide - narrow) / _ARC_STEP - 1e-9)))
@@ -361,37 +357,3 @@ def pins_data(level: Level, bars: Mapping[Judged, Bars]) -> dict[str, Any]:
         if len(found) > 2:
             kinds["static" if isinstance(what, StaticPeak) else "fatigue"] = found
     return {"pins": {"fits": ranges, "kinds": kinds}} if kinds else {}
-
-
-def _is_elsewhere(what: Judged, level: Level, values: Sequence[float]) -> bool:
-    """True if fatigue by other clearances is higher between other positions than those it has.
-
-    Both positions are moved by 5 degrees of a turn of 360, each way. Where they decide throughout
-    that lowers it, or raises it by what the positions leave open.
-    """
-    if not isinstance(what, FatigueUse):
-        return False
-    first, second = what.worst(level).pair
-    ends = [run for run in what.loads.cycles.values() if run.start <= first < run.stop]
-    step = max(1, round((ends[0].stop - ends[0].start) / 72)) if ends else 1
-    for way in product((-step, step), repeat=2):
-        places = {
-            k: min(max(k + by, run.start), run.stop - 1)
-            for k, by in zip((first, second), way, strict=True)
-            for run in what.loads.cycles.values()
-            if run.start <= k < run.stop
-        }
-
-        def moved(
-            loads: PartLoads,
-            at: Level,
-            position: int,
-            shares: Sequence[float],
-            places: Mapping[int, int] = places,
-        ) -> FloatArray:
-            return at_clearances(loads, at, places[position], shares)
-
-        others = what.direct(level, [_SHARES[k] for k in _PROBED], moved)
-        if any(one > _RISE * values[k] for one, k in zip(others, _PROBED, strict=True)):
-            return True
-    return False

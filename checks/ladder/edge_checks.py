@@ -25,8 +25,9 @@ from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check, Status
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse
 from checks.strength.part_strength import endurance_of
-from checks.stress.error_bars import Bars, Judged, arcs_of, bars_of, clearance_values, mesh_bar
-from checks.stress.pins_in_bores import MIDDLE
+from checks.stress.clearances import OverClearances, over_clearances
+from checks.stress.error_bars import Bars, arcs_of, bars_of, mesh_bar
+from checks.stress.judged import Judged
 from checks.stress.sharp_edges import (
     EdgeLevel,
     Spared,
@@ -129,14 +130,14 @@ def edge_static(
     place = finest.history.points[finest.peak.point]
     sizes = [level.size_at(level.nearest(place)) for level in levels[-2:]]
     by_arc = _by_arc(part, peak, finest, levels[-1])
-    by_clearance = clearance_values(peak, cast(Level, finest))
+    clearances = over_clearances(peak, cast(Level, finest))
     bar = ErrorBar(
         discretisation_error(values, sizes, 1.0),
         finest.scatter,
         abs(by_arc[pi] - values[-1]) if by_arc else 0.0,
         values[-1],
     )
-    bars = Bars(bar, *_band(by_arc, by_clearance), "", by_arc=by_arc, by_clearance=by_clearance)
+    bars = Bars(bar, *_band(by_arc, clearances), "", by_arc=by_arc, clearances=clearances)
     at_edge = make(finest, bars)
     at_edge = replace(
         at_edge,
@@ -216,11 +217,11 @@ def _bars(part: Part, level: EdgeLevel, use: FatigueUse, moved: float) -> Bars:
     """
     value = use.value(level)
     by_arc = _by_arc(part, use, level, level.solid)
-    by_clearance = clearance_values(use, cast(Level, level))
+    clearances = over_clearances(use, cast(Level, level))
     truncation = abs(by_arc[pi] - value) if by_arc else 0.0
     bar = ErrorBar(max(moved, _LEAST_BAR * value), 0.0, truncation, value)
-    above, below = (side + _POINT_METHOD * value for side in _band(by_arc, by_clearance))
-    return Bars(bar, above, below, "", by_arc=by_arc, by_clearance=by_clearance)
+    above, below = (side + _POINT_METHOD * value for side in _band(by_arc, clearances))
+    return Bars(bar, above, below, "", by_arc=by_arc, clearances=clearances)
 
 
 def _by_arc(
@@ -232,13 +233,13 @@ def _by_arc(
     return dict(zip(arcs, judged.direct(solved, arcs), strict=True)) if arcs else {}
 
 
-def _band(
-    by_arc: Mapping[float, float], by_clearance: Mapping[float, float]
-) -> tuple[float, float]:
+def _band(by_arc: Mapping[float, float], clearances: OverClearances | None) -> tuple[float, float]:
     """How far arcs of contact and clearances reach above and below the value, MPa."""
     above = below = 0.0
-    for values, own in ((by_arc, pi), (by_clearance, MIDDLE)):
-        if values:
-            above += max(values.values()) - values[own]
-            below += values[own] - min(values.values())
+    if by_arc:
+        above += max(by_arc.values()) - by_arc[pi]
+        below += by_arc[pi] - min(by_arc.values())
+    if clearances is not None:
+        above += clearances.above
+        below += clearances.below
     return above, below

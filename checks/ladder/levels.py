@@ -10,7 +10,8 @@ from checks.design.errors import DesignError
 from checks.part.loaded_part import FIRST, LoadedPart
 from checks.result.verdict import Check
 from checks.strength.part_strength import elastic_of, endurance_of
-from checks.stress.error_bars import Judged, mesh_bar
+from checks.stress.error_bars import mesh_bar
+from checks.stress.judged import Judged
 from checks.stress.kept_models import check_seconds
 from checks.stress.pins_in_bores import fits_of, pinned_bores
 from checks.stress.solid_mesh_level import Level, Models, solve_level

@@ -213,12 +213,13 @@ def contact_facts(level: Level) -> dict[str, float | str]:
     contact = level.contact
     if contact is None:
         return {}
+    peak = np.array([level.peak.position])
     found: dict[str, float | str] = {}
     for name, fit in contact.pins.fits.items():
         said = []
         shares = [MIDDLE] if fit.least == fit.largest else sorted(CLEARANCES)
         for share in shares:
-            bore = contact.at(level.peak.position, share).bores[name]
+            bore = contact.over(peak, share).bores[name]
             arc = degrees(bore.arcs[0])
             most = bore.pressures[:, 0].max()
             said.append(f"{fit.clearance(share):.4g} mm: {arc:.0f} deg, {most:.4g} MPa")

@@ -4,23 +4,20 @@ from collections.abc import Sequence
 from dataclasses import replace
 from math import isfinite
 
-import numpy as np
-
 from checks.handbook.fits import DEFAULT, clearances_of
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check, Status
 from checks.result.ways import clearance_fact
-from checks.strength.fatigue_assessment import FatigueUse
 from checks.strength.part_strength import endurance_of
-from checks.stress.error_bars import Judged, StaticPeak, at_clearances
-from checks.stress.pins_in_bores import MIDDLE, PinnedBores, widest_fits
+from checks.stress.clearances import FIRST, some_positions, values_at
+from checks.stress.judged import Judged, StaticPeak
+from checks.stress.pins_in_bores import PinnedBores, widest_fits
 from checks.stress.solid_mesh_level import Level, solve_level
 from fem.contact.condensed import ContactError
 from fem.unit_solutions import has_bearings
 from geometry.mesh import Interface, MeshError
 
-_TRIED = (0.0, MIDDLE, 1.0)  # of the widest clearance
 _POSITIONS = 40  # of each cycle, besides those that decide under assumed pressures
 
 
@@ -95,11 +92,12 @@ def clearances_that_pass(
         return {}
     part, duty = loaded.part, loaded.duty.cycles
     fits = widest_fits(loaded, bores)
+    some = _some_of(loaded.loads, level, judged)
     try:
         pressed = solve_level(
             level.solutions,
             level.fineness,
-            _some_of(loaded.loads, level, judged),
+            some,
             endurance_of(part).value,
             part.material.ultimate_stress,
             duty,
@@ -110,9 +108,8 @@ def clearances_that_pass(
         return {}
     found: dict[str, float] = {}
     for what, check in open_ones:
-        values = what.direct(pressed, _TRIED, at_clearances)
         share = None
-        for tried, value in zip(_TRIED, values, strict=True):
+        for tried, value in values_at(what, pressed, FIRST, some).items():
             # what is left above the arcs' band are the bars of the loads
             known = replace(check, value=value, model=check.loads, model_below=check.loads_below)
             if known.status is not Status.PASS:
@@ -128,24 +125,13 @@ def clearances_that_pass(
 
 def _some_of(loads: PartLoads, level: Level, judged: Sequence[Judged]) -> PartLoads:
     """Positions spread over every cycle, and those that decide."""
-    kept = [level.peak.position]
-    for what in judged:
-        if isinstance(what, FatigueUse):
-            kept += what.worst(level).pair
-    for cycle in loads.cycles.values():
-        count = min(_POSITIONS, cycle.stop - cycle.start)
-        kept += np.linspace(cycle.start, cycle.stop - 1, count).round().astype(int).tolist()
-    chosen = np.unique(kept)
-    ends = {
-        name: (int(np.searchsorted(chosen, c.start)), int(np.searchsorted(chosen, c.stop)))
-        for name, c in loads.cycles.items()
-    }
+    chosen, cycles = some_positions(loads, level, judged, _POSITIONS)
     return replace(
         loads,
         wrenches={name: wrench[chosen] for name, wrench in loads.wrenches.items()},
         accelerations=loads.accelerations[chosen],
         reaches={name: reach[chosen] for name, reach in loads.reaches.items()},
-        cycles={name: slice(*both) for name, both in ends.items()},
+        cycles=cycles,
         labels=tuple(loads.labels[k] for k in chosen),
         cycle_names=tuple(loads.cycle_names[k] for k in chosen),
         stretch_of=None if loads.stretch_of is None else loads.stretch_of[chosen],

@@ -40,7 +40,8 @@ from checks.strength.fatigue_facts import fatigue_facts
 from checks.strength.load_doubts import LoadBars, load_bars
 from checks.strength.part_strength import elastic_of, endurance_of, fatigue_use, life_task
 from checks.strength.sampling import fatigue_rise, static_rise, with_sampling
-from checks.stress.error_bars import Bars, Judged, StaticPeak, bars_of, mesh_bar
+from checks.stress.error_bars import Bars, bars_of, mesh_bar
+from checks.stress.judged import Judged, StaticPeak
 from checks.stress.kept_models import judging_seconds
 from checks.stress.solid_mesh_level import Level, Models, solve_level
 from checks.stress.stress_result import Stressed

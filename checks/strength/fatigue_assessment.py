@@ -13,7 +13,7 @@ from checks.part.part_loads import PartLoads
 from checks.strength.finite_life import DutyLife, LifeTask, lives_of, shortest_life
 from checks.strength.fkm_strength import FkmJudgement, fkm_judgement, fkm_points, slopes_of
 from checks.stress.duty_verdict import WHOLE_DUTY, DutyVerdict, FatiguePeak, duty_runs, duty_verdict
-from checks.stress.error_bars import Judged, Under, direct_under, raised_in_bores
+from checks.stress.judged import Judged, Under, direct_under, raised_in_bores
 from checks.stress.solid_mesh_level import Level
 from checks.stress.stress_result import Stressed
 from fatigue.proportionality import PROPORTIONAL
@@ -58,6 +58,10 @@ class FatigueUse(Judged):
     def bound(self, level: Stressed, points: IntArray) -> FloatArray:
         """Not less than the quantity (n,) at some surface points on any path, MPa."""
         return level.judged_duty.bound[points] * self.limit
+
+    def deciding(self, level: Stressed) -> list[int]:
+        """The pair of positions."""
+        return list(self.worst(level).pair)
 
     def states(self, level: Stressed) -> list[FloatArray]:
         """Half the swing, and the middle, of the pair of positions."""
@@ -105,10 +109,16 @@ class FatigueUse(Judged):
         return self._again(level, points, duty)
 
     def anew(
-        self, level: Stressed, points: IntArray, basis: FloatArray, coefficients: FloatArray
+        self,
+        level: Stressed,
+        points: IntArray,
+        basis: FloatArray,
+        coefficients: FloatArray,
+        cycles: Mapping[str, slice] | None = None,
     ) -> float:
         """The quantity at some surface points (n,) with another history, MPa."""
-        duty = self._duty_over(level, points, basis, coefficients, self.loads.cycles)
+        cycles = self.loads.cycles if cycles is None else cycles
+        duty = self._duty_over(level, points, basis, coefficients, cycles)
         return self._again(level, points, duty)
 
     def _again(self, level: Stressed, points: IntArray, duty: DutyVerdict) -> float:

@@ -93,6 +93,13 @@ class DutyVerdict:
         )
 
     @property
+    def pairs(self) -> list[int]:
+        """Positions that decide on each of the paths."""
+        return [
+            int(self.runs[name][k]) for name, verdict in self.verdicts.items() for k in verdict.pair
+        ]
+
+    @property
     def known(self) -> FloatArray:
         """The utilisation (n_points,) of each point as far as it is known; exact at the worst."""
         known = [verdict.utilisation for verdict in self.verdicts.values()]

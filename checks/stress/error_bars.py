@@ -1,7 +1,6 @@
 """Stress at the worst point of a part, and its error bars from one mesh to the next."""
 
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import degrees, pi
 from weakref import WeakKeyDictionary
@@ -10,10 +9,11 @@ import numpy as np
 
 from checks.design.data import Part
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
-from checks.part.part_loads import PartLoads
-from checks.stress.pins_in_bores import CLEARANCE_WORDS, CLEARANCES, MIDDLE
-from checks.stress.solid_mesh_level import Level, peak_of
-from checks.stress.stress_result import Stressed
+from checks.stress.between_nodes import missed_between_nodes
+from checks.stress.clearances import OverClearances, over_clearances
+from checks.stress.judged import Judged, raised_in_bores
+from checks.stress.pins_in_bores import CLEARANCE_WORDS
+from checks.stress.solid_mesh_level import Level
 from fem.convergence import (
     ORDER,
     ErrorBar,
@@ -21,15 +21,10 @@ from fem.convergence import (
     growth_exponent,
     moves_like_singular,
 )
-from fem.recovery import von_mises
 from fem.singularity import singular_exponent
-from fem.unit_solutions import direct_displacement, has_bearings, tilting_columns
-from geometry.mesh import FloatArray, IntArray
+from fem.unit_solutions import has_bearings
 
 _UNRESOLVED = 0.05  # error that elements make in a notch, over the peak
-
-# Stress (n, 6, m), MPa, of a level at a position under pressures other than its own, by m numbers.
-Under = Callable[[PartLoads, Level, int, Sequence[float]], FloatArray]
 
 
 @dataclass(frozen=True)
@@ -39,7 +34,7 @@ class Bars:
     values, sizes  MPa and mm: the quantity, and the elements at its place, mesh by mesh
     by_arc         arc of contact, rad -> the quantity under that pressure, MPa; empty without pins
     in_bores       the largest in the bores, raised, MPa; 0 where the arc is stated
-    by_clearance   share of the range of clearances -> the quantity there, MPa; empty without fits
+    clearances     the quantity over the clearances that fits leave; None without fits
     """
 
     numerical: ErrorBar
@@ -50,101 +45,7 @@ class Bars:
     sizes: Sequence[float] = ()
     by_arc: Mapping[float, float] = field(default_factory=dict)
     in_bores: float = 0.0
-    by_clearance: Mapping[float, float] = field(default_factory=dict)
-
-
-class Judged(ABC):
-    """A quantity of a part that is judged at its worst point."""
-
-    @abstractmethod
-    def value(self, level: Stressed) -> float:
-        """The quantity on one mesh, MPa."""
-
-    @abstractmethod
-    def point(self, level: Stressed) -> int:
-        """Index of the surface point that carries it."""
-
-    @abstractmethod
-    def at(self, level: Stressed, points: IntArray) -> FloatArray:
-        """The quantity at some surface points (n,), MPa."""
-
-    @abstractmethod
-    def bound(self, level: Stressed, points: IntArray) -> FloatArray:
-        """Not less than the quantity (n,) at some surface points over all positions, MPa."""
-
-    @abstractmethod
-    def anew(
-        self, level: Stressed, points: IntArray, basis: FloatArray, coefficients: FloatArray
-    ) -> float:
-        """The quantity at some surface points (n,) with another history, MPa.
-
-        basis         (n, 6, m) MPa per unit; coefficients (m, n_positions)
-        """
-
-    @abstractmethod
-    def scatter(self, level: Level, *, of_edges: bool = True) -> float:
-        """Scatter of the elements that meet at the point, in the quantity, MPa.
-
-        of_edges  as in `Level.scatter`
-        """
-
-    @abstractmethod
-    def states(self, level: Stressed) -> list[FloatArray]:
-        """Coefficients (n_basis,) of the load states whose stress it is made of."""
-
-    @abstractmethod
-    def direct(
-        self, level: Level, numbers: Sequence[float], under: Under | None = None
-    ) -> list[float]:
-        """The quantity under other pressures, by `under` and its numbers.
-
-        Without `under` the numbers are arcs, rad, of bearing pressures as they are, without a
-        series (`direct_under`).
-        """
-
-
-@dataclass(frozen=True, eq=False)
-class StaticPeak(Judged):
-    """The largest von Mises stress over all cycles."""
-
-    loads: PartLoads
-
-    def value(self, level: Stressed) -> float:
-        """The quantity on one mesh, MPa."""
-        return level.peak.value
-
-    def point(self, level: Stressed) -> int:
-        """Index of the surface point that carries it."""
-        return level.peak.point
-
-    def at(self, level: Stressed, points: IntArray) -> FloatArray:
-        """Von Mises stress at some surface points (n,) at the position of the peak, MPa."""
-        return von_mises(level.history.at(level.peak.position)[points])
-
-    def bound(self, level: Stressed, points: IntArray) -> FloatArray:
-        """Largest von Mises stress (n,) over all positions, MPa."""
-        return level.history.peaks_by_point(points)
-
-    def anew(
-        self, level: Stressed, points: IntArray, basis: FloatArray, coefficients: FloatArray
-    ) -> float:
-        """The peak at some surface points (n,) with another history, MPa."""
-        return float(von_mises(np.moveaxis(basis @ coefficients, 1, -1)).max())
-
-    def states(self, level: Stressed) -> list[FloatArray]:
-        """The load state of the peak."""
-        return [level.coefficients[:, level.peak.position]]
-
-    def scatter(self, level: Level, *, of_edges: bool = True) -> float:
-        """Scatter of the elements that meet at the point, MPa."""
-        return level.scatter(self.states(level)[0], level.peak.point, of_edges=of_edges)
-
-    def direct(
-        self, level: Level, numbers: Sequence[float], under: Under | None = None
-    ) -> list[float]:
-        """The peak at the same position under other pressures."""
-        stress = (under or direct_under)(self.loads, level, level.peak.position, numbers)
-        return [peak_of(stress[:, :, k]) for k in range(len(numbers))]
+    clearances: OverClearances | None = None
 
 
 def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float) -> Bars:
@@ -153,7 +54,7 @@ def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float
     value = judged.value(finest)
     arcs = arcs_of(part, finest)
     by_arc = dict(zip(arcs, judged.direct(finest, arcs), strict=True)) if arcs else {}
-    by_clearance = clearance_values(judged, finest)
+    clearances = over_clearances(judged, finest)
     values = [judged.value(level) for level in levels]
     sizes = sizes_at_peak(judged, levels)
     angle, exponent = _singular_edge(judged, levels)
@@ -162,14 +63,16 @@ def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float
     # while a mesh does not follow a notch yet the peak grows, too, and so does the stress beside a
     # pressed edge as elements come nearer: finite both, with an error in the bar
     follow = [k for k, size in enumerate(sizes) if own * (size / sizes[-1]) ** 2 <= _UNRESOLVED]
-    grows = 0.0
-    if not exponent and order >= ORDER:
+    grows, between = 0.0, missed_between_nodes(judged, finest)
+    steady = len(values) < 2 or abs(values[-1] - values[-2]) > between  # else nodes came nearer
+    if not exponent and order >= ORDER and steady:
         grows = growth_exponent([values[k] for k in follow], [sizes[k] for k in follow])
     bar = ErrorBar(
         discretisation_error(values, sizes, order),
         judged.scatter(finest),
         (_truncation(judged, levels, by_arc[pi], sizes) if by_arc else 0.0)
-        + _missed_of_contact(judged, finest),
+        + _missed_of_contact(judged, finest)
+        + between,
         abs(value),
         exponent or grows,
         _notch_bar(judged, finest),
@@ -205,21 +108,14 @@ def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float
     reached = [*by_arc.values(), in_bores]
     above = max(reached) - by_arc[pi] if by_arc else 0.0
     below = max((by_arc[pi] - other for other in by_arc.values()), default=0.0)
-    if by_clearance:
-        by = ", ".join(f"{CLEARANCE_WORDS[s]} {v:.4g}" for s, v in by_clearance.items())
-        notes.append(f"by clearance of the pins, MPa: {by}")
-        middle = by_clearance[MIDDLE]
-        above += max(by_clearance.values()) - middle
-        below += middle - min(by_clearance.values())
+    if clearances is not None:
+        by = ", ".join(f"{word} {clearances.values[s]:.4g}" for s, word in CLEARANCE_WORDS.items())
+        ends = f"{min(clearances.values.values()):.4g} to {max(clearances.values.values()):.4g}"
+        notes.append(f"by clearance of the pins, MPa: {by}; over all of them {ends}")
+        above += clearances.above
+        below += clearances.below
     words = "; ".join(notes)
-    return Bars(bar, above, below, words, values, sizes, by_arc, in_bores, by_clearance)
-
-
-def clearance_values(judged: Judged, level: Level) -> dict[float, float]:
-    """The quantity, MPa, by the share of the range of its pins' clearances; empty without fits."""
-    if level.contact is None:
-        return {}
-    return dict(zip(CLEARANCES, judged.direct(level, CLEARANCES, at_clearances), strict=True))
+    return Bars(bar, above, below, words, values, sizes, by_arc, in_bores, clearances)
 
 
 def mesh_bar(judged: Judged, levels: Sequence[Level]) -> float:
@@ -315,59 +211,6 @@ def arcs_of(part: Part, level: Level) -> list[float]:
         return []
     narrow = part.bearing_arc
     return [pi] if narrow >= pi else [pi, (pi + narrow) / 2, narrow]
-
-
-def direct_under(
-    loads: PartLoads, level: Level, position: int, arcs: Sequence[float]
-) -> FloatArray:
-    """Surface stress (n, 6, n_arcs) at a position under bearing pressures as they are, MPa.
-
-    Arcs (rad) that are new are solved together, each once per level for positions with the same
-    loads.
-    """
-    state = level.coefficients[:, position]
-    known = level.direct_stresses.setdefault(state.tobytes(), {})
-    missing = [arc for arc in arcs if arc not in known]
-    if missing:
-        wrenches = {name: wrench[position] for name, wrench in loads.wrenches.items()}
-        solved = level.solved_bores
-        moved = direct_displacement(level.solutions, wrenches, state, missing, solved)
-        found = level.stress_of(moved)
-        if level.contact is not None:  # short waves move nothing
-            short = level.contact.short_waves
-            found = found + (level.history.basis[:, :, short] @ state[short])[:, :, None]
-        known.update(zip(missing, np.moveaxis(found, -1, 0), strict=True))
-    return np.stack([known[arc] for arc in arcs], axis=-1)
-
-
-def at_clearances(
-    _loads: PartLoads, level: Level, position: int, clearances: Sequence[float]
-) -> FloatArray:
-    """Stress (n, 6, m) at a position by shares of the range of the pins' clearances, MPa."""
-    contact = level.contact
-    assert contact is not None
-    states = np.stack([contact.state(position, share) for share in clearances], axis=1)
-    stress = np.asarray(level.history.basis @ states)
-    if isinstance(level, Level):  # other levels have no points at a bore's surface
-        for k, share in enumerate(clearances):
-            for points, more in contact.short_waves_at(position, share):
-                stress[points, :, k] += more
-        stress[level.left_out] = 0.0
-    return stress
-
-
-def raised_in_bores(
-    loads: PartLoads, level: Level, position: int, arcs: Sequence[float]
-) -> FloatArray:
-    """Stress (n, 6, n_arcs) in the bores, as `direct_under`, with more of the forces' share, MPa.
-
-    Lugs were compared under forces in their plane: the stress of couples out of it stays.
-    """
-    points, solutions = level.in_bores, level.solutions
-    tilting = tilting_columns(solutions)
-    couples = level.history.basis[points][:, :, tilting] @ level.coefficients[tilting, position]
-    stress = direct_under(loads, level, position, arcs)[points]
-    return np.asarray((1 + BEYOND_ARCS) * stress - BEYOND_ARCS * couples[:, :, None])
 
 
 def _singular_edge(judged: Judged, levels: Sequence[Level]) -> tuple[float, float]:

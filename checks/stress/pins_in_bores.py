@@ -103,10 +103,13 @@ class PinnedBores:
         cycle = self.problem(coefficients, MIDDLE).solve()
         return Contact(self, *superposed(self.harmonics, cycle), cycle, coefficients)
 
-    def problem(self, coefficients: FloatArray, share: float) -> PartContact:
-        """The contact at a share of the range of clearances, not solved yet."""
+    def problem(self, coefficients: FloatArray, share: float, finer: int = 1) -> PartContact:
+        """The contact at a share of the range of clearances, not solved yet.
+
+        finer  times as many hats of pressure as its arcs ask for
+        """
         pins = {name: fit.pin(share) for name, fit in self.fits.items()}
-        return PartContact(self.harmonics, coefficients, pins)
+        return PartContact(self.harmonics, coefficients, pins, finer)
 
 
 def pinned_bores(solutions: UnitSolutions, fits: Mapping[str, Fit]) -> PinnedBores | None:
@@ -141,45 +144,59 @@ class Contact:
         return {}
 
     @cached_property
-    def _solved(self) -> dict[tuple[int, float], ContactCycle]:
+    def _solved(self) -> dict[tuple[float, bytes], ContactCycle]:
         return {}
 
     @cached_property
-    def _one_clearance(self) -> bool:
+    def one_clearance(self) -> bool:
+        """True if the fits leave no range of clearances."""
         return all(fit.least == fit.largest for fit in self.pins.fits.values())
 
-    def _is_middle(self, share: float) -> bool:
-        return share == MIDDLE or self._one_clearance
+    def is_middle(self, share: float) -> bool:
+        """True if a share of the range is the clearance that is solved at all positions."""
+        return share == MIDDLE or self.one_clearance
 
-    def at(self, position: int, share: float) -> ContactCycle:
-        """The contact at one position and a share of the range; raises ContactError."""
-        if self._is_middle(share):
-            return self.cycle.at(position)
-        if (position, share) not in self._solved:
+    def over(self, positions: IntArray, share: float) -> ContactCycle:
+        """The contact at some positions (m,) and a share of the range; raises ContactError."""
+        if self.is_middle(share):
+            return self.cycle.over(positions)
+        key = share, positions.tobytes()
+        if key not in self._solved:
             if share not in self._problems:
                 self._problems[share] = self.pins.problem(self.assumed, share)
-            self._solved[position, share] = self._problems[share].solve([position])
-        return self._solved[position, share]
+            self._solved[key] = self._problems[share].solve(positions.tolist())
+        return self._solved[key]
 
-    def state(self, position: int, share: float) -> FloatArray:
-        """Coefficients (n_basis,) of `solutions`; of short waves only at the middle."""
-        if self._is_middle(share):
-            return self.coefficients[:, position]
-        return self.solutions.state(self.at(position, share))[:, 0]
+    def finer(self, positions: IntArray, times: int) -> ContactCycle:
+        """The contact at the middle of the clearances, with more hats; raises ContactError."""
+        key = -float(times), positions.tobytes()
+        if key not in self._solved:
+            problem = self.pins.problem(self.assumed, MIDDLE, times)
+            self._solved[key] = problem.solve(positions.tolist())
+        return self._solved[key]
 
-    def short_waves_at(self, position: int, share: float) -> list[tuple[IntArray, FloatArray]]:
-        """Stress (n, 6), MPa, of short waves that the state lacks, at some surface points (n,)."""
-        if self._is_middle(share):
-            return []
-        bores = self.at(position, share).bores.values()
-        return [
-            (
-                bore.harmonics.points,
-                bore.harmonics.short_wave_stress
-                * bore.harmonics.short_waves(bore.hats, bore.forces),
-            )
-            for bore in bores
-        ]
+    def add_short_waves(
+        self, stress: FloatArray, points: IntArray, positions: IntArray, share: float
+    ) -> None:
+        """Add to stress (n, 6, m), MPa, what short waves make of it, which no state has.
+
+        points     (n,) rising surface points
+        positions  (m,)
+        """
+        key = share, positions.tobytes()
+        if key not in self._short_waves:
+            self._short_waves[key] = [
+                bore.harmonics.short_waves(bore.hats, bore.forces)
+                for bore in self.over(positions, share).bores.values()
+            ]
+        for bore, pressure in zip(self.pins.harmonics, self._short_waves[key], strict=True):
+            _, here, there = np.intersect1d(points, bore.points, return_indices=True)
+            own = bore.short_wave_stress[there]
+            stress[here] += own[:, :, None] * pressure[there][:, None, :]
+
+    @cached_property
+    def _short_waves(self) -> dict[tuple[float, bytes], list[FloatArray]]:
+        return {}
 
     def with_missed(self, points: IntArray) -> tuple[FloatArray, FloatArray]:
         """Stress (n, 6, n) of pressures that patterns miss, a column for each of some points (n,).

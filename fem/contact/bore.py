@@ -21,6 +21,7 @@ from geometry.mesh import SYMMETRY, BoolArray, FloatArray, IntArray, Interface, 
 
 LONG = 12  # waves around a bore that the part's own elements answer for, at most
 _FEWEST_LONG = 4
+_ALONG = 1e-3  # rad: sides that turn by less go along the axis
 _PER_WAVE = 6  # quadratic elements, with which a wave gives way by 2 or 3 % too little
 
 
@@ -73,6 +74,22 @@ class BoreHarmonics:
         nodes = self.solutions.recovery.points[self.points]
         arm = self.solutions.mesh.nodes[nodes] - self.loads.interface.centre
         return np.arctan2(arm[:, 1], arm[:, 0])
+
+    @cached_property
+    def sides(self) -> tuple[IntArray, FloatArray]:
+        """Neighbours (n, 2) among `points` along the elements' sides, and turns (n,), rad.
+
+        From the first to the second; sides along the axis, which turn nowhere, are left out.
+        """
+        mesh = self.solutions.mesh
+        facets = np.concatenate([mesh.surfaces[name] for name in self.loads.interface.surfaces])
+        both = facets[:, [[0, 3], [3, 1], [1, 4], [4, 2], [2, 5], [5, 0]]].reshape(-1, 2)
+        nodes = self.solutions.recovery.points[self.points]
+        found = np.searchsorted(nodes, np.unique(np.sort(both, axis=1), axis=0))
+        turns = np.diff(self.angles[found], axis=1)[:, 0]
+        turns = (turns + np.pi) % (2 * np.pi) - np.pi
+        around = np.abs(turns) > _ALONG
+        return found[around], turns[around]
 
     def short_waves(self, hats: Hats, forces: FloatArray) -> FloatArray:
         """Pressure (n, m), MPa, of forces (n_hats, m) N at `points`, without its long waves."""

@@ -67,6 +67,12 @@ class BorePressure:
     forces: FloatArray
     pressures: FloatArray
 
+    def at(self, angles: FloatArray) -> FloatArray:
+        """Pressure (n, n_positions) MPa at angles (n,) around the bore, rad."""
+        left, right, share = self.hats.beside(angles)
+        share = share[:, None]
+        return np.asarray((1 - share) * self.pressures[left] + share * self.pressures[right])
+
     @cached_property
     def arcs(self) -> FloatArray:
         """Arc of contact (n_positions,), rad; 0 where nothing presses."""
@@ -91,20 +97,23 @@ class ContactCycle:
     unbalanced: float
     steps: int
 
-    def at(self, position: int) -> "ContactCycle":
-        """One of its positions alone."""
-        one = slice(position, position + 1)
+    def over(self, positions: IntArray) -> "ContactCycle":
+        """Some of its positions (m,) alone."""
         bores = {
-            name: replace(bore, forces=bore.forces[:, one], pressures=bore.pressures[:, one])
+            name: replace(
+                bore, forces=bore.forces[:, positions], pressures=bore.pressures[:, positions]
+            )
             for name, bore in self.bores.items()
         }
-        return replace(self, bores=bores, others=self.others[:, one])
+        return replace(self, bores=bores, others=self.others[:, positions])
 
 
 class _Bore:
     """A bore of the part with its pin and its hats."""
 
-    def __init__(self, harmonics: BoreHarmonics, pin: FittedPin, coefficients: FloatArray) -> None:
+    def __init__(
+        self, harmonics: BoreHarmonics, pin: FittedPin, coefficients: FloatArray, finer: int
+    ) -> None:
         self.name, self.pin, self.harmonics = harmonics.loads.interface.name, pin, harmonics
         self.columns = harmonics.pressing
         self.forces = coefficients[[self.columns[name] for name in ("cos 1", "sin 1")]]
@@ -117,7 +126,7 @@ class _Bore:
             )
         half = self.half_arc(float(self.sizes.max(initial=0.0)))
         count = int(np.ceil(_HATS_IN_ARC * np.pi / half / 12)) * 12
-        self.hats = Hats.even(min(max(count, _FEWEST), _MOST))
+        self.hats = Hats.even(finer * min(max(count, _FEWEST), _MOST))
         self.waves = harmonics.waves(self.hats)
 
     def half_arc(self, force: float) -> float:
@@ -129,10 +138,10 @@ class _Bore:
         per_length = force / self.harmonics.loads.interface.length
         return persson_half_arc(pin.clearance / 2 / (softness * per_length))
 
-    def start(self, position: int, before: BoolArray | None) -> BoolArray:
-        """Hats that may touch at a position: those of the position before, turned, or Persson's."""
+    def start(self, position: int, last: int, before: BoolArray | None) -> BoolArray:
+        """Hats that may touch at a position: those of the `last` one, turned, or Persson's."""
         if before is not None and before.any():
-            turn = self.directions[position] - self.directions[position - 1]
+            turn = self.directions[position] - self.directions[last]
             hats = -round(turn / self.hats.widths[0]) % len(before)
             turned = np.concatenate([before[hats:], before[:hats]]) if hats else before
             if np.count_nonzero(turned) >= _FEW:
@@ -160,6 +169,7 @@ class PartContact:
     harmonics     of the bores, of one part
     coefficients  (n_basis, n_positions) of the part's unit loads, with any pressure in the bores
     pins          bore -> its pin
+    finer         times as many hats as Persson's arc asks for
 
     Raises ContactError if a pin floats at all positions, ValueError without bores.
     """
@@ -169,11 +179,12 @@ class PartContact:
         harmonics: Sequence[BoreHarmonics],
         coefficients: FloatArray,
         pins: Mapping[str, FittedPin],
+        finer: int = 1,
     ) -> None:
         if not harmonics:
             raise ValueError("contact needs at least one pin in a bore")
         self._bores = [
-            _Bore(one, pins[one.loads.interface.name], coefficients) for one in harmonics
+            _Bore(one, pins[one.loads.interface.name], coefficients, finer) for one in harmonics
         ]
         self._others = np.array(coefficients)
         for bore in self._bores:
@@ -220,17 +231,15 @@ class PartContact:
         forces, steps = np.zeros(opened.shape), 0
         solved: dict[tuple[int, ...], list[ContactState]] = {}
         before: list[BoolArray | None] = [None] * len(self._bores)
-        following = -1
+        last = -1
         for column, position in enumerate(chosen):
-            if position != following:  # what touched at another position is no start
-                before = [None] * len(self._bores)
-            following = position + 1
             pressed = self._pressed(position)
             if not pressed:
                 before = [None] * len(self._bores)
                 continue
             problem, at = self._problem(pressed)
-            state = self._state(problem, pressed, opened[at, column], position, before)
+            state = self._state(problem, pressed, opened[at, column], position, last, before)
+            last = position
             forces[at, column] = state.forces
             before = [forces[a:b, column] > 0 for a, b in pairwise(self._limits)]
             solved.setdefault(pressed, []).append(state)
@@ -268,10 +277,11 @@ class PartContact:
         pressed: tuple[int, ...],
         opened: FloatArray,
         position: int,
+        last: int,
         before: Sequence[BoolArray | None],
     ) -> ContactState:
         load = np.concatenate([self._bores[i].forces[:, position] for i in pressed])
-        start = np.concatenate([self._bores[i].start(position, before[i]) for i in pressed])
+        start = np.concatenate([self._bores[i].start(position, last, before[i]) for i in pressed])
         try:
             return problem.solve(opened, load, start)
         except ContactError as error:

@@ -17,7 +17,7 @@ from functools import cache, cached_property
 
 import numpy as np
 
-from geometry.mesh import FloatArray
+from geometry.mesh import FloatArray, IntArray
 
 _EVEN = 1e-12  # rad, between the widths of even hats: rounding
 _WAVES = 6  # of the finest hat's width: hats' series fall with the fourth power of the number
@@ -55,14 +55,17 @@ class Hats:
 
     def values(self, angle: FloatArray) -> FloatArray:
         """Values (..., n) of the hats at angles (...), rad."""
+        left, right, share = self.beside(angle)
+        numbers = np.arange(len(self.angles))
+        at_left = (numbers == left[..., None]) * (1 - share[..., None])
+        return np.asarray(at_left + (numbers == right[..., None]) * share[..., None])
+
+    def beside(self, angle: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
+        """Hats (...) on both sides of angles (...), rad, and the share of the way to the second."""
         beyond = (angle - self.angles[0]) % (2 * np.pi)
         starts = self.angles - self.angles[0]
         left = np.clip(np.searchsorted(starts, beyond, side="right") - 1, 0, len(starts) - 1)
-        share = (beyond - starts[left]) / self.widths[left]
-        right = (left + 1) % len(starts)
-        numbers = np.arange(len(starts))
-        at_left = (numbers == left[..., None]) * (1 - share[..., None])
-        return np.asarray(at_left + (numbers == right[..., None]) * share[..., None])
+        return left, (left + 1) % len(starts), (beyond - starts[left]) / self.widths[left]
 
     def waves(self, numbers: FloatArray) -> FloatArray:
         """Complex means (n, len(numbers)) of exp(i number angle) over the hats, numbers above 0."""

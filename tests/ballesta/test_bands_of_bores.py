@@ -17,7 +17,8 @@ from checks.models.checked import band_around, raised_in_bores, rung_estimates, 
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads, loads_on
 from checks.strength.part_strength import endurance_of, fatigue_use
-from checks.stress.error_bars import StaticPeak, bars_of
+from checks.stress.error_bars import bars_of
+from checks.stress.judged import StaticPeak
 from checks.stress.solid_mesh_level import Models
 
 from ..small_machine import machine

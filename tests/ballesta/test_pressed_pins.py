@@ -15,7 +15,8 @@ from checks.ladder.levels import Asked, solve_levels
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
 from checks.strength.part_strength import endurance_of, fatigue_use
-from checks.stress.error_bars import StaticPeak, bars_of
+from checks.stress.error_bars import bars_of
+from checks.stress.judged import StaticPeak
 from checks.stress.solid_mesh_level import Models
 
 DESIGN = Path(__file__).parents[2] / "designs" / "slider_crank.toml"

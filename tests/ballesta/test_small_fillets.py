@@ -13,7 +13,8 @@ import pytest
 from checks.ladder.levels import solve_levels
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
-from checks.stress.error_bars import StaticPeak, bars_of
+from checks.stress.error_bars import bars_of
+from checks.stress.judged import StaticPeak
 from checks.stress.solid_mesh_level import Models
 from fem.singularity import singular_exponent
 from geometry.meshing import gmsh_session

@@ -20,7 +20,8 @@ from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check, Status
 from checks.result.ways import clearance_fact, mesh_that_settles
 from checks.strength.part_strength import endurance_of, fatigue_use
-from checks.stress.error_bars import StaticPeak, _missed_of_contact, bars_of
+from checks.stress.error_bars import _missed_of_contact, bars_of
+from checks.stress.judged import StaticPeak
 from checks.stress.pins_in_bores import CLEARANCES, LARGEST, LEAST, MIDDLE, fits_of
 from checks.stress.solid_mesh_level import Models
 from fem.contact.superposed import superposed
@@ -93,19 +94,20 @@ def test_the_band_of_a_fit_reaches_both_ends_and_nothing_else(loose):
     for value, bars in found:
         assert bars.by_arc == {}
         assert bars.in_bores == 0
-        assert tuple(bars.by_clearance) == CLEARANCES
-        assert bars.by_clearance[MIDDLE] == pytest.approx(value, rel=1e-9)
-        assert value + bars.above == pytest.approx(max(bars.by_clearance.values()))
-        assert value - bars.below == pytest.approx(min(bars.by_clearance.values()))
+        values = bars.clearances.values
+        assert set(CLEARANCES) < set(values)
+        assert values[MIDDLE] == value
+        assert value + bars.above == pytest.approx(max(values.values()))
+        assert value - bars.below == pytest.approx(min(values.values()))
     (_, bars), _ = found
-    assert bars.by_clearance[LARGEST] > 1.2 * bars.by_clearance[LEAST]
+    assert bars.clearances.values[LARGEST] > 1.2 * bars.clearances.values[LEAST]
 
 
 def test_the_end_of_a_range_is_the_contact_of_that_clearance(loose, tmp_path):
     _, _, ((_, bars), _) = loose
     stated = 'fits = { first = "0.04 mm", second = "0.04 mm" }'
     _, ((alone, _), _) = solved(rod(tmp_path, stated))
-    assert bars.by_clearance[LARGEST] == pytest.approx(alone, rel=0.02)
+    assert bars.clearances.values[LARGEST] == pytest.approx(alone, rel=0.02)
 
 
 def test_the_derivation_of_a_fits_band_is_the_checks(loose):
@@ -159,7 +161,7 @@ def test_one_fit_leaves_the_other_bore_its_arcs(tmp_path):
         rod(tmp_path, 'fits = { second = "0 mm" }\nbearing_arc = "120 deg"')
     )
     assert bars.by_arc
-    assert bars.by_clearance
+    assert bars.clearances is not None
     assert set(levels[-1].solved_bores) == {"second"}
     at_first = levels[-1].history.points[StaticPeak(pulled()).point(levels[-1])][0]
     assert at_first < 5  # the neat pin presses less hard than the cosine

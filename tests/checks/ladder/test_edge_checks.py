@@ -14,7 +14,8 @@ from checks.ladder.edge_checks import critical_distance, edge_fatigue, edge_stat
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check, Status
 from checks.strength.fatigue_assessment import FatigueUse
-from checks.stress.error_bars import StaticPeak, bars_of
+from checks.stress.error_bars import bars_of
+from checks.stress.judged import StaticPeak
 from checks.stress.sharp_edges import Spared, spared_level
 from checks.stress.solid_mesh_level import solve_level
 from fem.unit_solutions import Elastic, solve_unit_loads

@@ -8,7 +8,8 @@ from checks.ladder.levels import COARSE, LOOSE, Asked, first_of, solve_levels
 from checks.part.loaded_part import FIRST, LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.strength.part_strength import endurance_of
-from checks.stress.error_bars import StaticPeak, bars_of
+from checks.stress.error_bars import bars_of
+from checks.stress.judged import StaticPeak
 from checks.stress.solid_mesh_level import Models
 
 from ...small_machine import machine

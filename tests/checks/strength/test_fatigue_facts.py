@@ -14,9 +14,9 @@ from checks.strength.fatigue_assessment import FatigueUse
 from checks.strength.fatigue_facts import fatigue_facts
 from checks.strength.finite_life import LifeTask
 from checks.strength.fkm_strength import fkm_judgement, fkm_points
-from checks.stress import error_bars
+from checks.stress import judged
 from checks.stress.duty_verdict import FatiguePeak, duty_runs, duty_verdict
-from checks.stress.error_bars import direct_under
+from checks.stress.judged import direct_under
 from fatigue import FkmMaterial
 from fem.recovery import von_mises
 
@@ -148,7 +148,7 @@ def test_positions_of_equal_loads_share_one_solve_of_every_arc(monkeypatch):
         asked.append((coefficients.tolist(), list(arcs)))
         return np.full((1, 6, len(arcs)), coefficients[0])
 
-    monkeypatch.setattr(error_bars, "direct_displacement", solved)
+    monkeypatch.setattr(judged, "direct_displacement", solved)
     coefficients = np.array([[1.0, 2.0, 1.0]])
     level = SimpleNamespace(
         solutions=None,
