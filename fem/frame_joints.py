@@ -13,7 +13,7 @@ as the point goes on by 1/2 t x (t x r). The rows of a pin never hold the turn a
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -213,12 +213,8 @@ class PlacedLinks:
 
     @cached_property
     def stiffness(self) -> FloatArray:
-        """Of all unknowns, (n, n)."""
-        result = np.zeros((self.n_unknowns,) * 2)
-        for k, link in enumerate(self.links):
-            part = slice(self._starts[k], self._starts[k + 1])
-            result[part, part] = link.stiffness
-        return result
+        """Of all unknowns, (n, n), in the links' own axes: the same in every position."""
+        return _stiffness(tuple(self.links))
 
     def axial(self, link: int, forces: FloatArray) -> FloatArray:
         """Geometric stiffness (l, n, n) of axial forces (l, m, 6) in a bar."""
@@ -229,8 +225,7 @@ class PlacedLinks:
 
     def unknowns(self, plane: Sequence[int]) -> IntArray:
         """Unknowns that move in a plane, (k,)."""
-        nodes = np.arange(self.n_unknowns // 6)
-        return np.sort((6 * nodes[:, None] + np.array(plane)).ravel())
+        return _in_plane(self.n_unknowns, tuple(plane))
 
     def part(self, link: int) -> IntArray:
         """Unknowns of a link, (k,)."""
@@ -275,6 +270,25 @@ class PlacedLinks:
             moves.T @ self.stiffness @ moves, moves.T @ geometric @ moves, count=count
         )
         return replace(found, shapes=moves @ found.shapes)
+
+
+@lru_cache(maxsize=8)
+def _stiffness(links: tuple[Link, ...]) -> FloatArray:
+    """Stiffness (n, n) of links beside each other, in their own axes."""
+    starts = np.cumsum([0, *(link.n_unknowns for link in links)])
+    result = np.zeros((starts[-1],) * 2)
+    for link, first, end in zip(links, starts, starts[1:], strict=False):
+        result[first:end, first:end] = link.stiffness
+    result.flags.writeable = False
+    return result
+
+
+@lru_cache(maxsize=64)
+def _in_plane(n_unknowns: int, plane: tuple[int, ...]) -> IntArray:
+    nodes = np.arange(n_unknowns // 6)
+    result = np.sort((6 * nodes[:, None] + np.array(plane)).ravel())
+    result.flags.writeable = False
+    return result
 
 
 def _left_free(rows: FloatArray) -> FloatArray:

@@ -49,7 +49,7 @@ class FoldedElementError(MeshError):
 
 
 class UnsafeMesherError(MeshError):
-    """A mesher that would write outside of its memory, so that its mesh would not be repeatable."""
+    """A mesher that would write outside of its memory, or leave too many elements flat."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -270,6 +270,7 @@ class LinkForces:
     bars: Mapping[int, BarForces]
     arms: tuple[tuple[int, FloatArray, FloatArray], ...]
 
+    @cached_property
     def sizes(self) -> FloatArray:
         """All forces over the cycle (n, c) N, in the order of `forms`; round-off is none."""
         cycle = self.joints.cycle
@@ -310,8 +311,29 @@ class LinkForces:
         return np.array(found)
 
     def geometric(self, placed: PlacedLinks, k: int) -> FloatArray:
-        """Geometric stiffness (n, n) of all forces of position k."""
-        return np.asarray(np.tensordot(self.sizes()[k], self.forms(placed, k), 1))
+        """Geometric stiffness (n, n) of all forces of position k: the sum of sizes times `forms`.
+
+        Forces on one bar, and both components at one place, are added up before.
+        """
+        sizes, first = self.sizes[k], 0
+        result = np.zeros((placed.n_unknowns,) * 2)
+        for link, bar in self.bars.items():
+            count = len(bar.pushed)
+            axial = np.tensordot(sizes[first : first + count], bar.per_force(k), 1)
+            result += placed.axial(link, axial[None])[0]
+            first += count
+        for link, places, _ in self.arms:
+            result += dead_force(placed.motion(link, places[k]), sizes[first : first + 2])
+            first += 2
+        for force in self._between():
+            motions = self.joints.between(placed, force.coordinate)
+            result += following_force(*motions, float(sizes[first]))
+            first += 1
+        for joint in self._slides():
+            a, b, normal = self.joints.contact(placed, joint, k)
+            result += slot_force(a, b, normal, float(normal @ sizes[first : first + 2]))
+            first += 2
+        return result
 
     def _between(self) -> list[loads.Force]:
         """Forces between two points."""

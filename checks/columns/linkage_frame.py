@@ -273,6 +273,7 @@ class _Search:
         }
         self._forces = {name: forces_of(self.model, rows) for name, rows in self._rows.items()}
         self._acting: dict[_Place, tuple[PlacedLinks, FloatArray]] = {}
+        self._poses: dict[_Place, tuple[object, ...]] = {}
         self._motions = FreeMotions() if motions is None else motions
         points = tuple((body.name, *body.points.items()) for body in first.linkage.bodies)
         self._frame = pieces, slots_hold, turning, points, first.linkage.joints
@@ -292,7 +293,7 @@ class _Search:
         found: dict[_Case, list[tuple[float, _Place]]] = {}
         strides = {name: -(-len(run.positions) // _RANKED) for name, run in self._cycles.items()}
         spread = {
-            name: _spread(run, strides[name], self._forces[name].sizes())
+            name: _spread(run, strides[name], self._forces[name].sizes)
             for name, run in self._cycles.items()
         }
         self._rank(found, [(name, int(k)) for name, some in spread.items() for k in some])
@@ -314,7 +315,7 @@ class _Search:
 
         Positions with the same pose and drive share the stiffness and are solved together.
         """
-        sizes = {name: forces.sizes() for name, forces in self._forces.items()}
+        sizes = {name: forces.sizes for name, forces in self._forces.items()}
         largest = {
             case: max((value for value, _ in found.get(case, ())), default=0.0)
             for case in self._cases
@@ -322,9 +323,11 @@ class _Search:
         for members in self._alike(places).values():
             name, k = members[0]
             placed = self._placed(name, k)
-            forms = self._forces[name].forms(placed, k)
-            acting = np.array([sizes[other][j] for other, j in members])
-            geometric = np.tensordot(acting, forms, 1)
+            if len(members) == 1:
+                geometric = self._forces[name].geometric(placed, k)[None]
+            else:
+                acting = np.array([sizes[other][j] for other, j in members])
+                geometric = np.tensordot(acting, self._forces[name].forms(placed, k), 1)
             for case in largest:
                 free = self._moves(placed, name, k, case)
                 reduced = _reduced(placed, free, geometric, case.plane)
@@ -380,9 +383,11 @@ class _Search:
 
     def _pose(self, name: str, k: int) -> tuple[object, ...]:
         """Pose to a billionth of the linkage's size, and pace: all that motions depend on."""
-        run, size = self._cycles[name], self._sizes[name]
-        pose = np.round(run.poses[k] / np.array([size, size, 1.0]) * 1e9).astype(np.int64)
-        return run.pace, size, pose.tobytes()
+        if (name, k) not in self._poses:
+            run, size = self._cycles[name], self._sizes[name]
+            pose = np.round(run.poses[k] / np.array([size, size, 1.0]) * 1e9).astype(np.int64)
+            self._poses[name, k] = run.pace, size, pose.tobytes()
+        return self._poses[name, k]
 
     def _placed(self, name: str, k: int) -> PlacedLinks:
         return self.model.placed(self._cycles[name].poses[k])

@@ -279,6 +279,35 @@ def test_a_mesh_for_which_hxt_would_leave_its_memory_is_made_by_the_other_mesher
     assert optimised == [False]
 
 
+def test_a_mesh_that_hxt_fills_with_flat_elements_is_made_by_the_other_mesher(monkeypatch):
+    """The pin of the press at a third of its fineness, whose fillets are 1 mm on elements of 20 mm.
+
+    HXT's optimisation would take 26 s for a mesh with 42 % of flat elements, the other mesher 0.7 s
+    for one with 0.1 %.
+    """
+    optimised, flat = [], []
+    generate = meshing._generate
+
+    def watched(gmsh, *, hxt):
+        optimised.append(hxt)
+        generate(gmsh, hxt=hxt)
+        tags, _ = gmsh.model.mesh.getElementsByType(11)
+        flat.append(np.mean(np.asarray(gmsh.model.mesh.getElementQualities(tags, "gamma")) < 0.1))
+
+    monkeypatch.setattr(meshing, "_generate", watched)
+    seats = Seat("upper", at=42.95, width=6.3), Seat("lower", at=32.65, width=6.3)
+    pin = Pin(
+        seats=(*seats, Seat("cylinder", width=43, diameter=35)),
+        diameter=40,
+        step_fillet=1.0,
+        overhang=5,
+    )
+    mesh = mesh_shape(pin, fineness=0.38)
+    assert mesh.mesher == "Delaunay, because HXT leaves 64% of the elements flat"
+    assert optimised == [False]
+    assert flat[0] < 0.01
+
+
 MESHED_AGAIN = """
 import hashlib
 from dataclasses import replace

@@ -95,10 +95,20 @@ def test_a_block_that_carries_a_lever_turns_its_force_with_it(quick_return):
     centre, alpha = lever.centre[0], run.accelerations[0, link + 1, 2]
     inertia = lever.inertia + lever.mass * centre**2
     up = (200 * rod - lever.mass * 9810 * centre - inertia * alpha) / 180
-    found = np.tensordot(forces.sizes()[0, -2:], forces.forms(placed, 0)[-2:], 1)
+    found = np.tensordot(forces.sizes[0, -2:], forces.forms(placed, 0)[-2:], 1)
     expected = slot_force(a, b, normal, up)
     assert_allclose(found, expected, atol=1e-4 * np.abs(expected).max())
     assert up > 200
+
+
+def test_forces_that_are_added_up_before_make_what_their_forms_do(quick_return):
+    model, run, rows = quick_return
+    forces = forces_of(model, rows)
+    for k in (0, 7, len(run.positions) - 1):
+        placed = model.placed(run.poses[k])
+        one_by_one = np.tensordot(forces.sizes[k], forces.forms(placed, k), 1)
+        found = forces.geometric(placed, k)
+        assert_allclose(found, one_by_one, rtol=0, atol=1e-12 * np.abs(one_by_one).max())
 
 
 # joints ------------------------------------------------------------------------------------------
