@@ -205,21 +205,18 @@ def test_a_stated_arc_is_that_of_a_fresh_check_to_2_percent(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "part", "kinds"),
-    [("toggle_press", "bar_upper", ("static", "fatigue")), ("slider_crank", "crank", ("static",))],
+    ("name", "part"),
+    [("toggle_press", "bar_upper"), ("slider_crank", "crank")],
 )
-def test_a_clearance_is_that_of_a_fresh_check_to_2_percent(name, part, kinds):
-    """Value and both ends of the bars. Fatigue of the crank is not followed: on neat pins its worst
-    positions are others (62 and 285 deg) than at the middle of the fit (68 and 295 deg), 4 % worse.
+def test_a_clearance_is_that_of_a_fresh_check_to_2_percent(name, part):
+    """Value and both ends of the bars. On neat pins the worst positions of the crank's fatigue are
+    others (62 and 285 deg) than at the middle of the fit (68 and 295 deg), 4 % worse.
     """
     file, result = PRESS.parent / f"{name}.toml", _result_of(name)
-    for kind, share in product(kinds, (5 / 32, 20 / 32)):
+    for kind, share in product(("static", "fatigue"), (5 / 32, 20 / 32)):
         lever, _ = _of_pins(result, part, kind)
         text = lever["texts"][1 + _CLEARANCES.index(share)]
         assert _misses(file, result, part, kind, text, "auto").max() < 0.02, (kind, text)
-    if "fatigue" not in kinds:
-        _, rows = _of_pins(result, part, "fatigue")
-        assert rows[1:] == [None] * (len(rows) - 1)
 
 
 @pytest.mark.slow
