@@ -41,8 +41,8 @@ BANDS = Path(__file__).parents[1] / "checks" / "models" / "bands.json"
 SHARE = 0.95  # of solids that a band is to hold
 _KINDS = (STATIC, FATIGUE, BUCKLING)
 FLOOR = 0.02  # of the value: half of the narrowest band; the loads compared are few
-# Of a buckling load: none of the flat links compared buckles in its plane, and one beyond, as thick
-# as it is wide, has 3 % less.
+# Of a buckling load: none of the flat links compared buckles in its plane, and one beyond, thicker
+# than it is wide, has 4 % more.
 BUCKLED_FLOOR = 0.04
 _FEWEST = 5  # solids that a band needs
 _CONVERGED = 0.15  # of its value: a larger numerical bar is no truth to compare with
@@ -87,7 +87,7 @@ def of_solid(line: Mapping[str, Any], kind: str) -> Mapping[str, Any] | None:
     found = [check for check in line.get("checks", {}).values() if check["kind"] == kind]
     if not found:
         return None
-    # buckling is known from one mesh, whose bar is the largest that a mode on it can have
+    # buckling is known from one mesh; of tubes, whose walls buckle, from two
     by_meshes = kind != BUCKLING
     if by_meshes and not (found[0]["numerical"] or 0.0) <= _CONVERGED * found[0]["value"]:
         return None

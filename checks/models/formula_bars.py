@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from itertools import pairwise
-from math import inf, pi
+from math import pi
 from typing import Self
 
 import numpy as np
@@ -64,6 +64,7 @@ class Stretches:
     inertia_y  (m,) mm4, out of it
     torsion    (m,) mm4, Saint-Venant's
     racking    (m,) mm2, shear stiffness out of the plane over E; None without shear strain
+    sliding    the same in the plane
     """
 
     cuts: FloatArray
@@ -72,6 +73,7 @@ class Stretches:
     inertia_y: FloatArray
     torsion: FloatArray
     racking: FloatArray | None = None
+    sliding: FloatArray | None = None
 
     @property
     def middles(self) -> FloatArray:
@@ -277,7 +279,8 @@ def elastic_load(
     """Largest share of the elastic buckling load over the positions.
 
     In the plane Euler's of a hinged column with the part's steps, from pin to pin: the push of a
-    pin goes through its axis, however far the bore turns. Out of it the same, with ends free to
+    pin goes through its axis, however far the bore turns. Where the shape tells its shear area, the
+    shear strain counts in both planes (Engesser). Out of the plane the same, with ends free to
     tilt, together with the lateral buckling of the bent bar. A part that is pulled at every
     position is no column; what bends it may buckle it sideways, and the pull counts as nothing, as
     it does for one that is hardly ever pressed.
@@ -312,6 +315,7 @@ def elastic_load(
         young * mass.at(mass.inertia_y, pressed_at),
     )
     racking = np.inf if mass.racking is None else young * mass.at(mass.racking, pressed_at)
+    sliding = np.inf if mass.sliding is None else young * mass.at(mass.sliding, places)
     across = young * mass.at(mass.inertia_y, places)
     twisting = young / (2 * (1 + ratio)) * mass.at(mass.torsion, places)
     moment = bar.at(places).moment_z
@@ -319,7 +323,7 @@ def elastic_load(
         least = _NO_MOMENT * largest * length
         moment = np.where(np.abs(moment) > least, moment, 0.0)
     shares = {
-        _IN_PLANE: within / column_force(flat, np.inf, length),
+        _IN_PLANE: within / column_force(flat, sliding, length),
         _SIDEWAYS: lateral_share(
             force / column_force(firm, racking, column), moment, across, twisting, length
         ),
@@ -331,7 +335,7 @@ def elastic_load(
     pressed = float((within if words == _IN_PLANE else force)[position])
     explain: Callable[[], Sequence[Item]]
     if words == _IN_PLANE:
-        explain = partial(column_items, pressed, flat, inf, length)
+        explain = partial(column_items, pressed, flat, sliding, length)
     elif words == _SIDEWAYS:
         bent = moment[:, [position]]
         alone = float(lateral_share(np.zeros(1), bent, across, twisting, length)[0])

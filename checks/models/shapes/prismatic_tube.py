@@ -16,6 +16,7 @@ from checks.models.formula_bars import (
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.stress_result import RungModel
+from geometry.bars import square_tube
 from geometry.mesh import FloatArray
 from geometry.parts import PrismaticTube
 
@@ -27,14 +28,16 @@ def stress(part: Part, shape: PrismaticTube, loads: PartLoads) -> RungModel:
     (tube,) = shape.sections
     cuts = fine_cells(np.array([0.0, shape.length]), 64)
     ones, inertia = np.ones(len(cuts) - 1), tube.inertia_in_plane
-    torsion = shape.wall * (shape.width - shape.wall) ** 3
-    mass = Stretches(cuts, ones * tube.area, ones * inertia, ones * inertia, ones * torsion)
+    sections = square_tube(shape.width, shape.wall, tube.area, inertia)
+    sheared = ones * sections.shear_area_y / (2 * (1 + part.material.poisson_ratio))
+    bends, twists = ones * inertia, ones * sections.torsion
+    mass = Stretches(cuts, ones * tube.area, bends, bends, twists, sheared, sheared)
     whole = BarPart.of(part, loads, {"start": 0.0, "end": shape.length}, mass, shape.length)
     bar, points = whole.forces, whole.points
     inside = 1e-9 * shape.length  # the ends' own forces are beyond the first section
     along = np.linspace(inside, shape.length - inside, _STATIONS)
-    sections = SectionForces(points, bar)
-    add_tube_fibres(points, "tube", along, sections, tube, (shape.width, shape.wall))
+    forces = SectionForces(points, bar)
+    add_tube_fibres(points, "tube", along, forces, tube, (shape.width, shape.wall))
     return whole.model(
         local=1 / (tube.area * _pressed_edges(part, shape)),  # the walls at the free, pressed ends
         neglects="how the end faces bring forces in; bending of the walls across themselves",
