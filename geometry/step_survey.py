@@ -14,7 +14,6 @@ from time import monotonic
 from typing import Any
 
 import numpy as np
-import psutil
 
 from geometry.mesh import MeshError
 from geometry.parameters import ParameterError
@@ -76,6 +75,8 @@ def _survey(path: Path, digest: str) -> StepSolid | str:
 
 def _over_its_limits(process: subprocess.Popen[bytes]) -> str:
     """Wait until a process ends; "" then, else in words what it took too much of."""
+    import psutil
+
     begun = monotonic()
     try:
         watched = psutil.Process(process.pid)

@@ -8,7 +8,6 @@ from contextlib import contextmanager
 from math import isfinite
 from pathlib import Path
 from typing import Any
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 import numpy.typing as npt
@@ -120,6 +119,8 @@ def write_volume(
 
 def write_pvd(path: Path, steps: Sequence[tuple[float, str]]) -> None:
     """Write a ParaView collection: (time, file beside it) for each step."""
+    from xml.sax.saxutils import quoteattr  # loads the modules of network connections: 50 ms
+
     lines = [
         f'<DataSet timestep="{time:.9g}" part="0" file={quoteattr(file)}/>' for time, file in steps
     ]
