@@ -382,6 +382,8 @@ def _model_at(way: Way) -> type[BaseModel] | None:
     for step in way:
         if step in TAGS:
             here = next(arg for arg in get_args(_inside(here)) if _tag_of(arg) == step)
+        elif get_origin(here) is dict:  # the name may be that of a shape
+            here = get_args(here)[-1]
         elif step in PART_MODELS and not (isinstance(here, type) and issubclass(here, BaseModel)):
             here = PART_MODELS[str(step)]
         elif isinstance(here, type) and issubclass(here, BaseModel):

@@ -30,12 +30,13 @@ def welds_of(
     for index, stated in enumerate(getattr(entry, "welds", ())):
         here = f"{key}.welds[{index}]"
         try:
-            found.append(_weld(stated, geometry))
+            new = _weld(stated, geometry)
         except ParameterError as error:
             problems.add(f"{here}.{error.field}", error.problem)
             continue
-        if any(one.at == stated.at for one in found[:-1]):
-            problems.add(f"{here}.at", f"another weld of the part stands at {stated.at:g} mm")
+        if any(one.place == new.place for one in found):
+            problems.add(f"{here}.at", f"another weld of the part stands at {new.place}")
+        found.append(new)
     return tuple(found)
 
 

@@ -59,9 +59,11 @@ OVER_CYCLES = True  # ranges, which no position shows by itself
 
 _THEORY = "docs/theory/welds.md"
 _ROUND = 16  # points round a round outline
+_DIGITS = 15  # of sines: that of pi is 0
 _CELLS = 256  # of the part's mass along it
 _INSIDE = 1e-9  # of the length: a weld at an end stands beside the force there
 _BETA, _GAMMA = 1.0, 1.25  # EN 1993-1-8: largest correlation factor of table 4.1, and gamma_M2
+_STRONGEST = 540.0  # MPa, tensile strength of S460, the strongest steel of that table
 _YIELDS = 1.5  # EN 1993-1-9, (8.1): largest range over the yield stress
 _NOMINAL = Band(words="a formula has no mesh; strengths of welds are of nominal stress")
 _MINER = 0.5  # at failure; EN 1993-1-9, A.6, has 1, which IIW finds not safe for its curve
@@ -105,7 +107,8 @@ def not_checked(loaded: LoadedPart) -> Iterator[str]:
     if loaded.part.welds:
         yield (
             "welds by nominal stress: quality and inspection as the table of the detail asks, no "
-            "misalignment, no bending of the walls across themselves or of what they are welded to"
+            "misalignment, no bending of the walls across themselves or of what they are welded "
+            "to, which is as strong as the part"
         )
 
 
@@ -190,7 +193,8 @@ def _outline(weld: Weld) -> list[tuple[float, float]]:
     half = walls.size / 2
     if walls.outline == "round":
         angles = 2 * np.pi * np.arange(_ROUND) / _ROUND
-        return [(float(half * np.sin(a)), float(half * np.cos(a))) for a in angles]
+        sines, cosines = np.sin(angles).round(_DIGITS), np.cos(angles).round(_DIGITS)
+        return [(float(half * s), float(half * c)) for s, c in zip(sines, cosines, strict=True)]
     depth = walls.wall / 2 if walls.outline == "flat" else half
     return [(y, z) for y in (half, -half) for z in (depth, -depth)]
 
@@ -430,10 +434,12 @@ def _static(loaded: LoadedPart, weld: Weld, forces: Mapping[str, FloatArray]) ->
     limit: list[Item] = [
         Given("S_u", f"tensile strength of {material.name}", material.ultimate_stress, "MPa",
               material.source, main=True),
+        Given("S_460", "that of S460, the strongest steel of the table", _STRONGEST, "MPa",
+              _THEORY),
         Given("beta_w", "correlation factor, the largest of all steels", _BETA, "",
               "EN 1993-1-8, table 4.1"),
         Given("gamma_M2", "partial factor", _GAMMA, "", "EN 1993-1-8, 2.2"),
-        Step("F_R", "strength per length", "a*S_u/(sqrt(3)*beta_w*gamma_M2)", "N/mm",
+        Step("F_R", "strength per length", "a*min(S_u, S_460)/(sqrt(3)*beta_w*gamma_M2)", "N/mm",
              "EN 1993-1-8, (4.3) and (4.4)", main=True),
     ]  # fmt: skip
     heading = Heading(

@@ -4,9 +4,17 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+import fem.buckling
 import fem.lowest_modes
 from checks.handbook.column_curves import column_strength
-from fem.buckling import buckling_modes, effective_length, part_buckling
+from fem.buckling import (
+    Buckling,
+    BucklingMode,
+    buckling_modes,
+    effective_length,
+    mesh_bar,
+    part_buckling,
+)
 from fem.unit_solutions import Elastic, solve_unit_loads
 from geometry.meshing import mesh_shape
 
@@ -179,3 +187,26 @@ def test_a_slender_column_has_the_same_factors_from_any_start(monkeypatch):
         modes = part_buckling(column, coefficients, tilt_held=False, count=4).modes
         found.append([mode.factor for mode in modes])
     assert_allclose(found, np.broadcast_to(found[0], np.shape(found)), rtol=1e-10)
+
+
+BAR = 0.01 + 3 * 0.1 / 0.9**3  # 1 % + 3 e/(1 - e)^3 of e = 0.1
+
+
+@pytest.mark.parametrize(
+    ("errors", "next_factor", "bar"),
+    [
+        ((0.1, 0.0), 20.0, BAR),  # of the lowest mode itself
+        ((0.0, 0.1), 6.0, 5.0 / 6.0 * (1 + 2 * BAR) - 1),  # one beyond those seen
+        ((0.1,), None, BAR),
+    ],
+)
+def test_a_mesh_has_the_bar_of_its_modes_errors(monkeypatch, tube, errors, next_factor, bar):
+    """Of a lowest factor 5; modes beyond those seen may have twice the largest bar."""
+    modes = tuple(
+        BucklingMode(factor, "in plane", np.full((1, 3), error))
+        for factor, error in zip((5.0, next_factor), errors, strict=False)
+    )
+    monkeypatch.setattr(fem.buckling, "energy_error", lambda _, shape: shape[0])
+    seen = Buckling(modes, 0.0, None, 1.0)
+    monkeypatch.setattr(fem.buckling, "part_buckling", lambda *_, **__: seen)
+    assert_allclose(mesh_bar(tube, np.zeros(1), modes), bar, rtol=1e-12)

@@ -6,10 +6,11 @@ import skfem
 from numpy.testing import assert_allclose
 from skfem.models.elasticity import linear_elasticity
 
+import fem.recovery
 from bench.scikit_fem import to_scikit_fem
 from fem.assembly import Pattern, full, geometric_stiffness, stiffness
 from fem.elements import Elements
-from fem.recovery import Recovery, tensor, von_mises
+from fem.recovery import Recovery, energy_error, tensor, von_mises
 from fem.solvers import factorize
 from fem.unit_loads import acceleration_loads, resultants
 from fem.unit_solutions import Elastic, rigid_modes, solve_unit_loads
@@ -229,6 +230,19 @@ def test_a_linear_stress_field_is_recovered_exactly(distorted):
     assert_allclose(stress, components, rtol=0, atol=1e-11 * np.abs(components).max())
     scatter = recovery.scatter(displacement.ravel())
     assert scatter.max() < 1e-10 * np.abs(components).max()
+
+
+def test_the_error_of_a_field_is_counted_as_energy(distorted, monkeypatch):
+    """Of a pull s and an error of shear t: 2 (1 + nu) t^2/s^2; a linear stress field has none."""
+    recovery = Recovery(Elements(distorted), 210e3, 0.3)
+    x, y, z = distorted.nodes.T
+    pulled = 1e-3 * np.stack([x, -0.3 * y, -0.3 * z], axis=1)
+    assert energy_error(recovery, pulled.ravel()) < 1e-20
+    bent = 1e-5 * np.stack([x * x + 2 * x * y, y * y - z * x, z * y], axis=1)
+    assert energy_error(recovery, bent.ravel()) < 1e-20
+    off = np.array([0.0, 0.0, 0.0, 0.0, 0.2 * 210.0, 0.0])
+    monkeypatch.setattr(fem.recovery, "_smoothed", lambda _, raw: raw + off)
+    assert_allclose(energy_error(recovery, pulled.ravel()), 2 * 1.3 * 0.2**2, rtol=1e-9)
 
 
 def test_a_node_of_a_single_element_takes_the_scatter_around_it():

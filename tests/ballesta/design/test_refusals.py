@@ -93,6 +93,13 @@ def test_a_design_that_cannot_be_meant_is_refused_at_its_key(case, tmp_path):
         read(tmp_path, change)
 
 
+def test_a_part_may_have_the_name_of_a_shape(tmp_path):
+    with pytest.raises(
+        DesignError, match=r"parts\.pin\.diametr: unknown key, did you mean diameter"
+    ):
+        read(tmp_path, ("[parts.pin_B]", "[parts.pin]\ndiametr = '1 mm'"))
+
+
 def test_a_point_on_one_body_that_nothing_needs_is_refused(tmp_path):
     with pytest.raises(DesignError, match=r"points\.E: is on body upper only, and neither ground"):
         read(
