@@ -31,7 +31,13 @@ from ballesta.machine.warnings_of import (
 )
 from ballesta.unfinished import FRAME, PART, Keep, KeptPart, with_parts, without_live
 from checks.columns.cylinders import cylinder_checks, not_checked_of
-from checks.columns.linkage_frame import FreeMotions, LinkageMode, linkage_check, worst_mode
+from checks.columns.linkage_frame import (
+    FreeMotions,
+    LinkageMode,
+    least_factor,
+    linkage_check,
+    worst_mode,
+)
 from checks.columns.linkage_store import stored_mode
 from checks.derivations.buckling import linkage_share
 from checks.design.data import Design
@@ -301,8 +307,8 @@ def _of_cylinders(design: Design, runs: Runs, doubts: Sequence[Doubt]) -> list[C
 
 
 def _linkage_share(design: Design, runs: Runs, motions: FreeMotions) -> float:
-    mode = worst_mode(design, runs, motions)
-    return 0.0 if mode is None else linkage_check(design, mode.under(design.load_factor)).value
+    factor = least_factor(design, runs, motions)
+    return 0.0 if factor is None else 1 / (factor / design.load_factor)
 
 
 def _not_checked(design: Design, machine: MachineRuns) -> tuple[str, ...]:

@@ -147,25 +147,16 @@ def worst_mode(
     they tell no positions of the bodies. Raises loads.LinkageError where the frame can move.
     """
     motions = FreeMotions() if motions is None else motions
-    cycles = {name: run for name, run in solved.items() if isinstance(run, loads.CycleLoads)}
-    if not cycles:
+    cycles, asked = _solved_cycles(solved), _asked(design)
+    found = _lowest(design, cycles, motions, _cases(design))
+    if found is None:
         return None
-    coarse = _Search(design, cycles, COARSE, motions)
-    if not coarse.model.has_bars:
-        return None
-    try:
-        ranked = coarse.ranked()
-    except loads.LinkageError:  # a body that only slots keep from moving sideways
-        coarse = _Search(design, cycles, COARSE, motions, slots_hold=True)
-        ranked = coarse.ranked()
-    fine = _Search(design, cycles, FINE, motions, slots_hold=coarse.slots_hold)
-    lowest = {case: fine.lowest(case, places) for case, places in ranked.items()}
-    asked = _STIFF if design.forks == "stiff" else _SOFT
+    fine, lowest = found
     worst = [(*lowest[case], case) for case in (_IN, asked) if case in lowest]
     if not worst:
         return None
     factor, name, k, case = min(worst)
-    middle = _Search(design, cycles, MIDDLE, motions, slots_hold=coarse.slots_hold)
+    middle = _Search(design, cycles, MIDDLE, motions, slots_hold=fine.slots_hold)
     return fine.told(
         name,
         k,
@@ -175,6 +166,50 @@ def worst_mode(
         other=next((f for f, _, _, other in worst if other != case), None),
         stiff=min((lowest[case][0] for case in (_IN, _STIFF) if case in lowest), default=None),
     )
+
+
+def least_factor(design: Design, solved: Solved, motions: FreeMotions) -> float | None:
+    """Factor of `worst_mode` without the rest of it, for a third less; None as there."""
+    found = _lowest(design, _solved_cycles(solved), motions, (_IN, _asked(design)))
+    return min((factor for factor, *_ in found[1].values()), default=None) if found else None
+
+
+def _solved_cycles(solved: Solved) -> dict[str, loads.CycleLoads]:
+    return {name: run for name, run in solved.items() if isinstance(run, loads.CycleLoads)}
+
+
+def _asked(design: Design) -> _Case:
+    """The case out of the plane whose factor is the check's."""
+    return _STIFF if design.forks == "stiff" else _SOFT
+
+
+def _cases(design: Design) -> tuple[_Case, ...]:
+    """The cases that the check tells of: forks that are not stated are soft, or stiff at best."""
+    return (_IN, _asked(design)) if design.forks else (_IN, _SOFT, _STIFF)
+
+
+def _lowest(
+    design: Design,
+    cycles: Mapping[str, loads.CycleLoads],
+    motions: FreeMotions,
+    cases: Sequence[_Case],
+) -> "tuple[_Search, dict[_Case, tuple[float, str, int]]] | None":
+    """Search of the finest frames, and the lowest factor of each case with cycle and position.
+
+    None where no part is a bar. Raises loads.LinkageError where the frame can move.
+    """
+    if not cycles:
+        return None
+    coarse = _Search(design, cycles, COARSE, motions, cases)
+    if not coarse.model.has_bars:
+        return None
+    try:
+        ranked = coarse.ranked()
+    except loads.LinkageError:  # a body that only slots keep from moving sideways
+        coarse = _Search(design, cycles, COARSE, motions, cases, slots_hold=True)
+        ranked = coarse.ranked()
+    fine = _Search(design, cycles, FINE, motions, cases, slots_hold=coarse.slots_hold)
+    return fine, {case: fine.lowest(case, places) for case, places in ranked.items()}
 
 
 def linkage_check(design: Design, mode: LinkageMode) -> Check:
@@ -258,13 +293,12 @@ class _Search:
         cycles: Mapping[str, loads.CycleLoads],
         pieces: int,
         motions: FreeMotions | None = None,
+        cases: Sequence[_Case] | None = None,
         *,
         slots_hold: bool = False,
     ) -> None:
         self._design, self._cycles, self.slots_hold = design, cycles, slots_hold
-        self._cases = {None: (_IN, _SOFT, _STIFF), "soft": (_IN, _SOFT), "stiff": (_IN, _STIFF)}[
-            design.forks
-        ]
+        self._cases = cases or _cases(design)
         first = next(iter(cycles.values()))
         self.model: LinkModel = link_model(design, first.linkage, pieces)
         turning = shafts(cycles.values())

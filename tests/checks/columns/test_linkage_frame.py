@@ -20,6 +20,7 @@ from checks.columns.linkage_frame import (
     FINE,
     FreeMotions,
     _Search,
+    least_factor,
     linkage_check,
     worst_mode,
 )
@@ -204,6 +205,15 @@ def test_the_rod_of_a_crank_and_slider_buckles_in_the_plane_between_its_hinges(t
         assert_allclose(found, critical / -axial.mean(), rtol=3e-3)  # inertia varies along it
 
 
+@pytest.mark.parametrize("forks", [None, "soft", "stiff"])
+@pytest.mark.parametrize("name", ["toggle_press", "toggle_press_30x30"])
+def test_the_factor_alone_is_that_of_the_mode(name, forks):
+    design, runs = press(name)
+    design = replace(design, forks=forks)
+    mode = worst_mode(design, runs)
+    assert_allclose(least_factor(design, runs, FreeMotions()), mode.factor, rtol=1e-12)
+
+
 def test_twice_the_force_halves_the_factor():
     design, runs = press("toggle_press_30x30")
     run = runs["capacity"]
@@ -252,6 +262,8 @@ def test_a_linkage_without_bars_or_cycles_has_no_mode(tmp_path):
     design = machine(tmp_path, "")
     assert worst_mode(design, solved(design)) is None
     assert worst_mode(design, {}) is None
+    assert least_factor(design, solved(design), FreeMotions()) is None
+    assert least_factor(design, {}, FreeMotions()) is None
 
 
 @pytest.mark.parametrize("positions", [25, 1301])  # fewer and more than are asked at first
