@@ -21,9 +21,11 @@ from fem.convergence import (
     growth_exponent,
     moves_like_singular,
 )
+from fem.recovery import von_mises
 from fem.singularity import singular_exponent
 from fem.unit_solutions import has_bearings
 
+_SHORT_WAVES = 0.1  # of their stress: 0.05 and 0.09 missed (docs/theory/contact.md)
 _UNRESOLVED = 0.05  # error that elements make in a notch, over the peak
 
 
@@ -72,7 +74,8 @@ def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float
         judged.scatter(finest),
         (_truncation(judged, levels, by_arc[pi], sizes) if by_arc else 0.0)
         + _missed_of_contact(judged, finest)
-        + between,
+        + between
+        + _of_short_waves(judged, finest),
         abs(value),
         exponent or grows,
         _notch_bar(judged, finest),
@@ -196,6 +199,15 @@ def _missed_of_contact(judged: Judged, level: Level) -> float:
         )
         off = max(off, found - value, abs(found - value) if own in some and len(some) == 1 else 0.0)
     return off
+
+
+def _of_short_waves(judged: Judged, level: Level) -> float:
+    """How far the quantity may be off, MPa, as short waves are taken as those of a sheet."""
+    if level.contact is None:
+        return 0.0
+    waves = level.contact.short_waves
+    stress = level.history.basis[judged.point(level)][:, waves] @ judged.states(level)[0][waves]
+    return _SHORT_WAVES * float(von_mises(stress))
 
 
 def sizes_at_peak(judged: Judged, levels: Sequence[Level]) -> list[float]:
