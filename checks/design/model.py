@@ -250,7 +250,7 @@ class BodyPartEntry(PartEntry):
     fits: dict[str, StatedFit] = Field(
         default_factory=dict,
         description="bore = ISO fit of its pin such as `H7/f7`, or the clearance on diameter such "
-        "as `0.02 .. 0.06 mm`: a solid then solves where the pin presses, at both ends of it, and "
+        "as `0.02 .. 0.06 mm`: a solid then solves where the pin presses, over all of it, and "
         "cheaper models take the arc from it and from the force, instead of `bearing_arc`",
     )
     contacts: dict[str, ContactEntry] = Field(

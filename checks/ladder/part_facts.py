@@ -197,7 +197,7 @@ def _contact_words(contact: Contact, assumed: str) -> list[str]:
     return [
         f"{name}: {fit.material} with {fit.least:.4g} to {fit.largest:.4g} mm of clearance{by} "
         "presses where contact without friction says, even along its length; the value is that of "
-        "the middle, the model band reaches to both ends"
+        "the middle, the model band holds all of them"
         + ("; both cheeks carry the same share" if _cheeks(contact, name) else "")
         for name, fit in contact.pins.fits.items()
     ]

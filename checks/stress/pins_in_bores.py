@@ -1,7 +1,7 @@
 """Pins whose fit is stated: where they press in the bores of a part is solved, not assumed.
 
-The range of clearances that a fit leaves is solved at its middle, which gives the value, and at
-both ends of the positions that decide, which give the model band.
+The range of clearances that a fit leaves is solved at its middle over all positions, which gives
+the value, and over the whole range at some of them, for the model band (checks/stress/clearances).
 """
 
 from collections.abc import Mapping, Sequence
