@@ -25,7 +25,7 @@ from fem.recovery import von_mises
 from fem.singularity import singular_exponent
 from fem.unit_solutions import has_bearings
 
-_SHORT_WAVES = 0.1  # of their stress: 0.05 and 0.09 missed (docs/theory/contact.md)
+_SHORT_WAVES = 0.1  # of their stress: 0.005 to 0.11 was missed (docs/theory/contact.md)
 _UNRESOLVED = 0.05  # error that elements make in a notch, over the peak
 
 
