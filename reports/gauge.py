@@ -136,8 +136,10 @@ def _of_model(check: Check) -> list[Bar]:
             name = f"formula in place of a solid: {clause.partition(_BESIDE)[2]}"
         else:
             name = clause or "model"
-        rest = (name, up - sum(p[1] for p in pressed), low - sum(p[2] for p in pressed))
-        found += [*pressed, *([rest] if max(rest[1:]) > _ROUND_OFF * check.value else [])]
+        off = _ROUND_OFF * check.value
+        up, low = up - sum(p[1] for p in pressed), low - sum(p[2] for p in pressed)
+        rest = (name, 0.0 if abs(up) < off else up, 0.0 if abs(low) < off else low)
+        found += [*pressed, *([rest] if any(rest[1:]) else [])]
     return found
 
 
@@ -157,10 +159,12 @@ def _of_pins(derivation: Derivation) -> list[Bar]:
         found.append((f"arc on which pins press: {wide[0]} to {wide[1]}°", most - own, own - least))
         if "p_b" in given:
             found.append(("fit of pins that is not stated", max(0.0, given["p_b"][0] - most), 0.0))
-    fits = [given[s][0] for s in given if re.fullmatch(r"c_\d", s)]
+    fits = {s: value for s, (value, _) in given.items() if re.fullmatch(r"fit_\d+", s)}
     if fits:
-        own, *_ = fits
-        found.append(("clearance of pins, over their fit", max(fits) - own, own - min(fits)))
+        own = next(fits[s] for s in fits if " middle " in given[s][1])
+        above = max(fits.values()) - own + given.get("fit_up", (0.0, ""))[0]
+        below = own - min(fits.values()) + given.get("fit_lo", (0.0, ""))[0]
+        found.append(("clearance of pins, over their fit", above, below))
     return found
 
 

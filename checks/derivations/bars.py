@@ -115,7 +115,7 @@ def _clearances(over: OverClearances | None, items: list[Item]) -> tuple[str, st
         return "", ""
     names = {}
     for number, (share, value) in enumerate(over.values.items(), 1):
-        names[share] = f"c_{number}"
+        names[share] = f"fit_{number}"
         at = f"{100 * share:g} % of the way from the least to the largest"
         said = f"the value at the {CLEARANCE_WORDS.get(share, at)} clearance of the pins"
         items.append(Given(names[share], said, value, "MPa", "contact, solved"))
@@ -124,8 +124,8 @@ def _clearances(over: OverClearances | None, items: list[Item]) -> tuple[str, st
     less = ", ".join(f"{middle} - {name}" for name in names.values())
     ends = []
     for symbol, side, beyond in (
-        ("c_up", "above", over.above_these),
-        ("c_lo", "below", over.below_these),
+        ("fit_up", "above", over.above_these),
+        ("fit_lo", "below", over.below_these),
     ):
         if beyond:
             said = f"how far it may lie {side} these between them: half the smaller step beside"

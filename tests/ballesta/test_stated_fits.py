@@ -25,6 +25,7 @@ from checks.stress.judged import StaticPeak
 from checks.stress.pins_in_bores import CLEARANCES, LARGEST, LEAST, MIDDLE, fits_of
 from checks.stress.solid_mesh_level import Models
 from fem.contact.superposed import superposed
+from reports.gauge import shares
 
 from ..small_machine import machine
 
@@ -116,13 +117,16 @@ def test_the_derivation_of_a_fits_band_is_the_checks(loose):
     result = check_solid(loaded, Models(), asked=ASKED)
     for check, (value, bars) in zip(result.checks, found, strict=True):
         _, items = solid_bars(bars, "v")
-        assert {"c_1", "c_2", "c_3", "b_up", "b_lo"} <= {item.symbol for item in items}
+        assert {"fit_1", "fit_2", "fit_3", "b_up", "b_lo"} <= {item.symbol for item in items}
         assert not any(item.symbol.startswith("p_") for item in items)
         assert check.value == pytest.approx(value)
         assert check.derivation is not None
         numbers = check.derivation.values
         assert numbers["b_up"] == pytest.approx(bars.above)
         assert numbers["b_lo"] == pytest.approx(bars.below)
+        (fit,) = (share for share in shares(check) if share.name.startswith("clearance of pins"))
+        least = check.limit / (value + bars.clearances.above)
+        assert float(fit.ends.partition(" ")[0]) == pytest.approx(least, rel=0.01)
 
 
 def test_contact_is_a_validity_check_and_is_told(loose):
