@@ -30,7 +30,7 @@ to count.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 
@@ -190,17 +190,28 @@ def life_verdict(
     worst = np.where(counts > 0.0, utilisation, 0.0).max(axis=1)
     n_points = len(worst)
     damage = damage_at(np.ones(n_points))
+    safety = largest_factor(damage_at, n_points, allowed_damage)
+    return LifeVerdict(damage, worst, safety, allowed_damage)
 
-    endured = np.full(n_points, -_LARGEST_POWER)
-    failing = np.full(n_points, _LARGEST_POWER)
+
+def largest_factor(
+    damage_at: Callable[[FloatArray], FloatArray], n_points: int, allowed_damage: float
+) -> FloatArray:
+    """Largest factor (n_points,) on all loads with no more than the allowed damage.
+
+    damage_at  factors (n_points,) to damage (n_points,), which nowhere falls as they rise
+
+    By bisection of its logarithm, so that a damage that jumps is no obstacle; infinite where no
+    factor brings so much damage.
+    """
+    endured, failing = np.full(n_points, -_LARGEST_POWER), np.full(n_points, _LARGEST_POWER)
     never = damage_at(2.0**failing) <= allowed_damage
     for _ in range(_N_STEPS):
         middle = (endured + failing) / 2.0
         fails = damage_at(2.0**middle) > allowed_damage
         failing = np.where(fails, middle, failing)
         endured = np.where(fails, endured, middle)
-    safety = np.where(never, np.inf, 2.0**endured)
-    return LifeVerdict(damage, worst, safety, allowed_damage)
+    return np.where(never, np.inf, 2.0**endured)
 
 
 def _counts(cycle_counts: npt.ArrayLike) -> FloatArray:

@@ -21,7 +21,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from fatigue.life import Cycles
+from fatigue.life import Cycles, largest_factor
 from fatigue.stress_path import FloatArray
 
 REFERENCE, KNEE, CUT_OFF = 2e6, 5e6, 1e8  # cycles
@@ -29,7 +29,7 @@ SLOPE, SLOPE_BELOW, SHEAR_SLOPE = 3.0, 5.0, 5.0
 AT_KNEE = (REFERENCE / KNEE) ** (1 / SLOPE)  # of the category
 AT_CUT_OFF = AT_KNEE * (KNEE / CUT_OFF) ** (1 / SLOPE_BELOW)
 SHEAR_CUT_OFF = (REFERENCE / CUT_OFF) ** (1 / SHEAR_SLOPE)
-_LARGEST_POWER, _N_STEPS = 60.0, 58  # of two, and halvings of what lies between
+_N_STEPS = 58  # halvings, down to round-off
 
 
 def weld_damage(stress_range: npt.ArrayLike, category: float) -> FloatArray:
@@ -68,15 +68,7 @@ def weld_safety(
         found = (own * normal.cycle_counts).sum(axis=1) + (beside * shear.cycle_counts).sum(axis=1)
         return np.asarray(found)
 
-    n_points = len(normal.stress_amplitude)
-    endured, failing = np.full(n_points, -_LARGEST_POWER), np.full(n_points, _LARGEST_POWER)
-    never = damage_at(2.0**failing) <= allowed_damage
-    for _ in range(_N_STEPS):
-        middle = (endured + failing) / 2.0
-        fails = damage_at(2.0**middle) > allowed_damage
-        failing = np.where(fails, middle, failing)
-        endured = np.where(fails, endured, middle)
-    return np.where(never, np.inf, 2.0**endured)
+    return largest_factor(damage_at, len(normal.stress_amplitude), allowed_damage)
 
 
 def endless_weld_safety(

@@ -237,7 +237,7 @@ class _Tables:
     def now_and_then(
         self, outcomes: Sequence[dict[str, Any] | None], timings: Sequence[Mapping[str, float]]
     ) -> None:
-        """Write what there is, if it is time to."""
+        """Write the outcomes so far where a minute has passed since the last time."""
         start = monotonic()
         if start >= self._next:
             self.write(outcomes, timings, "the batch has not come to it yet")

@@ -172,7 +172,7 @@ class Estimates:
     def told(
         self, key: str, was: str, value: str, least: str, parts: tuple[str, ...], one: Screened
     ) -> Change:
-        """A change in words, with the safety that is estimated for some parts."""
+        """A change with the safety and the mass that are estimated for some parts."""
         _, safety, lower, check = min(self.reserves(one, parts), key=lambda found: found[0])
         decided = self._known.get(_name(check), check).method
         return Change(
