@@ -18,7 +18,9 @@ import numpy as np
 from fem.assembly import full, geometric_stiffness
 from fem.end_conditions import SupportedSolid, link_solid, surface_weights
 from fem.load_states import leading_states, worst_position
-from fem.lowest_modes import LowRank, elastic_and_geometric_energy, geometric_forms, lowest_modes
+from fem.lowest_modes import lowest_modes
+from fem.mode_count import LowRank
+from fem.mode_energies import elastic_and_geometric_energy, geometric_forms
 from fem.recovery import energy_error, tensor
 from fem.solvers import SolverError
 from fem.unit_solutions import UnitSolutions

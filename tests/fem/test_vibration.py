@@ -12,8 +12,8 @@ from bench.scikit_fem import to_scikit_fem
 from fem.assembly import Pattern, full
 from fem.elements import Elements
 from fem.end_conditions import fixed_solid
-from fem.lowest_modes import free_vibration, link_vibration, mass, solid_vibration
 from fem.unit_solutions import Elastic, rigid_modes, solve_unit_loads
+from fem.vibration import free_vibration, link_vibration, mass, solid_vibration
 from geometry.mesh import MeshError
 from geometry.meshing import mesh_shape
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import fem.lowest_modes
+import fem.mode_count
 import fem.unit_solutions
 import loads
 from ballesta.design.read import read_design
@@ -54,7 +54,7 @@ class Calls(Counter):
         (kept_models, "mesh_shape"),
         (solutions_module, "solve_unit_loads"),
         (fem.unit_solutions, "factorize"),
-        (fem.lowest_modes, "factorize"),
+        (fem.mode_count, "factorize"),
     )
 
     def count(self, patch):

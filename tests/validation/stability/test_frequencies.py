@@ -6,8 +6,8 @@ from numpy.testing import assert_allclose
 
 from fem.elements import Elements
 from fem.end_conditions import fixed_solid
-from fem.lowest_modes import free_vibration, solid_vibration
 from fem.unit_solutions import Elastic, solve_unit_loads
+from fem.vibration import free_vibration, solid_vibration
 
 from ...boundary_value import unknowns
 from ...fem.blocks import block
