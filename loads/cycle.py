@@ -77,10 +77,7 @@ def run_at_rates(
     pace = cycle.pace
     if not isinstance(pace, SteadyPace):
         raise LinkageError(f"cycle {cycle.name!r}: its pace is not steady")
-    faster = replace(
-        cycle,
-        pace=replace(pace, speed=factor * pace.speed, acceleration=factor**2 * pace.acceleration),
-    )
+    faster = replace(cycle, pace=pace.times(factor))
     run = begun(known.linkage, faster)
     stretches = []
     for k in range(len(cycle.phases)):

@@ -166,17 +166,31 @@ class SteadyPace:
 
     speed         mm/s or rad/s at the start of the cycle, a magnitude: its sign follows the phase
     acceleration  mm/s2 or rad/s2 along the way; above 0 the speed rises
+    falling       mm/s or rad/s in phases in which the coordinate falls; None: `speed` there, too
     """
 
     coordinate: Coordinate
     speed: float
     acceleration: float = 0.0
+    falling: float | None = None
 
     def __post_init__(self) -> None:
-        if not (isfinite(self.speed) and self.speed > 0.0):
+        for speed in (self.speed, self.speed if self.falling is None else self.falling):
+            if not (isfinite(speed) and speed > 0.0):
+                raise LinkageError(
+                    f"the speed of {self.coordinate.label} must be above 0, got {speed:g}"
+                )
+        if self.falling is not None and self.acceleration:
             raise LinkageError(
-                f"the speed of {self.coordinate.label} must be above 0, got {self.speed:g}"
+                f"{self.coordinate.label} has a speed for each direction and an acceleration"
             )
+
+    def times(self, factor: float) -> "SteadyPace":
+        """The same way in a time that is shorter by a factor."""
+        falling = None if self.falling is None else factor * self.falling
+        return SteadyPace(
+            self.coordinate, factor * self.speed, factor**2 * self.acceleration, falling
+        )
         if not isfinite(self.acceleration):
             raise LinkageError(f"the acceleration of {self.coordinate.label} must be finite")
 

@@ -188,7 +188,8 @@ class Timing:
             for end in (ends[:, 0], ends[:, 1])
         )
         self._values: Final = before
-        ways = np.abs(after - before)
+        self._falling: Final = after < before
+        ways = self._ways = np.abs(after - before)
         rising = [stop > start for start, stop in spans]
         self._stroke_of: Final = np.zeros(len(spans), dtype=int)
         self._before: Final = np.zeros(len(spans))  # way before the phase, in its stroke or in all
@@ -217,6 +218,8 @@ class Timing:
             return self.solved.rates(k, way)
         assert not isinstance(pace, RunPace)
         if isinstance(pace, SteadyPace):
+            if pace.falling is not None:
+                return np.full(len(way), self._speed(pace, k)), np.zeros(len(way))
             square = pace.speed**2 + 2.0 * pace.acceleration * way
             if (square <= 0.0).any():
                 at = geometry.place(int(np.argmax(square <= 0.0)))
@@ -238,6 +241,9 @@ class Timing:
             return self.solved.times(k, way)
         assert not isinstance(pace, RunPace)
         if isinstance(pace, SteadyPace):
+            if pace.falling is not None:
+                gone = sum(self._ways[j] / self._speed(pace, j) for j in range(k))
+                return np.asarray(gone + (way - self._before[k]) / self._speed(pace, k))
             # way = v t + a t2 / 2, solved without losing digits where a is small
             root = np.sqrt(pace.speed**2 + 2.0 * pace.acceleration * way)
             steady: FloatArray = 2.0 * way / (pace.speed + root)
@@ -245,6 +251,9 @@ class Timing:
         share = stroke_time(pace.law, way / self._length(k))
         result: FloatArray = (self._stroke_of[k] + share) * pace.time
         return result
+
+    def _speed(self, pace: SteadyPace, k: int) -> float:
+        return pace.falling if pace.falling is not None and self._falling[k] else pace.speed
 
     def _length(self, k: int) -> float:
         length = self._strokes[int(self._stroke_of[k])]

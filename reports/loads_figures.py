@@ -279,11 +279,12 @@ class BlowSummary:
 
 @dataclass(frozen=True)
 class ShownPhase:
-    """A phase in words: from and to as shown, which force it solves for, the law of the others."""
+    """A phase: from and to as shown, s it takes, the force it solves for, the laws of others."""
 
     name: str
     start: float
     stop: float
+    time: float
     solve: str
     given: tuple[str, ...]
 

@@ -70,6 +70,7 @@ def _cycle(cycle: ShownCycle, width: int) -> list[str]:
             brief(phase.name, _LONGEST_NAME),
             place_text(phase.start),
             place_text(phase.stop),
+            number(phase.time),
             brief(phase.solve, _LONGEST_NAME),
             "; ".join(phase.given) or "nothing",
         ]
@@ -77,11 +78,10 @@ def _cycle(cycle: ShownCycle, width: int) -> list[str]:
     ]
     if len(phases) > _MOST_PHASES:
         left = len(phases) - 6
-        phases[3:-3] = [[f"{left} more", "", "", "", "between these, turn by turn"]]
+        phases[3:-3] = [[f"{left} more", "", "", "", "", "between these, turn by turn"]]
     unit = f"[{cycle.unit}]"
-    lines += table(
-        ["phase", f"from {unit}", f"to {unit}", "solves", "given"], phases, {1, 2}, width
-    )
+    heads = ["phase", f"from {unit}", f"to {unit}", "time [s]", "solves", "given"]
+    lines += table(heads, phases, {1, 2, 3}, width)
     several = len(cycle.phases) > 1
     rows = []
     for joint in cycle.joints:

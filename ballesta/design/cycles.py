@@ -10,9 +10,9 @@ from ballesta.design.files import Sources
 from ballesta.design.joints import friction_of
 from ballesta.design.laws import law_of
 from checks.design.data import Cycle, Design, Duty, Shown, Stop
-from checks.design.errors import Problems, no_such
+from checks.design.errors import Problems, listed, no_such
 from checks.design.model import DesignFile
-from checks.design.tables import CycleEntry, DriveEntry, MotorEntry, PaceEntry
+from checks.design.tables import Available, CycleEntry, DriveEntry, MotorEntry, PaceEntry
 from checks.design.units import DIMENSIONS, Measured
 from checks.result.words import number
 
@@ -169,7 +169,7 @@ def _cycle(
         stop = Stop(entry.stop.basis, along("stop.tolerance", entry.stop.tolerance))
     if entry.friction is not None:
         friction = friction_of(f"{key}.friction", entry.friction, file, joints, problems)
-    pace = _pace(f"{key}.pace", entry.pace, paced, problems)
+    pace = _pace(f"{key}.pace", entry.pace, paced, file, problems)
     if file.drive.motor is not None and pace is not None:
         pace = _by_motor(f"{key}.pace", pace, file.drive, file.drive.motor, problems)
     if swept is None or pace is None or len(problems) > told:
@@ -203,21 +203,27 @@ def _check_span(key: str, measured: Measured, problems: Problems) -> None:
 
 
 def _pace(
-    key: str, entry: PaceEntry, coordinate: loads.Coordinate | None, problems: Problems
+    key: str,
+    entry: PaceEntry,
+    coordinate: loads.Coordinate | None,
+    file: DesignFile,
+    problems: Problems,
 ) -> loads.Pace | None:
-    if entry.speed is not None and entry.law is not None:
-        problems.add(key, "has both speed and law; a stroke runs by one of them")
+    stated = [name for name in ("speed", "flow", "law") if getattr(entry, name) is not None]
+    if len(stated) > 1:
+        problems.add(key, f"has {listed(stated)}; a stroke runs by one of them")
         return None
-    if entry.speed is None and entry.law is None:
-        problems.add(key, 'needs speed such as "0.1 m/s", or law and time such as "1.5 s"')
+    if not stated:
+        problems.add(
+            key, 'needs speed such as "0.1 m/s", flow such as "40 l/min", or law and time, "1.5 s"'
+        )
         return None
-    if entry.law is not None:
-        if entry.acceleration is not None:
-            problems.add(f"{key}.acceleration", "follows from the law; leave it out")
-        if entry.time is None:
-            problems.add(f"{key}.time", 'must be stated such as "1.5 s": of each stroke')
-            return None
-    elif entry.time is not None:
+    if entry.acceleration is not None and entry.speed is None:
+        problems.add(f"{key}.acceleration", f"follows from the {stated[0]}; leave it out")
+    if entry.law is not None and entry.time is None:
+        problems.add(f"{key}.time", 'must be stated such as "1.5 s": of each stroke')
+        return None
+    if entry.law is None and entry.time is not None:
         problems.add(f"{key}.time", "is only used with law; leave it out")
     if coordinate is None:
         return None
@@ -228,9 +234,35 @@ def _pace(
             _check_dimension(f"{key}.{field}", measured, angular + dimension, problems)
     if entry.law is not None and entry.time is not None:
         return loads.StrokePace(coordinate, entry.law, entry.time)
+    if entry.flow is not None:
+        return _filled(f"{key}.flow", entry.flow, entry.coordinate, coordinate, file, problems)
     assert entry.speed is not None
     acceleration = entry.acceleration.value if entry.acceleration else 0.0
     return loads.SteadyPace(coordinate, entry.speed.value, acceleration)
+
+
+def _filled(
+    key: str,
+    flow: float,
+    name: str,
+    coordinate: loads.Coordinate,
+    file: DesignFile,
+    problems: Problems,
+) -> loads.Pace | None:
+    """Return the pace of a cylinder: a flow fills the piston's side or, as it pulls, the rod's."""
+    force = file.forces.get(name.removesuffix(".length"))
+    size = None if force is None else force.available
+    if not isinstance(size, Available) or size.bore is None or size.rod is None:
+        problems.add(
+            key,
+            "is for the length of a force between two points whose `available` has bore and rod, "
+            f"not for {name}",
+        )
+        return None
+    if size.rod >= size.bore:
+        return None  # told with `available`
+    piston, rod = (pi * diameter**2 / 4 for diameter in (size.bore, size.rod))
+    return loads.SteadyPace(coordinate, flow / piston, falling=flow / (piston - rod))
 
 
 def _check_gear(file: DesignFile, cycles: Mapping[str, Cycle], problems: Problems) -> None:

@@ -80,10 +80,11 @@ def _phases(cycle: loads.CycleLoads, stated: Cycle) -> tuple[ShownPhase, ...]:
             phase.name,
             float(start),
             float(stop),
+            float(np.ptp(cycle.times[cycle.phase_of == k])),
             phase.solve,
             tuple(_law(cycle.linkage, name, law) for name, law in phase.given.items()),
         )
-        for phase, (start, stop) in zip(run.phases, ends.tolist(), strict=True)
+        for k, (phase, (start, stop)) in enumerate(zip(run.phases, ends.tolist(), strict=True))
     )
 
 
@@ -125,6 +126,8 @@ def _pace(pace: loads.Pace) -> str:
     if isinstance(pace, loads.RunPace):
         return f"{pace.coordinate.label} as it starts or stops"
     rising = f", changing by {pace.acceleration:.4g} {unit}/s2" if pace.acceleration else ""
+    if pace.falling is not None:
+        rising = f" as it grows, {pace.falling:.4g} {unit}/s as it falls"
     return f"{pace.coordinate.label} at {pace.speed:.4g} {unit}/s{rising}"
 
 

@@ -24,6 +24,7 @@ from checks.design.units import (
     PositiveAngularSpeed,
     PositiveBending,
     PositiveDamping,
+    PositiveFlow,
     PositiveForce,
     PositiveForceOrMoment,
     PositiveLength,
@@ -234,7 +235,7 @@ class ElasticJoints(Table):
 
 
 class PaceEntry(Table):
-    """How fast the cycle runs: the speed of one coordinate, or a law of motion for each stroke."""
+    """How fast the cycle runs: a coordinate's speed, a cylinder's flow, a law for each stroke."""
 
     coordinate: str = Field(
         description="the coordinate that sets the pace", examples=["cylinder.length"]
@@ -244,6 +245,11 @@ class PaceEntry(Table):
     )
     acceleration: SweepAcceleration | None = Field(
         None, description="acceleration of the coordinate along its way; above 0 the speed rises"
+    )
+    flow: PositiveFlow | None = Field(
+        None,
+        description="instead of speed, for the length of a force whose `available` has bore and "
+        "rod: volume in time, at the pressure in the cylinder, that fills one side of it",
     )
     law: Literal["harmonic", "cycloidal", "polynomial"] | None = Field(
         None, description="instead of speed: every stroke goes from rest to rest by this law"

@@ -50,6 +50,7 @@ DIMENSIONS = {
     "rate": Dimension("a rate", "1/s", "20 1/min"),
     "fraction": Dimension("a share", "", "5 %"),
     "time": Dimension("a time", "s", "1.5 s"),
+    "flow": Dimension("a volume in time", "mm3/s", "40 l/min"),
     "moment": Dimension("a moment", "N mm", "12 N m"),
     "turning stiffness": Dimension("a stiffness against turning", "N mm/rad", "20 kN m/rad"),
     "stiffness": Dimension("a stiffness", "N/mm", "80 kN/mm"),
@@ -514,6 +515,7 @@ PositivePower = Annotated[float, Quantity(("power",), above=0.0)]
 PositiveAngularSpeed = Annotated[float, Quantity(("angular speed",), above=0.0)]
 PositiveMoment = Annotated[float, Quantity(("moment",), above=0.0)]
 TimeFromZero = Annotated[float, Quantity(("time",), at_least=0.0)]
+PositiveFlow = Annotated[float, Quantity(("flow",), above=0.0)]
 PositiveTime = Annotated[float, Quantity(("time",), above=0.0)]
 PositiveStiffness = Annotated[float, Quantity(("stiffness",), above=0.0)]
 PositiveTurning = Annotated[float, Quantity(("turning stiffness",), above=0.0)]

@@ -123,6 +123,18 @@ def test_a_steady_pace_goes_on_over_phases_there_and_back(acceleration):
     assert_allclose(way[-1], 100.0 + 70.0 + 60.0)
 
 
+def test_a_pace_with_two_speeds_keeps_each_in_its_direction():
+    """60 mm out at 120 mm/s and 50 back at 100 are 0.5 s each, 20 out again 1/6 s."""
+    cycle = slid(block(), SteadyPace(X, 120.0, falling=100.0), 60.0, 10.0, 30.0)
+    assert_allclose(cycle.times[[0, -1]], [0.0, 1.0 + 20.0 / 120.0], rtol=1e-12)
+    for k, speed in enumerate((120.0, -100.0, 120.0)):
+        rows = cycle.phase_of == k
+        assert_allclose(cycle.velocities[rows, 1, 0], speed, rtol=1e-12)
+        assert_allclose(np.diff(cycle.times[rows]), np.diff(cycle.positions[rows]) / speed)
+    assert np.diff(cycle.times).min() > -1e-12
+    assert SteadyPace(X, 120.0, falling=100.0).times(0.5) == SteadyPace(X, 60.0, falling=50.0)
+
+
 def test_a_turning_crank_carries_its_acceleration():
     """Drive torque of a bare flywheel: I alpha, whichever way it turns."""
     linkage = slider_crank(50.0, 200.0, crank_body={"inertia": 3.0})
@@ -145,6 +157,8 @@ def test_a_speed_that_falls_to_nothing_is_refused():
     [
         lambda: SteadyPace(X, 0.0),
         lambda: SteadyPace(X, float("nan")),
+        lambda: SteadyPace(X, 1.0, falling=0.0),
+        lambda: SteadyPace(X, 1.0, 2.0, 3.0),
         lambda: StrokePace(X, "sine", 1.0),
         lambda: StrokePace(X, "harmonic", 0.0),
         lambda: Table(X, (0.0, 1.0, 1.0), (1.0, 2.0, 3.0)),

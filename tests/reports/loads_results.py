@@ -16,7 +16,9 @@ from .results import HOSTILE
 def shown(linkage, cycle, *, available=None, name="x", unit="mm", place=lambda value: 500 - value):
     solved = run_cycle(linkage, cycle)
     phases = tuple(
-        ShownPhase(phase.name, place(start), place(stop), phase.solve, tuple(map(str, phase.given)))
+        ShownPhase(
+            phase.name, place(start), place(stop), 0.5, phase.solve, tuple(map(str, phase.given))
+        )
         for phase, (start, stop) in zip(cycle.phases, cycle.spans, strict=True)
     )
     return ShownCycle(

@@ -54,6 +54,20 @@ def test_a_pace_may_speed_up_or_follow_a_law(tmp_path):
     assert law.cycles["bench"].run.pace == loads.StrokePace(crank, "cycloidal", 1.5)
 
 
+def test_a_cylinder_fills_as_fast_as_its_flow(tmp_path):
+    """108 l/min are 95.5 mm/s on the rod's side, 30 mm2 pi/4 (160^2 - 40^2), as it pulls."""
+    flow = ('speed = "0.1 m/s"', 'flow = "108 l/min"')
+    design = read(tmp_path, flow, text=PRESS)
+    cycle = design.cycles["press"].run
+    pulls = 1.8e6 / (math.pi / 4 * (160**2 - 40**2))
+    assert cycle.pace.falling == pytest.approx(pulls)
+    solved = loads.run_cycle(linkage_of(design, {}), cycle)
+    way = np.ptp(np.hypot(*(solved.point("ground", "D") - solved.point("lower", "B")).T))
+    assert solved.times[-1] == pytest.approx(way / pulls + way / (1.8e6 / (math.pi / 4 * 160**2)))
+    with pytest.raises(DesignError, match=r"pace: has speed, flow; a stroke runs by one"):
+        read(tmp_path, (flow[0], f"{flow[0]}, {flow[1]}"), text=PRESS)
+
+
 def test_a_force_may_follow_a_table(tmp_path):
     table = 'push = { over = "crank.angle", at = ["0 deg", "360 deg"], force = ["0 N", "-1 kN"] }'
     design = read(tmp_path, (PUSH, table))
@@ -246,8 +260,10 @@ def refused(file):
 
 TABLE = 'push = { over = "crank.angle", at = ["0 deg", "360 deg"], force = ["0 N", "50 N"] }'
 REFUSED = {
-    "speed and law": ((STEADY, STEADY.replace(" }", ', law = "harmonic", time = "1 s" }')), r"cycles\.bench\.pace: has both speed and law"),
-    "no pace": ((STEADY, 'pace = { coordinate = "crank.angle" }'), r"cycles\.bench\.pace: needs speed such as \"0\.1 m/s\", or law and time"),
+    "speed and law": ((STEADY, STEADY.replace(" }", ', law = "harmonic", time = "1 s" }')), r"cycles\.bench\.pace: has speed, law; a stroke runs by one of them"),
+    "no pace": ((STEADY, 'pace = { coordinate = "crank.angle" }'), r"cycles\.bench\.pace: needs speed such as \"0\.1 m/s\", flow such as \"40 l/min\", or law and time"),
+    "flow of a crank": ((STEADY, 'pace = { coordinate = "crank.angle", flow = "1 l/min" }'), r"cycles\.bench\.pace\.flow: is for the length of a force between two points whose `available` has bore and rod, not for crank\.angle"),
+    "flow with acceleration": ((STEADY, 'pace = { coordinate = "crank.angle", flow = "1 l/min", acceleration = "1 rad/s2" }'), r"pace\.acceleration: follows from the flow; leave it out"),
     "law without time": ((STEADY, 'pace = { coordinate = "crank.angle", law = "harmonic" }'), r"cycles\.bench\.pace\.time: must be stated such as \"1\.5 s\": of each stroke"),
     "law with acceleration": ((STEADY, 'pace = { coordinate = "crank.angle", law = "harmonic", time = "1 s", acceleration = "1 rad/s2" }'), r"pace\.acceleration: follows from the law; leave it out"),
     "speed with time": ((STEADY, STEADY.replace(" }", ', time = "1 s" }')), r"pace\.time: is only used with law; leave it out"),
