@@ -11,11 +11,13 @@ from math import inf
 from typing import Any
 from urllib.parse import quote
 
+import numpy as np
 from markupsafe import Markup
 
 from checks.result.verdict import Check
 from checks.result.words import clean, need_text, safety_text, utilisation_text
 from reports.gauge import gauge
+from reports.sensitivity import Values, first_order
 from reports.svg import colour_variables
 from reports.templating import environment, json_markup, script_hash
 
@@ -59,7 +61,7 @@ class IndexDesign:
 def index_html(
     title: str,
     designs: Sequence[IndexDesign],
-    varied: Mapping[str, Sequence[float | str | None]],
+    varied: Mapping[str, Values],
     left_out: int = 0,
 ) -> str:
     """Page as text; the same designs give the same page.
@@ -70,13 +72,15 @@ def index_html(
     script = _script()
     counts = Counter(design.status for design in designs)
     columns = [] if left_out else columns_of(varied)
+    shares = {} if left_out else _shares(designs, varied)
     text: str = _template().render(
         title=title,
         designs=designs,
         counts=[(status, counts[status]) for status in ORDER if counts[status]],
         tones=tone,
         lead=lead(counts),
-        varied=[_spread(name, values) for name, values in varied.items()],
+        varied=[_spread(name, values, shares.get(name)) for name, values in varied.items()],
+        shared=bool(shares),
         columns=columns,
         left_out=left_out,
         rows=[
@@ -95,7 +99,7 @@ def index_html(
     return text
 
 
-def columns_of(varied: Mapping[str, Sequence[float | str | None]]) -> list[str]:
+def columns_of(varied: Mapping[str, Values]) -> list[str]:
     """Inputs that are columns of the table of checks: those that all designs state, at most six."""
     return [name for name, values in varied.items() if None not in values][:_MOST_INPUTS]
 
@@ -118,8 +122,19 @@ def tone(status: str) -> str:
     return status if status in ("pass", "UNDECIDED") else "FAIL"
 
 
-def _spread(name: str, values: Sequence[float | str | None]) -> dict[str, Any]:
-    """Range of an input, in words."""
+def _shares(designs: Sequence[IndexDesign], varied: Mapping[str, Values]) -> dict[str, float]:
+    """First-order indices of the utilisation of variations of one design."""
+    if len({design.file for design in designs}) != 1:
+        return {}
+    governing = [
+        next((check["utilisation"] for check in design.checks if check["governing"]), None)
+        for design in designs
+    ]
+    return first_order(varied, np.array(governing, dtype=float))
+
+
+def _spread(name: str, values: Values, share: float | None) -> dict[str, Any]:
+    """Range of an input, in words, and its share of the result's variance."""
     present = [value for value in values if value is not None]
     different = list(dict.fromkeys(present))
     numbers = [value for value in present if isinstance(value, float)]
@@ -132,10 +147,11 @@ def _spread(name: str, values: Sequence[float | str | None]) -> dict[str, Any]:
         "count": len(different),
         "told": told,
         "missing": len(values) - len(present),
+        "share": "–" if share is None else f"{share:.0%}",
     }
 
 
-def _static_row(design: IndexDesign, inputs: Sequence[float | str | None]) -> dict[str, Any]:
+def _static_row(design: IndexDesign, inputs: Values) -> dict[str, Any]:
     """Row of a design in the table without a script."""
     check = next((check for check in design.checks if check["governing"]), None)
     row = {
@@ -159,9 +175,7 @@ def _static_row(design: IndexDesign, inputs: Sequence[float | str | None]) -> di
     }
 
 
-def _data(
-    designs: Sequence[IndexDesign], varied: Mapping[str, Sequence[float | str | None]]
-) -> dict[str, Any]:
+def _data(designs: Sequence[IndexDesign], varied: Mapping[str, Values]) -> dict[str, Any]:
     """Everything that the script needs: columns of numbers, and texts by their place in a list."""
     texts: dict[str, int] = {}
 

@@ -180,3 +180,20 @@ def test_two_to_four_designs_stand_side_by_side_bold_where_they_differ(tmp_path,
     bold = page.locator("#beside .differs th").all_text_contents()
     assert bold == ["design", "bar_upper: static: safety"]
     found.assert_quiet()
+
+
+def test_a_sample_of_one_design_shows_the_share_of_each_input():
+    wall = [1.0 + index / 80 for index in range(80)]
+    width = [float((7 * index) % 80) for index in range(80)]
+    several = [
+        design(f"d{index}", check(100.0 * value), file="one.toml")
+        for index, value in enumerate(wall)
+    ]
+    page = index_html("sample", several, {"wall [mm]": wall, "width [mm]": width})
+    assert "share of the utilisation" in page
+    rows = re.findall(r'class="k">(w\w+) \[mm\]</th>.*?</td><td class="n">(\d+)%</td>', page)
+    (_, of_wall), (_, of_width) = rows
+    assert int(of_wall) > 95
+    assert int(of_width) < 10
+    other = [*several[:-1], design("other", check(180.0), file="other.toml")]
+    assert "share of the utilisation" not in index_html("two", other, {"wall [mm]": wall})
