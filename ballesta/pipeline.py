@@ -16,7 +16,7 @@ import loads
 from ballesta.design.plate_parts import told_of_steps
 from ballesta.design.read import read_design
 from ballesta.machine.balance import balance_gates, not_measured
-from ballesta.machine.blows import blow_subject
+from ballesta.machine.blows import blow_gates, blow_subject
 from ballesta.machine.drive_speed import speed_assumptions, speed_warnings
 from ballesta.machine.events import event_assumptions
 from ballesta.machine.motion import motions_of
@@ -208,6 +208,7 @@ def _frame(
         cycles=_cycle_data(design, machine.all),
         gates=[
             *load_gates(design, machine.solved, doubts.covered),
+            *blow_gates(machine.blows),
             *doubts.gates,
             *quasi_static_gates(design, vibration),
             *balance_gates(design, machine.measured),

@@ -1,6 +1,8 @@
 """Loads of any planar linkage of one degree of freedom over its cycle, part by part."""
 
 from loads.assembly import assembly_gap
+from loads.blow_force import BlowForce, Struck
+from loads.blow_loads import BlowLoads, blow_loads, with_blow
 from loads.blows import Blow, JointImpulse, blow
 from loads.bodies import GROUND, Body, LinkageError, Pose
 from loads.compliance import BeamCompliance, Compliance, JointCompliance, MatrixCompliance
@@ -56,6 +58,8 @@ __all__ = [
     "Apply",
     "BeamCompliance",
     "Blow",
+    "BlowForce",
+    "BlowLoads",
     "Body",
     "Compliance",
     "Contact",
@@ -110,11 +114,13 @@ __all__ = [
     "StallError",
     "SteadyPace",
     "StrokePace",
+    "Struck",
     "Table",
     "Term",
     "UnsettledError",
     "assembly_gap",
     "blow",
+    "blow_loads",
     "diagnose",
     "forces_again",
     "move",
@@ -130,4 +136,5 @@ __all__ = [
     "split_at_reversals",
     "trace",
     "try_cycle",
+    "with_blow",
 ]

@@ -15,6 +15,7 @@ from math import isfinite
 
 import numpy as np
 
+from loads.blow_force import Struck
 from loads.bodies import FloatArray, LinkageError
 from loads.joints import Coordinate
 from loads.kinematics import dot
@@ -113,6 +114,7 @@ class Contact:
     stops      the body that is pushed follows the contact while it touches: stopped by a rigid one,
                slowed by one that gives way less than the linkage. Only a body that slides can be.
     restitution  speed after over speed before a blow; None: not known. Blows alone know it.
+    struck     how the workpiece answers to a blow; None: the force of a blow is not wanted
     """
 
     at: float
@@ -120,6 +122,7 @@ class Contact:
     side: int = 1
     stops: bool = True
     restitution: float | None = None
+    struck: Struck | None = None
 
     def __post_init__(self) -> None:
         if not isfinite(self.at):

@@ -275,7 +275,7 @@ def with_body_loads(modes: LinkageModes, cycle: CycleLoads, lumped: FloatArray) 
             "is not known, so what vibration adds to it has no place; let a force set the pace"
         )
     linkage = cycle.linkage
-    pushed = _rebased(modes.motion, Kinematics(_pushed(modes.kinematics.linkage)), cycle.pace)
+    pushed = pushed_motion(modes, cycle.pace)
     pushes = _unit_pushes(pushed, modes.lumps, modes.holder)
     wrenches = modes.lumps.wrenches(cycle.poses[:, :, 2])
     reactions = dict(cycle.reactions)
@@ -297,13 +297,19 @@ def with_body_loads(modes: LinkageModes, cycle: CycleLoads, lumped: FloatArray) 
                 efforts[modes.holder] + solution.efforts[modes.holder] * total[:, k]
             )
             reactions = {
-                name: _grown(load, solution.joints[name], total[:, k])
+                name: grown(load, solution.joints[name], total[:, k])
                 for name, load in reactions.items()
             }
     return replace(cycle, accelerations=accelerations, reactions=reactions, efforts=efforts)
 
 
-def _grown(load: JointLoad, unit: JointLoad, size: FloatArray) -> JointLoad:
+def pushed_motion(modes: LinkageModes, hold: Coordinate) -> Motion:
+    """Return the motion of the modes for a linkage with forces on the centres of all bodies."""
+    return _rebased(modes.motion, Kinematics(_pushed(modes.kinematics.linkage)), hold)
+
+
+def grown(load: JointLoad, unit: JointLoad, size: FloatArray) -> JointLoad:
+    """Return a joint's load with a number (n,) of unit loads added."""
     return replace(
         load, force=load.force + unit.force * size[:, None], moment=load.moment + unit.moment * size
     )

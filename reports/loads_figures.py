@@ -235,6 +235,24 @@ class JointBlow:
 
 
 @dataclass(frozen=True)
+class BlowForceSummary:
+    """The force of a blow that was solved.
+
+    peak     N; contact  s until the force has gone; infinite where the drive presses on
+    depth    mm that the workpiece is pressed in for good; energy  N mm left in it
+    rebound  mm/s; 0 where the bodies stay in touch
+    joints   N, largest force of each while the blow is followed
+    """
+
+    peak: float
+    contact: float
+    depth: float
+    energy: float
+    rebound: float
+    joints: Mapping[str, float]
+
+
+@dataclass(frozen=True)
 class BlowSummary:
     """A contact that is met at a speed.
 
@@ -251,6 +269,7 @@ class BlowSummary:
     rigid_mass     t, that the contact would meet if nothing gave way
     drive_struck   True if the drive's own inertia is in the blow; drive_stated: it is known
     per_minute     None where the cycle does not end as it begins
+    solved         its force, where the workpiece is stated
     """
 
     force: str
@@ -269,6 +288,7 @@ class BlowSummary:
     drive_struck: bool
     drive_stated: bool
     per_minute: float | None
+    solved: BlowForceSummary | None = None
 
     @property
     def rebound(self) -> tuple[float, float]:
@@ -311,8 +331,8 @@ def contact_summaries(
     result = []
     for name, contact in loads.contacts.items():
         coordinate = loads.linkage.force(name).coordinate
-        effort = np.abs(loads.efforts[name])
-        most = int(np.where(contact.touching, effort, -1.0).argmax())
+        effort = np.where(contact.touching, np.abs(loads.efforts[name]), 0.0)  # without a blow's
+        most = int(effort.argmax())
         gap = loads.touches[name].gap
         pushed = [body for body in coordinate.bodies if body != GROUND]
         spans = _spans(loads, name, shown)

@@ -7,6 +7,7 @@ from math import hypot, inf, isfinite, pi
 from checks.result.verdict import DesignResult, Gate, PartResult
 from checks.result.words import brief, gate_sentence, number, place_text, quantity_unit
 from reports.loads_figures import (
+    BlowForceSummary,
     BlowSummary,
     ContactSpan,
     ContactSummary,
@@ -159,7 +160,8 @@ def contact_sentence(contact: ContactSummary, cycle: ShownCycle) -> str:
     if contact.deflection > 0.0:
         said += f", the linkage gives way by up to {number(contact.deflection)} {length}"
     said += f"; {brief(contact.body, 30)} {_held(contact)}"
-    return f"{said}; the impact is not in these loads" if contact.energy > 0.0 else said
+    known = any(blow.force == contact.name and blow.solved is not None for blow in cycle.blows)
+    return said if known or not contact.energy else f"{said}; the impact is not in these loads"
 
 
 def blow_sentence(blow: BlowSummary, cycle: ShownCycle) -> str:
@@ -169,6 +171,8 @@ def blow_sentence(blow: BlowSummary, cycle: ShownCycle) -> str:
         f"{brief(blow.force, 30)} at {brief(cycle.shown_name, 20)} = {place_text(blow.at)} "
         f"{cycle.unit}{phase}: "
     )
+    if blow.solved is not None:
+        return f"{said}{_blow_force(blow, blow.solved)}"
     if not isfinite(blow.impulse[1]):
         return f"{said}no bound of the impulse, as the drive holds its speed behind rigid bodies"
     if blow.mass[1] <= 0.0:
@@ -206,6 +210,26 @@ def blow_sentence(blow: BlowSummary, cycle: ShownCycle) -> str:
         most = "" if blow.stated else " take up to"
         said += f"; joints{most}: {', '.join(taken)}" if taken else "; no joint takes any"
     return f"{said}; an impulse is no force: its peak is not computed"
+
+
+def _blow_force(blow: BlowSummary, solved: BlowForceSummary) -> str:
+    """A blow whose force is known, in words."""
+    often = "" if blow.per_minute is None else f", {number(blow.per_minute)} times a minute"
+    depth = f"; pressed in by {number(solved.depth)} mm" if solved.depth > 0.0 else ""
+    if depth:
+        depth += f", {number(solved.energy * 1e-3)} J left in it"
+    gone = f"gone after {number(solved.contact * 1e3)} ms"
+    if not isfinite(solved.contact):
+        gone = "kept up by the drive"
+    leaves = f"rebound at {number(solved.rebound)} mm/s" if solved.rebound else "no rebound"
+    joints = ", ".join(
+        f"{brief(name, 20)} {number(force)} N" for name, force in solved.joints.items()
+    )
+    return (
+        f"struck at {number(blow.speed)} mm/s{often}: force up to {number(solved.peak * 1e-3)} kN, "
+        f"{gone}{depth}; {leaves}; joints in it up to: "
+        f"{joints}; it stands in these loads"
+    )
 
 
 def _from_to(pair: tuple[float, float], factor: float = 1.0) -> str:

@@ -8,6 +8,7 @@ from pathlib import Path
 import loads
 from ballesta.design.read import read_design
 from ballesta.machine.balance import balance_gates, measured_loads, not_measured
+from ballesta.machine.blows import blow_gates, blows_of, solved_blows, with_blows
 from ballesta.machine.drive_speed import evenness_of, speed_assumptions, speed_gates, speed_warnings
 from ballesta.machine.events import event_assumptions, with_events
 from ballesta.machine.shown_loads import shown_cycle, shown_run
@@ -79,10 +80,13 @@ def loads_of_file(
         compliances = _compliances(design, models, say)
         design = with_events(design, masses, compliances)
         solved = solve_cycles(design, masses, compliances)
+        blows = solved_blows(design, solved)
+        struck = with_blows(solved, blows)
         measured = measured_loads(design, masses)
         evenness = evenness_of(design, solved)
         gates = [
-            *load_gates(design, solved),
+            *load_gates(design, struck),
+            *blow_gates(blows),
             *speed_gates(evenness),
             *balance_gates(design, measured),
         ]
@@ -94,7 +98,10 @@ def loads_of_file(
         file=str(design.file),
         sha256=design.sha256,
         overrides=design.overrides,
-        cycles=[shown_cycle(design, cycle) for cycle in solved.values()],
+        cycles=[
+            shown_cycle(design, struck[name], blows_of(design, cycle, blows.get(name, ())))
+            for name, cycle in solved.items()
+        ],
         gates=gates,
         warnings=warnings,
         runs=[shown_run(design, run) for run in measured.values()],

@@ -112,7 +112,28 @@ def _contact(
     # along its own direction, a force that points down has the coordinate -y; between two points
     # the contact pushes them apart when they come closer than `at`
     place = sum(direction) * entry.at.value
-    return loads.Contact(place, entry.stiffness, 1, stops, entry.restitution)
+    struck = None if entry.blow is None else _struck(f"{key}.blow", entry, problems)
+    return loads.Contact(place, entry.stiffness, 1, stops, entry.restitution, struck)
+
+
+def _struck(key: str, entry: ContactLaw, problems: Problems) -> loads.Struck | None:
+    assert entry.blow is not None
+    stated = entry.blow
+    if stated.stiffness is None and stated.yields is None:
+        problems.add(
+            key, 'needs yields such as "30 kN" or stiffness such as "80 kN/mm": what gives way'
+        )
+        return None
+    if entry.restitution is not None:
+        problems.add(f"{key[:-5]}.restitution", "follows from the blow; leave it out")
+        return None
+    anvil = stated.anvil
+    return loads.Struck(
+        stated.stiffness or math.inf,
+        stated.yields or math.inf,
+        anvil.mass if anvil else 0.0,
+        anvil.stiffness if anvil else 0.0,
+    )
 
 
 def _opposing(

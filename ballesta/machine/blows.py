@@ -1,47 +1,130 @@
-"""Blows of a machine's cycles: what strikes where a contact is met, and the impulses of it."""
+"""Blows of a machine's cycles: what strikes where a contact is met, its impulses and forces.
 
-from collections.abc import Mapping
+Where the design says how the workpiece answers, the moments of the blow stand among the positions
+of the cycle, so that stresses and fatigue have them (docs/theory/blows.md).
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from math import inf, isinf
 
 import numpy as np
 
 import loads
+from ballesta.machine.quasi_static import with_sections
 from checks.design.data import Design
+from checks.design.errors import DesignError
 from checks.part.part_loads import shown_position
+from checks.result.verdict import Gate
 from checks.result.words import brief, number
-from reports.loads_figures import BlowSummary, JointBlow
+from reports.loads_figures import BlowForceSummary, BlowSummary, JointBlow
 
+Blows = Mapping[str, Sequence[loads.BlowLoads]]
+_AFTER = "swing after a blow, stress waves in it"
+_MISSING = 1e-6
+_PERIODS = 3.0
 _MINUTE = 60.0  # s
 _SOFT = 0.9  # share of the linkage in the compliance of both, above which it pushes back too late
 
 
-def blows_of(design: Design, cycle: loads.CycleLoads) -> list[BlowSummary]:
+def blows_of(
+    design: Design, cycle: loads.CycleLoads, solved: Sequence[loads.BlowLoads] = ()
+) -> list[BlowSummary]:
     """Every blow of a solved cycle, in the order in which they come.
+
+    solved  those of the cycle whose forces are known
 
     A contact that appears with a phase, or in which a cycle begins, is not met on the way and no
     blow; nor is one that comes into touch by a deflection while it goes away.
     """
-    stated = design.cycles[cycle.name]
-    shown = shown_position(stated, cycle.positions)
+    shown = shown_position(design.cycles[cycle.name], cycle.positions)
     found = []
+    forces = {one.row: _force(one) for one in solved}
+    for name, law, k in _met(design, cycle):
+        summary = _summary(design, cycle, name, law, k, float(shown[k]))
+        found.append(replace(summary, solved=forces.get(k)))
+    return sorted(found, key=lambda one: one.time)
+
+
+def _met(design: Design, cycle: loads.CycleLoads) -> Iterator[tuple[str, loads.Contact, int]]:
+    """Force, law and row of every contact that is met at a speed."""
+    stated = design.cycles[cycle.name]
     for name, contact in cycle.contacts.items():
         for k in contact.begins.tolist():
             law = stated.run.phases[int(cycle.phase_of[k + 1])].given[name]
             assert isinstance(law, loads.Contact)
             if np.isfinite(cycle.touches[name].gap[k]) and law.side * contact.rate[k] < 0.0:
-                found.append(_summary(design, cycle, name, law, k, float(shown[k])))
-    return sorted(found, key=lambda one: one.time)
+                yield name, law, k
+
+
+def solved_blows(design: Design, solved: Mapping[str, loads.CycleLoads]) -> Blows:
+    """Blows whose workpiece is stated, by cycle, in the order in which they come.
+
+    Bodies without stated elasticity give way by the least section of their part. Raises DesignError
+    where nothing gives way, or a blow cannot be followed.
+    """
+    found: dict[str, list[loads.BlowLoads]] = {}
+    for cycle in solved.values():
+        for name, law, k in sorted(_met(design, cycle), key=lambda one: one[2]):
+            if law.struck is None:
+                continue
+            elastic, _, _ = with_sections(design, cycle)
+            damping = design.dynamics.damping
+            try:
+                blow = loads.blow_loads(cycle, elastic, name, k, law.struck, damping)
+            except loads.LinkageError as error:
+                raise DesignError(
+                    design.file, f"cycles.{cycle.name}", f"the blow of {name}: {error}"
+                ) from error
+            found.setdefault(cycle.name, []).append(blow)
+    return found
+
+
+def with_blows(solved: Mapping[str, loads.CycleLoads], blows: Blows) -> dict[str, loads.CycleLoads]:
+    """Return the cycles with the moments of their blows."""
+    result = dict(solved)
+    for name, own in blows.items():
+        for blow in reversed(own):
+            result[name] = loads.with_blow(result[name], blow)
+    return result
+
+
+def blow_gates(blows: Blows) -> list[Gate]:
+    """Validity checks of blows."""
+    return [
+        gate
+        for name, own in blows.items()
+        for gate in (
+            Gate(
+                f"{name}: energy of the blow",
+                max(one.blow.missing for one in own),
+                _MISSING,
+                "energy that is not accounted for, over what the drive and the motion gave",
+            ),
+            Gate(
+                f"{name}: modes in the blow",
+                max(_PERIODS / (one.blow.lasts * one.blow.highest) for one in own),
+                1.0,
+                f"{_PERIODS:g} periods of the fastest mode over the time of contact: more, and the "
+                "lumped masses are too few for it",
+            ),
+        )
+    ]
 
 
 def blow_subject(design: Design, solved: Mapping[str, loads.CycleLoads]) -> str:
     """The impact as a subject that no check covers, with the heaviest blow's impulse and energy.
 
-    "" where nothing is struck.
+    Of blows whose workpiece is stated only what comes after them. "" where nothing is struck.
     """
-    blows = [(name, blow) for name, cycle in solved.items() for blow in blows_of(design, cycle)]
+    blows, after = [], ""
+    for name, cycle in solved.items():
+        known = {float(cycle.times[k]) for _, law, k in _met(design, cycle) if law.struck}
+        after = _AFTER if known else after
+        blows += [(name, one) for one in blows_of(design, cycle) if one.time not in known]
     blows = [(name, blow) for name, blow in blows if blow.impulse[1] > 0.0]
     if not blows:
-        return ""
+        return after
     name, blow = max(blows, key=lambda one: one[1].impulse[1])
     said = "without a bound of its impulse"
     if not isinf(blow.impulse[1]):
@@ -94,6 +177,22 @@ def _summary(
         drive_struck=struck(inf, stiff).mass != largest or isinf(largest),
         drive_stated=known,
         per_minute=_MINUTE / float(cycle.times[-1]) if closed else None,
+    )
+
+
+def _force(struck: loads.BlowLoads) -> BlowForceSummary:
+    """A blow's force over time, in figures."""
+    blow = struck.blow
+    return BlowForceSummary(
+        peak=float(blow.force.max()),
+        contact=blow.contact,
+        depth=blow.depth,
+        energy=blow.energy,
+        rebound=blow.rebound,
+        joints={
+            name: float(np.hypot(*load.force.T).max())
+            for name, load in struck.loads.reactions.items()
+        },
     )
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 import loads
 from ballesta.machine.balance import measured_loads
+from ballesta.machine.blows import Blows, solved_blows, with_blows
 from ballesta.machine.drive_speed import (
     Evenness,
     LoadPair,
@@ -49,7 +50,9 @@ class MachineRuns:
 
     design      with its events among its cycles
     masses      body -> mass, centre and inertia of its part
-    solved      cycle -> its loads, with dynamic factors where the design asks for them
+    solved      cycle -> its loads, with dynamic factors where the design asks for them, and with
+                the moments of blows whose workpiece is stated
+    blows       cycle -> its blows whose workpiece is stated
     measured    run -> its loads
     rigid       cycle -> its loads without dynamic factors
     vibration   cycle -> how the linkage vibrates in it
@@ -59,6 +62,7 @@ class MachineRuns:
     design: Design
     masses: Mapping[str, tuple[float, tuple[float, float], float]]
     solved: Mapping[str, loads.CycleLoads]
+    blows: Blows
     measured: Mapping[str, loads.MeasuredLoads]
     rigid: Mapping[str, loads.CycleLoads]
     vibration: Mapping[str, CycleVibration]
@@ -96,10 +100,13 @@ def run_machine(
     rigid = solve_cycles(design, masses, compliances, store)
     say("loads: vibration of the linkage")
     vibration = vibration_of(design, rigid)
+    dynamic = with_dynamics(design, rigid, vibration)
+    blows = solved_blows(design, dynamic)
     return MachineRuns(
         design=design,
         masses=masses,
-        solved=with_dynamics(design, rigid, vibration),
+        solved=with_blows(dynamic, blows),
+        blows=blows,
         measured=measured_loads(design, masses),
         rigid=rigid,
         vibration=vibration,
@@ -146,7 +153,8 @@ def doubts_of(design: Design, machine: MachineRuns) -> MachineDoubts:
     ]
 
     def runs(end: Mapping[str, loads.CycleLoads]) -> Runs:
-        return {**with_dynamics(design, end, machine.vibration), **machine.measured}
+        dynamic = with_dynamics(design, end, machine.vibration)
+        return {**with_blows(dynamic, solved_blows(design, dynamic)), **machine.measured}
 
     return MachineDoubts(
         evenness,

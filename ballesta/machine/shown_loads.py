@@ -1,22 +1,25 @@
 """Solved cycles as people see them: shown positions, phases and pace in words, drives' limits."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 import loads
-from ballesta.machine.blows import blows_of
 from ballesta.machine.events import event_figures
 from checks.design.data import Cycle, Design
 from checks.part.part_loads import shown_name, shown_of, shown_position
 from checks.result.words import brief, number
 from geometry.mesh import FloatArray
-from reports.loads_figures import ContactStated, MotorFigures, ShownPhase
+from reports.loads_figures import BlowSummary, ContactStated, MotorFigures, ShownPhase
 from reports.loads_summary import ShownCycle, ShownRun
 
 EVEN = 0.1  # irregularity that is assumed of a drive of which nothing is stated
 _FINE = 5  # digits
 
 
-def shown_cycle(design: Design, cycle: loads.CycleLoads) -> ShownCycle:
+def shown_cycle(
+    design: Design, cycle: loads.CycleLoads, blows: Sequence[BlowSummary] = ()
+) -> ShownCycle:
     """Return a solved cycle with the names and units of its positions and forces."""
     stated = design.cycles[cycle.name]
     name, unit = shown_name(stated)
@@ -33,7 +36,7 @@ def shown_cycle(design: Design, cycle: loads.CycleLoads) -> ShownCycle:
         available=design.available,
         allowed_irregularity=design.drive.irregularity or EVEN,
         stated=_contacts(cycle.linkage, stated.run),
-        blows=blows_of(design, cycle),
+        blows=blows,
     )
 
 

@@ -28,6 +28,7 @@ from checks.design.units import (
     PositiveForce,
     PositiveForceOrMoment,
     PositiveLength,
+    PositiveMass,
     PositiveMoment,
     PositivePower,
     PositiveStiffness,
@@ -344,6 +345,29 @@ class ExpressionLaw(Table):
     )
 
 
+class AnvilEntry(Table):
+    """An anvil that a blow moves."""
+
+    mass: PositiveMass = Field(description="of the anvil, with what stands on it")
+    stiffness: PositiveStiffness = Field(description="between it and the ground")
+
+
+class WorkpieceEntry(Table):
+    """How a workpiece answers to a blow: elastic, plastic, or elastic up to where it yields."""
+
+    stiffness: PositiveStiffness | None = Field(
+        None, description="of the workpiece and what lies beneath it"
+    )
+    yields: PositiveForce | None = Field(
+        None, description="force at which it is pressed in for good, as far as the blow goes"
+    )
+    anvil: AnvilEntry | None = Field(
+        None,
+        description="without it nothing beneath the workpiece moves",
+        examples=['{ mass = "500 kg", stiffness = "50 kN/mm" }'],
+    )
+
+
 class ContactLaw(Table):
     """A workpiece or stop that pushes back along the force when it is touched, and never pulls."""
 
@@ -364,6 +388,11 @@ class ContactLaw(Table):
         None,
         description="speed after over speed before a blow, 0 without rebound; without it blows are "
         "told from 0 to 1",
+    )
+    blow: WorkpieceEntry | None = Field(
+        None,
+        description="how it answers to a blow, whose force and loads are then solved",
+        examples=['{ yields = "30 kN" }'],
     )
 
 

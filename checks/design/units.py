@@ -483,6 +483,7 @@ Roughness = Annotated[float, Quantity(("roughness",), above=0.0, at_most=0.2 * (
 Force = Annotated[float, Quantity(("force",))]
 PositiveForce = Annotated[float, Quantity(("force",), above=0.0)]
 Mass = Annotated[float, Quantity(("mass",), at_least=0.0)]
+PositiveMass = Annotated[float, Quantity(("mass",), above=0.0)]
 Inertia = Annotated[float, Quantity(("inertia",), at_least=0.0)]
 Stress = Annotated[float, Quantity(("stress",))]
 PositiveStress = Annotated[float, Quantity(("stress",), above=0.0)]

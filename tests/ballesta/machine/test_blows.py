@@ -9,7 +9,13 @@ import pytest
 
 from ballesta.commands.loads_command import loads_of_file
 from ballesta.design.read import read_design
-from ballesta.machine.blows import blow_subject, blows_of
+from ballesta.machine.blows import (
+    blow_gates,
+    blow_subject,
+    blows_of,
+    solved_blows,
+    with_blows,
+)
 from ballesta.machine.runs import MachineRuns
 from ballesta.machine.solved_cycles import solve_cycles
 from ballesta.pipeline import NOT_CHECKED, _not_checked
@@ -103,12 +109,12 @@ def test_the_blow_of_the_hammer_is_its_rams_and_the_leaves_pass_nothing_on():
 def test_what_is_not_checked_has_the_heaviest_blow_and_its_force_is_not_known(tmp_path):
     design = read_design(stop_design(tmp_path))
     solved = solve_cycles(design, {})
-    machine = MachineRuns(design, {}, solved, {}, solved, {}, [])
+    machine = MachineRuns(design, {}, solved, {}, {}, solved, {}, [])
     first, second, *rest = _not_checked(design, machine)
     assert first.startswith("impact of up to 2.76 N s and 0.354 J a blow on stop, in run; ")
     assert second == "any speed change within a cycle"
     assert tuple(rest) == NOT_CHECKED
-    still = MachineRuns(design, {}, {}, {}, {}, {}, [])
+    still = MachineRuns(design, {}, {}, {}, {}, {}, {}, [])
     assert _not_checked(design, still)[0] == "impact and any speed change within a cycle"
 
 
@@ -181,3 +187,96 @@ def test_a_restitution_that_cannot_be_is_refused(value, message, tmp_path):
     file = stop_design(tmp_path, ("restitution = 0.3", "restitutoin = 0.3"))
     with pytest.raises(DesignError, match="unknown key, did you mean restitution"):
         read_design(file)
+
+
+@pytest.fixture(scope="module")
+def forging(tmp_path_factory):
+    """The hammer on a workpiece of 10 mm: what it answers with -> design and solved cycle."""
+
+    def solved(answers):
+        text = (DESIGNS / "spring_hammer.toml").read_text()
+        old = 'at = "1123.5 mm" }'
+        assert text.count(old) == 1
+        file = tmp_path_factory.mktemp("forging") / "hammer.toml"
+        file.write_text(text.replace(old, f'at = "1123.5 mm", blow = {answers} }}'))
+        design = read_design(file)
+        return design, {"at_5_work_10": solve_cycles(design, {})["at_5_work_10"]}
+
+    return solved
+
+
+def test_the_hammer_forges_with_the_energy_of_its_ram(forging):
+    """3.02 J of the ram, and what the drive adds by the leaves; a plastic workpiece keeps all."""
+    design, solved = forging('{ yields = "30 kN" }')
+    blows = solved_blows(design, solved)
+    ((blow,),) = blows.values()
+    (plain,) = blows_of(design, solved["at_5_work_10"])
+    assert blow.blow.force.max() == pytest.approx(30e3)
+    assert blow.blow.energy == pytest.approx(plain.energy[0], rel=0.03)
+    assert blow.blow.energy > plain.energy[0]
+    assert blow.blow.energy == pytest.approx(30e3 * blow.blow.depth, rel=1e-3)
+    whole = with_blows(solved, blows)["at_5_work_10"]
+    before = solved["at_5_work_10"]
+    for joint in ("R", "slot"):
+        with_it, without = (
+            np.hypot(*cycle.reactions[joint].force.T).max() for cycle in (whole, before)
+        )
+        assert with_it > 1.2 * without
+    assert max(whole.equilibrium_residual.values()) < 1e-9
+    assert whole.power_balance_error < 1e-9
+    assert all(gate.holds for gate in blow_gates(blows))
+    assert blow_subject(design, solved) == "swing after a blow, stress waves in it"
+
+
+def test_an_elastic_workpiece_is_struck_as_by_the_ram_alone_and_the_anvil_yields(forging):
+    """v sqrt(k m) for half a period, the leaves behind it add some percent."""
+    design, solved = forging('{ stiffness = "20 kN/mm" }')
+    ((one,),) = solved_blows(design, solved).values()
+    speed = abs(solved["at_5_work_10"].rate("workpiece")[one.row])
+    assert one.blow.force.max() == pytest.approx(speed * np.sqrt(20e3 * 0.03985), rel=0.03)
+    assert one.blow.contact == pytest.approx(np.pi * np.sqrt(0.03985 / 20e3), rel=0.04)
+    anvil = 'anvil = { mass = "0.5 t", stiffness = "50 kN/mm" }'
+    design, solved = forging(f'{{ stiffness = "20 kN/mm", {anvil} }}')
+    ((moved,),) = solved_blows(design, solved).values()
+    assert 0.9 < moved.blow.force.max() / one.blow.force.max() < 0.99
+
+
+def test_a_blow_that_is_solved_is_told_by_its_force(tmp_path):
+    soft = "[elastic.joints]\nB = '5 kN/mm'\n[duty]"
+    answers = 'blow = { stiffness = "2 kN/mm", yields = "1 kN" }'
+    file = stop_design(tmp_path, ("restitution = 0.3", answers), ("[duty]", soft))
+    result = loads_of_file(file)
+    told = " ".join(loads_text(result, 200).split())
+    assert re.search(r"struck at \d+ mm/s, 120 times a minute: force up to 1\.00 kN, kept up", told)
+    assert "pressed in by" in told
+    assert "it stands in these loads" in told
+    assert "the impact is not in these loads" not in told
+    (cycle,) = result.to_dict()["cycles"]
+    solved = cycle["blows"][0]["solved"]
+    assert solved["peak"] == pytest.approx(1000.0)
+    assert solved["joints"]["B"] > 100.0
+    json.dumps(result.to_dict(), allow_nan=False)
+
+
+@pytest.mark.parametrize(
+    ("answers", "message"),
+    [
+        ("blow = {}", r"forces\.stop\.blow: needs yields such as"),
+        ('restitution = 0.3, blow = { yields = "1 kN" }', r"stop\.restitution: follows from the"),
+        ('blow = { yields = "0 N" }', r"stop\.blow\.yields: must be above 0"),
+        (
+            'blow = { yields = "1 kN", anvil = { mass = "1 kg" } }',
+            r"blow\.anvil\.stiffness: must be",
+        ),
+        ('blow = { yeilds = "1 kN" }', r"unknown key, did you mean yields"),
+    ],
+)
+def test_an_answer_that_cannot_be_is_refused(answers, message, tmp_path):
+    with pytest.raises(DesignError, match=message):
+        read_design(stop_design(tmp_path, ("restitution = 0.3", answers)))
+
+
+def test_a_blow_of_rigid_bodies_alone_is_refused_with_its_place(tmp_path):
+    file = stop_design(tmp_path, ("restitution = 0.3", 'blow = { yields = "1 kN" }'))
+    with pytest.raises(DesignError, match=r"cycles\.run: the blow of stop: nothing of the linkage"):
+        loads_of_file(file)

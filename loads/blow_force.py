@@ -1,0 +1,370 @@
+"""Force over time of a blow: an elastic linkage, by its modes, strikes a workpiece that gives way.
+
+The linkage's drive keeps its rate, so the point that strikes goes on towards the workpiece with the
+speed v before the blow, less what the modes yield: with modal coordinates q of unit modal mass,
+shapes phi of the point along the contact, and the force F of the workpiece,
+
+    q'' + 2 zeta omega q' + omega^2 q = phi F,     delta = v t - phi . q
+
+where delta is the approach (Clough and Penzien, Dynamics of Structures, ch. 12: mode
+superposition). An anvil that gives way is one more mode, phi = 1/sqrt(m), omega = sqrt(k/m). Modes
+that are left out, and what yields without mass, are a compliance c behind the workpiece's stiffness
+k: 1/k' = 1/k + c. The workpiece is elastic up to its yield force F_y, and plastic beyond:
+F = k' (delta - p), where p grows so that F never exceeds F_y. Without any compliance F is F_y as
+long as it is pressed in; then it holds the point, F = phi . omega^2 q / phi^2, until that is
+negative or above F_y.
+
+Between changes of these states the equations are linear; they are integrated by SciPy's DOP853 with
+the changes as events. A blow is over when the force has gone, or the pressing in ended, and nothing
+is struck in as long a time again, and in half a period of every mode that swings, but for the
+softest: that is the motion with which the point came. It is followed for that time, too. Not all
+modes are needed: their number is doubled until the largest force, the impulse and the largest
+deformation move by less than 0.5 %.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from math import inf, isinf, pi, sqrt
+
+import numpy as np
+
+from loads.bodies import FloatArray, LinkageError
+
+_FIRST = 4  # modes
+_SETTLED = 0.005  # relative change by twice as many modes
+_SAMPLES = (60, 600)
+_PER_PERIOD = 16  # samples, of the fastest mode that tells: a peak between two is 2 % of it at most
+_TELLS = 0.02  # of the largest deformation of all modes together
+_TOLERANCE = 1e-9
+_LONGEST = 4.0  # time scales of a blow, for which what the drive presses on is followed
+_MOST_CHANGES = 2000
+_NONE = 1e-9  # of the yield force
+_RIGID = 1e-3  # of the depth by plasticity alone: an elastic deformation that is left out
+_Event = Callable[[float, FloatArray], float]
+
+
+@dataclass(frozen=True)
+class Struck:
+    """A workpiece, and the anvil beneath it.
+
+    stiffness        N/mm, infinite without elasticity
+    yields           N, force at which it is pressed in for good; infinite for never
+    anvil_mass       t; 0 for an anvil that does not move
+    anvil_stiffness  N/mm, between the anvil and the ground
+    """
+
+    stiffness: float = inf
+    yields: float = inf
+    anvil_mass: float = 0.0
+    anvil_stiffness: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (self.stiffness > 0.0 and self.yields > 0.0):
+            raise LinkageError("stiffness and yield force of a workpiece must be above 0")
+        if isinf(self.stiffness) and isinf(self.yields):
+            raise LinkageError("a workpiece that is struck must yield or have a stiffness")
+        if (self.anvil_mass > 0.0) != (self.anvil_stiffness > 0.0):
+            raise LinkageError("an anvil that moves has a mass and a stiffness, both above 0")
+
+
+@dataclass(frozen=True, eq=False)
+class BlowForce:
+    """The force of a blow, and the modes that answer to it.
+
+    times     (n,) s from the first touch
+    force     (n,) N on the point that strikes
+    modal     (n, modes) mm sqrt(t); modes that were left out follow statically
+    contact   s until the force has gone, and stays away as long again; infinite where the drive
+              presses on
+    depth     mm that the workpiece is pressed in for good
+    energy    N mm left in the workpiece
+    rebound   mm/s at which the point leaves the workpiece; 0 while they touch
+    kept      number of modes in the integration; highest  1/s, the highest of their frequencies
+    missing   energy that is not accounted for, over the energy that the drive and the motion gave
+    """
+
+    times: FloatArray
+    force: FloatArray
+    modal: FloatArray
+    contact: float
+    depth: float
+    energy: float
+    rebound: float
+    kept: int
+    highest: float
+    missing: float
+
+    @property
+    def lasts(self) -> float:
+        """Time of contact as far as it was followed, s."""
+        return min(self.contact, float(self.times[-1]))
+
+    @property
+    def impulse(self) -> float:
+        """Impulse of the force over the time that was followed, N s."""
+        return float(np.trapezoid(self.force, self.times))
+
+
+def blow_force(
+    omega: FloatArray,
+    shapes: FloatArray,
+    compliance: float,
+    speed: float,
+    struck: Struck,
+    damping: float = 0.0,
+) -> BlowForce:
+    """Return the force of a blow.
+
+    omega       (k,) rad/s, ascending; 0 for a motion that nothing holds back
+    shapes      (k,) 1/sqrt(t), of the point that strikes, along the contact
+    compliance  mm/N of the point without mass
+    speed       mm/s towards the workpiece
+    damping     ratio of every mode
+
+    Raises LinkageError where the blow cannot be followed.
+    """
+    count = min(_FIRST, len(omega))
+    found = _with_modes(omega, shapes, compliance, speed, struck, damping, count)
+    while count < len(omega):
+        count = min(2 * count, len(omega))
+        before = found
+        found = _with_modes(omega, shapes, compliance, speed, struck, damping, count)
+        sizes = zip(_sizes(before, omega), _sizes(found, omega), strict=True)
+        if all(abs(one - other) <= _SETTLED * other for one, other in sizes):
+            break
+    return found
+
+
+def _sizes(blow: BlowForce, omega: FloatArray) -> tuple[float, float, float]:
+    """Largest force, impulse, and largest deformation of all modes."""
+    deformed = np.linalg.norm(blow.modal * omega, axis=1)
+    return float(blow.force.max()), blow.impulse, float(deformed.max())
+
+
+def _with_modes(
+    omega: FloatArray,
+    shapes: FloatArray,
+    compliance: float,
+    speed: float,
+    struck: Struck,
+    damping: float,
+    count: int,
+) -> BlowForce:
+    """The blow with the lowest modes alone; the others yield without mass."""
+    left = (shapes[count:] / omega[count:]) ** 2
+    follow = shapes[count:] / omega[count:] ** 2
+    own, along = omega[:count], shapes[:count]
+    if struck.anvil_mass:
+        own = np.append(own, sqrt(struck.anvil_stiffness / struck.anvil_mass))
+        along = np.append(along, 1.0 / sqrt(struck.anvil_mass))
+    yielding = 1.0 / struck.stiffness + compliance + float(left.sum())
+    pressed_in = 0.5 * speed**2 / float(along @ along) / struck.yields
+    if isinf(struck.stiffness) and yielding * struck.yields < _RIGID * pressed_in:
+        yielding = 0.0
+    run = _Run(own, along, yielding, speed, struck.yields, damping)
+    times, states = run.followed()
+    force = run.forces(times, states)
+    modal = np.concatenate([states[:, :count], force[:, None] * follow], axis=1)
+    elastic = 0.5 * float(force[-1]) ** 2 / struck.stiffness
+    return BlowForce(
+        times, force, modal, run.contact, run.set, float(states[-1, -3]) - elastic,
+        run.rebound if force[-1] == 0.0 else 0.0, count,
+        float(own[:count].max()) / (2.0 * pi), run.missing(states[-1]),
+    )  # fmt: skip
+
+
+class _Run:
+    """The states of a blow, one after another.
+
+    A state vector holds q, q', then integrals over time: force times approach (the work on the
+    workpiece with its compliance), force times v, dissipation in the modes.
+    """
+
+    def __init__(
+        self,
+        omega: FloatArray,
+        along: FloatArray,
+        yielding: float,
+        speed: float,
+        yields: float,
+        damping: float,
+    ) -> None:
+        self.omega, self.along, self.damping = omega, along, damping
+        self.stiffness = 1.0 / yielding if yielding > 0.0 else inf
+        self.speed, self.yields = speed, yields
+        self.set = 0.0
+        self.contact, self.rebound = inf, 0.0
+        self.pieces: list[tuple[float, str, float]] = []  # start, state and set of each
+
+    def approach(self, state: FloatArray) -> float:
+        """Rate at which the point comes nearer, mm/s."""
+        n = len(self.omega)
+        return self.speed - float(self.along @ state[n : 2 * n])
+
+    def depth(self, time: float, state: FloatArray) -> float:
+        """Approach since the first touch, mm."""
+        return self.speed * time - float(self.along @ state[: len(self.omega)])
+
+    def force(self, mode: str, time: float, state: FloatArray) -> float:
+        """Force in one of the states elastic, plastic, held, free."""
+        if mode == "free":
+            return 0.0
+        if mode == "plastic":
+            return self.yields
+        if mode == "held":
+            own = state[: len(self.omega)]
+            return float(self.along @ (self.omega**2 * own)) / float(self.along @ self.along)
+        return self.stiffness * (self.depth(time, state) - self.set)
+
+    def forces(self, times: FloatArray, states: FloatArray) -> FloatArray:
+        """Force at every sample."""
+        starts = [start for start, _, _ in self.pieces]
+        found = np.empty(len(times))
+        last = self.set
+        for row, (time, state) in enumerate(zip(times, states, strict=True)):
+            _, mode, self.set = self.pieces[max(int(np.searchsorted(starts, time, "right")) - 1, 0)]
+            found[row] = self.force(mode, time, state)
+        self.set = last
+        return found
+
+    def followed(self) -> tuple[FloatArray, FloatArray]:
+        """Samples of times and states."""
+        from scipy.integrate import solve_ivp
+
+        n = len(self.omega)
+        state = np.zeros(2 * n + 3)
+        time, mode = 0.0, "plastic" if isinf(self.stiffness) else "elastic"
+        struck = 1.0 / float(self.along @ self.along)
+        longest = self._longest()
+        end = _LONGEST * longest
+        scale = np.concatenate(
+            [
+                np.full(n, sqrt(struck) * self.speed * longest),
+                np.full(n, sqrt(struck) * self.speed),
+                np.full(3, struck * self.speed**2),
+            ]
+        )
+        solutions, peaks = [], []
+        while time < end:
+            if len(self.pieces) > _MOST_CHANGES:
+                raise LinkageError("a blow that touches and leaves without end cannot be followed")
+            self.pieces.append((time, mode, self.set))
+            found = solve_ivp(
+                partial(self._rates, mode), (time, end), state, method="DOP853",
+                events=self._events(mode), rtol=_TOLERANCE, atol=1e-3 * _TOLERANCE * scale,
+                dense_output=True, max_step=end / 20.0,
+            )  # fmt: skip
+            solutions.append((time, found.sol))
+            peaks += [float(at) for one in found.t_events for at in one]
+            time, state = float(found.t[-1]), found.y[:, -1]
+            if found.status != 1:
+                break
+            mode = self._next(mode, time, state)
+            if mode in ("free", "held"):
+                self.contact, self.rebound = time, max(-self.approach(state), 0.0)
+                end = time + max(time, self._swing(state))
+        if mode == "plastic":
+            self.set = self._pressed(time, state)
+        fastest = self._fastest(np.array([sol(t) for _, sol in solutions for t in sol.ts]))
+        count = int(np.clip(_PER_PERIOD * fastest * end / (2.0 * pi), *_SAMPLES))
+        peaks = [at for at in peaks if at <= end]
+        times = np.unique(np.r_[np.linspace(0.0, end, count), peaks])
+        starts = [start for start, _ in solutions]
+        rows = np.maximum(np.searchsorted(starts, times, "right") - 1, 0)
+        return times, np.array([solutions[k][1](t) for k, t in zip(rows, times, strict=True)])
+
+    def _longest(self) -> float:
+        """Time scale of the whole blow, s: the softest mode on all that yields besides it."""
+        yields = self._yields()
+        mass = 1.0 / float(self.along[yields.argmax()]) ** 2
+        soft = (0.0 if isinf(self.stiffness) else 1.0 / self.stiffness) + float(
+            np.sort(yields)[:-1].sum()
+        )
+        return pi * sqrt(mass * soft) + mass * self.speed / self.yields
+
+    def _yields(self) -> FloatArray:
+        """Compliance of each mode at the point that strikes, mm/N."""
+        found = np.full(len(self.omega), inf)
+        held = self.omega > 0.0
+        found[held] = (self.along[held] / self.omega[held]) ** 2
+        return found
+
+    def _swing(self, state: FloatArray) -> float:
+        """Half a period of the slowest mode that a blow has set swinging, s.
+
+        Without the softest at the point that strikes: that is the motion with which it came.
+        """
+        n = len(self.omega)
+        size = np.hypot(self.omega * state[:n], state[n : 2 * n])
+        size[self._yields().argmax()] = 0.0
+        told = self.omega[(size >= _TELLS * np.linalg.norm(size)) & (self.omega > 0.0)]
+        return pi / float(told.min()) if len(told) and size.any() else 0.0
+
+    def _fastest(self, states: FloatArray) -> float:
+        """Frequency of the fastest mode whose deformation counts, rad/s."""
+        deformed = np.abs(self.omega * states[:, : len(self.omega)])
+        largest = np.linalg.norm(deformed, axis=1).max()
+        return float(self.omega[deformed.max(axis=0) >= _TELLS * largest].max(initial=0.0))
+
+    def missing(self, state: FloatArray) -> float:
+        """Energy that is not accounted for, relative."""
+        n = len(self.omega)
+        kept = 0.5 * float((state[n : 2 * n] ** 2 + (self.omega * state[:n]) ** 2).sum())
+        work, given, lost = state[2 * n :]
+        return abs(float(given - kept - work - lost)) / float(abs(given) + kept)
+
+    def _rates(self, mode: str, time: float, state: FloatArray) -> FloatArray:
+        n = len(self.omega)
+        force = self.force(mode, time, state)
+        own, rates = state[:n], state[n : 2 * n]
+        drag = 2.0 * self.damping * self.omega * rates
+        return np.concatenate(
+            [rates, self.along * force - drag - self.omega**2 * own,
+             [force * self.approach(state), force * self.speed, float(drag @ rates)]]
+        )  # fmt: skip
+
+    def _events(self, mode: str) -> list[_Event]:
+        none = _NONE * self.yields if mode == "held" else 0.0
+
+        def gone(time: float, state: FloatArray) -> float:
+            return self.force(mode, time, state) + none
+
+        def too_much(time: float, state: FloatArray) -> float:
+            return self.force(mode, time, state) - self.yields
+
+        def ends(_: float, state: FloatArray) -> float:
+            return self.approach(state)
+
+        def meets(time: float, state: FloatArray) -> float:
+            return self.depth(time, state) - self.set
+
+        states: dict[str, list[tuple[_Event, float]]] = {
+            "elastic": [(gone, -1.0), (too_much, 1.0), (ends, 0.0)],
+            "held": [(gone, -1.0), (too_much, 1.0)],
+            "plastic": [(ends, -1.0)],
+            "free": [(meets, 1.0)],
+        }
+        found = states[mode]
+        if isinf(self.yields):
+            found = [one for one in found if one[0] is not too_much]
+        for event, direction in found:
+            event.terminal, event.direction = direction != 0.0, direction  # type: ignore[attr-defined]
+        return [event for event, _ in found]
+
+    def _pressed(self, time: float, state: FloatArray) -> float:
+        """Depth without the elastic part of the yield force, mm."""
+        elastic = 0.0 if isinf(self.stiffness) else self.yields / self.stiffness
+        return self.depth(time, state) - elastic
+
+    def _next(self, mode: str, time: float, state: FloatArray) -> str:
+        """The state after an event of another one."""
+        rigid = isinf(self.stiffness)
+        if mode == "plastic":
+            self.set = self._pressed(time, state)
+            if not rigid:
+                return "elastic"
+            return "held" if self.force("held", time, state) >= -_NONE * self.yields else "free"
+        if mode == "free":
+            return "plastic" if rigid else "elastic"
+        return "plastic" if self.force(mode, time, state) > 0.5 * self.yields else "free"

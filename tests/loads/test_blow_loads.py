@@ -1,0 +1,103 @@
+"""Loads of a blow in a cycle: a mass that a spring pushes at a steady speed, by hand."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import loads
+
+MASS, SPRING, SPEED, YIELDS = 5e-3, 800.0, 300.0, 900.0  # t, N/mm, mm/s, N
+
+
+@pytest.fixture(scope="module")
+def pushed():
+    """A sled is moved at a steady speed; a pin that gives way pushes a mass before it to a stop."""
+    ahead = loads.PointCoordinate("mass", "Q", (-1.0, 0.0))
+    place = loads.PointCoordinate("sled", "P", (1.0, 0.0))
+    linkage = loads.Linkage(
+        (
+            loads.Body("ground", {"O": (0.0, 0.0)}),
+            loads.Body("sled", {"P": (0.0, 0.0)}, 2e-3),
+            loads.Body("mass", {"Q": (0.0, 0.0)}, MASS),
+            loads.Body("link", {"P": (0.0, 0.0), "Q": (100.0, 0.0)}),
+        ),
+        (
+            loads.Prismatic("guide_1", "ground", "sled", "O", "P", (1.0, 0.0)),
+            loads.Slot("guide_2", "ground", "mass", "O", "Q", (1.0, 0.0)),
+            loads.Revolute("P", "sled", "link", "P"),
+            loads.Fixed("Q", "link", "mass", "Q"),
+        ),
+        (loads.Force("drive", place), loads.Force("stop", ahead)),
+        {"sled": (0.0, 0, 0), "mass": (100.0, 0, 0), "link": (0.0, 0, 0)},
+        compliance=(loads.JointCompliance("P", SPRING),),
+    )
+    contact = loads.Contact(-150.0, 1e3, struck=loads.Struck(yields=YIELDS))
+    phase = loads.Phase("push", 55.0, {"stop": contact}, "drive")
+    cycle = loads.Cycle("push", place, 0.0, loads.SteadyPace(place, SPEED), (phase,), 111)
+    solved = loads.run_cycle(linkage, cycle)
+    (row,) = solved.contacts["stop"].begins
+    return solved, int(row), contact.struck
+
+
+def test_the_pin_behind_a_mass_carries_what_the_mass_lags_behind(pushed):
+    """m u'' + k u = F_y of the lag u: k u = F_y (1 - cos wt) until u' = v, u' = v from there on."""
+    cycle, row, struck = pushed
+    found = loads.blow_loads(cycle, cycle, "stop", row, struck, 0.0)
+    omega = np.sqrt(SPRING / MASS)
+    stands = np.arcsin(SPEED * SPRING / (YIELDS * omega)) / omega
+    times = found.blow.times
+    lag = np.where(
+        times < stands,
+        YIELDS / SPRING * (1 - np.cos(omega * times)),
+        YIELDS / SPRING * (1 - np.cos(omega * stands)) + SPEED * (times - stands),
+    )
+    assert found.blow.contact == pytest.approx(stands, rel=1e-6)
+    assert_allclose(found.loads.reactions["P"].force[:, 0], SPRING * lag, rtol=1e-6, atol=1e-3)
+    assert_allclose(found.loads.efforts["drive"], SPRING * lag, rtol=1e-6, atol=1e-3)
+    pressed = times < stands
+    assert_allclose(found.loads.efforts["stop"][pressed], YIELDS)
+    assert_allclose(found.loads.efforts["stop"][~pressed], (SPRING * lag)[~pressed], rtol=1e-5)
+    given = YIELDS - SPRING * lag[pressed]
+    mass = found.loads.body_index("mass")
+    assert_allclose(found.loads.accelerations[pressed, mass, 0], -given / MASS, rtol=1e-5)
+    way = SPEED * stands - lag[pressed][-1]
+    assert found.blow.depth == pytest.approx(
+        SPEED * stands - YIELDS / SPRING * (1 - np.cos(omega * stands)), rel=1e-6
+    )
+    assert found.blow.energy == pytest.approx(YIELDS * found.blow.depth, rel=1e-6)
+    assert way > 0
+
+
+def test_the_moments_of_a_blow_take_the_place_of_the_positions_in_its_time(pushed):
+    cycle, row, struck = pushed
+    found = loads.blow_loads(cycle, cycle, "stop", row, struck, 0.02)
+    whole = loads.with_blow(cycle, found)
+    assert np.diff(whole.times).min() >= 0.0
+    assert np.diff(whole.positions).min() >= -1e-9
+    assert max(whole.equilibrium_residual.values()) < 1e-12
+    assert whole.power_balance_error < 1e-12
+    before, count = row + 1, len(found.blow.times)
+    assert_allclose(whole.times[:before], cycle.times[:before])
+    assert_allclose(whole.times[before : before + count], found.loads.times)
+    kept = cycle.times > found.loads.times[-1]
+    assert_allclose(whole.times[before + count :], cycle.times[kept])
+    for name, load in cycle.reactions.items():
+        assert_allclose(whole.reactions[name].force[before + count :], load.force[kept])
+    assert whole.touches["stop"].gap.shape == whole.times.shape
+
+
+def test_a_linkage_in_which_nothing_gives_way_has_no_modes_to_strike_with(pushed):
+    cycle, row, struck = pushed
+    rigid = loads.CycleLoads(
+        **{
+            **{name: getattr(cycle, name) for name in cycle.__dataclass_fields__},
+            "linkage": loads.Linkage(
+                cycle.linkage.bodies,
+                cycle.linkage.joints,
+                cycle.linkage.forces,
+                cycle.linkage.assembled,
+            ),
+        }
+    )
+    with pytest.raises(loads.LinkageError, match="nothing of the linkage is elastic"):
+        loads.blow_loads(rigid, rigid, "stop", row, struck, 0.0)
