@@ -11,12 +11,14 @@ import json
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from math import ceil
 from typing import Any
 
 import loads
 from ballesta.design.read import read_design
 from ballesta.machine.balance import measured_loads
+from ballesta.machine.blows import solved_blows, with_blows
 from ballesta.machine.elastic_parts import compliances_of
 from ballesta.machine.events import with_events
 from ballesta.machine.quasi_static import vibration_of, with_dynamics
@@ -228,14 +230,27 @@ class Screening:
         except (DesignError, NumericsError) as error:
             return Screened(overrides=overrides, problem=str(error))
 
+    @cached_property
+    def _whole(self) -> dict[str, loads.CycleLoads]:
+        return _with_transients(self.design, self._solved)
+
     def spares(self, part: Part, loads: PartLoads, reserve: float) -> bool:
         """True if a part is as in the design, and its loads leave the half of its reserve."""
         if part != self.design.parts[part.name] or not reserve > 1:
             return False
         before = self._part_loads.get(part.name)
         if before is None:
-            before = self._part_loads[part.name] = loads_on(self.design, part, self._solved)
+            before = self._part_loads[part.name] = loads_on(self.design, part, self._whole)
         return loads.within(before, (reserve - 1) / 2)
+
+
+def _with_transients(
+    design: Design, solved: Mapping[str, loads.CycleLoads]
+) -> dict[str, loads.CycleLoads]:
+    """The cycles with vibration, where the design asks for it, and with their blows."""
+    if design.dynamics.apply:
+        solved = with_dynamics(design, solved, vibration_of(design, solved))
+    return with_blows(solved, solved_blows(design, solved))
 
 
 def _checked(
@@ -250,8 +265,7 @@ def _checked(
 ) -> Screened:
     masses = part_masses(design, known.models)
     design, solved, afresh = known.solve(design, masses)
-    if design.dynamics.apply:
-        solved = with_dynamics(design, solved, vibration_of(design, solved))
+    solved = _with_transients(design, solved)
     runs: dict[str, loads.CycleLoads | loads.MeasuredLoads] = {
         **solved,
         **measured_loads(design, masses),
