@@ -77,6 +77,7 @@ class BlowForce:
     modal     (n, modes) mm sqrt(t); modes that were left out follow statically
     contact   s until the force has gone, and stays away as long again; infinite where the drive
               presses on
+    deepest   mm, largest approach since the first touch
     depth     mm that the workpiece is pressed in for good
     energy    N mm left in the workpiece
     rebound   mm/s at which the point leaves the workpiece; 0 while they touch
@@ -88,6 +89,7 @@ class BlowForce:
     force: FloatArray
     modal: FloatArray
     contact: float
+    deepest: float
     depth: float
     energy: float
     rebound: float
@@ -167,11 +169,20 @@ def _with_modes(
     force = run.forces(times, states)
     modal = np.concatenate([states[:, :count], force[:, None] * follow], axis=1)
     elastic = 0.5 * float(force[-1]) ** 2 / struck.stiffness
+    depths = [run.depth(time, state) for time, state in zip(times, states, strict=True)]
     return BlowForce(
-        times, force, modal, run.contact, run.set, float(states[-1, -3]) - elastic,
-        run.rebound if force[-1] == 0.0 else 0.0, count,
-        float(own[:count].max()) / (2.0 * pi), run.missing(states[-1]),
-    )  # fmt: skip
+        times=times,
+        force=force,
+        modal=modal,
+        contact=run.contact,
+        deepest=max(depths),
+        depth=run.set,
+        energy=float(states[-1, -3]) - elastic,
+        rebound=run.rebound if force[-1] == 0.0 else 0.0,
+        kept=count,
+        highest=float(own[:count].max()) / (2.0 * pi),
+        missing=run.missing(states[-1]),
+    )
 
 
 class _Run:

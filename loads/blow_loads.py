@@ -13,16 +13,24 @@ what F and these inertia forces add, the drive held. Poses stay as they are.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
+from math import inf, isinf
 from typing import Any
 
 import numpy as np
 
 from loads.blow_force import BlowForce, Struck, blow_force
-from loads.bodies import FloatArray, IntArray
+from loads.bodies import FloatArray, IntArray, LinkageError
 from loads.contact import Touch
 from loads.cycle_loads import CycleLoads
 from loads.forces import JointLoad, unit_forces
-from loads.vibration import cycle_modes, grown, joint_strains, pushed_motion, with_body_loads
+from loads.vibration import (
+    LinkageModes,
+    cycle_modes,
+    grown,
+    joint_strains,
+    pushed_motion,
+    with_body_loads,
+)
 
 _ROUND_OFF = 1e-9  # of a compliance
 
@@ -34,21 +42,32 @@ class BlowLoads:
     row    of the cycle, at which the contact is met
     blow   its force
     loads  the cycle at the moments of the blow alone, its times since the cycle's start
+    turned  relative change of the struck point's rate over the pace's, in the way that it presses
     """
 
     row: int
     blow: BlowForce
     loads: CycleLoads
+    turned: float
 
 
 def blow_loads(
-    cycle: CycleLoads, elastic: CycleLoads, force: str, row: int, struck: Struck, damping: float
+    cycle: CycleLoads,
+    elastic: CycleLoads,
+    force: str,
+    row: int,
+    struck: Struck,
+    damping: float,
+    inertia: float = inf,
 ) -> BlowLoads:
     """Return the blow of a contact that is met at a row of a cycle.
 
     elastic  the cycle of a linkage in which everything gives way that can
+    inertia  t or t mm2 on the coordinate of the pace besides the bodies; infinite where the drive
+             keeps its rate through the blow
 
-    Raises LinkageError where nothing of the linkage is elastic, or the blow cannot be followed.
+    Raises LinkageError where nothing of the linkage is elastic, the blow cannot be followed, or the
+    drive presses on against what does not yield.
     """
     modes = cycle_modes(elastic, np.array([row]))
     pushed = pushed_motion(modes, elastic.pace)
@@ -56,24 +75,32 @@ def blow_loads(
     strain = joint_strains(modes.kinematics, modes.motion.poses, unit, modes.lumps)[0]
     free = np.isfinite(modes.frequencies[0])
     omega = 2.0 * np.pi * modes.frequencies[0, free]
+    shapes = modes.shapes[0][:, free]
     shares = modes.strains[0][:, free].T @ strain
     left = float(strain @ strain - shares @ shares)
     rate = float(cycle.rate(force)[row])
     way = -np.sign(rate) * cycle.linkage.force(force).sign  # of the effort that the workpiece is
+    along = way * omega * shares
+    if not isinf(inertia):
+        omega, shapes, along = _with_free_drive(modes, elastic, omega, shapes, along, inertia, rate)
     blow = blow_force(
         omega,
-        way * omega * shares,
+        along,
         left if left > _ROUND_OFF * float(strain @ strain) else 0.0,
         abs(rate),
         struck,
         damping,
     )
+    if isinf(blow.contact) and blow.force[-1] < (1.0 - 1e-6) * struck.yields:
+        raise LinkageError(
+            "the drive keeps its rate and presses on, so that the force has no end; state its "
+            "inertia (drive.flywheel, drive.motor) or the force at which the workpiece yields"
+        )
     count = len(blow.times)
     rows = np.full(count, row)
     push = way * blow.force
-    shapes = modes.shapes[0][:, free]
     # elastic inertia forces M u'' of the modes, without and with the force itself
-    answer = blow.modal * omega**2 - np.outer(blow.force, way * omega * shares)
+    answer = blow.modal * omega**2 - np.outer(blow.force, along)
     lumped = modes.lumps.masses * (answer @ shapes.T)
     still = at_rows(elastic, rows)
     moved = with_body_loads(modes.at(np.zeros(count, dtype=int)), still, lumped)
@@ -93,7 +120,49 @@ def blow_loads(
         reactions=reactions,
         efforts=efforts,
     )
-    return BlowLoads(row, blow, loads)
+    return BlowLoads(row, blow, loads, _turned(cycle, force, row, blow.deepest))
+
+
+def _turned(cycle: CycleLoads, force: str, row: int, deepest: float) -> float:
+    """Relative change of the contact's rate over the pace's, while it goes so far beyond a row."""
+    own = np.flatnonzero(cycle.phase_of == cycle.phase_of[row])
+    own = own[own >= row]
+    way = np.abs(cycle.coordinate(force)[own] - cycle.coordinate(force)[row])
+    slope = cycle.slope(force)[own]
+    last = int(np.searchsorted(np.maximum.accumulate(way), deepest))
+    there = np.interp(deepest, way[: last + 1], slope[: last + 1])
+    return abs(float(there / slope[0]) - 1.0)
+
+
+def _with_free_drive(
+    modes: LinkageModes,
+    cycle: CycleLoads,
+    omega: FloatArray,
+    shapes: FloatArray,
+    along: FloatArray,
+    inertia: float,
+    rate: float,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Frequencies, shapes of the lumps and of the struck point, where the drive is not held.
+
+    The rigid motion r of a unit rate of the pace joins the modes S of the held drive: masses
+    [r' M r + I, r' M S; S' M r, 1] and stiffnesses diag(0, omega^2) have the free modes.
+    rate  of the contact's coordinate in that motion
+    """
+    from scipy.linalg import eigh
+
+    motion = modes.motion
+    gradient = motion.kinematics.gradient(cycle.pace, motion.poses)[0]
+    pace = float(gradient @ motion.velocities[0].ravel())
+    rigid = modes.lumps.rates(motion.velocities, motion.poses)[0] / pace
+    weighted = modes.lumps.masses * rigid
+    mass = np.eye(len(omega) + 1)
+    mass[0, 0] = float(weighted @ rigid) + inertia
+    mass[0, 1:] = mass[1:, 0] = weighted @ shapes
+    squares, mix = eigh(np.diag(np.r_[0.0, omega**2]), mass)
+    squares[0] = 0.0
+    together = np.column_stack([rigid, shapes]) @ mix
+    return np.sqrt(squares), together, np.r_[-abs(rate) / pace, along] @ mix
 
 
 def with_blow(cycle: CycleLoads, blow: BlowLoads) -> CycleLoads:

@@ -68,6 +68,15 @@ class Lumps:
         result[:, 2] = np.where(self.way == 2, 1.0, turning)
         return result
 
+    def rates(self, velocities: FloatArray, poses: FloatArray) -> FloatArray:
+        """Return the rates (n, d) of all lumps, along their ways, for rates of the bodies."""
+        angles = poses[:, self.bodies, 2]
+        spin = velocities[:, self.bodies, 2]
+        places = rotated(self.places[None], angles)
+        speed = velocities[:, self.bodies, :2] + spin[..., None] * turned_left(places)
+        own = rotated(speed, -angles)
+        return np.where(self.way == 0, own[..., 0], np.where(self.way == 1, own[..., 1], spin))
+
     def inertia_loads(self, motion: Motion) -> FloatArray:
         """Return weight and inertia of a motion on every lump (n, d): N, and N mm on turns."""
         gravity = np.array(motion.kinematics.linkage.gravity, dtype=float)

@@ -23,6 +23,7 @@ Blows = Mapping[str, Sequence[loads.BlowLoads]]
 _AFTER = "swing after a blow, stress waves in it"
 _MISSING = 1e-6
 _PERIODS = 3.0
+_TURNED = 0.1  # of the speed: the pose counts as one through a blow
 _MINUTE = 60.0  # s
 _SOFT = 0.9  # share of the linkage in the compliance of both, above which it pushes back too late
 
@@ -60,8 +61,9 @@ def _met(design: Design, cycle: loads.CycleLoads) -> Iterator[tuple[str, loads.C
 def solved_blows(design: Design, solved: Mapping[str, loads.CycleLoads]) -> Blows:
     """Blows whose workpiece is stated, by cycle, in the order in which they come.
 
-    Bodies without stated elasticity give way by the least section of their part. Raises DesignError
-    where nothing gives way, or a blow cannot be followed.
+    Bodies without stated elasticity give way by the least section of their part. A drive of which
+    no inertia is stated keeps its rate. Raises DesignError where nothing gives way, or a blow
+    cannot be followed.
     """
     found: dict[str, list[loads.BlowLoads]] = {}
     for cycle in solved.values():
@@ -69,9 +71,17 @@ def solved_blows(design: Design, solved: Mapping[str, loads.CycleLoads]) -> Blow
             if law.struck is None:
                 continue
             elastic, _, _ = with_sections(design, cycle)
-            damping = design.dynamics.damping
+            _, inertia, known = _driven(design, design.cycles[cycle.name].run.pace)
             try:
-                blow = loads.blow_loads(cycle, elastic, name, k, law.struck, damping)
+                blow = loads.blow_loads(
+                    cycle,
+                    elastic,
+                    name,
+                    k,
+                    law.struck,
+                    design.dynamics.damping,
+                    inertia if known else inf,
+                )
             except loads.LinkageError as error:
                 raise DesignError(
                     design.file, f"cycles.{cycle.name}", f"the blow of {name}: {error}"
@@ -107,6 +117,12 @@ def blow_gates(blows: Blows) -> list[Gate]:
                 1.0,
                 f"{_PERIODS:g} periods of the fastest mode over the time of contact: more, and the "
                 "lumped masses are too few for it",
+            ),
+            Gate(
+                f"{name}: pose in the blow",
+                max(one.turned for one in own),
+                _TURNED,
+                "change of the struck point's speed over the drive's, while it presses in",
             ),
         )
     ]

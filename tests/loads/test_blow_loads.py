@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy.integrate import solve_ivp
 
 import loads
 
@@ -84,6 +85,42 @@ def test_the_moments_of_a_blow_take_the_place_of_the_positions_in_its_time(pushe
     for name, load in cycle.reactions.items():
         assert_allclose(whole.reactions[name].force[before + count :], load.force[kept])
     assert whole.touches["stop"].gap.shape == whole.times.shape
+
+
+@pytest.mark.parametrize("inertia", [0.0, 4e-3])
+def test_a_drive_that_is_not_held_strikes_with_its_inertia(pushed, inertia):
+    """Two masses on one spring against an elastic workpiece, integrated by themselves."""
+    cycle, row, _ = pushed
+    stiffness = 3e3
+    found = loads.blow_loads(
+        cycle, cycle, "stop", row, loads.Struck(stiffness), 0.0, inertia=inertia
+    )
+    sled = 2e-3 + inertia
+
+    def rates(_, state):
+        sled_at, mass_at, *speeds = state
+        spring = SPRING * (sled_at - mass_at)
+        force = stiffness * max(mass_at, 0.0)
+        return [*speeds, -spring / sled, (spring - force) / MASS]
+
+    times = found.blow.times
+    alone = solve_ivp(
+        rates, (0.0, times[-1]), [0.0, 0.0, SPEED, SPEED], t_eval=times, rtol=1e-10, atol=1e-9,
+        max_step=times[-1] / 2000,
+    )  # fmt: skip
+    assert_allclose(found.blow.force, stiffness * np.maximum(alone.y[1], 0.0), atol=0.2)
+    spring = SPRING * (alone.y[0] - alone.y[1])
+    assert_allclose(found.loads.reactions["P"].force[:, 0], spring, atol=0.2)
+    assert_allclose(found.loads.efforts["drive"], inertia / sled * spring, atol=0.2)
+    assert found.blow.deepest == pytest.approx(found.blow.force.max() / stiffness, rel=1e-6)
+    assert found.turned == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_drive_that_presses_on_against_a_spring_has_no_force(pushed):
+    """On a contact as soft as its own spring the mass follows the sled, and never leaves."""
+    cycle, row, _ = pushed
+    with pytest.raises(loads.LinkageError, match="the drive keeps its rate and presses on"):
+        loads.blow_loads(cycle, cycle, "stop", row, loads.Struck(50.0), 0.5)
 
 
 def test_a_linkage_in_which_nothing_gives_way_has_no_modes_to_strike_with(pushed):
