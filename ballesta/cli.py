@@ -3,8 +3,10 @@
 Nothing heavy is imported before a command runs, so that help and completion answer at once.
 """
 
+import os
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from io import TextIOWrapper
 from pathlib import Path
 from typing import Annotated
@@ -534,6 +536,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     from fem.threads import one_thread, policy
 
     _speak_utf8()
+    if argv is None:
+        claim_standard_output()
     try:
         policy()
     except ValueError as error:
@@ -547,6 +551,22 @@ def main(argv: Sequence[str] | None = None) -> int:
             raise
         return int(stop.code or 0)
     return 0
+
+
+def claim_standard_output() -> None:
+    """Leave standard output to this program: what libraries print there goes to standard error.
+
+    Tetgen inside gmsh tells of intersecting facets by C's printf, in front of what `--json` prints.
+    """
+    stream = sys.stdout
+    if stream is not sys.__stdout__ or not isinstance(stream, TextIOWrapper):
+        return
+    stream.flush()
+    own = os.dup(1)
+    with suppress(OSError):  # there is no standard error: all stays as it is
+        os.dup2(2, 1)
+        sys.stdout = os.fdopen(own, "w", encoding=stream.encoding, errors=stream.errors)
+        sys.__stdout__ = sys.stdout  # type: ignore[misc]  # it tells how wide the terminal is
 
 
 def _speak_utf8() -> None:

@@ -20,6 +20,7 @@ _ALSO = 100.0  # times the limit: singular values that vanish with the smallest 
 _LARGEST_TURN = 0.5  # rad of a body in one step: its way is 1.01 of the chord
 _WAY = 1.1  # length of a step in the space of Jacobians over its chord, at most
 _LEAST = 1e-9  # of the range: the smallest step; at a change point it is left far above
+_MOST = 100_000  # steps at once: machines take hundreds; 100 MB of Jacobians of eleven rows
 
 
 def held_twice(kinematics: Kinematics, left: FloatArray) -> list[str]:
@@ -66,7 +67,8 @@ def check_change_points(
 
     The smallest singular value s of the Jacobian J changes by no more than J does (Weyl). Between
     two positions a and b it is therefore at least (s_a + s_b - way) / 2, way being the length of
-    what J runs through. Steps are halved until that is above the limit, or s itself is below.
+    what J runs through. Steps are halved until that is above the limit, or s itself is below. A
+    linkage that is still not told from one at a change point after very many steps is refused, too.
     """
     jacobians = kinematics.joints_jacobian(poses)
     sizes = _smallest(jacobians)
@@ -81,6 +83,14 @@ def check_change_points(
         first = first[_undecided(values, poses, jacobians, sizes, first, limit)]
         if not len(first):
             return
+        if len(first) > _MOST:
+            share = float(sizes[first].min() / np.linalg.norm(jacobians[first[0]], ord=2))
+            raise LinkageError(
+                f"{coordinate.label} cannot be led on: between {in_words(coordinate, values[0])} "
+                f"and {in_words(coordinate, values[-1])} the linkage cannot be told from one that "
+                f"can go on in two ways: its joints are held to {share:.1g} of the best hold; "
+                "lengths that differ that much are most likely mistyped"
+            )
         middle = 0.5 * (values[first] + values[first + 1])
         if (values[first + 1] - values[first]).min() < step_limit:
             k = int(first[np.argmin(sizes[first])])

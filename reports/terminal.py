@@ -1,7 +1,6 @@
 """The verdict as text for a terminal or a pipe: one table, and what else a reader must know."""
 
 from collections.abc import Set
-from dataclasses import replace
 from pathlib import Path
 from shutil import get_terminal_size
 
@@ -15,7 +14,6 @@ from checks.result.words import (
     broken_gates,
     check_titles,
     clean,
-    clipped,
     gate_sentence,
     need_text,
     number,
@@ -27,12 +25,12 @@ from checks.result.words import (
 )
 from reports.ladder_summary import tried_sentence
 
-_HEADINGS = (
-    "part", "check", "value ±num ±model", "limit", "safety (required)", "util.", "status",
-    "where; method",
-)  # fmt: skip
+_HEADINGS = ("part", "check", "value ±num ±model", "limit", "safety (required)", "util.", "status")
+_BELOW = "where; method"  # in lines of its own below the row
+_INDENT = 6
 _RIGHT = {3, 5}
-_NARROWEST_LAST = 20
+# Least widths of columns, in the order in which they give way.
+_LEAST = ((1, 14), (0, 12), (2, 18), (1, 8), (0, 8), (4, 8), (2, 12), (0, 6), (1, 6))
 _LONGEST_NAME = 18
 
 
@@ -71,7 +69,7 @@ def verdict_text(
         lines += labelled("NOT CHECKED", text, width)
     assumed = assumptions(result)
     if assumed or result.defaults:
-        items = "; ".join(f"{brief(keys, 48)} ({brief(what, 48)})" for keys, what in assumed)
+        items = "; ".join(f"{brief(keys, 200)} ({brief(what, 200)})" for keys, what in assumed)
         count = len(result.defaults)
         defaults = f"({count} default value{'s' if count > 1 else ''}, listed in the report)"
         text = f"{len(assumed)}: {items}" if assumed else "nothing beyond the defaults"
@@ -106,7 +104,6 @@ def _row(check: Check, title: str) -> list[str]:
         f"{safety_text(check.safety, check.required)} ({need_text(check.required)})",
         utilisation_text(check.utilisation),
         status,
-        f"{brief(where(check), 120)}; {brief(check.method, 60)}",
     ]
 
 
@@ -114,21 +111,19 @@ def _table(result: DesignResult, width: int) -> list[str]:
     checks = result.checks
     rows = [_row(check, title) for check, title in zip(checks, check_titles(checks), strict=True)]
     widths = [max(cell_len(row[i]) for row in (*rows, _HEADINGS)) for i in range(len(_HEADINGS))]
-    # What the last column needs is taken from the others, which then wrap: names first.
-    fixed = widths[:-1]
-    gaps = 2 + len(fixed)
-    for column, least in ((1, 14), (0, 12), (2, 18), (1, 8), (0, 8), (4, 8)):
-        lack = sum(fixed) + gaps + _NARROWEST_LAST - width
-        fixed[column] -= max(0, min(lack, fixed[column] - least))
-    widths = [*fixed, max(8, width - sum(fixed) - gaps)]
-    lines = table_row("  ", list(_HEADINGS), widths, _RIGHT)
+    gaps = 1 + len(widths)
+    for column, least in _LEAST:  # names wrap first
+        lack = sum(widths) + gaps - width
+        widths[column] -= max(0, min(lack, widths[column] - least))
+    lines = table_row("  ", list(_HEADINGS), widths, _RIGHT) + _below(_BELOW, width)
     for check, row in zip(checks, rows, strict=True):
-        if check.status is Status.PASS:
-            # About three lines, with the position kept; the report has it all.
-            place = replace(check, place=clipped(check.place, widths[-1] - 2))
-            row[-1] = clipped(f"{where(place)}; {check.method}", 3 * widths[-1])
         lines += table_row("> " if check is result.deciding else "  ", row, widths, _RIGHT)
+        lines += _below(f"{brief(where(check), 300)}; {brief(check.method, 60)}", width)
     return lines
+
+
+def _below(text: str, width: int) -> list[str]:
+    return [" " * _INDENT + line for line in wrap(text, width - _INDENT)]
 
 
 def table_row(mark: str, cells: list[str], widths: list[int], right: Set[int]) -> list[str]:

@@ -156,14 +156,20 @@ def life_curve(material: Material, limits: FloatArray, *, axial: bool) -> SNCurv
 
 def why_no_curve(material: Material, limit: float, *, axial: bool) -> str | None:
     """Why there is no S-N curve through an endurance limit, MPa; None where there is one."""
-    fraction, _ = _start_and_knee(material, axial=axial)
+    fraction, knee = _start_and_knee(material, axial=axial)
     start = fraction * material.ultimate_stress
-    if limit < start:
-        return None
-    return (
-        f"no S-N line: the endurance limit of {limit:.4g} MPa is not below the {start:.4g} MPa "
-        f"that {material.name} endures 1000 times; lower its endurance_ratio"
-    )
+    if limit >= start:
+        return (
+            f"no S-N line: the endurance limit of {limit:.4g} MPa is not below the {start:.4g} MPa "
+            f"that {material.name} endures 1000 times; lower its endurance_ratio"
+        )
+    if knee / 1e3 <= start / limit:
+        return (
+            f"no S-N line: from the {start:.4g} MPa that {material.name} endures 1000 times it "
+            f"would fall to {limit:.4g} MPa within {knee:.4g} cycles, by more than a slope of 1; "
+            "raise its endurance_ratio or endurance_cycles"
+        )
+    return None
 
 
 def _start_and_knee(material: Material, *, axial: bool) -> tuple[float, float]:

@@ -50,6 +50,17 @@ def loads(parent):
     ballesta.machine.runs.solve_cycles = held
     supervised.run(parent)
 
+def noise(parent):
+    import ballesta.run
+    solved = ballesta.run.guarded
+
+    def noisy(*arguments):
+        os.write(1, b"PLC Error: as Tetgen has it\\n")
+        return solved(*arguments)
+
+    ballesta.run.guarded = noisy
+    supervised.run(parent)
+
 def crash(parent):
     import checks.ladder.part_ladder
     checks.ladder.part_ladder.solid_result = lambda *_, **__: os.kill(os.getpid(), signal.SIGSEGV)
@@ -219,3 +230,13 @@ def test_short_commands_and_help_have_no_child():
     assert not is_long(["check", "--help"])
     assert not is_long(["version"])
     assert not is_long([])
+
+
+def test_what_a_library_prints_stands_in_no_json(tmp_path, open_design):
+    """Tetgen inside gmsh prints on standard output; that of the program is a JSON list alone."""
+    code, out, err = Started(
+        "noise", tmp_path, "check", str(open_design), "--json", "--fidelity", "formula"
+    ).rest()
+    assert [one["name"] for one in json.loads(out)] == ["Crank and slider"]
+    assert code == 1
+    assert "PLC Error" in err

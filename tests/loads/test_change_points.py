@@ -80,3 +80,10 @@ def test_a_small_eccentric_in_a_large_linkage_is_not_taken_for_a_change_point():
     path = trace(linkage, Angle("crank"), 1.0, 1.0 + 2 * pi)
     way = np.ptp(path.at(np.linspace(1.0, 1.0 + 2 * pi, 361)).poses[:, 3, 0])
     assert way == pytest.approx(0.2, rel=1e-4)
+
+
+def test_a_linkage_that_no_number_of_steps_tells_from_a_change_point_is_refused(monkeypatch):
+    """A pin 629 km away (a mistyped minus 629 mm) halved steps until 4 GiB of memory were gone."""
+    monkeypatch.setattr("loads.change_points._MOST", 5)
+    with pytest.raises(LinkageError, match=r"cannot be told from one that can go on in two ways"):
+        trace(four_bar(39.9, 100.0, 40.0, 100.0, at=pi / 3), Angle("crank"), 0.1, 6.2)

@@ -67,11 +67,13 @@ def test_the_ends_of_an_undecided_range_lie_on_both_sides_of_what_is_needed():
     assert "between 1.298 and 1.302 within its error bars" in text
 
 
-def test_a_long_place_of_a_passing_check_still_names_the_position():
-    passing = results.check(place="knee bore (22.000, -0.000, -40.000) of the outer cheek")
-    text = verdict_text(results.design(results.part(checks=[passing])), 100)
-    column = next(line.index("where; method") for line in text.splitlines() if "where;" in line)
-    assert "x = 2 mm" in " ".join(line[column:].strip() for line in text.splitlines())
+def test_where_and_by_which_method_stand_uncut_below_each_check():
+    passing = results.check(place="knee bore (22.000, -0.000, -40.000) of the cheek" + " far" * 12)
+    for width in (60, 100):
+        text = verdict_text(results.design(results.part(checks=[passing])), width)
+        assert "…" not in text
+        below = " ".join(line.strip() for line in text.splitlines() if line.startswith(" " * 6))
+        assert f"{passing.place}, press: x = 2 mm; {passing.method}" in below
 
 
 def test_an_undecided_check_says_whether_a_finer_mesh_helps():

@@ -155,6 +155,17 @@ def test_a_limit_above_the_strength_at_a_thousand_cycles_has_no_line():
         life_curve(good, np.array([0.91 * 470]), axial=False)
 
 
+def test_a_limit_that_a_slope_of_one_does_not_reach_has_no_line():
+    """From 0.9 S_u at 1e3 cycles a slope of 1 falls to 0.9 S_u/1000 at 1e6."""
+    weak = replace(STEEL, endurance_ratio=4e-13, endurance_cycles=1e6)
+    least = 0.9 * 470 / 1000
+    assert why_no_curve(weak, 1.01 * least, axial=False) is None
+    assert life_curve(weak, np.array([1.01 * least]), axial=False).slope > 1
+    assert "raise its endurance_ratio" in why_no_curve(weak, 0.99 * least, axial=False)
+    with pytest.raises(ValueError, match="must be above 1"):
+        life_curve(weak, np.array([0.99 * least]), axial=False)
+
+
 def test_the_pair_of_a_life_is_that_of_the_cycle_that_does_most_damage():
     """One overload of 400 MPa against 1e6 cycles of 200: the overload is the longest chord."""
     verdict, task = duty_of(line(XX, 400, -400), line(XX, 0, 200, -200), counts=[1, 1e6])
