@@ -43,9 +43,10 @@ def plain(data: Any) -> Any:
     """Plain data as JSON knows it: arrays as lists, null for what is infinite or no number."""
     if type(data) is float:
         return data if isfinite(data) else None
-    if isinstance(data, str) or data is None or isinstance(data, bool):
-        # A lone half of a surrogate pair cannot be written as UTF-8.
-        return data.encode(errors="replace").decode() if isinstance(data, str) else data
+    if isinstance(data, str):  # a lone half of a surrogate pair cannot be written as UTF-8
+        return data if data.isascii() else data.encode(errors="replace").decode()
+    if data is None or isinstance(data, bool):
+        return data
     if isinstance(data, list | tuple) and all(type(item) is float for item in data):
         return [item if isfinite(item) else None for item in data]
     if isinstance(data, Mapping):

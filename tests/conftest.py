@@ -1,6 +1,7 @@
 """Fixtures for tests of all folders: the command line, one full check of the press, a store."""
 
 import fcntl
+import gc
 import io
 import json
 import os
@@ -30,6 +31,11 @@ def pytest_configure(config: pytest.Config) -> None:
     for plugin in (processor_budget, longest_first, with_examples):
         if not config.pluginmanager.is_registered(plugin):
             config.pluginmanager.register(plugin)
+
+
+def pytest_collection_finish() -> None:
+    """Keep the garbage collector from what was collected, which stays to the end."""
+    gc.freeze()
 
 
 @dataclass(frozen=True)

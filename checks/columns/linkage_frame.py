@@ -308,6 +308,7 @@ class _Search:
         self._forces = {name: forces_of(self.model, rows) for name, rows in self._rows.items()}
         self._acting: dict[_Place, tuple[PlacedLinks, FloatArray]] = {}
         self._poses: dict[_Place, tuple[object, ...]] = {}
+        self._last_rows: tuple[tuple[_Place, bool], FloatArray] | None = None
         self._motions = FreeMotions() if motions is None else motions
         points = tuple((body.name, *body.points.items()) for body in first.linkage.bodies)
         self._frame = pieces, slots_hold, turning, points, first.linkage.joints
@@ -430,13 +431,20 @@ class _Search:
         """Motions (n, m) of unit stiffness that the joints leave free at a position."""
 
         def solve() -> FloatArray:
-            rows = self._rows[name].rows(placed, k, stiff=case.stiff)
+            rows = self._joint_rows(placed, name, k, stiff=case.stiff)
             try:
                 return placed.unit_motions(rows, _PLANES[case.plane])
             except LooseFrameError as error:
                 raise self._loose(case.plane, error) from error
 
         return self._motions.of((self._frame, self._pose(name, k), case), solve)
+
+    def _joint_rows(self, placed: PlacedLinks, name: str, k: int, *, stiff: bool) -> FloatArray:
+        """All joints at a position (r, n); cases that share them ask for them one after another."""
+        key = (name, k), stiff
+        if self._last_rows is None or self._last_rows[0] != key:
+            self._last_rows = key, self._rows[name].rows(placed, k, stiff=stiff)
+        return self._last_rows[1]
 
     def _loose(self, plane: str, error: LooseFrameError) -> loads.LinkageError:
         """The error of a frame that moves without strain, with bars of very unlike stiffness."""
@@ -457,7 +465,7 @@ class _Search:
 
     def _modes(self, name: str, k: int, case: _Case) -> FrameModes:
         placed = self._placed(name, k)
-        rows = self._rows[name].rows(placed, k, stiff=case.stiff)
+        rows = self._joint_rows(placed, name, k, stiff=case.stiff)
         geometric = self._forces[name].geometric(placed, k)
         try:
             return placed.buckling(rows, geometric, _PLANES[case.plane])

@@ -205,7 +205,8 @@ def _cut(text: str) -> str:
     return repr(text if len(text) <= _SHOWN else f"{text[:_SHOWN]}…")
 
 
-def functions_of(text: str) -> list[str]:
+@lru_cache(maxsize=4096)
+def functions_of(text: str) -> tuple[str, ...]:
     """Names of the functions of a formula, each once; raises FormulaError."""
     named = [
         node.func
@@ -213,7 +214,7 @@ def functions_of(text: str) -> list[str]:
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
     ]
     named.sort(key=lambda name: (name.lineno, name.col_offset))
-    return list(dict.fromkeys(name.id for name in named))
+    return tuple(dict.fromkeys(name.id for name in named))
 
 
 def evaluate(text: str, scope: Scope) -> Value:

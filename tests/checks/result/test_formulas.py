@@ -187,7 +187,7 @@ def test_numbers_are_put_in_where_there_is_no_stress_to_write_out():
 
 
 def test_functions_are_found_in_their_order():
-    assert functions_of("max(b, a)*pi + sqrt(a)") == ["max", "sqrt"]
+    assert functions_of("max(b, a)*pi + sqrt(a)") == ("max", "sqrt")
 
 
 def test_greek_letters_are_shown_as_such():
