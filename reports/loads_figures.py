@@ -240,7 +240,7 @@ class BlowForceSummary:
 
     peak     N; contact  s until the force has gone; infinite where the drive presses on
     depth    mm that the workpiece is pressed in for good; energy  N mm left in it
-    rebound  mm/s; 0 where the bodies stay in touch
+    rebound  mm/s; 0 where the bodies stay in touch; until  s for which the blow is followed
     joints   N, largest force of each while the blow is followed
     """
 
@@ -249,6 +249,7 @@ class BlowForceSummary:
     depth: float
     energy: float
     rebound: float
+    until: float
     joints: Mapping[str, float]
 
 

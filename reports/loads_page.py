@@ -12,7 +12,7 @@ from checks.result.words import brief, number, place_text, quantity_unit
 from geometry.mesh import FloatArray
 from reports.charts import curves_chart
 from reports.files import plain, replacing
-from reports.loads_figures import Extremes
+from reports.loads_figures import BlowForceSummary, BlowSummary, Extremes
 from reports.loads_summary import LoadsResult, ShownCycle, ShownRun
 from reports.loads_words import (
     blow_sentence,
@@ -59,6 +59,11 @@ def _cycle(cycle: ShownCycle, prefix: str) -> dict[str, Any]:
         "data": json_markup(plain(mechanism_data(cycle, prefix))),
         "scale": arrow_scale(cycle),
         "chart": Markup(_chart(cycle)),
+        "blows": [
+            Markup(_blow_chart(cycle, blow, blow.solved))
+            for blow in cycle.blows
+            if blow.solved is not None
+        ],
         "drives": [
             (drive.name, drive_sentences(drive, cycle)) for drive in cycle.drives
         ],
@@ -104,6 +109,21 @@ def _chart(cycle: ShownCycle) -> str:
     if cycle.event is not None:
         at, axis = loads.times, "time [s]"
     return curves_chart(f"Loads {brief(cycle.name, 40)}", at, phases, panels, axis)
+
+
+def _blow_chart(cycle: ShownCycle, blow: BlowSummary, solved: BlowForceSummary) -> str:
+    """Force of a blow and reactions of the joints over the time since the touch."""
+    loads = cycle.loads
+    since = loads.times - blow.time
+    rows = np.flatnonzero((since >= 0.0) & (since <= (1.0 + 1e-9) * solved.until))
+    panels = _panel(
+        "Force of the blow", "force", False, {blow.force: loads.efforts[blow.force][rows]}
+    )
+    joints = {name: np.hypot(*load.force[rows].T) for name, load in loads.reactions.items()}
+    panels += _panel("Reactions of the joints", "resultant", False, joints)
+    phases = [cycle.phase_at(index) for index in rows.tolist()]
+    title = f"Blow of {brief(blow.force, 30)} in {brief(cycle.name, 40)}"
+    return curves_chart(title, since[rows] * 1e3, phases, panels, "time since the touch [ms]")
 
 
 def _run_chart(run: ShownRun) -> str:

@@ -205,6 +205,7 @@ def _force(struck: loads.BlowLoads) -> BlowForceSummary:
         depth=blow.depth,
         energy=blow.energy,
         rebound=blow.rebound,
+        until=float(blow.times[-1]),
         joints={
             name: float(np.hypot(*load.force.T).max())
             for name, load in struck.loads.reactions.items()

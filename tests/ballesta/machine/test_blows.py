@@ -256,6 +256,9 @@ def test_a_blow_that_is_solved_is_told_by_its_force(tmp_path):
     assert solved["peak"] == pytest.approx(1000.0)
     assert solved["joints"]["B"] > 100.0
     json.dumps(result.to_dict(), allow_nan=False)
+    page = loads_html(result)
+    assert "Blow of stop in run" in page
+    assert "time since the touch [ms]" in page
 
 
 @pytest.mark.parametrize(
