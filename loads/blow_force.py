@@ -32,6 +32,7 @@ import numpy as np
 from loads.bodies import FloatArray, LinkageError
 
 _FIRST = 4  # modes
+_PERIODS = 3.0
 _SETTLED = 0.005  # relative change by twice as many modes
 _SAMPLES = (60, 600)
 _PER_PERIOD = 16  # samples, of the fastest mode that tells: a peak between two is 2 % of it at most
@@ -40,6 +41,7 @@ _TOLERANCE = 1e-9
 _LONGEST = 4.0  # time scales of a blow, for which what the drive presses on is followed
 _MOST_CHANGES = 2000
 _NONE = 1e-9  # of the yield force
+_AT_ONCE = 1e3  # rad, that an anvil swings in the time of a blow
 _RIGID = 1e-3  # of the depth by plasticity alone: an elastic deformation that is left out
 _Event = Callable[[float, FloatArray], float]
 
@@ -99,8 +101,14 @@ class BlowForce:
 
     @property
     def lasts(self) -> float:
-        """Time of contact as far as it was followed, s."""
-        return min(self.contact, float(self.times[-1]))
+        """Time of contact as far as it was followed, or of a half wave of the same impulse, s."""
+        wave = 0.5 * pi * self.impulse / float(self.force.max())
+        return min(self.contact, float(self.times[-1]), wave)
+
+    @property
+    def unresolved(self) -> float:
+        """Three periods of the fastest mode over the time of contact: at most 1 where it counts."""
+        return _PERIODS / (self.lasts * self.highest) if self.highest else inf
 
     @property
     def impulse(self) -> float:
@@ -133,7 +141,8 @@ def blow_force(
         before = found
         found = _with_modes(omega, shapes, compliance, speed, struck, damping, count)
         sizes = zip(_sizes(before, omega), _sizes(found, omega), strict=True)
-        if all(abs(one - other) <= _SETTLED * other for one, other in sizes):
+        settled = all(abs(one - other) <= _SETTLED * other for one, other in sizes)
+        if settled and found.unresolved <= 1.0:
             break
     return found
 
@@ -157,14 +166,17 @@ def _with_modes(
     left = (shapes[count:] / omega[count:]) ** 2
     follow = shapes[count:] / omega[count:] ** 2
     own, along = omega[:count], shapes[:count]
-    if struck.anvil_mass:
+    still = 0.0
+    if struck.anvil_mass and not _follows(struck, own, along, speed):
         own = np.append(own, sqrt(struck.anvil_stiffness / struck.anvil_mass))
         along = np.append(along, 1.0 / sqrt(struck.anvil_mass))
-    yielding = 1.0 / struck.stiffness + compliance + float(left.sum())
+    elif struck.anvil_mass:
+        still = 1.0 / struck.anvil_stiffness
+    yielding = 1.0 / struck.stiffness + compliance + still + float(left.sum())
     pressed_in = 0.5 * speed**2 / float(along @ along) / struck.yields
     if isinf(struck.stiffness) and yielding * struck.yields < _RIGID * pressed_in:
         yielding = 0.0
-    run = _Run(own, along, yielding, speed, struck.yields, damping)
+    run = _Run(own, along, yielding, speed, struck.yields, damping, count)
     times, states = run.followed()
     force = run.forces(times, states)
     modal = np.concatenate([states[:, :count], force[:, None] * follow], axis=1)
@@ -185,6 +197,14 @@ def _with_modes(
     )
 
 
+def _follows(struck: Struck, omega: FloatArray, along: FloatArray, speed: float) -> bool:
+    """True for an anvil that answers far sooner than the blow lasts: it has no mass then."""
+    mass = 1.0 / float(along @ along)
+    lasts = pi * sqrt(mass / struck.stiffness) + mass * speed / struck.yields
+    own = sqrt(struck.anvil_stiffness / struck.anvil_mass)
+    return own > _AT_ONCE / lasts and own > _AT_ONCE * 1e-2 * float(omega.max(initial=0.0))
+
+
 class _Run:
     """The states of a blow, one after another.
 
@@ -200,8 +220,10 @@ class _Run:
         speed: float,
         yields: float,
         damping: float,
+        linkage: int,
     ) -> None:
         self.omega, self.along, self.damping = omega, along, damping
+        self.linkage = linkage  # number of modes that are the linkage's
         self.stiffness = 1.0 / yielding if yielding > 0.0 else inf
         self.speed, self.yields = speed, yields
         self.set = 0.0
@@ -287,12 +309,15 @@ class _Run:
 
     def _longest(self) -> float:
         """Time scale of the whole blow, s: the softest mode on all that yields besides it."""
-        yields = self._yields()
-        mass = 1.0 / float(self.along[yields.argmax()]) ** 2
-        soft = (0.0 if isinf(self.stiffness) else 1.0 / self.stiffness) + float(
-            np.sort(yields)[:-1].sum()
-        )
+        softest = self._softest()
+        mass = 1.0 / float(self.along[softest]) ** 2
+        soft = float(np.delete(self._yields(), softest).sum())
+        soft += 0.0 if isinf(self.stiffness) else 1.0 / self.stiffness
         return pi * sqrt(mass * soft) + mass * self.speed / self.yields
+
+    def _softest(self) -> int:
+        """The mode of the linkage that yields most at the point that strikes."""
+        return int(self._yields()[: self.linkage].argmax())
 
     def _yields(self) -> FloatArray:
         """Compliance of each mode at the point that strikes, mm/N."""
@@ -302,13 +327,14 @@ class _Run:
         return found
 
     def _swing(self, state: FloatArray) -> float:
-        """Half a period of the slowest mode that a blow has set swinging, s.
+        """Half a period of the linkage's slowest mode that a blow has set swinging, s.
 
         Without the softest at the point that strikes: that is the motion with which it came.
         """
         n = len(self.omega)
         size = np.hypot(self.omega * state[:n], state[n : 2 * n])
-        size[self._yields().argmax()] = 0.0
+        size[self._softest()] = 0.0
+        size[self.linkage :] = 0.0
         told = self.omega[(size >= _TELLS * np.linalg.norm(size)) & (self.omega > 0.0)]
         return pi / float(told.min()) if len(told) and size.any() else 0.0
 

@@ -22,7 +22,6 @@ from reports.loads_figures import BlowForceSummary, BlowSummary, JointBlow
 Blows = Mapping[str, Sequence[loads.BlowLoads]]
 _AFTER = "swing after a blow, stress waves in it"
 _MISSING = 1e-6
-_PERIODS = 3.0
 _TURNED = 0.1  # of the speed: the pose counts as one through a blow
 _MINUTE = 60.0  # s
 _SOFT = 0.9  # share of the linkage in the compliance of both, above which it pushes back too late
@@ -113,9 +112,9 @@ def blow_gates(blows: Blows) -> list[Gate]:
             ),
             Gate(
                 f"{name}: modes in the blow",
-                max(_PERIODS / (one.blow.lasts * one.blow.highest) for one in own),
+                max(one.blow.unresolved for one in own),
                 1.0,
-                f"{_PERIODS:g} periods of the fastest mode over the time of contact: more, and the "
+                "three periods of the fastest mode over the time of contact: more, and the "
                 "lumped masses are too few for it",
             ),
             Gate(

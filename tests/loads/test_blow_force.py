@@ -54,6 +54,29 @@ def test_an_anvil_that_stands_on_nothing_is_the_second_of_two_masses():
     assert found.contact == pytest.approx(np.pi * np.sqrt(both / STIFFNESS), rel=1e-6)
 
 
+def test_a_heavy_anvil_stands_still_and_a_light_one_on_a_stiff_bed_is_a_spring():
+    """The anvil's own slow swing is no part of a blow; 1/k' = 1/k + 1/k_a without its mass."""
+    still, heavy = (
+        falling(Struck(STIFFNESS, anvil_mass=mass, anvil_stiffness=1.0 if mass else 0.0))
+        for mass in (0.0, 1e6)
+    )
+    assert heavy.force.max() == pytest.approx(still.force.max(), rel=1e-6)
+    assert heavy.times[-1] == pytest.approx(still.times[-1], rel=1e-6)
+    light = falling(Struck(STIFFNESS, anvil_mass=1e-9, anvil_stiffness=1e6))
+    soft = 1 / STIFFNESS + 1e-6
+    assert light.force.max() == pytest.approx(SPEED * np.sqrt(MASS / soft), rel=1e-6)
+
+
+def test_a_blow_that_is_over_before_the_modes_answer_is_not_resolved():
+    """Contact of half a period, pi sqrt(m/k) = 1.6 ms, and 0.16 ms, before a mode of 3 kHz."""
+    omega, along = np.array([0.0, 3e3 * 2 * np.pi]), np.array([0.99 / MASS, 0.01 / MASS]) ** 0.5
+    slow, fast = (
+        blow_force(omega, along, 0.0, SPEED, Struck(stiffness)) for stiffness in (1.6e5, 1.6e7)
+    )
+    assert slow.unresolved == pytest.approx(3 / (np.pi * np.sqrt(MASS / 1.6e5) * 3e3), rel=0.05)
+    assert slow.unresolved < 1 < fast.unresolved
+
+
 @pytest.mark.parametrize("share", [0.05, 0.1])
 def test_a_mass_that_strikes_a_light_beam_bends_it_as_cox_has_it(share):
     """Both go on with one speed, the beam in its static shape, of which 17/35 of the mass counts.
