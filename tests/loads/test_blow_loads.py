@@ -10,34 +10,68 @@ import loads
 MASS, SPRING, SPEED, YIELDS = 5e-3, 800.0, 300.0, 900.0  # t, N/mm, mm/s, N
 
 
-@pytest.fixture(scope="module")
-def pushed():
-    """A sled is moved at a steady speed; a pin that gives way pushes a mass before it to a stop."""
-    ahead = loads.PointCoordinate("mass", "Q", (-1.0, 0.0))
+def solved(struck, *, tip=None):
+    """A sled is moved at a steady speed; a pin that gives way pushes a mass before it to a stop.
+
+    tip  N/mm, of a pin between the mass and a tip without mass that meets the stop in its place
+    """
     place = loads.PointCoordinate("sled", "P", (1.0, 0.0))
+    bodies = [
+        loads.Body("ground", {"O": (0.0, 0.0)}),
+        loads.Body("sled", {"P": (0.0, 0.0)}, 2e-3),
+        loads.Body("mass", {"Q": (0.0, 0.0)}, MASS),
+        loads.Body("link", {"P": (0.0, 0.0), "Q": (100.0, 0.0)}),
+    ]
+    joints = [
+        loads.Prismatic("guide_1", "ground", "sled", "O", "P", (1.0, 0.0)),
+        loads.Slot("guide_2", "ground", "mass", "O", "Q", (1.0, 0.0)),
+        loads.Revolute("P", "sled", "link", "P"),
+        loads.Fixed("Q", "link", "mass", "Q"),
+    ]
+    gives = [loads.JointCompliance("P", SPRING)]
+    start = {"sled": (0.0, 0, 0), "mass": (100.0, 0, 0), "link": (0.0, 0, 0)}
+    ahead = loads.PointCoordinate("mass", "Q", (-1.0, 0.0))
+    if tip is not None:
+        bodies.append(loads.Body("tip", {"Q": (0.0, 0.0), "S": (20.0, 0.0)}))
+        joints.append(loads.Revolute("T", "mass", "tip", "Q"))
+        joints.append(loads.Slot("guide_3", "ground", "tip", "O", "S", (1.0, 0.0)))
+        gives.append(loads.JointCompliance("T", tip))
+        start["tip"] = (100.0, 0, 0)
+        ahead = loads.PointCoordinate("tip", "Q", (-1.0, 0.0))
     linkage = loads.Linkage(
-        (
-            loads.Body("ground", {"O": (0.0, 0.0)}),
-            loads.Body("sled", {"P": (0.0, 0.0)}, 2e-3),
-            loads.Body("mass", {"Q": (0.0, 0.0)}, MASS),
-            loads.Body("link", {"P": (0.0, 0.0), "Q": (100.0, 0.0)}),
-        ),
-        (
-            loads.Prismatic("guide_1", "ground", "sled", "O", "P", (1.0, 0.0)),
-            loads.Slot("guide_2", "ground", "mass", "O", "Q", (1.0, 0.0)),
-            loads.Revolute("P", "sled", "link", "P"),
-            loads.Fixed("Q", "link", "mass", "Q"),
-        ),
+        tuple(bodies),
+        tuple(joints),
         (loads.Force("drive", place), loads.Force("stop", ahead)),
-        {"sled": (0.0, 0, 0), "mass": (100.0, 0, 0), "link": (0.0, 0, 0)},
-        compliance=(loads.JointCompliance("P", SPRING),),
+        start,
+        compliance=tuple(gives),
     )
-    contact = loads.Contact(-150.0, 1e3, struck=loads.Struck(yields=YIELDS))
+    contact = loads.Contact(-150.0, 1e3, struck=struck)
     phase = loads.Phase("push", 55.0, {"stop": contact}, "drive")
     cycle = loads.Cycle("push", place, 0.0, loads.SteadyPace(place, SPEED), (phase,), 111)
-    solved = loads.run_cycle(linkage, cycle)
-    (row,) = solved.contacts["stop"].begins
-    return solved, int(row), contact.struck
+    found = loads.run_cycle(linkage, cycle)
+    (row,) = found.contacts["stop"].begins
+    return found, int(row), struck
+
+
+@pytest.fixture(scope="module")
+def pushed():
+    return solved(loads.Struck(yields=YIELDS))
+
+
+def test_what_gives_way_without_mass_is_a_spring_behind_the_workpiece():
+    """A tip on a pin of 5 kN/mm meets a stop of 3 kN/mm: 15/8 kN/mm on the mass itself."""
+    tipped, plain = (
+        loads.blow_loads(cycle, cycle, "stop", row, struck, 0.0, inertia=0.0)
+        for cycle, row, struck in (
+            solved(loads.Struck(3e3), tip=5e3),
+            solved(loads.Struck(15e3 / 8)),
+        )
+    )
+    assert tipped.blow.force.max() == pytest.approx(plain.blow.force.max(), rel=1e-6)
+    assert tipped.blow.contact == pytest.approx(plain.blow.contact, rel=1e-6)
+    forces = [found.loads.reactions["P"].force[:, 0].max() for found in (tipped, plain)]
+    assert forces[0] == pytest.approx(forces[1], rel=1e-3)
+    assert_allclose(tipped.loads.reactions["T"].force[:, 0], tipped.blow.force, atol=1e-6)
 
 
 def test_the_pin_behind_a_mass_carries_what_the_mass_lags_behind(pushed):

@@ -279,6 +279,19 @@ def test_an_answer_that_cannot_be_is_refused(answers, message, tmp_path):
         read_design(stop_design(tmp_path, ("restitution = 0.3", answers)))
 
 
+def test_a_flywheel_strikes_with_all_that_it_turns(tmp_path):
+    """The rigid linkage's mass at the stop, v sqrt(k m): 20 and 500 kN/mm one behind the other."""
+    stiff = ("[duty]", "[drive]\nflywheel = '0.5 kg m2'\n[elastic.joints]\nB = '500 kN/mm'\n[duty]")
+    answers = ("restitution = 0.3", 'blow = { stiffness = "20 kN/mm" }')
+    ((rigid,), (blow,)) = (
+        loads_of_file(stop_design(tmp_path, *changes)).cycles[0].blows
+        for changes in ((FLYWHEEL,), (answers, stiff))
+    )
+    expected = rigid.speed * np.sqrt(rigid.mass[0] / (1 / 20e3 + 1 / 500e3))
+    assert blow.solved.peak == pytest.approx(expected, rel=0.01)
+    assert blow.solved.contact < 0.02
+
+
 def test_a_blow_of_rigid_bodies_alone_is_refused_with_its_place(tmp_path):
     file = stop_design(tmp_path, ("restitution = 0.3", 'blow = { yields = "1 kN" }'))
     with pytest.raises(DesignError, match=r"cycles\.run: the blow of stop: nothing of the linkage"):
