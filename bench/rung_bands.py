@@ -15,7 +15,6 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from scipy.stats import t as student
 
 from bench.rung_truth import known
 from bench.rung_variations import SCENES, Machines, Variation
@@ -158,6 +157,8 @@ def predicted(ratios: Sequence[float]) -> tuple[float, float]:
     Student's t of n - 1 degrees of freedom (prediction interval; Hahn and Meeker, Statistical
     Intervals, 1991, section 4.7).
     """
+    from scipy.stats import t as student  # takes a second to load: whoever collects tests waits
+
     logs, n = np.log(ratios), len(ratios)
     reach = float(student.ppf((1 + SHARE) / 2, n - 1)) * float(logs.std(ddof=1)) * sqrt(1 + 1 / n)
     middle = float(logs.mean())

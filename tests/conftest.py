@@ -28,6 +28,7 @@ AS_A_USER = {"COLUMNS": "120", "PYTHONPATH": str(ROOT)}
 
 def pytest_configure(config: pytest.Config) -> None:
     """Give tests a budget of processor time, what lasts long the first turn, no empty doctests."""
+    gc.disable()  # what is collected stays: `pytest_collection_finish`
     for plugin in (processor_budget, longest_first, with_examples):
         if not config.pluginmanager.is_registered(plugin):
             config.pluginmanager.register(plugin)
@@ -36,6 +37,7 @@ def pytest_configure(config: pytest.Config) -> None:
 def pytest_collection_finish() -> None:
     """Keep the garbage collector from what was collected, which stays to the end."""
     gc.freeze()
+    gc.enable()
 
 
 @dataclass(frozen=True)

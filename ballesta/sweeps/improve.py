@@ -40,6 +40,7 @@ _BEST = 3
 _HEAVIEST = 2  # shapes that a check of what passes seeks to make lighter
 _TRIES = 8  # of materials, from the weakest that may be strong enough
 _MAY = 0.8  # of the strength that is needed: weaker ones are not tried
+_SURE = 0.95  # of the yield stress that is needed: loads and bars change less with the material
 
 Verify = Callable[[tuple[str, ...]], DesignResult]
 
@@ -272,19 +273,23 @@ class _Search:
             own = self.known.parts_of(key, wanted)
             if not key.endswith(MATERIAL) or value not in materials or not own:
                 continue
-            least = (
-                materials[value].ultimate_stress * _MAY / self.known.reserve(self.known.base, own)
-            )
-            group = materials[value].fkm_group
+            old = materials[value]
+            least = old.ultimate_stress * _MAY / self.known.reserve(self.known.base, own)
+            static = {c.part: r for r, *_, c in self.known.reserves(self.known.base, own)
+                      if c.kind == "static"}  # fmt: skip
+            sure = _SURE * old.yield_stress / max(static.get(part, inf) for part in own)
             others = sorted(
                 (
                     m
                     for m in materials.values()
-                    if m.ductile and m.fkm_group == group and m.ultimate_stress >= least
+                    if m.ductile and m.fkm_group == old.fkm_group and m.ultimate_stress >= least
                 ),
                 key=lambda m: m.ultimate_stress,
             )
-            for name in [m.name for m in others if m.name != value][:_TRIES]:
+            for new in [m for m in others if m.name != value][:_TRIES]:
+                if new.yield_stress < sure and new.density > _SURE * old.density:
+                    continue  # the stress is the same
+                name = new.name
                 one = self.known.screening.of({key: name}, own)
                 if not one.problem and self.known.reserve(one, own) >= 1:
                     one = self.known.settled(key, name, own, one)

@@ -48,7 +48,7 @@ def test_a_finer_region_counts():
 
 
 TUBE = TubeRod(
-    length=400.0, tube_diameter=30.0, wall=3.0, eye_diameter=45.0, eye_width=34.0, hole=16.0
+    length=200.0, tube_diameter=30.0, wall=3.0, eye_diameter=45.0, eye_width=34.0, hole=16.0
 )
 BAR = ToggleBar(
     length=325.0,

@@ -49,7 +49,7 @@ MIRRORED = {
         slot_to=90,
         boss_diameter=22,
         boss_height=6,
-        boss_fillet=1.5,
+        boss_fillet=3.0,
     ),
     "tube_rod": TubeRod(
         length=150, tube_diameter=20, wall=2.5, eye_diameter=36, eye_width=20, hole=14, fillet=4
@@ -84,7 +84,7 @@ class Box:
 @pytest.fixture(scope="module", params=MIRRORED)
 def both(request):
     shape = MIRRORED[request.param]
-    return mesh_shape(shape), mesh_shape(Half(shape))
+    return mesh_shape(shape, fineness=0.8), mesh_shape(Half(shape), fineness=0.8)
 
 
 def test_parts_in_one_plane_can_be_halved_and_the_others_say_nothing():

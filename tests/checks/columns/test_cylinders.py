@@ -1,7 +1,10 @@
 """Cylinders: buckling and bending of a column of two lengths, and their checks in a design."""
 
 import json
+from functools import cache
 from math import pi
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
@@ -124,7 +127,7 @@ direction = "0, -1"
 coordinate = "jib.angle"
 start = "0 deg"
 pace = { coordinate = "lift.length", speed = "1 mm/s" }
-positions = 37
+positions = 7
 phases = [{ name = "up", to = "30 deg", forces = { load = "5 kN" }, solve = "lift" }]
 [cylinders.lift]
 force = "lift"
@@ -159,8 +162,16 @@ def jib(tmp_path):
     return path
 
 
-def cylinder_checks(path, **options):
-    result = check(path, fidelity="formula", **options)
+@cache
+def checked(text, overrides):
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "jib.toml"
+        path.write_text(text)
+        return check(path, fidelity="formula", overrides=overrides)
+
+
+def cylinder_checks(path, overrides=()):
+    result = checked(path.read_text(), tuple(overrides))
     names = [kind.quantity.format("lift") for kind in KINDS]
     found = {one.quantity: one for one in result.linkage}
     return [found[name] for name in names if name in found], result
@@ -220,7 +231,7 @@ def test_a_thicker_rod_is_told_that_makes_the_design_pass(jib, capsys):
     assert told.keys() >= {"cylinders.lift.rod"}
     size = told["cylinders.lift.rod"]["value"]
     passes = {}
-    for rod in ("20 mm", "22.4 mm", "25 mm", "28 mm"):
+    for rod in ("20 mm", "22.4 mm", "25 mm"):
         checks, _ = cylinder_checks(jib, overrides=[f"cylinders.lift.rod={rod}"])
         passes[rod] = all(one.status.name == "PASS" for one in checks)
     assert size == next(rod for rod, right in passes.items() if right)

@@ -1,6 +1,9 @@
 """Derivations of what the four machines have not: solids, FKM, lives, curves, contacts."""
 
 from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import SimpleNamespace
 
 import numpy as np
@@ -32,8 +35,10 @@ BUSH = PIN.replace("BEARS", 'allowable = "40 MPa", pv = "1 MPa m/s"')
 COLUMN = PLATE + "column = { COLUMN }\n"
 
 
-def result_of(folder, text, *overrides, rung="formula"):
-    return check_design(machine(folder, text, *overrides), effort=Effort(rung))
+@cache
+def result_of(text, *overrides, rung="formula"):
+    with TemporaryDirectory() as folder:
+        return check_design(machine(Path(folder), text, *overrides), effort=Effort(rung))
 
 
 def found(result, kind, words=""):
@@ -61,22 +66,19 @@ def found(result, kind, words=""):
         (LEVER.replace('"10 mm"\n', ROLLER), SLOT),
     ],
 )
-def test_every_number_follows_from_its_formulas(tmp_path, text, overrides):
-    for check in result_of(tmp_path, text, *overrides).checks:
+def test_every_number_follows_from_its_formulas(text, overrides):
+    for check in result_of(text, *overrides).checks:
         assert misses(check.derivation, check) == "", check.quantity
         assert not check.derivation.unproved or check.method == "frame"
 
 
 @pytest.fixture(scope="module")
-def solids(tmp_path_factory):
+def solids():
     """The rod as a solid, by Marin's chain, by FKM's, and for a finite life."""
-    folder = tmp_path_factory.mktemp("solids")
     return {
-        "marin": result_of(folder, PLATE, rung="solid"),
-        "fkm": result_of(folder, PLATE + 'strength = "fkm"\n', rung="solid"),
-        "finite": result_of(
-            folder, PLATE, "duty.life=finite", "duty.damage_so_far=0.2", rung="solid"
-        ),
+        "marin": result_of(PLATE, rung="solid"),
+        "fkm": result_of(PLATE + 'strength = "fkm"\n', rung="solid"),
+        "finite": result_of(PLATE, "duty.life=finite", "duty.damage_so_far=0.2", rung="solid"),
     }
 
 
@@ -123,19 +125,19 @@ def test_the_unit_loads_of_a_solid_are_named_by_interface_and_pattern(solids):
     assert all(load.unit for load in derivation.items[0].loads)
 
 
-def test_a_column_shows_all_its_limits(tmp_path):
-    derivation = found(result_of(tmp_path, PLATE), "buckling", "column in plane").derivation
+def test_a_column_shows_all_its_limits():
+    derivation = found(result_of(PLATE), "buckling", "column in plane").derivation
     steps = {item.symbol for item in derivation.items if isinstance(item, Step)}
     assert {"sigma_E", "S", "S_P", "S_c"} <= steps
     limits = [derivation.number(symbol) for symbol in ("sigma_E", "S", "S_P", "S_c")]
     assert min(limits) > 0
 
 
-def test_perry_and_robertson_s_limit_beside_the_others_is_that_of_the_chart(tmp_path):
+def test_perry_and_robertson_s_limit_beside_the_others_is_that_of_the_chart():
     """By the stated crookedness, and by the slenderness of a part that states none."""
     stated = COLUMN.replace("COLUMN", 'crookedness = "1 mm"')
     for text in (PLATE, stated):
-        result = result_of(tmp_path, text)
+        result = result_of(text)
         curves = column_curves(result.parts[0].charts["column"])
         for plane in result.parts[0].charts["column"]["planes"]:
             own = found(result, "buckling", f"column {plane['plane']}").derivation
@@ -148,17 +150,17 @@ def test_perry_and_robertson_s_limit_beside_the_others_is_that_of_the_chart(tmp_
             )
 
 
-def test_a_bar_of_the_linkage_stands_beside_euler_s_force_of_its_own_length(tmp_path):
+def test_a_bar_of_the_linkage_stands_beside_euler_s_force_of_its_own_length():
     """The plate of 30 x 8 mm, bent over its 8 mm."""
-    (check,) = result_of(tmp_path, PLATE).linkage
+    (check,) = result_of(PLATE).linkage
     (one,) = check.derivation.compared
     euler = np.pi**2 * 210e3 * (30 * 8**3 / 12) / (144**2 + 72**2)
     assert one.hand == pytest.approx(check.derivation.number("N") / euler, rel=1e-6)
     assert one.model == check.value
 
 
-def test_the_stress_of_a_pin_in_two_directions_is_findley_s(tmp_path):
-    check = found(result_of(tmp_path, BUSH), "fatigue")
+def test_the_stress_of_a_pin_in_two_directions_is_findley_s():
+    check = found(result_of(BUSH), "fatigue")
     assert check.quantity.startswith("Findley")
     normal = next(item for item in check.derivation.items if item.symbol == "n")
     assert isinstance(normal, Given)
@@ -172,18 +174,18 @@ def test_a_solid_s_eigenvalue_says_that_its_bars_are_not_reproduced(solids):
     assert "the formulas give a numerical bar of" in misses(check.derivation, check)
 
 
-def test_a_roller_without_a_material_is_said_to_be_assumed(tmp_path):
+def test_a_roller_without_a_material_is_said_to_be_assumed():
     rolling = LEVER.replace('"10 mm"\n', ROLLER)
-    derivation = found(result_of(tmp_path, rolling, *SLOT), "contact").derivation
+    derivation = found(result_of(rolling, *SLOT), "contact").derivation
     sources = {item.symbol: item.source for item in derivation.items}
     assert sources["E_2"] == sources["nu_2"] == "assumed: steel"
     stated = rolling.replace('radius = "6 mm"', 'radius = "6 mm", material = "S355"')
-    derivation = found(result_of(tmp_path, stated, *SLOT), "contact").derivation
+    derivation = found(result_of(stated, *SLOT), "contact").derivation
     assert next(item for item in derivation.items if item.symbol == "E_2").source.startswith("S355")
 
 
 @pytest.fixture(scope="module")
-def climbed(tmp_path_factory):
+def climbed():
     """Arguments of `explained` for every part: the rod."""
     caught = {}
 
@@ -193,7 +195,7 @@ def climbed(tmp_path_factory):
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(part_ladder, "explained", keep)
-        result_of(tmp_path_factory.mktemp("rod"), PLATE)
+        result_of.__wrapped__(PLATE)  # not one that another test has asked for
     return caught
 
 
@@ -257,9 +259,9 @@ def test_the_formulas_of_a_solid_s_bar_give_it(order, scatter, notch):
     assert own.number(told.numerical) == pytest.approx(bar.value, rel=1e-12)
 
 
-def test_a_bar_of_another_shape_is_compared_with_euler_in_words(tmp_path):
+def test_a_bar_of_another_shape_is_compared_with_euler_in_words():
     """Every bar of a linkage is compared; for a shape that is none a note stands in its place."""
-    result = result_of(tmp_path, PLATE)
+    result = result_of(PLATE)
     (check,) = result.linkage
     assert check.derivation.compared
     pin = Pin(seats=(Seat("lug", width=10.0),), diameter=10.0)
