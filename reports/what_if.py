@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
-from math import isfinite
+from math import exp, isfinite, log
 from operator import attrgetter
 from shlex import quote
 from typing import Any
@@ -53,10 +53,12 @@ _SMOOTH = 0.02  # of a value, by which a solved one may lie off the line through
 _HALF = 180.0
 _ARCS = (90.0, 105.0, 120.0, 135.0, 150.0, 165.0, _HALF)  # deg
 _UNTOLD = "untold"  # among changes: no formula tells what they do
+_MADE = "safety"  # among changes: the safety that checks made beforehand have for them
 _HALVINGS = 20  # of the range of a factor that is sought
 _REQUIRED = ("buckling", "fatigue", "bush")  # kinds with a required safety of their own
 _LOAD = "load_factor"
 _HERTZ = "Hertz pressure"
+_CROOKED = "crooked bar "
 _SHARED = re.compile(r"the (weaker|softer)")  # limits that another part may give, too
 Changes = Mapping[str, float]  # symbol -> other value; of a column the factor on it
 
@@ -186,6 +188,9 @@ def _safety(check: Check, changes: Sequence[Changes]) -> float | None:
         return check.safety
     if any(_UNTOLD in one for one in changes):
         return None
+    made = [one[_MADE] for one in changes if _MADE in one]
+    if made:
+        return made[0] if len(changes) == 1 else None
     derivation = check.derivation
     assert derivation is not None  # else it has no lever
     try:
@@ -200,7 +205,7 @@ def changed(derivation: Derivation, changes: Changes) -> tuple[float, float]:
 
     The factor that brings Miner's sum to what is allowed is sought again. Raises FormulaError where
     a formula has no value, ValueError where the endurance limit would decide instead of the sum, or
-    the place of a crooked bar's edge stress would have to be sought again.
+    a place would have to be sought again.
     """
     items = [
         item for section in derivation.sections if section.title != BARS for item in section.items
@@ -296,6 +301,9 @@ class _Levers:
         """Levers that act on a check."""
         if check.derivation is None:
             return
+        if check.quantity.startswith(_CROOKED):
+            yield from self._of_crooked(check)
+            return
         given = {
             i.symbol: i.value
             for i in check.derivation.items
@@ -318,6 +326,39 @@ class _Levers:
             yield from self._runs(not check.derivation.equal)
         if _is_weld_fatigue(check) and self.inputs.get("duty.life") == "finite":
             yield from self._runs(True, told=False)
+
+    def _of_crooked(self, check: Check) -> Iterator[Lever]:
+        """Eccentricity and material of a crooked bar, whose worst place is sought for each anew."""
+        assert check.derivation is not None
+        owner, key = self._owner(check.part, "column")
+        alike = [name for name in self.parts if self._owner(name, "column")[0] == owner]
+        made = {name: self.parts[name].charts.get("crooked") for name in alike}
+        own, plane = made.get(check.part), check.quantity.removeprefix(_CROOKED)
+        shown = next((one for one in made.values() if one and plane in one["yields"]), None)
+        if own is None or shown is None or plane not in own["yields"]:
+            return
+        used = [[at, 1 / safety] for at, safety in own["eccentricities"][plane]]
+        yields = [[log(at), log(safety)] for at, safety in own["yields"][plane]]
+        limit = check.derivation.number("S_y")
+        now, level = _between(used, own["own"]), _between(yields, log(limit))
+
+        def beside(at: float) -> Changes:  # a moment grows with it
+            other = _within(used, at)
+            return {_UNTOLD: 0.0} if other is None else {_MADE: check.safety * now / other}
+
+        def of_yield(at: float) -> Changes:  # in proportion, up to buckling
+            other = _within(yields, log(at))
+            return {_UNTOLD: 0.0} if other is None else {_MADE: check.safety * exp(other - level)}
+
+        changes = {
+            f"{at:g} mm": {} if at == own["own"] else beside(at)
+            for at, _ in shown["eccentricities"][plane]
+        }
+        title = f"eccentricity of the push, {owner}"
+        yield Lever(f"{key}.eccentricity", title, f"{own['own']:g} mm", changes)
+        for lever in self._material(check, {"S_y": limit}, {}):
+            found = {text: of_yield(one["S_y"]) for text, one in lever.changes.items()}
+            yield replace(lever, changes=found)
 
     def _material(
         self, check: Check, given: Mapping[str, Any], untold: dict[str, float]
@@ -492,6 +533,11 @@ def _between(points: Sequence[Sequence[float]], at: float) -> float:
     """Value between solved ones, (place, value) each, on straight lines."""
     places, values = zip(*sorted(map(tuple, points)), strict=True)
     return float(np.interp(at, places, values))
+
+
+def _within(points: Sequence[Sequence[float]], at: float) -> float | None:
+    """Value between rising points, None beyond them."""
+    return _between(points, at) if points[0][0] <= at <= points[-1][0] else None
 
 
 def _stiff_as(one: Material, other: Material) -> bool:

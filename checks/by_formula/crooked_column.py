@@ -6,7 +6,9 @@ factor, so that the safety is the factor.
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from math import isfinite, pi
+from typing import Any
 
 from checks.columns.column_limits import Plane, planes_of
 from checks.columns.column_moments import CrookedColumn, crooked_columns, crookedness
@@ -30,6 +32,9 @@ KINDS = (CROOKED,)
 _THEORY = "docs/theory/columns.md"
 _BENT = "Timoshenko and Gere, Theory of Elastic Stability, 2nd ed., 1.11"
 _ALMOST = 1 - 1e-9  # of a critical force: a root that is sought ends there
+# Other settings that the page's what-if goes between: of the length, and of the yield stress.
+_BESIDE = (0.0, 1 / 2000, 1 / 1000, 1 / 500, 1 / 250, 1 / 100, 1 / 50)
+_YIELDS = (0.5, 0.63, 0.8, 1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0)
 
 
 def checks(loaded: LoadedPart) -> Iterator[Check]:
@@ -46,6 +51,43 @@ def checks(loaded: LoadedPart) -> Iterator[Check]:
             position,
             _derivation(loaded, position, column, factor, row, place),
         )
+
+
+def charts(loaded: LoadedPart) -> dict[str, Any]:
+    """Data of "crooked": safeties at other eccentricities and yield stresses.
+
+    own             mm, the part's eccentricity
+    eccentricities  plane -> [mm, safety], rising
+    yields          plane -> [MPa, safety], rising
+
+    Empty for a part that is never compressed.
+    """
+    part, loads = loaded.part, loaded.loads
+    if worst_compression(part, loads) is None:
+        return {}
+    own, yields = part.column.eccentricity, part.material.yield_stress
+    planes = planes_of(loaded.design, part)
+    beside = sorted({own, *(float(f"{share * planes[0].own:.1g}") for share in _BESIDE)})
+    columns = crooked_columns(part, loads, planes, loaded.stated.mass)
+    return {
+        "crooked": {
+            "own": own,
+            "eccentricities": {
+                column.plane.name: [
+                    [one, float(replace(column, beside=one).load_factor(yields)[0])]
+                    for one in beside
+                ]
+                for column in columns
+            },
+            "yields": {
+                column.plane.name: [
+                    [share * yields, float(column.load_factor(share * yields)[0])]
+                    for share in _YIELDS
+                ]
+                for column in columns
+            },
+        }
+    }
 
 
 def _heading(
