@@ -28,16 +28,20 @@ AS_A_USER = {"COLUMNS": "120", "PYTHONPATH": str(ROOT)}
 
 def pytest_configure(config: pytest.Config) -> None:
     """Give tests a budget of processor time, what lasts long the first turn, no empty doctests."""
-    gc.disable()  # what is collected stays: `pytest_collection_finish`
     for plugin in (processor_budget, longest_first, with_examples):
         if not config.pluginmanager.is_registered(plugin):
             config.pluginmanager.register(plugin)
 
 
-def pytest_collection_finish() -> None:
-    """Keep the garbage collector from what was collected, which stays to the end."""
-    gc.freeze()
-    gc.enable()
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Iterator[None]:
+    """Keep the garbage collector from what is collected, which stays to the end."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 @dataclass(frozen=True)
