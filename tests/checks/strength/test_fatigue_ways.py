@@ -11,6 +11,7 @@ from checks.stress.solid_mesh_level import Models
 
 from ...small_machine import PLATE, machine, solved
 
+COARSE = PLATE.replace("fineness = 0.5", "fineness = 0.3")
 HEAVY = 'cycles.turn.phases[0].forces.push="45000 N"'
 PULL = """
 [cycles.pull]
@@ -25,7 +26,7 @@ def models():
     return Models()
 
 
-def checked(folder, models, *overrides, text=PLATE):
+def checked(folder, models, *overrides, text=COARSE):
     """The rod's result and its fatigue check, on coarse meshes."""
     design = machine(folder, text, 'accuracy="50 %"', *overrides)
     part = design.parts["rod"]
@@ -92,7 +93,7 @@ def test_the_fkm_chain_tells_nothing_of_marins(tmp_path, models):
 
 
 def test_a_pull_and_a_push_in_two_cycles_of_a_duty_are_one_range(tmp_path, models):
-    text = PULL + PLATE
+    text = PULL + COARSE
     _, alone = checked(tmp_path, models, text=text)
     _, both = checked(tmp_path, models, "duty.cycles.pull=10", text=text)
     assert alone.cycle == "turn"
