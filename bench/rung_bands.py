@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import exp, sqrt
 from pathlib import Path
-from time import perf_counter
+from time import process_time
 from typing import Any
 
 import numpy as np
@@ -99,7 +99,7 @@ def rungs_of(variation: Variation, line: Mapping[str, Any]) -> Iterable[Compared
     part, loads, design = variation.part, variation.loads, variation.design
     use = fatigue_use(LoadedPart(design, part, loads))
     for rung, build in BUILDERS.items():
-        start = perf_counter()
+        start = process_time()
         try:
             model = build(part, loads)
         except (MeshError, SolverError) as error:
@@ -113,7 +113,7 @@ def rungs_of(variation: Variation, line: Mapping[str, Any]) -> Iterable[Compared
             values[FATIGUE] = use.value(level)
         if model.buckling is not None and not model.buckling.pulled:  # pulled: a bound, no band
             values[BUCKLING] = model.buckling.share
-        seconds = perf_counter() - start
+        seconds = process_time() - start
         for kind, value in values.items():
             truth = of_solid(line, kind)
             if kind not in ANSWERS[rung] or truth is None or not value > 0:
