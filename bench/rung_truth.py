@@ -52,7 +52,7 @@ def known(file: Path = FILE) -> dict[str, dict[str, Any]]:
 
 
 def with_buckling() -> dict[str, dict[str, Any]]:
-    """The lines of both files as one, by variation: buckling is that of its own file."""
+    """The lines of both files, by variation: buckling from its own file, where it is there."""
     lines = known()
     for name, line in known(BUCKLED_FILE).items():
         checks = {

@@ -140,7 +140,7 @@ def bore_pressure(radius: float, wrench: FloatArray) -> FloatArray:
     """Sums (3, n) of place times force on a bore, N mm: xx, xy, yy.
 
     wrench  (n, 6) N, N mm. A half cosine pressure has 8/(3 pi) F r along its force and 4/(3 pi) F r
-            across: integrals of cos^3 and cos sin^2 over that of cos^2. A couple comes from
+            across: integrals of cos^3 and cos sin^2 over cos^2's. A couple comes from
             friction all round, half from forces along x and half along y; M alone has it from those
             along x, so half of it is added to xy (fem/frame_buckling.py).
 

@@ -2,8 +2,8 @@
 
 Where the side walls are cut away a cheek's edges are free; behind them the edges stand still and
 turn together with the side walls, which are plates, too. By symmetry half a cheek and half a side
-wall, laid out in one plane, buckle as one. Their stress is that of the lug (pin_loaded_hole), the
-side wall's as much as that of the edge beside it. Deflections are products of cubics on a grid
+wall, laid out in one plane, buckle as one. Their stress is the lug's (pin_loaded_hole); the
+side wall has as much as the edge beside it. Deflections are products of cubics on a grid
 (Bogner, Fox and Schmit 1965); points within the hole have no stiffness. Kirchhoff's plates, with
 E t^3/(12 (1 - nu^2)) (Timoshenko and Gere, Theory of Elastic Stability, 2nd ed., 8.1).
 

@@ -207,7 +207,7 @@ class BarPart:
     ) -> RungModel:
         """The rung `formula` of its points; `local` and `aside` as in `elastic_load`.
 
-        Where nothing is known of a stretch by itself, `local` is None, no buckling load is told.
+        Nothing is known of a stretch by itself where `local` is None: then no buckling load is.
         """
         part, loads, bar, mass, length = self.part, self.loads, self.forces, self.mass, self.length
         buckling = None
@@ -330,8 +330,8 @@ def elastic_load(
     radii  mm, of the bores
     local  1/N, share that 1 N of compression is of the load under which a stretch of the part
            buckles by itself
-    aside  buckling by a model of the shape's own, in place of that out of the plane, by whether
-           what pulls counts as nothing
+    aside  buckling out of the plane by a model of the shape's own, by whether what pulls counts
+           as nothing
     """
     force = axial_compression(part, loads)
     largest = loads.largest_force
