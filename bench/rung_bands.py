@@ -1,7 +1,8 @@
 """The error bars of the rungs, from converged solids of the machines' parts.
 
-python -m bench.rung_bands   runs every rung on the variations in bench/rungs/truth.jsonl,
-writes bench/rungs/compared.jsonl and checks/models/bands.json
+python -m bench.rung_bands [--scene design/part]...   runs every rung on the variations in
+bench/rungs/truth.jsonl and buckled.jsonl, writes bench/rungs/compared.jsonl and
+checks/models/bands.json; of other scenes than those named what was compared stands
 """
 
 import argparse
@@ -11,12 +12,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import exp, sqrt
 from pathlib import Path
-from time import perf_counter
+from time import process_time
 from typing import Any
 
 import numpy as np
 
-from bench.rung_truth import known
+from bench.rung_truth import with_buckling
 from bench.rung_variations import SCENES, Machines, Variation
 from checks.ladder.climb import ANSWERS, BUILDERS
 from checks.models.bands import of_buckling, proportions_of
@@ -98,7 +99,7 @@ def rungs_of(variation: Variation, line: Mapping[str, Any]) -> Iterable[Compared
     part, loads, design = variation.part, variation.loads, variation.design
     use = fatigue_use(LoadedPart(design, part, loads))
     for rung, build in BUILDERS.items():
-        start = perf_counter()
+        start = process_time()
         try:
             model = build(part, loads)
         except (MeshError, SolverError) as error:
@@ -110,9 +111,9 @@ def rungs_of(variation: Variation, line: Mapping[str, Any]) -> Iterable[Compared
         values = {STATIC: level.peak.value}
         if use is not None:
             values[FATIGUE] = use.value(level)
-        if model.buckling is not None:
+        if model.buckling is not None and not model.buckling.pulled:  # pulled: a bound, no band
             values[BUCKLING] = model.buckling.share
-        seconds = perf_counter() - start
+        seconds = process_time() - start
         for kind, value in values.items():
             truth = of_solid(line, kind)
             if kind not in ANSWERS[rung] or truth is None or not value > 0:
@@ -229,8 +230,17 @@ def main() -> None:
     """Compare, and write the bands."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--dry", action="store_true", help="write no bands")
+    parser.add_argument("--scene", action="append", default=[], help="the others as they stand")
     options = parser.parse_args()
-    rows = compare(known())
+    truths, rows = with_buckling(), list[Compared]()
+    if options.scene:
+        rows = [Compared(**json.loads(line)) for line in FILE.read_text().splitlines()]
+        rows = [row for row in rows if row.scene not in options.scene]
+        truths = {
+            name: line for name, line in truths.items() if name.rsplit("/", 1)[0] in options.scene
+        }
+    order = [scene.name for scene in SCENES]
+    rows = sorted([*rows, *compare(truths)], key=lambda row: order.index(row.scene))
     FILE.write_text("".join(json.dumps(vars(row)) + "\n" for row in rows))
     print(told(rows))
     if not options.dry:

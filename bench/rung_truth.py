@@ -1,8 +1,10 @@
 """Converged solids of the variations that the rungs are calibrated on.
 
     python -m bench.rung_truth [--scene design/part]...   resumes; writes bench/rungs/truth.jsonl
+    python -m bench.rung_truth --buckling [--scene ...]   resumes; writes bench/rungs/buckled.jsonl
 
-One line of JSON for each variation: the checks that a mesh decides, with their bars.
+One line of JSON for each variation: the checks that a mesh decides, with their bars. Toggle bars
+and levers have their buckling in a file of its own, from meshes that are made for it.
 """
 
 import argparse
@@ -14,11 +16,17 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+import numpy as np
+
 from bench.rung_variations import SCENES, Machines, Variation
+from checks.columns.stability import ELASTIC_SHARE
+from checks.ladder.climb import BUILDERS
 from checks.ladder.levels import Asked
 from checks.ladder.solid import check_solid
 from checks.part.loaded_part import LoadedPart
+from checks.strength.part_strength import elastic_of
 from checks.stress.solid_mesh_level import Models
+from fem.buckling import mesh_bar, part_buckling, shares_of
 from fem.solvers import SolverError
 from geometry.mesh import MeshError
 from geometry.parts import Pin
@@ -26,7 +34,13 @@ from geometry.parts import Pin
 ACCURACY, PIN_ACCURACY = 0.02, 0.05
 MOST_UNKNOWNS = 150_000
 BUCKLED = 2
+# Whole meshes for buckling, by shape: of two the share is extrapolated with the fourth power of the
+# elements' size, of one its own bar is known.
+FINENESSES = {"slotted_lever": (0.5,), "lever": (0.6,), "toggle_bar": (0.45, 0.7)}
+_SEARCHES = 3  # of the worst position
+_SAME = 1.0005  # times the share: no other position is worse
 FILE = Path(__file__).parent / "rungs" / "truth.jsonl"
+BUCKLED_FILE = FILE.with_name("buckled.jsonl")
 
 
 def known(file: Path = FILE) -> dict[str, dict[str, Any]]:
@@ -35,6 +49,20 @@ def known(file: Path = FILE) -> dict[str, dict[str, Any]]:
         return {}
     lines = (json.loads(line) for line in file.read_text().splitlines() if line)
     return {line["variation"]: line for line in lines}
+
+
+def with_buckling() -> dict[str, dict[str, Any]]:
+    """The lines of both files, by variation: buckling from its own file, where it is there."""
+    lines = known()
+    for name, line in known(BUCKLED_FILE).items():
+        checks = {
+            key: check
+            for key, check in lines.get(name, {}).get("checks", {}).items()
+            if check["kind"] != "buckling"
+        }
+        found = {line["check"]["quantity"]: line["check"]} if "check" in line else {}
+        lines[name] = lines.get(name, line) | {"checks": checks | found}
+    return lines
 
 
 def truth_of(variation: Variation) -> dict[str, Any]:
@@ -73,6 +101,77 @@ def truth_of(variation: Variation) -> dict[str, Any]:
     }
 
 
+def buckled(variation: Variation) -> dict[str, Any]:
+    """Solve a variation's buckling on the whole meshes of its shape.
+
+    From the position that the formula names, modes under its load and under that turned round name
+    the worst of all positions, until one is found again.
+    """
+    part, loads = variation.part, variation.loads
+    finenesses = FINENESSES[part.shape]
+    model = BUILDERS["formula"](part, loads)
+    position = 0 if model is None or model.buckling is None else model.buckling.position
+    shares: list[float] = []
+    for fineness in finenesses:
+        solutions = Models().solutions(part.geometry, fineness, elastic_of(part))
+        states, _ = solutions.coefficients(
+            loads.wrenches, loads.accelerations, loads.reaches, loads.tilt_held_at
+        )
+        for _ in range(_SEARCHES):
+            found, turned = (
+                part_buckling(
+                    solutions, sign * states[:, position], tilt_held=False, count=3, prove=False
+                )
+                for sign in (1.0, -1.0)
+            )
+            fields = [mode.shape.ravel() for mode in (*found.modes, *turned.modes)]
+            at_all = shares_of(solutions, states, np.stack(fields, axis=1))
+            worst = int(at_all.argmax())
+            if at_all[worst] <= at_all[position] * _SAME:
+                break
+            position = worst
+        shares.append(1 / found.modes[0].factor)
+    value, told = shares[-1], f"one whole mesh of fineness {finenesses[-1]}"
+    if len(shares) == 1:
+        bar = mesh_bar(solutions, states[:, position], found.modes) * value
+    else:
+        ratio = (finenesses[0] / finenesses[1]) ** 4
+        more = (shares[1] - shares[0]) * ratio / (1 - ratio)
+        value, bar = value + more, abs(more)
+        told = (
+            f"two whole meshes of fineness {finenesses[0]} and {finenesses[1]}, extrapolated with "
+            "the fourth power of the elements' size"
+        )
+    return {
+        "kind": "buckling",
+        "quantity": ELASTIC_SHARE,
+        "value": value,
+        "numerical": bar,
+        "above": 0.0,
+        "below": 0.0,
+        "limit": 1.0,
+        "place": f"{found.modes[0].plane} mode",
+        "position": loads.labels[position],
+        "note": told,
+    }
+
+
+def _add_buckling(scenes: list[str], most: int) -> None:
+    """Add the buckling that is missing."""
+    done = known(BUCKLED_FILE)
+    for variation in _wanted(Machines(), scenes, most):
+        if variation.part.shape not in FINENESSES or variation.name in done:
+            continue
+        line: dict[str, Any] = {"variation": variation.name, "factors": variation.factors}
+        try:
+            line["check"] = buckled(variation)
+        except (MeshError, SolverError) as error:
+            line["gave up"] = str(error)
+        with BUCKLED_FILE.open("a") as file:
+            file.write(json.dumps(line) + "\n")
+        print(variation.name, flush=True)
+
+
 def _asked(variation: Variation) -> Asked:
     """Stress of every variation, buckling of every other: its modes cost more than the stress."""
     kinds = {"static", "fatigue"}
@@ -93,7 +192,11 @@ def main() -> None:
     parser.add_argument("--scene", action="append", default=[])
     parser.add_argument("--most", type=int, default=1000, help="variations of each scene")
     parser.add_argument("--out", type=Path, default=FILE)
+    parser.add_argument("--buckling", action="store_true", help="of toggle bars and levers")
     options = parser.parse_args()
+    if options.buckling:
+        _add_buckling(options.scene, options.most)
+        return
     done = known(options.out)
     options.out.parent.mkdir(exist_ok=True)
     for variation in _wanted(Machines(), options.scene, options.most):

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from bench.rung_bands import Compared, ends_of
-from bench.rung_truth import ACCURACY, PIN_ACCURACY, known
+from bench.rung_truth import ACCURACY, PIN_ACCURACY, with_buckling
 from bench.rung_variations import SCENES, SEED
 from checks.models.bands import known_band
 
@@ -44,7 +44,7 @@ def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
 
 def machines_table(rows: Sequence[Compared]) -> list[str]:
     """Every part of the machines as it is: seconds and error of every rung."""
-    truths = known()
+    truths = with_buckling()
     lines = []
     for scene in SCENES:
         own = [row for row in rows if row.variation == f"{scene.name}/0"]
@@ -211,7 +211,7 @@ def draw(rows: Sequence[Compared]) -> None:
     errors = [100 * max(abs(row.value / row.truth - 1), 1e-4) for row in stress]
     seconds = [row.seconds for row in stress]
     axes.scatter(seconds, errors, s=14, marker="o", label="formula", alpha=0.6)
-    truths = known()
+    truths = with_buckling()
     solid = [
         (truths[row.variation]["seconds"], 100 * max(row.bar / row.truth, 1e-4)) for row in stress
     ]

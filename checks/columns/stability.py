@@ -29,7 +29,7 @@ ELASTIC = Kind(
 )
 ELASTIC_SHARE = ELASTIC.quantity
 _SAME = 1e-9  # of a safety
-_FAR = 3.0  # times the required safety: beyond it the stiffer fork's bound is not computed
+FAR = 3.0  # times the required safety: beyond it forks' fixity is not computed
 
 
 @dataclass(frozen=True)
@@ -131,7 +131,7 @@ def eigenvalue_check(
     modes = buckling.modes
     stiff: float | None = None
     forks = "not asked"
-    if modes[0].factor < _FAR * loaded.required.buckling:
+    if modes[0].factor < FAR * loaded.required.buckling:
         held = _buckling_at(solutions, coefficients[:, worst], tilt_held=True).modes
         stiff = held[0].factor if held else np.inf
         forks = f"{stiff:.3g}" if held else "none"
@@ -164,7 +164,7 @@ def eigenvalue_check(
             method=f"solid ({meshes})",
             basis="linear eigenvalue, both ends held sideways: knows neither yield nor crookedness",
             note=f"lowest factors {planes}, {proof} at this position, the worst of all that was "
-            f"found; with forks that hold the ends against tilting: {forks}{unused}{turned}",
+            f"found; fixity: with forks that hold the ends against tilting {forks}{unused}{turned}",
         )
         return with_sampling(check, rise * check.value)
 

@@ -56,8 +56,8 @@ def solid_share(loaded: LoadedPart, check: Check, mode: BucklingMode, unknowns: 
         "the stress of this position in K_G: no formula gives it or its own error bars",
         compared=tuple(_euler_alone(loaded, position, check.value)),
         bars=BarSymbols(words="estimated error of its lowest modes, how far the factor moves from "
-                  "mesh to mesh, and what a count of all lower ones leaves; below, forks that hold "
-                  "the ends: docs/theory/buckling.md"),
+                  "mesh to mesh, and what a count of all lower ones leaves; below, the fixity of "
+                  "forks: docs/theory/buckling.md"),
     )  # fmt: skip
 
 

@@ -68,6 +68,7 @@ class Band:
     above, below  how far the model band of the solids reaches (arcs of contact, forks), as shares
                   of the value: least and most of those compared
     wider         why it is wider than inside the range compared, in words
+    fixity        what forks that hold the ends may take of a buckling share, over the share
     """
 
     low: float
@@ -76,6 +77,12 @@ class Band:
     above: tuple[float, float]
     below: tuple[float, float]
     wider: str = ""
+    fixity: float = 0.0
+
+    @property
+    def shared_below(self) -> float:
+        """How far the band below reaches by what no better model takes away, over the value."""
+        return self.below[0] + min(1.0, self.low) * self.fixity
 
     @property
     def width(self) -> float:
@@ -99,10 +106,15 @@ class Band:
             Given("q_up", reach.format("above"), self.above[1], "", _PAGE),
             Step("b_up", "model band above", total, unit, _PAGE),
         ]
-        total = f"(max(0, 1 - h_lo) + q_lo)*{value}"
+        total, forks = f"(max(0, 1 - h_lo) + q_lo)*{value}", list[Item]()
+        if self.fixity:
+            said = "fixity: what forks that hold the ends against tilting may take, over the value"
+            forks = [Given("q_f", said, self.fixity, "", _PAGE)]
+            total = f"(max(0, 1 - h_lo) + q_lo + min(1, h_lo)*q_f)*{value}"
         return above, [
             Given("h_lo", end.format("lower"), self.low, "", _PAGE),
             Given("q_lo", reach.format("below"), self.below[1], "", _PAGE),
+            *forks,
             Step("b_lo", "model band below", total, unit, _PAGE),
         ]
 

@@ -35,11 +35,18 @@ from geometry.mesh import FloatArray
 
 SHARE = "share"  # the symbol of the result
 _QUOTIENT = "Timoshenko's quotient: Timoshenko and Gere, Theory of Elastic Stability, 2nd ed., 2.8"
+LATERAL = (
+    "the share is the largest eigenvalue of bars that are bent aside and twist, which no formula "
+    "gives"
+)
 _LATERAL = "Timoshenko and Gere, 2nd ed., 6.1 to 6.3"
 _FORCE_SHARE = Step(SHARE, "share of the elastic buckling load", "max(0, F/F_cr)", main=True)
 
+_CLAMPED = 4.0  # times the load of a column whose ends are hinged
+
 _STATIONS = 33  # of deflection and lateral buckling
 _IN_PLANE = "in plane: Euler's column"
+ASIDE = "out of plane: the bar is bent aside and twists"
 _SIDEWAYS = "out of plane: Euler's column and lateral buckling of the bent bar"
 PRESSED = 8 / (3 * pi)  # of a bore's radius: where the resultant of a half cosine pressure stands
 HARDLY = 0.05  # of the largest force: what presses a part that is nearly always pulled
@@ -52,6 +59,21 @@ _KINDS = {
     "moment_y": "moment M_y",
     "moment_z": "moment M_z",
 }
+
+
+@dataclass(frozen=True)
+class Aside:
+    """Buckling of a bar by a model of its shape's own.
+
+    share     largest of all positions, at `position`
+    held      the share there with forks that hold it against tilting
+    words     how it buckles
+    """
+
+    share: float
+    position: int
+    held: float
+    words: str = ASIDE
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,10 +198,23 @@ class BarPart:
         forces, points = bar_loads(part, loads, places, mass), Points(len(loads.accelerations))
         return cls(part, loads, forces, mass, length, points, radii)
 
-    def model(self, *, neglects: str, local: float = 0.0) -> RungModel:
-        """The rung `formula` of its points; `local` as in `elastic_load`."""
+    def model(
+        self,
+        *,
+        neglects: str,
+        local: float | None = 0.0,
+        aside: Callable[[bool], Aside] | None = None,
+    ) -> RungModel:
+        """The rung `formula` of its points; `local` and `aside` as in `elastic_load`.
+
+        Nothing is known of a stretch by itself where `local` is None: then no buckling load is.
+        """
         part, loads, bar, mass, length = self.part, self.loads, self.forces, self.mass, self.length
-        buckling = elastic_load(part, loads, bar, mass, length, self.radii, local=local)
+        buckling = None
+        if local is not None:
+            buckling = elastic_load(
+                part, loads, bar, mass, length, self.radii, local=local, aside=aside
+            )
         return self.points.model(
             residual=left_over(bar, loads, length),
             deflection=most_deflected(bar, part, mass, length),
@@ -275,6 +310,7 @@ def elastic_load(
     radii: tuple[float, float] = (0.0, 0.0),
     *,
     local: float = 0.0,
+    aside: Callable[[bool], Aside] | None = None,
 ) -> ElasticLoad:
     """Largest share of the elastic buckling load over the positions.
 
@@ -294,6 +330,8 @@ def elastic_load(
     radii  mm, of the bores
     local  1/N, share that 1 N of compression is of the load under which a stretch of the part
            buckles by itself
+    aside  buckling out of the plane by a model of the shape's own, by whether what pulls counts
+           as nothing
     """
     force = axial_compression(part, loads)
     largest = loads.largest_force
@@ -316,6 +354,17 @@ def elastic_load(
     )
     racking = np.inf if mass.racking is None else young * mass.at(mass.racking, pressed_at)
     sliding = np.inf if mass.sliding is None else young * mass.at(mass.sliding, places)
+    explain: Callable[[], Sequence[Item]]
+    if aside is not None:
+        euler = within / column_force(flat, sliding, length)
+        (position,) = first_largest(euler)
+        own = aside(pulled)
+        if own.share > euler[position]:
+            fixity = max(0.0, 1 - max(float(euler[position]), own.held) / own.share)
+            items = partial(factor_items, own.share)
+            return ElasticLoad(own.share, own.position, own.words, items, LATERAL, pulled, fixity)
+        explain = partial(column_items, float(within[position]), flat, sliding, length)
+        return ElasticLoad(float(euler[position]), position, _IN_PLANE, explain, pulled=pulled)
     across = young * mass.at(mass.inertia_y, places)
     twisting = young / (2 * (1 + ratio)) * mass.at(mass.torsion, places)
     moment = bar.at(places).moment_z
@@ -333,7 +382,6 @@ def elastic_load(
     share = np.maximum(shares[words], 0.0)
     (position,) = first_largest(share)
     pressed = float((within if words == _IN_PLANE else force)[position])
-    explain: Callable[[], Sequence[Item]]
     if words == _IN_PLANE:
         explain = partial(column_items, pressed, flat, sliding, length)
     elif words == _SIDEWAYS:
@@ -342,8 +390,12 @@ def elastic_load(
         explain = partial(column_items, pressed, firm, racking, column, alone)
     else:
         explain = partial(stretch_items, float(push[position]), local)
-    told = _PULLED if only_pulled else words
-    return ElasticLoad(float(share[position]), position, told, explain, pulled=pulled)
+    told, most = _PULLED if only_pulled else words, float(share[position])
+    fixity = 0.0
+    if words == _SIDEWAYS and most > 0.0:
+        others = max(float(one[position]) for name, one in shares.items() if name != _SIDEWAYS)
+        fixity = 1 - max(others / most, 1 / _CLAMPED)
+    return ElasticLoad(most, position, told, explain, pulled=pulled, fixity=fixity)
 
 
 def column_items(
@@ -377,6 +429,17 @@ def stretch_items(force: float, local: float) -> list[Item]:
         Given("F_cr", "force under which a stretch buckles by itself: plates and columns",
               1 / local, "N", "Timoshenko and Gere, 2nd ed., 9.2; docs/theory/rungs.md"),
         _FORCE_SHARE,
+    ]  # fmt: skip
+
+
+def factor_items(share: float) -> list[Item]:
+    """How a share comes about that is an eigenvalue."""
+    if not share > 0.0:
+        return [Step(SHARE, "share of the elastic buckling load", "0", main=True)]
+    return [
+        Given("lam", "lowest factor on all loads at which the bar, or a rail, buckles",
+              1 / share, "", "eigenvalue: docs/theory/rungs.md", main=True),
+        Step(SHARE, "share of the elastic buckling load", "1/lam", main=True),
     ]  # fmt: skip
 
 

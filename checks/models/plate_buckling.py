@@ -1,5 +1,8 @@
 """Elastic buckling and deflection of a plate with pins, as a bar along its bores laid straight.
 
+In the plane it is Euler's column, out of it a bar that is bent aside and twisted
+(checks/handbook/lateral_buckling.py), held by the pins that hold the solid.
+
 Section forces of a plate with any number of pins are per unit of what acts on it. Across any
 section that parts a plate in two, force and couple are those of all that acts on one part: of its
 pins, and d'Alembert's of its mass, -(a + alpha k x r - omega2 r) dm. No line of bars is assumed.
@@ -7,19 +10,28 @@ Where the loads were computed with another mass than the plate's, a rigid accele
 the rest, as in a solid.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
+from itertools import pairwise
 
 import numpy as np
 
 from checks.design.data import Part
 from checks.handbook.bar_forces import deflection
-from checks.handbook.column_curves import column_force, lateral_share
-from checks.models.formula_bars import HARDLY, PRESSED, column_items
+from checks.handbook.column_curves import column_force
+from checks.handbook.lateral_buckling import (
+    Acting,
+    Chain,
+    LateralBar,
+    Pressed,
+    Stiffness,
+    bore_pressure,
+    interpolated,
+)
+from checks.models.formula_bars import ASIDE, HARDLY, LATERAL, column_items, factor_items
 from checks.models.formula_points import Points, acceleration_units, wrench_units
 from checks.part.part_loads import PartLoads, first_largest
-from checks.result.derivation import Item
 from checks.stress.stress_result import ElasticLoad
 from geometry.bars import rectangle_torsion
 from geometry.mesh import FloatArray
@@ -27,8 +39,9 @@ from geometry.outlines import Cut, Moments
 from geometry.parts.plate import Plate
 
 _STATIONS = 33
+_OF_ARM = 13  # stations of an arm, from bore to bore
+_MEMBERS = 6  # of an arm
 _IN_PLANE = "in plane: Euler's column along its bores, under the largest compression of its arms"
-_SIDEWAYS = "out of plane: Euler's column and lateral buckling of the arms, laid straight"
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,6 +142,11 @@ class PlateForces:
         return found
 
     @cached_property
+    def way(self) -> "_Way | None":
+        """The plate as a bar along the bores' longest way; None where that leaves the plate."""
+        return _along(self)
+
+    @cached_property
     def residual(self) -> float:
         """Couples out of the plane that no bore holds, over the largest force times the length."""
         largest = self.loads.largest_force * self.shape.length
@@ -139,44 +157,93 @@ class PlateForces:
 def elastic_load(part: Part, forces: PlateForces) -> ElasticLoad | None:
     """Largest share of the elastic buckling load over the positions.
 
-    The plate is a bar along the longest way from bore to bore, laid straight, hinged at both ends;
-    what holds it at bores between is left out, and its largest compression acts all along it.
+    The plate is a bar along the longest way from bore to bore, laid straight. In the plane it is
+    hinged at both ends; what holds it at bores between is left out, and its largest compression
+    acts all along it. Out of the plane it is held where the solid is, at its first two pins
+    (fem/end_conditions.py), and free to tilt.
     """
-    way = _along(forces)
+    way = forces.way
     if way is None:
         return None
-    length = way.length
-    young, ratio = part.material.youngs_modulus, part.material.poisson_ratio
-    flat, across = young * way.flat, young * way.across
-    twisting = young / (2 * (1 + ratio)) * way.torsion
+    flat = part.material.youngs_modulus * way.flat
     force = (-(way.axial @ forces.acting)).max(axis=0)
-    moments = way.moment @ forces.acting
-    largest = forces.loads.largest_force
-    pulled = bool(force.max() <= HARDLY * largest)
+    pulled = bool(force.max() <= HARDLY * forces.loads.largest_force)
     force = np.maximum(force, 0.0)
-    shares = {
-        _IN_PLANE: force / column_force(flat, np.inf, length),
-        _SIDEWAYS: lateral_share(
-            force / column_force(across, np.inf, way.pressed), moments, across, twisting, length
-        ),
-    }
-    words = max(shares, key=lambda name: float(shares[name].max()))
-    share = np.maximum(shares[words], 0.0)
-    (position,) = first_largest(share)
-    pressed = float(force[position])
-    explain: Callable[[], Sequence[Item]]
-    if words == _IN_PLANE:
-        explain = partial(column_items, pressed, flat, np.inf, length)
-    else:
-        bent = moments[:, [position]]
-        alone = float(lateral_share(np.zeros(1), bent, across, twisting, length)[0])
-        explain = partial(column_items, pressed, across, np.inf, way.pressed, alone)
-    return ElasticLoad(float(share[position]), position, words, explain, pulled=pulled)
+    column = force / column_force(flat, np.inf, way.length)
+    aside, where, held = _sideways(part, forces, pulled)
+    (position,) = first_largest(column)
+    if column[position] >= aside:
+        explain = partial(column_items, float(force[position]), flat, np.inf, way.length)
+        return ElasticLoad(float(column[position]), position, _IN_PLANE, explain, pulled=pulled)
+    explain, fixity = partial(factor_items, aside), 1 - max(column[position], held) / aside
+    return ElasticLoad(aside, where, ASIDE, explain, LATERAL, pulled, max(0.0, fixity))
+
+
+def _sideways(part: Part, forces: PlateForces, pulled: bool) -> tuple[float, int, float]:
+    """Share out of the plane, where, and the share with forks that hold against tilting.
+
+    The section of a bore is the plate beside it, and turns the bore as a whole under its pressure.
+
+    pulled  True if what pulls counts as nothing
+    """
+    shape, depth = forces.shape, forces.shape.thickness
+    way = [shape.bores[k] for k in shape.longest_way]
+    reached = np.r_[0.0, np.cumsum(np.abs(np.diff([bore.centre for bore in way])))]
+    places, heights, nodes = [], [], []
+    acting: list[FloatArray] = []
+    for k, (low, high) in enumerate(pairwise(way)):
+        arm = float(reached[k + 1] - reached[k])
+        along = (high.centre - low.centre) / arm
+        ahead = {shape.bores[n].name: 1.0 for n in shape.beyond(low, high)}
+        for step in np.linspace(0.0, arm, _OF_ARM):
+            cut = shape.outline.cut(low.centre + along * float(step), along)
+            assert cut is not None, "the arms between bores have sections, as `_along` has found"
+            places.append(reached[k] + step)
+            heights.append(cut.ends[1] - cut.ends[0])
+            section = FlatSection(cut, depth).filled()
+            acting.append(forces.across(section, ahead) @ forces.acting)
+        nodes += [*np.linspace(0.0, arm, _MEMBERS + 1), low.diameter / 2, arm - high.diameter / 2]
+        nodes[-_MEMBERS - 3 :] = [float(reached[k] + node) for node in nodes[-_MEMBERS - 3 :]]
+    young, twists = part.material.youngs_modulus, 2 * (1 + part.material.poisson_ratio)
+
+    def stiffness(x: FloatArray) -> Stiffness:
+        height = np.interp(x, places, heights)
+        open_ = sum(
+            2 * np.sqrt(np.maximum((bore.diameter / 2) ** 2 - (x - at) ** 2, 0.0))
+            for bore, at in zip(way, reached, strict=True)
+        )
+        left = height - open_
+        torsion = rectangle_torsion(height, depth)[0] * left / height
+        return Stiffness(
+            young * left * depth**3 / 12,
+            young / twists * torsion,
+            np.zeros_like(x),
+            (height**2 + depth**2) / 12,
+        )
+
+    chain = Chain(np.unique(np.round(nodes, 9)), stiffness)
+    axial, shear, moment = (
+        interpolated(np.array(places), np.array(rows), chain.points)
+        for rows in np.swapaxes(np.array(acting), 0, 1)
+    )
+    pressed = []
+    for bore, at in zip(way, reached, strict=True):
+        radius = 0.0 if pulled else bore.diameter / 2
+        pressure = bore_pressure(radius, forces.loads.wrenches[bore.name])
+        pressed.append(Pressed(0, float(at), pressure))
+    if pulled:
+        axial = np.minimum(axial, 0.0)
+    names = [bore.name for bore in way]
+    held = [float(reached[names.index(name)]) for name in forces.names[:2] if name in names]
+    if len(held) < 2:  # drawn plates: a pin that holds it stands beside the way
+        held = [0.0, float(reached[-1])]
+    bar = LateralBar([chain], [(0, place) for place in held])
+    return bar.worst_of_forks([Acting(axial, moment, shear)], pressed)
 
 
 def deflected(part: Part, forces: PlateForces) -> float:
     """Largest displacement in the plane, mm: off the chord of the ends of the bores' way."""
-    way = _along(forces)
+    way = forces.way
     if way is None:
         return np.inf
     young = part.material.youngs_modulus
@@ -193,19 +260,14 @@ class _Way:
     """The bar along the bores' longest way, at even places (k,).
 
     length          mm
-    pressed         mm, between where the pins at both ends press as they push
     area            (k,) mm2
-    flat, across    (k,) mm4, bending in the plane and out of it
-    torsion         (k,) mm4, Saint-Venant's
+    flat            (k,) mm4, bending in the plane
     axial, moment   (k, columns) N and N mm per unit of what acts
     """
 
     length: float
-    pressed: float
     area: FloatArray
     flat: FloatArray
-    across: FloatArray
-    torsion: FloatArray
     axial: FloatArray
     moment: FloatArray
 
@@ -228,14 +290,9 @@ def _along(forces: PlateForces) -> _Way | None:
         section = FlatSection(cut, shape.thickness).filled()
         ahead = {shape.bores[n].name: 1.0 for n in shape.beyond(low, high)}
         axial, _, moment = forces.across(section, ahead)
-        height = cut.ends[1] - cut.ends[0]
-        torsion = float(rectangle_torsion(height, shape.thickness)[0])
-        across = height * shape.thickness**3 / 12
-        rows.append((section.area, section.inertia, across, torsion, axial, moment))
+        rows.append((section.area, section.inertia, axial, moment))
     columns = (np.array(column) for column in zip(*rows, strict=True))
-    length = float(reached[-1])
-    pressed = length - PRESSED * (way[0].diameter + way[-1].diameter) / 2
-    return _Way(length, pressed, *columns)
+    return _Way(float(reached[-1]), *columns)
 
 
 def directed(along: complex, axial: FloatArray, shear: FloatArray) -> FloatArray:

@@ -43,6 +43,8 @@ class ElasticLoad:
     explain   the items of a derivation of the share, whose symbol is `share`, made when asked for
     unproved  why no formula gives the share, in words; "" for one that is a formula's
     pulled    True if no position presses the part, or hardly: the share is without what pulls
+    fixity    what forks that hold its ends against tilting out of the plane may take of the share,
+              over the share; 0 where it buckles otherwise
     """
 
     share: float
@@ -51,6 +53,7 @@ class ElasticLoad:
     explain: Callable[[], Sequence[Item]] = field(compare=False, repr=False)
     unproved: str = ""
     pulled: bool = False
+    fixity: float = 0.0
 
 
 @dataclass(frozen=True)

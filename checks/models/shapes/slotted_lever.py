@@ -4,14 +4,25 @@ A bar with a long slot: two rails joined at both ends only, bent in their plane.
 """
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from checks.design.data import Part
 from checks.handbook.bar_forces import BarLoads
+from checks.handbook.lateral_buckling import (
+    Acting,
+    Chain,
+    LateralBar,
+    Pressed,
+    Stiffness,
+    bore_pressure,
+    interpolated,
+)
 from checks.handbook.lug_stress import Lug, bent_plate_hole, curved_bar, stepped_bar, strip_outline
 from checks.handbook.pin_loaded_hole import pin_loaded_hole
 from checks.models.formula_bars import (
+    Aside,
     BarPart,
     Stretches,
     add_rectangle_fibres,
@@ -20,25 +31,29 @@ from checks.models.formula_bars import (
 from checks.models.formula_lugs import add_bore, strip_edges
 from checks.models.formula_points import Points, along_x, in_section
 from checks.models.shape_model import ShapeModel
-from checks.part.part_loads import PartLoads
+from checks.part.part_loads import PartLoads, first_largest
 from checks.stress.stress_result import RungModel
 from geometry.bars import BESIDE, rectangle_torsion
 from geometry.mesh import FloatArray
 from geometry.parts import SlottedLever
 
 _STATIONS = 25  # along the slot
+_FINE = 97  # where the rails' forces are asked for buckling
+_INTO = 1 / 4  # of the slot's width: how far into its round ends the rails are clamped in the plane
 
 
 @dataclass(frozen=True, eq=False)
 class RailForces:
     """Forces of the upper and lower rail (y > 0, y < 0) at k places over n positions.
 
-    axial   (2, n)     N, even along the rails but for half of the bar's own
-    moment  (2, k, n)  N mm, each rail's own, about its own axis
+    axial      (2, n)     N, even along the rails but for half of the bar's own
+    moment     (2, k, n)  N mm, each rail's own, about its own axis
+    spreading  (k, n)     N, slope of the moments by which the contact spreads the rails
     """
 
     axial: FloatArray
     moment: FloatArray
+    spreading: FloatArray
 
 
 def stress(part: Part, shape: SlottedLever, loads: PartLoads) -> RungModel | None:
@@ -58,6 +73,7 @@ def stress(part: Part, shape: SlottedLever, loads: PartLoads) -> RungModel | Non
     _add_rails(part, points, shape, loads, bar)
     _add_foot(points, shape, bar)
     return whole.model(
+        aside=partial(_aside, part, shape, loads, bar),
         neglects="that the ends of the slot give way; that holes, slot and boss disturb each "
         "other; how wide the contact presses",
     )
@@ -127,7 +143,7 @@ def _add_rails(
     """
     depth = (shape.width - shape.slot_width) / 2
     rail = _Rail(depth, shape.thickness, shape.width - depth)
-    into = shape.slot_width / 4
+    into = _INTO * shape.slot_width
     places = np.linspace(shape.slot_from + into, shape.slot_to - into, _STATIONS)
     length = float(places[-1] - places[0])
     forces = bar.at(places)
@@ -208,6 +224,116 @@ def _add_foot(points: Points, shape: SlottedLever, bar: BarLoads) -> None:
             axial: along_x(np.full(2, pulled / (shape.width * shape.thickness))),
             aside: along_x(bent * z * 12 / (shape.width * shape.thickness**3)),
         },
+    )
+
+
+def _aside(part: Part, shape: SlottedLever, loads: PartLoads, bar: BarLoads, pulled: bool) -> Aside:
+    """Buckling of the lever out of its plane, or of a rail in it.
+
+    Two plates that hold a pin each, and between them two rails that are bent aside and twist each
+    by itself, under their own moments in the plane. A plate's end twists with its sections warped,
+    as a rail's slope and its pair's differ; how stiffly they hold the rails decides a quarter of
+    the load. The rails are as deep as the slot's round ends leave them. In the plane a rail that is
+    pressed is a column with clamped ends, as long as the slot.
+
+    pulled  True if what pulls the whole lever counts as nothing
+    """
+    start, stop = shape.slot_from, shape.slot_to
+    beyond = shape.width / 2 if shape.overhang is None else shape.overhang
+    ends = (np.linspace(0.0, start, 4), np.linspace(stop, shape.length, 4))
+    round_end = shape.slot_width * np.array([0.15, 0.5])
+    along = np.linspace(start, stop, 9)
+    nodes = np.unique(np.r_[along, start + round_end, stop - round_end])
+    depth = (shape.width - shape.slot_width) / 2
+    apart = shape.width - depth
+    plate, rail = partial(_plate_stiffness, part, shape), partial(_rail_stiffness, part, shape)
+    chains = [
+        Chain(np.r_[-beyond, ends[0]], plate),
+        Chain(np.r_[ends[1], shape.length + beyond], plate),
+        Chain(nodes, rail, apart / 2),
+        Chain(nodes, rail, -apart / 2),
+    ]
+    into = _INTO * shape.slot_width
+    places = np.linspace(start + into, stop - into, _FINE)
+    wrench = loads.wrenches["slot"]
+    reach = loads.reaches.get("slot", np.zeros(len(wrench)))
+    rails = rail_forces(
+        places,
+        bar.at(places).moment_z,
+        np.abs(wrench[:, 1]),
+        reach,
+        area=depth * shape.thickness,
+        inertia=shape.thickness * depth**3 / 12,
+        apart=apart,
+    )
+    acting = []
+    for k, chain in enumerate(chains):
+        forces = bar.at(chain.points)
+        axial = np.minimum(forces.axial, 0.0) if pulled else forces.axial
+        if k < 2:
+            acting.append(Acting(axial, forces.moment_z, forces.shear))
+            continue
+        side = 1.0 if k == 2 else -1.0
+        slope = interpolated(places, rails.spreading, chain.points)
+        acting.append(
+            Acting(
+                axial / 2 + rails.axial[k - 2],
+                interpolated(places, rails.moment[k - 2], chain.points),
+                forces.shear / 2 - side * slope,
+            )
+        )
+    radius = 0.0 if pulled else shape.hole / 2
+    pressed = [
+        Pressed(k, at, bore_pressure(radius, acts))
+        for k, at, acts in (
+            (0, 0.0, loads.wrenches["pivot"]),
+            (1, shape.length, loads.wrenches["tip"]),
+        )
+    ]
+    share, position, held = LateralBar(
+        chains,
+        held=((0, 0.0), (1, shape.length)),
+        joined=[(k, at, branch) for k, at in ((0, start), (1, stop)) for branch in (2, 3)],
+    ).worst_of_forks(acting, pressed)
+    young, inertia = part.material.youngs_modulus, shape.thickness * depth**3 / 12
+    middle = bar.at(np.array([(start + stop) / 2])).axial[0] / 2
+    push = -(middle + rails.axial).min(axis=0)
+    column = push * (stop - start) ** 2 / (4 * np.pi**2 * young * inertia)
+    (worst,) = first_largest(column)
+    if column[worst] > share:
+        own = float(column[worst])
+        return Aside(own, worst, own, "in plane: a rail, clamped at the slot's ends")
+    return Aside(share, position, held)
+
+
+def _plate_stiffness(part: Part, shape: SlottedLever, x: FloatArray) -> Stiffness:
+    """Stiffness of the plate beyond the slot at places (k,), with its boss."""
+    boss = 0.0 if shape.boss_diameter is None else shape.boss_diameter / 2
+    on_boss = np.abs(x - shape.length) < boss
+    thick = np.where(on_boss, shape.thickness + 2 * shape.boss_height, shape.thickness)
+    width = np.full_like(x, shape.width)
+    young, twists = part.material.youngs_modulus, 2 * (1 + part.material.poisson_ratio)
+    torsion = rectangle_torsion(width, thick)[0]
+    return Stiffness(
+        young * width * thick**3 / 12,
+        young / twists * torsion,
+        young * (width * thick) ** 3 / 144,
+        (width**2 + thick**2) / 12,
+    )
+
+
+def _rail_stiffness(part: Part, shape: SlottedLever, x: FloatArray) -> Stiffness:
+    """Stiffness of one rail at places (k,): deeper beside the slot's round ends."""
+    radius = shape.slot_width / 2
+    into = np.clip(np.minimum(x - shape.slot_from, shape.slot_to - x), 0.0, radius)
+    deep = shape.width / 2 - np.sqrt(radius**2 - (radius - into) ** 2)
+    thick = np.full_like(x, shape.thickness)
+    young, twists = part.material.youngs_modulus, 2 * (1 + part.material.poisson_ratio)
+    return Stiffness(
+        young * deep * thick**3 / 12,
+        young / twists * rectangle_torsion(deep, thick)[0],
+        np.zeros_like(x),
+        (deep**2 + thick**2) / 12,
     )
 
 
@@ -292,4 +418,6 @@ def rail_forces(
     straight = first + (second - first) * x / length
     triangle = np.minimum(x * b, (length - x) * a) / length  # of a hinged bar under 1 N
     spread = straight - force * triangle
-    return RailForces(np.stack([-couple, couple]), np.stack([own + spread, own - spread]))
+    slope = (second - first - force * np.where(x < a, b, -a)) / length
+    moments = np.stack([own + spread, own - spread])
+    return RailForces(np.stack([-couple, couple]), moments, slope)

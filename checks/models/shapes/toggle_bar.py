@@ -1,13 +1,11 @@
 """Square tubes with pin holes through two walls, by formula."""
 
-from math import pi
-
 import numpy as np
 
 from checks.design.data import Part
-from checks.handbook.column_curves import plate_stress
 from checks.handbook.lug_stress import Lug, stepped_bar, strip_outline
 from checks.handbook.pin_loaded_hole import pin_loaded_hole
+from checks.models.cheek_buckling import solved_to, spreading
 from checks.models.formula_bars import (
     BarPart,
     SectionForces,
@@ -22,7 +20,7 @@ from checks.models.formula_points import Points
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.stress_result import RungModel
-from geometry.bars import BESIDE, Section, plate_section, square_tube_section
+from geometry.bars import Section, plate_section, square_tube_section
 from geometry.mesh import FloatArray
 from geometry.parts import ToggleBar
 
@@ -41,21 +39,12 @@ def stress(part: Part, shape: ToggleBar, loads: PartLoads) -> RungModel:
     places = {"knee": 0.0, "end": shape.length}
     whole = BarPart.of(part, loads, places, mass, shape.length, (shape.hole / 2, shape.hole / 2))
     bar, points = whole.forces, whole.points
-    cut = min(BESIDE * shape.width, shape.length / 2)
-    stringer = (shape.width - 2 * shape.wall) / 2
+    lugs = {name: lug_at(shape, name, part.material.poisson_ratio) for name in places}
     for name, x in places.items():
-        outline = strip_outline(
-            shape.width / 2,
-            shape.overhang,
-            max(cut, shape.hole),
-            stringer,
-            free if name == "knee" or free > shape.length - shape.hole else -np.inf,
-        )
-        hole = pin_loaded_hole(shape.hole / 2, outline, part.material.poisson_ratio)
-        lug = Lug(hole, 2 * shape.wall, mirrored=name == "end")
         outward = -1.0 if name == "knee" else 1.0
         edges = strip_edges(shape.width / 2, shape.overhang, shape.width / 2, outward)
-        add_bore(points, name, x, lug, loads.wrenches[name], (shape.width / 2,), edges=edges)
+        lug, wrench = lugs[name], loads.wrenches[name]
+        add_bore(points, name, x, lug, wrench, (shape.width / 2,), edges=edges)
     sections = SectionForces(points, bar)
     start, stop = max(free, 0.0), shape.length - shape.hole / 2
     if start < stop:
@@ -64,32 +53,24 @@ def stress(part: Part, shape: ToggleBar, loads: PartLoads) -> RungModel:
     _add_cheek_fibres(points, shape, min(free, stop), cheeks, sections)
     if 0 < free < shape.length:
         _add_cut_out(points, shape, free, cheeks, sections)
+    steel = part.material
+    local = spreading(shape, lugs["knee"], steel.youngs_modulus, steel.poisson_ratio)
     return whole.model(
-        local=_local_share(part, shape, free),
+        local=local,
         neglects="bending of the walls across themselves; that the side walls lag in taking their "
         "share",
     )
 
 
-def _plate(part: Part, shape: ToggleBar) -> float:
-    """Stress, MPa, at which a wall of the tube buckles between its edges."""
-    steel = part.material
-    apart = shape.width - shape.wall
-    return plate_stress(shape.wall, apart, steel.youngs_modulus, steel.poisson_ratio)
-
-
-def _local_share(part: Part, shape: ToggleBar, free: float) -> float:
-    """Share of its buckling load that 1 N is on the cheeks by themselves, 1/N.
-
-    Beside the hole they carry the whole force: as plates held by the side walls, and beside the
-    cut-out as columns with one end free. Both at once by Dunkerley's sum, a bound from below.
-    """
-    both = 2 * shape.width * shape.wall
-    plates = 1 / (both * _plate(part, shape))
-    if not free > 0:
-        return plates
-    euler = pi**2 * part.material.youngs_modulus * shape.wall**2 / 12 / (2 * free) ** 2
-    return float(plates + 1 / (both * euler))
+def lug_at(shape: ToggleBar, name: str, poisson_ratio: float) -> Lug:
+    """Both cheeks about a hole, half of a side wall along each edge where it is not cut away."""
+    free = shape.cutout_length - shape.overhang
+    behind = free if name == "knee" or free > shape.length - shape.hole else -np.inf
+    outline = strip_outline(
+        shape.width / 2, shape.overhang, solved_to(shape), shape.width / 2 - shape.wall, behind
+    )
+    hole = pin_loaded_hole(shape.hole / 2, outline, poisson_ratio)
+    return Lug(hole, 2 * shape.wall, mirrored=name == "end")
 
 
 def _sections(shape: ToggleBar) -> tuple[Section, Section]:
