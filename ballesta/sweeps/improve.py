@@ -288,7 +288,7 @@ class _Search:
             )
             for new in [m for m in others if m.name != value][:_TRIES]:
                 if new.yield_stress < sure and new.density > _SURE * old.density:
-                    continue  # the stress is the same
+                    continue  # no lighter, so its stress is the same
                 name = new.name
                 one = self.known.screening.of({key: name}, own)
                 if not one.problem and self.known.reserve(one, own) >= 1:
