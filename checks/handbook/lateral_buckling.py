@@ -157,6 +157,21 @@ def bore_pressure(radius: float, wrench: FloatArray) -> FloatArray:
     return np.stack([along * xx + across * yy, crossed, along * yy + across * xx])
 
 
+def spaced(nodes: FloatArray) -> FloatArray:
+    """The same nodes, rising, without those nearer than 1e-3 of the whole: they cost digits.
+
+    >>> spaced(np.array([0.0, 4.0, 1.0, 1.0001, 3.9999])).tolist()
+    [0.0, 1.0, 4.0]
+    """
+    rising = np.unique(nodes)
+    least = 1e-3 * (rising[-1] - rising[0])
+    kept = [float(rising[0])]
+    for node in rising[1:-1].tolist():
+        if node - kept[-1] > least and rising[-1] - node > least:
+            kept.append(node)
+    return np.array([*kept, float(rising[-1])])
+
+
 def interpolated(places: FloatArray, values: FloatArray, wanted: FloatArray) -> FloatArray:
     """Values (m, n) at places (m,) between those (k, n) at places (k,), the nearest beyond them.
 

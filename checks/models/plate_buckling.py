@@ -28,6 +28,7 @@ from checks.handbook.lateral_buckling import (
     Stiffness,
     bore_pressure,
     interpolated,
+    spaced,
 )
 from checks.models.formula_bars import ASIDE, HARDLY, LATERAL, column_items, factor_items
 from checks.models.formula_points import Points, acceleration_units, wrench_units
@@ -170,7 +171,10 @@ def elastic_load(part: Part, forces: PlateForces) -> ElasticLoad | None:
     pulled = bool(force.max() <= HARDLY * forces.loads.largest_force)
     force = np.maximum(force, 0.0)
     column = force / column_force(flat, np.inf, way.length)
-    aside, where, held = _sideways(part, forces, pulled)
+    sideways = _sideways(part, forces, pulled)
+    if sideways is None:
+        return None
+    aside, where, held = sideways
     (position,) = first_largest(column)
     if column[position] >= aside:
         explain = partial(column_items, float(force[position]), flat, np.inf, way.length)
@@ -179,8 +183,10 @@ def elastic_load(part: Part, forces: PlateForces) -> ElasticLoad | None:
     return ElasticLoad(aside, where, ASIDE, explain, LATERAL, pulled, max(0.0, fixity))
 
 
-def _sideways(part: Part, forces: PlateForces, pulled: bool) -> tuple[float, int, float]:
+def _sideways(part: Part, forces: PlateForces, pulled: bool) -> tuple[float, int, float] | None:
     """Share out of the plane, where, and the share with forks that hold against tilting.
+
+    None where an arm leaves the plate.
 
     The section of a bore is the plate beside it, and turns the bore as a whole under its pressure.
 
@@ -197,7 +203,8 @@ def _sideways(part: Part, forces: PlateForces, pulled: bool) -> tuple[float, int
         ahead = {shape.bores[n].name: 1.0 for n in shape.beyond(low, high)}
         for step in np.linspace(0.0, arm, _OF_ARM):
             cut = shape.outline.cut(low.centre + along * float(step), along)
-            assert cut is not None, "the arms between bores have sections, as `_along` has found"
+            if cut is None:
+                return None
             places.append(reached[k] + step)
             heights.append(cut.ends[1] - cut.ends[0])
             section = FlatSection(cut, depth).filled()
@@ -221,7 +228,7 @@ def _sideways(part: Part, forces: PlateForces, pulled: bool) -> tuple[float, int
             (height**2 + depth**2) / 12,
         )
 
-    chain = Chain(np.unique(np.round(nodes, 9)), stiffness)
+    chain = Chain(spaced(np.array(nodes)), stiffness)
     axial, shear, moment = (
         interpolated(np.array(places), np.array(rows), chain.points)
         for rows in np.swapaxes(np.array(acting), 0, 1)

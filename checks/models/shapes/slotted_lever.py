@@ -18,6 +18,7 @@ from checks.handbook.lateral_buckling import (
     Stiffness,
     bore_pressure,
     interpolated,
+    spaced,
 )
 from checks.handbook.lug_stress import Lug, bent_plate_hole, curved_bar, stepped_bar, strip_outline
 from checks.handbook.pin_loaded_hole import pin_loaded_hole
@@ -243,7 +244,7 @@ def _aside(part: Part, shape: SlottedLever, loads: PartLoads, bar: BarLoads, pul
     ends = (np.linspace(0.0, start, 4), np.linspace(stop, shape.length, 4))
     round_end = shape.slot_width * np.array([0.15, 0.5])
     along = np.linspace(start, stop, 9)
-    nodes = np.unique(np.r_[along, start + round_end, stop - round_end])
+    nodes = spaced(np.r_[along, start + round_end, stop - round_end])
     depth = (shape.width - shape.slot_width) / 2
     apart = shape.width - depth
     plate, rail = partial(_plate_stiffness, part, shape), partial(_rail_stiffness, part, shape)
