@@ -268,7 +268,7 @@ def climb_rungs(
     climb: Climb, fidelity: str, say: Say = lambda _: None
 ) -> Generator[None, None, bool]:
     """Climb as `climb_cheap` does; pauses after each rung that another one follows."""
-    if fidelity == SOLID:
+    if fidelity == SOLID or (fidelity == SWEPT and climb.part.fkm is not None):
         return True
     if climb.part.fkm is not None:
         climb.skip(next(iter(BUILDERS)) if fidelity == AUTO else fidelity, FKM_NEEDS_SOLID)
