@@ -1,11 +1,11 @@
 """A part as a solid on one mesh, carried over from a part of nearly the same dimensions.
 
-The neighbour is solved on several meshes. Its first one, carried over, has the same elements at the
-same places, so a stress there errs by nearly the same share of itself: by the step from that mesh
-to the neighbour's finest, a third more, and by what is left on that one. A measured factor covers
-what the dimensions between the two parts add. The model band is the one on
-the neighbour's finest mesh, as coarse elements even a pressure out, and a share of its whole width
-more on each side.
+The neighbour is solved on several meshes. The first one whose bars are as narrow as was asked for,
+carried over, has the same elements at the same places, so a stress there errs by nearly the same
+share of itself: by the step from that mesh to the neighbour's finest, a third more, and by what is
+left on that one. A measured factor covers what the dimensions between the two parts add. The model
+band is the one on the neighbour's finest mesh, as coarse elements even a pressure out, and a share
+of its whole width more on each side.
 
 Where a stress is largest at a place that the neighbour does not know, where an element folds or the
 bodies differ in more than dimensions, the part needs meshes of its own.
@@ -50,9 +50,9 @@ _PLACES = 24
 class Place:
     """A place where a stress of the neighbour is large.
 
-    node    of its first mesh
+    node    of the mesh that is carried over
     reach   mm, within which a peak is at this place
-    error   of the first mesh there, over the value
+    error   of that mesh there, over the value
     """
 
     node: int
@@ -65,7 +65,7 @@ class Neighbour:
     """A part of nearly the same dimensions, solved.
 
     shape     that was meshed: all of the part, or its half
-    mesh      its first one
+    mesh      the first one that is fine enough
     fineness  of that mesh
     places    kind of check -> where its stress is large
     bands     kind of check -> model band above and below, over the value
@@ -93,17 +93,22 @@ def neighbour_of(loaded: LoadedPart, models: Models) -> Neighbour | str:
     judged = judged_of(loaded)
     both, asked = list(judged.values()), Asked(frozenset(judged), modes=False, first=COARSE)
     solved = solve_stress(loaded, models, both, both, lambda _: None, asked)
-    first, finest = solved.levels[0], solved.finest
+    finest = solved.finest
     if all(len(level.edges[0]) for level in solved.levels):
         return "it has sharp edges, which are judged apart"
-    places, bands = {}, {}
+    left, bands = {}, {}
     for kind, what in judged.items():
         bars, value = solved.bars[what], what.value(finest)
         if bars.numerical.singular or not value > 0.0:
             return f"its {kind} stress has no finite error bar"
-        places[kind] = _places(what, first, finest, bars.numerical.value / value)
+        left[kind] = bars.numerical.value / value
         bands[kind] = bars.above / value, bars.below / value
-    return Neighbour(_meshed(loaded), first.solutions.mesh, first.fineness, places, bands)
+    for level in solved.levels:
+        places = {kind: _places(what, level, finest, left[kind]) for kind, what in judged.items()}
+        if all(WIDER * known[0].error <= loaded.accuracy for known in places.values()):
+            mesh = level.solutions.mesh
+            return Neighbour(_meshed(loaded), mesh, level.fineness, places, bands)
+    return "its error bars are wider than was asked for"
 
 
 def judged_of(loaded: LoadedPart) -> dict[str, Judged]:
