@@ -225,7 +225,8 @@ def batch(
     overrides   "key=value" each, for all
     sweeps      such as "parts.rod.thickness = 4..8 mm : 9"; several make every combination
     sample      number of points of a Sobol sequence over the sweeps, by `seed`; None for their grid
-    fidelity, within, accuracy  as for `check`, of each design; accuracy such as "5 %"
+    fidelity, within, accuracy  as for `check`, of each design; accuracy such as "5 %"; fidelity
+                may be "swept", solids on meshes carried over (docs/batch.md)
     jobs        designs at a time; None for one per core
     time_limit  such as "600 s", after which a design is stopped; "none" for no limit
     memory      such as "4 GB", above which a design is stopped; None for its share of what is free

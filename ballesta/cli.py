@@ -173,7 +173,14 @@ def batch(
             help="search one --sweep for the value that just passes: pass, or 'pass of PART, PART'",
         ),
     ] = None,
-    fidelity: Fidelity = "auto",
+    fidelity: Annotated[
+        str,
+        typer.Option(
+            "--fidelity",
+            metavar="RUNG",
+            help="as for check; or swept: solids on meshes carried over from a neighbour",
+        ),
+    ] = "auto",
     within: Within = None,
     accuracy: Accuracy = None,
     time_limit: Annotated[

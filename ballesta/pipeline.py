@@ -43,6 +43,7 @@ from checks.columns.linkage_store import stored_mode
 from checks.derivations.buckling import linkage_share
 from checks.design.data import Design
 from checks.design.errors import DesignError, NumericsError
+from checks.ladder.carried import Neighbour
 from checks.ladder.leaf_checks import LeafBand
 from checks.ladder.part_fields import undrawn_warnings
 from checks.ladder.part_ladder import (
@@ -119,11 +120,13 @@ def check_design(
     reading: float = 0.0,
     store: Store | None = None,
     live: bool = False,
+    neighbours: Callable[[str], Neighbour | str] | None = None,
 ) -> DesignResult:
     """Check all parts of a design over all its cycles; as `check_with_cycles`."""
     return check_with_cycles(
-        design, effort=effort, say=say, reading=reading, store=store, live=live
-    ).result
+        design, effort=effort, say=say, reading=reading, store=store, live=live,
+        neighbours=neighbours,
+    ).result  # fmt: skip
 
 
 @one_thread()
@@ -137,6 +140,7 @@ def check_with_cycles(
     live: bool = False,
     begun: float | None = None,
     keep: Keep | None = None,
+    neighbours: Callable[[str], Neighbour | str] | None = None,
 ) -> Checked:
     """Check all parts of a design over all its cycles; raises DesignError and NumericsError.
 
@@ -145,6 +149,7 @@ def check_with_cycles(
     live    whether fields and motion at every position are wanted, for a page or a window
     begun   when its time began, on the clock of `perf_counter`; None for when reading began
     keep    is handed what is finished meanwhile (ballesta/unfinished.py)
+    neighbours  of swept solids, as the ladder asks for them
     """
     if begun is None:
         begun = perf_counter() - reading
@@ -179,7 +184,9 @@ def check_with_cycles(
     frame = _frame(design, machine, doubts, linkage, effort, timings)
     start = perf_counter()
     before = sum(models.seconds.values())
-    ladder = Ladder(design, models, effort, begun, say, live, _kept(design, frame, keep))
+    ladder = Ladder(
+        design, models, effort, begun, say, live, _kept(design, frame, keep), neighbours
+    )
     results = ladder.check(runs, doubts.all)
     spent = sum(models.seconds.values()) - before
     timings |= models.seconds

@@ -139,6 +139,8 @@ class Mesh:
     half        True if it is the half at z >= 0 of a part that is its own mirror image about z = 0;
                 it ends at the surface SYMMETRY, and its interfaces are those of the whole part
     unit        mm, in which it was meshed: sizes of a finer mesh are steps of that unit
+    entities    (n_nodes, 2) dimension and tag of the CAD vertex, edge, face or solid that each node
+                is on; none of a stack
     """
 
     nodes: FloatArray
@@ -150,6 +152,7 @@ class Mesh:
     ties: tuple[Tie, ...] = ()
     half: bool = False
     unit: float = 1.0
+    entities: IntArray | None = None
 
     def __post_init__(self) -> None:
         if self.nodes.ndim != 2 or self.nodes.shape[1] != 3:
@@ -252,6 +255,7 @@ class Mesh:
             elements=renumber[self.elements],
             surfaces={name: renumber[facets] for name, facets in self.surfaces.items()},
             ties=(),
+            entities=None,
         )
 
     @cached_property

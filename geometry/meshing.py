@@ -304,7 +304,7 @@ def _set_sizes(gmsh: Any, body: Body, fineness: float, sizes: SizeField | None) 
     gmsh.option.setNumber("Mesh.MeshSizeMax", body.size / fineness)
 
 
-def _rounded(nodes: FloatArray) -> FloatArray:
+def rounded(nodes: FloatArray) -> FloatArray:
     """Nodes to 1e-10 of the part's size: the last bits of moved ones depend on the processor."""
     digits = 10 - math.ceil(math.log10(float(np.ptp(nodes, axis=0).max())))
     return np.asarray(np.round(nodes, digits))
@@ -316,7 +316,7 @@ def _read_mesh(gmsh: Any, body: Body, mesher: str, unit: float) -> Mesh:
     if len(volumes) != 1 and not (body.stacked and volumes):
         raise MeshError(f"the part must be one solid, the CAD kernel built {len(volumes)}")
     _, places, index = _nodes(gmsh)
-    nodes = _rounded(places)
+    nodes = rounded(places)
 
     solids = [_solids(gmsh, index, tag) for tag in volumes]
     split = split_bodies(nodes, solids)
@@ -349,7 +349,17 @@ def _read_mesh(gmsh: Any, body: Body, mesher: str, unit: float) -> Mesh:
         ties=ties_of(placed, renumber[split.pairs], body.bolted_at),
         half=body.half,
         unit=unit,
+        entities=_entities(gmsh, index)[used] if len(volumes) == 1 else None,
     )
+
+
+def _entities(gmsh: Any, index: IntArray) -> IntArray:
+    """Dimension and tag of the CAD entity that each node is on, (n, 2)."""
+    found = np.zeros((int(index.max()) + 1, 2), dtype=np.int64)
+    for entity in gmsh.model.getEntities():
+        tags = gmsh.model.mesh.getNodes(*entity, returnParametricCoord=False)[0]
+        found[index[np.asarray(tags, dtype=np.int64)]] = entity
+    return found
 
 
 def _solids(gmsh: Any, index: IntArray, tag: int) -> IntArray:

@@ -73,11 +73,12 @@ def _checked(job: Job, sources: dict[str, str]) -> "DesignResult":
     from ballesta.design.read import read_design
     from ballesta.pipeline import check_design
     from ballesta.run import check_to_folder, progress
+    from ballesta.sweeps.neighbours import Neighbours
     from checks.design.effort import effort_of
     from checks.store.results import keep_result, recalled_result
     from reports.files import write_json
 
-    effort = effort_of(job.fidelity, job.within)
+    effort = effort_of(job.fidelity, job.within, of_batch=True)
     accuracy = () if job.accuracy is None else (f"accuracy={job.accuracy}",)
     overrides = (*job.overrides, *accuracy)
     path, folder, store = Path(job.file), Path(job.folder), _store(job.store)
@@ -97,7 +98,10 @@ def _checked(job: Job, sources: dict[str, str]) -> "DesignResult":
         result = kept.result
     else:
         with progress(path) as say:
-            result = check_design(design, effort=effort, say=say, reading=reading, store=store)
+            neighbours = Neighbours(path, overrides, store).of
+            result = check_design(
+                design, effort=effort, say=say, reading=reading, store=store, neighbours=neighbours
+            )
         keep_result(store, design, effort, result, {})
     write_json(result, folder / "result.json")
     return result

@@ -10,6 +10,7 @@ from typing import Any
 
 from ballesta.batches.outcome import Job
 from ballesta.run import folder_name
+from checks.design.effort import SWEPT
 from checks.design.errors import DesignError
 from geometry.bounded_files import read_bounded
 from reports.files import write_whole
@@ -81,7 +82,10 @@ def planned(request: Request, out: Path, reports: bool | None, store: Path | Non
         raise refusals[0]
     wanted = reports
     if reports is None:
-        wanted = sum(len(design.variations) for design in designs) <= REPORTS_UP_TO
+        wanted = (
+            request.fidelity != SWEPT
+            and sum(len(design.variations) for design in designs) <= REPORTS_UP_TO
+        )
     taken = {name.casefold() for name in _OWN}
     jobs, notes, refused = [], {}, {}
     for design in designs:

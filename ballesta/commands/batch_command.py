@@ -18,7 +18,7 @@ from ballesta.batches.plan import Request, claim_folder, planned
 from ballesta.batches.run import run_batch
 from ballesta.run import guarded
 from ballesta.sweeps.sweep_text import parse_sweep
-from checks.design.effort import effort_of
+from checks.design.effort import SWEPT, effort_of
 from checks.design.errors import DesignError
 from checks.design.units import measure
 from checks.result.words import brief, clean
@@ -101,7 +101,9 @@ def summary(outcomes: Sequence[Mapping[str, Any]], out: Path) -> str:
 
 
 def _request(designs: Sequence[Path], wanted: Wanted) -> Request:
-    effort_of(wanted.fidelity, wanted.within)  # raises what is wrong with them
+    effort_of(wanted.fidelity, wanted.within, of_batch=True)  # raises what is wrong with them
+    if wanted.fidelity == SWEPT and wanted.reports:
+        raise DesignError(_HERE, "--reports", f"is not for --fidelity {SWEPT}: check one design")
     if wanted.sample is not None and not wanted.sweeps:
         raise DesignError(_HERE, "--sample", "needs a --sweep to take samples from")
     swept = {key for text in wanted.sweeps for key in parse_sweep(text).keys}

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from checks.design.errors import DesignError, no_such
 
-AUTO, SOLID = "auto", "solid"
+AUTO, SOLID, SWEPT = "auto", "solid", "swept"
 FIDELITIES = (AUTO, "formula", "beam", SOLID)
 
 
@@ -14,7 +14,7 @@ FIDELITIES = (AUTO, "formula", "beam", SOLID)
 class Effort:
     """Which models a check may use, and how long it may take.
 
-    fidelity  "auto", "formula", "beam" or "solid"
+    fidelity  "auto", "formula", "beam" or "solid"; in a batch "swept", a solid by a carried mesh
     within    s from the start of the check; nothing is begun that is expected to end later, its
               report included; None for no limit
     pinned    part -> kind of check -> the rung that must decide it; other parts as `fidelity` says
@@ -33,8 +33,9 @@ class Effort:
 
     @property
     def options(self) -> list[str]:
-        """The options of the command line that ask for it."""
-        found = [] if self.fidelity == AUTO else [f"--fidelity {self.fidelity}"]
+        """The options of a check that ask for it; of a swept solid, for meshes of its own."""
+        fidelity = SOLID if self.fidelity == SWEPT else self.fidelity
+        found = [] if fidelity == AUTO else [f"--fidelity {fidelity}"]
         found += [] if self.within is None else [f"--within {self.within:g}s"]
         return [*found, "--fields"] if self.fields else found
 
@@ -42,11 +43,19 @@ class Effort:
 DEFAULT_EFFORT = Effort()
 
 
-def effort_of(fidelity: str, within: str | None, *, fields: bool = False) -> Effort:
-    """Return the effort that options of the command line ask for; raises DesignError."""
+def effort_of(
+    fidelity: str, within: str | None, *, fields: bool = False, of_batch: bool = False
+) -> Effort:
+    """Return the effort that options of the command line ask for; raises DesignError.
+
+    of_batch  whether a batch asks, in which solids may be swept
+    """
     here = Path("command line")
-    if fidelity not in FIDELITIES:
-        raise DesignError(here, "--fidelity", no_such("rung", fidelity, FIDELITIES))
+    known = (*FIDELITIES, SWEPT) if of_batch else FIDELITIES
+    if fidelity not in known:
+        raise DesignError(here, "--fidelity", no_such("rung", fidelity, known))
+    if fidelity == SWEPT and within is not None:
+        raise DesignError(here, "--within", f"is not for --fidelity {SWEPT}")
     if within is None:
         return Effort(fidelity, fields=fields)
     from checks.design.units import measure

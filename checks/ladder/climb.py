@@ -21,7 +21,7 @@ from checks.stress.stress_result import RungLevel, RungModel
 from fem.solvers import SolverError
 from geometry.mesh import MeshError
 
-AUTO, SOLID = "auto", "solid"
+AUTO, SOLID, SWEPT = "auto", "solid", "swept"
 GAVE_UP = "gave up"
 BUILDERS: Mapping[str, Callable[..., RungModel | None]] = {  # of part and its loads
     "formula": shapes.model_of,
@@ -253,7 +253,8 @@ def climb_cheap(climb: Climb, fidelity: str, say: Say = lambda _: None) -> bool:
     """Climb the rungs below the solid; whether the solid is wanted.
 
     fidelity  "auto", or the one rung that was asked for; where it has no answer the others below
-              the solid stand for it, and the solid where there are none
+              the solid stand for it, and the solid where there are none; "swept": the solid, and
+              rungs below it for buckling
     """
     rungs = climb_rungs(climb, fidelity, say)
     while True:
@@ -267,10 +268,15 @@ def climb_rungs(
     climb: Climb, fidelity: str, say: Say = lambda _: None
 ) -> Generator[None, None, bool]:
     """Climb as `climb_cheap` does; pauses after each rung that another one follows."""
-    if fidelity == SOLID:
+    if fidelity == SOLID or (fidelity == SWEPT and climb.part.fkm is not None):
         return True
     if climb.part.fkm is not None:
         climb.skip(next(iter(BUILDERS)) if fidelity == AUTO else fidelity, FKM_NEEDS_SOLID)
+        return True
+    if fidelity == SWEPT:
+        for rung in BUILDERS:
+            if BUCKLING in climb.open:
+                climb.take(rung, [BUCKLING])
         return True
     if fidelity == AUTO:
         for rung in BUILDERS:

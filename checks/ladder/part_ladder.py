@@ -16,9 +16,10 @@ from checks.derivations.buckling import elastic_share
 from checks.derivations.stresses import fatigue, static
 from checks.design.data import Design, Part
 from checks.design.effort import DEFAULT_EFFORT as DEFAULT_EFFORT
-from checks.design.effort import SOLID
+from checks.design.effort import SOLID, SWEPT
 from checks.design.effort import Effort as Effort
 from checks.design.errors import DesignError, NumericsError
+from checks.ladder.carried import Neighbour, carried_result
 from checks.ladder.climb import (
     ANSWERS,
     BUILDERS,
@@ -62,7 +63,7 @@ class Ladder:
     live      whether a page will show the fields at every position
     finished  is handed each part's result, and what a better model may still settle of it, before
               the models that take longer are begun, and when it is final
-    doubts    what the runs may be instead
+    neighbours  the neighbour of each part, or why it has none, where solids are swept
 
     The cheap rungs of all parts come first, and of these the cheapest of all parts, so that what
     time there is goes to solids that settle something; under a time limit the ones that are
@@ -76,12 +77,14 @@ class Ladder:
     say: Say
     live: bool = False
     finished: Finished | None = None
+    neighbours: Callable[[str], Neighbour | str] | None = None
     climbs: dict[str, Climb] = field(default_factory=dict)
     results: dict[str, PartResult] = field(default_factory=dict)
     _climbing: dict[str, Iterator[None]] = field(default_factory=dict)
     _wanted: dict[str, bool] = field(default_factory=dict)  # whether a part's solid is
     _settled: list[str] = field(default_factory=list)  # without a mesh
     _pinned: dict[str, frozenset[str]] = field(default_factory=dict)  # kinds that are the solid's
+    _why_anew: dict[str, str] = field(default_factory=dict)
     _told_at: dict[str, float] = field(default_factory=dict)
     # a result without and with the checks that are formulas
     _complete: dict[str, tuple[PartResult, PartResult]] = field(default_factory=dict)
@@ -175,6 +178,8 @@ class Ladder:
                 )
                 self._settle(name)
                 return
+            if self.effort.fidelity == SWEPT and not self._anew(name):
+                return
             self.say(f"{name}: solving")
             pinned = self._pinned.get(name)
             self.results[name] = solid_result(
@@ -186,7 +191,31 @@ class Ladder:
                 pinned=pinned,
                 live=self.live,
             )
+            if name in self._why_anew:
+                assumed = [
+                    *self.results[name].assumed,
+                    f"meshes of its own: {self._why_anew[name]}",
+                ]
+                self.results[name] = replace(self.results[name], assumed=assumed)
             self._tell(name)
+
+    def _anew(self, name: str) -> bool:
+        """True if a part's solid needs meshes of its own; else its result is there."""
+        climb = self.climbs[name]
+        found: PartResult | str = "its buckling is open"
+        if BUCKLING not in climb.open and self.neighbours is not None:
+            neighbour = self.neighbours(name)
+            found = (
+                neighbour
+                if isinstance(neighbour, str)
+                else carried_result(climb, neighbour, self.models, self.say)
+            )
+        if isinstance(found, str):
+            self._why_anew[name] = found
+            return True
+        self.results[name] = found
+        self._tell(name)
+        return False
 
     def _costs(self, names: Sequence[str]) -> dict[str, float]:
         """Expected times of solids, s; none without a time limit."""

@@ -94,17 +94,17 @@ def check_solid(
               or (what is use and "fatigue" in asked.kinds)]  # fmt: skip
 
     once = replace(asked, settling=none_settles)
-    solved = by_arcs = _solved(loaded, models, both, judged, say, once)
+    solved = by_arcs = solve_stress(loaded, models, both, judged, say, once)
     fitted = with_assumed_fits(loaded, by_arcs.finest, by_arcs.checks)
     if fitted is not None:
         say(f"{part.name}: contact of its pins")
         try:
-            solved = _solved(fitted, models, both, judged, say, asked, by_arcs)
+            solved = solve_stress(fitted, models, both, judged, say, asked, by_arcs)
             loaded = fitted
         except (ContactError, MeshError):
             pass  # as where no contact is asked for: arcs, and their band, are told
     if solved is by_arcs and any(check.settled_by_mesh for check in by_arcs.checks):
-        solved = _solved(loaded, models, both, judged, say, asked, by_arcs)
+        solved = solve_stress(loaded, models, both, judged, say, asked, by_arcs)
     levels, finest = solved.levels, solved.finest
     stressed, by_hand = list(solved.checks), list(solved.by_hand)
     arcs = _arcs_that_pass(loaded, levels, both, stressed, solved.doubts)
@@ -130,7 +130,7 @@ def check_solid(
         gates=gates,
         hand_checks=by_hand,
         meshes=[{"body": "half" if lv.half else "whole", **mesh_row(lv)} for lv in levels],
-        facts=_facts(loaded, levels, use, properties, asked) | arcs,
+        facts=solid_facts(loaded, levels, use, properties, asked) | arcs,
         charts=charts_of(loaded, finest, use, levels)
         | (pins_data(finest, solved.bars) if asked.live else {}),
         surface=shown_surface(loads, finest),
@@ -141,7 +141,7 @@ def check_solid(
 
 
 @dataclass(frozen=True, eq=False)
-class _Solved:
+class SolvedStress:
     """A part on its meshes, and its stress checks on the last of them.
 
     sizes    of the elements of the last mesh; None where it is the first
@@ -165,15 +165,15 @@ class _Solved:
         return self.levels[-1]
 
 
-def _solved(
+def solve_stress(
     loaded: LoadedPart,
     models: Models,
     both: Sequence[Judged],
     judged: Sequence[Judged],
     say: Say,
     asked: Asked,
-    before: _Solved | None = None,
-) -> _Solved:
+    before: SolvedStress | None = None,
+) -> SolvedStress:
     """Solve a part on meshes as fine as is asked for, and judge its stress.
 
     both    the stresses that a check is made of; judged: those that meshes are refined for
@@ -183,7 +183,7 @@ def _solved(
 
     def widened(levels: Sequence[Level]) -> LoadBars:
         if not doubts:
-            doubts.append(load_bars(loaded.loads, _values(loaded, levels[0])))
+            doubts.append(load_bars(loaded.loads, mesh_values(loaded, levels[0])))
         return doubts[0]
 
     known: dict[tuple[int, Judged], _Judgement] = {}
@@ -229,7 +229,7 @@ def _solved(
             for check in stressed
         ]
     bars = {one.what: one.bars for one in judgements_of(levels, wanted) if one.own is not None}
-    return _Solved(loaded, levels, sizes, stopped, widened(levels), by_hand, stressed, bars)
+    return SolvedStress(loaded, levels, sizes, stopped, widened(levels), by_hand, stressed, bars)
 
 
 @dataclass(frozen=True, eq=False)
@@ -270,7 +270,7 @@ def _judgement(
 ) -> _Judgement:
     """Judge a stress on the last mesh."""
     bars = bars_of(what, loaded.part, levels, loaded.accuracy)
-    own = doubts(_stress_check(loaded, levels[-1], what, bars))
+    own = doubts(stress_check(loaded, levels[-1], what, bars))
     at_edges = _edges_judged(loaded, levels, what, bars)
     if isinstance(at_edges, Check):
         return _Judgement(what, bars, None, doubts(at_edges))
@@ -287,7 +287,7 @@ def _edges_judged(
     """
 
     def make(level: Stressed, bars: Bars) -> Check:
-        return _stress_check(loaded, level, what, bars)
+        return stress_check(loaded, level, what, bars)
 
     if not all(len(level.edges[0]) for level in levels):
         return ""
@@ -331,7 +331,7 @@ def _arcs_that_pass(
     return found
 
 
-def _values(loaded: LoadedPart, level: Level) -> Callable[[PartLoads], Mapping[str, float]]:
+def mesh_values(loaded: LoadedPart, level: Level) -> Callable[[PartLoads], Mapping[str, float]]:
     """A function for the stress checks' values on one mesh under other loads, by kind.
 
     Only their ratios count: pressures are the assumed ones, whose stress grows with the force.
@@ -359,7 +359,7 @@ def _values(loaded: LoadedPart, level: Level) -> Callable[[PartLoads], Mapping[s
     return values_of
 
 
-def _facts(
+def solid_facts(
     loaded: LoadedPart,
     levels: Sequence[Level],
     use: FatigueUse | None,
@@ -381,7 +381,8 @@ def _facts(
     return facts
 
 
-def _stress_check(loaded: LoadedPart, level: Stressed, judged: Judged, bars: Bars) -> Check:
+def stress_check(loaded: LoadedPart, level: Stressed, judged: Judged, bars: Bars) -> Check:
+    """The check of a stress with its bars, without a derivation and the doubts about its loads."""
     loads = loaded.loads
     more, why = 0.0, ""
     if isinstance(judged, FatigueUse):

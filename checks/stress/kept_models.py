@@ -122,6 +122,16 @@ class Models:
             self.seconds["solve"] += perf_counter() - start
         return self._solutions[key]
 
+    def solved(self, mesh: Mesh, material: "Elastic") -> "UnitSolutions":
+        """Solve the unit loads of a mesh that no other part has; they are not kept."""
+        from fem.unit_solutions import solve_unit_loads
+
+        start = perf_counter()
+        solutions = solve_unit_loads(mesh, material)
+        _ = solutions.basis
+        self.seconds["solve"] += perf_counter() - start
+        return solutions
+
     def keep_only(self, shapes: Set[Buildable]) -> None:
         """Let go of the meshes and factors of all other shapes: a factor takes up to a GiB."""
         self._meshes = {k: mesh for k, mesh in self._meshes.items() if _whole(k[0]) in shapes}

@@ -1,0 +1,112 @@
+"""Neighbours of variations: the same design with its dimensions on a grid about the file's.
+
+Lengths of parts and forces that a variation sets are taken to the nearest point of a grid whose
+steps are 20 %, about what the file states: no dimension is more than 9.6 % off. All else of the
+variation stays. So a variation's neighbour depends on itself and on the file alone, not on which
+variations came before, and many share one.
+"""
+
+import math
+import re
+from collections import OrderedDict
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from ballesta.design.read import read_design
+from ballesta.machine.runs import doubts_of, run_machine
+from checks.design.data import Design
+from checks.design.errors import DesignError, NumericsError
+from checks.ladder.carried import Neighbour, neighbour_of
+from checks.part.loaded_part import LoadedPart
+from checks.store.store import Store
+from checks.stress.kept_models import Models
+from fem.solvers import SolverError
+from geometry.mesh import MeshError
+from loads import LinkageError
+
+STEP = 1.2
+_KEPT = 32  # neighbours of a process; each has a mesh of some MB
+_PACKAGES = ("ballesta", "checks", "fatigue", "fem", "geometry", "loads")
+_LENGTH = re.compile(r"parts\.\w+\.\w+$"), re.compile(r"(\d+(?:\.\d+)?)\s*(mm|cm|m)")
+_FORCE = re.compile(r"(?:cycles|forces)\..+$"), re.compile(r"(\d+(?:\.\d+)?)\s*(N|kN)")
+_found: OrderedDict[tuple[str, ...], Neighbour | str] = OrderedDict()
+
+
+def on_grid(overrides: Sequence[str], stated: Sequence[tuple[str, str]]) -> tuple[str, ...]:
+    """The overrides ("key=value") with lengths and forces at the nearest points of the grid.
+
+    stated  (key, value) of the file without them
+
+    >>> on_grid(["parts.bar.wall=7.2 mm", "material=S355"], [("parts.bar.wall", "6 mm")])
+    ('parts.bar.wall=7.2 mm', 'material=S355')
+    >>> on_grid(["parts.bar.wall=6.5 mm"], [("parts.bar.wall", "6 mm")])
+    ('parts.bar.wall=6 mm',)
+    """
+    known = dict(stated)
+    return tuple(_near(text, known) for text in overrides)
+
+
+def _stated(key: str, known: Mapping[str, str]) -> str:
+    """The value of a key, or of that key of the part that its part is like; "" without one."""
+    while key not in known:
+        table, _, name = key.rpartition(".")
+        if f"{table}.like" not in known:
+            return ""
+        key = f"parts.{known[f'{table}.like']}.{name}"
+    return known[key]
+
+
+def _near(override: str, known: Mapping[str, str]) -> str:
+    key, _, value = (text.strip() for text in override.partition("="))
+    stated = _stated(key, known)
+    for keys, values in (_LENGTH, _FORCE):
+        here, there = values.fullmatch(value), values.fullmatch(stated.strip())
+        if keys.match(key) and here and there and here[2] == there[2] and float(there[1]):
+            ratio = float(here[1]) / float(there[1])
+            steps = round(math.log(ratio) / math.log(STEP)) if ratio else 0
+            return f"{key}={float(there[1]) * STEP**steps:.6g} {here[2]}" if ratio else override
+    return override
+
+
+class Neighbours:
+    """The neighbours of the parts of one variation of a design."""
+
+    def __init__(self, file: Path, overrides: Sequence[str], store: Store | None = None) -> None:
+        """Take the overrides that make the variation.
+
+        store  where the neighbours of earlier runs are
+        """
+        self._file, self._store, self._overrides = file, store, tuple(overrides)
+
+    def of(self, part: str) -> Neighbour | str:
+        """The neighbour of a part; in words, why it has none."""
+        try:
+            overrides = on_grid(self._overrides, read_design(self._file).inputs)
+            design = read_design(self._file, overrides)
+        except DesignError as error:
+            return f"its neighbour is refused: {error}"
+        key = (str(self._file), design.sha256, *overrides, part)
+        if key not in _found:
+            while len(_found) >= _KEPT:
+                _found.popitem(last=False)
+            if self._store is None:
+                _found[key] = self._solved(design, part)
+            else:
+                inputs = (key[1:], [text for _, text in design.sources])
+                _found[key] = self._store.remember(
+                    "neighbour", _PACKAGES, inputs, lambda: self._solved(design, part)
+                )
+        _found.move_to_end(key)
+        return _found[key]
+
+    def _solved(self, design: Design, part: str) -> Neighbour | str:
+        models = Models()
+        try:
+            if part not in design.parts:
+                return "its neighbour has no such part"
+            machine = run_machine(design, models)
+            design, doubts = machine.design, doubts_of(machine.design, machine).all
+            loaded = LoadedPart.of(design, design.parts[part], machine.all, models, doubts)
+            return neighbour_of(loaded, models)
+        except (DesignError, NumericsError, MeshError, SolverError, LinkageError) as error:
+            return f"its neighbour cannot be solved: {error}"

@@ -1,0 +1,98 @@
+"""Batches of solids on carried meshes."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+import ballesta.sweeps.neighbours as neighbours
+from ballesta.batches.job import run_job
+from ballesta.batches.outcome import Job
+from ballesta.commands.batch_command import Wanted, outcomes_of
+from checks.design.errors import DesignError
+
+from ...small_machine import MACHINE, PLATE
+
+
+def checked(folder: Path, thickness: str, fidelity: str = "swept", store: str | None = None):
+    """Result of a variation, as its file has it, without what depends on the day and the clock."""
+    (folder / "machine.toml").write_text(MACHINE + PLATE.replace("fineness = 0.5", "fineness = 1"))
+    out = folder / fidelity / thickness.replace(" ", "_")
+    out.mkdir(parents=True, exist_ok=True)
+    override = f"parts.rod.thickness={thickness}"
+    outcome = run_job(Job("machine", str(folder / "machine.toml"), (override,), fidelity, None,
+                          "10 %", str(out), False, store))  # fmt: skip
+    assert outcome["status"] in ("pass", "FAIL", "UNDECIDED"), outcome
+    result = json.loads((out / "result.json").read_text())
+    (part,) = result["parts"]
+    for rung in part["rungs"]:
+        del rung["seconds"]
+    return part
+
+
+def stresses(part):
+    return {c["kind"]: c for c in part["checks"] if c["kind"] in ("static", "fatigue")}
+
+
+@pytest.fixture
+def none_known(monkeypatch):
+    monkeypatch.setattr(neighbours, "_found", type(neighbours._found)())
+
+
+def test_a_swept_stress_is_that_of_a_solid_within_its_bar(tmp_path, none_known):
+    """Both have a mesh of their own only in the second case, whose bar is of its own meshes."""
+    swept, solid = checked(tmp_path, "9.3 mm"), checked(tmp_path, "9.3 mm", "solid")
+    assert swept["meshes"][0]["mesher"].endswith("carried over")
+    for kind, check in stresses(swept).items():
+        other = stresses(solid)[kind]
+        assert check["method"] == "solid, mesh carried over"
+        assert 0 < check["numerical"] < 0.1 * check["value"]
+        away = abs(check["value"] - other["value"])
+        assert away <= check["numerical"] + other["numerical"]
+
+
+def test_a_swept_result_depends_on_no_other_variation(tmp_path, none_known, monkeypatch):
+    """First, after another one, and with the neighbour from a store: the same to the last bit."""
+    first = checked(tmp_path, "9.3 mm")
+    monkeypatch.setattr(neighbours, "_found", type(neighbours._found)())
+    store = str(tmp_path / "store")
+    checked(tmp_path, "9.7 mm", store=store)
+    assert checked(tmp_path, "9.3 mm", store=store) == first
+    monkeypatch.setattr(neighbours, "_found", type(neighbours._found)())
+    (tmp_path / "swept").rename(tmp_path / "before")
+    assert checked(tmp_path, "9.3 mm", store=store) == first
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "change", ["thickness=2.4 mm", "thickness=24 mm", "hole=6 mm", "hole=21.6 mm"]
+)
+def test_dimensions_far_from_the_file_s_have_neighbours_there(tmp_path, none_known, change):
+    """0.3 and 3 times the thickness, 0.5 and 1.8 times the hole: their grid reaches there."""
+    name, _, size = change.partition("=")
+    text = MACHINE + PLATE
+    (tmp_path / "machine.toml").write_text(text)
+    out = tmp_path / "out"
+    out.mkdir()
+    job = Job("machine", str(tmp_path / "machine.toml"), (f"parts.rod.{name}={size}",), "swept",
+              None, "10 %", str(out), False)  # fmt: skip
+    assert run_job(job)["status"] in ("pass", "FAIL", "UNDECIDED")
+    (part,) = json.loads((out / "result.json").read_text())["parts"]
+    assert all(mesh["smallest scaled det J"] > 0 for mesh in part["meshes"])
+    carried = part["meshes"][0]["mesher"].endswith("carried over")
+    assert carried != any("meshes of its own" in said for said in part["assumed"])
+
+
+def test_a_part_without_a_neighbour_has_meshes_of_its_own(tmp_path, none_known, monkeypatch):
+    monkeypatch.setattr(neighbours, "neighbour_of", lambda *_: "it has sharp edges")
+    part = checked(tmp_path, "9.3 mm")
+    assert "meshes of its own: it has sharp edges" in part["assumed"]
+    assert {check["method"] for check in stresses(part).values()} == {"solid"}
+
+
+@pytest.mark.parametrize(
+    ("wish", "key"), [({"reports": True}, "--reports"), ({"within": "9s"}, "--within")]
+)
+def test_what_swept_solids_do_not_have_is_refused(tmp_path, wish, key):
+    with pytest.raises(DesignError, match=f"{key}: is not for --fidelity swept"):
+        outcomes_of([tmp_path / "machine.toml"], Wanted(tmp_path / "out", fidelity="swept", **wish))
