@@ -12,7 +12,7 @@ import numpy as np
 
 import loads
 from ballesta.machine.quasi_static import with_sections
-from checks.design.data import Design
+from checks.design.data import Cycle, Design
 from checks.design.errors import DesignError
 from checks.part.part_loads import shown_position
 from checks.result.verdict import Gate
@@ -40,15 +40,14 @@ def blows_of(
     shown = shown_position(design.cycles[cycle.name], cycle.positions)
     found = []
     forces = {one.row: _force(one) for one in solved}
-    for name, law, k in _met(design, cycle):
+    for name, law, k in _met(design.cycles[cycle.name], cycle):
         summary = _summary(design, cycle, name, law, k, float(shown[k]))
         found.append(replace(summary, solved=forces.get(k)))
     return sorted(found, key=lambda one: one.time)
 
 
-def _met(design: Design, cycle: loads.CycleLoads) -> Iterator[tuple[str, loads.Contact, int]]:
+def _met(stated: Cycle, cycle: loads.CycleLoads) -> Iterator[tuple[str, loads.Contact, int]]:
     """Force, law and row of every contact that is met at a speed."""
-    stated = design.cycles[cycle.name]
     for name, contact in cycle.contacts.items():
         for k in contact.begins.tolist():
             law = stated.run.phases[int(cycle.phase_of[k + 1])].given[name]
@@ -65,12 +64,13 @@ def solved_blows(design: Design, solved: Mapping[str, loads.CycleLoads]) -> Blow
     cannot be followed.
     """
     found: dict[str, list[loads.BlowLoads]] = {}
-    for cycle in solved.values():
-        for name, law, k in sorted(_met(design, cycle), key=lambda one: one[2]):
+    for own, cycle in solved.items():
+        stated = design.cycles[own]
+        for name, law, k in sorted(_met(stated, cycle), key=lambda one: one[2]):
             if law.struck is None:
                 continue
             elastic, _, _ = with_sections(design, cycle)
-            _, inertia, known = _driven(design, design.cycles[cycle.name].run.pace)
+            _, inertia, known = _driven(design, stated.run.pace)
             try:
                 blow = loads.blow_loads(
                     cycle,
@@ -83,9 +83,9 @@ def solved_blows(design: Design, solved: Mapping[str, loads.CycleLoads]) -> Blow
                 )
             except loads.LinkageError as error:
                 raise DesignError(
-                    design.file, f"cycles.{cycle.name}", f"the blow of {name}: {error}"
+                    design.file, f"cycles.{own}", f"the blow of {name}: {error}"
                 ) from error
-            found.setdefault(cycle.name, []).append(blow)
+            found.setdefault(own, []).append(blow)
     return found
 
 
@@ -134,7 +134,9 @@ def blow_subject(design: Design, solved: Mapping[str, loads.CycleLoads]) -> str:
     """
     blows, after = [], ""
     for name, cycle in solved.items():
-        known = {float(cycle.times[k]) for _, law, k in _met(design, cycle) if law.struck}
+        known = {
+            float(cycle.times[k]) for _, law, k in _met(design.cycles[name], cycle) if law.struck
+        }
         after = _AFTER if known else after
         blows += [(name, one) for one in blows_of(design, cycle) if one.time not in known]
     blows = [(name, blow) for name, blow in blows if blow.impulse[1] > 0.0]

@@ -42,7 +42,10 @@ class Windows(types.ModuleType):
     def __init__(self, real, missing=(), **instead):
         super().__init__(real.__name__)
         self.__dict__.update(instead)
-        self._real, self._missing = real, frozenset(missing)
+        self.__dict__.update(_real=real, _missing=frozenset(missing))
+
+    def __setattr__(self, name, value):
+        setattr(self._real, name, value)  # such as sys.stdout, of which a process has one
 
     def __getattr__(self, name):
         if name in self._missing:
