@@ -118,7 +118,7 @@ def compare(overrides: Sequence[str], store: Store) -> dict[str, Any]:
     loaded, models = loaded_of(overrides)
     neighbour = Neighbours(PRESS, overrides, store).of(PART)
     if isinstance(neighbour, str):
-        return {"anew": neighbour}
+        return {"anew": neighbour.splitlines()[0].replace(f"{PRESS}: ", "")}
     start = process_time()
     swept = carried_result(start_climb(loaded), neighbour, models, lambda _: None)
     spent = process_time() - start
