@@ -76,7 +76,7 @@ class Chain:
 
     @property
     def unknowns(self) -> int:
-        """w, w', t and t' at each node."""
+        """w/l, w', t and l t' at each node, l the chain's length: one unit for all keeps digits."""
         return 4 * len(self.nodes)
 
     @cached_property
@@ -97,8 +97,9 @@ class Chain:
         own = cubics((places - self.nodes[member]) / size, size, slopes)
         aside, twist = (np.zeros((len(places), self.unknowns)) for _ in range(2))
         row = np.arange(len(places))[:, None]
-        aside[row, 4 * member[:, None] + _W] = own
-        twist[row, 4 * member[:, None] + _T] = own
+        length = float(np.ptp(self.nodes))
+        aside[row, 4 * member[:, None] + _W] = own * np.array([length, 1.0, length, 1.0])
+        twist[row, 4 * member[:, None] + _T] = own / np.array([1.0, length, 1.0, length])
         return aside, twist
 
     @cached_property
