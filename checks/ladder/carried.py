@@ -184,14 +184,14 @@ def carried_result(
         if share is None:
             return f"its {kind} stress is largest where the neighbour's is not large"
         value = what.value(level)
-        error = WIDER * share + ADDED
-        bar = ErrorBar(error * value, 0.0, 0.0, value)
+        off = WIDER * share + ADDED
+        bar = ErrorBar(off * value, 0.0, 0.0, value)
         above, below = (
             value * (one + _BAND * sum(neighbour.bands[kind])) for one in neighbour.bands[kind]
         )
         said = "error bars by a neighbour of nearly the same dimensions"
-        if error > loaded.accuracy:
-            more = f"numerical error {100 * error:.2g} %, asked for"
+        if off > loaded.accuracy:
+            more = f"numerical error {100 * off:.2g} %, asked for"
             said = f"{more} {100 * loaded.accuracy:g} %; {said}"
         bars = Bars(bar, above, below, said)
         checks.append(doubts(replace(stress_check(loaded, level, what, bars), method=METHOD)))
