@@ -36,7 +36,7 @@ Stress = Callable[[FloatArray, FloatArray], FloatArray]
 
 @dataclass(frozen=True, eq=False)
 class _Grid:
-    """Lines of the plates laid out, mm.
+    """Lines of the plates laid out, mm; each node has w, slopes across and along, mixed second one.
 
     along   (m,) from the bar's end, 0 at the pin
     across  (k,) from the cheek's middle over its edge to the side wall's middle
@@ -51,10 +51,6 @@ class _Grid:
     def shape(self) -> tuple[int, int]:
         """Numbers of lines."""
         return len(self.along), len(self.across)
-
-    def unknowns(self, i: int, j: int) -> IntArray:
-        """Of node (i, j): w, its slopes across and along, and the mixed second one."""
-        return np.asarray(4 * (i * len(self.across) + j) + np.arange(4))
 
     @property
     def free(self) -> IntArray:
@@ -134,61 +130,57 @@ def _matrices(
     """Elastic stiffness, and the stress's own per N; both of all unknowns."""
     wall, radius = shape.wall, shape.hole / 2
     bending = young * wall**3 / 12 / (1 - poisson_ratio**2)
+    x, x_weight, in_x = _along_lines(grid.along)
+    y, y_weight, in_y = _along_lines(grid.across)
+    on_wall = np.arange(len(y)) >= _ACROSS
+    i, j = np.nonzero(~on_wall | (grid.along[1:, None] > grid.held))
+    at_x, at_y = np.repeat(x[i], y.shape[1], axis=1), np.tile(y[j], (1, x.shape[1]))
+    area = (x_weight[i][:, :, None] * y_weight[j][:, None]).reshape(at_x.shape)
+    of_wall = on_wall[j][:, None]
+    solid = of_wall | (np.hypot(at_x, at_y) > radius)
+    # a side wall has as much along as the edge beside it
+    beside = np.where(of_wall, grid.across[_ACROSS], at_y)
+    acting = stress(at_x.ravel(), beside.ravel()).reshape(*at_x.shape, 3)
+    acting[on_wall[j], :, 1:] = 0.0
+
+    def field(a: int, b: int) -> FloatArray:
+        pair = np.einsum("ngp,nhq->nghpq", in_x[a][i], in_y[b][j])
+        return np.asarray(pair.reshape(*at_x.shape, 16))
+
+    def summed(first: FloatArray, weight: FloatArray, second: FloatArray) -> FloatArray:
+        return np.asarray(np.matmul((first * weight[..., None]).swapaxes(1, 2), second))
+
+    bent_x, bent_y, twisted, slope_x, slope_y = (
+        field(a, b) for a, b in ((2, 0), (0, 2), (1, 1), (1, 0), (0, 1))
+    )
+    weight = area * bending * np.where(solid, 1.0, _EMPTY)
+    both = summed(bent_x, weight, bent_y)
+    own = summed(bent_x, weight, bent_x) + summed(bent_y, weight, bent_y)
+    own += poisson_ratio * (both + both.swapaxes(1, 2))
+    own += 2 * (1 - poisson_ratio) * summed(twisted, weight, twisted)
+    force = (area * solid * wall)[..., None] * acting
+    crossed = summed(slope_x, force[..., 2], slope_y)
+    work = summed(slope_x, force[..., 0], slope_x) + summed(slope_y, force[..., 1], slope_y)
+    work += crossed + crossed.swapaxes(1, 2)
+    # cubics along and across: (value, slope) at the start, then at the end
+    a, p, b, q = np.indices((2, 2, 2, 2)).reshape(4, 16)
+    index = 4 * ((i[:, None] + a) * len(grid.across) + j[:, None] + b) + 2 * p + q
     count = 4 * grid.shape[0] * grid.shape[1]
     elastic, loaded = np.zeros((count, count)), np.zeros((count, count))
-    rows = [_along_line(grid.along, i) for i in range(len(grid.along) - 1)]
-    columns = [_along_line(grid.across, j) for j in range(len(grid.across) - 1)]
-    for i, (x, x_weight, in_x) in enumerate(rows):
-        for j, (y, y_weight, in_y) in enumerate(columns):
-            cheek = j < _ACROSS
-            if not cheek and grid.along[i + 1] <= grid.held:
-                continue
-            at_x, at_y = (one.ravel() for one in np.meshgrid(x, y, indexing="ij"))
-            area = np.outer(x_weight, y_weight).ravel()
-            solid = np.hypot(at_x, at_y) > radius
-            if cheek:
-                acting = stress(at_x, at_y)
-            else:  # as much along as the edge beside it
-                acting = np.zeros((len(at_x), 3))
-                acting[:, 0] = stress(at_x, np.full_like(at_x, grid.across[_ACROSS]))[:, 0]
-                solid = np.ones_like(solid)
-
-            def field(
-                a: int, b: int, in_x: list[FloatArray] = in_x, in_y: list[FloatArray] = in_y
-            ) -> FloatArray:
-                pair = np.einsum("ga,hb->ghab", in_x[a], in_y[b])
-                return np.asarray(pair.reshape(len(in_x[a]) * len(in_y[b]), 16))
-
-            bent_x, bent_y, twisted = field(2, 0), field(0, 2), field(1, 1)
-            slope_x, slope_y = field(1, 0), field(0, 1)
-            weight = area * bending * np.where(solid, 1.0, _EMPTY)
-            both = (bent_x.T * weight) @ bent_y
-            own = (bent_x.T * weight) @ bent_x + (bent_y.T * weight) @ bent_y
-            own += poisson_ratio * (both + both.T)
-            own += 2 * (1 - poisson_ratio) * (twisted.T * weight) @ twisted
-            force = (area * solid * wall)[:, None] * acting
-            crossed = (slope_x.T * force[:, 2]) @ slope_y
-            work = (slope_x.T * force[:, 0]) @ slope_x + (slope_y.T * force[:, 1]) @ slope_y
-            work += crossed + crossed.T
-            # cubics along and across: (value, slope) at the start, then at the end
-            index = np.concatenate(
-                [
-                    grid.unknowns(i + a, j + b)[2 * p + np.arange(2)]
-                    for a in (0, 1)
-                    for p in (0, 1)
-                    for b in (0, 1)
-                ]
-            )
-            place = np.ix_(index, index)
-            elastic[place] += own
-            loaded[place] += work
+    place = index[:, :, None], index[:, None]
+    np.add.at(elastic, place, own)
+    np.add.at(loaded, place, work)
     return elastic, loaded
 
 
-def _along_line(lines: FloatArray, k: int) -> tuple[FloatArray, FloatArray, list[FloatArray]]:
-    """Gauss points between two lines, their lengths, and the cubics there with their slopes."""
-    size = float(lines[k + 1] - lines[k])
-    shares = (1 + _POINTS) / 2
-    sizes = np.full(len(shares), size)
-    values = [cubics(shares, sizes, slopes) for slopes in range(3)]
-    return lines[k] + size * shares, _WEIGHTS * size / 2, values
+def _along_lines(lines: FloatArray) -> tuple[FloatArray, FloatArray, list[FloatArray]]:
+    """Gauss points (m, 4) between neighbouring lines, their lengths (m, 4), and the cubics there.
+
+    The cubics (m, 4, 4) stand with their first and second slopes.
+    """
+    size = np.diff(lines)
+    shares = np.tile((1 + _POINTS) / 2, len(size))
+    sizes = np.repeat(size, len(_POINTS))
+    values = [cubics(shares, sizes, n).reshape(len(size), len(_POINTS), 4) for n in range(3)]
+    points = lines[:-1, None] + size[:, None] * (1 + _POINTS) / 2
+    return points, size[:, None] * _WEIGHTS / 2, values

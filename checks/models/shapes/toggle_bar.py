@@ -1,5 +1,7 @@
 """Square tubes with pin holes through two walls, by formula."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from checks.design.data import Part
@@ -54,12 +56,19 @@ def stress(part: Part, shape: ToggleBar, loads: PartLoads) -> RungModel:
     if 0 < free < shape.length:
         _add_cut_out(points, shape, free, cheeks, sections)
     steel = part.material
-    local = spreading(shape, lugs["knee"], steel.youngs_modulus, steel.poisson_ratio)
+    spread = _spreading(shape, steel.poisson_ratio)
+    local = None if spread is None else spread / steel.youngs_modulus
     return whole.model(
         local=local,
         neglects="bending of the walls across themselves; that the side walls lag in taking their "
         "share",
     )
+
+
+@lru_cache(64)  # bars of one size, and their variations in other dimensions than the part's
+def _spreading(shape: ToggleBar, poisson_ratio: float) -> float | None:
+    """Share of the cheeks' buckling load by 1 N of push, at a Young's modulus of 1 MPa."""
+    return spreading(shape, lug_at(shape, "knee", poisson_ratio), 1.0, poisson_ratio)
 
 
 def lug_at(shape: ToggleBar, name: str, poisson_ratio: float) -> Lug:
