@@ -3,11 +3,8 @@
 Nothing heavy is imported before a command runs, so that help and completion answer at once.
 """
 
-import os
 import sys
 from collections.abc import Sequence
-from contextlib import suppress
-from io import TextIOWrapper
 from pathlib import Path
 from typing import Annotated
 
@@ -540,9 +537,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     if argv is None and is_long(sys.argv[1:]):
         sys.exit(supervise(sys.argv[1:]))
+    from ballesta.streams import claim_standard_output, speak_utf8
     from fem.threads import one_thread, policy
 
-    _speak_utf8()
+    speak_utf8()
     if argv is None:
         claim_standard_output()
     try:
@@ -558,29 +556,6 @@ def main(argv: Sequence[str] | None = None) -> int:
             raise
         return int(stop.code or 0)
     return 0
-
-
-def claim_standard_output() -> None:
-    """Leave standard output to this program: what libraries print there goes to standard error.
-
-    Tetgen inside gmsh tells of intersecting facets by C's printf, in front of what `--json` prints.
-    """
-    stream = sys.stdout
-    if stream is not sys.__stdout__ or not isinstance(stream, TextIOWrapper):
-        return
-    stream.flush()
-    own = os.dup(1)
-    with suppress(OSError):  # there is no standard error: all stays as it is
-        os.dup2(2, 1)
-        sys.stdout = os.fdopen(own, "w", encoding=stream.encoding, errors=stream.errors)
-        sys.__stdout__ = sys.stdout  # type: ignore[misc]  # it tells how wide the terminal is
-
-
-def _speak_utf8() -> None:
-    """Write UTF-8 into files and pipes: Windows' code pages have no minus sign and no sigma."""
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, TextIOWrapper) and stream.encoding.lower() != "utf-8":
-            stream.reconfigure(encoding="utf-8")
 
 
 if __name__ == "__main__":

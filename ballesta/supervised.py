@@ -12,7 +12,8 @@ _ALLOCATIONS = 200_000  # between looks for cycles: libraries make about as many
 def run(parent: Parent) -> None:
     """Run the command line for a supervisor."""
     gc.set_threshold(_ALLOCATIONS)
-    from ballesta.cli import claim_standard_output, main
+    from ballesta.cli import main
+    from ballesta.streams import claim_standard_output
 
     order = parent.receive()
     if order is None:  # only to be ready: imports are what takes the time

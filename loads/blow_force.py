@@ -43,7 +43,24 @@ _MOST_CHANGES = 2000
 _NONE = 1e-9  # of the yield force
 _AT_ONCE = 1e3  # rad, that an anvil swings in the time of a blow
 _RIGID = 1e-3  # of the depth by plasticity alone: an elastic deformation that is left out
-_Event = Callable[[float, FloatArray], float]
+
+
+@dataclass(frozen=True)
+class _Event:
+    """Where a value changes its sign, as SciPy's solvers ask: 1 rising, -1 falling, 0 both.
+
+    A change of one direction ends a state; both ways it is only kept, as the largest force is.
+    """
+
+    value: Callable[[float, FloatArray], float]
+    direction: float
+
+    def __call__(self, time: float, state: FloatArray) -> float:
+        return self.value(time, state)
+
+    @property
+    def terminal(self) -> bool:
+        return self.direction != 0.0
 
 
 @dataclass(frozen=True)
@@ -376,18 +393,13 @@ class _Run:
         def meets(time: float, state: FloatArray) -> float:
             return self.depth(time, state) - self.set
 
-        states: dict[str, list[tuple[_Event, float]]] = {
-            "elastic": [(gone, -1.0), (too_much, 1.0), (ends, 0.0)],
-            "held": [(gone, -1.0), (too_much, 1.0)],
-            "plastic": [(ends, -1.0)],
-            "free": [(meets, 1.0)],
-        }
-        found = states[mode]
-        if isinf(self.yields):
-            found = [one for one in found if one[0] is not too_much]
-        for event, direction in found:
-            event.terminal, event.direction = direction != 0.0, direction  # type: ignore[attr-defined]
-        return [event for event, _ in found]
+        yields = [] if isinf(self.yields) else [_Event(too_much, 1.0)]
+        return {
+            "elastic": [_Event(gone, -1.0), *yields, _Event(ends, 0.0)],
+            "held": [_Event(gone, -1.0), *yields],
+            "plastic": [_Event(ends, -1.0)],
+            "free": [_Event(meets, 1.0)],
+        }[mode]
 
     def _pressed(self, time: float, state: FloatArray) -> float:
         """Depth without the elastic part of the yield force, mm."""
