@@ -7,19 +7,11 @@ import pytest
 
 from geometry.cad_body import cad_body, cad_skin
 from geometry.meshing import mesh_shape
-from geometry.parts import LeafPack, PlateLink, ToggleBar, TubeRod
+from geometry.parts import LeafPack, PlateLink, TubeRod
+
+from .bars import PRESS_BAR
 
 LINK = PlateLink(length=100.0, width=20.0, thickness=10.0, hole=10.0)
-BAR = ToggleBar(
-    length=250.0,
-    width=80.0,
-    wall=6.3,
-    hole=44.0,
-    overhang=40.0,
-    inner_radius=3.0,
-    cutout_length=56.0,
-    cutout_corner=5.0,
-)
 PACK = LeafPack(
     length=460.0,
     leaves=3,
@@ -64,7 +56,7 @@ def test_the_second_moment_of_a_link_is_that_of_its_pieces(link):
     assert link.second == pytest.approx((bar + ends - holes) * 10.0, rel=1e-5)
 
 
-@pytest.mark.parametrize("shape", [BAR, PACK], ids=["bar", "leaves"])
+@pytest.mark.parametrize("shape", [PRESS_BAR, PACK], ids=["bar", "leaves"])
 def test_mass_properties_are_those_of_a_mesh(shape):
     known = cad_body(shape).mass_properties(7.85e-9)
     meshed = mesh_shape(shape, fineness=0.7).mass_properties(7.85e-9)
@@ -88,7 +80,9 @@ def test_the_skin_is_closed():
     assert np.abs(skin.nodes[:, 0]).max() == pytest.approx(110.0, rel=1e-6)
 
 
-@pytest.mark.parametrize("shape", [LINK, BAR, PACK, ROD], ids=["link", "bar", "leaves", "rod"])
+@pytest.mark.parametrize(
+    "shape", [LINK, PRESS_BAR, PACK, ROD], ids=["link", "bar", "leaves", "rod"]
+)
 def test_the_skin_looks_outwards_and_holds_the_volume(shape):
     """By Gauss: a third of the flux of the place vector. The rod's bore is a cavity of its own."""
     body, skin = cad_body(shape), cad_skin(shape)
@@ -106,7 +100,9 @@ def test_the_skin_has_only_the_faces_of_the_solid():
     assert nodes[:, 0].max() == pytest.approx(318.0, abs=0.3)
 
 
-@pytest.mark.parametrize("shape", [LINK, BAR, PACK, ROD], ids=["link", "bar", "leaves", "rod"])
+@pytest.mark.parametrize(
+    "shape", [LINK, PRESS_BAR, PACK, ROD], ids=["link", "bar", "leaves", "rod"]
+)
 def test_the_size_is_that_of_the_skin(shape):
     """Chords of 20 facets on a turn end short of an eye by 1 - cos(pi / 20) of its radius."""
     drawn = np.ptp(cad_skin(shape).nodes, axis=0).max()
@@ -116,4 +112,4 @@ def test_the_size_is_that_of_the_skin(shape):
 
 def test_small_rounded_corners_take_few_triangles():
     """The bar's corners of 3 mm along 330 mm took three quarters of 22 600 triangles."""
-    assert len(cad_skin(BAR).triangles) < 8000
+    assert len(cad_skin(PRESS_BAR).triangles) < 8000

@@ -10,34 +10,24 @@ from scipy.spatial import Delaunay
 from geometry.carrying import Carrier, harmonic
 from geometry.mesh import Mesh, MeshError
 from geometry.meshing import mesh_shape
-from geometry.parts import ToggleBar
 from geometry.symmetry import Half
 
-BAR = ToggleBar(
-    length=250.0,
-    width=80.0,
-    wall=6.3,
-    hole=44.0,
-    overhang=40.0,
-    inner_radius=3.0,
-    cutout_length=56.0,
-    cutout_corner=5.0,
-)
+from .bars import PRESS_BAR
 
 
 @pytest.fixture(scope="module")
 def mesh() -> Mesh:
-    return mesh_shape(Half(BAR), fineness=0.5)
+    return mesh_shape(Half(PRESS_BAR), fineness=0.5)
 
 
 @pytest.fixture(scope="module")
 def carrier(mesh: Mesh) -> Carrier:
-    return Carrier(mesh, Half(BAR))
+    return Carrier(mesh, Half(PRESS_BAR))
 
 
 def test_a_mesh_carried_over_to_its_own_shape_is_the_same(mesh: Mesh, carrier: Carrier):
     """Nodes are rounded to 1e-10 of the part's size, 1e-7 mm: twice here, once each way."""
-    assert_allclose(carrier.to(Half(BAR)).nodes, mesh.nodes, rtol=0, atol=2e-7)
+    assert_allclose(carrier.to(Half(PRESS_BAR)).nodes, mesh.nodes, rtol=0, atol=2e-7)
 
 
 def test_a_carried_mesh_stands_on_the_new_shape(mesh: Mesh, carrier: Carrier):
@@ -45,7 +35,7 @@ def test_a_carried_mesh_stands_on_the_new_shape(mesh: Mesh, carrier: Carrier):
 
     Volume as that of any mesh here: facets of second order, 1e-3 of the body's at the most.
     """
-    shape = replace(BAR, hole=46.0, wall=6.6, width=84.0, cutout_length=59.0)
+    shape = replace(PRESS_BAR, hole=46.0, wall=6.6, width=84.0, cutout_length=59.0)
     found = carrier.to(Half(shape))
     for name, x in (("knee", 0.0), ("end", 250.0)):
         bore = found.nodes[np.unique(found.surfaces[name])]
@@ -62,9 +52,9 @@ def test_dimensions_far_off_never_leave_a_folded_element(
     carrier: Carrier, change: dict[str, float]
 ):
     """Where an element folds there is no mesh; where there is one, none does."""
-    sizes = {name: factor * getattr(BAR, name) for name, factor in change.items()}
+    sizes = {name: factor * getattr(PRESS_BAR, name) for name, factor in change.items()}
     try:
-        found = carrier.to(Half(replace(BAR, **sizes)))
+        found = carrier.to(Half(replace(PRESS_BAR, **sizes)))
     except MeshError:
         return
     assert found.jacobian_minimum > 0
@@ -73,7 +63,7 @@ def test_dimensions_far_off_never_leave_a_folded_element(
 def test_a_body_with_other_faces_takes_no_mesh(carrier: Carrier):
     """A whole bar has no face at z = 0, where the half that was meshed ends."""
     with pytest.raises(MeshError, match="other faces and edges"):
-        carrier.to(BAR)
+        carrier.to(PRESS_BAR)
 
 
 def test_a_linear_function_is_harmonic():

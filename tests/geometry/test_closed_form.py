@@ -7,18 +7,10 @@ import pytest
 
 from geometry.cad_body import cad_body
 from geometry.closed_form import closed_body
-from geometry.parts import LeafPack, Pin, PlateLink, PrismaticTube, Seat, ToggleBar, TubeRod
+from geometry.parts import LeafPack, Pin, PlateLink, PrismaticTube, Seat, TubeRod
 
-BAR = ToggleBar(
-    length=250.0,
-    width=80.0,
-    wall=6.3,
-    hole=44.0,
-    overhang=40.0,
-    inner_radius=3.0,
-    cutout_length=56.0,
-    cutout_corner=5.0,
-)
+from .bars import PRESS_BAR
+
 PIN = Pin(
     seats=(
         Seat("outer", at=42.0, width=6.0),
@@ -49,10 +41,10 @@ PACK = LeafPack(
     contact_length=10.0,
 )
 SHAPES = {
-    "toggle bar": BAR,
-    "corner of the cut-out above the inner radius": replace(BAR, inner_radius=8.0),
-    "cut-out that ends before the knee": replace(BAR, cutout_length=15.0, cutout_corner=12.0),
-    "cut-out over the second hole": replace(BAR, cutout_length=300.0),
+    "toggle bar": PRESS_BAR,
+    "corner of the cut-out above the inner radius": replace(PRESS_BAR, inner_radius=8.0),
+    "cut-out that ends before the knee": replace(PRESS_BAR, cutout_length=15.0, cutout_corner=12.0),
+    "cut-out over the second hole": replace(PRESS_BAR, cutout_length=300.0),
     "tube": PrismaticTube(length=250.0, width=30.0, wall=1.6),
     "tube with round corners": PrismaticTube(length=250.0, width=40.0, wall=4.0, inner_radius=6.0),
     "pin": PIN,
