@@ -28,8 +28,9 @@ _LOADS = 2.0  # by so much may other masses change the loads
 class Estimates:
     """Formula estimates of a design's variations, set against its result.
 
-    open  parts that do not pass
-    base  the formula's checks of these, or of all, as they are
+    open       parts that do not pass
+    lightened  where all pass: the parts of the heaviest shapes, as many as are wanted
+    base       the formula's checks of the one or the other, as they are
     """
 
     def __init__(
@@ -40,7 +41,13 @@ class Estimates:
         rubbing: Mapping[str, LeafBand] | None = None,
         *,
         between: bool = True,
+        shapes: int | None = None,
     ) -> None:
+        """Solve what a variation keeps of the design.
+
+        between  as `Screening` has it
+        shapes   that may save mass where all parts pass; None for all
+        """
         self.design, self.result = design, result
         self.open = tuple(
             part.name
@@ -56,7 +63,17 @@ class Estimates:
         self._known = {_name(check): check for check in result.checks}
         self._ratios: dict[tuple[str, str, str], tuple[float, float, bool]] = {}
         self._compared: set[str] = set()
-        self.base = self._compare(self.open or [part.name for part in result.parts])
+        self.lightened = () if self.open else self._heaviest(shapes)
+        self.base = self._compare(self.open or self.lightened)
+
+    def _heaviest(self, shapes: int | None) -> tuple[str, ...]:
+        """Parts of the heaviest shapes: a part that is like another shares its shape."""
+        masses = self.screening.weights(self.design)
+        shared: dict[str, list[str]] = {}
+        for part in self.result.parts:
+            shared.setdefault(self.owners(part.name)[-1], []).append(part.name)
+        heaviest = sorted(shared.values(), key=lambda parts: -sum(masses[part] for part in parts))
+        return tuple(part for parts in heaviest[:shapes] for part in parts)
 
     def _compare(self, parts: Sequence[str]) -> Screened:
         """The formula's checks of some parts as they are, beside those of the result."""

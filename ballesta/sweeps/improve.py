@@ -126,9 +126,9 @@ def with_changes(
     Sampling errors are taken from the result, and of the cycles only those that decide a check or
     stand in the duty are solved; `improve` takes all, and finds sampling errors anew.
     """
-    known = Estimates(design, result, cycles, rubbing, between=False)
+    known = Estimates(design, result, cycles, rubbing, between=False, shapes=_HEAVIEST)
     search = _Search(known)
-    found = search.changes(say, shapes=_HEAVIEST)
+    found = search.changes(say)
     if known.open:
         found = [change for change in found if result.deciding.part in change.parts]
     best = _ranked(found, search.harmless)[:_BEST]
@@ -182,11 +182,8 @@ class _Search:
     def __init__(self, known: Estimates) -> None:
         self.known = known
 
-    def changes(self, say: Callable[[str], None], *, shapes: int | None = None) -> list[Change]:
-        """Changes with which the open parts pass, or that save mass where all passes.
-
-        shapes  that may save mass: the heaviest; None for all
-        """
+    def changes(self, say: Callable[[str], None]) -> list[Change]:
+        """Changes with which the open parts pass, or that save mass where all passes."""
         if self.known.open:
             known = tuple(
                 part for part in self.known.open if self.known.reserve(self.known.base, (part,)) > 0
@@ -196,13 +193,7 @@ class _Search:
             self.known.linkage_open or not self.known.base.checks
         ):  # what makes a linkage stiffer is not sought
             return self.cylinders()
-        shared: dict[str, list[str]] = {}
-        for part in self.known.result.parts:
-            shared.setdefault(self.known.owners(part.name)[-1], []).append(part.name)
-        heaviest = sorted(
-            shared.values(), key=lambda parts: -sum(self.known.base.masses[part] for part in parts)
-        )
-        return self.dimensions(tuple(part for parts in heaviest[:shapes] for part in parts), say)
+        return self.dimensions(self.known.lightened, say)
 
     @property
     def why_none(self) -> str:

@@ -230,6 +230,15 @@ class Screening:
         except (DesignError, NumericsError) as error:
             return Screened(overrides=overrides, problem=str(error))
 
+    def weights(self, design: Design) -> dict[str, float]:
+        """Mass of every part of the design or of a variation, t."""
+        found = {}
+        for part in design.parts.values():
+            with told_of_part(design, part):
+                body = self.models.body(part.geometry)
+                found[part.name] = body.mass_properties(part.material.density).mass
+        return found
+
     @cached_property
     def _whole(self) -> dict[str, loads.CycleLoads]:
         return _with_transients(self.design, self._solved)
@@ -273,12 +282,10 @@ def _checked(
     checks: list[Check] = []
     gates: list[Gate] = []
     left: dict[str, str] = {}
-    weights: dict[str, float] = {}
     rubbed: dict[str, LeafBand] = {}
     for part in design.parts.values():
         with told_of_part(design, part):
             body = known.models.body(part.geometry)
-            weights[part.name] = body.mass_properties(part.material.density).mass
             if parts is not None and part.name not in parts:
                 continue
             if reserves and known.spares(part, loads_on(design, part, runs), reserves[part.name]):
@@ -302,7 +309,7 @@ def _checked(
         overrides=overrides,
         checks=checks,
         gates=gates,
-        masses=weights,
+        masses=known.weights(design),
         open=left,
         rubbing=rubbed,
         afresh=afresh,
