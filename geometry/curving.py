@@ -131,7 +131,7 @@ class Gliding:
 
 
 if TYPE_CHECKING:
-    from scipy.sparse import csr_matrix
+    from scipy.sparse import csc_matrix
 
 
 def least_coefficients(nodes: FloatArray, elements: IntArray) -> FloatArray:
@@ -241,7 +241,6 @@ def _minimised(nodes: FloatArray, elements: IntArray, moves: Moves, scale: Scale
     """
     if not len(moves.moving):
         return nodes
-    from scipy.sparse import csc_matrix, diags
     from scipy.sparse.linalg import splu
 
     touched = np.isin(elements, moves.moving).any(axis=1)
@@ -252,8 +251,11 @@ def _minimised(nodes: FloatArray, elements: IntArray, moves: Moves, scale: Scale
     for _ in range(_STEPS):
         if not slopes.any():
             break
-        scaled = damping * squares.diagonal()
-        step = -splu(csc_matrix(squares + diags(scaled))).solve(slopes)
+        own = squares.diagonal()
+        scaled = damping * own
+        squares.setdiag(own + scaled)
+        step = -splu(squares).solve(slopes)
+        squares.setdiag(own)
         found = lacking.move(at + step)
         gain = (value - found) / (0.5 * step @ (scaled * step - slopes))
         if gain > 0.0:
@@ -303,9 +305,9 @@ class _Lacking:
         self._flat = flat
         return 0.5 * float((self._lacking**2).sum() + (self._stiff * flat**2).sum())
 
-    def normal(self) -> "tuple[FloatArray, csr_matrix]":
+    def normal(self) -> "tuple[FloatArray, csc_matrix]":
         """Gradient (n,) of that half after the last move, and the squares of its slopes (n, n)."""
-        from scipy.sparse import csr_matrix, diags
+        from scipy.sparse import csc_matrix, csr_matrix, diags
 
         bad, which = np.nonzero(self._lacking)
         elements, place = np.unique(bad, return_inverse=True)
@@ -319,7 +321,7 @@ class _Lacking:
             (slopes.ravel(), (np.repeat(pair, 3), columns.ravel())), (len(bad), len(self._flat))
         )
         gradient = self._stiff * self._flat + table.T @ self._lacking[bad, which]
-        return gradient, csr_matrix(table.T @ table + diags(self._stiff))
+        return gradient, csc_matrix(table.T @ table + diags(self._stiff))
 
 
 def _coefficients(places: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -328,22 +330,30 @@ def _coefficients(places: FloatArray) -> tuple[FloatArray, FloatArray]:
     Jacobians of local by place: [..., r, x] is d x / d r.
     """
     jacobians = np.matmul(_BY_LOCAL, places).reshape(-1, len(_POINTS), 3, 3)
-    first, second, third = (jacobians[..., k, :] for k in range(3))
-    determinants = (first * _cross(second, third)).sum(axis=-1)
-    return determinants @ _FROM_VALUES.T, jacobians
+    (ax, ay, az), b, c = _rows(jacobians)
+    x, y, z = _crossed(b, c)
+    return (ax * x + ay * y + az * z) @ _FROM_VALUES.T, jacobians
 
 
 def _cofactors(jacobians: FloatArray) -> FloatArray:
     """Slopes (n, 20, 3, 3) of det J by the Jacobians' entries."""
-    first, second, third = (jacobians[..., k, :] for k in range(3))
-    return np.stack([_cross(second, third), _cross(third, first), _cross(first, second)], axis=-2)
+    a, b, c = _rows(jacobians)
+    slopes = np.empty_like(jacobians)
+    for k, pair in enumerate(((b, c), (c, a), (a, b))):
+        for x, component in enumerate(_crossed(*pair)):
+            slopes[..., k, x] = component
+    return slopes
 
 
-def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Cross products of the last axes; numpy's own takes three times as long."""
-    ax, ay, az = (a[..., k] for k in range(3))
-    bx, by, bz = (b[..., k] for k in range(3))
-    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
+def _rows(jacobians: FloatArray) -> list[list[FloatArray]]:
+    """The nine entries (n, 20) of the Jacobians (n, 20, 3, 3), row by row."""
+    return [[jacobians[..., k, x] for x in range(3)] for k in range(3)]
+
+
+def _crossed(a: list[FloatArray], b: list[FloatArray]) -> tuple[FloatArray, ...]:
+    """The components of cross products; sums over a last axis of three take twice as long."""
+    (ax, ay, az), (bx, by, bz) = a, b
+    return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
 
 
 def _straight(places: FloatArray) -> FloatArray:

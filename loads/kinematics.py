@@ -43,8 +43,9 @@ def rotated(vector: FloatArray, angle: FloatArray) -> FloatArray:
     """Return vectors (..., 2) turned ccw by angles (...)."""
     c, s = np.cos(angle), np.sin(angle)
     x, y = vector[..., 0], vector[..., 1]
-    result = np.empty((*np.broadcast_shapes(x.shape, c.shape), 2))
-    result[..., 0] = c * x - s * y
+    along = c * x - s * y
+    result = np.empty((*along.shape, 2))
+    result[..., 0] = along
     result[..., 1] = s * x + c * y
     return result
 
@@ -59,6 +60,9 @@ class _JointTable:
     *_rows              first row of each in the constraints
     vectors, turned_by  places_a, places_b and the unit vectors along the lines, one after another,
                         and the rows of the bodies that turn them
+    constant            (constraints x 3 bodies,)  derivatives that no pose alters
+    arm_cells           cells of them that arms alter: of points b by x and y, then of points a
+    line_cells          and that lines alter: by x, y and angle of bodies b, then of bodies a
     """
 
     def __init__(self, linkage: "Linkage", index: dict[str, int], rows: dict[str, slice]) -> None:
@@ -84,6 +88,23 @@ class _JointTable:
         ).reshape(-1, 2)
         self.vectors = np.concatenate([self.places_a, self.places_b, directions])
         self.turned_by = np.concatenate([self.bodies_a, self.bodies_b, self.bodies_a[self.lines]])
+
+        width = 3 * len(index)
+        x, line, turn = width * self.point_rows, width * self.line_rows, width * self.turn_rows
+        y = x + width
+        point_b, point_a = 3 * self.bodies_b[self.points], 3 * self.bodies_a[self.points]
+        line_b, line_a = 3 * self.bodies_b[self.lines], 3 * self.bodies_a[self.lines]
+        self.arm_cells = np.concatenate(
+            [x + point_b + 2, y + point_b + 2, x + point_a + 2, y + point_a + 2]
+        )
+        self.line_cells = np.concatenate(
+            [line + own + k for own in (line_b, line_a) for k in range(3)]
+        )
+        self.constant = np.zeros(width * sum(joint.n_constraints for joint in joints))
+        self.constant[[*(x + point_b), *(y + point_b + 1)]] = 1.0
+        self.constant[[*(x + point_a), *(y + point_a + 1)]] = -1.0
+        self.constant[turn + 3 * self.bodies_b[self.turns] + 2] = 1.0
+        self.constant[turn + 3 * self.bodies_a[self.turns] + 2] = -1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,35 +266,31 @@ class Kinematics:
         result = np.zeros((len(poses), self.n_constraints))
         result[:, table.point_rows] = apart[:, table.points, 0]
         result[:, table.point_rows + 1] = apart[:, table.points, 1]
-        normals = turned_left(placed.tangents)
-        result[:, table.line_rows] = dot(normals, apart[:, table.lines])
+        if len(table.lines):
+            normals = turned_left(placed.tangents)
+            result[:, table.line_rows] = dot(normals, apart[:, table.lines])
         result[:, table.turn_rows] = self._turns(poses) - self._assembled_turn
         return result - self._offsets
 
     def _slopes(self, placed: "_Placed") -> FloatArray:
         table = self._joints
         arm_a, arm_b, apart = placed.arm_a, placed.arm_b, placed.apart
-        result = np.zeros((len(apart), self.n_constraints, 3 * self.n_bodies))
-        for bodies, arms, sign in ((table.bodies_b, arm_b, 1.0), (table.bodies_a, arm_a, -1.0)):
-            rows, own = table.point_rows, 3 * bodies[table.points]
-            result[:, rows, own] = sign
-            result[:, rows + 1, own + 1] = sign
-            result[:, rows, own + 2] = -sign * arms[:, table.points, 1]
-            result[:, rows + 1, own + 2] = sign * arms[:, table.points, 0]
-        normals = turned_left(placed.tangents)
-        # the line turns with body a: as if its point under the slider were pushed
-        under = arm_a[:, table.lines] + apart[:, table.lines]
-        for bodies, arms, sign in (
-            (table.bodies_b, arm_b[:, table.lines], 1.0),
-            (table.bodies_a, under, -1.0),
-        ):
-            rows, own = table.line_rows, 3 * bodies[table.lines]
-            result[:, rows, own] = sign * normals[:, :, 0]
-            result[:, rows, own + 1] = sign * normals[:, :, 1]
-            result[:, rows, own + 2] = sign * cross(arms, normals)
-        result[:, table.turn_rows, 3 * table.bodies_b[table.turns] + 2] = 1.0
-        result[:, table.turn_rows, 3 * table.bodies_a[table.turns] + 2] = -1.0
-        return result
+        result = np.empty((len(apart), len(table.constant)))
+        result[:] = table.constant
+        a, b = arm_a[:, table.points], arm_b[:, table.points]
+        result[:, table.arm_cells] = np.concatenate(
+            [-b[..., 1], b[..., 0], a[..., 1], -a[..., 0]], axis=1
+        )
+        if len(table.lines):
+            normals = turned_left(placed.tangents)
+            # the line turns with body a: as if its point under the slider were pushed
+            under = arm_a[:, table.lines] + apart[:, table.lines]
+            pushed = [
+                normals[..., 0], normals[..., 1], cross(arm_b[:, table.lines], normals),
+                -normals[..., 0], -normals[..., 1], -cross(under, normals),
+            ]  # fmt: skip
+            result[:, table.line_cells] = np.concatenate(pushed, axis=1)
+        return result.reshape(len(apart), self.n_constraints, -1)
 
     def quadratic(self, poses: FloatArray, rates: FloatArray) -> FloatArray:
         """Return the quadratic terms of the constraints for rates (n, constraints)."""
