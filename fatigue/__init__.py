@@ -2,15 +2,17 @@
 
 from fatigue.fkm import (
     CAST_ROUGHNESS,
+    FKM_GROUPS,
     ComponentLimit,
+    FkmGroup,
     FkmMaterial,
     component_limit,
     fkm_curve,
+    fkm_temperature_factor,
     fkm_utilisation,
     roughness_factor,
     stieler_support,
 )
-from fatigue.fkm_groups import FKM_GROUPS, FkmGroup, fkm_temperature_factor
 from fatigue.goodman import ChordPath, FatigueResult, chord_path, goodman, goodman_utilisation
 from fatigue.life import (
     Cycles,

@@ -24,8 +24,7 @@ from geometry.body import Body, Buildable
 from geometry.curving import ENOUGH, Gliding, around, bent, least_coefficients, moved, nearly_folded
 from geometry.element_count import SURE, check_elements, solid_elements, solid_unknowns
 from geometry.graphics import INSTALL
-from geometry.hxt_memory import within_memory
-from geometry.memory import check_memory, compactness_of
+from geometry.memory import check_memory, compactness_of, within_memory
 from geometry.mesh import (
     FloatArray,
     FoldedElementError,
