@@ -369,8 +369,7 @@ def _solids(gmsh: Any, index: IntArray, tag: int) -> IntArray:
 def _elements(gmsh: Any, index: IntArray, kind: int, tag: int, width: int) -> IntArray:
     """Node indices of the elements of one of gmsh's types on a CAD face or solid, (n, width)."""
     _, connectivity = gmsh.model.mesh.getElementsByType(kind, tag)
-    found: IntArray = index[np.asarray(connectivity, dtype=np.int64).reshape(-1, width)]
-    return found
+    return np.asarray(index[np.asarray(connectivity, dtype=np.int64).reshape(-1, width)])
 
 
 def split_bodies(nodes: FloatArray, bodies: Sequence[IntArray]) -> Split:

@@ -117,13 +117,12 @@ class Path:
         start, step = self.values[k], self.values[k + 1] - self.values[k]
         t = ((values - start) / step)[:, None, None]
         h = step[:, None, None]
-        guess: FloatArray = (
+        return np.asarray(
             (1 + 2 * t) * (1 - t) ** 2 * self.poses[k]
             + t * (1 - t) ** 2 * h * self.tangents[k]
             + t**2 * (3 - 2 * t) * self.poses[k + 1]
             + t**2 * (t - 1) * h * self.tangents[k + 1]
         )
-        return guess
 
 
 _traced: OrderedDict[bytes, Path] = OrderedDict()

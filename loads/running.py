@@ -211,8 +211,7 @@ class Timing:
     def way(self, k: int, geometry: Geometry | Motion) -> FloatArray:
         """Return how far the pace coordinate has gone (n,) at positions of phase k."""
         values = geometry.kinematics.value(self._pace.coordinate, geometry.poses)
-        way: FloatArray = self._before[k] + np.abs(values - self._values[k])
-        return way
+        return np.asarray(self._before[k] + np.abs(values - self._values[k]))
 
     def rates(self, k: int, geometry: Geometry) -> tuple[FloatArray, FloatArray]:
         """Return speed and acceleration of the pace (n,) at positions of phase k."""
@@ -250,11 +249,9 @@ class Timing:
                 return np.asarray(gone + (way - self._before[k]) / self._speed(pace, k))
             # way = v t + a t2 / 2, solved without losing digits where a is small
             root = np.sqrt(pace.speed**2 + 2.0 * pace.acceleration * way)
-            steady: FloatArray = 2.0 * way / (pace.speed + root)
-            return steady
+            return np.asarray(2.0 * way / (pace.speed + root))
         share = stroke_time(pace.law, way / self._length(k))
-        result: FloatArray = (self._stroke_of[k] + share) * pace.time
-        return result
+        return np.asarray((self._stroke_of[k] + share) * pace.time)
 
     def _speed(self, pace: SteadyPace, k: int) -> float:
         return pace.falling if pace.falling is not None and self._falling[k] else pace.speed

@@ -245,8 +245,7 @@ class _Reader:
         if len(back):
             line = self.columns.lines[int(back[0]) + 1]
             self._tell("time.column", f"{self.entry.loads}: line {line}: time runs backwards")
-        result: FloatArray = times - times[0]
-        return result
+        return np.asarray(times - times[0])
 
     def _body(self, body: loads.Body, entry: MeasuredBodyEntry) -> loads.MeasuredBody:
         key, n = f"bodies.{body.name}", len(self.columns.rows)
