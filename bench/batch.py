@@ -16,12 +16,11 @@ from pathlib import Path
 from time import perf_counter, process_time, sleep
 from typing import Any
 
-from ballesta.batches.executor import Settings
 from ballesta.batches.job import RUN
-from ballesta.batches.memory import resident_bytes
 from ballesta.batches.outcome import GAVE_UP, Job, ended
 from ballesta.batches.plan import Plan, Request, planned
-from ballesta.batches.run import run_batch
+from ballesta.batches.processes import resident_bytes
+from ballesta.batches.run import Settings, run_batch
 
 ROOT = Path(__file__).parents[1]
 PRESS = ROOT / "designs" / "toggle_press.toml"

@@ -17,9 +17,9 @@ from typing import Any
 
 import psutil
 
-from ballesta.batches.executor import Settings
 from ballesta.batches.job import run_plain
 from ballesta.batches.plan import Request, planned
+from ballesta.batches.run import Settings
 from bench.batch import PRESS, ROOT, SECONDS, Watch, idle_plan, nothing, run
 from tests.ballesta.batches.dask_machines import DaskMachines
 

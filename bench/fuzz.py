@@ -24,8 +24,8 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
-from ballesta.batches.memory import Admission
 from ballesta.batches.pool import Limits, Pool
+from ballesta.batches.processes import Admission
 from checks.store.fingerprints import code_digest
 
 ROOT = Path(__file__).parent.parent

@@ -2,7 +2,9 @@
 
 from fatigue.fkm import (
     CAST_ROUGHNESS,
+    FKM_GROUPS,
     ComponentLimit,
+    FkmGroup,
     FkmMaterial,
     component_limit,
     fkm_curve,
@@ -10,7 +12,6 @@ from fatigue.fkm import (
     roughness_factor,
     stieler_support,
 )
-from fatigue.fkm_groups import FKM_GROUPS, FkmGroup, fkm_temperature_factor
 from fatigue.goodman import ChordPath, FatigueResult, chord_path, goodman, goodman_utilisation
 from fatigue.life import (
     Cycles,
@@ -81,7 +82,6 @@ __all__ = [
     "fkm_curve",
     "fkm_factor",
     "fkm_sensitivity",
-    "fkm_temperature_factor",
     "fkm_utilisation",
     "goodman",
     "goodman_utilisation",

@@ -303,8 +303,7 @@ class Mesh:
     @cached_property
     def _weights(self) -> FloatArray:
         determinants = _jacobian_determinants(self.nodes, self.elements, _QUADRATURE_POINTS)
-        weights: FloatArray = determinants * _QUADRATURE_WEIGHTS
-        return weights
+        return np.asarray(determinants * _QUADRATURE_WEIGHTS)
 
     @cached_property
     def surface_nodes(self) -> IntArray:
@@ -364,8 +363,7 @@ def shape_gradients(points: FloatArray) -> FloatArray:
 def _jacobian_determinants(nodes: FloatArray, elements: IntArray, points: FloatArray) -> FloatArray:
     """Det J at the given local points of every element, (n_elements, n_points)."""
     jacobians = np.einsum("eax,qar->eqxr", nodes[elements], shape_gradients(points), optimize=True)
-    determinants: FloatArray = np.linalg.det(jacobians)
-    return determinants
+    return np.asarray(np.linalg.det(jacobians))
 
 
 def _keast_degree_4() -> tuple[FloatArray, FloatArray]:

@@ -24,8 +24,7 @@ from geometry.body import Body, Buildable
 from geometry.curving import ENOUGH, Gliding, around, bent, least_coefficients, moved, nearly_folded
 from geometry.element_count import SURE, check_elements, solid_elements, solid_unknowns
 from geometry.graphics import INSTALL
-from geometry.hxt_memory import within_memory
-from geometry.memory import check_memory, compactness_of
+from geometry.memory import check_memory, compactness_of, within_memory
 from geometry.mesh import (
     FloatArray,
     FoldedElementError,
@@ -370,8 +369,7 @@ def _solids(gmsh: Any, index: IntArray, tag: int) -> IntArray:
 def _elements(gmsh: Any, index: IntArray, kind: int, tag: int, width: int) -> IntArray:
     """Node indices of the elements of one of gmsh's types on a CAD face or solid, (n, width)."""
     _, connectivity = gmsh.model.mesh.getElementsByType(kind, tag)
-    found: IntArray = index[np.asarray(connectivity, dtype=np.int64).reshape(-1, width)]
-    return found
+    return np.asarray(index[np.asarray(connectivity, dtype=np.int64).reshape(-1, width)])
 
 
 def split_bodies(nodes: FloatArray, bodies: Sequence[IntArray]) -> Split:

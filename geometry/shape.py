@@ -65,6 +65,11 @@ class Shape(ABC):
         names = cls.interfaces
         return names if isinstance(names, tuple) else ()
 
+    @property
+    def axes(self) -> dict[str, float]:
+        """Places along x, mm, of the first two interfaces by name."""
+        return dict(zip(self.interfaces[:2], (0.0, self.length), strict=True))
+
     @abstractmethod
     def build(self, gmsh: Any) -> Body:
         """Build the solid in gmsh's current model and say what stands where."""

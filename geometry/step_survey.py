@@ -18,7 +18,7 @@ import numpy as np
 from geometry.mesh import MeshError
 from geometry.parameters import ParameterError
 from geometry.round_faces import Curvature, Hole
-from geometry.step_file import StepSolid
+from geometry.step_file import StepSolid, file_hash, survey_step
 
 SECONDS = 60.0  # of processor time; a file of 1000 faces takes a few
 MEMORY = 3 * 2**30  # bytes
@@ -46,7 +46,7 @@ def surveyed(path: Path, digest: str) -> StepSolid:
 
 
 def _survey(path: Path, digest: str) -> StepSolid | str:
-    command = [sys.executable, "-m", "geometry.step_survey_worker", str(path.resolve()), digest]
+    command = [sys.executable, "-m", "geometry.step_survey", str(path.resolve()), digest]
     with tempfile.TemporaryFile() as output:
         try:
             process = subprocess.Popen(
@@ -123,3 +123,28 @@ def from_plain(data: Mapping[str, Any]) -> StepSolid:
 def _hole(data: Mapping[str, Any]) -> Hole:
     arrays = {name: np.array(data[name], dtype=float) for name in ("centre", "direction")}
     return Hole(**{**data, **arrays, "faces": tuple(data["faces"])})
+
+
+def main() -> None:
+    """Survey the file of the first argument, whose SHA-256 is the second."""
+    path, digest = Path(sys.argv[1]), sys.argv[2]
+    try:
+        solid = survey_step(path)
+        if file_hash(path) != digest:
+            raise ParameterError("shape", f"{path.name!r} was written while it was read")
+        reply = to_plain(solid)
+    except ParameterError as error:
+        reply = {"problem": error.problem}
+    except MeshError as error:
+        reply = {"no_gmsh": str(error)}
+    except Exception as error:  # gmsh raises bare Exception; of damaged shapes anything goes wrong
+        told = " ".join(str(error).split())[:200] or type(error).__name__
+        reply = {
+            "problem": f"{path.name!r} has a shape that cannot be measured ({told}): it is "
+            "damaged; repair it in CAD and export it again"
+        }
+    print(f"\n{json.dumps(reply, allow_nan=False)}")
+
+
+if __name__ == "__main__":
+    main()

@@ -6,7 +6,15 @@ from loads.blow_loads import BlowLoads, blow_loads, with_blow
 from loads.blows import Blow, JointImpulse, blow
 from loads.bodies import GROUND, Body, LinkageError, Pose
 from loads.compliance import BeamCompliance, Compliance, JointCompliance, MatrixCompliance
-from loads.cycle import CycleError, run_at_positions, run_at_rates, run_cycle, try_cycle
+from loads.cycle import (
+    CycleError,
+    forces_again,
+    moves_alike,
+    run_at_positions,
+    run_at_rates,
+    run_cycle,
+    try_cycle,
+)
 from loads.cycle_loads import ContactLoads, CycleLoads
 from loads.dead_centre import PullThrough, pull_through
 from loads.diagnosis import Diagnosis, diagnose, percent, position_text
@@ -46,7 +54,6 @@ from loads.pace import Geared, Motor, MotorPace, Pace, RunPace, SteadyPace, Stro
 from loads.path import Path, trace
 from loads.phases import Cycle, Phase
 from loads.point_loads import LoadHistory, PointLoad
-from loads.resolve_forces import forces_again, moves_alike
 from loads.reversals import split_at_reversals
 from loads.turning import RunawayError, StallError, UnsettledError
 

@@ -32,8 +32,7 @@ def assembly_gap(linkage: Linkage) -> tuple[str, float]:
 def worst_gaps(kinematics: Kinematics, poses: FloatArray) -> FloatArray:
     """Return the largest constraint error of each pose (n,) [mm], angles over the size."""
     errors = np.abs(kinematics.constraints(poses)) / kinematics.row_scale * kinematics.size
-    result: FloatArray = errors.max(axis=1)
-    return result
+    return np.asarray(errors.max(axis=1))
 
 
 def assemble(kinematics: Kinematics) -> FloatArray:

@@ -124,8 +124,7 @@ def _undecided(
     turn = np.abs(poses[first + 1, :, 2] - poses[first, :, 2]).max(axis=1)
     way = _WAY * np.linalg.norm(jacobians[first + 1] - jacobians[first], axis=(1, 2))
     least = 0.5 * (sizes[first] + sizes[first + 1] - way)
-    result: BoolArray = (least <= limit) | (turn > _LARGEST_TURN)
-    return result
+    return np.asarray((least <= limit) | (turn > _LARGEST_TURN))
 
 
 def _meeting(values: FloatArray, sizes: FloatArray, k: int) -> float:

@@ -91,8 +91,7 @@ class ContactLoads:
         It keeps the share of its speed that it keeps of its acceleration: all on a rigid linkage.
         """
         kept = 1.0 - self.held[self.begins + 1]
-        result: FloatArray = self.kinetic[self.begins] * (1.0 - kept**2)
-        return result
+        return np.asarray(self.kinetic[self.begins] * (1.0 - kept**2))
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,13 +20,12 @@ import numpy as np
 
 from loads.bodies import FloatArray, LinkageError
 from loads.cycle import Rates, Run, Stretch, begun
-from loads.driven import driven_by
 from loads.joints import place_in_words
 from loads.linkage import Linkage
 from loads.motion import Geometry
 from loads.pace import MotorPace, RunPace
 from loads.phases import Cycle, Phase
-from loads.running import SolvedPace
+from loads.running import SolvedPace, driven_by
 from loads.turning import STEP_PLACES, StallError, UnsettledError
 
 EVENTS: Final = ("start", "coast", "brake")

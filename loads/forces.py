@@ -201,8 +201,7 @@ def _generalised(motion: Motion, force: Force) -> FloatArray:
     """Return the load of a unit force on all coordinates, moments over the linkage's size."""
     kinematics = motion.kinematics
     gradient = kinematics.gradient(force.coordinate, motion.poses)[:, 3:]
-    result: FloatArray = force.sign * gradient * kinematics.pose_scale / kinematics.size
-    return result
+    return np.asarray(force.sign * gradient * kinematics.pose_scale / kinematics.size)
 
 
 def _inertia(motion: Motion) -> FloatArray:

@@ -21,14 +21,12 @@ if TYPE_CHECKING:
 
 def cross(a: FloatArray, b: FloatArray) -> FloatArray:
     """Return the z component of a x b, for vectors along the last axis."""
-    result: FloatArray = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
-    return result
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
 def dot(a: FloatArray, b: FloatArray) -> FloatArray:
     """Return the scalar product along the last axis."""
-    result: FloatArray = np.einsum("...i,...i->...", a, b)
-    return result
+    return np.asarray(np.einsum("...i,...i->...", a, b))
 
 
 def turned_left(vector: FloatArray) -> FloatArray:
@@ -195,16 +193,14 @@ class Kinematics:
 
     def point(self, poses: FloatArray, body: str, point: str) -> FloatArray:
         """Return where a point of a body is (n, 2) [mm]."""
-        place: FloatArray = poses[:, self.index[body], :2] + self.arm(poses, body, point)
-        return place
+        return np.asarray(poses[:, self.index[body], :2] + self.arm(poses, body, point))
 
     def velocity(
         self, poses: FloatArray, rates: FloatArray, body: str, arm: FloatArray
     ) -> FloatArray:
         """Return the velocity of the body's material point at an arm from its origin (n, 2)."""
         i = self.index[body]
-        speed: FloatArray = rates[:, i, :2] + rates[:, i, 2:] * turned_left(arm)
-        return speed
+        return np.asarray(rates[:, i, :2] + rates[:, i, 2:] * turned_left(arm))
 
     def line(self, poses: FloatArray, joint: Prismatic | Slot) -> FloatArray:
         """Return the unit vector along a guide or slot (n, 2), ground axes."""
@@ -215,10 +211,9 @@ class Kinematics:
         """Return the angle of body b against a at every joint that holds it (n, turns)."""
         table = self._joints
         angles = poses[:, :, 2]
-        turns: FloatArray = (
+        return np.asarray(
             angles[:, table.bodies_b[table.turns]] - angles[:, table.bodies_a[table.turns]]
         )
-        return turns
 
     def _add_point(
         self, row: FloatArray, body: str, direction: FloatArray, arm: FloatArray
@@ -253,8 +248,7 @@ class Kinematics:
     def joints_jacobian(self, poses: FloatArray) -> FloatArray:
         """Return the same by the moving bodies alone (n, constraints, 3 moving), unit-free."""
         own = self.jacobian(poses)[:, :, 3:]
-        result: FloatArray = own * self.pose_scale / self.row_scale[:, None]
-        return result
+        return np.asarray(own * self.pose_scale / self.row_scale[:, None])
 
     def linearised(self, poses: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return constraints and their derivatives together, which costs less than one by one."""
@@ -322,8 +316,7 @@ class Kinematics:
     def _bend(self, poses: FloatArray, rates: FloatArray, body: str, point: str) -> FloatArray:
         """Return the centripetal acceleration of a point at these rates (n, 2)."""
         spin = rates[:, self.index[body], 2:]
-        result: FloatArray = -(spin**2) * self.arm(poses, body, point)
-        return result
+        return np.asarray(-(spin**2) * self.arm(poses, body, point))
 
     def _parting(self, poses: FloatArray, rates: FloatArray, ends: Joint | Distance) -> FloatArray:
         a, b = ends.body_a, ends.body_b
@@ -399,11 +392,10 @@ class Kinematics:
                 span = self.span(poses, coordinate)
                 return np.sqrt(dot(span, span))
             case Angle():
-                turn: FloatArray = (
+                return np.asarray(
                     poses[:, self.index[coordinate.body], 2]
                     - poses[:, self.index[coordinate.relative_to], 2]
                 )
-                return turn
 
     def gradient(self, coordinate: Coordinate, poses: FloatArray) -> FloatArray:
         """Return the derivatives of a coordinate (n, 3 bodies)."""
@@ -442,8 +434,7 @@ class Kinematics:
                 )
                 parting = self._parting(poses, rates, coordinate)
                 across: FloatArray = cross(along, parting)
-                result: FloatArray = dot(along, bend) + across**2 / length
-                return result
+                return np.asarray(dot(along, bend) + across**2 / length)
             case Angle():
                 return np.zeros(len(poses))
 
@@ -460,5 +451,4 @@ def _check_fixed(coordinate: PointCoordinate) -> None:
 def unit(direction: tuple[float, float]) -> FloatArray:
     """Return the unit vector along a direction."""
     vector = np.array(direction, dtype=float)
-    result: FloatArray = vector / np.hypot(*vector)
-    return result
+    return np.asarray(vector / np.hypot(*vector))

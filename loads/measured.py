@@ -82,8 +82,7 @@ class MeasuredBody:
         """Return the centre's acceleration minus gravity (n, 2) in the ground's axes [mm/s2]."""
         own = self.acceleration
         ground = rotated(own, self.angle) if self.acceleration_in_body_frame else own
-        result: FloatArray = ground - np.array(gravity, dtype=float)
-        return result
+        return np.asarray(ground - np.array(gravity, dtype=float))
 
     def residual(self, gravity: Vector) -> FloatArray:
         """Return the residual force, and moment about the centre (n, 3) [N, N mm].

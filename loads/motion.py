@@ -144,8 +144,7 @@ def coordinate_share(
     gradient = kinematics.gradient(coordinate, poses)[:, 3:] * kinematics.pose_scale
     rates = first.reshape(len(poses), -1)[:, 3:] / kinematics.pose_scale
     length = np.linalg.norm(gradient, axis=1) * np.linalg.norm(rates, axis=1)
-    result: FloatArray = dot(gradient, rates) / length
-    return result
+    return np.asarray(dot(gradient, rates) / length)
 
 
 def derivative(
@@ -240,8 +239,7 @@ def orientation(kinematics: Kinematics, coordinate: Coordinate, poses: FloatArra
     It is the same all along a branch and changes at every fold of the coordinate and every change
     point, so that it tells two branches apart that come near each other there.
     """
-    signs: FloatArray = np.linalg.slogdet(matrix(kinematics, coordinate, poses))[0]
-    return signs
+    return np.asarray(np.linalg.slogdet(matrix(kinematics, coordinate, poses))[0])
 
 
 def pose_norm(kinematics: Kinematics, change: FloatArray) -> FloatArray:

@@ -117,13 +117,12 @@ class Path:
         start, step = self.values[k], self.values[k + 1] - self.values[k]
         t = ((values - start) / step)[:, None, None]
         h = step[:, None, None]
-        guess: FloatArray = (
+        return np.asarray(
             (1 + 2 * t) * (1 - t) ** 2 * self.poses[k]
             + t * (1 - t) ** 2 * h * self.tangents[k]
             + t**2 * (3 - 2 * t) * self.poses[k + 1]
             + t**2 * (t - 1) * h * self.tangents[k + 1]
         )
-        return guess
 
 
 _traced: OrderedDict[bytes, Path] = OrderedDict()
@@ -138,7 +137,7 @@ def trace(linkage: Linkage, coordinate: Coordinate, first: float, second: float)
     linkage.check_coordinate(coordinate, "swept coordinate")
     kinematics = Kinematics(linkage)
     low, high = min(first, second), max(first, second)
-    key = pickle.dumps((_geometry(linkage), coordinate, low, high))
+    key = pickle.dumps((geometry_of(linkage), coordinate, low, high))
     if key not in _traced:
         _traced[key] = _traced_anew(kinematics, coordinate, low, high)
         if len(_traced) > _KEPT:
@@ -146,7 +145,7 @@ def trace(linkage: Linkage, coordinate: Coordinate, first: float, second: float)
     return replace(_traced[key], kinematics=kinematics)
 
 
-def _geometry(linkage: Linkage) -> tuple[object, ...]:
+def geometry_of(linkage: Linkage) -> tuple[object, ...]:
     """All of a linkage that its positions depend on: not masses, forces or what gives way."""
     points = [(body.name, dict(body.points)) for body in linkage.bodies]
     return points, linkage.joints, dict(linkage.assembled)

@@ -196,8 +196,7 @@ def _inside(grid: FloatArray, function: Function, places: FloatArray, row: IntAr
     row  (m,) which of the functions is asked for at which of the places (m,)
     """
     values = np.atleast_2d(function(np.concatenate([grid[:1], places, grid[-1:]])))
-    found: FloatArray = values[:, 1:-1][row, np.arange(len(places))]
-    return found
+    return np.asarray(values[:, 1:-1][row, np.arange(len(places))])
 
 
 def _merged(grid: FloatArray, places: FloatArray) -> FloatArray:
@@ -205,5 +204,4 @@ def _merged(grid: FloatArray, places: FloatArray) -> FloatArray:
     apart = np.diff(rising, prepend=-np.inf) > 1e-13 * abs(grid[-1] - grid[0])
     kept = rising[apart]
     kept[0], kept[-1] = min(grid[0], grid[-1]), max(grid[0], grid[-1])
-    result: FloatArray = kept if grid[-1] > grid[0] else kept[::-1]
-    return result
+    return np.asarray(kept if grid[-1] > grid[0] else kept[::-1])

@@ -35,6 +35,10 @@ if TYPE_CHECKING:
     from scipy.interpolate import CubicHermiteSpline
 
 
+from loads.drive import is_closed
+from loads.kinematics import Kinematics, dot
+from loads.phases import Cycle
+
 # torque (n,) that the linkage takes in phase k at squared speeds and accelerations (n,)
 Demand = Callable[[int, FloatArray, FloatArray], FloatArray]
 Run = tuple[FloatArray, FloatArray]  # squared speeds and accelerations (n,) of a phase
@@ -207,8 +211,7 @@ class Timing:
     def way(self, k: int, geometry: Geometry | Motion) -> FloatArray:
         """Return how far the pace coordinate has gone (n,) at positions of phase k."""
         values = geometry.kinematics.value(self._pace.coordinate, geometry.poses)
-        way: FloatArray = self._before[k] + np.abs(values - self._values[k])
-        return way
+        return np.asarray(self._before[k] + np.abs(values - self._values[k]))
 
     def rates(self, k: int, geometry: Geometry) -> tuple[FloatArray, FloatArray]:
         """Return speed and acceleration of the pace (n,) at positions of phase k."""
@@ -246,11 +249,9 @@ class Timing:
                 return np.asarray(gone + (way - self._before[k]) / self._speed(pace, k))
             # way = v t + a t2 / 2, solved without losing digits where a is small
             root = np.sqrt(pace.speed**2 + 2.0 * pace.acceleration * way)
-            steady: FloatArray = 2.0 * way / (pace.speed + root)
-            return steady
+            return np.asarray(2.0 * way / (pace.speed + root))
         share = stroke_time(pace.law, way / self._length(k))
-        result: FloatArray = (self._stroke_of[k] + share) * pace.time
-        return result
+        return np.asarray((self._stroke_of[k] + share) * pace.time)
 
     def _speed(self, pace: SteadyPace, k: int) -> float:
         return pace.falling if pace.falling is not None and self._falling[k] else pace.speed
@@ -262,3 +263,52 @@ class Timing:
                 f"{self._pace.coordinate.label} sets the pace but does not move in phase {k + 1}"
             )
         return length
+
+
+# Cycles that a motor can turn over and over, and how the force solved for follows its angle.
+
+_SAME = 1e-9  # of a rate
+
+
+def driven_by(cycle: Cycle, kinematics: Kinematics, places: Sequence[Geometry]) -> list[FloatArray]:
+    """Return per phase the torque along the way over the force solved for (n,): 1 or -1.
+
+    Raises LinkageError unless the cycle goes round once and again in one direction, by the angle
+    that sets its pace, and every phase solves for a torque on that angle.
+    """
+    pace = cycle.pace.coordinate
+    if cycle.coordinate != pace:
+        raise LinkageError(
+            f"cycle {cycle.name!r}: a motor turns {pace.label}, so that coordinate must lead the "
+            f"cycle, not {cycle.coordinate.label}"
+        )
+    ends = np.stack([places[0].poses[0], places[-1].poses[-1]])
+    rising = {stop > start for start, stop in cycle.spans}
+    if len(rising) > 1 or not is_closed(kinematics, ends):
+        raise LinkageError(
+            f"cycle {cycle.name!r}: a motor turns {pace.label} over and over, so the cycle must go "
+            "on in one direction and end in the pose that it starts from"
+        )
+    if len({phase.solve for phase in cycle.phases}) > 1:
+        raise LinkageError(
+            f"cycle {cycle.name!r}: one torque on {pace.label} is the motor's, so all phases must "
+            "solve for the same"
+        )
+    found = []
+    for phase, geometry in zip(cycle.phases, places, strict=True):
+        force = kinematics.linkage.force(phase.solve)
+        first = geometry.first.reshape(len(geometry.values), -1)
+        rates = [
+            dot(kinematics.gradient(coordinate, geometry.poses), first)
+            for coordinate in (force.coordinate, pace)
+        ]
+        if (
+            not force.coordinate.angular
+            or (np.abs(np.abs(rates[0] / rates[1]) - 1.0) > _SAME).any()
+        ):
+            raise LinkageError(
+                f"cycle {cycle.name!r}, phase {phase.name!r}: the motor turns {pace.label}, so the "
+                f"phase must solve for a torque on it, not for {force.name!r}"
+            )
+        found.append(force.sign * np.sign(rates[0] * (1.0 if rising == {True} else -1.0)))
+    return found

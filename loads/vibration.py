@@ -91,8 +91,7 @@ class Lumps:
         )
         own = rotated(pull, -angles)
         each = np.where(self.way == 0, own[..., 0], np.where(self.way == 1, own[..., 1], turn))
-        result: FloatArray = -self.masses * each
-        return result
+        return np.asarray(-self.masses * each)
 
     def body_motions(self, shapes: FloatArray, poses: FloatArray) -> FloatArray:
         """Return the mean motion of every body (n, bodies, 3, k) for shapes (n, d, k).
@@ -457,8 +456,7 @@ def _root(compliance: MatrixCompliance) -> FloatArray:
             f"body {compliance.body!r}: its compliance gives energy back for some loads (lowest "
             f"eigenvalue {sizes[0]:.3g}, highest {sizes[-1]:.3g}); it cannot vibrate"
         )
-    result: FloatArray = vectors * np.sqrt(np.maximum(sizes, 0.0))
-    return result
+    return np.asarray(vectors * np.sqrt(np.maximum(sizes, 0.0)))
 
 
 def _on_beam(

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from ballesta.design.files import new_design
 from ballesta.design.read import read_design
-from ballesta.design.templates import new_design
 from geometry.parts import PlateLink
 from tools.update_readme import folder
 

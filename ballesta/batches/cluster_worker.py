@@ -13,8 +13,8 @@ from typing import Any
 
 from ballesta.batches.cluster_reply import Reply, to_text
 from ballesta.batches.job import text_digest
-from ballesta.batches.memory import Admission, planned_budget
 from ballesta.batches.pool import Finished, Limits, Pool, PoolError
+from ballesta.batches.processes import Admission, planned_budget
 
 CODE = "ballesta's code"
 _LOOK_EVERY = 1.0  # s, whether the batch is still there

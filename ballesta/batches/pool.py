@@ -23,9 +23,8 @@ from shutil import rmtree
 from time import monotonic
 from typing import Any
 
-from ballesta.batches.memory import Admission, resident_bytes
 from ballesta.batches.outcome import CRASHED, OUT_OF_MEMORY, OUT_OF_TIME
-from ballesta.batches.processes import end_with_children, ending
+from ballesta.batches.processes import Admission, end_with_children, ending, resident_bytes
 from fem.threads import ONE_THREAD
 
 _ROOT = Path(__file__).resolve().parents[2]

@@ -1,4 +1,4 @@
-"""Processes with all that they start: how to end them, and how they end with who started them.
+"""Processes with all that they start: how to end them, how they end, and the memory they may take.
 
 POSIX has process groups, Linux a death signal of the parent. Windows has neither: there the
 children of a process are found by psutil, and the end of its standard input tells a worker that
@@ -6,10 +6,13 @@ nobody waits for it any more.
 """
 
 import os
+import re
 import signal
 import subprocess
 import sys
 from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
 
 
 def end_with_children(process: "subprocess.Popen[bytes]") -> None:
@@ -66,3 +69,117 @@ def _kill_children(pid: int) -> None:
         for child in psutil.Process(pid).children(recursive=True):
             with suppress(psutil.Error):
                 child.kill()
+
+
+# Memory of the machine and of a job, and the number of jobs that fit beside each other.
+
+MIB = 2**20
+# Largest resident size of a worker, measured over the four machines of designs/; solids of
+# 140 000 unknowns take 1.3 GiB to solve (checks/stress/kept_models.py) beside meshing and judging.
+FIRST_ESTIMATES = {"formula": 600 * MIB, "beam": 600 * MIB}
+FIRST_ESTIMATE = 2048 * MIB
+_SHARE = 0.9  # of what is available at the start may be planned for
+_BESIDE = 1.2  # times the largest job so far is expected of the next
+_UNITS = {"MB": 10**6, "GB": 10**9, "MIB": 2**20, "GIB": 2**30}
+
+
+def parse_memory(text: str) -> int:
+    """Bytes of "4 GB", "500 MiB"; raises ValueError with the words.
+
+    >>> parse_memory("1.5 GB")
+    1500000000
+    """
+    found = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([A-Za-z]+)\s*", text)
+    unit = _UNITS.get(found[2].upper()) if found else None
+    if found is None or unit is None:
+        raise ValueError(f'must be a size in MB, GB, MiB or GiB such as "4 GB", got {text!r}')
+    size = int(float(found[1]) * unit)
+    if size < 256 * MIB:
+        raise ValueError(f"must be at least 256 MiB, which reading a design takes, got {text!r}")
+    return size
+
+
+@dataclass
+class Admission:
+    """Number of jobs that fit beside each other, by the largest job so far.
+
+    budget    bytes that all of them may take together
+    estimate  bytes that one takes, before one has been measured
+    """
+
+    budget: int
+    estimate: int
+    _largest: int = field(default=0, init=False)
+
+    def saw(self, peak: int) -> None:
+        """Note how much a job took."""
+        self._largest = max(self._largest, peak)
+
+    def fitting(self, most: int) -> int:
+        """Number of jobs that fit beside each other, at least 1 and at most `most`."""
+        expected = int(_BESIDE * self._largest) or self.estimate
+        return max(1, min(most, self.budget // expected))
+
+
+def planned_budget() -> int:
+    """Bytes that a batch may plan for."""
+    from geometry.memory import available_bytes  # loads SciPy, which a worker need not wait for
+
+    return int(_SHARE * available_bytes())
+
+
+def limit_memory(cap: int) -> None:
+    """Let allocations beyond a cap fail in this process, on Linux; the pool watches what it takes.
+
+    Above the cap by a quarter and what libraries reserve without touching it: it is there for what
+    grows faster than anyone looks.
+    """
+    if not sys.platform.startswith("linux"):
+        return
+    import resource
+
+    _, hard = resource.getrlimit(resource.RLIMIT_DATA)
+    wanted = cap + cap // 4 + 256 * MIB
+    soft = wanted if hard == resource.RLIM_INFINITY else min(wanted, hard)
+    resource.setrlimit(resource.RLIMIT_DATA, (soft, hard))
+
+
+def reset_peak() -> None:
+    """Begin to measure this process's peak anew, where the system can."""
+    try:
+        Path("/proc/self/clear_refs").write_text("5", encoding="ascii")
+    except OSError:
+        return
+
+
+def peak_bytes() -> int:
+    """Largest resident size of this process since `reset_peak`.
+
+    Of its whole life on Windows, and what it is now on systems that tell no peak.
+    """
+    found = _status("VmHWM")
+    if found is not None:
+        return found
+    import psutil
+
+    taken = psutil.Process().memory_info()
+    return int(getattr(taken, "peak_wset", taken.rss))
+
+
+def resident_bytes(pid: int | None = None) -> int:
+    """Resident size of a process, this one if none is named; 0 when it is gone."""
+    import psutil
+
+    try:
+        return int(psutil.Process(os.getpid() if pid is None else pid).memory_info().rss)
+    except psutil.Error:
+        return 0
+
+
+def _status(name: str) -> int | None:
+    try:
+        text = Path("/proc/self/status").read_text(encoding="ascii", errors="replace")
+    except OSError:
+        return None
+    found = re.search(rf"^{name}:\s+(\d+) kB$", text, re.MULTILINE)
+    return int(found[1]) * 1024 if found else None

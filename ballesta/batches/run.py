@@ -16,7 +16,7 @@ from pathlib import Path
 from time import monotonic
 from typing import Any, Protocol, Self
 
-from ballesta.batches.executor import Executor, Settings, executor_of
+from ballesta.batches.cluster import Cluster
 from ballesta.batches.job import RUN, step_of, text_digest
 from ballesta.batches.outcome import (
     NOT_RUN,
@@ -28,7 +28,8 @@ from ballesta.batches.outcome import (
     folder_error,
 )
 from ballesta.batches.plan import Plan
-from ballesta.batches.pool import Finished, PoolError, fatal_words
+from ballesta.batches.pool import Finished, Limits, Pool, PoolError, fatal_words
+from ballesta.batches.processes import FIRST_ESTIMATE, FIRST_ESTIMATES, Admission, planned_budget
 from ballesta.batches.results import prepare, write_results
 from checks.design.errors import DesignError, NumericsError
 from checks.store.results import BY_THE_DAY
@@ -136,6 +137,89 @@ def _entry_journal(line: bytes) -> JournalEntry | None:
     if not found or head != b'{"sha256":"' + sha256(text[:-1]).hexdigest().encode():
         return None
     return JournalEntry(**json.loads(text[:-1]))
+
+
+# Who runs the jobs of a batch: processes of this machine, or dask workers on others.
+
+SCRATCH = ".work"  # in the batch's folder, while it runs
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Settings of a batch run: time, memory, processes; none of them changes a result.
+
+    workers    processes at a time at most; None for one per core
+    seconds    that a design may take; None for any time
+    memory     bytes that a design may take; None for its share of what is free, and all of that,
+               by itself, where the share is not enough
+    scheduler  of dask workers, as `cluster.scheduler_of` returns it; None for this machine
+    tls        folder of certificates for it, as `cluster.security_of` reads it
+    """
+
+    workers: int | None = None
+    seconds: float | None = 600.0
+    memory: int | None = None
+    scheduler: str | None = None
+    tls: Path | None = None
+
+
+class Executor(Protocol):
+    """Runs jobs; `Pool` and `Cluster` do."""
+
+    def __enter__(self) -> Self:
+        """Nothing happens yet."""
+
+    def __exit__(self, *_: object) -> None:
+        """Stop whatever is being run."""
+
+    def start(self, jobs: int) -> None:
+        """Make ready for so many jobs ahead of `results`."""
+
+    @property
+    def at_a_time(self) -> int:
+        """Number of jobs that run beside each other, as estimated so far."""
+
+    def results(self, jobs: Sequence[tuple[int, Mapping[str, Any]]]) -> Iterator[list[Finished]]:
+        """Run jobs, (place, data as JSON knows it); yields those that ended since the last time.
+
+        Also yields an empty list many times a second, for who shows progress.
+        """
+
+    @property
+    def running(self) -> list[tuple[int, float, Sequence[str]]]:
+        """Place, seconds and last words of the jobs that are being run, as far as known."""
+
+
+def executor_of(
+    jobs: Sequence[Job], settings: Settings, function: str, out: Path, say: Callable[[str], None]
+) -> Executor:
+    """The executor that runs some jobs by a function "module:function".
+
+    out  folder of the batch
+    say  takes what the user should know
+    """
+    if settings.scheduler is not None:
+        seconds, memory = settings.seconds, settings.memory
+        return Cluster(settings.scheduler, function, seconds, memory, out, say, settings.tls)
+    budget = planned_budget()
+    estimate = max(FIRST_ESTIMATES.get(job.fidelity, FIRST_ESTIMATE) for job in jobs)
+    if settings.memory is not None:
+        estimate = min(estimate, settings.memory)
+    most = min(settings.workers or _cores(), len(jobs))
+    admission = Admission(budget, estimate)
+    share = max(budget // admission.fitting(most), 1)
+    limits = Limits(settings.seconds, settings.memory or share, settings.memory or budget)
+    return Pool(function, most, limits, admission, out / SCRATCH)
+
+
+def _cores() -> int:
+    """Cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+# The batch itself.
 
 
 class Live(Protocol):

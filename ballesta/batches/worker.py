@@ -15,9 +15,15 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import Any, BinaryIO
 
-from ballesta.batches.memory import limit_memory, peak_bytes, reset_peak, resident_bytes
 from ballesta.batches.outcome import CRASHED, OUT_OF_MEMORY
-from ballesta.batches.processes import die_with_parent, end_ourselves
+from ballesta.batches.processes import (
+    die_with_parent,
+    end_ourselves,
+    limit_memory,
+    peak_bytes,
+    reset_peak,
+    resident_bytes,
+)
 
 
 def main() -> None:

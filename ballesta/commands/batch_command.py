@@ -11,11 +11,10 @@ from time import monotonic
 from typing import Any
 
 from ballesta.batches.cluster import LOCAL, scheduler_of, security_of
-from ballesta.batches.executor import Settings
-from ballesta.batches.memory import parse_memory
 from ballesta.batches.outcome import EXIT_CODES, sentence
 from ballesta.batches.plan import Request, claim_folder, planned
-from ballesta.batches.run import run_batch
+from ballesta.batches.processes import parse_memory
+from ballesta.batches.run import Settings, run_batch
 from ballesta.run import guarded
 from ballesta.sweeps.sweep_text import parse_sweep
 from checks.design.effort import SWEPT, effort_of

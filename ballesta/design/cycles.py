@@ -7,8 +7,8 @@ from math import degrees, pi
 import loads
 from ballesta.design.expressions import coordinate_of, dimension_along
 from ballesta.design.files import Sources
-from ballesta.design.joints import friction_of
 from ballesta.design.laws import law_of
+from ballesta.design.linkage import friction_of
 from checks.design.data import Cycle, Design, Duty, Shown, Stop
 from checks.design.errors import Problems, listed, no_such
 from checks.design.model import DesignFile

@@ -1,4 +1,4 @@
-"""The files that a design takes from: the file itself, those that it is like, its tables."""
+"""Files that a design takes from: itself, those that it is like, its tables, and templates."""
 
 import copy
 import hashlib
@@ -6,11 +6,12 @@ import re
 import tomllib
 from dataclasses import dataclass, field
 from functools import lru_cache
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 from ballesta.design.overrides import HUGE_NUMBER, Way, dotted, huge_number_at
-from checks.design.errors import DesignError, nearest
+from checks.design.errors import DesignError, nearest, no_such
 from geometry.bounded_files import MOST_TEXT, read_bounded
 
 
@@ -198,3 +199,27 @@ def _parsed(file: Path, text: str) -> dict[str, Any]:
         raise DesignError(file, "cannot be read", f"has {HUGE_NUMBER}") from None
     except RecursionError:
         raise DesignError(file, "cannot be read", "is not TOML: nested too deeply") from None
+
+
+# Design files to start from: `ballesta new <template>`.
+
+
+def templates() -> tuple[str, ...]:
+    """Return the names of the templates."""
+    folder = files("ballesta.design").joinpath("templates")
+    names = [entry.name for entry in folder.iterdir()]
+    return tuple(sorted(name.removesuffix(".toml") for name in names if name.endswith(".toml")))
+
+
+def new_design(template: str) -> str:
+    """Return the text of a template: a commented design file that runs as it is."""
+    if template not in templates():
+        raise DesignError(
+            Path("new"),
+            template,
+            no_such(
+                "template", template.replace("_", "-"), [n.replace("_", "-") for n in templates()]
+            ),
+        )
+    entry = files("ballesta.design").joinpath("templates", f"{template}.toml")
+    return entry.read_text(encoding="utf-8")

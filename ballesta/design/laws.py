@@ -7,10 +7,10 @@ from collections.abc import Mapping, Sequence
 from itertools import islice, pairwise
 
 import loads
-from ballesta.design.csv_columns import MOST_ROWS
 from ballesta.design.expressions import coordinate_of, dimension_along, expression_of
 from ballesta.design.files import Sources
 from ballesta.design.forces import dimension_of, wrong_dimension
+from ballesta.design.measured import MOST_ROWS
 from checks.design.errors import DesignError, Problems
 from checks.design.model import DesignFile
 from checks.design.tables import (

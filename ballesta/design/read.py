@@ -15,11 +15,18 @@ from pydantic import BaseModel, Tag, ValidationError
 
 import loads
 from ballesta.design.cycles import cycles_of, duty_of, events_of, split_cycles
-from ballesta.design.cylinders import cylinders_of
 from ballesta.design.files import Sources, read_design_files
-from ballesta.design.forces import forces_of
-from ballesta.design.joints import friction_of, joint_compliances, joints_of, pins_of
-from ballesta.design.linkage import bodies_of, body_compliances, check_points, ground_of
+from ballesta.design.forces import cylinders_of, forces_of
+from ballesta.design.linkage import (
+    bodies_of,
+    body_compliances,
+    check_points,
+    friction_of,
+    ground_of,
+    joint_compliances,
+    joints_of,
+    pins_of,
+)
 from ballesta.design.measured import measured_of
 from ballesta.design.overrides import (
     Way,

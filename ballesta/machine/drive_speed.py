@@ -200,8 +200,7 @@ def _surge(cycle: loads.CycleLoads, drive: str) -> FloatArray:
     value = cycle.coordinate(drive)
     push = cycle.linkage.force(drive).sign * cycle.efforts[drive]
     way = float(value[-1] - value[0])
-    surge: FloatArray = np.sign(way) * figures.speed * (figures.work / way - push) / ripple
-    return surge
+    return np.asarray(np.sign(way) * figures.speed * (figures.work / way - push) / ripple)
 
 
 def friction_gate(cycle: str) -> str:

@@ -70,8 +70,6 @@ def event_figures(design: Design, cycle: loads.CycleLoads) -> EventFigures | Non
 
 def _missing(design: Design, cycle: loads.CycleLoads, event: loads.Event) -> float:
     """Energy that motor, brake, linkage and flywheel do not agree on, over what is turned over."""
-    from scipy.integrate import simpson
-
     base = design.cycles[event.cycle].run.pace
     run = design.cycles[cycle.name].run
     assert isinstance(base, loads.MotorPace)
@@ -85,14 +83,17 @@ def _missing(design: Design, cycle: loads.CycleLoads, event: loads.Event) -> flo
     given = given - np.where(braked, event.torque, 0.0)
 
     way = np.abs(np.array(run.spans)[cycle.phase_of, 0] - cycle.positions)
-
-    def summed(values: FloatArray) -> float:
-        rows = [cycle.phase_of == k for k in range(len(cycle.phases))]
-        return float(sum(simpson(values[row], x=way[row]) for row in rows))
-
     kept = 0.5 * run.pace.inertia * float(speed[-1] ** 2 - speed[0] ** 2)
-    whole = summed(np.abs(given)) + summed(np.abs(taken)) + abs(kept)
-    return abs(summed(given - taken) - kept) / whole if whole else 0.0
+    whole = summed(cycle, np.abs(given), way) + summed(cycle, np.abs(taken), way) + abs(kept)
+    return abs(summed(cycle, given - taken, way) - kept) / whole if whole else 0.0
+
+
+def summed(cycle: loads.CycleLoads, values: FloatArray, over: FloatArray) -> float:
+    """Integral of values (n,) over a time or way (n,), by parabolas within each phase."""
+    from scipy.integrate import simpson
+
+    rows = [cycle.phase_of == k for k in range(len(cycle.phases))]
+    return float(sum(simpson(values[row], x=over[row]) for row in rows))
 
 
 def event_assumptions(design: Design) -> list[tuple[str, str]]:

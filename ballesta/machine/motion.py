@@ -1,7 +1,7 @@
 """Motion of a design's parts through its solved cycles, thinned for pictures."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -14,6 +14,8 @@ from checks.result.verdict import PartResult
 from checks.result.words import brief, number
 from geometry.mesh import FloatArray, IntArray
 from geometry.parts.pin import as_pin
+from loads.blow_loads import at_rows
+from loads.kinematics import rotated
 
 _STEP = np.radians(6.0) + 1e-9  # that a body turns by between two kept positions, at most
 Spans = list[tuple[float, float]]
@@ -62,9 +64,10 @@ def _motion(
     peaks += [int(np.hypot(*pin.force.T).argmax()) for pin in pins.values()]
     turned = np.unwrap(cycle.poses[:, :, 2], axis=0)
     rows = kept_rows(np.asarray(cycle.phase_of), peaks, turned=turned)
+    kept = at_rows(cycle, rows)
     return PartsMotion(
         index=rows,
-        times=cycle.times[rows],
+        times=kept.times,
         parts={name: frame[rows] for name, frame in frames.items()},
         layer=layer,
         layers_told=told,
@@ -74,9 +77,9 @@ def _motion(
         },
         bodies={part.name: _carrier(part) for part in parts},
         linkage=cycle.linkage,
-        poses=cycle.poses[rows],
-        reactions={name: _at(load, rows) for name, load in cycle.reactions.items()},
-        efforts={name: effort[rows] for name, effort in cycle.efforts.items()},
+        poses=kept.poses,
+        reactions=kept.reactions,
+        efforts=kept.efforts,
     )
 
 
@@ -89,7 +92,7 @@ def part_frame(design: Design, part: Part, cycle: loads.CycleLoads) -> FloatArra
         assert part.joint is not None
         frame[:, :2] = cycle.point(body, part.joint)
     else:
-        frame[:, :2] += _turned(np.array(placing.origin, dtype=np.float64), pose[:, 2])
+        frame[:, :2] += rotated(np.array(placing.origin, dtype=np.float64), pose[:, 2])
     frame[:, 2] += placing.angle
     frame[:, 2] = np.unwrap(frame[:, 2])
     return frame
@@ -122,8 +125,8 @@ def _pins(
             on=part.name,
             interface=interface,
             point=part.interfaces[interface],
-            place=_place(part, interface, cycle) + _turned(own, frame[:, 2]),
-            force=_turned(wrench[:, :2], frame[:, 2]),
+            place=_place(part, interface, cycle) + rotated(own, frame[:, 2]),
+            force=rotated(wrench[:, :2], frame[:, 2]),
             z=layer + heights.get(interface, 0.0) + part.offsets.get(interface, 0.0),
             halves=tuple(layer + height for height in pairs.get(interface, ())),
         )
@@ -180,19 +183,6 @@ def _turning_rows(rows: IntArray, turned: FloatArray) -> IntArray:
         if kept[row]:
             last = row
     return np.array(more, dtype=np.int64)
-
-
-def _at(load: loads.JointLoad, rows: IntArray) -> loads.JointLoad:
-    return loads.JointLoad(
-        **{field.name: getattr(load, field.name)[rows] for field in fields(load)}
-    )
-
-
-def _turned(vectors: FloatArray, angle: FloatArray) -> FloatArray:
-    """Vectors (..., 2) turned by angles (n,): (n, 2)."""
-    c, s = np.cos(angle), np.sin(angle)
-    x, y = vectors[..., 0], vectors[..., 1]
-    return np.stack([c * x - s * y, s * x + c * y], axis=-1)
 
 
 # Heights of parts across the linkage's plane in a picture: as stated, else side by side.

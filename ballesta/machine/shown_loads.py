@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 import loads
-from ballesta.machine.events import event_figures
+from ballesta.machine.events import event_figures, summed
 from checks.design.data import Cycle, Design
 from checks.part.part_loads import shown_name, shown_of, shown_position
 from checks.result.words import brief, number
@@ -156,11 +156,11 @@ def motor_figures(design: Design, cycle: loads.CycleLoads) -> MotorFigures | Non
         slowest_at=float(shown[slowest]),
         fastest=float(speed[fastest]),
         fastest_at=float(shown[fastest]),
-        mean=float(_summed(cycle, speed)) / duration,
+        mean=summed(cycle, speed, cycle.times) / duration,
         largest=float(np.abs(own).max()),
-        effective=float(np.sqrt(_summed(cycle, own**2) / duration)),
+        effective=float(np.sqrt(summed(cycle, own**2, cycle.times) / duration)),
         rated=geared.motor.rated_torque,
-        power=float(_summed(cycle, own * speed * geared.ratio)) / duration,
+        power=summed(cycle, own * speed * geared.ratio, cycle.times) / duration,
         ratio=geared.ratio,
         missing=_missing(cycle, drive, torque * speed),
         speed=speed,
@@ -172,13 +172,5 @@ def _missing(cycle: loads.CycleLoads, drive: str, power: FloatArray) -> float:
     """Energy balance error of a turn: motor less drive, over the energy the drive turns over."""
     sign = cycle.linkage.force(drive).sign
     taken = sign * cycle.efforts[drive] * cycle.rate(drive)
-    whole = _summed(cycle, np.abs(taken))
-    return float(abs(_summed(cycle, power - taken)) / whole) if whole else 0.0
-
-
-def _summed(cycle: loads.CycleLoads, values: FloatArray) -> float:
-    """Integral over the time of a cycle, by parabolas within each phase."""
-    from scipy.integrate import simpson
-
-    rows = [cycle.phase_of == k for k in range(len(cycle.phases))]
-    return float(sum(simpson(values[row], x=cycle.times[row]) for row in rows))
+    whole = summed(cycle, np.abs(taken), cycle.times)
+    return abs(summed(cycle, power - taken, cycle.times)) / whole if whole else 0.0

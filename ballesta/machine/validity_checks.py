@@ -133,19 +133,8 @@ def _motor(design: Design, name: str, cycle: loads.CycleLoads) -> list[Gate]:
     motor = motor_figures(design, cycle)
     if motor is None:
         return []
-    cure = key = ""
-    if motor.missing > _MOTOR_ENERGY:
-        enough = ceil(len(cycle.positions) * sqrt(motor.missing / _MOTOR_ENERGY) * 1.2 / 10) * 10
-        cure = f"State positions = {enough} or more: the sum over them is too coarse"
-        key = f"cycles.{name}.positions={enough}"
-    energy = Gate(
-        f"{name}: energy of the motor",
-        motor.missing,
-        _MOTOR_ENERGY,
-        "energy of a turn that motor and linkage do not agree on, over what is turned over",
-        cure=cure,
-        key=key,
-    )
+    said = "energy of a turn that motor and linkage do not agree on, over what is turned over"
+    energy = _energy(cycle, f"cycles.{name}", f"{name}: energy of the motor", motor.missing, said)
     if motor.effective <= motor.rated:
         return [energy]
     heat = Gate(
@@ -164,22 +153,21 @@ def _event(design: Design, name: str, cycle: loads.CycleLoads) -> list[Gate]:
     event = event_figures(design, cycle)
     if event is None:
         return []
-    cure = key = ""
-    if event.missing > _MOTOR_ENERGY:
-        enough = ceil(len(cycle.positions) * sqrt(event.missing / _MOTOR_ENERGY) * 1.2 / 10) * 10
-        cure = f"State positions = {enough} or more: the sum over them is too coarse"
-        key = f"events.{name}.positions={enough}"
-    return [
-        Gate(
-            f"{name}: energy of the {event.kind}",
-            event.missing,
-            _MOTOR_ENERGY,
-            "energy that motor, brake, flywheel and linkage do not agree on, over what is turned "
-            f"over; {event_sentence(event)}",
-            cure=cure,
-            key=key,
-        )
-    ]
+    said = (
+        "energy that motor, brake, flywheel and linkage do not agree on, over what is turned "
+        f"over; {event_sentence(event)}"
+    )
+    gate = f"{name}: energy of the {event.kind}"
+    return [_energy(cycle, f"events.{name}", gate, event.missing, said)]
+
+
+def _energy(cycle: loads.CycleLoads, key: str, gate: str, missing: float, meaning: str) -> Gate:
+    """Gate of a sum of energy over the positions of a cycle, with the number that is enough."""
+    if missing <= _MOTOR_ENERGY:
+        return Gate(gate, missing, _MOTOR_ENERGY, meaning)
+    enough = ceil(len(cycle.positions) * sqrt(missing / _MOTOR_ENERGY) * 1.2 / 10) * 10
+    cure = f"State positions = {enough} or more: the sum over them is too coarse"
+    return Gate(gate, missing, _MOTOR_ENERGY, meaning, cure=cure, key=f"{key}.positions={enough}")
 
 
 def _deflected_shape(name: str, cycle: loads.CycleLoads) -> list[Gate]:

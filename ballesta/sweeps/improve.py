@@ -19,8 +19,18 @@ from typing import Any
 
 import loads
 from ballesta.design.read import read_design
-from ballesta.sweeps.dimensions import dimension, of_cylinder, rounded, standard, written
-from ballesta.sweeps.estimates import LINKAGE, MATERIAL, STRESS, Estimates, reserve_of
+from ballesta.sweeps.estimates import (
+    LINKAGE,
+    MATERIAL,
+    STRESS,
+    Estimates,
+    dimension,
+    of_cylinder,
+    reserve_of,
+    rounded,
+    standard,
+    written,
+)
 from ballesta.sweeps.screen import Screened
 from checks.design.data import Design
 from checks.design.effort import DEFAULT_EFFORT, Effort

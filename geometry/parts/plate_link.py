@@ -129,17 +129,9 @@ class PlateLink(Shape):
     @property
     def placed_interfaces(self) -> list[Interface]:
         """Where other parts press on it."""
-        places = {"first": 0.0, "second": self.length}
         return [
-            Interface(
-                name,
-                "bore",
-                np.array([places[name], 0.0, 0.0]),
-                hole / 2,
-                self.thickness,
-                tilts=True,
-            )
-            for name, hole in self._holes.items()
+            Interface(name, "bore", np.array([x, 0.0, 0.0]), hole / 2, self.thickness, tilts=True)
+            for (name, x), hole in zip(self.axes.items(), self._holes.values(), strict=True)
         ]
 
     def build(self, gmsh: Any) -> Body:
@@ -147,18 +139,14 @@ class PlateLink(Shape):
         occ = gmsh.model.occ
         half = self.width / 2
         plate = stadium(gmsh, -half, self.length + half, self.width, self.thickness)
-        places = {"first": 0.0, "second": self.length}
-        tools = [
-            drill(gmsh, places[name], hole, self.thickness) for name, hole in self._holes.items()
-        ]
+        tools = [drill(gmsh, self.axes[end], d, self.thickness) for end, d in self._holes.items()]
         occ.cut([(3, plate)], tools)
         occ.synchronize()
         return self.named(gmsh)
 
     def named(self, gmsh: Any) -> Body:
         """Return the body of the model, of the whole part or its half at z >= 0."""
-        places = {"first": 0.0, "second": self.length}
-        bores = {name: bore_at(gmsh, places[name], hole) for name, hole in self._holes.items()}
+        bores = {name: bore_at(gmsh, self.axes[name], d) for name, d in self._holes.items()}
         return Body(
             surfaces=bores,
             interfaces=self.placed_interfaces,

@@ -43,10 +43,6 @@ class PrismaticTube(Shape):
         """The tube's one section."""
         return (square_tube_section("tube", self.width, self.wall, self.inner_radius),)
 
-    @property
-    def _places(self) -> Mapping[str, float]:
-        return {"start": 0.0, "end": self.length}
-
     def link(self, poisson_ratio: float) -> Bar:
         """The tube from end to end."""
         return self.profile
@@ -81,9 +77,7 @@ class PrismaticTube(Shape):
     @property
     def placed_interfaces(self) -> list[Interface]:
         """Where other parts press on it."""
-        return [
-            Interface(name, "face", np.array([x, 0.0, 0.0])) for name, x in self._places.items()
-        ]
+        return [Interface(name, "face", np.array([x, 0.0, 0.0])) for name, x in self.axes.items()]
 
     def build(self, gmsh: Any) -> Body:
         """Build the tube in gmsh's current model."""
@@ -93,7 +87,7 @@ class PrismaticTube(Shape):
 
     def named(self, gmsh: Any) -> Body:
         """Return the body of the model, of the whole part or its half at z >= 0."""
-        ends = {name: faces_where(gmsh, self._at(x)) for name, x in self._places.items()}
+        ends = {name: faces_where(gmsh, self._at(x)) for name, x in self.axes.items()}
         return Body(
             surfaces=ends,
             interfaces=self.placed_interfaces,

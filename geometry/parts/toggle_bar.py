@@ -29,7 +29,7 @@ from geometry.parameters import (
     check_above,
     check_square_tube,
 )
-from geometry.parts._plates import square_tube
+from geometry.parts._plates import bore_at, drill, square_tube
 from geometry.shape import Ligament, Shape
 
 
@@ -128,10 +128,6 @@ class ToggleBar(Shape):
             return ()
         return (Walls("square", self.width, self.wall, stretch, self.sections[0]),)
 
-    @property
-    def _places(self) -> Mapping[str, float]:
-        return {"knee": 0.0, "end": self.length}
-
     def link(self, poisson_ratio: float) -> Bar:
         """A tube, and its cheeks alone beside the cut-out at the knee.
 
@@ -199,7 +195,7 @@ class ToggleBar(Shape):
         """Where other parts press on it."""
         return [
             Interface(name, "bore", np.array([x, 0.0, 0.0]), self.hole / 2, 2 * self.wall)
-            for name, x in self._places.items()
+            for name, x in self.axes.items()
         ]
 
     def build(self, gmsh: Any) -> Body:
@@ -214,9 +210,7 @@ class ToggleBar(Shape):
             self.inner_radius,
         )
         tools = [self._cut_out(occ)]
-        for x in (0.0, self.length):
-            hole = occ.addCylinder(x, 0, -self.width, 0, 0, 2 * self.width, self.hole / 2)
-            tools.append((3, hole))
+        tools += [drill(gmsh, x, self.hole, self.width) for x in self.axes.values()]
         occ.cut([(3, tube)], tools)
         occ.remove(occ.getEntities(2))
         occ.synchronize()
@@ -241,29 +235,15 @@ class ToggleBar(Shape):
 
     def named(self, gmsh: Any) -> Body:
         """Return the body of the model, of the whole part or its half at z >= 0."""
-        radius = self.hole / 2
-        tolerance = 1e-4 * self.width
-        cut_end = self.cutout_length - self.overhang
-
-        def bore_at(x: float) -> list[int]:
-            wanted = (x - radius, -radius, x + radius, radius)
-            return faces_where(
-                gmsh,
-                lambda box, kind: (
-                    kind == "Cylinder" and np.allclose(box[[0, 1, 3, 4]], wanted, atol=tolerance)
-                ),
-            )
-
+        radius, cut_end = self.hole / 2, self.cutout_length - self.overhang
+        wanted, tolerance = (cut_end - self.cutout_corner, cut_end), 1e-4 * self.width
         corners = faces_where(
             gmsh,
             lambda box, kind: (
-                kind == "Cylinder"
-                and np.allclose(
-                    box[[0, 3]], (cut_end - self.cutout_corner, cut_end), atol=tolerance
-                )
+                kind == "Cylinder" and np.allclose(box[[0, 3]], wanted, atol=tolerance)
             ),
         )
-        bores = {name: bore_at(x) for name, x in self._places.items()}
+        bores = {name: bore_at(gmsh, x, self.hole) for name, x in self.axes.items()}
         return Body(
             surfaces={**bores, "cutout_corner": corners},
             interfaces=self.placed_interfaces,

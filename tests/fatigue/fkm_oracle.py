@@ -2,7 +2,7 @@
 
 import numpy as np
 import pylife._fkm_linear_functions as functions
-from pylife.strength.fkm_linear.constants import consts_fkm, fw_t, temp_coeff
+from pylife.strength.fkm_linear.constants import consts_fkm, fw_t
 
 GROUPS = {
     "steel": "Steel",
@@ -15,12 +15,6 @@ GROUPS = {
     "grey_iron": "GJL",
     "wrought_aluminium": "Al_wrought",
     "cast_aluminium": "Al_cast",
-}
-HEAT = GROUPS | {
-    "forged_steel": "Steel",
-    "case_hardened_steel": "Steel",
-    "wrought_aluminium": "Aluminum",
-    "cast_aluminium": "Aluminum",
 }
 
 
@@ -49,11 +43,3 @@ def pylife_roughness(group, stress, roughness, ultimate):
     finish = np.array(["None"], dtype=object)
     rest = (_many(value, 1) for value in (ratio, own.aR_s, own.RmNmin))
     return float(functions.rough_factor(_many(ultimate, 1), _many(roughness, 1), *rest, finish)[0])
-
-
-def pylife_heat(group, temperature):
-    """Temperature factor."""
-    law = temp_coeff[HEAT[group]]
-    columns = (_many(law[key], 1) for key in ("T_threshold", "T_max", "a_TD", "delta_T"))
-    name = np.array([GROUPS[group]], dtype=object)
-    return float(functions.temperature_model(*columns, _many(temperature, 1), name)[0])

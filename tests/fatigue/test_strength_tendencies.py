@@ -76,14 +76,6 @@ def test_a_hotter_part_never_lives_longer_by_marin(strength, amplitude, heat):
 
 
 @COMMON
-@given(GROUP, STRENGTH, AMPLITUDE, pair(0.0, 1.0))
-def test_a_hotter_part_never_lives_longer_by_the_guideline(group, strength, amplitude, shares):
-    end = FKM_GROUPS[group].temperature.end
-    lives = [fkm_life(group, strength, amplitude, temperature=end * share) for share in shares]
-    assert lives[1] <= lives[0] * KEEP
-
-
-@COMMON
 @given(STRENGTH, AMPLITUDE, pair(0.5, 0.999999))
 def test_a_more_reliable_part_never_lives_longer(strength, amplitude, survive):
     lives = [marin_life(strength, amplitude, reliability=share) for share in survive]

@@ -6,7 +6,7 @@ meshed finer and finer.
 
 import pytest
 
-from geometry.hxt_memory import array_sizes, within_memory
+from geometry.memory import array_sizes, within_memory
 
 RESERVED = 12_318
 TOLD = [

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any, Self
 
 from ballesta.batches import run as batch_run
-from ballesta.batches.memory import MIB, Admission
 from ballesta.batches.outcome import Job
 from ballesta.batches.plan import Plan
 from ballesta.batches.pool import Finished, Limits, Pool
+from ballesta.batches.processes import MIB, Admission
 from ballesta.batches.worker import answer
 
 # Written beside the tests' own files, because a worker imports it by name.

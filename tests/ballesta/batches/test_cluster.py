@@ -19,10 +19,9 @@ from ballesta.batches import cluster as cluster_module
 from ballesta.batches.cluster import scheduler_of
 from ballesta.batches.cluster_reply import Reply, Unread, from_text, nothing_unpickled, to_text
 from ballesta.batches.cluster_worker import Site, refusal, versions
-from ballesta.batches.executor import Settings
 from ballesta.batches.plan import Request, planned
 from ballesta.batches.pool import Finished, PoolError
-from ballesta.batches.run import run_batch
+from ballesta.batches.run import Settings, run_batch
 from ballesta.commands.batch_command import Wanted, run_batch_command
 from checks.design.errors import DesignError, NumericsError
 

@@ -1,7 +1,7 @@
 import pytest
 
-from ballesta.batches.memory import parse_memory
 from ballesta.batches.plan import Request, claim_folder, planned
+from ballesta.batches.processes import parse_memory
 from checks.design.errors import DesignError
 
 from ...small_machine import MACHINE, PLATE

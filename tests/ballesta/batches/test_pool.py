@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from ballesta.batches.memory import MIB, Admission
 from ballesta.batches.pool import Limits, Pool, PoolError, fatal_words
+from ballesta.batches.processes import MIB, Admission
 from fem.threads import ONE_THREAD
 
 from . import jobs

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from ballesta.design.files import new_design
 from ballesta.design.read import read_design
-from ballesta.design.templates import new_design
 from checks.design.errors import DesignError, DesignErrors
 
 from ...small_machine import PLATE, machine

@@ -8,7 +8,7 @@ import pytest
 from ballesta.regression import plugin
 from ballesta.regression.baseline import CheckError, measure
 from ballesta.regression.file import write_record
-from ballesta.regression.work import measured
+from ballesta.regression.worker import measured
 from checks.design.errors import DesignError
 
 from ...conftest import made_once
