@@ -147,7 +147,7 @@ def check(
 
     design     a design file, or what `read_design` has made of one
     overrides  "key=value" each, as `ballesta check --set` takes them; of a design file only
-    fidelity   "formula", "beam" or "solid"; "auto" takes the cheapest that settles each part
+    fidelity   "formula" or "solid"; "auto" takes the cheapest that settles each part
     within     time limit such as "60 s"; the result then says what is left open
     store      folder that keeps loads, meshes and solutions for later checks
 

@@ -64,7 +64,7 @@ Fidelity = Annotated[
     typer.Option(
         "--fidelity",
         metavar="RUNG",
-        help="formula, beam, solid, or auto: the cheapest that settles each part",
+        help="formula, solid, or auto: the cheapest that settles each part",
     ),
 ]
 Within = Annotated[

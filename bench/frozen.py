@@ -3,7 +3,7 @@
     python -m bench.frozen write   [DESIGN ...] [--fidelity RUNG] [--folder DIR]
     python -m bench.frozen compare [DESIGN ...] [--fidelity RUNG] [--folder DIR] [--tolerance SHARE]
 
-Without names: every design in designs/. Without a fidelity: formula, beam and auto; solid takes
+Without names: every design in designs/. Without a fidelity: formula and auto; solid takes
 minutes a design. Each result is `result.json` without what differs from run to run (times,
 versions, paths of reports), as DIR/DESIGN.RUNG.json.gz; DIR is out/frozen if nothing else is said,
 and not tracked. Numbers are compared bit for bit, which holds on one machine with one thread;
@@ -23,7 +23,7 @@ from typing import Any
 from fem.threads import ONE_THREAD
 
 ROOT = Path(__file__).parents[1]
-RUNGS = ("formula", "beam", "auto")
+RUNGS = ("formula", "auto")
 ALL_RUNGS = (*RUNGS, "solid")
 CHANGING = frozenset({"date", "timings", "seconds", "versions", "report", "command"})
 MOST_TOLD = 20

@@ -19,7 +19,8 @@ import numpy as np
 
 from bench.rung_truth import with_buckling
 from bench.rung_variations import SCENES, Machines, Variation
-from checks.ladder.climb import ANSWERS, BUILDERS
+from checks.design.effort import FORMULA
+from checks.models import shapes
 from checks.models.bands import of_buckling, proportions_of
 from checks.models.checked import (
     BUCKLING,
@@ -95,44 +96,43 @@ def of_solid(line: Mapping[str, Any], kind: str) -> Mapping[str, Any] | None:
 
 
 def rungs_of(variation: Variation, line: Mapping[str, Any]) -> Iterable[Compared]:
-    """Every rung's checks of a variation beside the solid's."""
+    """The formula's checks of a variation beside the solid's."""
     part, loads, design = variation.part, variation.loads, variation.design
     use = fatigue_use(LoadedPart(design, part, loads))
-    for rung, build in BUILDERS.items():
-        start = process_time()
-        try:
-            model = build(part, loads)
-        except (MeshError, SolverError) as error:
-            print(f"{variation.name}: {rung} gave up: {error}")
+    start = process_time()
+    try:
+        model = shapes.model_of(part, loads)
+    except (MeshError, SolverError) as error:
+        print(f"{variation.name}: {FORMULA} gave up: {error}")
+        return
+    if model is None:
+        return
+    level = rung_level(LoadedPart(design, part, loads), model)
+    values = {STATIC: level.peak.value}
+    if use is not None:
+        values[FATIGUE] = use.value(level)
+    if model.buckling is not None and not model.buckling.pulled:  # pulled: a bound, no band
+        values[BUCKLING] = model.buckling.share
+    seconds = process_time() - start
+    for kind, value in values.items():
+        truth = of_solid(line, kind)
+        if truth is None or not value > 0:
             continue
-        if model is None:
-            continue
-        level = rung_level(LoadedPart(design, part, loads), model)
-        values = {STATIC: level.peak.value}
-        if use is not None:
-            values[FATIGUE] = use.value(level)
-        if model.buckling is not None and not model.buckling.pulled:  # pulled: a bound, no band
-            values[BUCKLING] = model.buckling.share
-        seconds = process_time() - start
-        for kind, value in values.items():
-            truth = of_solid(line, kind)
-            if kind not in ANSWERS[rung] or truth is None or not value > 0:
-                continue
-            yield Compared(
-                family_of(part, loads, kind),
-                variation.scene.name,
-                variation.name,
-                rung,
-                kind,
-                truth["value"],
-                truth["numerical"] or 0.0,
-                truth["above"] or 0.0,
-                truth["below"] or 0.0,
-                value,
-                seconds,
-                proportions_of(part, loads),
-                STOUT[rung] / BY_STRESS * stress_share(part, model) if kind == BUCKLING else 0.0,
-            )
+        yield Compared(
+            family_of(part, loads, kind),
+            variation.scene.name,
+            variation.name,
+            FORMULA,
+            kind,
+            truth["value"],
+            truth["numerical"] or 0.0,
+            truth["above"] or 0.0,
+            truth["below"] or 0.0,
+            value,
+            seconds,
+            proportions_of(part, loads),
+            STOUT / BY_STRESS * stress_share(part, model) if kind == BUCKLING else 0.0,
+        )
 
 
 def compare(truths: Mapping[str, Mapping[str, Any]]) -> list[Compared]:

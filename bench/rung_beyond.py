@@ -27,9 +27,9 @@ import numpy as np
 from bench.rung_variations import SCENES, SEED, Machines, Scene, varied
 from checks.design.data import Design, Part
 from checks.design.errors import DesignError
-from checks.ladder.climb import BUILDERS
 from checks.ladder.levels import Asked
 from checks.ladder.solid import check_solid
+from checks.models import shapes
 from checks.models.bands import distance_from, known_band, of_buckling, proportions_of
 from checks.models.checked import BUCKLING, FATIGUE, STATIC, rung_level, stress_share
 from checks.models.shapes import family_of
@@ -140,7 +140,7 @@ def line_of(
     start = perf_counter()
     line: dict[str, Any] = {"variation": name, **how, "rungs": {}, "solid": {}}
     try:
-        model = BUILDERS["formula"](part, loads)
+        model = shapes.model_of(part, loads)
     except SolverError as error:
         return line | {"gave up": f"formula: {error}"}
     if model is None:

@@ -20,9 +20,9 @@ import numpy as np
 
 from bench.rung_variations import SCENES, Machines, Variation
 from checks.columns.stability import ELASTIC_SHARE
-from checks.ladder.climb import BUILDERS
 from checks.ladder.levels import Asked
 from checks.ladder.solid import check_solid
+from checks.models import shapes
 from checks.part.loaded_part import LoadedPart
 from checks.strength.part_strength import elastic_of
 from checks.stress.solid_mesh_level import Models
@@ -109,7 +109,7 @@ def buckled(variation: Variation) -> dict[str, Any]:
     """
     part, loads = variation.part, variation.loads
     finenesses = FINENESSES[part.shape]
-    model = BUILDERS["formula"](part, loads)
+    model = shapes.model_of(part, loads)
     position = 0 if model is None or model.buckling is None else model.buckling.position
     shares: list[float] = []
     for fineness in finenesses:

@@ -21,8 +21,9 @@ from scipy.stats import qmc
 
 from bench.rung_truth import known
 from bench.rung_variations import SCENES, SEED, Machines, Variation
+from checks.design.effort import AUTO
 from checks.design.model import Requirements
-from checks.ladder.climb import AUTO, climb_cheap, start_climb
+from checks.ladder.climb import climb_cheap, start_climb
 from checks.ladder.result import cheap_result, solid_result
 from checks.models.checked import BUCKLING
 from checks.part.loaded_part import LoadedPart

@@ -132,7 +132,7 @@ _OF_CHECK = {
     "cycle": _text("where the value is largest"),
     "position": _text("of that cycle, as shown to people"),
     "place": _text("on the part"),
-    "method": _text("model that gave the value: formula, beam, solid or frame"),
+    "method": _text("model that gave the value: formula, solid or frame"),
     "basis": _text("where the limit comes from"),
     "note": _text("what else must be known"),
     "derivation": _of("Derivation"),
@@ -155,7 +155,7 @@ _HAND = _closed(
 )
 _VALUE = {"type": ["number", "string", "boolean", "null", "array"]}
 _RUNG = _closed(
-    rung={"enum": ["formula", "beam", "solid"]},
+    rung={"enum": ["formula", "solid"]},
     seconds=_number("taken; 0 if it was passed over"),
     unknowns={"type": "integer"},
     checks=_list(_of("Check"), "as this model alone answers them"),

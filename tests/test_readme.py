@@ -113,11 +113,8 @@ def test_the_loads_in_the_docs_are_what_the_command_prints():
 
 def test_the_errors_and_bars_of_the_models_in_the_readme_are_those_of_the_trade():
     trade = (ROOT / "docs" / "trade.md").read_text(encoding="utf-8")
-    for model in ("formula", "beam"):
-        _, _, _, bar, error, _ = re.search(rf"^\| {model} \|(.*)\|$", trade, re.MULTILINE)[1].split(
-            "|"
-        )
-        assert f"|{error}|{bar}|" in re.search(rf"^\| `{model}` \|.*$", README, re.MULTILINE)[0]
+    _, _, _, bar, error, _ = re.search(r"^\| formula \|(.*)\|$", trade, re.MULTILINE)[1].split("|")
+    assert f"|{error}|{bar}|" in re.search(r"^\| `formula` \|.*$", README, re.MULTILINE)[0]
 
 
 @pytest.mark.slow

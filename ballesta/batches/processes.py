@@ -76,7 +76,7 @@ def _kill_children(pid: int) -> None:
 MIB = 2**20
 # Largest resident size of a worker, measured over the four machines of designs/; solids of
 # 140 000 unknowns take 1.3 GiB to solve (checks/stress/kept_models.py) beside meshing and judging.
-FIRST_ESTIMATES = {"formula": 600 * MIB, "beam": 600 * MIB}
+FIRST_ESTIMATES = {"formula": 600 * MIB}
 FIRST_ESTIMATE = 2048 * MIB
 _SHARE = 0.9  # of what is available at the start may be planned for
 _BESIDE = 1.2  # times the largest job so far is expected of the next

@@ -12,8 +12,9 @@ from ballesta.design.read import read_design
 from ballesta.machine.runs import solved_runs
 from ballesta.run import Say, guarded
 from checks.design.data import Design, Part
+from checks.design.effort import AUTO, FORMULA, SOLID
 from checks.design.errors import DesignError, no_such
-from checks.ladder.climb import AUTO, BUILDERS, SOLID, Climb, answered, climb_cheap, start_climb
+from checks.ladder.climb import Climb, answered, climb_cheap, start_climb
 from checks.ladder.leaf_checks import Solved
 from checks.ladder.part_ladder import told_of_part
 from checks.ladder.result import solid_result
@@ -181,8 +182,9 @@ def _ladder(
     loaded = LoadedPart.of(design, part, solved, models)
     auto = start_climb(loaded)
     tried, chosen = _auto(auto, models, say)
-    rungs = [_alone(start_climb(loaded), rung, models, say) for rung in BUILDERS]
-    rungs += [_solid(loaded, models, say, share) for share in SOLIDS]
+    alone = start_climb(loaded)
+    climb_cheap(alone, FORMULA, say)
+    rungs = [alone.tried[-1], *(_solid(loaded, models, say, share) for share in SOLIDS)]
     return LadderPart(part.name, part.shape, part.material.name, auto.asked, rungs, tried, chosen)
 
 
@@ -203,16 +205,6 @@ def _by_a_model(check: Check, climb: Climb) -> bool:
     """True if a rung's own model decides a check, not a formula that stands on every rung."""
     own = [estimate.check for estimate in climb.best.values()]
     return check.method.startswith(SOLID) or any(check is other for other in own)
-
-
-def _alone(climb: Climb, rung: str, models: PricedModels, say: Say) -> RungTried:
-    """Verdict of a rung below the solid, taken by itself."""
-    say(f"{climb.part.name}: {rung}")
-    if climb.part.fkm is None:
-        climb.take(rung)
-    else:
-        climb_cheap(climb, rung)  # notes why there is none
-    return climb.tried[-1]
 
 
 def _solid(loaded: LoadedPart, models: PricedModels, say: Say, share: float) -> RungTried:

@@ -10,13 +10,11 @@ from time import perf_counter
 from ballesta.design.read import read_design
 from ballesta.diff.difference import RESULT
 from ballesta.run import GAVE_UP, WRONG_INPUT, guarded, progress, store_at
-from checks.design.effort import effort_of
+from checks.design.effort import FORMULA, effort_of
 from checks.design.errors import DesignError, no_such
 from checks.result.words import brief, verdict_sentence
 from reports.window import Trouble, open_window, probe_window, window_picture
 from reports.window_scene import Scene, scene_of
-
-_FIELDLESS = ("formula", "beam")  # rungs without a mesh
 
 
 @dataclass(frozen=True)
@@ -53,7 +51,7 @@ def run_show(path: Path, wanted: Wanted, overrides: Sequence[str] = ()) -> int:
         trouble = probe_window(off_screen=wanted.picture is not None)
         if trouble is not None:
             return _told(trouble)
-        if wanted.fidelity in _FIELDLESS and not wanted.fields:
+        if wanted.fidelity == FORMULA and not wanted.fields:
             print(
                 f"ballesta: show: --fidelity {wanted.fidelity} makes no mesh: stress is estimated "
                 "from section forces; --fields gives each part a mesh to look at",

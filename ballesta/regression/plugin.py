@@ -48,7 +48,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         "--baseline-fidelity",
         metavar="RUNG",
         default=None,
-        choices=("auto", "formula", "beam", "solid"),
+        choices=("auto", "formula", "solid"),
         help="with --update-baselines: choose the rungs anew; else those of the baseline stay, "
         "and auto chooses for what has none",
     )

@@ -6,7 +6,7 @@ from typing import Any
 KINDS = ("static", "fatigue", "buckling")  # of checks that the rungs of the ladder decide
 MASS = "mass [kg]"
 LINKAGE = "linkage"
-LADDER = ("formula", "beam", "solid")
+LADDER = ("formula", "solid")
 # The one buckling check that is a rung's, as `checks.columns.stability.ELASTIC_SHARE` has it (a
 # test compares them): its import would bring the solvers into every run of pytest.
 ELASTIC_SHARE = "elastic load share"

@@ -27,11 +27,12 @@ from checks.by_formula import formula_checks
 from checks.columns.cylinders import cylinder_checks
 from checks.columns.linkage_frame import linkage_check, worst_mode
 from checks.design.data import Design, Part
+from checks.design.effort import FORMULA
 from checks.design.errors import DesignError, NumericsError
 from checks.ladder.climb import Climb, answered, climb_cheap, start_climb
 from checks.ladder.leaf_checks import LeafBand
 from checks.ladder.part_ladder import told_of_part
-from checks.ladder.result import reported_level, rung_gates
+from checks.ladder.result import rung_gates
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads, loads_on
 from checks.result.verdict import Check, Gate, Status, deciding_of, status_of
@@ -45,7 +46,6 @@ NOT_ASKED = (
     "validity checks of the loads: drives, dead centres, balance of power",
     "the proof of the fatigue safety, all loads times the safety",
 )
-_RUNG = "formula"
 _SHARES = 8  # of the variations for each process, so that none is left with the slow ones
 
 Variation = Mapping[str, Any] | Sequence[str]
@@ -295,7 +295,7 @@ def _checked(
                 loaded = loaded.under(replace(loaded.loads, path=None))
             climb = start_climb(loaded, rubbing.get(part.name))
             why = _check_part(climb, body, checks, gates)
-            rubbed |= {part.name: climb.bands[_RUNG]} if _RUNG in climb.bands else {}
+            rubbed |= {} if climb.leaves is None else {part.name: climb.leaves}
             if formulas:
                 checks += formula_checks(loaded)
         if why:
@@ -319,9 +319,10 @@ def _checked(
 def _check_part(climb: Climb, body: SolidBody, checks: list[Check], gates: list[Gate]) -> str:
     """Add checks and gates of a part's stress; returns why it is not judged, if it is not."""
     why = ""
-    if climb_cheap(climb, _RUNG):
+    if climb_cheap(climb, FORMULA):
         why = "; ".join(tried.why for tried in climb.tried)
     else:
         checks += answered(climb)
-        gates += rung_gates(climb, reported_level(climb), body.size)
+        assert climb.level is not None
+        gates += rung_gates(climb, climb.level, body.size)
     return why

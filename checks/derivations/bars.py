@@ -15,7 +15,6 @@ from checks.stress.pins_in_bores import CLEARANCE_WORDS, MIDDLE
 from checks.stress.stress_result import RungModel
 from fem.convergence import FINER, LEAST, ORDER, REPEATS, SAFETY, SCATTER
 
-ERROR = "e_r"  # the symbol of a rung's own error
 Told = tuple[BarSymbols, list[Item]]
 _OF_MESH = "numerical: last refinement, scatter of the elements, series of the pins' pressure"
 _SERIES = "what the series of the pins' pressure misses"
@@ -28,20 +27,11 @@ _CALIBRATED = "docs/theory/error_bars.md"
 def rung_bars(
     part: Part, loads: PartLoads, model: RungModel, check: Check, value: str, in_bores: float = 0.0
 ) -> Told:
-    """Of a rung below the solid: its own numerical error, and where solids lie around it.
+    """Of a formula: where solids lie around it.
 
     value     symbol of the check's value
     in_bores  MPa, the largest in bores whose arc is not stated, raised; 0 without such
     """
-    items: list[Item] = []
-    numerical = ""
-    if model.numerical:
-        numerical = "e_num"
-        said = f"numerical error of the rung {model.rung} over its peak"
-        items += [
-            Given(ERROR, said, model.numerical, "", f"docs/theory/rungs_{model.rung}.md"),
-            Step(numerical, "numerical error bar", f"{ERROR}*{value}", check.unit),
-        ]
     band = band_around(part, loads, model, check)
     raised = in_bores if in_bores > check.value else 0.0
     above, below = band.formulas(value, check.unit, raised)
@@ -50,7 +40,7 @@ def rung_bars(
     else:
         words = f"the model band is where 95 % of {band.count} solids lie around such a value"
     up, low = (side[-1].symbol if side else "" for side in (above, below))
-    return BarSymbols(numerical, up, low, words), [*items, *above, *below]
+    return BarSymbols("", up, low, words), [*above, *below]
 
 
 def solid_bars(bars: Bars, value: str, more: float = 0.0) -> Told:

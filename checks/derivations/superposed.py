@@ -81,11 +81,7 @@ def _source(level: Stressed) -> str:
     if isinstance(level, Level):
         body = "half of the part" if level.half else "the part"
         return f"solved on a mesh of {body} with {level.unknowns} unknowns"
-    assert isinstance(level, RungLevel)
-    rung, unknowns = level.model.rung, level.model.unknowns
-    if rung == "formula":
-        return "handbook stress of the place per unit: docs/theory/rungs.md"
-    return f"solved by the rung {rung} with {unknowns} unknowns: docs/theory/rungs_{rung}.md"
+    return "handbook stress of the place per unit: docs/theory/rungs.md"
 
 
 def findley(part: Part, loads: PartLoads, level: Stressed, use: FatigueUse) -> Derivation:

@@ -6,15 +6,15 @@ from pathlib import Path
 
 from checks.design.errors import DesignError, no_such
 
-AUTO, SOLID, SWEPT = "auto", "solid", "swept"
-FIDELITIES = (AUTO, "formula", "beam", SOLID)
+AUTO, FORMULA, SOLID, SWEPT = "auto", "formula", "solid", "swept"
+FIDELITIES = (AUTO, FORMULA, SOLID)
 
 
 @dataclass(frozen=True)
 class Effort:
     """Which models a check may use, and how long it may take.
 
-    fidelity  "auto", "formula", "beam" or "solid"; in a batch "swept", a solid by a carried mesh
+    fidelity  "auto", "formula" or "solid"; in a batch "swept", a solid by a carried mesh
     within    s from the start of the check; nothing is begun that is expected to end later, its
               report included; None for no limit
     pinned    part -> kind of check -> the rung that must decide it; other parts as `fidelity` says
@@ -28,8 +28,8 @@ class Effort:
 
     @property
     def shows_stress(self) -> bool:
-        """True if fields of stress are likely: closed formulas and beams have none."""
-        return self.fields or self.fidelity not in ("formula", "beam")
+        """True if fields of stress are likely: closed formulas have none."""
+        return self.fields or self.fidelity != FORMULA
 
     @property
     def options(self) -> list[str]:

@@ -18,8 +18,9 @@ from time import perf_counter
 
 import numpy as np
 
+from checks.design.effort import SOLID
 from checks.ladder.chart_data import charts_of
-from checks.ladder.climb import SOLID, Climb
+from checks.ladder.climb import Climb
 from checks.ladder.hand_calculations import hand_checks
 from checks.ladder.levels import COARSE, Asked, Say, level_on
 from checks.ladder.part_facts import assumed_of, gates_of, mesh_row

@@ -1,7 +1,7 @@
 """Plain data of a part's charts, whatever model its stress comes from.
 
     peaks        cycle -> (n,) MPa, largest von Mises stress at each position
-    by           the model of these: "formula", "beam" or "solid"
+    by           the model of these: "formula" or "solid"
     haigh        diagram of the critical point by Goodman's line
     fkm          the same by the FKM guideline's
     sn           S-N line and the duty's cycles, of either chain
@@ -21,6 +21,7 @@ import numpy as np
 import fatigue
 from checks import by_formula
 from checks.design.data import Part
+from checks.design.effort import FORMULA
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse
@@ -69,7 +70,7 @@ def charts_of(
             name: level.peaks_by_position[columns].tolist()
             for name, columns in loads.cycles.items()
         },
-        "by": level.model.rung if isinstance(level, RungLevel) else SOLID,
+        "by": FORMULA if isinstance(level, RungLevel) else SOLID,
     }
     if isinstance(use, FkmUse):
         charts["fkm"], charts["sn"] = fkm_data(loaded, level, use)

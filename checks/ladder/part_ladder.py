@@ -11,25 +11,16 @@ from checks import by_formula
 from checks.columns import cylinders
 from checks.columns.linkage_frame import LINKAGE
 from checks.columns.stability import ELASTIC
-from checks.derivations.bars import ERROR, rung_bars
+from checks.derivations.bars import rung_bars
 from checks.derivations.buckling import elastic_share
 from checks.derivations.stresses import fatigue, static
 from checks.design.data import Design, Part
 from checks.design.effort import DEFAULT_EFFORT as DEFAULT_EFFORT
-from checks.design.effort import SOLID, SWEPT
+from checks.design.effort import FORMULA, SOLID, SWEPT
 from checks.design.effort import Effort as Effort
 from checks.design.errors import DesignError, NumericsError
 from checks.ladder.carried import Neighbour, carried_result
-from checks.ladder.climb import (
-    ANSWERS,
-    BUILDERS,
-    FKM_NEEDS_SOLID,
-    GAVE_UP,
-    Climb,
-    climb_rungs,
-    complete,
-    start_climb,
-)
+from checks.ladder.climb import FKM_NEEDS_SOLID, GAVE_UP, Climb, climb_cheap, start_climb
 from checks.ladder.leaf_checks import LeafBand
 from checks.ladder.part_fields import undrawn, with_drawn_fields
 from checks.ladder.result import cheap_result, solid_result
@@ -49,7 +40,6 @@ from fem.solvers import SolverError
 from geometry.mesh import MeshError, TooManyElementsError
 
 Say = Callable[[str], None]
-_TELL_EVERY = 5.0  # s, what is known of a part by cheap models; it takes 0.1 s
 Finished = Callable[[PartResult, Sequence[str]], None]
 UNKNOWN = "no derivation of this check is known: its numbers are put in as the check has them"
 _ANEW = "--update-baselines --baseline-fidelity auto chooses the rungs anew"
@@ -65,9 +55,8 @@ class Ladder:
               the models that take longer are begun, and when it is final
     neighbours  the neighbour of each part, or why it has none, where solids are swept
 
-    The cheap rungs of all parts come first, and of these the cheapest of all parts, so that what
-    time there is goes to solids that settle something; under a time limit the ones that are
-    expected to be quickest come first.
+    The formulas of all parts come first, so that what time there is goes to solids that settle
+    something; under a time limit the ones that are expected to be quickest come first.
     """
 
     design: Design
@@ -80,12 +69,10 @@ class Ladder:
     neighbours: Callable[[str], Neighbour | str] | None = None
     climbs: dict[str, Climb] = field(default_factory=dict)
     results: dict[str, PartResult] = field(default_factory=dict)
-    _climbing: dict[str, Iterator[None]] = field(default_factory=dict)
     _wanted: dict[str, bool] = field(default_factory=dict)  # whether a part's solid is
     _settled: list[str] = field(default_factory=list)  # without a mesh
     _pinned: dict[str, frozenset[str]] = field(default_factory=dict)  # kinds that are the solid's
     _why_anew: dict[str, str] = field(default_factory=dict)
-    _told_at: dict[str, float] = field(default_factory=dict)
     # a result without and with the checks that are formulas
     _complete: dict[str, tuple[PartResult, PartResult]] = field(default_factory=dict)
 
@@ -97,7 +84,7 @@ class Ladder:
         for part in self.design.parts.values():
             with told_of_part(self.design, part):
                 self._begin(LoadedPart.of(self.design, part, runs, self.models, doubts))
-        self._climb_cheap()
+        self._tell_waiting()
         waiting = [name for name in self.design.parts if self._wanted[name]]
         costs = self._costs(waiting)
         waiting.sort(key=lambda name: costs.get(name, 0.0))
@@ -115,9 +102,7 @@ class Ladder:
     def rubbing(self) -> dict[str, LeafBand]:
         """Friction between the leaves of the parts that a rung below the solid has judged."""
         return {
-            name: next(iter(climb.bands.values()))
-            for name, climb in self.climbs.items()
-            if climb.bands
+            name: climb.leaves for name, climb in self.climbs.items() if climb.leaves is not None
         }
 
     @property
@@ -135,30 +120,17 @@ class Ladder:
             self._pinned[name] = climb_pinned(climb, rungs, self.say)
             self._wanted[name] = bool(self._pinned[name])
         else:
-            self._climbing[name] = climb_rungs(climb, self.effort.fidelity, self.say)
+            self._wanted[name] = climb_cheap(climb, self.effort.fidelity, self.say)
+        if not self._wanted[name]:
+            self._settle(name)
 
-    def _climb_cheap(self) -> None:
-        """Climb the rungs below the solid, one rung of all parts after the other."""
-        while True:
-            for name, climb in self.climbs.items():
+    def _tell_waiting(self) -> None:
+        """Hand over what formulas know of the parts that wait for a solid."""
+        for name, climb in self.climbs.items():
+            if self.finished is not None and self._wanted[name] and climb.level is not None:
                 with told_of_part(self.design, climb.part):
-                    if name in self._climbing:
-                        try:
-                            next(self._climbing[name])
-                        except StopIteration as stop:
-                            self._wanted[name] = stop.value
-                            del self._climbing[name]
-                    if not self._wanted.get(name, True) and name not in self.results:
-                        self._settle(name)
-            for name, climb in self.climbs.items():
-                with told_of_part(self.design, climb.part):
-                    long_ago = perf_counter() - self._told_at.get(name, -inf) > _TELL_EVERY
-                    takes_long = self._wanted.get(name, True) and climb.levels
-                    if self.finished is not None and takes_long and long_ago:
-                        known = cheap_result(climb, self.models, live=self.live)
-                        self._tell(name, known, climb.open)
-            if not self._climbing:
-                return
+                    known = cheap_result(climb, self.models, live=self.live)
+                    self._tell(name, known, climb.open)
 
     def _settle(self, name: str) -> None:
         """Take what the rungs below the solid know as a part's result."""
@@ -170,7 +142,7 @@ class Ladder:
         """Check a part as a solid, if there is time for one."""
         climb, left = self.climbs[name], self.deadline - perf_counter()
         with told_of_part(self.design, climb.part):
-            if climb.levels and cost > left:
+            if climb.level is not None and cost > left:
                 climb.skip(
                     SOLID,
                     f"no time: about {cost:.0f} s, {max(left, 0.0):.0f} s are left; it may settle "
@@ -245,7 +217,6 @@ class Ladder:
     def _tell(self, name: str, result: PartResult | None = None, left: Sequence[str] = ()) -> None:
         """Hand over what is known of a part: its final result, if nothing else is said."""
         if self.finished is not None:
-            self._told_at[name] = perf_counter()
             self.finished(self._completed(name, result or self.results[name]), left)
 
     def _completed(self, name: str, result: PartResult) -> PartResult:
@@ -309,8 +280,8 @@ def explained(climb: Climb, checks: Sequence[Check]) -> list[Check]:
 
 
 def _of_rung(climb: Climb, check: Check) -> Derivation | None:
-    level = climb.levels.get(check.method)
-    if level is None:
+    level = climb.level
+    if level is None or check.method != FORMULA:
         return None
     part, part_loads = climb.part, climb.loads
     if check.kind == "buckling":
@@ -338,10 +309,10 @@ def _with_rung_bars(
         in_bores = raised_in_bores(climb.part, part_loads, level, use)
     bars, items = rung_bars(climb.part, part_loads, level.model, check, found.value, in_bores)
     if (bars.above and not isfinite(check.model)) or (bars.below and not isfinite(check.below)):
-        bars = BarSymbols(bars.numerical, words="no model band: see the note of the check")
-        items = [item for item in items if item.symbol in (ERROR, bars.numerical)]
+        bars, items = BarSymbols(words="no model band: see the note of the check"), []
     found = replace(found, bars=bars, sections=(*found.sections, Section(BARS, tuple(items))))
-    return climb.bands[check.method].explained(check, found)
+    assert climb.leaves is not None
+    return climb.leaves.explained(check, found)
 
 
 def _unknown(check: Check) -> Derivation:
@@ -379,33 +350,28 @@ def climb_pinned(
     """Take each kind of check by its rung; returns the kinds that are the solid's.
 
     rungs  kind of check -> rung; kinds that are asked for without a rung of theirs go to the solid
-           if another does, else to the cheapest rung that answers them
+           if another does, else to the formula
 
-    Raises DesignError where a rung has no model of the part any more, and NumericsError where one
-    gave up: no other rung may stand for it unsaid.
+    Raises DesignError where the part has no formula any more, and NumericsError where that gave up:
+    no solid may stand for it unsaid.
     """
-    for rung in BUILDERS:
-        kinds = [kind for kind in climb.asked if rungs.get(kind) == rung]
-        if not kinds:
-            continue
-        if climb.part.fkm is not None:
-            _refuse(climb, rung, kinds, FKM_NEEDS_SOLID)
-        say(f"{climb.part.name}: {rung}")
-        if others := [kind for kind in kinds if kind not in ANSWERS[rung]]:
-            _refuse(climb, rung, others, f"it answers {' and '.join(ANSWERS[rung])} only")
-        if not climb.take(rung, kinds):
-            _refuse(climb, rung, kinds, climb.tried[-1].why)
     solids = frozenset(kind for kind in climb.asked if rungs.get(kind) == SOLID)
     free = frozenset(climb.asked) - rungs.keys()
-    if solids or climb.part.fkm is not None:
+    pinned = [kind for kind in climb.asked if rungs.get(kind) == FORMULA]
+    if climb.part.fkm is not None:
+        if pinned:
+            _refuse(climb, pinned, FKM_NEEDS_SOLID)
         return solids | free
-    complete(climb)
-    return frozenset() if climb.levels else free
+    say(f"{climb.part.name}: {FORMULA}")
+    wanted = pinned if solids else [*pinned, *free]
+    if wanted and not climb.by_formula(wanted) and pinned:
+        _refuse(climb, pinned, climb.tried[-1].why)
+    return solids | free if solids or climb.level is None else frozenset()
 
 
-def _refuse(climb: Climb, rung: str, kinds: list[str], why: str) -> None:
+def _refuse(climb: Climb, kinds: list[str], why: str) -> None:
     where, file = f"parts.{climb.part.name}", climb.loaded.design.file
-    said = f"{', '.join(kinds)} {'is' if len(kinds) == 1 else 'are'} pinned to the rung {rung}"
+    said = f"{', '.join(kinds)} {'is' if len(kinds) == 1 else 'are'} pinned to the rung {FORMULA}"
     if why.startswith(GAVE_UP):
         raise NumericsError(f"{said}, which {why}", f"{file}: {where}", _ANEW)
     raise DesignError(file, where, f"{said}, but {why}; {_ANEW}")

@@ -8,8 +8,9 @@ from time import perf_counter
 import numpy as np
 
 from checks import by_formula
+from checks.design.effort import FORMULA, SOLID
 from checks.ladder.chart_data import charts_of
-from checks.ladder.climb import SOLID, Climb, answered
+from checks.ladder.climb import Climb, answered
 from checks.ladder.leaf_checks import friction_facts, friction_gates, leaf_band, with_leaf_checks
 from checks.ladder.levels import Asked, Say, first_of
 from checks.ladder.part_facts import SMALL_DISPLACEMENT, facts_of
@@ -33,7 +34,8 @@ def cheap_result(climb: Climb, models: Models, *, live: bool = False) -> PartRes
     live  whether a page will show the fields at every position
     """
     loaded, part, loads = climb.loaded, climb.part, climb.loads
-    level = reported_level(climb)
+    level = climb.level
+    assert level is not None
     body = models.body(part.geometry)
     mass = body.mass_properties(part.material.density)
     size = body.size
@@ -47,7 +49,7 @@ def cheap_result(climb: Climb, models: Models, *, live: bool = False) -> PartRes
         facts |= fatigue_facts(part, level, peak, life_task(part, loaded.duty))
         missed = climb.use.safety_missed(level)
         gates.append(Gate(f"{part.name}: fatigue safety", missed, *RESCALED))
-    assumed = [f"{climb.tried[-1].rung}: {level.model.neglects}"]
+    assumed = [f"{FORMULA}: {level.model.neglects}"]
     skin = models.skin(part.geometry)
     return PartResult(
         name=part.name,
@@ -66,13 +68,6 @@ def cheap_result(climb: Climb, models: Models, *, live: bool = False) -> PartRes
     )
 
 
-def reported_level(climb: Climb) -> RungLevel:
-    """The rung whose stress is reported: the deciding stress check's."""
-    estimates = [climb.best[kind] for kind in (STATIC, FATIGUE) if kind in climb.best]
-    deciding = max(estimates, key=lambda estimate: estimate.check.utilisation)
-    return climb.levels[deciding.check.method]
-
-
 def rung_gates(climb: Climb, level: RungLevel, size: float) -> list[Gate]:
     """Gates that must hold for a rung's answer to count; size of the part in mm."""
     name, model = climb.part.name, level.model
@@ -84,7 +79,7 @@ def rung_gates(climb: Climb, level: RungLevel, size: float) -> list[Gate]:
             f"{name}: balance",
             model.residual,
             BALANCE,
-            f"what is left of the part's balance by the rung {model.rung}, over the largest force",
+            f"what is left of the part's balance by the rung {FORMULA}, over the largest force",
         ),
         Gate(
             f"{name}: small displacements",

@@ -21,6 +21,7 @@ import numpy as np
 
 from checks.columns.stability import ELASTIC, FAR
 from checks.design.data import Part
+from checks.design.effort import FORMULA
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
 from checks.models.bands import (
     SHARE,
@@ -59,9 +60,9 @@ STATIC, FATIGUE, BUCKLING = "static", "fatigue", "buckling"
 BALANCE = 1e-6  # of the largest force: what may be left of a part's balance
 MOST_PULLED = 10.0  # times a bent part's share; solids of levers have 0.42 to 0.91 times it
 # Peak stress over E that a solid's share may exceed a bar's by: beyond the proportions compared,
-# where 4.0 was seen, and within them, where 2.1 was and beside a frame, which has shear, 1.5.
+# where 4.0 was seen, and within them, where 2.1 was.
 BY_STRESS = 12.0
-STOUT = {"formula": 2.5, "beam": 1.8}
+STOUT = 2.5
 ONLY_PULLED = "the part is only pulled, which buckles no column"
 NOTHING = "nothing loads the part at any position: no model would find a stress"
 WORDS = f"model band: {100 * BEYOND_ARCS:g} % more in bores, whose arc is not stated"
@@ -119,22 +120,6 @@ class Estimate:
             check.value - check.numerical - check.below,
             check.value + check.numerical + check.model,
         )
-
-    def would_settle(self, low: float, high: float) -> bool:
-        """True if a model whose band is from `low` to `high` times its value may settle it."""
-        value = self.check.value
-        other = Estimate(
-            replace(
-                self.check,
-                numerical=0.0,
-                model=self._shared_above + max(0.0, high - 1) * value,
-                model_below=self._shared_below + max(0.0, 1 - low) * value,
-            ),
-            max(0.0, high - 1) * value,
-            max(0.0, 1 - low) * value,
-            self.guard,
-        )
-        return other.settled
 
     @property
     def _shared_above(self) -> float:
@@ -255,14 +240,14 @@ def _stress_estimate(
         quantity=words.quantity,
         value=value,
         unit="MPa",
-        numerical=level.model.numerical * value,
+        numerical=0.0,
         model=0.0,
         limit=words.limit,
         required=words.required,
         cycle=words.cycle,
         position=words.position,
         place=level.place_in_words(point, loaded.part.geometry.placed_interfaces),
-        method=level.model.rung,
+        method=FORMULA,
         basis=words.basis,
         note=words.note,
     )
@@ -288,7 +273,7 @@ def _buckling_estimate(loaded: LoadedPart, model: RungModel, rise: float) -> Est
         cycle=loads.cycle_names[position],
         position=loads.labels[position],
         place="whole part",
-        method=model.rung,
+        method=FORMULA,
         basis="elastic, both ends held sideways and free to tilt: knows neither yield nor "
         "crookedness",
         note=model.buckling.words,
@@ -327,11 +312,9 @@ def band_around(part: Part, loads: PartLoads, model: RungModel, check: Check) ->
     if unknown:
         return NoBand(unknown)
     if model.residual > BALANCE:
-        return NoBand(
-            f"the rung {model.rung} leaves {model.residual:.3g} of the loads out of balance"
-        )
+        return NoBand(f"the rung {FORMULA} leaves {model.residual:.3g} of the loads out of balance")
     if not check.value > 0.0:
-        return NoBand(f"the rung {model.rung} finds nothing where the part is loaded")
+        return NoBand(f"the rung {FORMULA} finds nothing where the part is loaded")
     if part.clearances and not part.arc_stated and check.kind != BUCKLING:
         return NoBand(
             "a fit is stated with which contact may exceed what assumed arcs make: it is solved on "
@@ -340,9 +323,9 @@ def band_around(part: Part, loads: PartLoads, model: RungModel, check: Check) ->
     proportions = proportions_of(part, loads)
     if check.kind == BUCKLING and model.buckling is not None and model.buckling.pulled:
         return _of_pulled(part, model, check, proportions)
-    band = band_of(family_of(part, loads, check.kind), model.rung, check.kind, proportions)
+    band = band_of(family_of(part, loads, check.kind), FORMULA, check.kind, proportions)
     if check.kind == BUCKLING and isinstance(band, Band):
-        times = BY_STRESS if band.wider else STOUT[model.rung]
+        times = BY_STRESS if band.wider else STOUT
         more = times / BY_STRESS * stress_share(part, model) / check.value
         said = f"a stout body may have {times:g} times its peak stress over E more"
         near = check.value * check.required * FAR > 1.0  # as solids ask for it

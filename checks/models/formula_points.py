@@ -107,12 +107,10 @@ class Points:
     ) -> RungModel:
         """The rung `formula` of these points; parameters as `RungModel` has them."""
         return RungModel(
-            rung="formula",
             history=self.history(),
             places=self.places,
             units=self.units,
             fretting=self.fretting,
-            numerical=0.0,
             residual=residual,
             deflection=deflection,
             buckling=buckling,

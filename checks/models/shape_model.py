@@ -4,12 +4,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-import numpy as np
-
 from checks.design.data import Part
 from checks.part.part_loads import PartLoads
 from checks.stress.stress_result import RungModel
-from geometry.mesh import FloatArray
 from geometry.shape import Shape
 
 S = TypeVar("S", bound=Shape)
@@ -17,10 +14,6 @@ S = TypeVar("S", bound=Shape)
 
 def _by_name(part: Part, _shape: Shape, _loads: PartLoads, _kind: str) -> str:
     return part.shape
-
-
-def _stocky(_part: Part, _shape: Shape, _loads: PartLoads) -> FloatArray:
-    return np.zeros(1)
 
 
 @dataclass(frozen=True)
@@ -31,13 +24,10 @@ class ShapeModel(Generic[S]):
     stress  of a part, its shape and loads: the rung `formula`; None where no formula is known
     family  of a part, its shape, loads and a kind of check: name of the solids that error bars are
             from, which carry their loads as it does; the shape's name where nothing else is said
-    walls   of a part, its shape and loads: share (n,) that the stress in its walls is of that under
-            which they buckle by themselves, beside the rung `beam`'s column
     tilts   True if couples out of the linkage's plane are in the stress
     """
 
     shape: type[S]
     stress: Callable[[Part, S, PartLoads], RungModel | None]
     family: Callable[[Part, S, PartLoads, str], str] = _by_name
-    walls: Callable[[Part, S, PartLoads], FloatArray] = _stocky
     tilts: bool = False

@@ -390,7 +390,7 @@ class Surface:
 class RungTried:
     """A model of a part that was tried, or passed over, and the outcome.
 
-    rung      "formula", "beam" or "solid"
+    rung      "formula" or "solid"
     seconds   that it took; 0 if it was passed over
     unknowns  that it solved
     checks    its results

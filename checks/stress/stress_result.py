@@ -1,6 +1,6 @@
 """A part's stress over its cycles by any model, and what is judged of it.
 
-Whatever made the stress, a formula, a beam, a plane model or a solid, it is the same history:
+Whatever made the stress, a formula or a solid, it is the same history:
 points x unit loads, and the coefficients of these over the positions.
 
 Stress of a part over the cycle by a rung below the solid, in the same history as a solid's.
@@ -118,41 +118,34 @@ class Stressed(ABC):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class RungModel:
-    """A part's stress by a rung, before it is judged.
+    """A part's stress by the rung `formula`, before it is judged.
 
-    rung        "formula" or "beam"
     history     of the stress at the rung's points; their places in the part's frame, mm
     places      (n_points,) what stands at each point, such as "bore knee" or "tube, mid-length"
     fretting    (n_points,) factor by which fretting lowers the endurance limit, 1 elsewhere
-    numerical   largest numerical error of the rung's own solution, as a share of its peak; 0 of a
-                formula
     residual    what is left of the part's balance, or did not reach it, over the largest force
     deflection  mm, largest displacement over the cycles, estimated; infinite if unknown
     buckling    largest share of the elastic buckling load, None where the rung has no answer
     neglects    what the rung leaves out, in words
-    unknowns    number of unknowns that were solved, 0 of a formula
     ring        number of points at even angles around each section of a pin, section by section; 0
                 where the points lie otherwise
     units       (n_basis,) names of what the history's coefficients are sizes of
     """
 
-    rung: str
     history: StressHistory
     places: Sequence[str]
     fretting: FloatArray
-    numerical: float
     residual: float
     deflection: float
     buckling: ElasticLoad | None
     neglects: str
-    unknowns: int = 0
     ring: int = 0
     units: Sequence[UnitName]
 
     def __post_init__(self) -> None:
         if len(self.units) != len(self.history.coefficients):
             raise ValueError(
-                f"the rung {self.rung} has {len(self.history.coefficients)} unit loads, "
+                f"the formula has {len(self.history.coefficients)} unit loads, "
                 f"but {len(self.units)} names"
             )
 

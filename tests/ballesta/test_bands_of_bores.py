@@ -11,8 +11,8 @@ from ballesta.machine.solved_cycles import solve_cycles
 from bench.closed_forms import lug_factor
 from checks.derivations.bars import solid_bars
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
-from checks.ladder.climb import BUILDERS
 from checks.ladder.levels import Asked, solve_levels
+from checks.models import shapes
 from checks.models.checked import band_around, raised_in_bores, rung_estimates, rung_level
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads, loads_on
@@ -91,20 +91,20 @@ def test_a_bore_whose_arc_is_not_stated_has_more_above_and_its_derivation_says_s
         assert steps["p_b"].value == taken.in_bores
 
 
-def rung_checks(design, name, loads, rung):
-    """Static and fatigue checks of a part by a rung, and its model."""
+def rung_checks(design, name, loads):
+    """Static and fatigue checks of a part by formula, and its model."""
     part = design.parts[name]
     loaded = LoadedPart(design, part, loads)
-    level = rung_level(loaded, BUILDERS[rung](part, loads))
+    level = rung_level(loaded, shapes.model_of(part, loads))
     found = rung_estimates(loaded, level, fatigue_use(loaded), lambda _: None)
     return [(found[kind], level.model) for kind in ("static", "fatigue")]
 
 
 def test_a_rungs_bars_reach_as_high_as_those_of_the_solid_that_may_follow(tmp_path):
     """7 % of where solids lie, once, of which a better model takes nothing away."""
-    taken = rung_checks(link(tmp_path, 0.4), "rod", PUSHED, "formula")
+    taken = rung_checks(link(tmp_path, 0.4), "rod", PUSHED)
     stated = link(tmp_path, 0.4, 'bearing_arc = "90 deg"')
-    known = rung_checks(stated, "rod", PUSHED, "formula")
+    known = rung_checks(stated, "rod", PUSHED)
     solids = bars(tmp_path, 0.4, loads=PUSHED)
     for (wide, model), (narrow, _), (solid, found) in zip(taken, known, solids, strict=True):
         check = wide.check
@@ -125,7 +125,7 @@ def test_a_bore_that_carries_less_than_the_peak_widens_nothing():
     part = design.parts["lever"]
     loads = loads_on(design, part, solve_cycles(design, {}))
     loaded = LoadedPart(design, part, loads)
-    level = rung_level(loaded, BUILDERS["formula"](part, loads))
+    level = rung_level(loaded, shapes.model_of(part, loads))
     found = rung_estimates(loaded, level, None, lambda _: None)["static"].check
     assert 0.0 < raised_in_bores(part, loads, level) < found.value
     assert "more in bores" not in found.note
@@ -136,7 +136,7 @@ def test_couples_out_of_the_plane_are_not_raised_in_a_rungs_bores():
     design = read_design(Path(__file__).parents[2] / "designs" / "slider_crank.toml")
     part = design.parts["crank"]
     loads = loads_on(design, part, solve_cycles(design, {}))
-    level = rung_level(LoadedPart(design, part, loads), BUILDERS["formula"](part, loads))
+    level = rung_level(LoadedPart(design, part, loads), shapes.model_of(part, loads))
     assert level.place(level.peak.point).startswith("first (")
     raised = raised_in_bores(part, loads, level) / level.peak.value
     assert 1.0 < raised < 1.0 + 0.8 * BEYOND_ARCS

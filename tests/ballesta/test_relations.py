@@ -196,12 +196,9 @@ def assert_in_bands(found, expected, accuracy):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("fidelity", ["beam", "solid"])
 @pytest.mark.parametrize("machine", CYCLES)
 @pytest.mark.parametrize("row", IN_A_ROW)
-def test_checks_by_beams_and_solids_do_not_change_by_relations_in_a_row(
-    row, machine, fidelity, tmp_path
-):
+def test_checks_by_solids_do_not_change_by_relations_in_a_row(row, machine, tmp_path):
     """A part's mesh knows nothing of where its machine stands.
 
     Of loads that are mirrored a mesh is refined elsewhere, and a point a kilometre away may have
@@ -211,15 +208,15 @@ def test_checks_by_beams_and_solids_do_not_change_by_relations_in_a_row(
     for relation in IN_A_ROW[row]:
         if machine in LED_BY_CRANK or relation not in OF_A_CRANK:
             other = SAME[relation](other)
-    found = numbers(checked(tmp_path, other, fidelity))
+    found = numbers(checked(tmp_path, other, "solid"))
     old, new = designed(tmp_path, data), designed(tmp_path, other)
     name = OF_MACHINE[machine]
     same_mesh = row != "mirrored" and new.parts[name].geometry == old.parts[name].geometry
-    if fidelity == "beam" or same_mesh:
-        assert_same(found, of_one_part(machine, fidelity))
+    if same_mesh:
+        assert_same(found, of_one_part(machine, "solid"))
     else:
         assert row != "turned"
-        assert_in_bands(found, of_one_part(machine, fidelity), old.accuracy)
+        assert_in_bands(found, of_one_part(machine, "solid"), old.accuracy)
 
 
 @pytest.mark.slow

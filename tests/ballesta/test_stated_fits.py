@@ -8,11 +8,12 @@ from numpy.testing import assert_array_equal
 
 from checks.derivations.bars import solid_bars
 from checks.design.errors import DesignError
-from checks.ladder.climb import BUILDERS, start_climb
+from checks.ladder.climb import start_climb
 from checks.ladder.levels import Asked, first_level, solve_levels
 from checks.ladder.part_facts import assumed_of, contact_facts, gates_of
 from checks.ladder.result import solid_result
 from checks.ladder.solid import check_solid
+from checks.models import shapes
 from checks.models.bands import NoBand
 from checks.models.checked import band_around, rung_estimates, rung_level
 from checks.part.loaded_part import LoadedPart
@@ -197,7 +198,7 @@ def test_a_pin_that_carries_nothing_is_refused(tmp_path):
 
 def test_models_below_the_solid_do_not_decide_stress_of_a_part_with_fits(tmp_path):
     loaded = rod(tmp_path, 'fits = { first = "H7/f7", second = "H7/f7" }')
-    model = BUILDERS["formula"](loaded.part, loaded.loads)
+    model = shapes.model_of(loaded.part, loaded.loads)
     level = rung_level(loaded, model)
     estimates = rung_estimates(loaded, level, fatigue_use(loaded), lambda _: model)
     for kind in ("static", "fatigue"):

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.frame import Frame, gauss_points
+from fem.frame import gauss_points
 from fem.unit_solutions import Elastic, rigid_modes
 from geometry.bars import Sections, rectangle, rectangle_torsion, round_tube
+from tests.fem.solved_frames import Frame
 
 STEEL = Elastic(210e3, 0.3, 7.85e-9)
 UP = np.array([0.3, 1.0, 0.2])

@@ -176,7 +176,7 @@ def test_the_count_below_a_factor_is_that_of_the_modes_also_of_equal_ones():
     found = frame_buckling(frame, np.full(16, -1.0), place, count=4).factors
     assert_allclose(found / EULER, [1, 1, 4, 4], rtol=4e-5)
     free = np.setdiff1d(np.arange(6 * 17), place)
-    stiffness = frame.stiffness.toarray()[np.ix_(free, free)]
+    stiffness = frame.dense_stiffness()[np.ix_(free, free)]
     geometric = axial_stiffness(frame, np.full(16, -1.0))[np.ix_(free, free)]
     for share, count in ((0.5, 0), (0.999, 0), (1.001, 2), (3.99, 2), (4.01, 4), (9.01, 6)):
         values = np.linalg.eigvalsh(stiffness + share * EULER * geometric)

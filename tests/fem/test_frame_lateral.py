@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 
 from checks.models.shapes.prismatic_tube import pressed_edge_stress
 from fem.frame import POINTS, Frame
-from fem.frame_buckling import buckling_modes, geometric_forms
+from fem.frame_buckling import buckling_modes
 from fem.frame_joints import chain
 from fem.unit_solutions import Elastic
 from geometry.bars import rectangle
@@ -28,7 +28,7 @@ def lowest(frame, forces, held):
     free = np.setdiff1d(np.arange(6 * len(frame.nodes)), held)
     inside = np.ix_(free, free)
     geometric = geometric_stiffness(frame, forces)
-    return buckling_modes(frame.stiffness.toarray()[inside], geometric[inside]).factors[0]
+    return buckling_modes(frame.dense_stiffness()[inside], geometric[inside]).factors[0]
 
 
 def test_axial_force_alone_gives_the_columns_geometric_stiffness():
@@ -107,16 +107,6 @@ def test_a_right_angle_of_blades_buckles_at_argyris_moment():
     coarse, fine = (np.array(angle_factors(pieces)) for pieces in (8, 16))
     thin = np.sqrt(1 - 0.63 * 0.6 / 30)
     assert_allclose(fine + (fine - coarse) / 3, 622.2 * thin, rtol=5e-4)
-
-
-def test_forms_between_fields_are_those_of_the_whole_matrix():
-    frame, rng = blade(3), np.random.default_rng(5)
-    forces = rng.normal(size=(3, 6, 6, 2))
-    fields = rng.normal(size=(24, 3))
-    found = geometric_forms(frame, forces, fields)
-    for case in range(2):
-        expected = fields.T @ geometric_stiffness(frame, forces[..., case]) @ fields
-        assert_allclose(found[case], expected, rtol=1e-10, atol=1e-12 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("ratio", [0.0, 0.3])

@@ -81,7 +81,7 @@ def part(n=183, **charts):
     unknown = replace(fatigue, method="formula", model=inf)
     rungs = [
         RungTried("formula", 0.02, 0, [formula, unknown], "goes on: fatigue has no error bar"),
-        RungTried("beam", 0.0, 0, [], "there is no beam of this shape"),
+        RungTried("formula", 0.0, 0, [], "there is no formula of this shape"),
         RungTried("solid", 12.0, 81234, [solid, fatigue], "stopped: static pass"),
     ]
     data = {"by": "solid", "haigh": haigh(n), "sn": sn(), "column": column(),

@@ -4,7 +4,6 @@ from math import pi
 
 import numpy as np
 
-from checks.columns.column_moments import axial_compression
 from checks.design.data import Part
 from checks.models.formula_bars import (
     BarPart,
@@ -17,7 +16,6 @@ from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.stress_result import RungModel
 from geometry.bars import square_tube
-from geometry.mesh import FloatArray
 from geometry.parts import PrismaticTube
 
 _STATIONS = 19
@@ -50,16 +48,7 @@ def _pressed_edges(part: Part, shape: PrismaticTube) -> float:
     return pressed_edge_stress(shape.wall, apart, steel.youngs_modulus, steel.poisson_ratio)
 
 
-def walls(part: Part, shape: PrismaticTube, loads: PartLoads) -> FloatArray:
-    """Share (n,) of the walls' buckling stress, by the force and the couple at an end."""
-    (tube,) = shape.sections
-    couples = np.stack([np.abs(loads.wrenches[name][:, 5]) for name in shape.interfaces])
-    bent = couples.max(axis=0) * shape.width / 2 / tube.inertia_in_plane
-    pressed = axial_compression(part, loads) / tube.area + bent
-    return np.asarray(np.maximum(pressed, 0.0) / _pressed_edges(part, shape))
-
-
-MODEL = ShapeModel(PrismaticTube, stress, walls=walls)
+MODEL = ShapeModel(PrismaticTube, stress)
 
 
 # Buckling of a long plate at the edge on which it is pressed, where nothing holds that edge.

@@ -139,7 +139,7 @@ def test_another_batch_is_not_mixed_into_the_folder(bad, command):
         (["--sample", "8"], "--sample: needs a --sweep"),
         (["--accuracy", "3 %", "--sweep", "accuracy = 5 %, 10 %"], "--accuracy: is swept, too"),
         (["--fidelity", "sold"], "did you mean solid"),
-        (["--fidelity", "plane"], "there are auto, formula, beam, solid"),
+        (["--fidelity", "plane"], "there are auto, formula, solid"),
         (["--sweep", "parts.rod.widht = 20..30 mm : 3"], "did you mean"),
     ],
 )

@@ -17,7 +17,7 @@ from geometry.mesh import MeshError, TooManyElementsError
 from ...checks.models.wide_bands import bands_of
 from ...small_machine import MACHINE, PLATE
 
-BANDS = bands_of(formula=0.1, beam=0.1, plane=0.1)
+BANDS = bands_of(formula=0.1)
 
 
 @pytest.fixture
@@ -69,7 +69,7 @@ def test_every_rung_is_told_and_solids_of_three_finenesses(file, solids, without
     """mesh.fineness is 0.5 and the accuracy 3 %: half as fine, four times the error."""
     result = ladder_of_file(file)
     assert list(rungs_of(result)) == [
-        "formula", "beam", "solid 0.25", "solid 0.35", "solid 0.5"
+        "formula", "solid 0.25", "solid 0.35", "solid 0.5"
     ]  # fmt: skip
     everything = [(fineness, accuracy) for fineness, accuracy, whole in solids if whole]
     assert everything == [

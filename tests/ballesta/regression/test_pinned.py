@@ -7,7 +7,7 @@ from ballesta.regression.record import rungs_of
 from ballesta.regression.worker import measured
 from checks.design.effort import Effort
 from checks.design.errors import DesignError, NumericsError
-from checks.ladder import climb
+from checks.models import shapes
 from geometry.mesh import MeshError
 
 from ...small_machine import PLATE, machine
@@ -15,7 +15,6 @@ from ...small_machine import PLATE, machine
 PINS = [
     {"static": "formula", "fatigue": "formula", "buckling": "formula"},
     {"static": "solid", "fatigue": "formula", "buckling": "formula"},
-    {"static": "solid", "fatigue": "formula", "buckling": "beam"},
     {"static": "solid", "fatigue": "solid", "buckling": "solid"},
 ]
 
@@ -35,7 +34,7 @@ def test_each_kind_is_decided_by_the_rung_it_is_pinned_to(tmp_path, pins):
 def test_a_solid_is_refined_to_the_accuracy_also_where_its_verdict_is_settled(tmp_path):
     """`auto` stops at two meshes; a number to be repeated may not depend on its verdict."""
     design = machine(tmp_path, PLATE, "accuracy=2 %")
-    part = part_of(design, PINS[3])
+    part = part_of(design, PINS[2])
     stress = [check for check in part.checks if check.kind in ("static", "fatigue")]
     assert len(stress) == 2
     for check in stress:
@@ -52,27 +51,22 @@ def test_a_record_by_a_solid_is_that_of_the_rungs_it_pins(tmp_path):
 
 
 def test_a_kind_that_is_newly_asked_for_is_answered_by_the_cheapest_rung(tmp_path):
-    part = part_of(machine(tmp_path), {"buckling": "beam"})
+    part = part_of(machine(tmp_path), {"buckling": "formula"})
     rungs = rungs_of(part.to_dict())
-    assert rungs == {"static": "formula", "fatigue": "formula", "buckling": "beam"}
-
-
-def test_stress_that_is_pinned_to_the_beam_is_refused_with_a_cure(tmp_path):
-    told = r"fatigue is pinned to the rung beam, but it answers buckling only; --update-baselines"
-    with pytest.raises(DesignError, match=told):
-        part_of(machine(tmp_path), {"static": "formula", "fatigue": "beam"})
+    assert rungs == {"static": "formula", "fatigue": "formula", "buckling": "formula"}
 
 
 def test_a_rung_that_has_no_model_of_the_part_is_refused_not_replaced(tmp_path, monkeypatch):
-    monkeypatch.setitem(climb.BUILDERS, "beam", lambda *_: None)
-    with pytest.raises(DesignError, match=r"buckling is pinned to the rung beam, but there is no"):
-        part_of(machine(tmp_path), PINS[2])
+    monkeypatch.setattr(shapes, "model_of", lambda *_: None)
+    told = r"fatigue, buckling are pinned to the rung formula, but there is no formula"
+    with pytest.raises(DesignError, match=told):
+        part_of(machine(tmp_path), PINS[1])
 
 
 def test_a_rung_that_gives_up_is_told_as_numerics(tmp_path, monkeypatch):
     def gives_up(*_):
         raise MeshError("an element is folded")
 
-    monkeypatch.setitem(climb.BUILDERS, "beam", gives_up)
-    with pytest.raises(NumericsError, match="beam, which gave up: an element is folded"):
-        part_of(machine(tmp_path), PINS[2])
+    monkeypatch.setattr(shapes, "model_of", gives_up)
+    with pytest.raises(NumericsError, match="formula, which gave up: an element is folded"):
+        part_of(machine(tmp_path), PINS[1])

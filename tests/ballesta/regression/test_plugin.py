@@ -210,7 +210,7 @@ def test_a_check_that_takes_too_long_fails_and_says_so(run_apart):
     ("arguments", "said"),
     [
         (("-o", "ballesta_timeout=soon"), "*ballesta_timeout: must be above 0 s, got 'soon'"),
-        (("--baseline-fidelity", "beam"), "*--baseline-fidelity needs --update-baselines*"),
+        (("--baseline-fidelity", "formula"), "*--baseline-fidelity needs --update-baselines*"),
     ],
 )
 def test_options_that_mean_nothing_are_refused(run, arguments, said):

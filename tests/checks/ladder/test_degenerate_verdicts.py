@@ -10,9 +10,10 @@ import pytest
 from ballesta.machine.warnings_of import unloaded_warnings
 from ballesta.pipeline import check_file
 from checks.design.errors import DesignError
-from checks.ladder.climb import BUILDERS, climb_cheap, start_climb
+from checks.ladder.climb import climb_cheap, start_climb
 from checks.ladder.part_ladder import Effort
 from checks.ladder.result import solid_result
+from checks.models import shapes
 from checks.models.checked import NOTHING, Estimate, rung_estimates, rung_level
 from checks.part.loaded_part import LoadedPart
 from checks.result.verdict import Check, Status
@@ -58,12 +59,11 @@ def pulled(folder, forces):
 
 
 class TestNothingLoadsThePart:
-    @pytest.mark.parametrize("rung", BUILDERS)
-    def test_no_stress_needs_no_error_bar(self, tmp_path, rung):
-        """Linear in the loads, every model finds exactly 0, calibrated for the part or not."""
+    def test_no_stress_needs_no_error_bar(self, tmp_path):
+        """Linear in the loads, a formula finds exactly 0, calibrated for the part or not."""
         design = machine(tmp_path, PLATE, "parts.rod.thickness=60 mm")
         loads, part = loads_of(NEVER), design.parts["rod"]
-        model = BUILDERS[rung](part, loads)
+        model = shapes.model_of(part, loads)
         climb = start_climb(LoadedPart(design, part, loads))
         level = rung_level(LoadedPart(design, part, loads), model)
         found = rung_estimates(LoadedPart(design, part, loads), level, climb.use, lambda _: model)
@@ -193,7 +193,7 @@ def test_a_solid_that_is_asked_for_buckling_alone_tells_of_no_stress(tmp_path):
     part = design.parts["rod"]
     loads = loads_of({"first": [[400.0, 0.0, 0.0]] * 2, "second": [[-400.0, 0.0, 0.0]] * 2})
     climb = start_climb(LoadedPart(design, part, loads))
-    climb.take("formula")
+    climb.by_formula()
     for kind in ("static", "fatigue"):
         climb.best[kind] = Estimate(replace(climb.best[kind].check, model=0.0, model_below=0.0))
     climb.best["buckling"] = Estimate(replace(climb.best["buckling"].check, model=inf), inf, inf)
@@ -208,10 +208,10 @@ def test_a_rung_that_gives_up_is_passed_over(tmp_path, monkeypatch):
     def gives_up(part, loads):
         raise MeshError("an element is folded")
 
-    monkeypatch.setitem(BUILDERS, "beam", gives_up)
+    monkeypatch.setattr(shapes, "model_of", gives_up)
     design = machine(tmp_path)
     climb = start_climb(LoadedPart(design, design.parts["rod"], loads_of(NEVER)))
-    assert not climb.take("beam")
+    assert not climb.by_formula()
     assert climb.tried[-1].why == "gave up: an element is folded"
 
 
@@ -219,6 +219,6 @@ def test_a_peak_of_zero_is_at_a_position_all_the_same(tmp_path):
     """The first of equals."""
     design = machine(tmp_path)
     loads, part = loads_of(NEVER), design.parts["rod"]
-    level = rung_level(LoadedPart(design, part, loads), BUILDERS["formula"](part, loads))
+    level = rung_level(LoadedPart(design, part, loads), shapes.model_of(part, loads))
     assert (level.peak.value, level.peak.position) == (0.0, 0)
     assert np.array_equal(level.peaks_by_position, np.zeros(4))

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from checks.ladder import climb
-from checks.ladder.climb import AUTO, climb_cheap, start_climb
-from checks.models import bands
+from checks.design.effort import AUTO
+from checks.ladder.climb import climb_cheap, start_climb
+from checks.models import bands, shapes
 from checks.models.bands import ARC, SHARE, proportions_of, unknown_load
 from checks.models.shapes import family_of
 from checks.part.loaded_part import LoadedPart
@@ -102,40 +102,18 @@ def test_a_plate_knows_couples_out_of_its_plane(plate):
 
 def test_a_rung_that_lost_some_of_the_loads_has_no_bars(tmp_path, plate, monkeypatch):
     monkeypatch.setattr(bands, "_data", lambda: bands_of(formula=0.1))
-    design, build = machine(tmp_path), climb.BUILDERS["formula"]
+    design, build = machine(tmp_path), shapes.model_of
 
     def leaving(part, loads):
         return replace(build(part, loads), residual=2e-6)
 
-    monkeypatch.setitem(climb.BUILDERS, "formula", leaving)
+    monkeypatch.setattr(shapes, "model_of", leaving)
     state = start_climb(LoadedPart(design, plate, loads_of(PULLED)))
-    state.take("formula")
+    state.by_formula()
     check = state.best["static"].check
     assert "leaves 2e-06 of the loads" in check.note
     assert check.model == np.inf
     assert "static" in state.open
-
-
-def test_rungs_whose_bars_exclude_each_other_leave_it_to_the_solid(tmp_path, plate, monkeypatch):
-    """Two rungs with bars of 1 % of which one finds twice as much."""
-    monkeypatch.setattr(bands, "_data", lambda: bands_of(formula=0.01, beam=0.01))
-    design, build = machine(tmp_path), climb.BUILDERS["beam"]
-
-    def doubled(part, loads):
-        model = build(part, loads)
-        share = 2 * model.buckling.share
-        return replace(model, buckling=replace(model.buckling, share=share))
-
-    monkeypatch.setitem(climb.BUILDERS, "beam", doubled)
-    pressed = {name: -np.array(rows) for name, rows in PULLED.items()}
-    state = start_climb(LoadedPart(design, plate, loads_of(pressed)))
-    state.take("formula")
-    assert "buckling" not in state.open
-    state.take("beam")
-    assert "buckling" in state.open
-    assert str(state.best["buckling"].check.status) == "UNDECIDED"
-    state.take("formula")  # no rung below the solid settles it any more
-    assert "buckling" in state.open
 
 
 def test_a_pin_in_single_and_paired_lugs_is_a_family_of_its_own(tmp_path, plate):

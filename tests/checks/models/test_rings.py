@@ -17,11 +17,9 @@ def bent(direction):
     basis[:, 2, 0] = np.cos(angles - direction) * np.repeat([100.0, 110.0], COUNT)
     points = np.column_stack([5 * np.cos(angles), 5 * np.sin(angles), np.repeat([0, 9.0], COUNT)])
     return RungModel(
-        rung="formula",
         history=StressHistory(np.arange(2 * COUNT), points, basis, np.array([[1.0, -0.4]])),
         places=["first"] * COUNT + ["second"] * COUNT,
         fretting=np.ones(2 * COUNT),
-        numerical=0.0,
         residual=0.0,
         deflection=0.0,
         buckling=None,

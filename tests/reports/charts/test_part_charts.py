@@ -189,7 +189,7 @@ def test_the_ladder_tells_what_was_taken_and_what_was_passed_over(charts):
     chart = charts["ladder"]
     taken = {(row[0], row[3]) for row in chart.rows if row[7] == "yes"}
     assert taken == {("solid", "static"), ("solid", "fatigue")}
-    assert "Passed over: beam, there is no beam of this shape." in chart.caption
+    assert "Passed over: formula, there is no formula of this shape." in chart.caption
     assert "Dotted: no error bar." in chart.caption
     assert any("±∞" in cell for cell in column(chart, "value ± bar"))
 

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.frame import Frame, gauss_points
+from fem.frame import gauss_points
 from fem.unit_solutions import Elastic
 from geometry.bars import Sections, rectangle, rectangle_torsion
+from tests.fem.solved_frames import Frame
 
 SPRING = Elastic(206e3, 0.3, 7.85e-9)
 STEEL = Elastic(210e3, 0.3, 7.85e-9)

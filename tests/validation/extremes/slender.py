@@ -4,13 +4,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.frame import Frame
 from fem.recovery import von_mises
 from fem.unit_solutions import Elastic, solve_unit_loads
 from geometry.bars import rectangle
 
 from ...boundary_value import SolidProblem, traction_load, unknowns
 from ...fem.blocks import block, wrench
+from ...fem.solved_frames import Frame
 
 RATIOS = (1, 3, 10, 30, 100, 300, 1000)
 E = 210e3
