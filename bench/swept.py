@@ -1,21 +1,22 @@
-"""Solids on carried meshes against solids with meshes of their own, over variations of a bar.
+"""Solids on carried meshes against solids with meshes of their own, over variations of a part.
 
-python -m bench.swept RECORD            all variations; goes on where RECORD (JSON lines) ends
-python -m bench.swept RECORD 0 2        every second one, from the first on: for two processes
-python -m bench.swept RECORD told       what RECORD holds
+python -m bench.swept NAME RECORD        all variations; goes on where RECORD (JSON lines) ends
+python -m bench.swept NAME RECORD 0 2    every second one, from the first on: for two processes
+python -m bench.swept NAME RECORD told   what RECORD holds
 
-The variations are drawn beforehand (`drawn`): 140 by a Sobol sequence, wall and hole by up to 30 %
-and all else by up to 9 %, and 60 at the corners between neighbours, where every dimension is 9 to
-9.5 % off. A verdict turns round at some limit if the two ranges, each value with all of its bars,
-have nothing in common; that is asked of all, so that every limit is covered.
+NAME is one of `CAMPAIGNS`. The variations are drawn beforehand (`drawn`): seven of ten by a Sobol
+sequence, some dimensions by up to 30 % and all else by up to 9 %, and three of ten at the corners
+between neighbours, where every dimension is 9 to 9.5 % off. A verdict turns round at some limit if
+the two ranges, each value with all of its bars, have nothing in common; that is asked of all, so
+that every limit is covered.
 """
 
 import json
 import statistics
 import sys
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from math import log
 from pathlib import Path
 from time import process_time
@@ -37,14 +38,73 @@ from checks.result.verdict import Check
 from checks.store.store import Store
 from checks.stress.kept_models import Models
 from fem.threads import one_thread
+from geometry.parts import PlateLink
+from tests.geometry.step_files import write_step
+from tests.small_machine import MACHINE
 
-PRESS = Path(__file__).parents[1] / "designs" / "toggle_press.toml"
-PART = "bar_upper"
-BAR = {"width": 80.0, "wall": 6.3, "hole": 44.0, "overhang": 40.0, "inner_radius": 3.0,
-       "cutout_length": 56.0, "cutout_corner": 5.0}  # fmt: skip
-WIDE = ("wall", "hole")
-DRAWN, CORNERS, SEED = 140, 60, 20261126
+HERE, SEED = Path(__file__).parent / "rungs", 20261126
+DESIGNS = Path(__file__).parents[1] / "designs"
 _END = 0.995  # of the way to the corner
+STEP_ROD = """
+[materials.steel]
+youngs_modulus = "210 GPa"
+poisson_ratio = 0.3
+density = "7850 kg/m3"
+yield_stress = "355 MPa"
+ultimate_stress = "490 MPa"
+source = "assumed, a structural steel"
+[parts.rod]
+body = "rod"
+shape = { step = "rod.step" }
+section = "30, 8 mm"
+interfaces = { first = "A", second = "B" }
+material = "steel"
+[parts.rod.holes]
+first = { diameter = "12 mm", at = "0, 0, 0 mm" }
+second = { diameter = "12 mm", at = "161, 0, 0 mm" }
+"""
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """Variations of a part.
+
+    sizes     key of the design -> its value in the file and its unit
+    wide      keys that vary by up to 30 %
+    count     of variations
+    """
+
+    file: Path
+    part: str
+    sizes: Mapping[str, tuple[float, str]]
+    wide: Sequence[str]
+    count: int
+
+
+def _of_part(
+    file: str, part: str, wide: Sequence[str], count: int, **sizes: float
+) -> tuple[str, Campaign]:
+    key = f"parts.{part}."
+    given = {key + name: (value, "mm") for name, value in sizes.items()}
+    return part, Campaign(DESIGNS / file, part, given, [key + name for name in wide], count)
+
+
+CAMPAIGNS = dict([
+    _of_part("toggle_press.toml", "bar_upper", ("wall", "hole"), 200, width=80.0, wall=6.3,
+             hole=44.0, overhang=40.0, inner_radius=3.0, cutout_length=56.0, cutout_corner=5.0),
+    _of_part("gallery/gas_engine.toml", "rod", ("tube_diameter",), 30, tube_diameter=14.0,
+             eye_diameter=34.0, hole=20.0, fillet=6.0),
+    _of_part("gallery/push_pull_clamp.toml", "link", ("width", "thickness"), 30, width=20.0,
+             thickness=6.0, hole=8.0),
+    _of_part("gallery/yoke_actuator.toml", "yoke", ("thickness",), 30, width=64.0,
+             thickness=36.0, slot_from=70.0, slot_to=172.0),
+    ("step_rod", Campaign(
+        Path("step_rod.toml"), "rod",
+        {"cycles.turn.phases[0].forces.push": (6.0, "kN"),
+         "materials.steel.yield_stress": (355.0, "MPa"),
+         "materials.steel.youngs_modulus": (210.0, "GPa")},
+        ("cycles.turn.phases[0].forces.push", "materials.steel.yield_stress"), 30)),
+])  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -71,32 +131,29 @@ def _range(check: Sequence[float]) -> tuple[float, float]:
     return value - error - below, value + error + above
 
 
-def drawn() -> list[tuple[str, ...]]:
+def drawn(campaign: Campaign) -> Iterator[tuple[str, ...]]:
     """Overrides of every variation, those at corners between the others."""
-    return list(_drawn())
-
-
-def _drawn() -> Iterator[tuple[str, ...]]:
-    sobol = qmc.Sobol(len(BAR), seed=SEED)
-    reach = np.array([log(1.3) if name in WIDE else log(1.09) for name in BAR])
+    read_design(campaign.file)  # raises what is wrong with all of them
+    sizes, wide = campaign.sizes, campaign.wide
+    sobol = qmc.Sobol(len(sizes), seed=SEED)
+    reach = np.array([log(1.3) if key in wide else log(1.09) for key in sizes])
     random = np.random.default_rng(SEED)
-    count = {"drawn": 0, "corners": 0}
-    while sum(count.values()) < DRAWN + CORNERS:
-        corner = is_corner(count["drawn"] + count["corners"])
-        if corner:
-            steps = [random.integers(-1, 2) if name in WIDE else 0 for name in BAR]
-            ends = random.choice([-1.0, 1.0], len(BAR)) * _END / 2
+    count = 0
+    while count < campaign.count:
+        if is_corner(count):
+            steps = [random.integers(-1, 2) if key in wide else 0 for key in sizes]
+            ends = random.choice([-1.0, 1.0], len(sizes)) * _END / 2
             moves = (np.array(steps) + ends) * log(STEP)
         else:
             moves = reach * (2 * sobol.random(1)[0] - 1)
-        values = np.array(list(BAR.values())) * np.exp(moves)
-        names = zip(BAR, values.tolist(), strict=True)
-        overrides = tuple(f"parts.{PART}.{name}={value:.5g} mm" for name, value in names)
+        factors = zip(sizes.items(), np.exp(moves).tolist(), strict=True)
+        overrides = tuple(f"{key}={factor * value:.5g} {unit}"
+                          for (key, (value, unit)), factor in factors)  # fmt: skip
         try:
-            read_design(PRESS, overrides)
+            read_design(campaign.file, overrides)
         except DesignError:
             continue  # a shape that cannot be
-        count["corners" if corner else "drawn"] += 1
+        count += 1
         yield overrides
 
 
@@ -105,25 +162,37 @@ def is_corner(number: int) -> bool:
     return number % 10 >= 7
 
 
-def loaded_of(overrides: Sequence[str]) -> tuple[LoadedPart, Models]:
-    """The bar of a variation under its loads."""
-    design, models = read_design(PRESS, overrides), Models()
+def loaded_of(campaign: Campaign, overrides: Sequence[str]) -> tuple[LoadedPart, Models]:
+    """The part of a variation under its loads."""
+    design, models = read_design(campaign.file, overrides), Models()
     machine = run_machine(design, models)
     design, doubts = machine.design, doubts_of(machine.design, machine).all
-    return LoadedPart.of(design, design.parts[PART], machine.all, models, doubts), models
+    return LoadedPart.of(design, design.parts[campaign.part], machine.all, models, doubts), models
 
 
-def compare(overrides: Sequence[str], store: Store) -> dict[str, Any]:
+def step_rod(folder: Path) -> Path:
+    """Write a crank and slider whose rod is drawn in CAD into a folder; the file, as it was."""
+    folder.mkdir(exist_ok=True)
+    file, drawing = folder / "step_rod.toml", folder / "rod.step"
+    if not drawing.exists():
+        write_step(drawing, PlateLink(length=161, width=30, thickness=8, hole=12).build)
+    file.write_text(MACHINE.replace("400 N", "6 kN") + STEP_ROD)
+    return file
+
+
+def compare(campaign: Campaign, overrides: Sequence[str], store: Store) -> dict[str, Any]:
     """One variation by both, with the processor time of each, s."""
-    loaded, models = loaded_of(overrides)
-    neighbour = Neighbours(PRESS, overrides, store).of(PART)
+    loaded, models = loaded_of(campaign, overrides)
+    start = process_time()
+    neighbour = Neighbours(campaign.file, overrides, store).of(campaign.part)
+    known = {"neighbour": process_time() - start}
     if isinstance(neighbour, str):
-        return {"anew": neighbour.splitlines()[0].replace(f"{PRESS}: ", "")}
+        return {**known, "anew": neighbour.splitlines()[0].replace(f"{campaign.file}: ", "")}
     start = process_time()
     swept = carried_result(start_climb(loaded), neighbour, models, lambda _: None)
-    spent = process_time() - start
+    known["seconds"] = process_time() - start
     if isinstance(swept, str):
-        return {"anew": swept, "seconds": spent}
+        return {**known, "anew": swept}
     start = process_time()
     judged = judged_of(loaded)
     both = list(judged.values())
@@ -133,7 +202,7 @@ def compare(overrides: Sequence[str], store: Store) -> dict[str, Any]:
         one.kind: asdict(Compared(_numbers(one), _numbers(other)))
         for one, other in zip(swept.checks, full.checks, strict=True)
     }
-    return {"seconds": spent, "full": process_time() - start, "checks": found}
+    return {**known, "full": process_time() - start, "checks": found}
 
 
 def _numbers(check: Check) -> tuple[float, float, float, float]:
@@ -149,7 +218,7 @@ def told(record: Path) -> str:
     ]
     corners = sum(map(is_corner, (row["number"] for row in solved)))
     lines = [
-        f"{len(rows)} of {DRAWN + CORNERS} variations compared or made anew; carried over "
+        f"{len(rows)} variations compared or made anew; carried over "
         f"{len(solved)}, {corners} of them at corners"
     ]
     lines += [
@@ -177,17 +246,19 @@ def told(record: Path) -> str:
 @one_thread()
 def main() -> None:
     """Go on with a record, or tell of it."""
-    record = Path(sys.argv[1])
-    if sys.argv[2:] == ["told"]:
+    campaign, record = CAMPAIGNS[sys.argv[1]], Path(sys.argv[2])
+    if sys.argv[3:] == ["told"]:
         print(told(record))
         return
-    first, step = map(int, sys.argv[2:4] or ("0", "1"))
+    if sys.argv[1] == "step_rod":
+        campaign = replace(campaign, file=step_rod(record.with_name("step_rod")))
+    first, step = map(int, sys.argv[3:5] or ("0", "1"))
     lines = record.read_text().splitlines() if record.exists() else []
     done = {json.loads(line)["number"] for line in lines}
     store = Store(record.with_name("neighbours.store"))
-    for number, overrides in enumerate(drawn()):
+    for number, overrides in enumerate(drawn(campaign)):
         if number % step == first and number not in done:
-            row = {"number": number, "overrides": overrides, **compare(overrides, store)}
+            row = {"number": number, "overrides": overrides, **compare(campaign, overrides, store)}
             with record.open("a") as stream:
                 stream.write(json.dumps(row) + "\n")
 

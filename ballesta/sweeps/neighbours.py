@@ -1,9 +1,9 @@
 """Neighbours of variations: the same design with its dimensions on a grid about the file's.
 
-Lengths of parts and forces that a variation sets are taken to the nearest point of a grid whose
-steps are 20 %, about what the file states: no dimension is more than 9.6 % off. All else of the
-variation stays. So a variation's neighbour depends on itself and on the file alone, not on which
-variations came before, and many share one.
+Lengths of parts, forces and numbers of materials that a variation sets are taken to the nearest
+point of a grid whose steps are 20 %, about what the file states: none is more than 9.6 % off. All
+else of the variation stays. So a variation's neighbour depends on itself and on the file alone, not
+on which variations came before, and many share one.
 """
 
 import math
@@ -27,13 +27,19 @@ from loads import LinkageError
 STEP = 1.2
 _KEPT = 32  # neighbours of a process; each has a mesh of some MB
 _PACKAGES = ("ballesta", "checks", "fatigue", "fem", "geometry", "loads")
-_LENGTH = re.compile(r"parts\.\w+\.\w+$"), re.compile(r"(\d+(?:\.\d+)?)\s*(mm|cm|m)")
-_FORCE = re.compile(r"(?:cycles|forces)\..+$"), re.compile(r"(\d+(?:\.\d+)?)\s*(N|kN)")
+_ON_GRID = [
+    (re.compile(keys), re.compile(rf"(\d+(?:\.\d+)?)\s*({units})"))
+    for keys, units in (
+        (r"parts\.\w+\..+", "mm|cm|m"),
+        (r"(?:cycles|forces)\..+", "N|kN"),
+        (r"materials\.\w+\.\w+", "MPa|GPa|kg/m3"),
+    )
+]
 _found: OrderedDict[tuple[str, ...], Neighbour | str] = OrderedDict()
 
 
 def on_grid(overrides: Sequence[str], stated: Sequence[tuple[str, str]]) -> tuple[str, ...]:
-    """The overrides ("key=value") with lengths and forces at the nearest points of the grid.
+    """The overrides ("key=value") with all that has a grid at its nearest points.
 
     stated  (key, value) of the file without them
 
@@ -59,9 +65,9 @@ def _stated(key: str, known: Mapping[str, str]) -> str:
 def _near(override: str, known: Mapping[str, str]) -> str:
     key, _, value = (text.strip() for text in override.partition("="))
     stated = _stated(key, known)
-    for keys, values in (_LENGTH, _FORCE):
+    for keys, values in _ON_GRID:
         here, there = values.fullmatch(value), values.fullmatch(stated.strip())
-        if keys.match(key) and here and there and here[2] == there[2] and float(there[1]):
+        if keys.fullmatch(key) and here and there and here[2] == there[2] and float(there[1]):
             ratio = float(here[1]) / float(there[1])
             steps = round(math.log(ratio) / math.log(STEP)) if ratio else 0
             return f"{key}={float(there[1]) * STEP**steps:.6g} {here[2]}" if ratio else override

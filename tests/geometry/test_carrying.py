@@ -1,6 +1,7 @@
 """Meshes carried over to shapes of other dimensions."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,8 +9,9 @@ from numpy.testing import assert_allclose
 from scipy.spatial import Delaunay
 
 from geometry.carrying import Carrier, harmonic
-from geometry.mesh import Mesh, MeshError
+from geometry.mesh import FoldedElementError, Mesh, MeshError
 from geometry.meshing import mesh_shape
+from geometry.parts import PlateLink
 from geometry.symmetry import Half
 
 from .bars import PRESS_BAR
@@ -47,17 +49,49 @@ def test_a_carried_mesh_stands_on_the_new_shape(mesh: Mesh, carrier: Carrier):
     assert found.interfaces["knee"].radius == 23.0
 
 
-@pytest.mark.parametrize("change", [{"wall": 0.3}, {"wall": 2.0}, {"hole": 0.5}, {"hole": 1.2}])
-def test_dimensions_far_off_never_leave_a_folded_element(
+LINK = PlateLink(length=160.0, width=30.0, thickness=8.0, hole=12.0)
+
+
+@pytest.fixture(scope="module")
+def link() -> Carrier:
+    return Carrier(mesh_shape(Half(LINK), fineness=0.3), Half(LINK))
+
+
+@pytest.mark.parametrize(
+    "change", [{"thickness": 0.3}, {"thickness": 3.0}, {"hole": 0.5}, {"hole": 1.5}]
+)
+def test_a_link_s_mesh_is_carried_over_to_dimensions_far_off(
+    link: Carrier, change: dict[str, float]
+):
+    found = link.to(Half(changed(LINK, change)))
+    assert found.jacobian_minimum > 0
+    assert_allclose(found.volume, found.volume_cad, rtol=5e-3)
+
+
+def test_a_hole_that_leaves_its_link_little_takes_no_mesh(link: Carrier):
+    """Of the 9 mm beside the hole 4.2 are left at 1.8 times its size."""
+    with pytest.raises(FoldedElementError, match="an element folds"):
+        link.to(Half(changed(LINK, {"hole": 1.8})))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"wall": 0.3}, {"wall": 2.0}, {"wall": 3.0, "hole": 0.7}, {"hole": 0.5}, {"hole": 1.2}],
+)
+def test_a_bar_s_dimensions_far_off_never_leave_a_folded_element(
     carrier: Carrier, change: dict[str, float]
 ):
     """Where an element folds there is no mesh; where there is one, none does."""
-    sizes = {name: factor * getattr(PRESS_BAR, name) for name, factor in change.items()}
     try:
-        found = carrier.to(Half(replace(PRESS_BAR, **sizes)))
+        found = carrier.to(Half(changed(PRESS_BAR, change)))
     except MeshError:
         return
     assert found.jacobian_minimum > 0
+
+
+def changed(shape: Any, change: dict[str, float]) -> Any:
+    """The shape with dimensions that are so many times its own."""
+    return replace(shape, **{name: by * getattr(shape, name) for name, by in change.items()})
 
 
 def test_a_body_with_other_faces_takes_no_mesh(carrier: Carrier):

@@ -1,6 +1,11 @@
 """Batches of solids on carried meshes."""
 
 import json
+import os
+import signal
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -12,6 +17,8 @@ from ballesta.commands.batch_command import Wanted, outcomes_of
 from checks.design.errors import DesignError
 
 from ...small_machine import MACHINE, PLATE
+
+ROOT = Path(__file__).parents[3]
 
 
 def checked(folder: Path, thickness: str, fidelity: str = "swept", store: str | None = None):
@@ -96,3 +103,37 @@ def test_a_part_without_a_neighbour_has_meshes_of_its_own(tmp_path, none_known, 
 def test_what_swept_solids_do_not_have_is_refused(tmp_path, wish, key):
     with pytest.raises(DesignError, match=f"{key}: is not for --fidelity swept"):
         outcomes_of([tmp_path / "machine.toml"], Wanted(tmp_path / "out", fidelity="swept", **wish))
+
+
+@pytest.mark.slow
+def test_a_killed_sweep_of_two_workers_goes_on_to_the_same_tables(tmp_path):
+    """SIGKILL of the whole group after three of twelve, some of which share a neighbour."""
+    (tmp_path / "machine.toml").write_text(
+        MACHINE + PLATE.replace("fineness = 0.5", "fineness = 1")
+    )
+    with sweep(tmp_path, "out") as process:
+        journal = tmp_path / "out" / "journal.jsonl"
+        while not journal.exists() or journal.read_bytes().count(b"\n") < 3:
+            assert process.poll() is None
+            time.sleep(0.02)
+        os.killpg(process.pid, signal.SIGKILL)
+    kept = journal.read_text().splitlines()
+    assert 3 <= len(kept) < 12
+    for out in ("out", "other"):
+        with sweep(tmp_path, out) as process:
+            assert process.wait() in (0, 1)
+    assert journal.read_text().splitlines()[: len(kept)] == kept  # these were not done again
+    for table in ("results.csv", "results.parquet"):
+        resumed, undisturbed = (tmp_path / out / table for out in ("out", "other"))
+        assert resumed.read_bytes() == undisturbed.read_bytes()
+    assert (tmp_path / "out" / "results.csv").read_text().count("mesh carried over") == 24
+
+
+def sweep(folder, out):
+    return subprocess.Popen(
+        [sys.executable, "-m", "ballesta.cli", "batch", "machine.toml", "--out", out, "--jobs", "2",
+         "--fidelity", "swept", "--accuracy", "10 %", "--sweep",
+         "parts.rod.thickness = 7..9 mm : 6", "--sweep", "parts.rod.width = 29, 31 mm"],
+        cwd=folder, env={**os.environ, "PYTHONPATH": str(ROOT)}, start_new_session=True,
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    )  # fmt: skip

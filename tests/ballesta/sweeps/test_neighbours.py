@@ -3,7 +3,8 @@
 from ballesta.sweeps.neighbours import on_grid
 
 STATED = [("parts.bar.wall", "6 mm"), ("parts.bar.hole", "40 mm"), ("accuracy", "5 %"),
-          ("cycles.press.phases[1].forces.ram", "11 kN")]  # fmt: skip
+          ("cycles.press.phases[1].forces.ram", "11 kN"), ("parts.pin.stack[0].width", "6 mm"),
+          ("materials.own.yield_stress", "355 MPa")]  # fmt: skip
 
 
 def test_a_dimension_near_the_file_s_has_the_file_s_as_its_neighbour():
@@ -22,6 +23,13 @@ def test_a_part_that_is_like_another_has_its_dimensions():
 def test_forces_have_neighbours_too():
     force = "cycles.press.phases[1].forces.ram"
     assert on_grid([f"{force}=10.5 kN"], STATED) == (f"{force}=11 kN",)
+
+
+def test_a_pin_s_stack_and_a_material_s_numbers_have_neighbours_too():
+    """Its yield stress scatters from variation to variation, and the mesh does not know it."""
+    overrides = ["parts.pin.stack[0].width=6.4 mm", "materials.own.yield_stress=371.3 MPa"]
+    near = ("parts.pin.stack[0].width=6 mm", "materials.own.yield_stress=355 MPa")
+    assert on_grid(overrides, STATED) == near
 
 
 def test_what_is_no_dimension_stays():
