@@ -66,7 +66,7 @@ class Shape(ABC):
         return names if isinstance(names, tuple) else ()
 
     @property
-    def axes(self) -> dict[str, float]:
+    def pin_places(self) -> dict[str, float]:
         """Places along x, mm, of the first two interfaces by name."""
         return dict(zip(self.interfaces[:2], (0.0, self.length), strict=True))
 

@@ -1,39 +1,35 @@
 """Puts the cycles and the duty of a design together."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from math import degrees, pi
 
 import loads
 from ballesta.design.expressions import coordinate_of, dimension_along
-from ballesta.design.files import Sources
+from ballesta.design.files import Reading, telling
+from ballesta.design.forces import check_dimension
 from ballesta.design.laws import law_of
 from ballesta.design.linkage import friction_of
 from checks.design.data import Cycle, Design, Duty, Shown, Stop
 from checks.design.errors import Problems, listed, no_such
 from checks.design.model import DesignFile
 from checks.design.tables import Available, CycleEntry, DriveEntry, MotorEntry, PaceEntry
-from checks.design.units import DIMENSIONS, Measured
+from checks.design.units import Measured
 from checks.result.words import number
+from geometry.parameters import ParameterError
 
 _MOST_TURNS = 100  # of a body in a cycle: 5 to 7 s of walking
 _MOST_TRAVEL = 1e7  # mm, 10 km
 
 
-def cycles_of(
-    file: DesignFile,
-    forces: Mapping[str, loads.Force],
-    joints: Mapping[str, Sequence[loads.Joint]],
-    sources: Sources,
-    problems: Problems,
-) -> dict[str, Cycle]:
+def cycles_of(read: Reading) -> dict[str, Cycle]:
     """Return the cycles whose entries are in order."""
     cycles = {}
-    for name, entry in file.cycles.items():
-        cycle = _cycle(name, entry, file, forces, joints, sources, problems)
+    for name, entry in read.file.cycles.items():
+        cycle = _cycle(read, name, entry)
         if cycle is not None:
             cycles[name] = cycle
-    _check_gear(file, cycles, problems)
+    _check_gear(read.file, cycles, read.problems)
     return cycles
 
 
@@ -89,8 +85,9 @@ def events_of(
         if entry.kind != "brake" and entry.motor == "on":
             problems.add(f"{key}.motor", f'is of kind = "brake", not "{entry.kind}"; leave it out')
         if entry.at is not None:
-            _check_dimension(f"{key}.at", entry.at, "angle", problems)
-            _check_span(f"{key}.at", entry.at, problems)
+            with telling(problems, key):
+                check_dimension("at", entry.at, "angle")
+                _check_span("at", entry.at)
         if len(problems) > told or entry.cycle not in cycles:
             continue
         braked = brake is not None and entry.kind == "brake"
@@ -135,32 +132,29 @@ def _has_opposing(run: loads.Cycle) -> bool:
     return any(isinstance(law, loads.Opposing) for law in laws)
 
 
-def _cycle(
-    name: str,
-    entry: CycleEntry,
-    file: DesignFile,
-    forces: Mapping[str, loads.Force],
-    joints: Mapping[str, Sequence[loads.Joint]],
-    sources: Sources,
-    problems: Problems,
-) -> Cycle | None:
-    key = f"cycles.{name}"
+def _cycle(read: Reading, name: str, entry: CycleEntry) -> Cycle | None:
+    key, problems = f"cycles.{name}", read.problems
     told = len(problems)
-    swept = coordinate_of(f"{key}.coordinate", entry.coordinate, file, forces, problems)
-    paced = coordinate_of(f"{key}.pace.coordinate", entry.pace.coordinate, file, forces, problems)
+    swept = paced = pace = None
+    with telling(problems, f"{key}.coordinate"):
+        swept = coordinate_of(read, entry.coordinate)
+    with telling(problems, f"{key}.pace.coordinate"):
+        paced = coordinate_of(read, entry.pace.coordinate)
 
     def along(where: str, measured: Measured) -> float:
         if swept is not None:
-            _check_dimension(f"{key}.{where}", measured, dimension_along(swept), problems)
+            with telling(problems, key):
+                check_dimension(where, measured, dimension_along(swept))
         return measured.value
 
     def place(where: str, measured: Measured) -> float:
-        _check_span(f"{key}.{where}", measured, problems)
+        with telling(problems, key):
+            _check_span(where, measured)
         return along(where, measured)
 
     start = place("start", entry.start)
     ends = [place(f"phases[{i}].to", phase.to) for i, phase in enumerate(entry.phases)]
-    phases = _phases(key, entry, ends, start, file, forces, sources, problems)
+    phases = _phases(read, key, entry, ends, start)
     shown, stop, friction = None, None, None
     if entry.shown is not None:
         zero = along("shown.zero", entry.shown.zero)
@@ -168,97 +162,78 @@ def _cycle(
     if entry.stop is not None:
         stop = Stop(entry.stop.basis, along("stop.tolerance", entry.stop.tolerance))
     if entry.friction is not None:
-        friction = friction_of(f"{key}.friction", entry.friction, file, joints, problems)
-    pace = _pace(f"{key}.pace", entry.pace, paced, file, problems)
-    if file.drive.motor is not None and pace is not None:
-        pace = _by_motor(f"{key}.pace", pace, file.drive, file.drive.motor, problems)
+        friction = friction_of(f"{key}.friction", entry.friction, read.file, read.joints, problems)
+    with telling(problems, f"{key}.pace"):
+        pace = _pace(read, f"{key}.pace", entry.pace, paced)
+        if read.file.drive.motor is not None and pace is not None:
+            pace = _by_motor(pace, read.file.drive, read.file.drive.motor, problems)
     if swept is None or pace is None or len(problems) > told:
         return None
     run = loads.Cycle(name, swept, start, pace, phases, entry.positions)
     return Cycle(run, shown, stop, friction)
 
 
-def _check_dimension(key: str, measured: Measured, dimension: str, problems: Problems) -> None:
-    if measured.dimension != dimension:
-        kinds = DIMENSIONS[dimension], DIMENSIONS[measured.dimension]
-        problems.add(
-            key, f'must be {kinds[0].title} such as "{kinds[0].example}", got {kinds[1].title}'
-        )
-
-
-def _check_span(key: str, measured: Measured, problems: Problems) -> None:
-    """Note a place that no cycle goes to; the walk to it would take its turns one by one."""
+def _check_span(field: str, measured: Measured) -> None:
+    """Refuse a place that no cycle goes to; the walk to it would take its turns one by one."""
     if measured.dimension == "angle" and not abs(measured.value) <= _MOST_TURNS * 2 * pi:
-        problems.add(
-            key,
+        raise ParameterError(
+            field,
             f"must be within {360 * _MOST_TURNS} deg of 0, got {degrees(measured.value):g} deg; a "
             "motion that repeats is stated once, such as from 0 to 360 deg",
         )
     if measured.dimension == "length" and not abs(measured.value) <= _MOST_TRAVEL:
-        problems.add(
-            key,
+        raise ParameterError(
+            field,
             f"must be within {_MOST_TRAVEL:g} mm of 0, as any machine's travel, got "
             f"{measured.value:g} mm; is its unit wrong?",
         )
 
 
 def _pace(
-    key: str,
-    entry: PaceEntry,
-    coordinate: loads.Coordinate | None,
-    file: DesignFile,
-    problems: Problems,
+    read: Reading, key: str, entry: PaceEntry, coordinate: loads.Coordinate | None
 ) -> loads.Pace | None:
     stated = [name for name in ("speed", "flow", "law") if getattr(entry, name) is not None]
     if len(stated) > 1:
-        problems.add(key, f"has {listed(stated)}; a stroke runs by one of them")
-        return None
+        raise ParameterError("", f"has {listed(stated)}; a stroke runs by one of them")
     if not stated:
-        problems.add(
-            key, 'needs speed such as "0.1 m/s", flow such as "40 l/min", or law and time, "1.5 s"'
+        raise ParameterError(
+            "", 'needs speed such as "0.1 m/s", flow such as "40 l/min", or law and time, "1.5 s"'
         )
-        return None
     if entry.acceleration is not None and entry.speed is None:
-        problems.add(f"{key}.acceleration", f"follows from the {stated[0]}; leave it out")
+        read.problems.add(f"{key}.acceleration", f"follows from the {stated[0]}; leave it out")
     if entry.law is not None and entry.time is None:
-        problems.add(f"{key}.time", 'must be stated such as "1.5 s": of each stroke')
-        return None
+        raise ParameterError("time", 'must be stated such as "1.5 s": of each stroke')
     if entry.law is None and entry.time is not None:
-        problems.add(f"{key}.time", "is only used with law; leave it out")
+        read.problems.add(f"{key}.time", "is only used with law; leave it out")
     if coordinate is None:
         return None
     angular = "angular " if coordinate.angular else ""
     for field, dimension in (("speed", "speed"), ("acceleration", "acceleration")):
         measured = getattr(entry, field)
         if measured is not None:
-            _check_dimension(f"{key}.{field}", measured, angular + dimension, problems)
+            with telling(read.problems, key):
+                check_dimension(field, measured, angular + dimension)
     if entry.law is not None and entry.time is not None:
         return loads.StrokePace(coordinate, entry.law, entry.time)
     if entry.flow is not None:
-        return _filled(f"{key}.flow", entry.flow, entry.coordinate, coordinate, file, problems)
+        return _filled(read.file, entry.flow, entry.coordinate, coordinate)
     assert entry.speed is not None
     acceleration = entry.acceleration.value if entry.acceleration else 0.0
     return loads.SteadyPace(coordinate, entry.speed.value, acceleration)
 
 
 def _filled(
-    key: str,
-    flow: float,
-    name: str,
-    coordinate: loads.Coordinate,
-    file: DesignFile,
-    problems: Problems,
+    file: DesignFile, flow: float, name: str, coordinate: loads.Coordinate
 ) -> loads.Pace | None:
     """Return the pace of a cylinder: a flow fills the piston's side or, as it pulls, the rod's."""
     force = file.forces.get(name.removesuffix(".length"))
     size = None if force is None else force.available
     if not isinstance(size, Available) or size.bore is None or size.rod is None:
-        problems.add(
-            key,
+        raise ParameterError(
+            "flow",
             "is for the length of a force between two points whose `available` has bore and rod, "
             f"not for {name}",
         )
-        return None
     if size.rod >= size.bore:
         return None  # told with `available`
     piston, rod = (pi * diameter**2 / 4 for diameter in (size.bore, size.rod))
@@ -280,12 +255,11 @@ def _check_gear(file: DesignFile, cycles: Mapping[str, Cycle], problems: Problem
 
 
 def _by_motor(
-    key: str, pace: loads.Pace, drive: DriveEntry, entry: MotorEntry, problems: Problems
+    pace: loads.Pace, drive: DriveEntry, entry: MotorEntry, problems: Problems
 ) -> loads.Pace | None:
-    """Return the pace that the machine's motor sets to a cycle."""
+    """Return the pace that the machine's motor sets to a cycle; raises ParameterError."""
     if not isinstance(pace, loads.SteadyPace) or not pace.coordinate.angular:
-        problems.add(key, "must be the speed of an angle, which drive.motor turns")
-        return None
+        raise ParameterError("", "must be the speed of an angle, which drive.motor turns")
     ratio = entry.speed / pace.speed if entry.ratio is None else entry.ratio
     try:
         motor = loads.Motor(
@@ -303,20 +277,13 @@ def _by_motor(
     try:
         return loads.MotorPace(pace, geared, drive.flywheel or 0.0)
     except loads.LinkageError as error:
-        problems.add(key, str(error))
-        return None
+        raise ParameterError("", str(error)) from error
 
 
 def _phases(
-    key: str,
-    entry: CycleEntry,
-    ends: list[float],
-    start: float,
-    file: DesignFile,
-    forces: Mapping[str, loads.Force],
-    sources: Sources,
-    problems: Problems,
+    read: Reading, key: str, entry: CycleEntry, ends: list[float], start: float
 ) -> tuple[loads.Phase, ...]:
+    file, problems = read.file, read.problems
     phases: list[loads.Phase] = []
     for index, (phase, end) in enumerate(zip(entry.phases, ends, strict=True)):
         here = f"{key}.phases[{index}]"
@@ -330,7 +297,7 @@ def _phases(
                 problems.add(f"{here}.forces.{force}", no_such("force", force, file.forces))
                 continue
             at = f"{here}.forces.{force}"
-            law = law_of(at, force, entered, file, forces, sources, problems)
+            law = law_of(read, at, force, entered)
             if law is None:
                 continue
             others = [name for name, other in given.items() if isinstance(other, loads.Contact)]

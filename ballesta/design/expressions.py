@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 
 import loads
+from ballesta.design.files import Reading
 from ballesta.design.forces import dimension_of
 from checks.design.errors import Problems, listed, nearest, no_such
-from checks.design.model import DesignFile
 from checks.design.tables import ExpressionLaw
 from checks.design.units import (
     ANGLE,
@@ -29,6 +29,7 @@ from checks.design.units import (
     title_of,
 )
 from checks.result.words import brief
+from geometry.parameters import ParameterError
 
 _LONGEST = 400  # characters
 _DEEPEST = 60  # terms within terms
@@ -57,41 +58,26 @@ class _Value:
 
 
 class _WrongError(ValueError):
-    """A fault of a formula, in words; "" where it was told already."""
+    """A fault of a formula, in words."""
 
 
-def expression_of(
-    key: str,
-    force: str,
-    entry: ExpressionLaw,
-    file: DesignFile,
-    forces: Mapping[str, loads.Force],
-    problems: Problems,
-) -> loads.Expression | None:
-    """Return the formula of a force, None where a problem was told."""
-    told = len(problems)
-    where = _constants(f"{key}.where", entry, problems)
-    if len(problems) > told:
-        return None
-
-    def coordinate(text: str) -> loads.Coordinate:
-        found = coordinate_of(f"{key}.expression", text, file, forces, problems)
-        if found is None:
-            raise _WrongError("")
-        return found
-
-    reader = _Reader(entry.expression, where, coordinate)
+def expression_of(read: Reading, key: str, force: str, entry: ExpressionLaw) -> loads.Expression:
+    """Return the formula of a force; raises ParameterError."""
+    told = len(read.problems)
+    where = _constants(f"{key}.where", entry, read.problems)
+    if len(read.problems) > told:
+        raise ParameterError("", "")
+    reader = _Reader(entry.expression, where, lambda text: coordinate_of(read, text))
     try:
         found = reader.read()
-        _check_result(force, dimension_of(file.forces[force]), found.powers)
+        _check_result(force, dimension_of(read.file.forces[force]), found.powers)
+    except ParameterError as error:
+        raise ParameterError("expression", error.problem) from error
     except _WrongError as error:
-        if str(error):
-            problems.add(f"{key}.expression", str(error))
-        return None
+        raise ParameterError("expression", str(error)) from error
     unused = next((name for name in where if name not in reader.used), None)
     if unused is not None:
-        problems.add(f"{key}.where.{unused}", "is not in the expression; leave it out")
-        return None
+        raise ParameterError(f"where.{unused}", "is not in the expression; leave it out")
     stated = ", ".join(f"{name} = {value.text}" for name, value in (entry.where or {}).items())
     text = " ".join(entry.expression.split())
     return loads.Expression(f"{text} with {stated}" if stated else text, found.term)
@@ -288,14 +274,9 @@ def _product(one: Powers, other: Powers, power: float) -> Powers:
     return {name: value for name, value in summed.items() if value}
 
 
-def coordinate_of(
-    key: str,
-    text: str,
-    file: DesignFile,
-    forces: Mapping[str, loads.Force],
-    problems: Problems,
-) -> loads.Coordinate | None:
-    """Return the coordinate that a text names, None where a problem was told."""
+def coordinate_of(read: Reading, text: str) -> loads.Coordinate:
+    """Return the coordinate that a text names; raises ParameterError."""
+    file = read.file
     name, _, what = text.rpartition(".")
     pins = dict.fromkeys(pin for body in file.bodies.values() for pin in body.pins)
     pulling = [force for force, entry in file.forces.items() if entry.between is not None]
@@ -308,19 +289,19 @@ def coordinate_of(
     if what not in kinds or not name:
         guess = nearest(what, kinds) if name else None
         hint = f", did you mean {name}.{guess}?" if guess else ""
-        problems.add(
-            key,
+        raise ParameterError(
+            "",
             "must be <point>.x, <point>.y, <body>.angle or <force>.length, "
             f'got "{text}"{hint}; points {listed(pins)}; bodies {listed(file.bodies)}; '
             f"forces {listed(pulling)}",
         )
-        return None
     kind, known = kinds[what]
     if name not in known:
-        problems.add(key, no_such(kind, name, known))
-        return None
+        raise ParameterError("", no_such(kind, name, known))
     if what == "length":
-        return forces[name].coordinate if name in forces else None
+        if name not in read.forces:
+            raise ParameterError("", "")  # what is wrong with it was told there
+        return read.forces[name].coordinate
     if what == "angle":
         return loads.Angle(name)
     owner = next(body for body, entry in file.bodies.items() if name in entry.pins)

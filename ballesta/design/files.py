@@ -4,15 +4,20 @@ import copy
 import hashlib
 import re
 import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+import loads
 from ballesta.design.overrides import HUGE_NUMBER, Way, dotted, huge_number_at
-from checks.design.errors import DesignError, nearest, no_such
+from checks.design.errors import DesignError, Problems, nearest, no_such
+from checks.design.model import DesignFile
 from geometry.bounded_files import MOST_TEXT, read_bounded
+from geometry.parameters import ParameterError
 
 
 @dataclass
@@ -199,6 +204,38 @@ def _parsed(file: Path, text: str) -> dict[str, Any]:
         raise DesignError(file, "cannot be read", f"has {HUGE_NUMBER}") from None
     except RecursionError:
         raise DesignError(file, "cannot be read", "is not TOML: nested too deeply") from None
+
+
+# A design while it is read.
+
+
+@dataclass(frozen=True)
+class Reading:
+    """Entries of a design, its sources, and what is wrong with them.
+
+    forces, joints  of those entries that are in order
+    """
+
+    file: DesignFile
+    sources: Sources
+    problems: Problems
+    forces: Mapping[str, loads.Force]
+    joints: Mapping[str, Sequence[loads.Joint]]
+
+
+@contextmanager
+def telling(problems: Problems, key: str) -> Iterator[None]:
+    """Note what is refused within as a problem of a key, or of one below it, and go on.
+
+    A ParameterError without words stands for what was told already.
+    """
+    try:
+        yield
+    except ParameterError as error:
+        if error.problem:
+            problems.add(f"{key}.{error.field}" if error.field else key, error.problem)
+    except DesignError as error:
+        problems.take(error)
 
 
 # Design files to start from: `ballesta new <template>`.

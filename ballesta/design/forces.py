@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 
 import loads
+from ballesta.design.files import telling
 from checks.design.data import Cylinder, Pair
 from checks.design.errors import Problems, listed, no_such
 from checks.design.materials import Material
@@ -37,12 +38,12 @@ def forces_of(
         (kind,) = kinds
         if not _only_used(key, entry, kind, problems):
             continue
-        limits = _limits(f"{key}.available", entry.available, kind, problems)
-        if limits is not None:
-            available[name] = limits
+        with telling(problems, f"{key}.available"):
+            if entry.available is not None:
+                available[name] = _limits(entry.available, kind)
         make = {"between": _distance, "body": _along, "turns": _angle}[kind]
-        coordinate = make(name, entry, file, problems)
-        if coordinate is not None:  # a positive force pulls its two points together
+        with telling(problems, key):  # a positive force pulls its two points together
+            coordinate = make(name, entry, file)
             forces[name] = loads.Force(name, coordinate, -1 if kind == "between" else 1)
     return forces, available
 
@@ -58,6 +59,15 @@ def wrong_dimension(value: Measured, wanted: str, whose: str) -> str:
     return f'must be {kind.title} such as "{kind.example}", {whose}; got {other.title}'
 
 
+def check_dimension(field: str, value: Measured, wanted: str) -> None:
+    """Raise ParameterError where a value is of another dimension than wanted."""
+    if value.dimension != wanted:
+        kind, other = DIMENSIONS[wanted], DIMENSIONS[value.dimension]
+        raise ParameterError(
+            field, f'must be {kind.title} such as "{kind.example}", got {other.title}'
+        )
+
+
 def _only_used(key: str, entry: ForceEntry, kind: str, problems: Problems) -> bool:
     right = True
     for field in ("on", "at", "direction", "follows", "against"):
@@ -71,133 +81,98 @@ def _only_used(key: str, entry: ForceEntry, kind: str, problems: Problems) -> bo
     return right
 
 
-def _limits(
-    key: str, entry: Measured | Available | None, kind: str, problems: Problems
-) -> Pair | None:
+def _limits(entry: Measured | Available, kind: str) -> Pair:
     """Return what the drive can give with a positive and with a negative sign, N or N mm."""
-    if entry is None:
-        return None
+    wanted = "moment" if kind == "turns" else "force"
     if isinstance(entry, Measured):
-        wanted = "moment" if kind == "turns" else "force"
         if entry.dimension != wanted:
-            problems.add(key, wrong_dimension(entry, wanted, f"this is {_KINDS[kind]}"))
-            return None
+            raise ParameterError("", wrong_dimension(entry, wanted, f"this is {_KINDS[kind]}"))
         return entry.value, entry.value
     stated = [field for field in Available.model_fields if getattr(entry, field) is not None]
     if kind != "between":
-        example = DIMENSIONS["moment" if kind == "turns" else "force"].example
-        problems.add(
-            key, f'a table is for a force between two points; write it such as "{example}"'
+        example = DIMENSIONS[wanted].example
+        raise ParameterError(
+            "", f'a table is for a force between two points; write it such as "{example}"'
         )
-        return None
     if stated and set(stated) <= {"push", "pull"}:
         if entry.push is None or entry.pull is None:
             missing = "push" if entry.push is None else "pull"
-            problems.add(f"{key}.{missing}", "must be stated beside the other direction")
-            return None
+            raise ParameterError(missing, "must be stated beside the other direction")
         return entry.pull, entry.push
     if {"push", "pull"} & set(stated) or not stated:
-        problems.add(
-            key, f"needs either push and pull, or bore, rod and pressure; it has {listed(stated)}"
+        raise ParameterError(
+            "", f"needs either push and pull, or bore, rod and pressure; it has {listed(stated)}"
         )
-        return None
     if entry.bore is None or entry.pressure is None or entry.rod is None:
-        for field in ("bore", "rod", "pressure"):
-            if field not in stated:
-                description = Available.model_fields[field].description
-                problems.add(f"{key}.{field}", f"must be stated: {description}")
-        return None
+        missing = next(field for field in ("bore", "rod", "pressure") if field not in stated)
+        described = Available.model_fields[missing].description
+        raise ParameterError(missing, f"must be stated: {described}")
     if entry.rod >= entry.bore:
-        problems.add(
-            f"{key}.rod", f"must be below the bore of {entry.bore:g} mm, got {entry.rod:g} mm"
+        raise ParameterError(
+            "rod", f"must be below the bore of {entry.bore:g} mm, got {entry.rod:g} mm"
         )
-        return None
     piston = math.pi * entry.bore**2 / 4
     ring = piston - math.pi * entry.rod**2 / 4
     return entry.pressure * ring, entry.pressure * piston
 
 
-def _distance(
-    name: str, entry: ForceEntry, file: DesignFile, problems: Problems
-) -> loads.Distance | None:
-    key = f"forces.{name}"
+def _distance(name: str, entry: ForceEntry, file: DesignFile) -> loads.Distance:
     assert entry.between is not None
     if entry.on is not None and entry.on not in file.bodies:
-        problems.add(f"{key}.on", no_such("body", entry.on, file.bodies))
-        return None
+        raise ParameterError("on", no_such("body", entry.on, file.bodies))
     ends, candidates = [], []
     for index, point in enumerate(entry.between):
         if point not in file.points:
-            problems.add(f"{key}.between[{index}]", no_such("point", point, file.points))
-            return None
-        users = [name for name, body in file.bodies.items() if point in body.pins]
+            raise ParameterError(f"between[{index}]", no_such("point", point, file.points))
+        users = [body for body, stated in file.bodies.items() if point in stated.pins]
         candidates += users
         if point in file.ground:
             ends.append((GROUND, point))
         elif not users:
-            problems.add(f"{key}.between[{index}]", f"point {point} is on no body")
-            return None
+            raise ParameterError(f"between[{index}]", f"point {point} is on no body")
         else:
             ends.append((entry.on if entry.on in users else users[0], point))
     if entry.on is not None and entry.on not in candidates:
-        problems.add(
-            f"{key}.on",
+        raise ParameterError(
+            "on",
             f"body {entry.on} has neither {entry.between[0]} nor {entry.between[1]}; "
             f"there are {listed(dict.fromkeys(candidates))}",
         )
-        return None
     if ends[0][0] == ends[1][0]:
-        problems.add(f"{key}.between", f"both points are on {ends[0][0]}; nothing can move")
-        return None
+        raise ParameterError("between", f"both points are on {ends[0][0]}; nothing can move")
     return loads.Distance(*ends[0], *ends[1], name)
 
 
-def _along(
-    name: str, entry: ForceEntry, file: DesignFile, problems: Problems
-) -> loads.PointCoordinate | None:
-    key = f"forces.{name}"
+def _along(_: str, entry: ForceEntry, file: DesignFile) -> loads.PointCoordinate:
     if entry.body not in file.bodies:
-        problems.add(f"{key}.body", no_such("body", str(entry.body), file.bodies))
-        return None
+        raise ParameterError("body", no_such("body", str(entry.body), file.bodies))
     if entry.at is None or entry.direction is None:
-        missing = "at" if entry.at is None else "direction"
-        problems.add(f"{key}.{missing}", "must be stated")
-        return None
-    if not _at_point_of(key, entry.body, entry.at, file, problems):
-        return None
+        raise ParameterError("at" if entry.at is None else "direction", "must be stated")
+    _check_at(entry.body, entry.at, file)
     if entry.follows is None:
         return loads.PointCoordinate(entry.body, entry.at, entry.direction)
     if entry.follows not in file.bodies:
-        problems.add(f"{key}.follows", no_such("body", entry.follows, file.bodies))
-        return None
+        raise ParameterError("follows", no_such("body", entry.follows, file.bodies))
     return loads.PointCoordinate(entry.body, entry.at, entry.direction, entry.follows)
 
 
-def _angle(
-    name: str, entry: ForceEntry, file: DesignFile, problems: Problems
-) -> loads.Angle | None:
-    key = f"forces.{name}"
+def _angle(_: str, entry: ForceEntry, file: DesignFile) -> loads.Angle:
     if entry.turns not in file.bodies:
-        problems.add(f"{key}.turns", no_such("body", str(entry.turns), file.bodies))
-        return None
+        raise ParameterError("turns", no_such("body", str(entry.turns), file.bodies))
     if entry.against not in (None, GROUND, *file.bodies):
         known = [GROUND, *file.bodies]
-        problems.add(f"{key}.against", no_such("body", str(entry.against), known))
-        return None
+        raise ParameterError("against", no_such("body", str(entry.against), known))
     if entry.against == entry.turns:
-        problems.add(f"{key}.against", f"{entry.turns} cannot be turned against itself")
-        return None
-    if entry.at is not None and not _at_point_of(key, entry.turns, entry.at, file, problems):
-        return None
+        raise ParameterError("against", f"{entry.turns} cannot be turned against itself")
+    if entry.at is not None:
+        _check_at(entry.turns, entry.at, file)
     return loads.Angle(entry.turns, entry.against or GROUND, entry.at)
 
 
-def _at_point_of(key: str, body: str, point: str, file: DesignFile, problems: Problems) -> bool:
+def _check_at(body: str, point: str, file: DesignFile) -> None:
     pins = file.bodies[body].pins
     if point not in pins:
-        problems.add(f"{key}.at", no_such(f"point of body {body}", point, pins))
-        return False
-    return True
+        raise ParameterError("at", no_such(f"point of body {body}", point, pins))
 
 
 # Cylinders, each of a force between two points.
@@ -219,15 +194,12 @@ def cylinders_of(
         between = [one for one in file.forces if file.forces[one].between is not None]
         if entry.force not in between:
             problems.add(f"{key}.force", no_such("force between two points", entry.force, between))
-        own = {
-            field: _material(f"{key}.{field}", getattr(entry, field), section, materials, problems)
-            for field, section in (
-                ("material", RulingSection(entry.rod, round=True)),
-                ("tube_material", RulingSection(entry.wall)),
-            )
-        }
+        rod = tube = None
+        with telling(problems, f"{key}.material"):
+            rod = _material(entry.material, RulingSection(entry.rod, round=True), materials)
+        with telling(problems, f"{key}.tube_material"):
+            tube = _material(entry.tube_material, RulingSection(entry.wall), materials)
         _check_sizes(key, entry, file, problems)
-        rod, tube = own["material"], own["tube_material"]
         if len(problems) > before or rod is None or tube is None or entry.force not in forces:
             continue
         available = file.forces[entry.force].available
@@ -240,24 +212,15 @@ def cylinders_of(
     return found
 
 
-def _material(
-    key: str,
-    name: str,
-    section: RulingSection,
-    materials: Mapping[str, Material],
-    problems: Problems,
-) -> Material | None:
+def _material(name: str, section: RulingSection, materials: Mapping[str, Material]) -> Material:
     if name not in materials:
-        problems.add(key, no_such("material", name, materials))
-        return None
+        raise ParameterError("", no_such("material", name, materials))
     if not materials[name].ductile:
-        problems.add(key, f"{name} is brittle; only ductile metals can be checked")
-        return None
+        raise ParameterError("", f"{name} is brittle; only ductile metals can be checked")
     try:
         return materials[name].of((section,))
     except ParameterError as error:
-        problems.add(key, error.problem)
-        return None
+        raise ParameterError("", error.problem) from error
 
 
 def _check_sizes(key: str, entry: CylinderEntry, file: DesignFile, problems: Problems) -> None:

@@ -5,11 +5,13 @@ import re
 from collections.abc import Mapping, Sequence
 
 import loads
+from ballesta.design.files import telling
 from checks.design.data import Pair
 from checks.design.errors import Problems, no_such
 from checks.design.model import DesignFile
 from checks.design.tables import BodyEntry, FrictionEntry, JointEntry
 from checks.design.units import measure_pair
+from geometry.parameters import ParameterError
 from loads import GROUND
 
 
@@ -206,8 +208,9 @@ def joints_of(
     for body, stated in file.bodies.items():
         if stated.guide is not None and body in bodies:
             name = f"guide:{body}"
-            ends = _ends(f"bodies.{body}.guide.ends", stated.guide.ends, problems)
-            pin, way = stated.pins[0], stated.guide.along
+            pin, way, ends = stated.pins[0], stated.guide.along, None
+            with telling(problems, f"bodies.{body}.guide"):
+                ends = _ends(stated.guide.ends)
             joints[name] = (loads.Prismatic(name, GROUND, body, name, pin, way, ends),)
     welds: list[loads.Fixed] = []
     for name, entry in file.joints.items():
@@ -264,7 +267,9 @@ def _slide(
     problems: Problems,
 ) -> loads.Slot | loads.Prismatic | None:
     key = f"joints.{name}"
-    ends = _ends(f"{key}.ends", entry.ends, problems)
+    direction = ends = None
+    with telling(problems, key):
+        ends = _ends(entry.ends)
     if not _stated(key, entry, _SLIDING, problems):
         return None
     on, body, through, point = entry.on, entry.body, entry.through, entry.point
@@ -284,39 +289,37 @@ def _slide(
             right = False
             continue
         value = through if place == "through" else point
-        right &= _has_point(f"{key}.{place}", owner, value, file, problems)
+        if told := _no_point(owner, value, file):
+            problems.add(f"{key}.{place}", told)
+            right = False
     if right and on == body:
         problems.add(f"{key}.body", f"{body} cannot slide on itself")
         right = False
-    direction = _direction(key, entry, file, bodies, problems) if right else None
+    if right:
+        with telling(problems, f"{key}.along"):
+            direction = _direction(entry, file, bodies)
     if direction is None or body not in bodies or (on != GROUND and on not in bodies):
         return None
     kind = loads.Slot if entry.kind == "slot" else loads.Prismatic
     return kind(name, on, body, through, point, direction, ends)
 
 
-def _has_point(key: str, body: str, point: str, file: DesignFile, problems: Problems) -> bool:
+def _no_point(body: str, point: str, file: DesignFile) -> str:
+    """Reason that a body or the ground has not a point; "" where it has."""
     if point not in file.points:
-        problems.add(key, no_such("point", point, file.points))
-        return False
+        return no_such("point", point, file.points)
     here = file.ground if body == GROUND else file.bodies[body].pins
     if point in here:
-        return True
+        return ""
     if body == GROUND:
-        problems.add(key, no_such("point of the ground", point, here) + "; `ground` lists them")
-    else:
-        problems.add(key, no_such(f"point of body {body}", point, here) + "; `pins` lists them")
-    return False
+        return no_such("point of the ground", point, here) + "; `ground` lists them"
+    return no_such(f"point of body {body}", point, here) + "; `pins` lists them"
 
 
 def _direction(
-    key: str,
-    entry: JointEntry,
-    file: DesignFile,
-    bodies: Mapping[str, loads.Body],
-    problems: Problems,
+    entry: JointEntry, file: DesignFile, bodies: Mapping[str, loads.Body]
 ) -> Pair | None:
-    """Return the direction of the line in the frame of `on`."""
+    """Return the direction of the line in the frame of `on`; None where that is not in order."""
     along, on, through = entry.along, entry.on, entry.through
     assert along is not None
     assert on is not None
@@ -325,32 +328,29 @@ def _direction(
         try:
             return measure_pair(along, "")
         except ValueError as error:
-            problems.add(f"{key}.along", f"{error}; or the name of a second point of {on}")
-            return None
-    if not _has_point(f"{key}.along", on, along, file, problems):
-        return None
+            told = f"{error}; or the name of a second point of {on}"
+            raise ParameterError("", told) from error
+    if told := _no_point(on, along, file):
+        raise ParameterError("", told)
     if on != GROUND and on not in bodies:
         return None
     places = file.points if on == GROUND else bodies[on].points
     (x0, y0), (x1, y1) = places[through], places[along]
     length = math.hypot(x1 - x0, y1 - y0)
     if length == 0.0:
-        problems.add(
-            f"{key}.along",
-            f"{along} is where {through} is; a line needs two places, or a direction",
+        raise ParameterError(
+            "", f"{along} is where {through} is; a line needs two places, or a direction"
         )
-        return None
     return (x1 - x0) / length, (y1 - y0) / length
 
 
-def _ends(key: str, ends: list[float] | None, problems: Problems) -> Pair | None:
+def _ends(ends: list[float] | None) -> Pair | None:
     """Return the two ends of a travel; they must rise."""
     if ends is None:
         return None
     low, high = ends
     if low >= high:
-        problems.add(key, f"must rise, got {low:g} mm and then {high:g} mm")
-        return None
+        raise ParameterError("ends", f"must rise, got {low:g} mm and then {high:g} mm")
     return low, high
 
 
@@ -366,8 +366,9 @@ def _weld(name: str, entry: JointEntry, file: DesignFile, problems: Problems) ->
             known = [GROUND, *file.bodies]
             problems.add(f"{key}.bodies[{index}]", no_such("body", body, known))
             right = False
-        else:
-            right &= _has_point(f"{key}.point", body, entry.point, file, problems)
+        elif told := _no_point(body, entry.point, file):
+            problems.add(f"{key}.point", told)
+            right = False
     first, second = entry.bodies
     if first == second:
         problems.add(f"{key}.bodies", f"{first} is there twice")

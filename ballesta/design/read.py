@@ -15,7 +15,7 @@ from pydantic import BaseModel, Tag, ValidationError
 
 import loads
 from ballesta.design.cycles import cycles_of, duty_of, events_of, split_cycles
-from ballesta.design.files import Sources, read_design_files
+from ballesta.design.files import Reading, Sources, read_design_files
 from ballesta.design.forces import cylinders_of, forces_of
 from ballesta.design.linkage import (
     bodies_of,
@@ -105,7 +105,7 @@ def _assembled(
     cylinders = cylinders_of(model, forces, materials, problems)
     friction = friction_of("friction", model.friction, model, joints, problems)
     joint_compliance = joint_compliances(model, joints, problems)
-    cycles = cycles_of(model, forces, joints, sources, problems)
+    cycles = cycles_of(Reading(model, sources, problems, forces, joints))
     measured = {}
     if len(bodies) == len(model.bodies):
         measured = measured_of(model, bodies, assembled, sources, problems)

@@ -131,7 +131,7 @@ class PlateLink(Shape):
         """Where other parts press on it."""
         return [
             Interface(name, "bore", np.array([x, 0.0, 0.0]), hole / 2, self.thickness, tilts=True)
-            for (name, x), hole in zip(self.axes.items(), self._holes.values(), strict=True)
+            for (name, x), hole in zip(self.pin_places.items(), self._holes.values(), strict=True)
         ]
 
     def build(self, gmsh: Any) -> Body:
@@ -139,14 +139,16 @@ class PlateLink(Shape):
         occ = gmsh.model.occ
         half = self.width / 2
         plate = stadium(gmsh, -half, self.length + half, self.width, self.thickness)
-        tools = [drill(gmsh, self.axes[end], d, self.thickness) for end, d in self._holes.items()]
+        tools = [
+            drill(gmsh, self.pin_places[end], d, self.thickness) for end, d in self._holes.items()
+        ]
         occ.cut([(3, plate)], tools)
         occ.synchronize()
         return self.named(gmsh)
 
     def named(self, gmsh: Any) -> Body:
         """Return the body of the model, of the whole part or its half at z >= 0."""
-        bores = {name: bore_at(gmsh, self.axes[name], d) for name, d in self._holes.items()}
+        bores = {name: bore_at(gmsh, self.pin_places[name], d) for name, d in self._holes.items()}
         return Body(
             surfaces=bores,
             interfaces=self.placed_interfaces,

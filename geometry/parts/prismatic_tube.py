@@ -77,7 +77,9 @@ class PrismaticTube(Shape):
     @property
     def placed_interfaces(self) -> list[Interface]:
         """Where other parts press on it."""
-        return [Interface(name, "face", np.array([x, 0.0, 0.0])) for name, x in self.axes.items()]
+        return [
+            Interface(name, "face", np.array([x, 0.0, 0.0])) for name, x in self.pin_places.items()
+        ]
 
     def build(self, gmsh: Any) -> Body:
         """Build the tube in gmsh's current model."""
@@ -87,7 +89,7 @@ class PrismaticTube(Shape):
 
     def named(self, gmsh: Any) -> Body:
         """Return the body of the model, of the whole part or its half at z >= 0."""
-        ends = {name: faces_where(gmsh, self._at(x)) for name, x in self.axes.items()}
+        ends = {name: faces_where(gmsh, self._at(x)) for name, x in self.pin_places.items()}
         return Body(
             surfaces=ends,
             interfaces=self.placed_interfaces,

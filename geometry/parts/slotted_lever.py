@@ -203,7 +203,7 @@ class SlottedLever(Shape):
             Interface(
                 name, "bore", np.array([x, 0.0, 0.0]), self.hole / 2, depths[name], tilts=True
             )
-            for name, x in self.axes.items()
+            for name, x in self.pin_places.items()
         ]
         slot = Interface(
             "slot",
@@ -258,7 +258,7 @@ class SlottedLever(Shape):
 
     def named(self, gmsh: Any) -> Body:
         """Return the body of the model, of the whole part or its half at z >= 0."""
-        bores = {name: bore_at(gmsh, x, self.hole) for name, x in self.axes.items()}
+        bores = {name: bore_at(gmsh, x, self.hole) for name, x in self.pin_places.items()}
         flanks = {f"slot{sign}": self._flank_at(gmsh, y) for sign, y in self._sides().items()}
         ends = faces_where(
             gmsh,

@@ -195,7 +195,7 @@ class ToggleBar(Shape):
         """Where other parts press on it."""
         return [
             Interface(name, "bore", np.array([x, 0.0, 0.0]), self.hole / 2, 2 * self.wall)
-            for name, x in self.axes.items()
+            for name, x in self.pin_places.items()
         ]
 
     def build(self, gmsh: Any) -> Body:
@@ -210,7 +210,7 @@ class ToggleBar(Shape):
             self.inner_radius,
         )
         tools = [self._cut_out(occ)]
-        tools += [drill(gmsh, x, self.hole, self.width) for x in self.axes.values()]
+        tools += [drill(gmsh, x, self.hole, self.width) for x in self.pin_places.values()]
         occ.cut([(3, tube)], tools)
         occ.remove(occ.getEntities(2))
         occ.synchronize()
@@ -243,7 +243,7 @@ class ToggleBar(Shape):
                 kind == "Cylinder" and np.allclose(box[[0, 3]], wanted, atol=tolerance)
             ),
         )
-        bores = {name: bore_at(gmsh, x, self.hole) for name, x in self.axes.items()}
+        bores = {name: bore_at(gmsh, x, self.hole) for name, x in self.pin_places.items()}
         return Body(
             surfaces={**bores, "cutout_corner": corners},
             interfaces=self.placed_interfaces,

@@ -219,7 +219,7 @@ class TubeRod(Shape):
         round_one = round_tube(2 * outer, 2 * inner)
         shear = area * round_one.shear_area_y / round_one.area
         solid = Sections(area, about_y, about_z, torsion, shear, shear)
-        holes = [(place, self.hole / 2) for place in self.axes.values()]
+        holes = [(place, self.hole / 2) for place in self.pin_places.values()]
         return bored(solid, chord(x, holes), 2 * outer, 2 * half)
 
     @property
@@ -261,12 +261,12 @@ class TubeRod(Shape):
         """Where other parts press on it."""
         return [
             Interface(name, "bore", np.array([x, 0.0, 0.0]), self.hole / 2, self.eye_width)
-            for name, x in self.axes.items()
+            for name, x in self.pin_places.items()
         ]
 
     def named(self, gmsh: Any) -> Body:
         """Return the body of the model, of the whole part or its half at z >= 0."""
-        bores = {name: bore_at(gmsh, x, self.hole) for name, x in self.axes.items()}
+        bores = {name: bore_at(gmsh, x, self.hole) for name, x in self.pin_places.items()}
         fillets = faces_where(gmsh, lambda _, kind: kind == "Torus")
         holes = [(2, tag) for tags in bores.values() for tag in tags]
         around = [(2, tag) for tag in fillets]
