@@ -210,13 +210,13 @@ def stieler_support(
     >>> stieler_support([0.0, 0.5], 210.0, "grey_iron").round(3).tolist()
     [1.0, 1.682]
     """
-    gradient = np.asarray(gradient, dtype=np.float64)
-    refuse(np.isnan(gradient), "the related stress gradient is not a number", gradient, "point")
-    gradient = np.clip(gradient, 0.0, STEEPEST)
+    given = np.asarray(gradient, dtype=np.float64)
+    refuse(np.isnan(given), "the related stress gradient is not a number", given, "point")
+    related = np.clip(given, 0.0, STEEPEST)
     a, b = fkm_group(group).support
     reach = 10.0 ** -(a + ultimate_strength / b)
-    root = np.where(gradient <= 1.0, np.sqrt(gradient), gradient**0.25)
-    return np.asarray(1.0 + reach * np.where(gradient <= 0.1, gradient * 10.0**0.5, root))
+    root = np.where(related <= 1.0, np.sqrt(related), related**0.25)
+    return np.asarray(1.0 + reach * np.where(related <= 0.1, related * 10.0**0.5, root))
 
 
 # Numbers of the material groups.

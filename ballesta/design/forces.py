@@ -1,7 +1,7 @@
 """Puts forces, torques and cylinders of a design together, and what their drives can give."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import loads
 from ballesta.design.files import telling
@@ -41,7 +41,7 @@ def forces_of(
         with telling(problems, f"{key}.available"):
             if entry.available is not None:
                 available[name] = _limits(entry.available, kind)
-        make = {"between": _distance, "body": _along, "turns": _angle}[kind]
+        make = _MAKERS[kind]
         with telling(problems, key):  # a positive force pulls its two points together
             coordinate = make(name, entry, file)
             forces[name] = loads.Force(name, coordinate, -1 if kind == "between" else 1)
@@ -173,6 +173,13 @@ def _check_at(body: str, point: str, file: DesignFile) -> None:
     pins = file.bodies[body].pins
     if point not in pins:
         raise ParameterError("at", no_such(f"point of body {body}", point, pins))
+
+
+_MAKERS: Mapping[str, Callable[[str, ForceEntry, DesignFile], loads.Coordinate]] = {
+    "between": _distance,
+    "body": _along,
+    "turns": _angle,
+}
 
 
 # Cylinders, each of a force between two points.

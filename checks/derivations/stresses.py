@@ -153,16 +153,11 @@ def fkm(part: Part, loads: PartLoads, level: Stressed, use: FkmUse) -> Derivatio
 def _limit(use: FkmUse) -> list[Item]:
     own, plain = use.strength, use.strength.plain
     group = own.material.numbers
-    strength: list[Item] = [
+    return [
+        Given("R_m", "ultimate strength", own.material.ultimate_strength, "MPa", "the material"),
         Given("f_W", f"fully reversed over ultimate strength, {own.material.group}",
               group.strength_ratio, "", _BOOK),
         Step("sigma_W", "fully reversed strength of the material", "f_W*R_m", "MPa", _BOOK),
-    ]  # fmt: skip
-    if own.material.reversed_strength is not None:
-        strength = [Given("sigma_W", "fully reversed strength, as stated", plain.strength, "MPa")]
-    return [
-        Given("R_m", "ultimate strength", own.material.ultimate_strength, "MPa", "the material"),
-        *strength,
         Given("a_R", "weight of the roughness", group.roughness, "", _BOOK),
         Given("R_N", "least strength of the group", group.least_strength, "MPa", _BOOK),
         Given("R_z", "roughness", own.roughness, "µm", "the design, roughness or surface"),
