@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any
 
+from checks.result.plain_data import plain_fields
 from checks.result.verdict import Check, RungTried, Status
 from checks.result.words import brief, clipped, number
 
@@ -37,18 +38,12 @@ class LadderPart:
 
     def to_dict(self) -> dict[str, Any]:
         """The part as plain data."""
-        return {
-            "name": self.name,
-            "shape": self.shape,
-            "material": self.material,
-            "kinds": list(self.kinds),
-            "rungs": [rung.to_dict() for rung in self.rungs],
-            "auto": {
-                "seconds": self.seconds,
-                "rungs": [rung.to_dict() for rung in self.tried],
-                "checks": [check.to_dict() for check in self.chosen],
-            },
+        auto = {
+            "seconds": self.seconds,
+            "rungs": [rung.to_dict() for rung in self.tried],
+            "checks": [check.to_dict() for check in self.chosen],
         }
+        return plain_fields(self, "tried", "chosen") | {"auto": auto}
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,16 +63,7 @@ class LadderResult:
 
     def to_dict(self) -> dict[str, Any]:
         """The ladder as plain data."""
-        return {
-            "format": "ballesta-ladder/1",
-            "name": self.name,
-            "file": self.file,
-            "sha256": self.sha256,
-            "overrides": list(self.overrides),
-            "solids": self.solids,
-            "parts": [part.to_dict() for part in self.parts],
-            "command": self.command,
-        }
+        return {"format": "ballesta-ladder/1"} | plain_fields(self)
 
 
 def seconds_text(seconds: float) -> str:

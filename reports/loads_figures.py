@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -308,21 +307,6 @@ class ShownPhase:
     time: float
     solve: str
     given: tuple[str, ...]
-
-
-def plain_fields(item: Any) -> dict[str, Any]:
-    """The fields of a small dataclass as plain data; None for what is not finite."""
-    return {name: _plain(getattr(item, name)) for name in item.__dataclass_fields__}
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, tuple):
-        return [_plain(item) for item in value]
-    if hasattr(value, "__dataclass_fields__"):
-        return plain_fields(value)
-    if isinstance(value, float):
-        return value if isfinite(value) else None
-    return value
 
 
 def contact_summaries(

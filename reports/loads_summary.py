@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from checks.result.plain_data import plain_fields
 from checks.result.verdict import Gate
 from loads import (
     Angle,
@@ -40,7 +41,6 @@ from reports.loads_figures import (
     PointSummary,
     ShownPhase,
     contact_summaries,
-    plain_fields,
 )
 
 _ROUNDING = 1e-9  # of the largest value of its kind: less is rounding, and shown as 0
@@ -378,20 +378,7 @@ class LoadsResult:
 
     def to_dict(self) -> dict[str, Any]:
         """The result as plain data."""
-        return {
-            "format": "ballesta-loads/1",
-            "name": self.name,
-            "file": self.file,
-            "sha256": self.sha256,
-            "overrides": list(self.overrides),
-            "cycles": [cycle.to_dict() for cycle in self.cycles],
-            "runs": [run.to_dict() for run in self.runs],
-            "gates": [gate.to_dict() for gate in self.gates],
-            "warnings": list(self.warnings),
-            "absent": list(self.absent),
-            "assumed": [list(pair) for pair in self.assumed],
-            "command": self.command,
-        }
+        return {"format": "ballesta-loads/1"} | plain_fields(self)
 
 
 def _measure_the_same(first: Coordinate, second: Coordinate) -> bool:

@@ -6,6 +6,8 @@ from enum import StrEnum
 from math import inf, isfinite
 from typing import TYPE_CHECKING, Any, Self
 
+from checks.result.plain_data import plain_fields
+
 if TYPE_CHECKING:
     from checks.result.derivation import Derivation
     from checks.result.live_fields import EncodedPart, LiveFields
@@ -214,16 +216,7 @@ class Gate:
 
     def to_dict(self) -> dict[str, Any]:
         """The gate as plain data."""
-        return {
-            "name": self.name,
-            "value": self.value,
-            "limit": self.limit,
-            "holds": self.holds,
-            "meaning": self.meaning,
-            "binding": self.binding,
-            "cure": self.cure,
-            "key": self.key,
-        }
+        return plain_fields(self) | {"holds": self.holds}
 
 
 @dataclass(frozen=True)
@@ -243,7 +236,7 @@ class Way:
 
     def to_dict(self) -> dict[str, Any]:
         """The way as plain data."""
-        return {name: getattr(self, name) for name in self.__dataclass_fields__}
+        return plain_fields(self)
 
 
 @dataclass(frozen=True)
@@ -283,21 +276,12 @@ class Change:
 
     def to_dict(self) -> dict[str, Any]:
         """The change as plain data; masses in kg."""
-        return {
-            "key": self.key,
-            "was": self.was,
-            "value": self.value,
-            "least": self.least,
-            "parts": list(self.parts),
-            "safety": self.safety if isfinite(self.safety) else None,
+        own = plain_fields(self, "lower", "mass", "saved")
+        return own | {
             "lower_safety": self.lower if isfinite(self.lower) else None,
-            "required": self.required,
-            "governing": self.governing,
-            "model": self.model,
             "mass_kg": 1e3 * self.mass,
             "saved_kg": 1e3 * self.saved,
             "verified": None if self.verified is None else str(self.verified),
-            "verified_safety": self.verified_safety,
         }
 
 
@@ -361,7 +345,7 @@ class HandCheck:
 
     def to_dict(self) -> dict[str, Any]:
         """The comparison as plain data."""
-        return {name: getattr(self, name) for name in self.__dataclass_fields__}
+        return plain_fields(self)
 
 
 @dataclass(frozen=True, eq=False)
@@ -409,15 +393,7 @@ class RungTried:
 
     def to_dict(self) -> dict[str, Any]:
         """The rung as plain data."""
-        return {
-            "rung": self.rung,
-            "seconds": self.seconds,
-            "unknowns": self.unknowns,
-            "checks": [check.to_dict() for check in self.checks],
-            "why": self.why,
-            "left": list(self.left),
-            "expected": self.expected,
-        }
+        return plain_fields(self)
 
 
 @dataclass(frozen=True, eq=False)
@@ -452,19 +428,8 @@ class PartResult:
 
     def to_dict(self) -> dict[str, Any]:
         """The result as plain data, without fields on the surface."""
-        return {
-            "name": self.name,
-            "shape": self.shape,
-            "material": self.material,
-            "checks": _identified(self.checks),
-            "gates": [gate.to_dict() for gate in self.gates],
-            "hand_checks": [check.to_dict() for check in self.hand_checks],
-            "meshes": [dict(mesh) for mesh in self.meshes],
-            "facts": dict(self.facts),
-            "charts": dict(self.charts),
-            "assumed": list(self.assumed),
-            "rungs": [rung.to_dict() for rung in self.rungs],
-        }
+        own = plain_fields(self, "checks", "surface", "mode", "live")
+        return own | {"checks": _identified(self.checks)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -543,30 +508,15 @@ class DesignResult:
 
     def to_dict(self) -> dict[str, Any]:
         """The result as plain data."""
-        return {
-            "format": "ballesta-result/1",
-            "name": self.name,
-            "file": self.file,
-            "sha256": self.sha256,
-            "date": self.date,
-            "overrides": list(self.overrides),
-            "status": str(self.status),
-            "exit_code": self.exit_code,
-            "decided_by": self._decided_by(),
-            "parts": [part.to_dict() for part in self.parts],
-            "linkage": _identified(self.linkage),
-            "cycles": {name: dict(cycle) for name, cycle in self.cycles.items()},
-            "gates": [gate.to_dict() for gate in self.gates],
-            "warnings": list(self.warnings),
-            "not_checked": list(self.not_checked),
-            "assumed": [list(pair) for pair in self.assumed],
-            "assumed_by_design": list(self.assumed_by_design),
-            "defaults": [list(pair) for pair in self.defaults],
-            "inputs": [list(pair) for pair in self.inputs],
-            "versions": dict(self.versions),
-            "command": self.command,
-            "timings": dict(self.timings),
-            "ways_out": [way.to_dict() for way in self.ways],
-            "changes": [change.to_dict() for change in self.changes],
-            "unchanged": self.unchanged,
-        }
+        own = plain_fields(self, "source", "motion", "ways", "linkage")
+        return (
+            {"format": "ballesta-result/1"}
+            | own
+            | {
+                "status": str(self.status),
+                "exit_code": self.exit_code,
+                "decided_by": self._decided_by(),
+                "linkage": _identified(self.linkage),
+                "ways_out": [way.to_dict() for way in self.ways],
+            }
+        )
