@@ -19,8 +19,7 @@ from fem.assembly import full, geometric_stiffness
 from fem.end_conditions import SupportedSolid, link_solid, surface_weights
 from fem.load_states import leading_states, worst_position
 from fem.lowest_modes import lowest_modes
-from fem.mode_count import LowRank
-from fem.mode_energies import elastic_and_geometric_energy, geometric_forms
+from fem.mode_count import LowRank, elastic_and_geometric_energy, geometric_forms
 from fem.recovery import energy_error, tensor
 from fem.solvers import SolverError
 from fem.unit_solutions import UnitSolutions

@@ -12,7 +12,7 @@ import scipy
 from fem.assembly import Pattern, full
 from fem.end_conditions import SupportedSolid, link_solid, loose_solid
 from fem.lowest_modes import lowest_modes
-from fem.mode_energies import elastic_and_geometric_energy
+from fem.mode_count import elastic_and_geometric_energy
 from fem.unit_solutions import UnitSolutions, rigid_modes
 from geometry.mesh import FloatArray
 

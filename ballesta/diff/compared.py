@@ -13,7 +13,7 @@ from typing import Any
 from checks.design.units import DIMENSIONS, measure, measure_pair
 from checks.result.verdict import Status
 from checks.result.words import number, place_text, safety_text
-from reports.difference_summary import (
+from reports.difference_text import (
     INPUTS,
     LIMITS,
     LOADS,

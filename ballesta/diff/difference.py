@@ -14,7 +14,7 @@ from checks.design.errors import DesignError, listed
 from checks.result.words import brief
 from geometry.bounded_files import MEBIBYTE, read_bounded
 from geometry.progress import step
-from reports.difference_summary import VERDICTS, DesignDifference, Difference
+from reports.difference_text import VERDICTS, DesignDifference, Difference
 from reports.files import plain
 
 if TYPE_CHECKING:

@@ -1,9 +1,17 @@
 """Charts of a result as SVG text, each with the table of its numbers."""
 
-from reports.charts.chart import Chart, Charts, Missing, Series
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from checks.result.verdict import DesignResult, PartResult
+from reports.charts.buckling import buckling_chart
+from reports.charts.chart import Chart, Charts, Missing, Series, gathered
+from reports.charts.convergence import convergence_chart
 from reports.charts.cycles import cycle_charts
+from reports.charts.haigh import haigh_chart
+from reports.charts.ladder import ladder_chart
 from reports.charts.overlay import curves_chart
-from reports.charts.parts import DesignCharts, design_charts, part_charts
+from reports.charts.sn import sn_chart
 
 __all__ = [
     "Chart",
@@ -16,3 +24,35 @@ __all__ = [
     "design_charts",
     "part_charts",
 ]
+
+
+# The charts of a part.
+
+
+def part_charts(part: PartResult, result: DesignResult) -> Charts:
+    """Haigh's diagram, S-N line, column curves, ladder and convergence of a part of a result."""
+    return gathered(
+        [
+            haigh_chart(part, result),
+            sn_chart(part, result),
+            buckling_chart(part, result),
+            ladder_chart(part),
+            convergence_chart(part),
+        ]
+    )
+
+
+# All charts of a design.
+
+
+@dataclass(frozen=True)
+class DesignCharts:
+    """The charts of a design's parts, in its order, and of its cycles by name."""
+
+    parts: Sequence[Charts]
+    cycles: Sequence[tuple[str, Charts]]
+
+
+def design_charts(result: DesignResult) -> DesignCharts:
+    """Draw all charts of a result."""
+    return DesignCharts([part_charts(part, result) for part in result.parts], cycle_charts(result))

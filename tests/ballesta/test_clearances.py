@@ -10,9 +10,9 @@ from ballesta.machine.runs import solved_runs
 from checks.ladder.levels import first_level
 from checks.part.loaded_part import LoadedPart
 from checks.strength.part_strength import endurance_of, fatigue_use
-from checks.stress.between_nodes import missed_between_nodes
 from checks.stress.clearances import OverClearances, over_clearances, turn_beyond, values_at
 from checks.stress.duty_verdict import JOINED
+from checks.stress.error_bars import missed_between_nodes
 from checks.stress.judged import StaticPeak
 from checks.stress.pins_in_bores import LARGEST, LEAST, MIDDLE, PinnedBores, fits_of
 from checks.stress.solid_mesh_level import Models, solve_level

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 
 import fem.buckling
 from fem.buckling import part_buckling, worst_buckling
-from fem.mode_energies import elastic_and_geometric_energy, geometric_forms
+from fem.mode_count import elastic_and_geometric_energy, geometric_forms
 from fem.recovery import tensor
 from fem.solvers import SolverError
 from fem.unit_solutions import Elastic, solve_unit_loads

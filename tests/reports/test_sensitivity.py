@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import qmc
 
-from reports.sensitivity import FEWEST, first_order
+from reports.index_page import FEWEST, first_order
 
 
 def samples(count, inputs):

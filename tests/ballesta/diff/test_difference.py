@@ -10,8 +10,18 @@ from ballesta.diff.difference import Wanted, differences_of, run_diff
 from ballesta.pipeline import check_file
 from checks.design.effort import Effort
 from checks.design.errors import DesignError
-from reports.difference_summary import INPUTS, LIMITS, LOADS, MASSES, SAFETY, STRESSES, VERDICTS
-from reports.difference_text import difference_html, difference_text, values_text
+from reports.difference_text import (
+    INPUTS,
+    LIMITS,
+    LOADS,
+    MASSES,
+    SAFETY,
+    STRESSES,
+    VERDICTS,
+    difference_html,
+    difference_text,
+    values_text,
+)
 from reports.files import plain
 
 from ...small_machine import MACHINE, PLATE
@@ -113,7 +123,7 @@ def test_a_force_that_was_nothing_comes_first_and_says_so(one):
 
 
 def difference_text_of(a, b, **options):
-    from reports.difference_summary import Difference
+    from reports.difference_text import Difference
 
     return difference_text(Difference("a", "b", [difference(a, b)]), 100, **options)
 
@@ -345,7 +355,7 @@ def test_the_command_line_tells_the_difference_as_text_page_and_json(folder, tmp
 
 
 def test_the_page_has_every_change_and_the_text_the_largest(one, two):
-    from reports.difference_summary import Difference
+    from reports.difference_text import Difference
 
     for key in range(40):
         one["inputs"].append([f"claims.k{key}", "1"])
@@ -359,7 +369,7 @@ def test_the_page_has_every_change_and_the_text_the_largest(one, two):
 
 
 def test_what_a_result_says_cannot_break_out_of_the_page_or_the_terminal(one, two):
-    from reports.difference_summary import Difference
+    from reports.difference_text import Difference
 
     one["inputs"].append(["x", "<script>alert(1)</script>\x1b[2J"])
     found = Difference("<b>", "b", [difference(one, two)])
