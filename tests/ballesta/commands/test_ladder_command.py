@@ -34,8 +34,8 @@ def solids(monkeypatch):
 
     def made_up(climb, models, say, *, everything, deadline=float("inf")):
         asked.append((climb.part.fineness, climb.loaded.accuracy, everything))
-        if not climb.levels:
-            climb.take("formula")
+        if climb.level is None:
+            climb.by_formula()
         checks = [replace(e.check, method="solid") for e in climb.best.values()]
         tried = RungTried("solid", 2.0, 1000, checks, "stopped: made up")
         return _Result([*climb.tried, tried], checks)

@@ -206,26 +206,6 @@ def test_a_check_of_a_new_kind_gets_a_derivation_that_says_it_has_none(climbed):
     assert other.derivation.unproved == UNKNOWN
 
 
-def test_bars_that_exclude_each_other_leave_the_rung_s_own_error(climbed):
-    """A doubted check has no model band, but its rung's numerical error is told by a formula."""
-    climb, checks = climbed["rod"]
-    check = next(c for c in checks if c.kind == "static")
-    level = climb.levels[check.method]
-    wrong = replace(level, model=replace(level.model, numerical=0.02))
-    doubted = replace(
-        check,
-        derivation=None,
-        numerical=0.02 * check.value + check.sampling,
-        model=float("inf"),
-        model_below=float("inf"),
-    )
-    again = replace(climb, levels={check.method: wrong})
-    (told,) = explained(again, [doubted])
-    assert told.derivation.unproved == ""
-    found = [told.derivation.number(one) for one in told.derivation.bars.numerical.split()]
-    assert sum(found) == pytest.approx(doubted.numerical, rel=1e-12)
-
-
 def test_a_singular_place_and_a_single_mesh_are_told_apart():
     plain = Bars(ErrorBar(1.0, 1.0, 0.0, 100.0), 0.0, 0.0, "", (99.0, 100.0), (2.0, 1.0))
     singular = replace(plain, numerical=replace(plain.numerical, singular=0.4))

@@ -70,12 +70,6 @@ def test_an_unknown_band_is_open_but_not_for_good():
     assert not unknown.open_for_good
 
 
-def test_a_narrower_rung_is_worth_trying_only_if_its_bars_may_settle_the_verdict():
-    """Limit 8 % above: 5 % times 1.5 settles it, 6 % does not."""
-    assert estimate(108.0).would_settle(0.95, 1.05)
-    assert not estimate(108.0).would_settle(0.94, 1.06)
-
-
 def test_the_spread_is_what_a_better_model_takes_away():
     check = replace(CHECK, numerical=3.0)
     assert Estimate(check, 10.0, 4.0).spread == pytest.approx((10.0 + 4.0 + 6.0) / 100.0)
