@@ -10,8 +10,6 @@ from typing import Annotated
 
 import typer
 
-from ballesta.supervisor import is_long, supervise
-
 app = typer.Typer(
     name="ballesta",
     help="Finite-element structural and fatigue checks of machine parts under the loads of their "
@@ -533,10 +531,8 @@ def version() -> None:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code when called from Python with arguments.
 
-    Without arguments it is the program: long commands are run by a supervised child.
+    Without arguments it is the program, of which `ballesta.__main__` runs long commands.
     """
-    if argv is None and is_long(sys.argv[1:]):
-        sys.exit(supervise(sys.argv[1:]))
     from ballesta.streams import claim_standard_output, speak_utf8
     from fem.threads import one_thread, policy
 
@@ -556,7 +552,3 @@ def main(argv: Sequence[str] | None = None) -> int:
             raise
         return int(stop.code or 0)
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

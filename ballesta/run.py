@@ -321,12 +321,12 @@ def _write_baseline(result: "DesignResult", say: Say) -> None:
 
 
 @contextmanager
-def told_of_folder(folder: Path) -> Iterator[None]:
-    """Tell of an error which folder or file cannot be written: DesignError."""
+def told_of_folder(folder: Path, option: str = "--out") -> Iterator[None]:
+    """Tell of an error which folder or file of an option cannot be written: DesignError."""
     try:
         yield
     except OSError as error:
-        raise DesignError(folder, "--out", f"cannot be written: {error.strerror}") from error
+        raise DesignError(folder, option, f"cannot be written: {error.strerror}") from error
 
 
 def output_folders(designs: Sequence[Path], out: Path) -> list[Path]:
@@ -396,11 +396,8 @@ def write_new(template: str, file: Path | None) -> int:
         if file is None:
             print(text, end="")
             return 0
-        try:
-            with file.open("x", encoding="utf-8") as stream:
-                stream.write(text)
-        except OSError as error:
-            raise DesignError(file, "--file", f"cannot be written: {error.strerror}") from error
+        with told_of_folder(file, "--file"), file.open("x", encoding="utf-8") as stream:
+            stream.write(text)
         print(f"{file} written; check it with: ballesta check {file}")
         return 0
 

@@ -41,7 +41,7 @@ def supervise(argv: Sequence[str]) -> int:
     130 after an interrupt or SIGTERM, once what was finished is written and told; a second one ends
     that, too.
     """
-    with _terminated_as_interrupted():
+    with terminated_as_interrupted():
         run = _Run(argv)
         try:
             return run.to_its_end()
@@ -259,13 +259,17 @@ def _likely(number: int) -> str:
 
 
 @contextmanager
-def _terminated_as_interrupted() -> Iterator[None]:
+def terminated_as_interrupted() -> Iterator[None]:
     """Let SIGTERM, which queues and `timeout` send before they kill, stop as an interrupt does."""
 
     def stop(*_: object) -> None:
         raise KeyboardInterrupt
 
-    before = signal.signal(signal.SIGTERM, stop)
+    try:
+        before = signal.signal(signal.SIGTERM, stop)
+    except ValueError:  # only the main thread may
+        yield
+        return
     try:
         yield
     finally:

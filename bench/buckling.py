@@ -40,9 +40,9 @@ def loaded(folder: Path, solutions: Any) -> Any:
 
 def deck(folder: Path) -> dict[str, Any]:
     """Write CalculiX's deck, and the factors of its problem by ballesta."""
+    from bench.fixed_solid import fixed_solid
     from fem.buckling import solid_buckling
     from fem.deck import write_deck
-    from fem.end_conditions import fixed_solid
     from fem.unit_solutions import solve_unit_loads
 
     mesh = pickle.loads((folder / "mesh.pickle").read_bytes())

@@ -15,7 +15,8 @@ from scipy.stats import qmc
 
 from ballesta.design.read import read_design
 from ballesta.pipeline import check_design
-from ballesta.sweeps.screen import Screened, screen
+from ballesta.sweeps.screen import Screened
+from bench.screening import screen
 from checks.design.data import Design
 from checks.ladder.part_ladder import Effort
 

@@ -26,7 +26,7 @@ from typing import Any
 
 ROOT = Path(__file__).parents[1]
 PRESS = ROOT / "designs" / "toggle_press.toml"
-BALLESTA = (sys.executable, "-m", "ballesta.cli")
+BALLESTA = (sys.executable, "-m", "ballesta")
 BOUND = {"OMP_THREAD_LIMIT": "1", "OPENBLAS_NUM_THREADS": "1"}
 ONE = {**BOUND, "OMP_NUM_THREADS": "1"}
 _LIBRARIES = "import scipy.interpolate, scipy.optimize, gmsh, jinja2, meshio, matplotlib.figure"

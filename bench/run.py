@@ -54,7 +54,7 @@ def help_time() -> list[dict[str, Any]]:
     for _ in range(5):
         start = perf_counter()
         subprocess.run(
-            [sys.executable, "-m", "ballesta.cli", "--help"], check=True, capture_output=True
+            [sys.executable, "-m", "ballesta", "--help"], check=True, capture_output=True
         )
         times.append(perf_counter() - start)
     return [entry("ballesta --help", statistics.median(times), "s", 0.5)]

@@ -16,10 +16,9 @@ which each peak and valley happens once gives more cycles that reach above v and
 u < v. The smaller cycles of a block stay as counted within it.
 
 Cycles are counted out of stress histories by the rainflow method.
-`count_cycles` is ASTM E1049-85 (2017), 5.4.4, to the letter, with half cycles; it suits a history
-that happens once. A machine repeats its cycle: `count_closed_cycles` begins and ends at the highest
-peak, ASTM E1049-85, 5.4.5, so every cycle closes. That is the count of the four-point rule with the
-residue repeated, and does not depend on where the history is cut open. Verdicts use this one.
+A machine repeats its cycle: `count_closed_cycles` begins and ends at the highest peak, ASTM
+E1049-85, 5.4.5, so every cycle closes. That is the count of the four-point rule with the residue
+repeated, and does not depend on where the history is cut open.
 
 The counter is the package `rainflow` (MIT, one file of Python without dependencies, exact on the
 standard's example). Of the others that are kept, fatpack knows no half cycles and pyLife brings
@@ -301,23 +300,6 @@ def _together(parts: list[Cycles]) -> Cycles:
             for values in (amplitude, mean, counts)
         )
     )
-
-
-def count_cycles(history: npt.ArrayLike) -> Cycles:
-    """Return the cycles and half cycles of a history (n_positions,) that happens once.
-
-    ASTM E1049-85 (2017), 5.4.4; equal cycles are one entry. A history that never changes has none.
-
-    >>> count_cycles([-2, 1, -3, 5, -1, 3, -4, 4, -2]).stress_range.tolist()
-    [9.0, 8.0, 8.0, 6.0, 4.0, 4.0, 3.0]
-    """
-    values = check_histories(history)
-    if len(values) != 1 or np.ndim(history) != 1:
-        raise ValueError(f"count_cycles takes one history, got shape {np.shape(history)}")
-    turning = _turning_points(values)[0]
-    turning[[0, -1]] = True
-    cycles = _as_cycles([_count(values[0][turning].tolist())], _smallest(values).tolist())
-    return _of_one_point(cycles)
 
 
 def count_closed_cycles(history: npt.ArrayLike) -> Cycles:

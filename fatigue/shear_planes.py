@@ -106,11 +106,6 @@ class CriticalPlane:
         return self._circle[0]
 
     @property
-    def largest_normal(self) -> float:
-        """Largest normal stress of the cycle, MPa, also where it is below sigma_n."""
-        return float((_component(self.normal, self.normal) @ self.stress).max())
-
-    @property
     def pair(self) -> tuple[int, int]:
         """Two positions that the circle rests on, the farthest apart of these."""
         three = self._circle[1]

@@ -11,11 +11,11 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from fem.assembly import Pattern, stiffness
+from fem.assembly import Pattern
 from fem.elements import Elements
-from fem.solvers import Factor, factorize, node_dissection
+from fem.solvers import Factor, node_dissection
 from fem.unit_solutions import Elastic, UnitSolutions, rigid_modes
-from geometry.mesh import FloatArray, IntArray, Mesh
+from geometry.mesh import FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,34 +107,6 @@ class SupportedSolid:
         return np.setdiff1d(np.arange(self.stiffness.shape[0]), self.held)
 
 
-def fixed_solid(
-    mesh: Mesh, material: Elastic, fixed: IntArray, rows: FloatArray | None = None
-) -> SupportedSolid:
-    """Return a solid with some unknowns fixed, and further conditions.
-
-    fixed  (k,) unknowns 3 n + i of component i of node n; they stop all rigid motions
-    rows   (c, 3 n_nodes) conditions rows @ u = 0, zero at the fixed unknowns
-
-    Raises SolverError if the part can still move.
-    """
-    _check_one_body(mesh)
-    elements = Elements(mesh)
-    pattern = Pattern(elements)
-    upper = stiffness(pattern, material.youngs_modulus, material.poisson_ratio)
-    free = np.setdiff1d(np.arange(upper.shape[0]), fixed)
-    if not 0 < len(free) <= upper.shape[0] - 6:
-        raise ValueError(f"{upper.shape[0] - len(free)} fixed unknowns; at least six are needed")
-    rows = np.zeros((0, upper.shape[0])) if rows is None else np.array(rows, dtype=float)
-    rows[:, fixed] = 0.0
-    by_node = node_dissection(mesh.elements)
-    factor = factorize(
-        upper[free][:, free].tocsr(), place=None if by_node is None else by_node[free // 3]
-    )
-    return SupportedSolid(
-        elements, pattern, material, upper, np.unique(fixed), rows, np.unique(fixed), factor
-    )
-
-
 def link_solid(solutions: UnitSolutions, *, tilt_held: bool, what: str) -> SupportedSolid:
     """Return a part held at its first two interfaces as pins hold a link.
 
@@ -145,17 +117,8 @@ def link_solid(solutions: UnitSolutions, *, tilt_held: bool, what: str) -> Suppo
     pins both ends may turn, about its own axis the part may not at the first. Raises ValueError for
     a stack of tied bodies and MeshError for half of a part.
     """
-    _check_whole(solutions, what)
-    return _solved(solutions, end_conditions(solutions, tilt_held=tilt_held))
-
-
-def loose_solid(solutions: UnitSolutions, momentum: FloatArray, what: str) -> SupportedSolid:
-    """Return a part that floats freely, its rigid motions left out.
-
-    momentum  (3 n_nodes, 6) mass matrix times the rigid modes: elastic motion has none
-    """
-    _check_whole(solutions, what)
-    return _solved(solutions, (momentum / np.linalg.norm(momentum, axis=0)).T.copy())
+    check_whole(solutions, what)
+    return supported(solutions, end_conditions(solutions, tilt_held=tilt_held))
 
 
 def end_conditions(solutions: UnitSolutions, *, tilt_held: bool) -> FloatArray:
@@ -188,7 +151,8 @@ def surface_weights(elements: Elements, name: str) -> FloatArray:
     return np.asarray(weights / weights.sum())
 
 
-def _solved(solutions: UnitSolutions, rows: FloatArray) -> SupportedSolid:
+def supported(solutions: UnitSolutions, rows: FloatArray) -> SupportedSolid:
+    """Return a part with conditions rows @ u = 0 (c, 3 n_nodes) and nothing fixed for good."""
     return SupportedSolid(
         elements=solutions.elements,
         pattern=solutions.pattern,
@@ -201,16 +165,11 @@ def _solved(solutions: UnitSolutions, rows: FloatArray) -> SupportedSolid:
     )
 
 
-def _check_whole(solutions: UnitSolutions, what: str) -> None:
+def check_whole(solutions: UnitSolutions, what: str) -> None:
+    """Raise ValueError for a stack of tied bodies, MeshError for half of a part."""
     solutions.mesh.check_whole(f"{what}, which may be sideways,")
     if solutions.ties is not None:
         raise ValueError(
             f"{what} is computed for parts of one body; this one is a stack of tied bodies that "
             "slide on each other"
         )
-
-
-def _check_one_body(mesh: Mesh) -> None:
-    mesh.check_whole("a solid's mode")
-    if mesh.ties:
-        raise ValueError("modes are computed for one body; this mesh has tied ones")

@@ -14,7 +14,7 @@ import numpy as np
 import scipy
 
 from fem.recovery import Recovery, tensor
-from geometry.mesh import TET_EDGES, FloatArray, IntArray, Mesh
+from geometry.mesh import TET_EDGES, FloatArray, IntArray, Mesh, shape_gradients
 
 _CHUNK = 4000  # elements at a time: bounds memory
 _CORNER_POINTS = np.vstack([np.zeros(3), np.eye(3)])
@@ -197,7 +197,7 @@ class SurfaceSlopes:
         """Matrix (n, n_around): from stress at nodes to its slope at the points."""
         element, node, point = self._meeting
         nodes = self._mesh.elements[element]
-        shapes = _shape_slopes()[node]  # (meetings, 10, 3)
+        shapes = shape_gradients(_NODES)[node]  # (meetings, 10, 3)
         jacobian = np.einsum("max,mar->mxr", self._mesh.nodes[nodes], shapes)
         along = np.linalg.solve(jacobian, self.normals[point][..., None])  # dr/dn
         volumes = self._volumes[element]
@@ -207,15 +207,3 @@ class SurfaceSlopes:
         shape = (len(self.nodes), len(self._around))
         rows = np.repeat(point, nodes.shape[1])
         return scipy.sparse.coo_array((shares.ravel(), (rows, columns.ravel())), shape).tocsr()
-
-
-def _shape_slopes() -> FloatArray:
-    """Slopes of the ten shape functions by local coordinates at the ten nodes, [node, function]."""
-    barycentric = np.column_stack([1 - _NODES.sum(axis=1), _NODES])
-    slopes = np.vstack([-np.ones(3), np.eye(3)])
-    corner = (4 * barycentric - 1)[:, :, None] * slopes
-    middle = [
-        4 * (barycentric[:, i, None] * slopes[j] + barycentric[:, j, None] * slopes[i])
-        for i, j in TET_EDGES
-    ]
-    return np.concatenate([corner, np.stack(middle, axis=1)], axis=1)

@@ -1,4 +1,4 @@
-"""Natural frequencies of a solid, afloat, on the pins of a link, or with fixed unknowns.
+"""Natural frequencies of a solid on its supports, such as the pins of a link.
 
 They are the lowest modes of K x = omega^2 M x with the consistent mass matrix
 (docs/theory/vibration.md).
@@ -10,10 +10,10 @@ import numpy as np
 import scipy
 
 from fem.assembly import Pattern, full
-from fem.end_conditions import SupportedSolid, link_solid, loose_solid
+from fem.end_conditions import SupportedSolid, link_solid
 from fem.lowest_modes import lowest_modes
 from fem.mode_count import elastic_and_geometric_energy
-from fem.unit_solutions import UnitSolutions, rigid_modes
+from fem.unit_solutions import UnitSolutions
 from geometry.mesh import FloatArray
 
 _CHUNK = 2000  # elements at a time: bounds memory
@@ -41,47 +41,21 @@ class Vibration:
         return np.asarray(self.angular / (2 * np.pi))
 
 
-def free_vibration(solutions: UnitSolutions, *, count: int = 4, prove: bool = True) -> Vibration:
-    """Return the elastic vibration of a part afloat; its six rigid motions are left out.
+def link_vibration(solutions: UnitSolutions, *, tilt_held: bool, count: int = 4) -> Vibration:
+    """Return the vibration of a part whose pins stand still, as buckling holds it.
+
+    tilt_held  True if the forks hold the ends against tilting out of the plane
 
     Raises SolverError if the modes do not converge or cannot be proven, ValueError for a stack of
     tied bodies, half of a part and a part without mass.
     """
-    upper = _mass(solutions)
-    momentum = full(upper) @ rigid_modes(solutions.mesh.nodes)
-    return _vibration(loose_solid(solutions, momentum, "vibration"), upper, count, prove)
-
-
-def link_vibration(
-    solutions: UnitSolutions, *, tilt_held: bool, count: int = 4, prove: bool = True
-) -> Vibration:
-    """Return the vibration of a part whose pins stand still, as buckling holds it.
-
-    tilt_held  True if the forks hold the ends against tilting out of the plane
-    """
     solid = link_solid(solutions, tilt_held=tilt_held, what="vibration")
-    return _vibration(solid, _mass(solutions), count, prove)
+    return solid_vibration(solid, count=count)
 
 
 def solid_vibration(solid: SupportedSolid, *, count: int = 4, prove: bool = True) -> Vibration:
-    """Return the vibration of a supported solid."""
-    _check_mass(solid.material.density)
-    return _vibration(solid, mass(solid.pattern, solid.material.density), count, prove)
-
-
-def _mass(solutions: UnitSolutions) -> "scipy.sparse.csr_array":
-    _check_mass(solutions.material.density)
-    return mass(solutions.pattern, solutions.material.density)
-
-
-def _check_mass(density: float) -> None:
-    if not density > 0:
-        raise ValueError(f"frequencies need a density above 0 t/mm3, got {density}")
-
-
-def _vibration(
-    solid: SupportedSolid, upper: "scipy.sparse.csr_array", count: int, prove: bool
-) -> Vibration:
+    """Return the vibration of a supported solid, its modes counted unless `prove` is False."""
+    upper = mass(solid.pattern, solid.material.density)
     by_node = full(upper[::3][:, ::3].tocsr())  # the blocks are multiples of the identity
 
     def times(fields: FloatArray) -> FloatArray:
@@ -103,8 +77,10 @@ def mass(pattern: Pattern, density: float) -> "scipy.sparse.csr_array":
     """Upper triangle of the consistent mass matrix, t.
 
     The block of nodes a and b is delta_ij sum_q w density N_a N_b, by a rule of degree 4: exact in
-    elements with straight edges.
+    elements with straight edges. Raises ValueError for a part without mass.
     """
+    if not density > 0:
+        raise ValueError(f"frequencies need a density above 0 t/mm3, got {density}")
     import skfem
 
     points, weights = skfem.quadrature.get_quadrature(skfem.refdom.RefTet, _MASS_DEGREE)

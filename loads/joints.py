@@ -52,8 +52,8 @@ class Fixed(_AtOnePoint):
 
 
 @dataclass(frozen=True)
-class Slot:
-    """A pin in a slot: point b of body b stays on a line of body a; friction-free force is normal.
+class _OnLine:
+    """A joint whose point b of body b stays on a line of body a.
 
     point_a    a point of body a on the line
     direction  of the line, in the frame of body a (any length)
@@ -67,7 +67,6 @@ class Slot:
     point_b: str
     direction: Vector
     ends: tuple[float, float] | None = None
-    n_constraints: ClassVar[int] = 1
 
     def __post_init__(self) -> None:
         _check_direction(f"joint {self.name!r}", self.direction)
@@ -75,21 +74,20 @@ class Slot:
 
 
 @dataclass(frozen=True)
-class Prismatic:
+class Slot(_OnLine):
+    """A pin in a slot: point b of body b stays on a line of body a; friction-free force is normal.
+
+    Fields are those of every joint on a line: names, points, direction of the line and its ends.
+    """
+
+    n_constraints: ClassVar[int] = 1
+
+
+@dataclass(frozen=True)
+class Prismatic(_OnLine):
     """A guide: as a slot, and body b keeps its assembled angle to body a."""
 
-    name: str
-    body_a: str
-    body_b: str
-    point_a: str
-    point_b: str
-    direction: Vector
-    ends: tuple[float, float] | None = None
     n_constraints: ClassVar[int] = 2
-
-    def __post_init__(self) -> None:
-        _check_direction(f"joint {self.name!r}", self.direction)
-        _check_ends(f"joint {self.name!r}", self.ends)
 
 
 Joint = Revolute | Prismatic | Slot | Fixed

@@ -104,7 +104,7 @@ def press(shared: Path) -> Run:
 
     def run() -> tuple[int, str, str]:
         done = subprocess.run(
-            [sys.executable, "-P", "-m", "ballesta.cli", "check", "designs/toggle_press.toml",
+            [sys.executable, "-P", "-m", "ballesta", "check", "designs/toggle_press.toml",
              "--out", str(out)],
             cwd=ROOT, env=os.environ | AS_A_USER, capture_output=True, text=True, check=False,
         )  # fmt: skip

@@ -125,7 +125,7 @@ def test_the_commands_of_the_tutorial_say_what_it_shows(tmp_path):
     for command, shown in steps:
         (line,) = command.strip().splitlines()
         done = subprocess.run(
-            [sys.executable, "-m", "ballesta.cli", *shlex.split(line)[1:]],
+            [sys.executable, "-m", "ballesta", *shlex.split(line)[1:]],
             cwd=tmp_path,
             capture_output=True,
             text=True,

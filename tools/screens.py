@@ -87,7 +87,7 @@ def check(machines: Sequence[str], folder: Path, fidelity: str) -> None:
         print(f"checking {machine}", flush=True)
         done = subprocess.run(
             [
-                sys.executable, "-m", "ballesta.cli", "check", f"designs/{machine}.toml",
+                sys.executable, "-m", "ballesta", "check", f"designs/{machine}.toml",
                 "--fidelity", fidelity, "--fields", "--out", str(folder),
             ],
             cwd=ROOT, stdout=subprocess.DEVNULL, check=False,

@@ -37,7 +37,7 @@ def folder() -> Iterator[Path]:
 def printed(arguments: str, where: Path) -> str:
     """Output of a command, 120 columns wide."""
     done = subprocess.run(
-        [sys.executable, "-m", "ballesta.cli", *arguments.split()],
+        [sys.executable, "-m", "ballesta", *arguments.split()],
         cwd=where,
         capture_output=True,
         text=True,

@@ -163,31 +163,7 @@ class Settings:
     tls: Path | None = None
 
 
-class Executor(Protocol):
-    """Runs jobs; `Pool` and `Cluster` do."""
-
-    def __enter__(self) -> Self:
-        """Nothing happens yet."""
-
-    def __exit__(self, *_: object) -> None:
-        """Stop whatever is being run."""
-
-    def start(self, jobs: int) -> None:
-        """Make ready for so many jobs ahead of `results`."""
-
-    @property
-    def at_a_time(self) -> int:
-        """Number of jobs that run beside each other, as estimated so far."""
-
-    def results(self, jobs: Sequence[tuple[int, Mapping[str, Any]]]) -> Iterator[list[Finished]]:
-        """Run jobs, (place, data as JSON knows it); yields those that ended since the last time.
-
-        Also yields an empty list many times a second, for who shows progress.
-        """
-
-    @property
-    def running(self) -> list[tuple[int, float, Sequence[str]]]:
-        """Place, seconds and last words of the jobs that are being run, as far as known."""
+Executor = Pool | Cluster
 
 
 def executor_of(

@@ -1,6 +1,5 @@
 """`ballesta batch`: many designs and their variations, side by side, resumed if killed."""
 
-import signal
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -16,13 +15,13 @@ from ballesta.batches.plan import Request, claim_folder, planned
 from ballesta.batches.processes import parse_memory
 from ballesta.batches.run import Settings, run_batch
 from ballesta.run import guarded
+from ballesta.supervisor import STOPPED, terminated_as_interrupted
 from ballesta.sweeps.sweep_text import parse_sweep
 from checks.design.effort import SWEPT, effort_of
 from checks.design.errors import DesignError
 from checks.design.units import measure
 from checks.result.words import brief, clean
 
-STOPPED = 130  # as shells report an interrupt
 _HERE = Path("command line")
 
 
@@ -59,7 +58,7 @@ def run_batch_command(designs: Sequence[Path], wanted: Wanted) -> int:
     """
 
     def work() -> int:
-        with _terminated_as_interrupted():
+        with terminated_as_interrupted():
             outcomes = outcomes_of(designs, wanted)
         print(summary(outcomes, wanted.out))
         return max((outcome["exit_code"] for outcome in outcomes), default=0)
@@ -151,24 +150,6 @@ def _memory(text: str | None) -> int | None:
         return None if text is None else parse_memory(text)
     except ValueError as error:
         raise DesignError(_HERE, "--memory", str(error)) from error
-
-
-@contextmanager
-def _terminated_as_interrupted() -> Iterator[None]:
-    """Let SIGTERM, which queues send before they kill, stop a batch as an interrupt does."""
-
-    def stop(*_: object) -> None:
-        raise KeyboardInterrupt
-
-    try:
-        before = signal.signal(signal.SIGTERM, stop)
-    except ValueError:  # only the main thread may
-        yield
-        return
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
 
 
 # Progress of a batch: a line per finished design, and a bar on a terminal.

@@ -10,7 +10,7 @@ from typing import TypeVar
 
 from ballesta.design.read import read_design
 from ballesta.machine.runs import solved_runs
-from ballesta.run import Say, guarded
+from ballesta.run import Say, guarded, told_of_folder
 from checks.design.data import Design, Part
 from checks.design.effort import AUTO, FORMULA, SOLID
 from checks.design.errors import DesignError, no_such
@@ -28,8 +28,8 @@ from geometry.body import Buildable
 from geometry.mesh import Mesh, MeshError
 from geometry.progress import step
 from geometry.sizing import SizeField
-from reports.files import plain, replacing
-from reports.ladder_page import ladder_text
+from reports.files import plain, write_whole
+from reports.ladder_page import ladder_html, ladder_text
 from reports.ladder_summary import LadderPart, LadderResult
 
 # Of the part's mesh.fineness. Quadratic elements: stresses converge with the square of their size,
@@ -145,7 +145,8 @@ def run_ladder(path: Path, wanted: Wanted, overrides: Sequence[str] = ()) -> int
     def work() -> None:
         result = ladder_of_file(path, overrides, wanted.part, say=say)
         page = wanted.out / Path(result.file).stem / "ladder.html"
-        _write(result, page, wanted.out)
+        with told_of_folder(wanted.out):
+            write_whole(page, ladder_html(result).encode())
         if wanted.as_json:
             report = plain(result.to_dict() | {"files": [str(page)]})
             print(json.dumps(report, indent=1, allow_nan=False, ensure_ascii=False))
@@ -153,17 +154,6 @@ def run_ladder(path: Path, wanted: Wanted, overrides: Sequence[str] = ()) -> int
             print(ladder_text(result, None, [page]), end="")
 
     return guarded(work)
-
-
-def _write(result: LadderResult, page: Path, out: Path) -> None:
-    from reports.ladder_page import ladder_html
-
-    text = ladder_html(result)
-    try:
-        with replacing(page) as temporary:
-            temporary.write_text(text, encoding="utf-8", newline="\n")
-    except OSError as error:
-        raise DesignError(out, "--out", f"cannot be written: {error.strerror}") from error
 
 
 def _parts(design: Design, name: str | None) -> list[Part]:

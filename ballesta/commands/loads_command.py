@@ -21,14 +21,13 @@ from ballesta.machine.solved_cycles import (
 )
 from ballesta.machine.validity_checks import load_gates
 from ballesta.machine.warnings_of import load_warnings
-from ballesta.run import Say, guarded
+from ballesta.run import Say, guarded, told_of_folder
 from checks.design.data import Design
-from checks.design.errors import DesignError, NumericsError, no_such
+from checks.design.errors import DesignError, no_such
 from checks.result.words import gate_sentence, gate_word
 from checks.stress.kept_models import Models
-from geometry.mesh import MeshError
 from geometry.progress import step
-from reports.files import plain, replacing
+from reports.files import plain, write_whole
 from reports.loads_csv import loads_csv
 from reports.loads_summary import LoadsResult
 from reports.loads_text import loads_text
@@ -160,25 +159,18 @@ def run_loads(path: Path, wanted: Wanted, overrides: Sequence[str] = ()) -> int:
 
 def _write(result: LoadsResult, wanted: Wanted) -> list[Path]:
     written = []
-    option = "--csv"
-    try:
-        if wanted.csv not in (None, "-"):
-            table = Path(str(wanted.csv))
-            with replacing(table) as temporary:
-                temporary.write_text(
-                    loads_csv(result.cycles, result.runs), encoding="utf-8", newline="\n"
-                )
-            written.append(table)
-        option = "--out"
-        if wanted.plot:
-            from reports.loads_page import write_loads_page
+    if wanted.csv is not None and wanted.csv != "-":
+        table = Path(wanted.csv)
+        with told_of_folder(table, "--csv"):
+            write_whole(table, loads_csv(result.cycles, result.runs).encode())
+        written.append(table)
+    if wanted.plot:
+        from reports.loads_page import write_loads_page
 
-            page = wanted.out / Path(result.file).stem / "loads.html"
+        page = wanted.out / Path(result.file).stem / "loads.html"
+        with told_of_folder(wanted.out):
             write_loads_page(result, page)
-            written.append(page)
-    except OSError as error:
-        file = Path(str(wanted.csv)) if option == "--csv" else wanted.out
-        raise DesignError(file, option, f"cannot be written: {error.strerror}") from error
+        written.append(page)
     return written
 
 
@@ -218,12 +210,7 @@ def _masses(design: Design, models: Models, say: Say) -> Masses:
     if not needed:
         return {}
     say(f"the mass of {', '.join(needed)} comes from its part")
-    try:
-        return part_masses(design, models)
-    except MeshError as error:
-        raise NumericsError(
-            str(error), str(design.file), "check the part's dimensions, or change mesh.fineness"
-        ) from error
+    return part_masses(design, models)
 
 
 def _compliances(

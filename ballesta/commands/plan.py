@@ -87,23 +87,18 @@ def plan_text(path: str | Path, overrides: Sequence[str] = ()) -> str:
     lines += ["joints", *(f"  {line}" for line in _joints_in_words(design))]
     lines += ["cycles"]
     for cycle in (stated.run for stated in design.cycles.values()):
-        duty = design.duty.cycles.get(cycle.name)
-        counted = f"{duty:.3g} times in its life" if duty else "not in the duty: yield, buckling"
         phases = ", ".join(f"{p.name} (solves {p.solve})" for p in cycle.phases)
         lines.append(
             f"  {cycle.name}: at least {cycle.n_positions} positions of {cycle.coordinate.label}; "
-            f"{counted}"
+            f"{_counted(design, cycle.name)}"
         )
         lines.append(f"    phases {phases}")
     for name, event in design.events.items():
-        duty = design.duty.cycles.get(name)
-        counted = f"{duty:.3g} times in its life" if duty else "not in the duty: yield, buckling"
-        lines.append(f"  {name}: {event.kind} of {event.cycle}; {counted}")
+        lines.append(f"  {name}: {event.kind} of {event.cycle}; {_counted(design, name)}")
     for run in design.measured.values():
-        duty = design.duty.cycles.get(run.name)
-        counted = f"{duty:.3g} times in its life" if duty else "not in the duty: yield, buckling"
         lines.append(
-            f"  {run.name}: {len(run.loads.positions)} positions measured in {run.file}; {counted}"
+            f"  {run.name}: {len(run.loads.positions)} positions measured in {run.file}; "
+            f"{_counted(design, run.name)}"
         )
     start = perf_counter()
     planned = plan(design)
@@ -134,6 +129,11 @@ def plan_text(path: str | Path, overrides: Sequence[str] = ()) -> str:
         "mesh is taken where two leave the error above the accuracy asked for"
     ]
     return "\n".join(lines)
+
+
+def _counted(design: Design, run: str) -> str:
+    duty = design.duty.cycles.get(run)
+    return f"{duty:.3g} times in its life" if duty else "not in the duty: yield, buckling"
 
 
 def _seconds(seconds: float) -> str:

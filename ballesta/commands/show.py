@@ -9,7 +9,7 @@ from time import perf_counter
 
 from ballesta.design.read import read_design
 from ballesta.diff.difference import RESULT
-from ballesta.run import GAVE_UP, WRONG_INPUT, guarded, progress, store_at
+from ballesta.run import GAVE_UP, WRONG_INPUT, guarded, progress, store_at, told_of_folder
 from checks.design.effort import FORMULA, effort_of
 from checks.design.errors import DesignError, no_such
 from checks.result.words import brief, verdict_sentence
@@ -77,11 +77,8 @@ def run_show(path: Path, wanted: Wanted, overrides: Sequence[str] = ()) -> int:
         if wanted.picture is None:
             trouble = open_window(scene, wanted.part)
         else:
-            try:
+            with told_of_folder(wanted.picture, "--off-screen"):
                 trouble = window_picture(scene, wanted.picture, wanted.part)
-            except OSError as error:
-                problem = f"cannot be written: {error.strerror}"
-                raise DesignError(wanted.picture, "--off-screen", problem) from error
             if trouble is None:
                 print(f"written: {wanted.picture}")
         return 0 if trouble is None else _told(trouble)

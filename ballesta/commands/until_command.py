@@ -20,7 +20,7 @@ from checks.result.verdict import DesignResult
 from checks.store.results import keep_result, recalled_result
 from checks.store.store import Store
 from geometry.progress import step
-from reports.files import plain, replacing
+from reports.files import plain, write_whole
 
 _HERE = Path("command line")
 
@@ -134,5 +134,5 @@ def stored_check(
 
 def _write(result: UntilResult, path: Path, out: Path) -> None:
     text = json.dumps(plain(result.to_dict()), indent=1, allow_nan=False, ensure_ascii=False)
-    with told_of_folder(out), replacing(path) as temporary:
-        temporary.write_text(text + "\n", encoding="utf-8", newline="\n")
+    with told_of_folder(out):
+        write_whole(path, f"{text}\n".encode())

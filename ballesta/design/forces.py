@@ -69,7 +69,7 @@ def check_dimension(field: str, value: Measured, wanted: str) -> None:
 
 
 def _only_used(key: str, entry: ForceEntry, kind: str, problems: Problems) -> bool:
-    right = True
+    told = len(problems)
     for field in ("on", "at", "direction", "follows", "against"):
         if getattr(entry, field) is not None and field not in _USED[kind]:
             for_ = [_KINDS[other] for other, used in _USED.items() if field in used]
@@ -77,8 +77,7 @@ def _only_used(key: str, entry: ForceEntry, kind: str, problems: Problems) -> bo
                 f"{key}.{field}",
                 f"is only used for {' and '.join(for_)}, this is {_KINDS[kind]}; leave it out",
             )
-            right = False
-    return right
+    return len(problems) == told
 
 
 def _limits(entry: Measured | Available, kind: str) -> Pair:

@@ -277,25 +277,21 @@ def _slide(
     assert body is not None
     assert through is not None
     assert point is not None
-    right = True
+    told = len(problems)
     for field, owner, place in (("on", on, "through"), ("body", body, "point")):
         if owner != GROUND and owner not in file.bodies:
             known = [GROUND, *file.bodies] if field == "on" else file.bodies
             problems.add(f"{key}.{field}", no_such("body", owner, known))
-            right = False
             continue
         if owner == GROUND and field == "body":
             problems.add(f"{key}.body", "the ground does not slide; exchange it with `on`")
-            right = False
             continue
         value = through if place == "through" else point
-        if told := _no_point(owner, value, file):
-            problems.add(f"{key}.{place}", told)
-            right = False
-    if right and on == body:
+        if absent := _no_point(owner, value, file):
+            problems.add(f"{key}.{place}", absent)
+    if len(problems) == told and on == body:
         problems.add(f"{key}.body", f"{body} cannot slide on itself")
-        right = False
-    if right:
+    if len(problems) == told:
         with telling(problems, f"{key}.along"):
             direction = _direction(entry, file, bodies)
     if direction is None or body not in bodies or (on != GROUND and on not in bodies):
@@ -360,20 +356,17 @@ def _weld(name: str, entry: JointEntry, file: DesignFile, problems: Problems) ->
         return None
     assert entry.bodies is not None
     assert entry.point is not None
-    right = True
+    told = len(problems)
     for index, body in enumerate(entry.bodies):
         if body != GROUND and body not in file.bodies:
             known = [GROUND, *file.bodies]
             problems.add(f"{key}.bodies[{index}]", no_such("body", body, known))
-            right = False
-        elif told := _no_point(body, entry.point, file):
-            problems.add(f"{key}.point", told)
-            right = False
+        elif absent := _no_point(body, entry.point, file):
+            problems.add(f"{key}.point", absent)
     first, second = entry.bodies
     if first == second:
         problems.add(f"{key}.bodies", f"{first} is there twice")
-        right = False
-    return loads.Fixed(name, first, second, entry.point) if right else None
+    return loads.Fixed(name, first, second, entry.point) if len(problems) == told else None
 
 
 def _kinds(file: DesignFile) -> dict[str, str]:

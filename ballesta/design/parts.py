@@ -282,7 +282,7 @@ def _sits_in_body(
     if entry.body not in file.bodies:
         problems.add(f"{key}.body", no_such("body", entry.body, file.bodies))
         return False
-    right = True
+    told, known = len(problems), True
     holes = isinstance(entry, _WITH_HOLES)
     wanted = tuple(entry.holes) if holes else SHAPES[entry.shape].fixed_interfaces()
     kind = "hole of the part" if holes else f"interface of {entry.shape}"
@@ -298,7 +298,6 @@ def _sits_in_body(
         here = f"{key}.interfaces.{interface}"
         if interface not in wanted:
             problems.add(here, no_such(kind, interface, wanted))
-            right = False
         elif interface in sliding:
             stated = file.joints.get(point)
             if (
@@ -306,13 +305,11 @@ def _sits_in_body(
                 and stated.kind != "fixed"
                 and (point not in joints or stated.on not in file.bodies)
             ):
-                right = False  # what is wrong with the joint was told there
+                known = False  # what is wrong with the joint was told there
             elif point not in lines:
                 problems.add(here, no_such(f"slot or guide on body {entry.body}", point, lines))
-                right = False
         elif point not in pins:
             problems.add(here, no_such(f"point of body {entry.body}", point, pins))
-            right = False
     for name, interface in (
         *((f"offsets.{name}", name) for name in entry.offsets),
         *([("tilt_held_at", entry.tilt_held_at)] if entry.tilt_held_at else []),
@@ -320,15 +317,12 @@ def _sits_in_body(
         if interface not in entry.interfaces or interface in sliding:
             fixed = [known for known in entry.interfaces if known not in sliding]
             problems.add(f"{key}.{name}", no_such("interface that may tilt", interface, fixed))
-            right = False
     missing = [interface for interface in wanted if interface not in entry.interfaces]
     if missing:
         problems.add(f"{key}.interfaces", f"must say at which point {listed(missing)} sits")
-        right = False
     elif len(set(entry.interfaces.values())) < len(entry.interfaces):
         problems.add(f"{key}.interfaces", "two of them sit at the same point")
-        right = False
-    return right
+    return known and len(problems) == told
 
 
 def _sits_in_joint(
@@ -337,7 +331,7 @@ def _sits_in_joint(
     if entry.joint not in pins:
         problems.add(f"{key}.joint", no_such("joint", entry.joint, pins))
         return False
-    joined, right = pins[entry.joint], True
+    joined, told = pins[entry.joint], len(problems)
     here = [
         name
         for name, force in file.forces.items()
@@ -346,27 +340,22 @@ def _sits_in_joint(
     if entry.fixed_to not in joined:
         kind = f"body at joint {entry.joint}"
         problems.add(f"{key}.fixed_to", no_such(kind, entry.fixed_to, joined))
-        right = False
     for index, lug in enumerate(entry.stack):
         where = f"{key}.stack[{index}]"
         if (lug.body is None) == (lug.force is None):
             problems.add(where, "needs either body or force: what presses on the pin here")
-            right = False
         elif lug.body is not None and lug.body not in joined:
             kind = f"body at joint {entry.joint}"
             problems.add(f"{where}.body", no_such(kind, lug.body, joined))
-            right = False
         elif lug.force is not None and lug.force not in here:
             kind = f"force at point {entry.joint}"
             problems.add(f"{where}.force", no_such(kind, lug.force, here))
-            right = False
     absent = [body for body in joined if body not in [lug.body for lug in entry.stack]]
     if absent:
         problems.add(
             f"{key}.stack", f"joint {entry.joint} also has {listed(absent)}: where on the pin?"
         )
-        right = False
-    return right
+    return len(problems) == told
 
 
 def _geometry(entry: Any, bodies: Mapping[str, loads.Body]) -> Shape:

@@ -4,15 +4,15 @@ Every variation is the design with other values at some of its keys, read throug
 any design. Its masses follow from its parts, in closed form where there is one; its loads are
 solved for again with them, at the positions of the design as it is where only masses, friction and
 constant forces differ (`loads.moves_alike`), else from the beginning. Every part is judged by the
-rung `formula` with its error bars and by the checks that are formulas anyway.
+rung `formula` with its error bars and by the checks that are formulas anyway. What a whole check
+asks besides is left out: buckling of the linkage unless it is asked for, vibration unless the
+design puts it on its loads, validity checks of the loads, and the proof of the fatigue safety.
 """
 
 import json
-from collections.abc import Collection, Iterable, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import ceil
 from typing import Any
 
 import loads
@@ -37,16 +37,7 @@ from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads, loads_on
 from checks.result.verdict import Check, Gate, Status, deciding_of, status_of
 from checks.stress.solid_mesh_level import Models
-from fem.threads import one_thread
 from geometry.cad_body import SolidBody
-
-NOT_ASKED = (
-    "buckling of the linkage as a whole",
-    "vibration, unless the design puts it on its loads",
-    "validity checks of the loads: drives, dead centres, balance of power",
-    "the proof of the fatigue safety, all loads times the safety",
-)
-_SHARES = 8  # of the variations for each process, so that none is left with the slow ones
 
 Variation = Mapping[str, Any] | Sequence[str]
 Masses = Mapping[str, tuple[float, tuple[float, float], float]]
@@ -94,41 +85,8 @@ class Screened:
         return deciding_of(self.checks) if self.checks else None
 
 
-@one_thread()
-def screen(
-    design: Design, variations: Iterable[Variation], *, processes: int = 1
-) -> list[Screened]:
-    """Check variations of a design by formula, in their order.
-
-    variations  key -> value, as in the design file ("parts.bar_upper.wall": "5 mm"), or the same
-                as "key=value"
-    processes   that share the variations; each solves the design's own cycles first
-
-    A variation's `problem` says what is wrong with it. Raises DesignError and NumericsError
-    for the design itself. What a whole check asks besides is `NOT_ASKED`.
-    """
-    screening = Screening(design)  # what is wrong with the design itself is raised here
-    if processes == 1:
-        return [screening.of(variation) for variation in variations]
-    wanted = [_overrides(variation) for variation in variations]
-    size = max(1, ceil(len(wanted) / (_SHARES * processes)))
-    shares = [wanted[start : start + size] for start in range(0, len(wanted), size)]
-    with ProcessPoolExecutor(processes, initializer=_begin, initargs=(design,)) as pool:
-        return [one for found in pool.map(_share_screened, shares) for one in found]
-
-
-_begun: list["Screening"] = []  # in a process of a pool: the design that it screens by
-
-
-def _begin(design: Design) -> None:
-    _begun.append(Screening(design))
-
-
-def _share_screened(share: list[tuple[str, ...]]) -> list[Screened]:
-    return [_begun[-1].of(overrides) for overrides in share]
-
-
-def _overrides(variation: Variation) -> tuple[str, ...]:
+def overrides_of(variation: Variation) -> tuple[str, ...]:
+    """Return what a variation changes, each as "key=value"."""
     if isinstance(variation, Mapping):
         return tuple(f"{key}={json.dumps(value)}" for key, value in variation.items())
     return tuple(variation)
@@ -220,7 +178,7 @@ class Screening:
                   grow by less than half of what its reserve is above 1
         anew      whether friction between leaves is solved, also where it is known of the design
         """
-        overrides = _overrides(variation)
+        overrides = overrides_of(variation)
         try:
             varied = read_design(self.design.file, (*self.design.overrides, *overrides))
             rubbing = {} if anew else self.rubbing

@@ -214,7 +214,7 @@ def test_a_pin_whose_stack_forgets_a_force_is_refused_with_its_part(tmp_path):
     assert len(kept) == len(text.splitlines()) - 1
     file = tmp_path / "press.toml"
     file.write_text("\n".join(kept), encoding="utf-8")
-    code = [sys.executable, "-m", "ballesta.cli", "check", str(file), "--fidelity", "formula"]
+    code = [sys.executable, "-m", "ballesta", "check", str(file), "--fidelity", "formula"]
     done = subprocess.run([*code, "--out", str(tmp_path)], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 2
     assert "parts.pin_B: pin 'B': every one of cylinder, lower, upper needs one seat" in done.stderr

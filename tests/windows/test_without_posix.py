@@ -48,7 +48,7 @@ def design(tmp_path_factory):
 def test_a_check_has_the_numbers_that_it_has_here(design, tmp_path, fidelity):
     options = [word for override in ROD for word in ("--set", override)]
     done = run(
-        "-m", "ballesta.cli", "check", str(design), "--fidelity", fidelity, *options,
+        "-m", "ballesta", "check", str(design), "--fidelity", fidelity, *options,
         "--out", str(tmp_path),
     )  # fmt: skip
     here = check_file(design, ROD, effort=Effort(fidelity)).to_dict()
@@ -113,7 +113,7 @@ def test_a_batch_survives_what_its_jobs_do(tmp_path):
 
 def test_a_batch_of_designs_is_resumed(design, tmp_path):
     command = (
-        "-m", "ballesta.cli", "batch", str(design), "--fidelity", "formula", "--jobs", "2",
+        "-m", "ballesta", "batch", str(design), "--fidelity", "formula", "--jobs", "2",
         "--no-reports", "--sweep", "parts.rod.width = 30, 32 mm", "--out", str(tmp_path / "out"),
     )  # fmt: skip
     first, second = run(*command), run(*command)

@@ -174,7 +174,7 @@ def swept(tmp_path_factory):
     (folder / "ballesta").mkdir()
     (folder / "ballesta" / "__init__.py").write_text("raise SystemExit('the wrong ballesta')")
     done = subprocess.run(
-        [sys.executable, "-P", "-m", "ballesta.cli", "batch", "machine.toml", "--sweep",
+        [sys.executable, "-P", "-m", "ballesta", "batch", "machine.toml", "--sweep",
          "parts.rod.thickness = 6..8 mm : 2", "--fidelity", "formula", "--out", "out"],
         cwd=folder, env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True, text=True,
         check=False,

@@ -131,7 +131,7 @@ def test_a_killed_sweep_of_two_workers_goes_on_to_the_same_tables(tmp_path):
 
 def sweep(folder, out):
     return subprocess.Popen(
-        [sys.executable, "-m", "ballesta.cli", "batch", "machine.toml", "--out", out, "--jobs", "2",
+        [sys.executable, "-m", "ballesta", "batch", "machine.toml", "--out", out, "--jobs", "2",
          "--fidelity", "swept", "--accuracy", "10 %", "--sweep",
          "parts.rod.thickness = 7..9 mm : 6", "--sweep", "parts.rod.width = 29, 31 mm"],
         cwd=folder, env={**os.environ, "PYTHONPATH": str(ROOT)}, start_new_session=True,

@@ -7,7 +7,8 @@ import pytest
 import ballesta.pipeline
 from ballesta.design.read import read_design
 from ballesta.pipeline import check_design
-from ballesta.sweeps.screen import Screening, screen
+from ballesta.sweeps.screen import Screening
+from bench.screening import screen
 from checks.ladder.part_ladder import Effort
 from checks.result.verdict import Status
 

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from fem.end_conditions import fixed_solid, surface_weights
+from bench.fixed_solid import fixed_solid
+from fem.end_conditions import surface_weights
 from fem.unit_solutions import Elastic
 
 from ...boundary_value import SolidProblem, uniform_load, unknowns

@@ -11,9 +11,9 @@ from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from bench.fixed_solid import fixed_solid
 from fem.buckling import effective_length, part_buckling, solid_buckling
 from fem.elements import Elements
-from fem.end_conditions import fixed_solid
 from fem.unit_solutions import solve_unit_loads
 
 from ...boundary_value import unknowns

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from bench.fixed_solid import fixed_solid, free_vibration
 from fem.elements import Elements
-from fem.end_conditions import fixed_solid
 from fem.unit_solutions import Elastic, solve_unit_loads
-from fem.vibration import free_vibration, solid_vibration
+from fem.vibration import solid_vibration
 
 from ...boundary_value import unknowns
 from ...fem.blocks import block

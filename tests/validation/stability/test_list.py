@@ -18,9 +18,9 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.optimize import brentq
 
+from bench.fixed_solid import fixed_solid
 from fem.buckling import solid_buckling
 from fem.deck import write_deck
-from fem.end_conditions import fixed_solid
 from fem.frame import Frame
 from fem.frame_buckling import buckling_modes
 from fem.unit_solutions import Elastic, solve_unit_loads
