@@ -44,13 +44,15 @@ demo: $(READY)
 # Each process takes one thread (tests/conftest.py): threads of their own would wait for each other.
 # The tests of a file stay in one process, which shares what a module has computed; slow tests, each
 # as long as a file, are shared out one by one. What lasts longest begins (tests/longest_first.py).
-SHARED := --numprocesses auto --maxprocesses 4 --durations 15 --durations-min 5
+SHARED := --maxprocesses 4 --durations 15 --durations-min 5
+# Browsers, batches and supervised commands wait an eighth of the time: one process more than cores.
+ONE_MORE := $$($(BIN)/python -c 'import os; print(os.cpu_count() + 1)')
 
 test: $(PEERS)
-	@$(BIN)/python -m pytest -m "not slow" $(SHARED) --dist loadfile --no-loadscope-reorder
+	@$(BIN)/python -m pytest -m "not slow" $(SHARED) --numprocesses $(ONE_MORE) --dist loadfile --no-loadscope-reorder
 
 slow: $(PEERS)
-	@$(BIN)/python -m pytest -m "slow or ballesta" $(SHARED) --dist load --maxschedchunk 1 tests designs
+	@$(BIN)/python -m pytest -m "slow or ballesta" $(SHARED) --numprocesses auto --dist load --maxschedchunk 1 tests designs
 
 lint: $(READY)
 	@$(MAKE) --no-print-directory --jobs 4 --output-sync=target style types windows_types imports

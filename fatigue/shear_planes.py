@@ -39,6 +39,7 @@ _CERTIFIED = 1e-4  # of the scale of F: how far the best plane may lie below the
 _MOST_CELLS = 4096  # circles of equally bad planes keep many; then the bound stays as it is
 _BEAM = 16  # triangles kept when the certified search is over and the best plane is polished
 _FINEST = 1e-6  # rad
+_EYE = np.eye(3)
 
 
 @dataclass(frozen=True)
@@ -259,19 +260,21 @@ def _start() -> tuple[FloatArray, IntArray, FloatArray, FloatArray]:
 
 def plane_rows(normals: FloatArray) -> FloatArray:
     """Return rows (n, 3, 6) that take a stress to its shear along two axes of a plane, normal."""
-    along, across = _plane_axes(normals)
-    found = np.empty((len(normals), 3, 6))
-    for k, axis in enumerate((along, across, normals)):
-        found[:, k] = _component(normals, axis)
-    return found
+    axes = np.array([*_plane_axes(normals), normals])
+    return np.ascontiguousarray(_component(normals, axes).swapaxes(0, 1))
 
 
 def _plane_axes(normals: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return two unit vectors (n, 3) in each plane, at right angles to each other."""
-    least = np.eye(3)[np.abs(normals).argmin(axis=1)]
-    along = _crossed(normals, least)
-    along /= np.sqrt((along**2).sum(axis=1, keepdims=True))
+    along = _crossed(normals, _EYE[np.abs(normals).argmin(axis=1)])
+    along /= np.sqrt(_squared(along))[:, None]
     return along, _crossed(normals, along)
+
+
+def _squared(vectors: FloatArray) -> FloatArray:
+    """Return the squared lengths (...) of vectors (..., 3); NumPy's sum over three is slow."""
+    squares = vectors * vectors
+    return np.asarray(squares[..., 0] + squares[..., 1] + squares[..., 2])
 
 
 def _crossed(a: FloatArray, b: FloatArray) -> FloatArray:
@@ -283,10 +286,13 @@ def _crossed(a: FloatArray, b: FloatArray) -> FloatArray:
 
 
 def _component(n: FloatArray, m: FloatArray) -> FloatArray:
-    """Return rows (..., 6) that give n . stress m of the six components."""
-    (a, b, c), (x, y, z) = n.T, m.T
+    """Return rows (..., 6) that give n . stress m of the six components; n, m (..., 3)."""
+    (a, b, c), (x, y, z) = ([v[..., k] for k in range(3)] for v in (n, m))
     rows = (a * x, b * y, c * z, a * y + b * x, b * z + c * y, c * x + a * z)
-    return np.asarray(np.array(rows).T)
+    found = np.empty((*rows[0].shape, 6))
+    for k, row in enumerate(rows):
+        found[..., k] = row
+    return found
 
 
 # Triangles over all directions of planes, and their division in four.
@@ -295,6 +301,7 @@ def _component(n: FloatArray, m: FloatArray) -> FloatArray:
 # each pair of opposite triangles of an icosahedron one is kept.
 
 _GOLDEN = (1.0 + 5.0**0.5) / 2.0
+_NEXT = np.array([1, 2, 0])
 _FOUR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])  # of corners a, b, c, ab, bc, ca
 
 
@@ -304,26 +311,31 @@ def divided(n_normals: int, cells: IntArray) -> tuple[IntArray, IntArray]:
     cells (n_cells, 3) are indices of normals. The middle of edges[i] (n_edges, 2) gets the index
     n_normals + i; an edge that two cells share has one middle.
     """
-    sides = np.sort(cells[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    others = cells[:, _NEXT]
     # one number per edge, in the order of its ends: NumPy sorts rows ten times as slowly
-    number, which = np.unique(sides[:, 0] * n_normals + sides[:, 1], return_inverse=True)
-    edges = np.array(np.divmod(number, n_normals)).T
-    middle = n_normals + which.reshape(-1, 3)
-    corners = np.concatenate([cells, middle], axis=1)
-    return edges, np.concatenate([corners[:, four] for four in _FOUR])
+    numbers = (np.minimum(cells, others) * n_normals + np.maximum(cells, others)).ravel()
+    order = numbers.argsort()
+    ascending = numbers[order]
+    new = np.ones(len(numbers), dtype=bool)
+    np.not_equal(ascending[1:], ascending[:-1], out=new[1:])
+    middle = np.empty(len(numbers), dtype=np.int64)
+    middle[order] = np.cumsum(new) + (n_normals - 1)
+    edges = np.array(np.divmod(ascending[new], n_normals)).T
+    corners = np.concatenate([cells, middle.reshape(-1, 3)], axis=1)
+    return edges, corners[:, _FOUR].swapaxes(0, 1).reshape(-1, 3)
 
 
 def middles(normals: FloatArray, edges: IntArray) -> FloatArray:
     """Return the unit vectors in the middle of each edge, (n_edges, 3)."""
-    between = normals[edges].sum(axis=1)
-    return np.asarray(between / np.sqrt((between * between).sum(axis=1, keepdims=True)))
+    between = normals[edges[:, 0]] + normals[edges[:, 1]]
+    return np.asarray(between / np.sqrt(_squared(between))[:, None])
 
 
 def longest_edges(normals: FloatArray, cells: IntArray) -> FloatArray:
     """Return the length, rad, of each cell's longest edge, (n_cells,)."""
     corners = normals[cells]
-    sides = corners - corners[:, [1, 2, 0]]
-    chord = np.sqrt((sides * sides).sum(axis=2)).max(axis=1)
+    squares = _squared(corners - corners[:, _NEXT])
+    chord = np.sqrt(np.maximum(np.maximum(squares[:, 0], squares[:, 1]), squares[:, 2]))
     return np.asarray(2.0 * np.arcsin(np.minimum(chord / 2.0, 1.0)))
 
 

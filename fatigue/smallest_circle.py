@@ -74,18 +74,19 @@ _SETS_OF_FOUR = np.vstack([np.pad(_PAIRS_OF_FOUR, ((0, 0), (0, 1)), mode="edge")
 
 def _circle_of_four(corners: FloatArray) -> tuple[FloatArray, FloatArray, IntArray]:
     """Return centre (n, 2), squared radius (n,) and carriers (n, 3) of circles around (n, 2, 4)."""
-    pairs = corners[:, :, _PAIRS_OF_FOUR].mean(axis=3)
     base = corners[:, :, 3:4]
+    pairs = (corners[:, :, :3] + base) / 2.0
     a = corners[:, :, _TRIPLES_OF_FOUR[:, 0]] - base
     b = corners[:, :, _TRIPLES_OF_FOUR[:, 1]] - base
     twice_area = 2.0 * (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
-    aa, bb = (a**2).sum(axis=1), (b**2).sum(axis=1)
+    aa, bb = (side[:, 0] ** 2 + side[:, 1] ** 2 for side in (a, b))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         x = (b[:, 1] * aa - a[:, 1] * bb) / twice_area
         y = (a[:, 0] * bb - b[:, 0] * aa) / twice_area
         triples = base + np.stack([x, y], axis=1)
         centres = np.concatenate([pairs, triples], axis=2)  # (n, 2, 6)
-        squared = ((corners[:, :, None, :] - centres[:, :, :, None]) ** 2).sum(axis=1).max(axis=2)
+        away = (corners[:, :, None, :] - centres[:, :, :, None]) ** 2
+        squared = (away[:, 0] + away[:, 1]).max(axis=2)
     worth = np.where(np.isfinite(squared), squared, np.inf)
     best = worth.argmin(axis=1)
     rows = np.arange(len(corners))

@@ -23,6 +23,7 @@ from . import longest_first, processor_budget, with_examples
 os.environ.update(ONE_THREAD)  # before any test loads a library that has threads of its own
 ROOT = Path(__file__).parent.parent
 collect_ignore = ["windows/sitecustomize.py"]  # imported it blocks modules, as is its purpose
+SHARES: list[tuple[Any, str, Any, Any]] = []  # place, name, with the shared store and without
 AS_A_USER = {"COLUMNS": "120", "PYTHONPATH": str(ROOT)}
 
 
@@ -114,30 +115,49 @@ def press(shared: Path) -> Run:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def equal_meshes_are_made_once(shared: Path) -> Iterator[None]:
-    """Models without a store of their own share one among all tests, bit by bit equal.
+def equal_scenes_are_made_once(shared: Path) -> Iterator[None]:
+    """What has no store of its own shares one among all tests, bit by bit equal.
 
-    A test that looks at how meshes and solutions are made, or alters it, asks for `unshared`.
+    That is meshes and solutions of parts, loads of cycles, and the buckling of linkages. A test
+    that looks at how they are made, or alters it, asks for `unshared`.
     """
+    from ballesta import pipeline
+    from ballesta.machine import solved_cycles
+    from checks.columns.linkage_store import unjudged
     from checks.store.store import GIB, Store
     from checks.stress.solid_mesh_level import Models
 
-    store, begin = Store(shared / "store", limit=GIB), Models.__init__
+    store = Store(shared / "store", limit=GIB)
+    begin, mode, cycle = Models.__init__, pipeline.worst_mode, solved_cycles.stored_loads
+    packages = ("checks", "fem", "geometry", "loads")
 
     def with_store(self: Models, own: Store | None = None) -> None:
         begin(self, store if own is None else own)
 
+    def one_mode(design: Any, solved: Any, *motions: Any) -> Any:
+        found = (unjudged(design), solved)
+        return store.remember(
+            "linkage_mode", packages, found, lambda: mode(design, solved, *motions)
+        )
+
+    def one_cycle(own: Store | None, *linkage_and_cycle: Any) -> Any:
+        return cycle(store if own is None else own, *linkage_and_cycle)
+
+    SHARES[:] = [
+        (Models, "__init__", with_store, begin),
+        (pipeline, "worst_mode", one_mode, mode),
+        (solved_cycles, "stored_loads", one_cycle, cycle),
+    ]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Models, "__init__", with_store)
-        patch.setattr(Models, "unshared", begin, raising=False)
+        for place, name, with_it, _ in SHARES:
+            patch.setattr(place, name, with_it)
         yield
 
 
 @pytest.fixture(scope="module")
-def unshared(equal_meshes_are_made_once: None) -> Iterator[None]:
-    """Models without a store, as a check has them, for the tests of a module."""
-    from checks.stress.solid_mesh_level import Models
-
+def unshared(equal_scenes_are_made_once: None) -> Iterator[None]:
+    """Nothing is shared, as a check without a store has it, for the tests of a module."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Models, "__init__", Models.unshared)
+        for place, name, _, without in SHARES:
+            patch.setattr(place, name, without)
         yield

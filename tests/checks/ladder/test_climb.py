@@ -143,24 +143,24 @@ def test_every_fidelity_gives_the_same_checks_by_its_own_model(tmp_path, bars):
             assert value == pytest.approx(values["solid"][kind], rel=0.12), (fidelity, kind)
 
 
-def test_a_verdict_by_auto_is_that_of_the_solid_near_the_limit(tmp_path, bars):
+@pytest.mark.parametrize("share", [pytest.param(0.98, marks=pytest.mark.slow), 1.015])
+def test_a_verdict_by_auto_is_that_of_the_solid_near_the_limit(tmp_path, bars, share):
     """The solid that `auto` comes to judges as the whole solid does, and says what it tried."""
     bars(formula=0.1)
     first = started(tmp_path)
     climb_cheap(first, AUTO)
-    for share in (0.98, 1.015):
-        need = required_at(first, "static", share)
-        design = machine(tmp_path, PLATE, f"require.static={need}", LOOSE)
-        (part,) = check_design(design).parts
-        (whole,) = check_design(design, effort=Effort("solid")).parts
-        by_auto, by_solid = (
-            next(check for check in one.checks if check.kind == "static") for one in (part, whole)
-        )
-        assert by_auto.status is by_solid.status
-        assert by_auto.method == by_solid.method
-        assert by_auto.value == pytest.approx(by_solid.value, abs=by_solid.numerical)
-        assert part.rungs[-1].rung == "solid"
-        assert part.rungs[-1].seconds > 0
+    need = required_at(first, "static", share)
+    design = machine(tmp_path, PLATE, f"require.static={need}", LOOSE)
+    (part,) = check_design(design).parts
+    (whole,) = check_design(design, effort=Effort("solid")).parts
+    by_auto, by_solid = (
+        next(check for check in one.checks if check.kind == "static") for one in (part, whole)
+    )
+    assert by_auto.status is by_solid.status
+    assert by_auto.method == by_solid.method
+    assert by_auto.value == pytest.approx(by_solid.value, abs=by_solid.numerical)
+    assert part.rungs[-1].rung == "solid"
+    assert part.rungs[-1].seconds > 0
 
 
 def test_without_time_no_solid_is_begun_and_what_it_would_settle_is_told(tmp_path, bars):

@@ -25,8 +25,10 @@ ROD = TubeRod(
 SLOW = pytest.mark.slow
 PARTS = [
     pytest.param(PlateLink(length=160, width=40, thickness=2, hole=10), (0.15, 0.25, 0.5, 0.9)),
-    pytest.param(PlateLink(length=160, width=20, thickness=8, hole=10), (0.3, 0.5, 0.8)),
-    pytest.param(PrismaticTube(length=250, width=13, wall=1.6), (0.2, 0.3, 0.6)),
+    pytest.param(
+        PlateLink(length=160, width=20, thickness=8, hole=10), (0.3, 0.5, 0.8), marks=SLOW
+    ),
+    pytest.param(PrismaticTube(length=250, width=13, wall=1.6), (0.2, 0.3, 0.6), marks=SLOW),
     pytest.param(PrismaticTube(length=150, width=30, wall=1.2), (0.35, 0.6, 1.0), marks=SLOW),
     pytest.param(PlateLink(length=120, width=20, thickness=30, hole=14), (0.4, 0.6), marks=SLOW),
     pytest.param(TOGGLE, (0.3, 0.5, 0.8), marks=SLOW),
