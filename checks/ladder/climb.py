@@ -254,7 +254,7 @@ def climb_cheap(climb: Climb, fidelity: str, say: Say = lambda _: None) -> bool:
 
     fidelity  "auto", or the one rung that was asked for; where it has no answer the others below
               the solid stand for it, and the solid where there are none; "swept": the solid, and
-              rungs below it for buckling
+              rungs below it for buckling; of a pin as "auto"
     """
     rungs = climb_rungs(climb, fidelity, say)
     while True:
@@ -273,6 +273,8 @@ def climb_rungs(
     if climb.part.fkm is not None:
         climb.skip(next(iter(BUILDERS)) if fidelity == AUTO else fidelity, FKM_NEEDS_SOLID)
         return True
+    if fidelity == SWEPT and climb.part.body is None:
+        fidelity = AUTO  # a pin: its fillet takes ten times the unknowns of a bar
     if fidelity == SWEPT:
         for rung in BUILDERS:
             if BUCKLING in climb.open:
