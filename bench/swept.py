@@ -80,6 +80,20 @@ class Campaign:
     wide: Sequence[str]
     count: int
 
+    @property
+    def told(self) -> str:
+        """The part and what varies, in words."""
+        wide = [_word(key) for key in self.wide]
+        rest = [_word(key) for key in self.sizes if key not in self.wide]
+        return (
+            f"{self.part} of {self.file.stem}: {', '.join(wide)} by up to 30 %, "
+            f"{', '.join(rest)} by up to 9.5 %"
+        )
+
+
+def _word(key: str) -> str:
+    return key.rpartition(".")[2].replace("_", " ")
+
 
 def _of_part(
     file: str, part: str, wide: Sequence[str], count: int, **sizes: float

@@ -6,6 +6,7 @@ else of the variation stays. So a variation's neighbour depends on itself and on
 on which variations came before, and many share one.
 """
 
+import gc
 import math
 import re
 from collections import OrderedDict
@@ -106,6 +107,7 @@ class Neighbours:
         return _found[key]
 
     def _solved(self, design: Design, part: str) -> Neighbour | str:
+        gc.collect()  # an earlier solid's factors refer to themselves in circles: 0.4 GB of a bar
         models = Models()
         try:
             if part not in design.parts:

@@ -208,7 +208,7 @@ def carried_result(
         name=part.name,
         shape=part.shape,
         material=part.material.name,
-        checks=[*checks, *(climb.best[kind].check for kind in climb.best)],
+        checks=[*checks, *(best.check for kind, best in climb.best.items() if kind not in judged)],
         gates=gates,
         hand_checks=hand_checks(part, loads, level),
         meshes=[{"body": "half" if level.half else "whole", **mesh_row(level)}],

@@ -173,13 +173,15 @@ def climb_cheap(climb: Climb, fidelity: str, say: Say = lambda _: None) -> bool:
     """Climb the rung below the solid; returns True if the solid is wanted.
 
     fidelity  "auto", or the one rung that was asked for, a solid where the part has no formula;
-              "swept": the solid, but a formula for buckling
+              "swept": the solid, but a formula for buckling; of a pin as "auto"
     """
     if fidelity == SOLID or (fidelity == SWEPT and climb.part.fkm is not None):
         return True
     if climb.part.fkm is not None:
         climb.skip(FORMULA, FKM_NEEDS_SOLID)
         return True
+    if fidelity == SWEPT and climb.part.body is None:
+        fidelity = AUTO  # a pin: its fillet takes ten times the unknowns of a bar
     if fidelity == SWEPT:
         if BUCKLING in climb.open:
             climb.by_formula([BUCKLING])
