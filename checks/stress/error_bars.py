@@ -10,6 +10,7 @@ import numpy as np
 from checks.design.data import Part
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
 from checks.stress.between_nodes import missed_between_nodes
+from checks.stress.beyond_even import BeyondEven, beyond_even
 from checks.stress.clearances import OverClearances, over_clearances
 from checks.stress.judged import Judged, raised_in_bores
 from checks.stress.pins_in_bores import CLEARANCE_WORDS
@@ -37,6 +38,7 @@ class Bars:
     by_arc         arc of contact, rad -> the quantity under that pressure, MPa; empty without pins
     in_bores       the largest in the bores, raised, MPa; 0 where the arc is stated
     clearances     the quantity over the clearances that fits leave; None without fits
+    along          the quantity where bent pins press unevenly; None where no stack tells
     """
 
     numerical: ErrorBar
@@ -48,6 +50,7 @@ class Bars:
     by_arc: Mapping[float, float] = field(default_factory=dict)
     in_bores: float = 0.0
     clearances: OverClearances | None = None
+    along: BeyondEven | None = None
 
 
 def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float) -> Bars:
@@ -117,8 +120,13 @@ def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float
         notes.append(f"by clearance of the pins, MPa: {by}; over all of them {ends}")
         above += clearances.above
         below += clearances.below
+    along = beyond_even(judged, finest)
+    if along is not None:
+        notes.append(along.words)
+        above += along.above
+        below += along.below
     words = "; ".join(notes)
-    return Bars(bar, above, below, words, values, sizes, by_arc, in_bores, clearances)
+    return Bars(bar, above, below, words, values, sizes, by_arc, in_bores, clearances, along)
 
 
 def mesh_bar(judged: Judged, levels: Sequence[Level]) -> float:
