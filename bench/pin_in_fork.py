@@ -18,7 +18,8 @@ from pathlib import Path
 import numpy as np
 
 from bench.frd_file import read_dat, read_frd
-from fem.contact.line_load import LineLoad, Lug, RoundBar, line_load
+from fem.contact.beds import Lug, RoundBar
+from fem.contact.line_load import LineLoad, line_load
 from geometry.mesh import FloatArray, IntArray
 
 YOUNG, POISSON = 210e3, 0.3

@@ -98,8 +98,8 @@ def interface_loads(elements: Elements, interface: Interface) -> InterfaceLoads:
     surface = elements.surface(interface.name)
     patterns, targets, even, odd = builder(surface, interface, elements.mesh.share)
     smooth = even if elements.mesh.half else [*even, *odd]
-    vectors = np.stack([_nodal(elements, surface, p) for p in patterns.values()], axis=1)
-    smooth_vectors = np.stack([_nodal(elements, surface, p) for p in smooth], axis=1)
+    vectors = np.stack([nodal_forces(elements, surface, p) for p in patterns.values()], axis=1)
+    smooth_vectors = np.stack([nodal_forces(elements, surface, p) for p in smooth], axis=1)
     reach = interface.radius or float(np.ptp(surface.points.reshape(-1, 3), axis=0).max())
     vectors, raw = with_resultants(
         elements, interface.name, interface.centre, reach, vectors, targets, smooth_vectors
@@ -176,7 +176,7 @@ def direct_bearing(
     vector = np.zeros(len(loads.vectors))
     missing, size = force, np.hypot(force[0], force[1])
     if size:
-        vector = _nodal(elements, surface, pressure)
+        vector = nodal_forces(elements, surface, pressure)
         got = resultants(elements, vector[:, None], interface.centre)[:2, 0]
         vector *= size**2 / (got @ force[:2])
         missing = force - resultants(elements, vector[:, None], interface.centre)[IN_PLANE, 0]
@@ -207,9 +207,9 @@ def harmonic_vectors(elements: Elements, interface: Interface, last: int) -> Flo
         interface.name,
         interface.centre,
         interface.radius,
-        np.stack([_nodal(elements, surface, pattern) for pattern in patterns], axis=1),
+        np.stack([nodal_forces(elements, surface, pattern) for pattern in patterns], axis=1),
         targets,
-        np.stack([_nodal(elements, surface, pattern) for pattern in smooth], axis=1),
+        np.stack([nodal_forces(elements, surface, pattern) for pattern in smooth], axis=1),
     )
     return vectors
 
@@ -246,7 +246,8 @@ def resultants(elements: Elements, vectors: FloatArray, centre: FloatArray) -> F
     return np.concatenate([forces.sum(axis=0), moment])
 
 
-def _nodal(elements: Elements, surface: FacetQuadrature, traction: Traction) -> FloatArray:
+def nodal_forces(elements: Elements, surface: FacetQuadrature, traction: Traction) -> FloatArray:
+    """Nodal forces (3 n_nodes,), N, of a traction, MPa, at points (..., 3) of a surface."""
     field = traction(surface.points) * surface.weights[..., None]
     nodal = np.einsum("aq,fqx->fax", surface.shape, field)
     vector = np.zeros((len(elements.mesh.nodes), 3))

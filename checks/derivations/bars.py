@@ -21,6 +21,7 @@ _SERIES = "what the series of the pins' pressure misses"
 _PATTERNS = "what patterns, nodes and short waves miss of solved contact, and series of other pins'"
 _OF_ARCS = "model: arcs on which pins may press"
 _OF_FITS = "model: the range of the pins' clearances"
+_OF_BENDING = "model: bent pins, which press unevenly"
 _CALIBRATED = "docs/theory/error_bars.md"
 
 
@@ -75,6 +76,13 @@ def solid_bars(bars: Bars, value: str, more: float = 0.0) -> Told:
     above, below = _arcs(bars.by_arc, bars.in_bores, items)
     more_above, more_below = _clearances(bars.clearances, items)
     above, below = _sum(above, more_above), _sum(below, more_below)
+    if bars.along is not None:
+        items += [
+            Given("q_1", "the value where pins press evenly along", bars.along.even, "MPa"),
+            Given("q_2", "the value where bent pins press unevenly", bars.along.uneven, "MPa",
+                  "the line load, solved"),
+        ]  # fmt: skip
+        above, below = _sum(above, "max(q_2 - q_1, 0)"), _sum(below, "max(q_1 - q_2, 0)")
     if more:
         items.append(Given("b_c", "how far another criterion lies above", more, "MPa", "the note"))
         above = _sum(above, "b_c")
@@ -84,7 +92,11 @@ def solid_bars(bars: Bars, value: str, more: float = 0.0) -> Told:
         items.append(Step(up, "model band above", above, "MPa", "docs/theory/bearing.md"))
     if low:
         items.append(Step(low, "model band below", below, "MPa", "docs/theory/bearing.md"))
-    of = (_OF_ARCS if bars.by_arc or more else "", _OF_FITS if bars.clearances else "")
+    of = (
+        _OF_ARCS if bars.by_arc or more else "",
+        _OF_FITS if bars.clearances else "",
+        _OF_BENDING if bars.along else "",
+    )
     words = "; ".join(text for text in (told.words, *of) if text)
     return BarSymbols(told.numerical, up, low, words), items
 

@@ -11,6 +11,7 @@ from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Gate
 from checks.result.words import CONTACT
+from checks.stress.beyond_even import unevenness
 from checks.stress.pins_in_bores import CLEARANCES, MIDDLE, Contact
 from checks.stress.solid_mesh_level import Level
 from fem.contact.condensed import ALLOWED as CONTACT_LIMIT
@@ -161,7 +162,7 @@ def assumed_of(loaded: LoadedPart, level: Level) -> list[str]:
     """Assumptions of the model, in words."""
     said = []
     if level.contact is not None:
-        said += _contact_words(level.contact, loaded.part.fit_assumed)
+        said += _contact_words(level, level.contact, loaded.part.fit_assumed)
     if has_bearings(level.solutions, level.solved_bores):
         said.append(
             f"{'other pins' if level.contact else 'pins'} press with a cosine pressure, even along "
@@ -191,16 +192,27 @@ def assumed_of(loaded: LoadedPart, level: Level) -> list[str]:
     return said
 
 
-def _contact_words(contact: Contact, assumed: str) -> list[str]:
+def _contact_words(level: Level, contact: Contact, assumed: str) -> list[str]:
     """Assumptions of the contact of pins, in words, with where the clearances are from."""
     by = f" ({assumed})" if assumed else ""
-    return [
-        f"{name}: {fit.material} with {fit.least:.4g} to {fit.largest:.4g} mm of clearance{by} "
-        "presses where contact without friction says, even along its length; the value is that of "
-        "the middle, the model band holds all of them"
-        + ("; both cheeks carry the same share" if _cheeks(contact, name) else "")
-        for name, fit in contact.pins.fits.items()
-    ]
+    along = unevenness(contact, level.peak.position)
+    said = []
+    for name, fit in contact.pins.fits.items():
+        words = (
+            f"{name}: {fit.material} with {fit.least:.4g} to {fit.largest:.4g} mm of clearance{by} "
+            "presses where contact without friction says, even along its length; the value is that "
+            "of the middle, the model band holds all of them"
+        )
+        if name in along:
+            bushed = fit.stack is not None and fit.stack.bushed
+            words += f"; the pin bends, which presses {along[name]} at the peak's position, " + (
+                "through a bush as stiff as the pin: softer ones even it, and it is not in the band"
+                if bushed
+                else "which the band holds as well"
+            )
+        words += "; both cheeks carry the same share" if _cheeks(contact, name) else ""
+        said.append(words)
+    return said
 
 
 def _cheeks(contact: Contact, name: str) -> bool:

@@ -1,6 +1,6 @@
 """Contact of pins whose fit is not stated: by an assumed one, and clearances that would pass."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import isfinite
 
@@ -11,8 +11,10 @@ from checks.result.verdict import Check, Status
 from checks.result.ways import clearance_fact
 from checks.strength.part_strength import endurance_of
 from checks.stress.clearances import FIRST, some_positions, values_at
+from checks.stress.error_bars import Bars
 from checks.stress.judged import Judged, StaticPeak
 from checks.stress.pins_in_bores import PinnedBores, widest_fits
+from checks.stress.pressed_along import stack_in
 from checks.stress.solid_mesh_level import Level, solve_level
 from fem.contact.condensed import ContactError
 from fem.unit_solutions import has_bearings
@@ -70,11 +72,16 @@ def _bores_of_contact(loaded: LoadedPart, level: Level) -> list[Interface]:
 
 
 def clearances_that_pass(
-    loaded: LoadedPart, level: Level, judged: Sequence[Judged], checks: Sequence[Check]
+    loaded: LoadedPart,
+    level: Level,
+    judged: Sequence[Judged],
+    checks: Sequence[Check],
+    bars: Mapping[Judged, Bars],
 ) -> dict[str, float]:
     """The largest clearance, mm, up to which each open check passes by contact, by fact and bore.
 
     level  under assumed pressures
+    bars   of the checks: what a pin that bends presses more stays in the band
 
     Contact is solved on the level's own factor at some of the positions. The band of arcs, or of
     the default fit, then falls; the numerical bar and the bar of the loads stay as they are.
@@ -90,6 +97,8 @@ def clearances_that_pass(
     bores = _bores_of_contact(loaded, level) if open_ones else []
     if not bores:
         return {}
+    stacks = [stack_in(loaded, bore.name) for bore in bores]
+    bends = any(stack is not None and not stack.bushed for stack in stacks)
     part, duty = loaded.part, loaded.duty.cycles
     fits = widest_fits(loaded, bores)
     some = _some_of(loaded.loads, level, judged)
@@ -108,10 +117,15 @@ def clearances_that_pass(
         return {}
     found: dict[str, float] = {}
     for what, check in open_ones:
+        along = bars[what].along if what in bars else None
+        if bends and along is None:
+            continue  # by contact it would be more than what is known
+        uneven = along.above if along else 0.0
         share = None
         for tried, value in values_at(what, pressed, FIRST, some).items():
             # what is left above the arcs' band are the bars of the loads
-            known = replace(check, value=value, model=check.loads, model_below=check.loads_below)
+            model = check.loads + uneven
+            known = replace(check, value=value, model=model, model_below=check.loads_below)
             if known.status is not Status.PASS:
                 break
             share = tried

@@ -108,7 +108,7 @@ def check_solid(
     levels, finest = solved.levels, solved.finest
     stressed, by_hand = list(solved.checks), list(solved.by_hand)
     arcs = _arcs_that_pass(loaded, levels, both, stressed, solved.doubts)
-    arcs |= clearances_that_pass(by_arcs.loaded, by_arcs.finest, both, stressed)
+    arcs |= clearances_that_pass(by_arcs.loaded, by_arcs.finest, both, stressed, solved.bars)
     buckled = Buckled()
     if "buckling" in asked.kinds:
         buckled = judge_buckling(by_arcs.loaded, models, levels, solved.sizes)

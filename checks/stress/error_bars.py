@@ -16,6 +16,7 @@ import numpy as np
 
 from checks.design.data import Part
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
+from checks.stress.beyond_even import BeyondEven, beyond_even
 from checks.stress.clearances import (
     POSITIONS,
     OverClearances,
@@ -52,6 +53,7 @@ class Bars:
     by_arc         arc of contact, rad -> the quantity under that pressure, MPa; empty without pins
     in_bores       the largest in the bores, raised, MPa; 0 where the arc is stated
     clearances     the quantity over the clearances that fits leave; None without fits
+    along          the quantity where bent pins press unevenly; None where no stack tells
     """
 
     numerical: ErrorBar
@@ -63,6 +65,7 @@ class Bars:
     by_arc: Mapping[float, float] = field(default_factory=dict)
     in_bores: float = 0.0
     clearances: OverClearances | None = None
+    along: BeyondEven | None = None
 
 
 def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float) -> Bars:
@@ -132,8 +135,13 @@ def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float
         notes.append(f"by clearance of the pins, MPa: {by}; over all of them {ends}")
         above += clearances.above
         below += clearances.below
+    along = beyond_even(judged, finest)
+    if along is not None:
+        notes.append(along.words)
+        above += along.above
+        below += along.below
     words = "; ".join(notes)
-    return Bars(bar, above, below, words, values, sizes, by_arc, in_bores, clearances)
+    return Bars(bar, above, below, words, values, sizes, by_arc, in_bores, clearances, along)
 
 
 def mesh_bar(judged: Judged, levels: Sequence[Level]) -> float:

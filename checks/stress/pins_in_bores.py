@@ -5,12 +5,13 @@ the value, and over the whole range at some of them, for the model band (checks/
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from checks.part.loaded_part import LoadedPart
+from checks.stress.pressed_along import Stack, stack_in
 from fem.contact.bore import BoreHarmonics, bore_harmonics
 from fem.contact.cycle import ContactCycle, FittedPin, PartContact
 from fem.contact.superposed import ContactSolutions, superposed
@@ -31,6 +32,7 @@ class Fit:
     youngs_modulus  MPa, of the pin
     poisson_ratio   of the pin
     material        of the pin, in words
+    stack           of the pin; None where the design has none that tells how it bends
     """
 
     least: float
@@ -38,6 +40,7 @@ class Fit:
     youngs_modulus: float
     poisson_ratio: float
     material: str
+    stack: Stack | None = None
 
     def clearance(self, share: float) -> float:
         """Clearance on diameter, mm, at a share of the range."""
@@ -54,7 +57,10 @@ def fits_of(loaded: LoadedPart) -> dict[str, Fit]:
     A pin is of the material of the pin part at that joint, of the part's own where there is none.
     """
     return {
-        name: _fit(loaded, name, *loaded.part.clearances[name])
+        name: replace(
+            _fit(loaded, name, *loaded.part.clearances[name]),
+            stack=stack_in(loaded, name, loaded.part.clearances[name][0]),
+        )
         for name in sorted(loaded.part.clearances)
     }
 

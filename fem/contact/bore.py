@@ -95,17 +95,21 @@ class BoreHarmonics:
         """Pressure (n, m), MPa, of forces (n_hats, m) N at `points`, without its long waves."""
         interface = self.loads.interface
         area = interface.radius * interface.length
-        values = self._once("values", hats, lambda: hats.values(self.angles))
+        values = self.once("values", hats, lambda: hats.values(self.angles))
         whole = values @ (forces / (hats.extents * area)[:, None])
         return np.asarray(whole - self._unit_pressures @ (self.waves(hats).T @ forces))
 
     @cached_property
     def _unit_pressures(self) -> FloatArray:
         """Pressures (n, 2 last + 1), MPa/N, of the columns at `points`."""
+        return self.unit_pressures(self.angles)
+
+    def unit_pressures(self, angles: FloatArray) -> FloatArray:
+        """Pressures (..., 2 last + 1), MPa/N, of the columns at angles (...), rad."""
         interface = self.loads.interface
-        turned = np.arange(1, self.last + 1) * self.angles[:, None]
-        both = np.stack([np.cos(turned), np.sin(turned)], axis=2).reshape(len(turned), -1)
-        unit = np.column_stack([np.full(len(turned), 0.5), both])
+        turned = np.arange(1, self.last + 1) * angles[..., None]
+        both = np.stack([np.cos(turned), np.sin(turned)], axis=-1).reshape(*angles.shape, -1)
+        unit = np.concatenate([np.full((*angles.shape, 1), 0.5), both], axis=-1)
         return np.asarray(unit / (np.pi * (interface.radius * interface.length)))
 
     @cached_property
@@ -140,7 +144,7 @@ class BoreHarmonics:
     def _found(self) -> dict[tuple[str, object], FloatArray]:
         return {}
 
-    def _once(self, name: str, of: object, work: Callable[[], FloatArray]) -> FloatArray:
+    def once(self, name: str, of: object, work: Callable[[], FloatArray]) -> FloatArray:
         """Result of some work for hats or another bore, done once for every clearance of a pin."""
         if (name, of) not in self._found:
             self._found[name, of] = work()
@@ -153,7 +157,7 @@ class BoreHarmonics:
 
     def moved_by(self, other: "BoreHarmonics") -> FloatArray:
         """Outward harmonics (2 last + 1, m) mm/N of the bore by those of another bore."""
-        return self._once("moved", other, lambda: self._moved_by(other.displacement))
+        return self.once("moved", other, lambda: self._moved_by(other.displacement))
 
     def _moved_by(self, displacement: FloatArray) -> FloatArray:
         return np.asarray(self.vectors.T @ displacement / self.share)
@@ -189,7 +193,7 @@ class BoreHarmonics:
 
     def waves(self, hats: Hats) -> FloatArray:
         """Harmonics (n, 2 last + 1) of unit forces on the hats."""
-        return self._once("waves", hats, lambda: self._waves(hats))
+        return self.once("waves", hats, lambda: self._waves(hats))
 
     def _waves(self, hats: Hats) -> FloatArray:
         waves = hats.waves(np.arange(1.0, self.last + 1))
@@ -198,7 +202,7 @@ class BoreHarmonics:
 
     def hat_flexibility(self, hats: Hats) -> FloatArray:
         """Mean outward displacement (n, n) mm/N of each hat per force on each hat."""
-        return self._once("flexibility", hats, lambda: self._hat_flexibility(hats))
+        return self.once("flexibility", hats, lambda: self._hat_flexibility(hats))
 
     def _hat_flexibility(self, hats: Hats) -> FloatArray:
         material, length = self.solutions.material, self.loads.interface.length

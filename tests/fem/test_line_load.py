@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from fem.contact.beds import Along, Lug, RoundBar
 from fem.contact.condensed import ContactError
 from fem.contact.cylinder_waves import bar_waves, bore_waves, local_bar_waves, shear_of_bar
-from fem.contact.line_load import Along, LineLoad, Lug, RoundBar, line_load
+from fem.contact.line_load import LineLoad, line_load
 
 YOUNG, POISSON = 210e3, 0.3
 
@@ -146,6 +147,15 @@ def test_forces_and_moments_balance_and_the_moment_is_less_than_with_even_pressu
     both = line_load(replace(found.bar, cuts=(-45.0, 45.0)), across)
     assert np.abs(both.moment(np.array([-45.0, 45.0]))).max() < 1e-9 * both.largest_moment
     assert np.abs(both.moment(np.array([0.0]))).min() > 1e3  # bent in both planes
+
+
+def test_forces_in_one_plane_press_alike_whatever_its_direction():
+    """To 1e-9: only the plane turns."""
+    found = fork()
+    turned = [replace(lug, force=(0.8 * lug.force[0], -0.6 * lug.force[0])) for lug in found.lugs]
+    skew = line_load(found.bar, turned)
+    for one, other in zip(found.forces, skew.forces, strict=True):
+        assert_allclose(one, other, rtol=0, atol=1e-9 * found.lugs[1].size)
 
 
 def test_tendencies():

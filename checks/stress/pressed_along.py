@@ -1,0 +1,171 @@
+"""Pins that bend in their stack: what they press more at the edges of a part's bores.
+
+Contact is solved with an even pressure along the pin. Where the design has the pin and its stack,
+the line load along it is solved, too (fem/contact/line_load.py), with the least clearance of the
+fit and other lugs free to tilt, which bend it most; the part's own cheeks tilt as its mesh does.
+The judged stress under that pressure is the model band's. Pins with lugs on one side are left out.
+"""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from checks.design.data import Part
+from checks.part.loaded_part import LoadedPart
+from checks.part.part_loads import PartLoads, loads_on
+from fem.contact.beds import Lug, RoundBar
+from fem.contact.line_load import line_load
+from fem.contact.uneven import shares_along
+from geometry.mesh import FloatArray
+from geometry.parts import Pin
+from geometry.parts.pin import as_pin
+
+_FREE = 1e4  # times 12/(E w^3), as a bore w mm wide gives way: lugs that tilt as they like
+_ALIKE = 1e-6  # of the mean line load
+_NOTHING = 1e-6  # of the largest force in a stack: a lug that carries none
+
+
+@dataclass(frozen=True, eq=False)
+class Stack:
+    """A pin in its stack, as one bore of a part meets it.
+
+    loaded     the part
+    pin        the part that is the pin
+    bore       name of the body whose lugs are the part's
+    clearance  mm on diameter, of all lugs
+    bushed     True: a bush of unknown softness stands between pin and bore, which evens the load
+    """
+
+    loaded: LoadedPart
+    pin: Part
+    bore: str
+    clearance: float
+    bushed: bool
+    _known: dict[tuple[int, float], FloatArray | None] = field(default_factory=dict)
+
+    @property
+    def shape(self) -> Pin:
+        """Shape of the pin."""
+        shape = as_pin(self.pin.geometry)
+        assert shape is not None
+        return shape
+
+    @property
+    def paired(self) -> bool:
+        """True if the part has two lugs on the pin."""
+        return any(seat.paired for seat in self.shape.seats if seat.name == self.bore)
+
+    @cached_property
+    def bar(self) -> RoundBar:
+        """The pin as a beam."""
+        shape = self.shape
+        cuts, diameters = [shape.ends[0]], []
+        for seat, low, high in shape.seated():
+            if low > cuts[-1]:
+                cuts.append(low)
+                diameters.append(shape.diameter)
+            cuts.append(high)
+            diameters.append(shape.neck(seat))
+        if shape.ends[1] > cuts[-1]:
+            cuts.append(shape.ends[1])
+            diameters.append(shape.diameter)
+        material = self.pin.material
+        return RoundBar(
+            tuple(cuts), tuple(diameters), material.youngs_modulus, material.poisson_ratio
+        )
+
+    @cached_property
+    def _loads(self) -> PartLoads:
+        return loads_on(self.loaded.design, self.pin, self.loaded.runs)
+
+    @property
+    def fits_positions(self) -> bool:
+        """True if the pin's loads are known at the part's positions."""
+        return self._loads.labels == self.loaded.loads.labels
+
+    def lugs(self, position: int, tilt: float) -> tuple[list[Lug], int]:
+        """Lugs that carry a force, and which of them is the part's: the upper one of a pair.
+
+        tilt  rad/(N mm), of the part's own lugs
+        """
+        wrenches = {name: w[position, :2] for name, w in self._loads.wrenches.items()}
+        largest = max(float(np.hypot(*force)) for force in wrenches.values())
+        found: list[Lug] = []
+        own = -1
+        for seat, low, high in self.shape.seated():
+            force = -wrenches[seat.name] / len(seat.places)
+            if np.hypot(*force) <= _NOTHING * largest:
+                continue
+            if seat.name == self.bore:
+                own = len(found)
+            body = self.loaded.design.part_of(seat.name)
+            material = (body or self.pin).material
+            free = _FREE * 12 / (material.youngs_modulus * (high - low) ** 3)
+            way = tilt if seat.name == self.bore else free
+            found.append(
+                Lug(
+                    low,
+                    high,
+                    (float(force[0]), float(force[1])),
+                    material.youngs_modulus,
+                    material.poisson_ratio,
+                    way if seat.paired else 0.0,
+                    self.clearance,
+                )
+            )
+        return found, own
+
+    def shares(self, position: int, tilt: float) -> FloatArray | None:
+        """The a_k (n,) by which the part's line load differs from a straight pin's.
+
+        A straight pin, too, presses more at the sharp edges of a bore, next to them alone, as
+        elements and tests have it; None where the lug carries nothing. Raises ContactError where
+        the pin's forces are not in balance.
+        """
+        if (position, tilt) not in self._known:
+            lugs, own = self.lugs(position, tilt)
+            found = None
+            if own >= 0:
+                bent, straight = (line_load(self.bar, lugs, bends=b) for b in (True, False))
+                found = shares_along(bent, own) - shares_along(straight, own)
+            self._known[position, tilt] = found
+        return self._known[position, tilt]
+
+
+def stack_in(loaded: LoadedPart, interface: str, clearance: float = 0.0) -> Stack | None:
+    """The stack of the pin in a bore; None where the design has none, or lugs on one side.
+
+    clearance  mm on diameter, with which the pin bends
+    """
+    part = loaded.part
+    joint = part.interfaces.get(interface)
+    if joint is None or part.body is None or not loaded.runs:
+        return None
+    for pin in loaded.design.parts.values():
+        shape = as_pin(pin.geometry)
+        if pin.joint != joint or shape is None:
+            continue
+        names = [seat.name for seat in shape.seats]
+        even = all(seat.paired or seat.at == 0.0 for seat in shape.seats)
+        if even and len(names) > 1 and part.body in names:
+            bushed = any(lug.bush for lug in pin.stack if lug.body == part.body)
+            found = Stack(loaded, pin, part.body, clearance, bushed)
+            return found if found.fits_positions else None
+    return None
+
+
+def most_pressed(shares: FloatArray) -> tuple[float, str]:
+    """Line load over its mean where it is largest, by a_k (n,), and where that is, in words.
+
+    >>> most_pressed(np.array([-0.2, 0.04]))
+    (1.24, 'inner edge')
+    """
+    t = np.linspace(-1.0, 1.0, 41)
+    line = 1 + np.polynomial.legendre.legval(t, np.r_[0.0, shares])
+    most = float(line.max())
+    if most - line[[0, -1]].max() > _ALIKE:
+        return most, "middle"
+    if abs(line[0] - line[-1]) < _ALIKE:
+        return most, "edges"
+    return most, "inner edge" if line[0] > line[-1] else "outer edge"

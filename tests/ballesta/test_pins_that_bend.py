@@ -1,0 +1,164 @@
+"""Pins that bend in a fork: what they press more at edges is in the band of solved contact."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from ballesta.machine.runs import solved_runs
+from checks.derivations.bars import solid_bars
+from checks.ladder.levels import first_level
+from checks.ladder.part_facts import assumed_of
+from checks.part.loaded_part import LoadedPart
+from checks.strength.part_strength import fatigue_use
+from checks.stress.beyond_even import beyond_even
+from checks.stress.error_bars import bars_of
+from checks.stress.judged import StaticPeak
+from checks.stress.kept_models import Models
+from checks.stress.pressed_along import stack_in
+from fem.contact.beds import Lug, RoundBar
+from fem.contact.bore import bore_harmonics
+from fem.contact.line_load import line_load
+from fem.contact.uneven import BoreAlong, shares_along
+from fem.unit_loads import resultants
+from fem.unit_solutions import Elastic, solve_unit_loads
+from geometry.meshing import mesh_shape
+from geometry.parts.toggle_bar import ToggleBar
+
+from ..small_machine import PLATE, machine
+
+FITS = 'fits = { first = "0 .. 0.02 mm", second = "0 .. 0.02 mm" }\n'
+STACK = """
+[parts.pin]
+joint = "A"
+shape = "pin"
+fixed_to = "crank"
+material = "42CrMo4"
+diameter = "12 mm"
+stack = [
+  { body = "crank", at = "AT mm", width = "6 mm" },
+  { body = "rod", at = "0 mm", width = "8 mm"BUSH },
+]
+"""
+
+
+def rod(folder, at=12.0, bush="", stack=STACK):
+    """The rod of the small machine between the cheeks of a crank; its level on a first mesh."""
+    text = PLATE + FITS + stack.replace("AT", f"{at:g}").replace("BUSH", bush)
+    design = machine(folder, text)
+    design, runs = solved_runs(design, Models(), lambda _: None)
+    return LoadedPart.of(design, design.parts["rod"], runs)
+
+
+@pytest.fixture(scope="module")
+def bent(tmp_path_factory):
+    loaded = rod(tmp_path_factory.mktemp("bent"))
+    return loaded, first_level(loaded, Models())
+
+
+def test_a_bent_pin_presses_the_edges_of_an_eye_more_which_the_band_holds(bent):
+    """Equal at both edges; stress there is not raised by more than the pressure is."""
+    loaded, level = bent
+    for what in (StaticPeak(loaded.loads), fatigue_use(loaded)):
+        found = beyond_even(what, level)
+        assert_allclose(found.even, what.value(level), rtol=1e-6)
+        assert "times the mean at the edges of first" in found.words
+        most = float(found.words.split("up to ")[1].split(" times")[0])
+        assert 1.02 < found.uneven / found.even < most < 2.0
+        bars = bars_of(what, loaded.part, [level, level], 0.2)
+        assert bars.above >= found.above > 0
+        told, items = solid_bars(bars, "v")
+        assert {"q_1", "q_2"} < {getattr(item, "symbol", "") for item in items}
+        assert "bent pins" in told.words
+    said = " ".join(assumed_of(loaded, level))
+    assert "the pin bends, which presses up to" in said
+    assert "which the band holds as well" in said
+
+
+def test_a_pin_that_does_not_bend_presses_as_evenly_as_it_was_taken(tmp_path):
+    """A pin a thousand times as stiff leaves a thousandth, and some for its harder surface."""
+    stack = stack_in(rod(tmp_path), "first")
+    lugs, own = stack.lugs(0, 0.0)
+    found = {}
+    for stiffer in (1.0, 1e3):
+        bar = replace(stack.bar, youngs_modulus=stiffer * stack.bar.youngs_modulus)
+        bent, straight = (line_load(bar, lugs, bends=bends) for bends in (True, False))
+        found[stiffer] = shares_along(bent, own) - shares_along(straight, own)
+    assert_allclose(found[1.0], stack.shares(0, 0.0), rtol=1e-9)
+    assert found[1.0][1] > 0.1
+    assert 0 < found[1e3][1] < 3e-3 * found[1.0][1]
+
+
+def test_cheeks_farther_away_bend_the_pin_more(tmp_path):
+    shares = [stack_in(rod(tmp_path, at), "first").shares(0, 0.0)[1] for at in (8.0, 12.0, 20.0)]
+    assert 0 < shares[0] < shares[1] < shares[2]
+
+
+def test_lugs_on_one_side_and_pins_without_a_part_are_left_out(bent, tmp_path):
+    loaded, _ = bent
+    assert stack_in(loaded, "second") is None
+    one_sided = STACK.replace('width = "6 mm"', 'width = "6 mm", single = true')
+    assert stack_in(rod(tmp_path, stack=one_sided), "first") is None
+
+
+def test_behind_a_bush_it_is_told_and_not_in_the_band(tmp_path):
+    loaded = rod(tmp_path, bush=', bush = { length = "8 mm", allowable = "100 MPa" }')
+    level = first_level(loaded, Models())
+    assert beyond_even(StaticPeak(loaded.loads), level) is None
+    said = " ".join(assumed_of(loaded, level))
+    assert "through a bush as stiff as the pin" in said
+    assert "it is not in the band" in said
+
+
+def waves_along_x(bore, force):
+    found = np.zeros(2 * bore.last + 1)
+    found[[0, 1]] = force
+    return found
+
+
+def test_an_uneven_pressure_has_the_couple_it_claims_and_no_force(bent):
+    """a_1 F w/6 about y; a bow has none. To 1e-3 of F w, for facets' integrals of a kink-free
+    polynomial.
+    """
+    _, level = bent
+    bore = level.contact.pins.harmonics[0]
+    along, elements = BoreAlong(bore), bore.solutions.elements
+    low, high = along.faces
+    assert not along.paired
+    assert_allclose([low, high], [-4.0, 4.0], atol=1e-9)
+    waves = waves_along_x(bore, 100.0)
+    for shares, couple in (((0.5, 0.0), 0.5 * 100 * 8 / 6), ((0.0, 1.0), 0.0)):
+        vector = along.vector(waves, np.array(shares))
+        got = resultants(elements, vector[:, None], bore.loads.interface.centre)[:, 0]
+        if not bore.solutions.mesh.half:
+            assert_allclose(got[4], couple, atol=1e-3 * 100 * 8)
+        assert np.abs(got[:2]).max() < 1e-9 * 100
+        assert np.abs(vector).max() > 0.01
+
+
+def tilt_of_cheeks(wall):
+    """How a cheek at the knee of a toggle bar tilts, rad/(N mm)."""
+    shape = ToggleBar(
+        length=200.0, width=50.0, wall=wall, hole=20.0, overhang=25.0, inner_radius=2.0,
+        cutout_length=35.0, cutout_corner=4.0,
+    )  # fmt: skip
+    steel = Elastic(210e3, 0.3, 7.85e-9)
+    solutions = solve_unit_loads(mesh_shape(shape, fineness=0.5), steel)
+    along = BoreAlong(bore_harmonics(solutions, "knee"))
+    low, high = along.faces
+    assert along.paired
+    assert_allclose([low, high], [25.0 - wall, 25.0], atol=1e-6)
+    assert_allclose(along.places(np.array([-high, -low, low, high])), [1, -1, -1, 1], atol=1e-6)
+    lug = Lug(low, high, (1.0, 0.0), 210e3, 0.3)
+    bar = RoundBar((-40.0, 40.0), (20.0,), 210e3, 0.3)
+    return along.tilt(bar, lug, waves_along_x(along.harmonics, 1.0))
+
+
+def test_thin_cheeks_tilt_as_plates_bend():
+    """Plates bend with the third power of their thickness; the tube's corners hold them alike.
+
+    Half as thick is 8 times as soft, times 42/34 for the wider span between the side walls, or its
+    square where they hold less: 10 to 12.
+    """
+    assert 9.0 < tilt_of_cheeks(4.0) / tilt_of_cheeks(8.0) < 13.0
