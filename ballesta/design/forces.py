@@ -103,9 +103,10 @@ def _limits(entry: Measured | Available, kind: str) -> Pair:
             "", f"needs either push and pull, or bore, rod and pressure; it has {listed(stated)}"
         )
     if entry.bore is None or entry.pressure is None or entry.rod is None:
-        missing = next(field for field in ("bore", "rod", "pressure") if field not in stated)
-        described = Available.model_fields[missing].description
-        raise ParameterError(missing, f"must be stated: {described}")
+        first, *others = (field for field in ("bore", "rod", "pressure") if field not in stated)
+        described = Available.model_fields[first].description
+        also = f"; so must {listed(others)}" if others else ""
+        raise ParameterError(first, f"must be stated: {described}{also}")
     if entry.rod >= entry.bore:
         raise ParameterError(
             "rod", f"must be below the bore of {entry.bore:g} mm, got {entry.rod:g} mm"

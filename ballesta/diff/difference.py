@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ballesta.diff.compared import compared
-from ballesta.run import Say, guarded
+from ballesta.run import Say, guarded, told_of_folder
 from checks.design.effort import effort_of
 from checks.design.errors import DesignError, listed
 from checks.result.words import brief
@@ -178,7 +178,10 @@ def run_diff(a: Path, b: Path, wanted: Wanted) -> int:
         effort = effort_of(wanted.fidelity, wanted.within)
         difference = differences_of(a, b, effort=effort, say=step)
         if wanted.html is not None:
-            _write(difference, wanted.html)
+            from reports.difference_text import write_difference
+
+            with told_of_folder(wanted.html, "--html"):
+                write_difference(difference, wanted.html)
         if wanted.as_json:
             files = [] if wanted.html is None else [str(wanted.html)]
             report = plain(difference.to_dict() | {"files": files})
@@ -191,12 +194,3 @@ def run_diff(a: Path, b: Path, wanted: Wanted) -> int:
                 print(f"written: {wanted.html}")
 
     return guarded(work)
-
-
-def _write(difference: Difference, page: Path) -> None:
-    from reports.difference_text import write_difference
-
-    try:
-        write_difference(difference, page)
-    except OSError as error:
-        raise DesignError(page, "--html", f"cannot be written: {error.strerror}") from error
