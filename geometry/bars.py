@@ -14,7 +14,6 @@ import numpy as np
 from geometry.mesh import FloatArray
 
 Holes = Sequence[tuple[float, float]]
-_ARCS = 8  # of half a bore's rim
 BESIDE = 1.25  # widths from a hole's axis to where a bar's stress is that of its section again
 
 
@@ -239,13 +238,6 @@ def chord(x: FloatArray, holes: Holes) -> FloatArray:
     for centre, radius in holes:
         taken += 2 * np.sqrt(np.maximum(radius**2 - (x - centre) ** 2, 0.0))
     return taken
-
-
-def bore_places(holes: Holes) -> list[float]:
-    """Where nodes stand within holes (centre, radius): at even angles of the rim."""
-    cosines = np.cos(np.linspace(0.0, np.pi, _ARCS + 1))
-    cosines[_ARCS // 2] = 0.0
-    return [float(c + r * cosine) for c, r in holes for cosine in cosines]
 
 
 def bored(

@@ -129,7 +129,7 @@ class Shape(ABC):
     def profile(self) -> Bar | None:
         """The bar that it is from end to end, bores taken out; None where that is not known.
 
-        With it a shape has the rung `beam`: buckling as a Timoshenko frame.
+        Section forces at its welds follow from it.
         """
         return None
 

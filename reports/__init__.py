@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from reports.files import read_json, replacing, write_json, write_vtu
     from reports.page import report_html, write_report
     from reports.pictures import Pictures, render_stills
-    from reports.terminal import verdict_renderable, verdict_text
+    from reports.terminal import verdict_text
 
 __all__ = [
     "Check",
@@ -34,7 +34,6 @@ __all__ = [
     "render_stills",
     "replacing",
     "report_html",
-    "verdict_renderable",
     "verdict_text",
     "write_json",
     "write_report",

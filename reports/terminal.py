@@ -5,7 +5,6 @@ from pathlib import Path
 from shutil import get_terminal_size
 
 from rich.cells import cell_len, chop_cells
-from rich.text import Text
 
 from checks.result.verdict import Check, DesignResult, Status
 from checks.result.words import (
@@ -77,20 +76,6 @@ def verdict_text(
     lines += labelled("", verdict_sentence(result), width)
     lines += footer(result, report, width)
     return "\n".join(lines) + "\n"
-
-
-def verdict_renderable(
-    result: DesignResult, width: int | None = None, report: str | Path | None = None
-) -> Text:
-    """Lines of `verdict_text`, coloured, for a rich console."""
-    text = Text(verdict_text(result, width, report), no_wrap=True, end="")
-    text.highlight_regex(r"\b(pass|PASS)\b", "bold green")
-    text.highlight_regex(r"\bFAIL\b", "bold red")
-    text.highlight_regex(
-        r"\bUNDECIDED\b|^WARNING|^NOT VALID|^DOES NOT HOLD|±∞ \(\w+\)", "bold yellow"
-    )
-    text.highlight_regex(r"^(NOT CHECKED|ASSUMED|SET|LADDER)\b", "bold")
-    return text
 
 
 def _row(check: Check, title: str) -> list[str]:

@@ -171,14 +171,6 @@ def column_force(stiffness: FloatArray, shear: FloatArray | float, length: float
     return float(slope.sum() / ((wave / stiffness) + slope / shear).sum())
 
 
-def plate_stress(thickness: float, width: float, young: float, poisson_ratio: float) -> float:
-    """Stress, MPa, at which a long plate buckles that is pressed along and held at both edges.
-
-    4 pi^2 E t^2/(12 (1 - nu^2) b^2) (Timoshenko and Gere, 2nd ed., 9.2).
-    """
-    return float(pi**2 * young / (3 * (1 - poisson_ratio**2)) * (thickness / width) ** 2)
-
-
 def lateral_share(
     compression: FloatArray,
     moment: FloatArray,

@@ -8,8 +8,8 @@ from typing import Any
 def plain_fields(thing: Any, *left_out: str) -> dict[str, Any]:
     """Fields of a dataclass as plain data, in their order; None for what is not finite.
 
-    What has a `to_dict` is told by that, sequences and further dataclasses item by item; what
-    stands in mappings is left as it is.
+    A `to_dict` of a field's value is used; sequences and further dataclasses follow item by item,
+    mappings stay as they are.
     """
     names = (name for name in thing.__dataclass_fields__ if name not in left_out)
     return {name: _plain(getattr(thing, name)) for name in names}

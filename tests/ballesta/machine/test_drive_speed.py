@@ -160,7 +160,7 @@ def test_a_rung_s_stress_goes_with_the_square_of_the_speed(tmp_path):
     ]
     part_loads = loads_on(design, part, cycles, doubts)
     climb = start_climb(LoadedPart(design, part, part_loads, cycles))
-    shares = load_bars(part_loads, climb._values("formula")).shares
+    shares = load_bars(part_loads, climb._values).shares
     for kind in ("static", "fatigue", "buckling"):
         assert shares[kind][doubts[0].words] == pytest.approx([0.81, 1.21], rel=1e-6)
         assert shares[kind][doubts[1].words] != pytest.approx([1.0, 1.0], rel=1e-3)

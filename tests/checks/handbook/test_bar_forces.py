@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from checks.handbook.bar_forces import balanced_bar, deflection
-from checks.handbook.column_curves import column_force, lateral_share, plate_stress
+from checks.handbook.column_curves import column_force, lateral_share
 from checks.models.shapes.pin import section_stress, surface_stress, under_band
 from checks.models.shapes.slotted_lever import rail_forces
 
@@ -85,11 +85,6 @@ def test_tension_takes_off_and_compression_adds_to_lateral_buckling():
     moment = (1 - s)[:, None] / m * np.ones(2)
     share = lateral_share(np.array([1.5, -1.5]), moment, flat, flat, 1.0)
     assert_allclose(share, [2.0, 0.5], rtol=1e-9)
-
-
-def test_a_plate_buckles_at_four_times_eulers_stress():
-    """t/b = 1/100, E = 2.1e5, nu = 0.3: 75.9 MPa (Timoshenko and Gere)."""
-    assert_allclose(plate_stress(1.0, 100.0, 2.1e5, 0.3), 75.9, atol=0.05)
 
 
 def test_the_rails_beside_a_slot_share_an_even_moment_as_one_section():

@@ -144,7 +144,7 @@ def test_long_bars_beyond_the_range_lie_inside_the_band_of_those_within():
         solid, rung = line["solid"].get("buckling"), line["rungs"].get("buckling")
         if solid and rung and len(line["families"]) and line["families"].get("buckling"):
             band = DATA[line["families"]["buckling"]]["formula"]["buckling"]
-            stout = STOUT["formula"] / BY_STRESS * line["by stress"]
+            stout = STOUT / BY_STRESS * line["by stress"]
             held += [
                 band["low"] <= solid[0] / rung and solid[0] <= band["high"] * rung + stout
                 for name, value in of_buckling(line["scales"]).items()

@@ -11,8 +11,6 @@ from pydantic import BaseModel
 
 from ballesta.design.read import read_design
 from checks.design.data import Design, Part
-from checks.design.effort import FIDELITIES
-from checks.ladder import climb
 from checks.store import fingerprints
 from checks.store.fingerprints import PACKAGES, code_digest, digest, libraries, stages_of
 
@@ -200,7 +198,3 @@ def test_no_field_of_a_design_or_a_part_is_left_out():
         other = replace(part, **{each.name: "something else"})
         after = stages_of(replace(design, parts={**design.parts, "pin_B": other}))
         assert before != after, each.name
-
-
-def test_the_rungs_that_may_be_asked_for_are_those_that_there_are():
-    assert climb.FIDELITIES == FIDELITIES
