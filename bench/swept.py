@@ -111,7 +111,7 @@ CAMPAIGNS = dict([
     _of_part("gallery/push_pull_clamp.toml", "link", ("width", "thickness"), 30, width=20.0,
              thickness=6.0, hole=8.0),
     _of_part("gallery/yoke_actuator.toml", "yoke", ("thickness",), 30, width=64.0,
-             thickness=36.0, slot_from=70.0, slot_to=172.0),
+             thickness=36.0, hole=30.0),
     ("step_rod", Campaign(
         Path("step_rod.toml"), "rod",
         {"cycles.turn.phases[0].forces.push": (6.0, "kN"),
@@ -152,7 +152,7 @@ def drawn(campaign: Campaign) -> Iterator[tuple[str, ...]]:
     sobol = qmc.Sobol(len(sizes), seed=SEED)
     reach = np.array([log(1.3) if key in wide else log(1.09) for key in sizes])
     random = np.random.default_rng(SEED)
-    count = 0
+    count = refused = 0
     while count < campaign.count:
         if is_corner(count):
             steps = [random.integers(-1, 2) if key in wide else 0 for key in sizes]
@@ -165,8 +165,11 @@ def drawn(campaign: Campaign) -> Iterator[tuple[str, ...]]:
                           for (key, (value, unit)), factor in factors)  # fmt: skip
         try:
             read_design(campaign.file, overrides)
-        except DesignError:
-            continue  # a shape that cannot be
+        except DesignError:  # a shape that cannot be
+            refused += 1
+            if refused > 1000:
+                raise
+            continue
         count += 1
         yield overrides
 
