@@ -196,7 +196,7 @@ def _lengths(places: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Pressed:
-    """What CalculiX finds in one lug.
+    """Line load and hoop stress by CalculiX in one lug.
 
     heights    (n,) mm, the layers' nodes
     intensity  (n,) N/mm, along the force
