@@ -1,4 +1,4 @@
-"""What a judged stress becomes where bent pins press unevenly along a part's bores."""
+"""A judged stress where bent pins press unevenly along a part's bores."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -42,7 +42,7 @@ class BeyondEven:
 def beyond_even(judged: Judged, level: Level) -> BeyondEven | None:
     """The quantity under uneven pressure, at the positions that decide it under an even one.
 
-    None where no bore has a pin whose stack is known, or all have bushes.
+    None where no bore has a pin whose stack is known, all have bushes or carry nothing.
     """
     contact = level.contact
     if contact is None:
@@ -53,9 +53,11 @@ def beyond_even(judged: Judged, level: Level) -> BeyondEven | None:
     known = _known.setdefault(level, WeakKeyDictionary())
     if judged not in known:
         even, uneven = judged.direct(level, [0.0, 1.0], _under)
-        told = unevenness(contact, judged.deciding(level)[0])
+        said = (unevenness(contact, position) for position in judged.deciding(level))
+        told = next((words for words in said if words), {})
         by = ", ".join(told[name] for bore in bores if (name := bore.loads.interface.name) in told)
-        known[judged] = BeyondEven(even, uneven, f"its pin bends: {by}; {uneven:.4g} MPa")
+        words = f"its pin bends, which presses {by}; {uneven:.4g} MPa"
+        known[judged] = BeyondEven(even, uneven, words) if by else None
     return known[judged]
 
 

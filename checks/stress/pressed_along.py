@@ -1,4 +1,4 @@
-"""Pins that bend in their stack: what they press more at the edges of a part's bores.
+"""Pins that bend in their stack, which press more at the edges of a part's bores.
 
 Contact is solved with an even pressure along the pin. Where the design has the pin and its stack,
 the line load along it is solved, too (fem/contact/line_load.py), with the least clearance of the

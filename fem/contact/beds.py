@@ -1,4 +1,4 @@
-"""How a bore and the round pin in it give way to a line load along them.
+"""Flexibility of a bore and the round pin in it to a line load along them.
 
 Waves along of the three-dimensional bore and bar (fem/contact/cylinder_waves.py), with the shape
 around that the plane contact has: of the mean line load, its arc held.

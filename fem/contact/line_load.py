@@ -1,10 +1,10 @@
 """The line load q(z) along a round pin in its stack of lugs, where pin and bores give way.
 
 The pin is a Timoshenko beam; in each lug it presses on the bore as far as both give way there
-(fem/contact/beds.py). Lugs move freely along their
-force and may tilt. No pull: where the pin lifts off, it presses nothing. Forces of all lugs and
-the moments about the pin balance exactly. The condensed contact of fem/contact/condensed.py, with
-hats of line load along the lugs. docs/theory/contact.md, "Along the pin", derives it.
+(fem/contact/beds.py). Lugs move freely along their force and may tilt. No pull: where the pin lifts
+off, it presses nothing. Forces of all lugs and the moments about the pin balance exactly. The
+condensed contact of fem/contact/condensed.py, with hats of line load along the lugs.
+docs/theory/contact.md, "Along the pin", derives it.
 """
 
 from collections.abc import Callable, Sequence
@@ -28,7 +28,7 @@ Bed = Callable[[RoundBar, Lug, Along], FloatArray]
 
 @dataclass(frozen=True, eq=False)
 class LineLoad:
-    """What presses along a pin.
+    """Forces of hats along a pin.
 
     bar    the pin
     lugs   that it presses on; `hats` and `forces` (n,), N, of the hats, one of each lug
@@ -89,7 +89,7 @@ def line_load(
     """Solve what presses along a pin.
 
     lugs     that carry a force
-    bed      flexibility of bore and pin in a lug, where it is not that of waves
+    bed      flexibility of bore and pin in a lug, where waves do not make it
     patches  along a lug
     bends    False: the pin stays straight, lugs do not tilt; its surface gives way all the same
 

@@ -1,7 +1,7 @@
 """Pressure in a meshed bore that is uneven along the pin.
 
 A shape along a lug, 1 + sum of a_k P_k(t) with Legendre's polynomials over t from -1 to 1, times
-the even pressure around. Its force is that of the even one; P_1 is a couple, which bends a cheek.
+the even pressure around. It has the same force; P_1 is a couple, which bends a cheek.
 Long waves around load the elements, short ones have the stress of a sheet (fem/contact/bore.py).
 """
 
