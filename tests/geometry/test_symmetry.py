@@ -84,7 +84,8 @@ class Box:
 @pytest.fixture(scope="module", params=MIRRORED)
 def both(request):
     shape = MIRRORED[request.param]
-    return mesh_shape(shape, fineness=0.8), mesh_shape(Half(shape), fineness=0.8)
+    fineness = 0.8 if request.param == "tube_rod" else 0.6  # its curves leave 1e-4 of the volume
+    return mesh_shape(shape, fineness=fineness), mesh_shape(Half(shape), fineness=fineness)
 
 
 def test_parts_in_one_plane_can_be_halved_and_the_others_say_nothing():
