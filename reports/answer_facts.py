@@ -212,9 +212,8 @@ def _ways(result: DesignResult) -> list[Fact]:
         and way.command != changes
         and not (failed and way.text.endswith(f"it is a {Status.FAIL}"))
     ]
-    return [
-        Fact("way out", _way_text(way, result), clean(way.command)) for way in ways[:_MOST_WAYS]
-    ]
+    label, most = ("also open", 1) if failed else ("way out", _MOST_WAYS)
+    return [Fact(label, _way_text(way, result), clean(way.command)) for way in ways[:most]]
 
 
 def _way_text(way: Way, result: DesignResult) -> str:
@@ -301,17 +300,16 @@ def _others(result: DesignResult, rows: Sequence[PartRow]) -> str:
     rest = len(result.checks) - sum(row.count for row in rows)
     if not rest:
         return ""
-    open_ = sum(c.status is not Status.PASS for c in result.checks) - sum(
-        row.count for row in rows if row.check.status is not Status.PASS
-    )
-    if rest == 1:
-        return f"and 1 other check, it {'is open or fails' if open_ else 'passes'}"
-    passed = f"{rest - open_} pass, " if rest > open_ else ""
-    return (
-        f"and {rest} other checks: {passed}{open_} open or failed"
-        if open_
-        else (f"and {rest} other checks, all pass")
-    )
+    shown = [row.check.status for row in rows for _ in range(row.count)]
+    words = {Status.PASS: "pass", Status.UNDECIDED: "open", Status.FAIL: "failed"}
+    counts = {
+        word: sum(check.status is status for check in result.checks) - shown.count(status)
+        for status, word in words.items()
+    }
+    told = ", ".join(f"{count} {word}" for word, count in counts.items() if count)
+    if counts["pass"] == rest:
+        return f"and {rest} other checks, all pass" if rest > 1 else "and 1 other check, it passes"
+    return f"and {rest} other check{'s' if rest > 1 else ''}: {told}"
 
 
 def _row(check: Check, title: str) -> tuple[str, str, str, str, str]:

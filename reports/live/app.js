@@ -264,11 +264,11 @@ const liveView = (root) => {
   // A buckling mode, drawn as 8 % of what is shown. It swings for a while once it is shown, and as
   // long as the cycle plays; it has a shape and no size.
   const still = matchMedia("(prefers-reduced-motion: reduce)");
-  let began = 0, swinging = 0;
+  let began = 0, swinging = 0, printing = false; // on paper it is at its largest
   const modeSize = () => 0.08 * Math.max(...view.drawn.map(({ bounds }) => sizeOf(bounds)));
   const swung = () => {
     const gone = performance.now() - began;
-    return still.matches || !(gone < SWINGS || positions.current?.playing)
+    return printing || still.matches || !(gone < SWINGS || positions.current?.playing)
       ? 1 : Math.cos((4 * Math.PI * gone) / SWINGS);
   };
   const swing = () => {
@@ -312,10 +312,14 @@ const liveView = (root) => {
   };
   const print = () => { // what paper shows: scene and writing in one, in the colours of paper
     if (!view.isReady()) return;
+    printing = true;
+    update();
     picture.paint(true);
     const printed = find("printed");
     printed.src = view.canvas.toDataURL();
     printed.alt = view.canvas.getAttribute("aria-label");
+    printing = false;
+    update();
     picture.paint();
   };
   const bind = () => {

@@ -116,7 +116,7 @@ def test_each_part_has_its_governing_check_and_the_others_are_counted():
     assert "buckling" not in text
     two_open = [results.check(kind=k, value=300.0, model=inf) for k in ("static", "fatigue", "pin")]
     text = answer_text(results.design(results.part(checks=two_open)), 100)
-    assert "and 2 other checks: 2 open or failed" in text
+    assert "and 2 other checks: 2 open" in text
 
 
 @pytest.mark.parametrize(("binding", "label"), [(True, "NOT VALID"), (False, "not met")])
@@ -186,6 +186,8 @@ def test_a_way_is_told_with_the_number_of_its_checks_and_what_only_fails_is_not(
     failing = results.part("arm", [replace(results.FAILING, part="arm")])
     text = words(answer_text(replace(results.design(*parts, failing), ways=[fails]), 100))
     assert "check y" not in text
+    text = words(answer_text(replace(results.design(*parts, failing), ways=[fails, judge]), 100))
+    assert "also open let a solid judge it (2 checks): check x" in text
 
 
 def test_a_design_without_parts_says_that_nothing_was_checked():

@@ -263,6 +263,12 @@ def test_a_buckling_mode_swings_for_a_while_and_as_long_as_the_cycle_plays(viewe
     assert role(page, "factor-box").is_hidden()
     shapes = [pixels(page) for _ in range(3)]
     assert any((shapes[0] != each).any() for each in shapes[1:])  # it moves
+    printed = []
+    for _ in range(2):  # on paper at its largest, whenever that is
+        page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
+        printed.append(role(page, "printed").get_attribute("src"))
+        page.wait_for_timeout(300)
+    assert printed[0] == printed[1]
     page.wait_for_timeout(4200)
     rest = pixels(page)
     assert (pixels(page) == rest).all()  # no longer than five seconds by itself (WCAG 2.2.2)
