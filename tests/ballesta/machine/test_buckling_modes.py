@@ -28,15 +28,17 @@ def jack():
 def test_a_column_longer_than_the_part_has_the_mode_of_both_bars_whose_knee_moves_most():
     """500 mm out of the plane, of two bars of 250 mm: half a sine wave over both, 1 at the knee.
 
-    Between the frame's 17 nodes of a bar the axis is drawn straight.
+    The bars meet at an angle at the knee, which twists both: walls differ by 0.04 from the axis.
     """
     result = checked("toggle_press_30x30")
+    design = read_design(DESIGNS / "toggle_press_30x30.toml")
     assert result.deciding.quantity == "column out of plane"
-    for part, knee in zip(result.parts, (250.0, 0.0), strict=True):
-        nodes, mode = part.live.nodes, part.live.mode
-        far = np.abs(nodes[:, 0] - knee)
-        assert_allclose(np.abs(mode[:, 2]), np.cos(np.pi * far / 500.0), atol=0.02)
-        assert np.abs(mode[:, 1]).max() < 0.02
+    for part in result.parts:
+        nodes, mode, own = part.live.nodes, part.live.mode, design.parts[part.name]
+        (knee,) = (i for i in own.geometry.placed_interfaces if own.interfaces[i.name] == "B")
+        far = np.abs(nodes[:, 0] - knee.centre[0])
+        assert_allclose(np.abs(mode[:, 2]), np.cos(np.pi * far / 500.0), atol=0.06)
+        assert np.abs(mode[:, 1]).max() < 0.06
     assert shown_of(result.deciding, result)["mode"]
 
 
@@ -67,10 +69,10 @@ def test_a_part_that_buckles_between_its_own_pins_has_its_half_wave():
     assert result.deciding.note.startswith("in plane: Euler's column;")
     (rod,) = result.parts
     first, second = (one.centre[0] for one in result_of_pins())
-    x = np.clip(rod.live.nodes[:, 0], first, second)
+    x = rod.live.nodes[:, 0]
+    between = (x > first) & (x < second)
     wave = np.sin(np.pi * (x - first) / (second - first))
-    inside = np.abs(rod.live.nodes[:, 1]) < 1.0  # mm, beside which a turn moves nothing across
-    assert_allclose(np.abs(rod.live.mode[inside, 1]), wave[inside], atol=0.1)
+    assert_allclose(rod.live.mode[between, 1], wave[between], atol=5e-3)
     assert np.abs(rod.live.mode[:, 2]).max() == 0.0
 
 
