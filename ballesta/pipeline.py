@@ -18,6 +18,7 @@ from ballesta.design.plate_parts import told_of_steps
 from ballesta.design.read import read_design
 from ballesta.machine.balance import balance_gates, not_measured
 from ballesta.machine.blows import blow_gates, blow_subject
+from ballesta.machine.buckling_modes import with_modes
 from ballesta.machine.drive_speed import speed_assumptions, speed_warnings
 from ballesta.machine.events import event_assumptions
 from ballesta.machine.motion import motions_of
@@ -193,7 +194,9 @@ def check_with_cycles(
     timings["cycle, fatigue, buckling"] = perf_counter() - start - spent
     whole = with_parts(frame, results, _warnings_of_parts(design, results))
     whole = replace(whole, ways=ways_out(whole))
-    whole = replace(whole, motion=motions_of(design, machine.solved, results) if live else {})
+    if live:
+        whole = with_modes(design, machine.solved, whole, mode)
+        whole = replace(whole, motion=motions_of(design, machine.solved, results))
     return Checked(whole, machine.rigid, ladder.rubbing)
 
 

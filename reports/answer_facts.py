@@ -12,7 +12,7 @@ from shutil import get_terminal_size
 
 from rich.cells import cell_len
 
-from checks.result.verdict import Check, DesignResult, PartResult, Status, deciding_of
+from checks.result.verdict import Check, DesignResult, PartResult, Status, Way, deciding_of
 from checks.result.ways import (
     LEAST,
     NOTHING,
@@ -21,7 +21,6 @@ from checks.result.ways import (
     change_text,
     improve_command,
     lower_by,
-    way_text,
 )
 from checks.result.words import (
     assumptions,
@@ -34,16 +33,17 @@ from checks.result.words import (
     open_reason,
     range_text,
     safety_text,
-    value_and_bars,
+    value_and_whole_bar,
 )
 from reports.gauge import shares
 from reports.loads_words import broken_of
-from reports.terminal import footer, labelled, table_row
+from reports.terminal import labelled, report_line, table_row
 
 _MOST_WARNINGS = 2
 _MOST_GATES = 2
 _MOST_WAYS = 2
 _MOST_SUBJECTS = 4
+_MOST_MASSES = 4
 _LONGEST_MEANING = 160  # letters of what a validity check measures, told beside its number
 _LONGEST = 300  # letters of one sentence, so that no name floods the answer
 
@@ -192,9 +192,8 @@ def _headline(result: DesignResult, titles: dict[int, str]) -> Iterator[Fact]:
         label = "NOT VALID" if gates.binding else "not met"
         told = gates.told if len(gates.told) <= _LONGEST_MEANING else gates.cure
         yield Fact(label, _short("; ".join(filter(None, (gates.short, told)))), "", gates.binding)
-    if len(broken) > _MOST_GATES:
-        more = len(broken) - _MOST_GATES
-        yield Fact("not met", f"{more} more kind{'s' if more > 1 else ''} of validity checks")
+    if left := broken[_MOST_GATES:]:
+        yield Fact("not met", _short("; ".join(gates.short for gates in left)))
     if result.all_gates and not broken:
         yield Fact("validity", f"all {len(result.all_gates)} validity checks hold")
 
@@ -205,11 +204,27 @@ def _ways(result: DesignResult) -> list[Fact]:
     What makes a failed check pass stands above, too.
     """
     changes = improve_command(result)
+    failed = result.status is Status.FAIL  # one more check that fails changes nothing then
     ways = [
-        way for way in result.ways if not way.text.startswith(NOTHING) and way.command != changes
+        way
+        for way in result.ways
+        if not way.text.startswith(NOTHING)
+        and way.command != changes
+        and not (failed and way.text.endswith(f"it is a {Status.FAIL}"))
     ]
-    told = map(way_text, ways[:_MOST_WAYS])
-    return [Fact("way out", _short(text), clean(command)) for text, command in told]
+    label, most = ("also open", 1) if failed else ("way out", _MOST_WAYS)
+    return [Fact(label, _way_text(way, result), clean(way.command)) for way in ways[:most]]
+
+
+def _way_text(way: Way, result: DesignResult) -> str:
+    """A way with its time, and for how many checks it is, if not for the one that decides alone."""
+    settled = way.settles.split(", ")
+    titles = dict(zip(map(id, result.checks), check_titles(result.checks), strict=True))
+    deciding = f"{titles[id(result.deciding)]} of {result.deciding.part}" if titles else ""
+    owner = "" if way.settles == deciding else f"{way.settles}: "
+    of = f" ({len(settled)} checks)" if len(settled) > 1 else ""
+    time = "" if way.seconds is None else f" (about {number(way.seconds, 2)} s)"
+    return _short(f"{'' if of else owner}{way.text.partition('; ')[0]}{of}{time}")
 
 
 def _changes(result: DesignResult) -> Iterator[Fact]:
@@ -218,7 +233,8 @@ def _changes(result: DesignResult) -> Iterator[Fact]:
     passes = all(check.status is Status.PASS for check in result.checks)
     label = "to save" if passes else "to pass"
     if not result.changes and not (passes or isfinite(result.deciding.upper)):
-        yield Fact(label, "first of all a model that knows its error bar")
+        told = "no change is estimated without a model that knows its error bar"
+        yield Fact(label, "; ".join(filter(None, (lower_by(result.deciding), told))))
         return
     if not result.changes:
         less = "" if passes else lower_by(result.deciding)
@@ -284,21 +300,23 @@ def _others(result: DesignResult, rows: Sequence[PartRow]) -> str:
     rest = len(result.checks) - sum(row.count for row in rows)
     if not rest:
         return ""
-    open_ = sum(c.status is not Status.PASS for c in result.checks) - sum(
-        row.count for row in rows if row.check.status is not Status.PASS
-    )
-    if rest == 1:
-        return f"and 1 other check, it {'is open or fails' if open_ else 'passes'}"
-    return f"and {rest} other checks, {f'{open_} of them open or failed' if open_ else 'all pass'}"
+    shown = [row.check.status for row in rows for _ in range(row.count)]
+    words = {Status.PASS: "pass", Status.UNDECIDED: "open", Status.FAIL: "failed"}
+    counts = {
+        word: sum(check.status is status for check in result.checks) - shown.count(status)
+        for status, word in words.items()
+    }
+    told = ", ".join(f"{count} {word}" for word, count in counts.items() if count)
+    if counts["pass"] == rest:
+        return f"and {rest} other checks, all pass" if rest > 1 else "and 1 other check, it passes"
+    return f"and {rest} other check{'s' if rest > 1 else ''}: {told}"
 
 
 def _row(check: Check, title: str) -> tuple[str, str, str, str, str]:
-    value, numerical, model = value_and_bars(check)
-    bars = " ".join(bar for bar in (numerical, model) if bar != "±0")
     status = "pass" if check.status is Status.PASS else str(check.status)
     return (
         _short(title),
-        " ".join(filter(None, (value, bars, clean(check.unit)))),
+        " ".join(filter(None, (*value_and_whole_bar(check), clean(check.unit)))),
         number(check.limit),
         f"{_safety(check)} ({need_text(check.required)})",
         status,
@@ -311,16 +329,16 @@ def _beside(result: DesignResult) -> Iterator[Fact]:
         yield Fact("mass", mass)
     assumed, defaults = assumptions(result), len(result.defaults)
     counts = [f"{len(assumed)} assumption{'' if len(assumed) == 1 else 's'}"] if assumed else []
-    counts += [f"{defaults} default value{'' if defaults == 1 else 's'}"] if defaults else []
+    counts += [f"{defaults} default{'' if defaults == 1 else 's'}"] if defaults else []
     if counts:
         known = result.checks and isfinite(result.deciding.upper)  # else "why open" tells it
         widest = shares(result.deciding)[:1] if known else []
-        first = [f"the widest: {_cause(share.name)}, safety {share.ends}" for share in widest]
-        yield Fact("assumed", "; ".join([" and ".join(counts), *first]))
+        first = [f"widest: {_cause(share.name)}, safety {share.ends}" for share in widest]
+        yield Fact("assumed", "; ".join([", ".join(counts), *first]))
     if result.not_checked:
         subjects = list(dict.fromkeys(_first(s).partition(",")[0] for s in result.not_checked))
         first, more = subjects[:_MOST_SUBJECTS], len(subjects) - _MOST_SUBJECTS
-        said = f"{', '.join(first)} and {more} more subjects" if more > 1 else ", ".join(subjects)
+        said = f"{', '.join(first)} and {more} more" if more > 1 else ", ".join(subjects)
         yield Fact("not checked", said)
 
 
@@ -330,10 +348,10 @@ def _cause(name: str) -> str:
 
 
 def _warnings(result: DesignResult) -> Iterator[Fact]:
-    for warning in result.warnings[:_MOST_WARNINGS]:
-        yield Fact("warning", _short(clean(warning).partition(". ")[0]))
-    if len(result.warnings) > _MOST_WARNINGS:
-        yield Fact("warning", f"and {len(result.warnings) - _MOST_WARNINGS} more")
+    more = len(result.warnings) - _MOST_WARNINGS
+    for k, warning in enumerate(result.warnings[:_MOST_WARNINGS], 1):
+        tail = f"; and {more} more" if k == _MOST_WARNINGS and more > 0 else ""
+        yield Fact("warning", _short(clean(warning).partition(". ")[0]) + tail)
 
 
 def _mass(parts: Sequence[PartResult]) -> str:
@@ -341,9 +359,13 @@ def _mass(parts: Sequence[PartResult]) -> str:
     masses = [(part.name, float(part.facts[key])) for part in parts if key in part.facts]
     if not masses:
         return ""
-    one_by_one = ", ".join(f"{_short(name)} {number(mass)}" for name, mass in masses[:6])
-    more = f" and {len(masses) - 6} more" if len(masses) > 6 else ""
     total = number(sum(mass for _, mass in masses))
+    more = ""
+    if len(masses) > _MOST_MASSES:
+        masses.sort(key=lambda entry: -entry[1])
+        more = f" and {len(masses) - _MOST_MASSES + 1} lighter"
+        del masses[_MOST_MASSES - 1 :]
+    one_by_one = ", ".join(f"{_short(name)} {number(mass)}" for name, mass in masses)
     return f"{total} kg ({one_by_one}{more})" if len(masses) > 1 else f"{total} kg"
 
 
@@ -384,14 +406,15 @@ def answer_text(
         said = f"{answer.safety}, {answer.required} required{bars}"
         lines += labelled("safety", said, width, indent=_INDENT)
     for fact in (*answer.headline, *answer.beside):
-        lines += labelled(fact.label, fact.line, width, indent=_INDENT)
+        lines += labelled(fact.label, fact.line.removeprefix("parts."), width, indent=_INDENT)
     if answer.rows:
         lines += ["", *_table(answer, width), ""]
     for fact in (*answer.ways, *answer.warnings):
         lines += labelled(fact.label, fact.line, width, indent=_INDENT)
-    more = "-v prints all checks, warnings, assumptions and models tried; so does the report"
+    time = f"{sum(result.timings.values()):.1f} s; " if result.timings else ""
+    more = f"{time}-v and the report tell all checks, warnings, assumptions and models tried"
     lines += labelled("more", more, width, indent=_INDENT)
-    lines += footer(result, report, width)
+    lines += report_line(report)
     return "\n".join(lines) + "\n"
 
 

@@ -137,7 +137,7 @@ def _answer(result: DesignResult, rows: Sequence[Row]) -> tuple[Markup, Markup]:
         answer=answer,
         result=result,
         tiles=tiles(answer, result, rows),
-        beside=by_label([*answer.beside, *answer.warnings], len(result.warnings)),
+        beside=by_label([*answer.beside, *answer.warnings]),
     )
     return Markup(card), Markup(below)
 

@@ -18,7 +18,6 @@ from reports.pictures import PLAIN, Pictures
 from reports.places import Place, place_of, shown_of
 
 ORDER = (Status.FAIL, Status.UNDECIDED, Status.PASS)  # worst first
-_TOLD = 2  # warnings on the first screen
 _ALIKE = 0.01  # of a value: parts that differ by more are told one by one
 _SAME = ("mass [kg]", "inertia about the centre [kg m2]")  # facts in which such parts are equal
 _OPEN_CYCLES = 3  # so many stand open at first; of more only the one that decides
@@ -254,11 +253,9 @@ def tiles(
     ]
 
 
-def by_label(facts: Sequence[Fact], warnings: int) -> list[tuple[str, list[str]]]:
-    """Texts of facts under their labels, each once; of so many warnings two."""
+def by_label(facts: Sequence[Fact]) -> list[tuple[str, list[str]]]:
+    """Texts of facts under their labels, each once."""
     found: dict[str, list[str]] = {}
     for fact in facts:
         found.setdefault(fact.label, []).append(fact.line)
-    for texts in found.values():
-        texts[_TOLD:] = [f"and {warnings - _TOLD} more"] if len(texts) > _TOLD else []
     return list(found.items())

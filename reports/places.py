@@ -6,7 +6,7 @@ from typing import Any
 from checks.result.verdict import Check, DesignResult
 from checks.result.words import brief, check_titles, need_text, safety_text
 
-Place = tuple[int, int, int]  # cycle, position in it, part: by their numbers in the result
+Place = tuple[int, int, int]  # cycle, position in it, part, -1: the linkage; by their numbers
 
 # Field of the live view that a check is judged by, by its kind and unit; of others the stress.
 _FIELDS = {("fatigue", "MPa"): "utilisation", ("buckling", "MPa"): "column"}
@@ -19,7 +19,7 @@ def shown_of(check: Check, result: DesignResult) -> dict[str, Any]:
 
     part      number of its part, -1: the whole linkage
     position  [cycle, position in it], None where it is not known
-    field     of the live view
+    field     of the live view; mode: whether it is shown as it buckles
     at        [x, y, z] mm in the part's own axes, None where the place has no coordinates
     told      the check with its safety, in words; short: without its part
     """
@@ -32,6 +32,7 @@ def shown_of(check: Check, result: DesignResult) -> dict[str, Any]:
     return {
         "part": -1 if part is None else part,
         "position": None if place is None else list(place[:2]),
+        "mode": check.kind == "buckling",
         "field": _FIELDS.get((check.kind, check.unit), _STRESS),
         "at": None if found is None else [float(value) for value in found.groups()],
         "told": f"{brief(check.part, 40)} {brief(titles[id(check)], 60)}: {safety}",
@@ -54,14 +55,16 @@ def place_of(check: Check, result: DesignResult) -> Place | None:
     """Governing place of a check: its load case, else for a static check its part's peak.
 
     Of the two ends of a swing the one that stresses the part more. None where that is not known,
-    as for a check of the linkage as a whole.
+    as for a check of the linkage as a whole whose motion is not.
     """
     part = _part(check, result)
-    if part is None or check.cycle not in result.cycles:
+    if check.cycle not in result.cycles:
         return None
     names = list(result.cycles)
     cases = () if check.derivation is None else check.derivation.cases
     places = [(names.index(case.cycle), case.index) for case in cases if case.cycle in names]
+    if part is None:
+        return (*places[0], -1) if places and result.motion else None
     if places:
         peaks = [result.cycles[names[k]].get("peaks") or {} for k, _ in places]
         stress = [

@@ -155,7 +155,9 @@ def footer(result: DesignResult, report: str | Path | None, width: int) -> list[
     if result.timings:
         stages = ", ".join(f"{clean(stage)} {time:.1f}" for stage, time in result.timings.items())
         lines += labelled("", f"{sum(result.timings.values()):.1f} s: {stages}", width)
-    if report is not None:
-        # Never wrapped or shortened: a path is there to be copied.
-        lines.append(f"report: {clean(report)}")
-    return lines
+    return [*lines, *report_line(report)]
+
+
+def report_line(report: str | Path | None) -> list[str]:
+    """The report's path, never wrapped or shortened: it is there to be copied."""
+    return [] if report is None else [f"report: {clean(report)}"]

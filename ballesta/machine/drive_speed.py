@@ -28,6 +28,7 @@ _LARGEST = (
     0.3  # irregularity up to which the energy of the ripple gives it, as the mean speed holds
 )
 _NOTHING = 1e-6
+_STOPS = 2.0  # (fastest - slowest) / mean speed, of which the slowest is 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,10 +140,11 @@ def speed_warnings(found: Mapping[str, Evenness]) -> list[str]:
         return []
     name, worst = max(silent.items(), key=lambda entry: entry[1].alone)
     others = f" and {len(silent) - 1} more cycles" if len(silent) > 1 else ""
+    alone = "stop it" if worst.alone >= _STOPS else f"let it vary by {number(100 * worst.alone)} %"
     return [
-        f"{name}{others}: ASSUMED that {worst.drive} keeps its speed within {EVEN:g} of the mean, "
-        f"fastest less slowest; its torque alone would leave {number(worst.alone)} to the bodies "
-        f'that it turns. State drive.control = "constant" (a servo, a motor far stronger than the '
+        f"{name}{others}: {worst.drive} is ASSUMED to keep its speed within {100 * EVEN:g} % of "
+        f"the mean; its mean torque with what it turns as flywheel would {alone}. "
+        'State drive.control = "constant" (a servo, a motor far stronger than the '
         f"machine), drive.flywheel ({number((worst.needed - worst.present) * 1e-3)} kg m2 gives "
         f"{EVEN:g}) or drive.irregularity"
     ]

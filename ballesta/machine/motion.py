@@ -75,7 +75,7 @@ def _motion(
             label: replace(pin, place=pin.place[rows], force=pin.force[rows])
             for label, pin in pins.items()
         },
-        bodies={part.name: _carrier(part) for part in parts},
+        bodies={part.name: carrier_of(part) for part in parts},
         linkage=cycle.linkage,
         poses=kept.poses,
         reactions=kept.reactions,
@@ -85,7 +85,7 @@ def _motion(
 
 def part_frame(design: Design, part: Part, cycle: loads.CycleLoads) -> FloatArray:
     """The part's frame in the machine's at every position (n, 3): x, y [mm], angle [rad]."""
-    body = _carrier(part)
+    body = carrier_of(part)
     pose = cycle.poses[:, cycle.body_index(body)]
     frame, placing = pose.copy(), part_placing(design, part)
     if part.body is None:
@@ -98,7 +98,7 @@ def part_frame(design: Design, part: Part, cycle: loads.CycleLoads) -> FloatArra
     return frame
 
 
-def _carrier(part: Part) -> str:
+def carrier_of(part: Part) -> str:
     """Body of the linkage that a part moves with."""
     carrier = part.body or part.fixed_to
     assert carrier is not None
@@ -135,7 +135,7 @@ def _pins(
 
 def _place(part: Part, interface: str, cycle: loads.CycleLoads) -> FloatArray:
     """Positions (n, 2) of the linkage's point at an interface, mm."""
-    body, named = _carrier(part), part.interfaces[interface]
+    body, named = carrier_of(part), part.interfaces[interface]
     if part.body is None:
         assert part.joint is not None
         return cycle.point(body, part.joint)

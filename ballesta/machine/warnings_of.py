@@ -101,8 +101,8 @@ def claim_warnings(design: Design, results: Sequence[PartResult]) -> list[str]:
             if found.safety < claimed:
                 warnings.append(
                     f"{result.name}: {source} claims a safety of {claimed:g} against {kind}; found "
-                    f"{found.safety:.3g} ({found.quantity}, {found.value:.4g} against "
-                    f"{found.limit:.4g} {found.unit}: {found.basis})"
+                    f"{found.safety:.3g}. Checked is the {found.quantity}, {found.value:.4g} "
+                    f"against {found.limit:.4g} {found.unit}: {found.basis}"
                 )
     return warnings
 

@@ -96,14 +96,14 @@ class LinkModel:
     def moved(
         self, placed: PlacedLinks, shape: FloatArray
     ) -> tuple[dict[str, FloatArray], dict[str, FloatArray]]:
-        """Places (n, 2) and displacements (n, 3) by body, ground axes, largest 1."""
+        """Places (n, 2) and motions (n, 6) by body, ground axes, the largest displacement 1."""
         places, moves = {}, {}
         for k, link in enumerate(self.links):
             where = np.zeros((1, 2)) if link.frame is None else link.frame.nodes[:, :2]
             motions = [placed.motion(k, place) for place in where]
             places[link.name] = np.array([motion.place for motion in motions])
-            moves[link.name] = np.array([motion.rows[:3] @ shape for motion in motions])
-        largest = max(float(np.abs(move).max()) for move in moves.values())
+            moves[link.name] = np.array([motion.rows @ shape for motion in motions])
+        largest = max(float(np.abs(move[:, :3]).max()) for move in moves.values())
         return places, {name: move / largest for name, move in moves.items()}
 
 

@@ -85,7 +85,8 @@ class LinkageMode:
     effective_length  mm, of a hinged column of its section at mid-length with that factor
     rigid             bodies that are no bars
     slots_hold        whether slots hold sideways even with soft forks, as something is loose else
-    shape             body -> (n, 3) mm, largest displacement 1, at `places` (n, 2) mm; ground axes
+    shape             body -> (n, 6) mm and rad, displacement and turn at `places` (n, 2) mm, the
+                      largest displacement 1; ground axes
     """
 
     factor: float

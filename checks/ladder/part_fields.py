@@ -70,6 +70,22 @@ def solid_fields(loads: PartLoads, level: Level, use: FatigueUse | None) -> Live
     )
 
 
+def with_mode(live: LiveFields, moves: tuple[FloatArray, FloatArray] | None) -> LiveFields:
+    """The fields with a buckling mode: nodes (m, 3) mm of its own mesh, motion (m, 3) of these.
+
+    On another mesh the mean of the nearest three nodes, by the inverse of their distance.
+    """
+    from scipy.spatial import cKDTree
+
+    if moves is None:
+        return live
+    nodes, shape = moves
+    away, near = cKDTree(nodes).query(live.nodes, k=3)
+    weights = 1 / np.maximum(away, 1e-9)
+    moved = (weights[..., None] * shape[near]).sum(axis=1) / weights.sum(axis=1)[:, None]
+    return replace(live, mode=moved / np.linalg.norm(moved, axis=1).max())
+
+
 def _by_cycle(loads: PartLoads, values: FloatArray) -> dict[str, FloatArray]:
     """Values (..., n) of all positions, by the cycle that these belong to."""
     return {name: values[..., columns] for name, columns in loads.cycles.items()}

@@ -27,7 +27,7 @@ from checks.ladder.levels import (
     solve_levels,
 )
 from checks.ladder.part_facts import assumed_of, contact_facts, facts_of, gates_of, mesh_row
-from checks.ladder.part_fields import solid_fields
+from checks.ladder.part_fields import solid_fields, with_mode
 from checks.ladder.passing_fits import clearances_that_pass, with_assumed_fits
 from checks.models.stress_words import fatigue_words, static_words
 from checks.part.loaded_part import LoadedPart
@@ -70,11 +70,13 @@ class Buckled:
     checks  by its lowest factor, none without one
     untold  why there is none, in words; "" where nothing is to be said
     mode    the surface as it buckles
+    moves   nodes (n, 3) mm of the mesh and their motion (n, 3) in that mode
     """
 
     checks: Sequence[Check] = ()
     untold: str = ""
     mode: Surface | None = None
+    moves: tuple[FloatArray, FloatArray] | None = None
 
 
 def check_solid(
@@ -136,7 +138,7 @@ def check_solid(
         surface=shown_surface(loads, finest),
         assumed=assumed,
         mode=buckled.mode,
-        live=solid_fields(loads, finest, use) if asked.live else None,
+        live=with_mode(solid_fields(loads, finest, use), buckled.moves) if asked.live else None,
     )
 
 
@@ -432,7 +434,7 @@ def judge_buckling(
         check, mode = found
         unknowns = whole[-1 if "two" in check.method else 0][0].loads.shape[0]
         derivation = solid_share(loaded, check, mode, unknowns)
-        return Buckled([replace(check, derivation=derivation)], "", _mode_of(whole, mode))
+        return Buckled([replace(check, derivation=derivation)], "", *_mode_of(whole, mode))
     if levels[0].solutions.ties is not None:
         said = "buckling of a stack of bodies that slide on each other is not computed"
         return Buckled(untold=said)
@@ -446,15 +448,19 @@ def judge_buckling(
 
 def _mode_of(
     whole: Sequence[tuple[UnitSolutions, FloatArray]], mode: BucklingMode
-) -> Surface | None:
-    """The surface of the mesh that a mode was found on, displaced by a part of its size."""
+) -> tuple[Surface, tuple[FloatArray, FloatArray]]:
+    """The surface of the mesh that a mode was found on, displaced by a part of its size.
+
+    And nodes and motion of that mesh.
+    """
     for solutions, _ in whole:
         mesh = solutions.mesh
         if len(mesh.nodes) == len(mode.shape):
             moved = _EXAGGERATED * float(np.ptp(mesh.nodes, axis=0).max()) * mode.shape
             size = np.linalg.norm(mode.shape, axis=1)
-            return mode_surface(mesh, solutions.recovery.points, moved, size / size.max())
-    return None
+            surface = mode_surface(mesh, solutions.recovery.points, moved, size / size.max())
+            return surface, (mesh.nodes, mode.shape)
+    raise AssertionError("a mode is of one of the meshes that it was sought on")
 
 
 def _whole_again(

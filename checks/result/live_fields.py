@@ -53,6 +53,7 @@ class LiveFields:
     notes         what else a reader should know of the fields, in words
     peaks         name of a cycle -> (n_positions,) MPa, largest von Mises stress at each position
     peak          that is reported; None without stress
+    mode          (n, 3) its buckling mode, the largest motion of all parts 1; None: unknown
 
     Unit fields are kept in single precision: a result that was stored gives the same page.
     Raises ValueError for shapes that do not fit each other, and for NaN and infinity.
@@ -71,6 +72,7 @@ class LiveFields:
     missing: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     peak: LivePeak | None = None
+    mode: RealArray | None = None
 
     def __post_init__(self) -> None:
         single = np.float32
@@ -79,6 +81,8 @@ class LiveFields:
         object.__setattr__(self, "stress", np.asarray(self.stress, dtype=single))
         if self.displacement is not None:
             object.__setattr__(self, "displacement", np.asarray(self.displacement, dtype=single))
+        if self.mode is not None:
+            object.__setattr__(self, "mode", np.asarray(self.mode, dtype=single))
         fatigue = {name: np.asarray(values, dtype=single) for name, values in self.fatigue.items()}
         object.__setattr__(self, "fatigue", fatigue)
         self._check_shapes()
@@ -109,6 +113,7 @@ class LiveFields:
             ("triangles", self.triangles.shape, (len(self.triangles), 3)),
             ("stress", self.stress.shape, (count, n, 6)),
             ("displacement", moved or (count, n, 3), (count, n, 3)),
+            ("mode", (n, 3) if self.mode is None else self.mode.shape, (n, 3)),
             *((name, values.shape, (n,)) for name, values in self.fatigue.items()),
             *(
                 (f"coefficients of {name!r}", values.shape, (count, values.shape[-1]))
@@ -136,6 +141,8 @@ class LiveFields:
         arrays: dict[str, npt.NDArray[Any]] = {"nodes": self.nodes, "stress": self.stress}
         if self.displacement is not None:
             arrays["displacement"] = self.displacement
+        if self.mode is not None:
+            arrays["mode"] = self.mode
         arrays |= self.fatigue
         arrays |= {f"coefficients of {name!r}": c for name, c in self.coefficients.items()}
         arrays |= {f"peaks of {name!r}": values for name, values in self.peaks.items()}

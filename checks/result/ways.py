@@ -84,7 +84,7 @@ def _of_check(
     result: DesignResult, check: Check, settles: str, part: PartResult | None
 ) -> Iterator[Way]:
     if check.status is Status.FAIL and part is not None:
-        less = _excess(check)
+        less = _excess(check.upper, check)
         told = f"{settles} ({number(less, 2)} % lower)" if less else settles
         yield Way(told, f"{LEAST}, error bars included", improve_command(result))
     if check.status is not Status.UNDECIDED:
@@ -104,13 +104,16 @@ def _of_check(
 
 def lower_by(check: Check) -> str:
     """How much lower a check's value must be to pass, in words; "" where that is not known."""
-    less = _excess(check)
-    return f"its value must be {number(less, 2)} % lower, error bars included" if less else ""
+    if isfinite(check.upper):
+        less, bars = _excess(check.upper, check), ", error bars included"
+    else:
+        less, bars = _excess(check.lower, check), " even at the lower end of its error bars"
+    return f"its value must be {number(less, 2)} % lower{bars}" if less else ""
 
 
-def _excess(check: Check) -> float:
-    """Per cent by which a value, its bars included, must be lower to pass; 0 if that is unknown."""
-    demand = check.upper * check.required
+def _excess(value: float, check: Check) -> float:
+    """Per cent by which a value of a check must be lower to pass; 0 if it does, or is unknown."""
+    demand = value * check.required
     known = demand > check.limit and isfinite(demand)
     return 100.0 * (1.0 - check.limit / demand) if known else 0.0
 
@@ -132,11 +135,11 @@ def change_cells(change: Change, deciding: Check) -> tuple[str, str, str, str, s
     """
     unit = f" {change.value.partition(' ')[2]}"
     was, least = (text.removesuffix(unit) for text in (change.was, change.least))
-    now = f"now {was}" + ("" if change.least == change.value else f", least {least}")
+    now = f"now {was}" + ("" if change.least == change.value else f", {least} is enough")
     safety = safety_text(change.safety, change.required)
     lower = safety_text(change.lower, change.required)
     same = change.governing == f"{deciding.part} {deciding.kind}"
-    need = "" if same else f"{change.governing} ({need_text(change.required)} required)"
+    need = "" if same else f"of {change.governing} ({need_text(change.required)} required)"
     detail = ", ".join(filter(None, ("" if lower == safety else f"at least {lower}", need)))
     more = f" ({-1e3 * change.saved:+.2g})" if change.saved else ""
     mass = f"{number(1e3 * change.mass)} kg{more}"
@@ -306,9 +309,3 @@ def _two_digits_down(value: float) -> float:
         return 0.0
     step = 10.0 ** (floor(log10(value)) - 1)
     return floor(value / step + 1e-9) * step
-
-
-def way_text(way: Way) -> tuple[str, str]:
-    """A way in words, with its expected time, and its command."""
-    time = "" if way.seconds is None else f" (about {number(way.seconds, 2)} s)"
-    return f"{way.settles}: {way.text}{time}", way.command

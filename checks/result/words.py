@@ -13,6 +13,7 @@ _TURNING = {0x061C, 0x200E, 0x200F, *range(0x202A, 0x202F), *range(0x2066, 0x206
 
 
 UNKNOWN_BAR = "no error bar: "  # in a check's note, before why it has none
+DOUBTED = "loads not known for certain"  # begins the part of a note that tells load bars
 _NEAR = 0.05  # of the required safety, within which four digits tell the safety
 _LONGEST_UTILISATION = 1e6  # that is written with all its digits
 
@@ -131,6 +132,40 @@ def value_and_bars(check: Check) -> tuple[str, str, str]:
     return (written, _bar(check.numerical, decimals, "singular"), _band(check, decimals))
 
 
+def value_and_whole_bar(check: Check) -> tuple[str, str]:
+    """Value with its numerical and model bar in one, to the decimals that the wider side deserves.
+
+    A side below half of the last digit is 0, and both are "" where both are.
+
+    >>> from checks.result.verdict import Check
+    >>> check = Check("rod", "fatigue", "", 45.31, "MPa", 0.3, 26.6, 67.4, 1.3, "", "", "", "", "",
+    ...               model_below=0.0)
+    >>> value_and_whole_bar(check)
+    ('45', '+27 −0')
+    """
+    written = number(check.value)
+    sides = check.numerical + check.model, check.numerical + check.below
+    if not isfinite(check.numerical):
+        return written, "±∞ (singular)"
+    decimals = 0 if "e" in written else len(written.partition(".")[2])
+    wide = max((side for side in sides if isfinite(side)), default=0.0)
+    while decimals and wide >= 10.0 ** (2 - decimals):
+        decimals -= 1
+    if "e" not in written:
+        written = f"{check.value:.{decimals}f}"
+    above, below = (_side(side, decimals, "e" in written) for side in sides)
+    if above == below:
+        return written, "" if above == "0" else f"±{above}"
+    return written, f"+{above} −{below}"
+
+
+def _side(bar: float, decimals: int, small: bool) -> str:
+    if not isfinite(bar):
+        return "∞ (unknown)"
+    rounded = number(bar, 2) if small else f"{bar:.{decimals}f}"
+    return rounded if float(rounded) else "0"
+
+
 def bar_words(check: Check) -> str:
     """The error bars of a check with what leaves them open; those that are 0 are left out."""
     _, numerical, model = value_and_bars(check)
@@ -242,7 +277,7 @@ def open_reason(check: Check) -> str:
     if not isfinite(check.numerical):
         return "its numerical error bar is infinite (singular): no mesh settles it"
     if not isfinite(check.model):
-        why = check.note.partition(UNKNOWN_BAR)[2]
+        why = check.note.partition(UNKNOWN_BAR)[2].partition(f"; {DOUBTED}")[0]
         if why:
             return f"its model error bar is unknown ({why}): a better model may settle it"
         return "its model error bar is infinite (unknown): no mesh settles it"

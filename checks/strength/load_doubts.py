@@ -10,6 +10,7 @@ from math import inf, isfinite
 
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check
+from checks.result.words import DOUBTED
 
 _ROUND_OFF = 1e-9  # of a value
 
@@ -30,7 +31,7 @@ def with_doubts(check: Check, ends: Mapping[str, Sequence[float]]) -> Check:
     if not told:
         return check
     names = ", ".join(words for words, *_ in told)
-    note = f"loads not known for certain ({names}): {_sides(check, above, below)}"
+    note = f"{DOUBTED} ({names}): {_sides(check, above, below)}"
     found = replace(
         check,
         model=check.model + above,

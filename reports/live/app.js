@@ -1,6 +1,7 @@
 // The live view: opens parts, keeps what is shown, and draws when something changed.
 
 const LINKAGE = -1; // the tab of all parts together
+const SWINGS = 4000; // ms that a buckling mode moves once it is shown; two swings
 
 // The curve of the peak behind the slider; it follows the part, needs no WebGL.
 const trackOf = (root, section, partShown) => {
@@ -42,6 +43,8 @@ const trackOf = (root, section, partShown) => {
   return { mostOf, ask };
 };
 
+const sizeOf = ([low, high]) => Math.hypot(...[0, 1, 2].map((k) => high[k] - low[k]));
+
 const liveView = (root) => {
   const find = (role) => root.querySelector(`[data-role=${role}]`);
   const page = document.documentElement;
@@ -55,7 +58,7 @@ const liveView = (root) => {
       Object.entries(section.maps).map(([name, text]) => [name, bytesOf(text)])),
     shown: { // what the reader chose; map "": the field's own
       tab: section.first, field: section.shown?.field ?? "mises", map: "", bands: false, own: false,
-      shared: false, deformed: false, forces: true, factor: 0,
+      shared: false, deformed: false, mode: false, forces: true, factor: 0,
     },
     heads, drawn: [], field: null, range: null, worst: null, held: null, pointer: null, empty: "",
     marker: null, probe: null, told: "", unmoved: "", // why there is no motion though the page has one
@@ -76,12 +79,12 @@ const liveView = (root) => {
       const off = view.field ? view.offOf(body, view.field) : 0;
       return `${within(value, off, digits)} ${view.unit()}`.trim();
     },
-    isDeformed: () => view.shown.deformed && !view.isLinkage() && view.drawn.length > 0 &&
+    isBuckled: () => view.shown.mode && view.drawn.some(({ part }) => part.mode),
+    isDeformed: () => view.shown.deformed && !view.isBuckled() && !view.isLinkage() && view.drawn.length > 0 &&
       hasField(view.drawn[0].part, "displacement"),
     factorOf: (body) => { // displacements are drawn as 5 % of the part, times the choice
       const most = body.part.head.scale.displacement?.to ?? 0;
-      const size = Math.hypot(...[0, 1, 2].map((k) => body.bounds[1][k] - body.bounds[0][k]));
-      const fit = most > 0 ? roundStep(0.05 * size / most, 1) : 0;
+      const fit = most > 0 ? roundStep(0.05 * sizeOf(body.bounds) / most, 1) : 0;
       return Number((fit * 10 ** (view.shown.factor / 100)).toPrecision(2));
     },
     isEstimate: () => view.drawn.some(({ part }) => part.head.estimated),
@@ -149,18 +152,24 @@ const liveView = (root) => {
     if (first) page.dataset.live = "ready"; // only now the canvas has a size
     chooseField();
     update();
-    if (first && tab === section.shown?.part) point(section.shown);
-    picture.frame(view.isLinkage() ? VIEWS.front : "first");
+    if (first && tab === section.shown?.part) {
+      point(section.shown);
+      buckle(section.shown.mode);
+    }
+    picture.frame(look());
     picture.paint();
   };
+
+  // A linkage is seen along its pins, as long as it does not buckle out of its plane.
+  const look = () =>
+    view.isLinkage() ? VIEWS[view.isBuckled() ? "iso" : "front"] : "first";
 
   // Tell of a check, and hold its place where that is not the peak of what is shown.
   const point = ({ at, told, short }) => {
     view.told = told;
     const [body] = view.drawn;
     if (at && body && !view.isLinkage()) {
-      const places = body.part.positions, size = Math.hypot(
-        ...[0, 1, 2].map((k) => body.bounds[1][k] - body.bounds[0][k]));
+      const places = body.part.positions, size = sizeOf(body.bounds);
       const far = (node) => Math.hypot(...at.map((v, k) => v - places[3 * node + k]));
       let near = 0;
       for (let node = 1; node < body.part.n; node++) if (far(node) < far(near)) near = node;
@@ -174,7 +183,7 @@ const liveView = (root) => {
   };
   // Show what a check means: its part, position, field and place.
   const show = async (wanted) => {
-    const { part, position, field } = wanted;
+    const { part, position, field, mode } = wanted;
     view.shown.field = field;
     if (position) positions.setPosition(...position);
     if (part !== view.shown.tab) {
@@ -186,8 +195,9 @@ const liveView = (root) => {
       update();
     }
     if (view.shown.tab !== part) return; // the reader went on
+    buckle(mode);
     point(wanted);
-    picture.frame(view.isLinkage() ? VIEWS.front : "first");
+    picture.frame(look());
   };
 
   // The field that was asked for where the parts have it, else the first that they have.
@@ -197,6 +207,7 @@ const liveView = (root) => {
     for (const option of find("field").options) option.disabled = !has(option.value);
     find("field").disabled = !view.field;
     if (view.field) find("field").value = view.field;
+    find("mode-box").hidden = !view.drawn.some(({ part }) => part.mode);
     find("deformed").disabled = view.isLinkage() || !has("displacement");
     find("forces-box").hidden = !motion?.some((each) => each?.pins.length);
     view.readings.missing();
@@ -233,16 +244,44 @@ const liveView = (root) => {
     view.scene.renew(body);
   };
   const shape = (body, cycle, index) => {
-    const factor = view.isDeformed() ? view.factorOf(body) : 0;
+    const { mode } = body.part, buckled = view.isBuckled();
+    const factor = buckled ? (mode ? swung() * modeSize() : 0)
+      : view.isDeformed() ? view.factorOf(body) : 0;
     if (!factor && !body.factor) return;
     if (factor) {
       body.moved ??= new Float32Array(3 * body.part.n);
-      if (displacementAt(body.part, cycle, index, body.moved) === null) body.moved.fill(0);
+      if (buckled) mode.forEach((row, axis) => {
+        for (let i = 0; i < row.length; i++) body.moved[3 * i + axis] = row[i];
+      });
+      else if (displacementAt(body.part, cycle, index, body.moved) === null) body.moved.fill(0);
     }
     body.deform(factor);
     body.factor = factor;
     body.stamp++;
     view.scene.renew(body, { shape: true });
+  };
+
+  // A buckling mode, drawn as 8 % of what is shown. It swings for a while once it is shown, and as
+  // long as the cycle plays; it has a shape and no size.
+  const still = matchMedia("(prefers-reduced-motion: reduce)");
+  let began = 0, swinging = 0, printing = false; // on paper it is at its largest
+  const modeSize = () => 0.08 * Math.max(...view.drawn.map(({ bounds }) => sizeOf(bounds)));
+  const swung = () => {
+    const gone = performance.now() - began;
+    return printing || still.matches || !(gone < SWINGS || positions.current?.playing)
+      ? 1 : Math.cos((4 * Math.PI * gone) / SWINGS);
+  };
+  const swing = () => {
+    swinging = 0;
+    update();
+    if (view.isBuckled() && !still.matches && performance.now() - began < SWINGS)
+      swinging = requestAnimationFrame(swing);
+  };
+  const buckle = (wanted) => {
+    view.shown.mode = Boolean(wanted);
+    find("mode").checked = view.shown.mode;
+    began = performance.now();
+    if (!swinging) swing();
   };
 
   const choose = (name) => (value) => {
@@ -257,6 +296,7 @@ const liveView = (root) => {
   const on = {
     ...Object.fromEntries(["field", "bands", "own", "shared", "deformed", "forces", "factor"]
       .map((name) => [name, choose(name)])),
+    mode: buckle,
     map: (value) => choose("map")(["signed", "use"].includes(value) ? "" : value),
     orbit: (dx, dy) => picture.moved((camera) => camera.orbit(dx, dy)),
     pan: (dx, dy) => picture.moved((camera) => camera.pan(dx, dy)),
@@ -272,10 +312,14 @@ const liveView = (root) => {
   };
   const print = () => { // what paper shows: scene and writing in one, in the colours of paper
     if (!view.isReady()) return;
+    printing = true;
+    update();
     picture.paint(true);
     const printed = find("printed");
     printed.src = view.canvas.toDataURL();
     printed.alt = view.canvas.getAttribute("aria-label");
+    printing = false;
+    update();
     picture.paint();
   };
   const bind = () => {
@@ -352,6 +396,7 @@ const liveView = (root) => {
       show: (wanted) => (view.isReady() ? shows(wanted) : undefined),
       get tab() { return view.shown.tab; },
       get field() { return view.field; },
+      get buckled() { return view.isBuckled(); },
       get peak() {
         const { worst } = view;
         return worst && { part: worst.index, value: worst.found.peak, node: worst.found.node };

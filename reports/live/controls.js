@@ -45,7 +45,7 @@ const bindTabs = (list, choose) => {
 const bindTools = (find, on) => {
   for (const name of ["field", "map"])
     find(name).addEventListener("change", (event) => on[name](event.target.value));
-  for (const name of ["bands", "own", "shared", "deformed", "forces"])
+  for (const name of ["bands", "own", "shared", "deformed", "mode", "forces"])
     find(name)?.addEventListener("change", (event) => on[name](event.target.checked)); // one part: no "shared"
   find("factor").addEventListener("input", (event) => on.factor(Number(event.target.value)));
   find("factor-auto").addEventListener("click", () => on.factor(0));

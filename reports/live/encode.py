@@ -31,6 +31,7 @@ from reports.live.packing import (
 
 TOLERANCE = 1e-3  # of a cycle's peak
 FATIGUE_LEVELS = 4095
+_MODE_LEVELS = 127  # a mode has a shape and no size: to look at
 # A shear stress counts thrice in the square of the von Mises stress.
 _STRESS_STEPS = 2**0.5 * np.array([1.0, 1.0, 1.0, 3**-0.5, 3**-0.5, 3**-0.5])
 _ALIKE = 1e-5  # of a cycle's peak: round-off between fields and the peaks told beside them
@@ -85,6 +86,10 @@ def encode(live: LiveFields, cycles: Sequence[str], tolerance: float = TOLERANCE
         else:
             _write_fields(writer, found, order, near, cycles)
             _tell_fields(head, live, found, cycles, tolerance)
+    if live.mode is not None:
+        head["coding"]["mode"] = 1 / _MODE_LEVELS
+        whole = np.rint(_MODE_LEVELS * live.mode.T.astype(np.float64)).astype(np.int64)
+        writer.add("mode", near.less_expected(whole[:, order]))
     if live.peak is not None:
         head["peak"] = {
             "node": int(rank[live.peak.node]),

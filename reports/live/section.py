@@ -165,7 +165,13 @@ def _gaps(result: DesignResult) -> dict[str, str]:
 
 
 def first_part(result: DesignResult, heads: Sequence[Mapping[str, Any]]) -> int:
-    """The part that is shown first: the deciding one, else one with stress; -1 if none is drawn."""
+    """The part that is shown first: the deciding one, else one with stress.
+
+    -1, all together, where the linkage decides, and if none is drawn.
+    """
+    place = deciding_place(result)
+    if place is not None and place[2] < 0:
+        return -1
     decides = result.deciding.part if result.checks else ""
     order = sorted(
         (k for k, head in enumerate(heads) if head["block"]),

@@ -19,6 +19,7 @@
 //   displacement    3 arrays per field, x, y, z: coding.displacement.steps[c] * number
 //   stress weights Q, displacement weights Q    an array per field: its weights at the kept
 //                   positions of cycle Q, coding.stress.weights[Q] * number, MPa (or mm)
+//   mode            3 arrays, x, y, z of the buckling mode: coding.mode * number, the largest 1
 //
 // stress at a position = sum over the fields of weight * field. The fields are no unit loads any
 // more but the fewest combinations of them that give the same sum (reports/live/fitting.py).
@@ -79,6 +80,9 @@ const decodePart = (() => {
           scaled(alongLine(left), worth),
         );
       }
+    }
+    if (head.coding.mode) {
+      part.mode = take("mode").map((left) => scaled(atNodes(left, near), head.coding.mode));
     }
     return part;
   }

@@ -6,7 +6,7 @@ from math import inf
 import pytest
 from rich.cells import cell_len
 
-from checks.result.verdict import Change, Gate
+from checks.result.verdict import Change, Gate, Way
 from reports.answer_facts import answer_text
 
 from . import results
@@ -66,10 +66,10 @@ def test_changes_that_make_it_pass_stand_in_the_answer_with_the_command_that_che
     parts = [results.part(check.part, [check]) for check in failing]
     text = words(answer_text(replace(results.design(*parts), changes=[WALL, steel]), 100))
     assert (
-        "to pass parts.bar_upper.wall=7.1 mm (now 6.3, least 6.42): safety 1.48, at least 1.37; "
+        "to pass bar_upper.wall=7.1 mm (now 6.3, 6.42 is enough): safety 1.48, at least 1.37; "
         "10.1 kg (+0.84)" in text
     )
-    assert "or parts.bar_upper.material=S450J0 (now S355): safety 1.48; 9.21 kg" in text
+    assert "or bar_upper.material=S450J0 (now S355): safety 1.48; 9.21 kg" in text
     assert (
         "estimated by formula, set against the solid; bar_lower does not pass by these; checked "
         "by: ballesta improve" in text
@@ -116,7 +116,7 @@ def test_each_part_has_its_governing_check_and_the_others_are_counted():
     assert "buckling" not in text
     two_open = [results.check(kind=k, value=300.0, model=inf) for k in ("static", "fatigue", "pin")]
     text = answer_text(results.design(results.part(checks=two_open)), 100)
-    assert "and 2 other checks, 2 of them open or failed" in text
+    assert "and 2 other checks: 2 open" in text
 
 
 @pytest.mark.parametrize(("binding", "label"), [(True, "NOT VALID"), (False, "not met")])
@@ -141,6 +141,53 @@ def test_no_line_is_wider_than_the_terminal_and_nothing_is_cut(make, width):
     if make is not results.hostile:
         assert "…" not in text
     assert not {"\x1b", "\u202e"} & set(text)
+
+
+def test_a_row_has_one_bar_and_no_digit_that_it_does_not_deserve():
+    """Numerical and model bar together, by the wider side; one below the last digit is 0."""
+    said = [("45", "+27", "−32"), ("41.3", "±0.3"), ("0.036", "+0", "−0.019"), ("20.0",)]
+    checks = [
+        results.check(value=45.31, numerical=0.3, model=26.6, model_below=31.9),
+        results.check(value=41.3, numerical=0.3, model=0.0),
+        results.check(value=0.0356, numerical=2e-6, model=0.0, model_below=0.0192),
+        results.check(value=20.0, numerical=1e-4, model=0.0),
+    ]
+    for check, words_ in zip(checks, said, strict=True):
+        text = answer_text(results.design(results.part(checks=[check])), 100)
+        (row,) = (line for line in text.splitlines() if line.startswith("> "))
+        assert row.split()[3 : 4 + len(words_)] == [*words_, "MPa"], row
+
+
+def test_a_failing_value_without_an_upper_bar_is_told_by_how_much_it_fails_at_least():
+    """100 less 20 MPa of 60, twice required: 160 MPa must be 62.5 % lower at the lower end."""
+    wild = results.check(
+        value=100.0, limit=60.0, required=2.0, numerical=0.0, model=inf, model_below=20.0
+    )
+    text = words(answer_text(results.design(results.part(checks=[wild])), 100))
+    assert "to pass its value must be 62 % lower even at the lower end of its error bars" in text
+
+
+def test_a_way_is_told_with_the_number_of_its_checks_and_what_only_fails_is_not():
+    parts = [
+        results.part(
+            "rod",
+            [
+                results.check(part="rod", kind=k, value=300.0, limit=400.0, model=90.0)
+                for k in ("static", "fatigue")
+            ],
+        )
+    ]
+    judge = Way("static of rod, fatigue of rod", "let a solid judge it; ballesta plan x", "check x")
+    fails = Way("fatigue of rod", "state how: without its bar it is a FAIL", "check y", 2.0)
+    open_ = replace(results.design(*parts), ways=[judge, fails])
+    text = words(answer_text(open_, 100))
+    assert "way out let a solid judge it (2 checks): check x" in text
+    assert "without its bar it is a FAIL (about 2.0 s): check y" in text
+    failing = results.part("arm", [replace(results.FAILING, part="arm")])
+    text = words(answer_text(replace(results.design(*parts, failing), ways=[fails]), 100))
+    assert "check y" not in text
+    text = words(answer_text(replace(results.design(*parts, failing), ways=[fails, judge]), 100))
+    assert "also open let a solid judge it (2 checks): check x" in text
 
 
 def test_a_design_without_parts_says_that_nothing_was_checked():

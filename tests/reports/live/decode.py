@@ -26,6 +26,7 @@ class DecodedPart:
     weights    the same names -> number of a cycle -> (r, n_kept), MPa or mm per field
     kept       number of a cycle -> (n_kept,) positions of the cycle
     fatigue    field -> (n,)
+    mode       (n, 3), None without
     """
 
     nodes: FloatArray
@@ -34,6 +35,7 @@ class DecodedPart:
     weights: Mapping[str, Mapping[int, FloatArray]]
     kept: Mapping[int, IntArray]
     fatigue: Mapping[str, FloatArray]
+    mode: FloatArray | None
 
     def stress(self, cycle: int, index: float) -> FloatArray:
         """Stress (n, 6) at a position of the whole cycle, which may lie between two, MPa."""
@@ -84,6 +86,7 @@ def decode(head: Mapping[str, Any], text: str) -> DecodedPart:
             for name in FATIGUE
             if name in sections
         },
+        mode=coding["mode"] * _nodal(sections["mode"], near).T if "mode" in coding else None,
     )
 
 

@@ -242,6 +242,56 @@ def test_with_reduced_motion_play_is_a_step_and_nothing_runs(viewed):
     assert role(page, "pace").is_hidden()
 
 
+def buckling(tmp_path):
+    """The page of the small design whose ring buckles in a bow along its axis."""
+    result = sections.design()
+    ring = result.parts[0]
+    bow = np.cos(np.pi * ring.live.nodes[:, 2] / 40.0)[:, None] * [1.0, 0.0, 0.0]
+    parts = [replace(ring, live=replace(ring.live, mode=bow)), *result.parts[1:]]
+    path = tmp_path / "buckling.html"
+    path.write_text(sections.page(replace(result, parts=parts)), encoding="utf-8")
+    return path
+
+
+def test_a_buckling_mode_swings_for_a_while_and_as_long_as_the_cycle_plays(viewed, tmp_path):
+    page = viewed(buckling(tmp_path)).page
+    straight = pixels(page)
+    box = role(page, "mode")
+    assert not page.evaluate("ballesta.live.buckled")
+    box.check()
+    assert page.evaluate("ballesta.live.buckled")
+    assert role(page, "factor-box").is_hidden()
+    shapes = [pixels(page) for _ in range(3)]
+    assert any((shapes[0] != each).any() for each in shapes[1:])  # it moves
+    printed = []
+    for _ in range(2):  # on paper at its largest, whenever that is
+        page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
+        printed.append(role(page, "printed").get_attribute("src"))
+        page.wait_for_timeout(300)
+    assert printed[0] == printed[1]
+    page.wait_for_timeout(4200)
+    rest = pixels(page)
+    assert (pixels(page) == rest).all()  # no longer than five seconds by itself (WCAG 2.2.2)
+    assert (np.abs(rest - straight).max(axis=2) > 30).mean() > 0.01
+    role(page, "play").click()
+    assert any((pixels(page) != rest).any() for _ in range(3))
+    role(page, "play").click()
+    box.uncheck()
+    page.evaluate("ballesta.setPosition(0, 0)")
+    page.locator("[data-part='1']").click()
+    settle(page)
+    assert role(page, "mode-box").is_hidden()  # the shaft has none
+
+
+def test_with_reduced_motion_a_buckling_mode_stands_still_at_its_largest(viewed, tmp_path):
+    page = viewed(buckling(tmp_path), reduced_motion="reduce").page
+    straight = pixels(page)
+    role(page, "mode").check()
+    shapes = [pixels(page) for _ in range(3)]
+    assert all((shapes[0] == each).all() for each in shapes[1:])
+    assert (np.abs(shapes[0] - straight).max(axis=2) > 30).mean() > 0.01
+
+
 def test_space_plays_and_pauses_and_the_cycle_comes_round(viewed):
     page = viewed().page
     page.evaluate("ballesta.setPosition(0, 71)")

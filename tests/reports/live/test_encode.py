@@ -363,6 +363,18 @@ def test_a_part_that_nothing_loads_says_so():
     assert encode(zero, CYCLES).head["fields"] == 0
 
 
+def test_a_buckling_mode_comes_back_within_half_a_step_also_of_a_surface_without_fields(fields):
+    nodes, triangles = torus(16, 8)
+    mode = np.cos(nodes / 40.0) * [0.1, -0.3, 1.0]
+    mode /= np.linalg.norm(mode, axis=1).max()
+    bare = replace(grey(nodes, triangles, "by formula"), mode=mode)
+    for given in (bare, replace(fields, mode=np.resize(mode, fields.nodes.shape))):
+        done = encode(given, CYCLES)
+        part = decode(done.head, done.text)
+        assert_allclose(part.mode[order_of(given, part)], given.mode, atol=0.5 / 127 + 1e-6)
+    assert decode(*vars(encode(fields, CYCLES)).values()).mode is None
+
+
 def test_a_surface_without_fields_has_its_reason():
     nodes, triangles = torus(16, 8)
     done = encode(grey(nodes, triangles, "decided by formula"), CYCLES)
@@ -382,10 +394,13 @@ def test_a_single_triangle_is_a_surface():
     assert_allclose(decode(done.head, done.text).stress(0, 0), fields.at("work", 0), atol=0.05)
 
 
-@pytest.mark.parametrize("what", ["stress", "displacement", "coefficients", "nodes", "utilisation"])
+@pytest.mark.parametrize(
+    "what", ["stress", "displacement", "coefficients", "nodes", "utilisation", "mode"]
+)
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 def test_what_is_no_number_is_refused(fields, what, bad):
     changes = {}
+    fields = replace(fields, mode=fields.displacement[0])
     if what == "coefficients":
         spoilt = fields.coefficients["idle"].copy()
         spoilt[2, 5] = bad

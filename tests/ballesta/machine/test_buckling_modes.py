@@ -1,0 +1,122 @@
+"""Buckling modes of the live view: of a bar's frame, and of all bodies of a linkage together."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from ballesta.design.read import read_design
+from ballesta.machine.buckling_modes import half_wave, moved_with
+from ballesta.pipeline import check_design
+from checks.design.effort import Effort
+from reports.live.section import live_section
+from reports.places import shown_of
+
+DESIGNS = Path(__file__).parents[3] / "designs"
+
+
+def checked(name):
+    return check_design(read_design(DESIGNS / f"{name}.toml"), effort=Effort("formula"), live=True)
+
+
+@pytest.fixture(scope="module")
+def jack():
+    return checked("gallery/scissors_jack")
+
+
+def test_a_column_longer_than_the_part_has_the_mode_of_both_bars_whose_knee_moves_most():
+    """500 mm out of the plane, of two bars of 250 mm: half a sine wave over both, 1 at the knee.
+
+    The bars meet at an angle at the knee, which twists both: walls differ by 0.04 from the axis.
+    """
+    result = checked("toggle_press_30x30")
+    design = read_design(DESIGNS / "toggle_press_30x30.toml")
+    assert result.deciding.quantity == "column out of plane"
+    for part in result.parts:
+        nodes, mode, own = part.live.nodes, part.live.mode, design.parts[part.name]
+        (knee,) = (i for i in own.geometry.placed_interfaces if own.interfaces[i.name] == "B")
+        far = np.abs(nodes[:, 0] - knee.centre[0])
+        assert_allclose(np.abs(mode[:, 2]), np.cos(np.pi * far / 500.0), atol=0.06)
+        assert np.abs(mode[:, 1]).max() < 0.06
+    assert shown_of(result.deciding, result)["mode"]
+
+
+@pytest.mark.parametrize(
+    ("plane", "across", "sign"), [("in plane", 1, -1), ("out of plane", 2, -1)]
+)
+def test_a_hinged_bar_buckles_in_half_a_sine_wave_and_its_sections_turn_with_it(
+    plane, across, sign
+):
+    """Euler: w = sin(pi x/L); a point c beside the axis moves by -c w' along it."""
+    places, motions = half_wave(np.array([10.0, 0.0, 0.0]), 200.0, plane)
+    x = np.array([10.0, 60.0, 110.0, 210.0])
+    nodes = np.zeros((4, 3))
+    nodes[:, 0], nodes[:, across] = x, 8.0
+    found = moved_with(nodes, places, motions)
+    assert_allclose(found[:, across], np.sin(np.pi * (x - 10) / 200), atol=2e-3)
+    slope = np.pi / 200 * np.cos(np.pi * (x - 10) / 200)
+    assert_allclose(found[:, 0], sign * 8.0 * slope, atol=2e-4)
+
+
+def result_of_pins():
+    design = read_design(DESIGNS / "gallery" / "steam_engine.toml")
+    return design.parts["rod"].geometry.placed_interfaces
+
+
+def test_a_part_that_buckles_between_its_own_pins_has_its_half_wave():
+    result = checked("gallery/steam_engine")
+    assert result.deciding.note.startswith("in plane: Euler's column;")
+    (rod,) = result.parts
+    first, second = (one.centre[0] for one in result_of_pins())
+    x = rod.live.nodes[:, 0]
+    between = (x > first) & (x < second)
+    wave = np.sin(np.pi * (x - first) / (second - first))
+    assert_allclose(rod.live.mode[between, 1], wave[between], atol=5e-3)
+    assert np.abs(rod.live.mode[:, 2]).max() == 0.0
+
+
+def test_all_parts_have_the_mode_of_a_linkage_that_decides_and_meet_at_their_pins(jack):
+    """Out of the plane: both bars at a pin of soft forks move aside alike, by the same size."""
+    assert jack.deciding.place == "out of plane mode"
+    modes = {part.name: part.live.mode for part in jack.parts}
+    assert max(np.linalg.norm(mode, axis=1).max() for mode in modes.values()) == pytest.approx(1)
+
+    def aside(name, where):  # at the bore that is there, in the middle plane
+        (part,) = (part for part in jack.parts if part.name == name)
+        motion = jack.motion["lift"]
+        row = int(np.flatnonzero(np.asarray(motion.index) == 0)[0])
+        x, y, angle = motion.parts[name][row]
+        c, s = np.cos(angle), np.sin(angle)
+        ground = part.live.nodes[:, :2] @ [[c, s], [-s, c]] + [x, y]
+        return float(part.live.mode[np.linalg.norm(ground - where, axis=1) < 10.0, 2].mean())
+
+    motion = jack.motion["lift"]
+    pins = {pin.point: pin.place[0] for pin in motion.pins.values()}
+    on = {point: [p.on for p in motion.pins.values() if p.point == point] for point in pins}
+    assert any(len(names) == 2 for names in on.values())
+    for point, names in on.items():
+        if len(names) == 2:
+            first, second = (aside(name, pins[point]) for name in names)
+            assert first == pytest.approx(second, abs=0.06)
+
+
+def test_the_page_of_a_linkage_that_decides_begins_with_all_parts(jack):
+    shown = shown_of(jack.deciding, jack)
+    assert (shown["part"], shown["mode"], shown["position"]) == (-1, True, [0, 0])
+    assert '"first":-1' in live_section(jack).body
+
+
+def test_nodes_of_a_rigid_body_turn_about_its_place():
+    """A turn of 0.01 about z at (10, 0, 0), and a shift along z."""
+    nodes = np.array([[10.0, 0.0, 0.0], [30.0, 0.0, 5.0], [10.0, 4.0, 0.0]])
+    found = moved_with(nodes, np.array([[10.0, 0, 0]]), np.array([[0, 0, 0.5, 0, 0, 0.01]]))
+    assert_allclose(found, [[0, 0, 0.5], [0, 0.2, 0.5], [-0.04, 0, 0.5]], atol=1e-12)
+
+
+def test_a_part_that_a_formula_without_a_shape_judges_says_so():
+    result = checked("gallery/pumpjack")
+    assert (result.deciding.part, result.deciding.kind) == ("beam", "buckling")
+    (beam,) = (part for part in result.parts if part.name == "beam")
+    assert beam.live.mode is None
+    assert "its buckling mode is not drawn" in beam.live.notes[-1]
