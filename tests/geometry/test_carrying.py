@@ -63,9 +63,10 @@ def link() -> Carrier:
 def test_a_link_s_mesh_is_carried_over_to_dimensions_far_off(
     link: Carrier, change: dict[str, float]
 ):
+    """The volume as near to the body's as of the mesh that was made: 1.0e-4, by its round ends."""
     found = link.to(Half(changed(LINK, change)))
     assert found.jacobian_minimum > 0
-    assert_allclose(found.volume, found.volume_cad, rtol=5e-3)
+    assert_allclose(found.volume, found.volume_cad, rtol=2e-4)
 
 
 def test_a_hole_that_leaves_its_link_little_takes_no_mesh(link: Carrier):
