@@ -28,7 +28,7 @@ def test_the_press_is_judged_by_its_exit_code(press):
 def test_the_answer_names_part_check_bars_limit_and_place(press):
     lines = press.stdout.splitlines()
     assert lines[0] == "Toggle press (designs/toggle_press.toml): PASS"
-    row = r"  bar_upper,( bar_lower)? +fatigue +[\d.]+ ±[\d.]+ .* MPa +154 "
+    row = r"  bar_upper,( bar_lower)? +fatigue +[\d.]+ \+[\d.]+ −[\d.]+ MPa +154 "
     assert re.search(row, press.stdout)
     assert re.search(r"> pin_B +bush \(bush of upper\) ", press.stdout)
     assert re.search(r"where +mean pressure on 40 x 6.3 mm", press.stdout)
