@@ -10,6 +10,8 @@ from ballesta.design.read import read_design
 from ballesta.machine.buckling_modes import half_wave, moved_with
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort
+from checks.ladder.part_fields import with_mode
+from checks.result.live_fields import grey
 from reports.live.section import live_section
 from reports.places import shown_of
 
@@ -120,3 +122,15 @@ def test_a_part_that_a_formula_without_a_shape_judges_says_so():
     (beam,) = (part for part in result.parts if part.name == "beam")
     assert beam.live.mode is None
     assert "its buckling mode is not drawn" in beam.live.notes[-1]
+
+
+def test_a_solid_s_mode_is_taken_to_another_mesh_and_back_to_its_own_as_it_is():
+    """A bow of w = 1 - x^2 on 41 nodes a side: on its own nodes exact, between them to a step."""
+    x, y = (each.ravel() for each in np.meshgrid(*2 * [np.linspace(-1, 1, 41)], indexing="ij"))
+    nodes, bow = np.stack([x, y, 0 * x], axis=1), np.stack([0 * x, 0 * x, 1 - x**2], axis=1)
+    own = with_mode(grey(nodes, np.array([[0, 1, 42]]), "by formula"), (nodes, 5 * bow))
+    assert_allclose(own.mode, bow, atol=1e-6)
+    inner = 0.9 * nodes
+    other = with_mode(grey(inner, np.array([[0, 1, 42]]), "by formula"), (nodes, bow))
+    assert_allclose(other.mode[:, 2], 1 - inner[:, 0] ** 2, atol=0.05)
+    assert with_mode(own, None) is own
