@@ -17,7 +17,7 @@ from geometry.mesh import FloatArray
 _NOTE = "buckling mode: {}; its size is free"
 _UNKNOWN = "its buckling mode is not drawn: the formula has none; --fidelity solid finds it"
 _EULER = "in plane: Euler's column"  # the words of a share whose mode is a half wave
-_ITS_OWN = 1.01  # of the distance of its pins: a longer column is more than the part
+_ITS_OWN = 1.01  # of the distance of its pins: another column is not the part alone
 _PLACES = 33  # of a half wave
 
 
@@ -68,9 +68,10 @@ def _of_part(design: Design, part: PartResult) -> PartResult:
     if governing.method.startswith("solid"):
         return part
     plane = _plane(design, governing)
-    if plane is None or plane.length > _ITS_OWN * plane.own:
+    if plane is None or not 1 / _ITS_OWN < plane.length / plane.own < _ITS_OWN:
         return replace(part, live=replace(live, notes=(*live.notes, _UNKNOWN)))
-    first = design.parts[part.name].geometry.placed_interfaces[0].centre
+    pins = design.parts[part.name].geometry.placed_interfaces[:2]
+    first = min((pin.centre for pin in pins), key=lambda centre: float(centre[0]))
     moved = moved_with(np.asarray(live.nodes), *half_wave(first, plane.own, plane.name))
     moved /= np.linalg.norm(moved, axis=1).max()
     notes = (*live.notes, _NOTE.format(f"Euler's half wave {plane.name}, of an even bar"))
