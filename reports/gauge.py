@@ -144,7 +144,7 @@ def _of_model(check: Check) -> list[Bar]:
 
 
 def _of_pins(derivation: Derivation) -> list[Bar]:
-    """Bands of a solid by the arcs and the clearances of its pins, from their single values."""
+    """Bands of a solid by arcs, clearances and bending of its pins, from their single values."""
     given = {
         item.symbol: (float(item.value), item.meaning)
         for item in derivation.items
@@ -165,6 +165,9 @@ def _of_pins(derivation: Derivation) -> list[Bar]:
         above = max(fits.values()) - own + given.get("fit_up", (0.0, ""))[0]
         below = own - min(fits.values()) + given.get("fit_lo", (0.0, ""))[0]
         found.append(("clearance of pins, over their fit", above, below))
+    if "q_2" in given:
+        more = given["q_2"][0] - given["q_1"][0]
+        found.append(("pins that bend, which press at edges", max(more, 0.0), max(-more, 0.0)))
     return found
 
 

@@ -8,6 +8,7 @@ import pytest
 from ballesta.design.read import read_design
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort
+from checks.result.derivation import BarSymbols, Derivation, Given, Section, Step
 from checks.result.verdict import Check, Status
 from checks.strength.load_doubts import with_doubts
 from reports import report_html
@@ -62,6 +63,27 @@ def test_each_doubt_about_the_loads_has_its_own_safeties():
         ("stop", "1.510 to 1.58"),  # 355/235, 355/225
     ]
     assert Check.from_dict(check.to_dict()) == check
+
+
+def test_pins_that_bend_have_a_share_of_their_own():
+    """Of +26 MPa clearances make 6, bent pins 20; clearances alone reach below."""
+    items = (
+        Given("v", "stress", 150.0, "MPa"),
+        Given("fit_1", "the value at the least clearance of the pins", 147.0, "MPa"),
+        Given("fit_2", "the value at the middle clearance of the pins", 150.0, "MPa"),
+        Given("fit_3", "the value at the largest clearance of the pins", 156.0, "MPa"),
+        Given("q_1", "the value where pins press evenly along", 150.0, "MPa"),
+        Given("q_2", "the value where bent pins press unevenly", 170.0, "MPa"),
+        Step("b_up", "model band above", "fit_3 - fit_2 + max(q_2 - q_1, 0)", "MPa"),
+        Step("b_lo", "model band below", "fit_2 - fit_1 + max(q_1 - q_2, 0)", "MPa"),
+    )
+    bars = BarSymbols(above="b_up", below="b_lo", words="model: pins")
+    check = results.check(value=150.0, numerical=0.0, model=26.0, model_below=3.0)
+    told = replace(check, derivation=Derivation((), (Section("all", items),), "v", "v", bars))
+    assert [(share.name.partition(",")[0], share.ends) for share in shares(told)] == [
+        ("pins that bend", "2.08 to 2.37"),  # 355/170, 355/150
+        ("clearance of pins", "2.27 to 2.42"),  # 355/156, 355/147
+    ]
 
 
 @pytest.fixture(scope="module")
