@@ -533,7 +533,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     Without arguments it is the program, of which `ballesta.__main__` runs long commands.
     """
-    from ballesta.streams import claim_standard_output, speak_utf8
+    from ballesta.streams import claim_standard_output, finish_standard_output, speak_utf8
     from fem.threads import one_thread, policy
 
     speak_utf8()
@@ -551,4 +551,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         if argv is None:
             raise
         return int(stop.code or 0)
+    finally:
+        if argv is None:
+            finish_standard_output()
     return 0

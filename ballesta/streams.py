@@ -22,6 +22,19 @@ def claim_standard_output() -> None:
         sys.__stdout__ = sys.stdout  # type: ignore[misc]  # it tells how wide the terminal is
 
 
+def finish_standard_output() -> None:
+    """Hand over what is printed; a reader that has seen enough, such as `head`, is no error."""
+    stream = sys.__stdout__  # sys.stdout may be one that typer has put before it
+    if stream is None:
+        return
+    try:
+        stream.flush()
+    except BrokenPipeError:  # the interpreter would flush once more at its end, and complain
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, stream.fileno())
+        os.close(nowhere)
+
+
 def speak_utf8() -> None:
     """Write UTF-8 into files and pipes: Windows' code pages have no minus sign and no sigma."""
     for stream in (sys.stdout, sys.stderr):

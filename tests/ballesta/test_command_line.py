@@ -1,6 +1,7 @@
 """The command as a user runs it: output, files, exit codes."""
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -190,6 +191,27 @@ def test_the_schema_is_json(command, tmp_path):
     run = command("schema", out=tmp_path)
     assert run.code == 0
     assert json.loads(run.stdout)["type"] == "object"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a closed pipe is another error there")
+def test_a_reader_that_has_seen_enough_is_no_error():
+    """As in `ballesta schema | head -1`, where the last lines wait when nobody reads any more."""
+    code = (
+        "import os; from ballesta.streams import finish_standard_output as finish; "
+        "reading, writing = os.pipe(); os.close(reading); os.dup2(writing, 1); "
+        "print('left over'); {}"
+    )
+    complains, silent = (
+        subprocess.run(
+            [sys.executable, "-c", code.format(last)],
+            capture_output=True,
+            timeout=60,
+            env=os.environ | {"PYTHONUNBUFFERED": ""},
+        )
+        for last in ("", "finish()")
+    )
+    assert b"BrokenPipeError" in complains.stderr
+    assert (silent.returncode, silent.stderr) == (0, b"")
 
 
 def test_help_imports_nothing_heavy():
