@@ -30,8 +30,8 @@ def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("machine.toml").write_text(MACHINE + PLATE, encoding="utf-8")
     draw_nothing(monkeypatch)
-    for module in ("parts", "cycles"):
-        monkeypatch.setattr(f"reports.charts.{module}.gathered", lambda makers: Charts((), ()))
+    for module in ("reports.charts", "reports.charts.cycles"):
+        monkeypatch.setattr(f"{module}.gathered", lambda makers: Charts((), ()))
     return tmp_path
 
 
