@@ -12,6 +12,7 @@ from checks.ladder.levels import first_level
 from checks.ladder.part_facts import assumed_of
 from checks.part.loaded_part import LoadedPart
 from checks.strength.part_strength import fatigue_use
+from checks.stress import pressed_along
 from checks.stress.beyond_even import beyond_even
 from checks.stress.error_bars import bars_of
 from checks.stress.judged import StaticPeak
@@ -93,6 +94,17 @@ def test_a_pin_that_does_not_bend_presses_as_evenly_as_it_was_taken(tmp_path):
 def test_cheeks_farther_away_bend_the_pin_more(tmp_path):
     shares = [stack_in(rod(tmp_path, at), "first").shares(0, 0.0)[1] for at in (8.0, 12.0, 20.0)]
     assert 0 < shares[0] < shares[1] < shares[2]
+
+
+def test_lugs_of_other_parts_tilt_as_they_like(tmp_path, monkeypatch):
+    """Ten times as free changes nothing; a lug that is held bends the pin less."""
+    found = {}
+    for free in (pressed_along._FREE, 10 * pressed_along._FREE, 0.0):
+        monkeypatch.setattr(pressed_along, "_FREE", free)
+        found[free] = stack_in(rod(tmp_path), "first").shares(0, 0.0)[1]
+    own, freer, held = found.values()
+    assert_allclose(freer, own, rtol=1e-3)
+    assert held < 0.9 * own
 
 
 def test_lugs_on_one_side_and_pins_without_a_part_are_left_out(bent, tmp_path):

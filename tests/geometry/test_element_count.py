@@ -9,8 +9,10 @@ from geometry.cad_body import cad_skin
 from geometry.element_count import SURE, skin_triangles, solid_elements, solid_unknowns
 from geometry.mesh import TooFineError, TooManyUnknownsError
 from geometry.meshing import gmsh_session, mesh_shape
-from geometry.parts import LeafPack, Pin, PlateLink, ToggleBar, TubeRod
+from geometry.parts import LeafPack, Pin, PlateLink, TubeRod
 from geometry.parts.pin import Seat
+
+from .bars import PRESS_BAR
 
 PLATES = [
     PlateLink(length=150.0, width=20.0, thickness=10.0, hole=10.0),
@@ -50,16 +52,7 @@ def test_a_finer_region_counts():
 TUBE = TubeRod(
     length=200.0, tube_diameter=30.0, wall=3.0, eye_diameter=45.0, eye_width=34.0, hole=16.0
 )
-BAR = ToggleBar(
-    length=325.0,
-    width=80.0,
-    wall=6.3,
-    hole=44.0,
-    overhang=40.0,
-    inner_radius=3.0,
-    cutout_length=56.0,
-    cutout_corner=5.0,
-)
+BAR = replace(PRESS_BAR, length=325.0)
 LEAVES = LeafPack(
     length=460.0,
     leaves=3,
