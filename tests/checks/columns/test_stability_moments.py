@@ -1,7 +1,7 @@
 """Crooked columns with first-order moments, against closed forms worked out beside them."""
 
 from dataclasses import replace
-from math import cos, pi, sqrt
+from math import cos, pi, sin, sqrt
 
 import numpy as np
 import pytest
@@ -216,7 +216,9 @@ def test_compression_does_not_end_between_phases_or_cycles(tmp_path):
 def test_stress_under_the_named_factor_is_the_yield_stress_and_nowhere_more(tmp_path, beside):
     """The formulas give it at the worst position and place, to round-off of the search."""
     design, part = rod(tmp_path, *([beside] if beside else []))
-    loads = loads_of({"first": [(1e4, 0, 1e5), (2e4, 0, 1e5)], "second": [(-2e4, 0, 3e4)] * 2})
+    turns = np.linspace(0, 2 * pi, 60)
+    turning = [(2e4 * cos(a), 50 * sin(3 * a), 1e5 * sin(a + 1)) for a in turns]
+    loads = loads_of({"first": turning, "second": [(-2e4, 0, 3e4)] * 60})
     checks = list(crooked_column.checks(LoadedPart(design, part, loads)))
     columns = crooked_columns(part, loads, planes_of(design, part))
     for column, check in zip(columns, checks, strict=True):
