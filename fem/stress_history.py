@@ -1,6 +1,7 @@
 """The stress of a part over the cycle: a basis at its surface points and coefficients in time."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -57,7 +58,12 @@ class StressHistory:
         return StressHistory(self.nodes, self.points, self.basis, self.coefficients[:, columns])
 
     def peaks_by_position(self) -> tuple[FloatArray, IntArray]:
-        """Largest von Mises stress (n_positions,) at each position, and the point it is at.
+        """Largest von Mises stress (n_positions,) at each position, and the point it is at."""
+        return self._peaks
+
+    @cached_property
+    def _peaks(self) -> tuple[FloatArray, IntArray]:
+        """As `peaks_by_position`, sought once.
 
         Exact, without every point at every position: the stress of a point moves from the middle of
         a block of positions by at most the sum of its unit stresses times the largest changes of

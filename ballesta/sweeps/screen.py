@@ -33,6 +33,7 @@ from checks.ladder.climb import Climb, answered, climb_cheap, start_climb
 from checks.ladder.leaf_checks import LeafBand
 from checks.ladder.part_ladder import told_of_part
 from checks.ladder.result import rung_gates
+from checks.models.checked import BUCKLING
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads, loads_on
 from checks.result.verdict import Check, Gate, Status, deciding_of, status_of
@@ -172,7 +173,7 @@ class Screening:
         """Check one variation by formula; its `problem` says what is wrong with it.
 
         parts     whose checks are wanted; None for all
-        formulas  whether those are wanted that are formulas anyway
+        formulas  whether those are wanted besides stress: buckling, and what is a formula anyway
         linkage   whether buckling of the linkage as a whole is checked, too
         reserves  of parts in the design as it is: an unchanged part has no checks where its loads
                   grow by less than half of what its reserve is above 1
@@ -252,6 +253,8 @@ def _checked(
             if not known.between:
                 loaded = loaded.under(replace(loaded.loads, path=None))
             climb = start_climb(loaded, rubbing.get(part.name))
+            if not formulas:
+                climb.asked = tuple(kind for kind in climb.asked if kind != BUCKLING)
             why = _check_part(climb, body, checks, gates)
             rubbed |= {} if climb.leaves is None else {part.name: climb.leaves}
             if formulas:

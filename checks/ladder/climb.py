@@ -70,9 +70,10 @@ class Climb:
 
     def by_formula(self, kinds: Sequence[str] | None = None) -> bool:
         """Estimate some kinds of checks by formula; False where the part has none."""
-        start = perf_counter()
+        start, wanted = perf_counter(), self.asked if kinds is None else kinds
         try:
             model = shapes.model_of(self.part, self.loads)
+            load = None if model is None or BUCKLING not in wanted else model.buckling
         except (MeshError, SolverError) as error:
             self.skip(FORMULA, f"{GAVE_UP}: {error}")
             return False
@@ -87,11 +88,10 @@ class Climb:
                 doubts(leaves(estimate.check)), estimate.above, estimate.below, estimate.guard
             )
             for kind, estimate in rung_estimates(
-                self.loaded, level, self.use, lambda some: shapes.model_of(self.part, some)
+                self.loaded, level, self.use, lambda some: shapes.model_of(self.part, some), wanted
             ).items()
-            if kind in (self.asked if kinds is None else kinds)
         }
-        if model.buckling is not None and not model.buckling.share > 0.0:
+        if load is not None and not load.share > 0.0:
             self.unbuckled = True
         self.best |= found
         self.tried.append(
@@ -122,7 +122,7 @@ class Climb:
         use = fatigue_use(self.loaded.under(loads))
         if use is not None:
             values[FATIGUE] = use.value(level)
-        if model.buckling is not None:
+        if BUCKLING in self.asked and model.buckling is not None:
             values[BUCKLING] = max(0.0, model.buckling.share)
         return values
 

@@ -13,7 +13,7 @@ in its axes.
 An `Estimate` is a check by any model; its bars leave the verdict open or not.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from math import inf
 
@@ -189,26 +189,26 @@ def rung_estimates(
     level: RungLevel,
     use: FatigueUse | None,
     again: Callable[[PartLoads], RungModel | None],
+    kinds: Collection[str] = (STATIC, FATIGUE, BUCKLING),
 ) -> dict[str, Estimate]:
-    """The checks that a rung answers, by kind.
+    """The checks of some kinds that a rung answers, by kind.
 
     use    how the part's fatigue is judged; None where no cycle of the duty loads it
     again  builds the rung's model under other loads
     """
     loads = loaded.loads
-    words = static_words(loaded, level)
-    found = {
-        STATIC: _stress_estimate(
+    found: dict[str, Estimate] = {}
+    if STATIC in kinds:
+        found[STATIC] = _stress_estimate(
             loaded,
             level,
-            words,
+            static_words(loaded, level),
             level.peak.value,
             level.peak.point,
             static_rise(level, loads),
             raised_in_bores(loaded.part, loads, level),
         )
-    }
-    if use is not None:
+    if FATIGUE in kinds and use is not None:
         words = fatigue_words(loaded, level, use)
         found[FATIGUE] = _stress_estimate(
             loaded,
@@ -219,9 +219,9 @@ def rung_estimates(
             fatigue_rise(level, loads, use),
             raised_in_bores(loaded.part, loads, level, use),
         )
-    if level.model.buckling is not None and level.model.buckling.share > 0.0:
-        rise = buckling_rise(loads, level.model.buckling, again)
-        found[BUCKLING] = _buckling_estimate(loaded, level.model, rise)
+    load = level.model.buckling if BUCKLING in kinds else None
+    if load is not None and load.share > 0.0:
+        found[BUCKLING] = _buckling_estimate(loaded, level.model, buckling_rise(loads, load, again))
     return found
 
 

@@ -202,23 +202,27 @@ class BarPart:
         self,
         *,
         neglects: str,
-        local: float | None = 0.0,
+        local: Callable[[], float | None] | None = None,
         aside: Callable[[bool], Aside] | None = None,
     ) -> RungModel:
         """The rung `formula` of its points; `local` and `aside` as in `elastic_load`.
 
-        Nothing is known of a stretch by itself where `local` is None: then no buckling load is.
+        Nothing is known of a stretch by itself where `local` gives None: then no buckling load is.
         """
         part, loads, bar, mass, length = self.part, self.loads, self.forces, self.mass, self.length
-        buckling = None
-        if local is not None:
-            buckling = elastic_load(
-                part, loads, bar, mass, length, self.radii, local=local, aside=aside
+
+        def buckles() -> ElasticLoad | None:
+            known = 0.0 if local is None else local()
+            if known is None:
+                return None
+            return elastic_load(
+                part, loads, bar, mass, length, self.radii, local=known, aside=aside
             )
+
         return self.points.model(
             residual=left_over(bar, loads, length),
             deflection=most_deflected(bar, part, mass, length),
-            buckling=buckling,
+            buckles=buckles,
             neglects=neglects,
         )
 

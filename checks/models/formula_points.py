@@ -1,11 +1,11 @@
 """Points of a handbook model: where they are, and of which forces their stress is made."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
 from checks.handbook.pin_loaded_hole import PATTERNS
-from checks.stress.stress_result import ElasticLoad, RungModel, UnitName
+from checks.stress.stress_result import ElasticLoad, RungModel, UnitName, no_answer
 from fem.stress_history import StressHistory
 from fem.unit_loads import ACCELERATIONS
 from geometry.mesh import FloatArray, IntArray
@@ -101,8 +101,8 @@ class Points:
         *,
         residual: float,
         deflection: float,
-        buckling: ElasticLoad | None,
         neglects: str,
+        buckles: Callable[[], ElasticLoad | None] = no_answer,
         ring: int = 0,
     ) -> RungModel:
         """The rung `formula` of these points; parameters as `RungModel` has them."""
@@ -113,7 +113,7 @@ class Points:
             fretting=self.fretting,
             residual=residual,
             deflection=deflection,
-            buckling=buckling,
+            buckles=buckles,
             neglects=neglects,
             ring=ring,
         )

@@ -116,6 +116,10 @@ class Stressed(ABC):
         return f"{words} {coordinates(at)}"
 
 
+def no_answer() -> None:
+    """The elastic buckling load of a part for which the rung has none."""
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class RungModel:
     """A part's stress by the rung `formula`, before it is judged.
@@ -125,7 +129,8 @@ class RungModel:
     fretting    (n_points,) factor by which fretting lowers the endurance limit, 1 elsewhere
     residual    what is left of the part's balance, or did not reach it, over the largest force
     deflection  mm, largest displacement over the cycles, estimated; infinite if unknown
-    buckling    largest share of the elastic buckling load, None where the rung has no answer
+    buckles     largest share of the elastic buckling load, asked for once it is needed; None where
+                the rung has no answer
     neglects    what the rung leaves out, in words
     ring        number of points at even angles around each section of a pin, section by section; 0
                 where the points lie otherwise
@@ -137,10 +142,10 @@ class RungModel:
     fretting: FloatArray
     residual: float
     deflection: float
-    buckling: ElasticLoad | None
     neglects: str
     ring: int = 0
     units: Sequence[UnitName]
+    buckles: Callable[[], ElasticLoad | None] = no_answer
 
     def __post_init__(self) -> None:
         if len(self.units) != len(self.history.coefficients):
@@ -148,6 +153,11 @@ class RungModel:
                 f"the formula has {len(self.history.coefficients)} unit loads, "
                 f"but {len(self.units)} names"
             )
+
+    @cached_property
+    def buckling(self) -> ElasticLoad | None:
+        """Largest share of the elastic buckling load, None where the rung has no answer."""
+        return self.buckles()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -37,7 +37,6 @@ def stress(part: Part, shape: LeafPack, loads: PartLoads) -> RungModel:
     return points.model(
         residual=left_over(bar, loads, shape.length),
         deflection=_deflection(part, shape, bar),
-        buckling=None,
         neglects="peaks where clamp and contact press; friction between leaves; that wide leaves "
         "resist bending across",
     )

@@ -296,7 +296,6 @@ def stress(part: Part, shape: Pin, loads: PartLoads) -> RungModel | None:
         ring=len(ANGLES),
         residual=_left_over(shape, loads, diagram, names),
         deflection=_deflection(part, shape, loads, diagram, names),
-        buckling=None,
         neglects="that a short pin is no slender bar; that lugs press less where it gives way",
     )
 

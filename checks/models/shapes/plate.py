@@ -2,6 +2,7 @@
 
 from cmath import phase
 from collections.abc import Mapping
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -51,7 +52,7 @@ def stress(part: Part, shape: Plate, loads: PartLoads) -> RungModel | None:
     return points.model(
         residual=forces.residual,
         deflection=deflected(part, forces),
-        buckling=elastic_load(part, forces),
+        buckles=partial(elastic_load, part, forces),
         neglects="that the load paths of the arms disturb each other; stress not linear across "
         "the arms; couples out of the plane",
     )

@@ -37,7 +37,7 @@ def stress(part: Part, shape: PrismaticTube, loads: PartLoads) -> RungModel:
     forces = SectionForces(points, bar)
     add_tube_fibres(points, "tube", along, forces, tube, (shape.width, shape.wall))
     return whole.model(
-        local=1 / (tube.area * _pressed_edges(part, shape)),  # the walls at the free, pressed ends
+        local=lambda: 1 / (tube.area * _pressed_edges(part, shape)),  # walls at the pressed ends
         neglects="how the end faces bring forces in; bending of the walls across themselves",
     )
 

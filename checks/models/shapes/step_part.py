@@ -12,6 +12,7 @@ and the shear stress on the surface runs along it. Stress is xx, yy, zz, xy, yz,
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -28,7 +29,7 @@ from checks.models.formula_bars import (
 from checks.models.formula_points import Points, in_section
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
-from checks.stress.stress_result import RungModel
+from checks.stress.stress_result import RungModel, no_answer
 from geometry.bars import rectangle, rectangle_torsion
 from geometry.mesh import FloatArray
 from geometry.parts.step_part import Pair, StepPart
@@ -104,7 +105,9 @@ def stress(part: Part, shape: StepPart, loads: PartLoads) -> RungModel | None:
     return points.model(
         residual=left_over(bar, own, span),
         deflection=most_deflected(bar, part, stiff, span),
-        buckling=elastic_load(part, own, bar, stiff, span) if len(places) == 2 else None,
+        buckles=partial(elastic_load, part, own, bar, stiff, span)
+        if len(places) == 2
+        else no_answer,
         neglects="holes, fillets, lugs and whatever else is not a straight bar of the stated "
         "section with its middle on the line of the holes; that the solid's mass is not spread "
         "evenly along it",

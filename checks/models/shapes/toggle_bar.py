@@ -55,14 +55,17 @@ def stress(part: Part, shape: ToggleBar, loads: PartLoads) -> RungModel:
     _add_cheek_fibres(points, shape, min(free, stop), cheeks, sections)
     if 0 < free < shape.length:
         _add_cut_out(points, shape, free, cheeks, sections)
-    steel = part.material
-    spread = _spreading(shape, steel.poisson_ratio)
-    local = None if spread is None else spread / steel.youngs_modulus
     return whole.model(
-        local=local,
+        local=lambda: _spread(part, shape),
         neglects="bending of the walls across themselves; that the side walls lag in taking their "
         "share",
     )
+
+
+def _spread(part: Part, shape: ToggleBar) -> float | None:
+    """Share of the cheeks' buckling load by 1 N of push; None where they are no plates."""
+    share = _spreading(shape, part.material.poisson_ratio)
+    return None if share is None else share / part.material.youngs_modulus
 
 
 @lru_cache(64)  # bars of one size, and their variations in other dimensions than the part's

@@ -22,7 +22,6 @@ def bent(direction):
         fretting=np.ones(2 * COUNT),
         residual=0.0,
         deflection=0.0,
-        buckling=None,
         neglects="",
         ring=COUNT,
         units=[("moment", "N mm")],
