@@ -3,8 +3,8 @@
 The terminal (`answer_text`) and the first screen of the page write the same facts.
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from itertools import groupby
 from math import isfinite
 from pathlib import Path
@@ -37,12 +37,12 @@ from checks.result.words import (
 )
 from reports.gauge import shares
 from reports.loads_words import broken_of
-from reports.terminal import labelled, report_line, table_row
+from reports.terminal import labelled, report_line, table_row, wrap
 
+_MOST_LINES = 25
 _MOST_WARNINGS = 2
-_MOST_GATES = 2
 _MOST_WAYS = 2
-_MOST_SUBJECTS = 4
+_LONGEST_LIST = 75  # letters of subjects that no check covers: a line of a terminal
 _MOST_MASSES = 4
 _LONGEST_MEANING = 160  # letters of what a validity check measures, told beside its number
 _LONGEST = 300  # letters of one sentence, so that no name floods the answer
@@ -104,10 +104,10 @@ class Answer:
     check      that decides; None where nothing was checked. title: its kind
     safety     its safety, in words; required: what it must show
     within     the range of its safety by its error bars, in words; "" without bars
-    headline   what decides, where, when, why, what to do, what is not valid or not met
+    headline   what decides, where, when, why, changes that make it pass, ways out of what is open,
+               what is not valid or not met
     beside     mass, assumptions, what is not checked
     rows       one for each part's governing check; others: the rest in one line
-    ways       out of what is open
     warnings   the first of them, and how many more
     """
 
@@ -125,7 +125,6 @@ class Answer:
     beside: Sequence[Fact]
     rows: Sequence[PartRow]
     others: str
-    ways: Sequence[Fact]
     warnings: Sequence[Fact]
 
 
@@ -149,8 +148,7 @@ def answer_of(result: DesignResult) -> Answer:
         rows=rows,
         others=_others(result, rows),
         beside=list(_beside(result)),
-        ways=_ways(result),
-        warnings=list(_warnings(result)),
+        warnings=list(_warnings(result, _MOST_WARNINGS)),
     )
 
 
@@ -187,13 +185,14 @@ def _headline(result: DesignResult, titles: dict[int, str]) -> Iterator[Fact]:
     if check.status is Status.FAIL:
         yield Fact("why", "the limit is exceeded even at the lower end of the error bars")
     yield from _changes(result)
+    yield from _ways(result)
     broken = broken_of(result)
-    for gates in broken[:_MOST_GATES]:
-        label = "NOT VALID" if gates.binding else "not met"
-        told = gates.told if len(gates.told) <= _LONGEST_MEANING else gates.cure
-        yield Fact(label, _short("; ".join(filter(None, (gates.short, told)))), "", gates.binding)
-    if left := broken[_MOST_GATES:]:
-        yield Fact("not met", _short("; ".join(gates.short for gates in left)))
+    for binding, alike in groupby(broken, key=lambda gates: gates.binding):
+        first, *left = alike
+        told = first.told if len(first.told) <= _LONGEST_MEANING else first.cure
+        said = (first.short, told, *(gates.short for gates in left))
+        label = "NOT VALID" if binding else "not met"
+        yield Fact(label, _short("; ".join(filter(None, said))), "", binding)
     if result.all_gates and not broken:
         yield Fact("validity", f"all {len(result.all_gates)} validity checks hold")
 
@@ -201,16 +200,19 @@ def _headline(result: DesignResult, titles: dict[int, str]) -> Iterator[Fact]:
 def _ways(result: DesignResult) -> list[Fact]:
     """The cheapest ways out; those that settle nothing are left out, since why stands above.
 
-    What makes a failed check pass stands above, too.
+    What makes a failed check pass stands above, too. Beside a failed check, a way counts that can
+    prove a part that does not fail.
     """
     changes = improve_command(result)
-    failed = result.status is Status.FAIL  # one more check that fails changes nothing then
+    failed = result.status is Status.FAIL
+    fail = {check.part for check in result.checks if check.status is Status.FAIL}
     ways = [
         way
         for way in result.ways
         if not way.text.startswith(NOTHING)
         and way.command != changes
         and not (failed and way.text.endswith(f"it is a {Status.FAIL}"))
+        and any(one.rpartition(" of ")[2] not in fail for one in way.settles.split(", "))
     ]
     label, most = ("also open", 1) if failed else ("way out", _MOST_WAYS)
     return [Fact(label, _way_text(way, result), clean(way.command)) for way in ways[:most]]
@@ -328,18 +330,19 @@ def _beside(result: DesignResult) -> Iterator[Fact]:
     if mass := _mass(result.parts):
         yield Fact("mass", mass)
     assumed, defaults = assumptions(result), len(result.defaults)
-    counts = [f"{len(assumed)} assumption{'' if len(assumed) == 1 else 's'}"] if assumed else []
-    counts += [f"{defaults} default{'' if defaults == 1 else 's'}"] if defaults else []
-    if counts:
+    if assumed or defaults:
+        kind, count = ("assumption", len(assumed)) if assumed else ("default", defaults)
         known = result.checks and isfinite(result.deciding.upper)  # else "why open" tells it
         widest = shares(result.deciding)[:1] if known else []
         first = [f"widest: {_cause(share.name)}, safety {share.ends}" for share in widest]
-        yield Fact("assumed", "; ".join([", ".join(counts), *first]))
+        counted = f"{count} {kind}{'' if count == 1 else 's'}"
+        yield Fact("assumed", "; ".join([counted, *first]))
     if result.not_checked:
         subjects = list(dict.fromkeys(_first(s).partition(",")[0] for s in result.not_checked))
-        first, more = subjects[:_MOST_SUBJECTS], len(subjects) - _MOST_SUBJECTS
-        said = f"{', '.join(first)} and {more} more" if more > 1 else ", ".join(subjects)
-        yield Fact("not checked", said)
+        fits = [len(", ".join(subjects[:k])) <= _LONGEST_LIST for k in range(len(subjects) + 1)]
+        first = subjects[: max(1, sum(fits) - 1)]
+        more = len(subjects) - len(first)
+        yield Fact("not checked", ", ".join(first) + (f" and {more} more" if more else ""))
 
 
 def _cause(name: str) -> str:
@@ -347,10 +350,10 @@ def _cause(name: str) -> str:
     return _short(name.partition(": ")[0])
 
 
-def _warnings(result: DesignResult) -> Iterator[Fact]:
-    more = len(result.warnings) - _MOST_WARNINGS
-    for k, warning in enumerate(result.warnings[:_MOST_WARNINGS], 1):
-        tail = f"; and {more} more" if k == _MOST_WARNINGS and more > 0 else ""
+def _warnings(result: DesignResult, most: int) -> Iterator[Fact]:
+    more = len(result.warnings) - most
+    for k, warning in enumerate(result.warnings[:most], 1):
+        tail = f"; and {more} more" if k == most and more > 0 else ""
         yield Fact("warning", _short(clean(warning).partition(". ")[0]) + tail)
 
 
@@ -394,7 +397,8 @@ def answer_text(
     report  path that the last line names
 
     Each part has its governing check alone, and parts of one outcome share a row; `verdict_text`
-    has all checks. Of a warning the first sentence stands here.
+    has all checks. Of a warning the first sentence stands here; the second warning where the text
+    keeps to 25 lines with it.
     """
     width = max(60, width or get_terminal_size((100, 24)).columns)
     answer = answer_of(result)
@@ -405,17 +409,34 @@ def answer_text(
         bars = f"; {answer.within} within its error bars" if answer.within else ""
         said = f"{answer.safety}, {answer.required} required{bars}"
         lines += labelled("safety", said, width, indent=_INDENT)
-    for fact in (*answer.headline, *answer.beside):
-        lines += labelled(fact.label, fact.line.removeprefix("parts."), width, indent=_INDENT)
+    lines += _facts(_with_place(answer.headline), width)
+    below = _facts(answer.beside, width)
     if answer.rows:
-        lines += ["", *_table(answer, width), ""]
-    for fact in (*answer.ways, *answer.warnings):
-        lines += labelled(fact.label, fact.line, width, indent=_INDENT)
-    time = f"{sum(result.timings.values()):.1f} s; " if result.timings else ""
-    more = f"{time}-v and the report tell all checks, warnings, assumptions and models tried"
-    lines += labelled("more", more, width, indent=_INDENT)
-    lines += report_line(report)
-    return "\n".join(lines) + "\n"
+        below += ["", *_table(answer, width)]
+    others = f"{answer.others or 'no other check'}; -v tells all"
+    below += [f"  {line}" for line in wrap(others, width - 2)]
+    below += report_line(report)
+    for most in range(_MOST_WARNINGS, 0, -1):
+        warnings = _facts(_warnings(result, most), width)
+        if len(lines) + len(warnings) + len(below) <= _MOST_LINES:
+            break
+    return "\n".join([*lines, *warnings, *below]) + "\n"
+
+
+def _facts(facts: Iterable[Fact], width: int) -> list[str]:
+    lines: list[str] = []
+    for fact in facts:
+        lines += labelled(fact.label, fact.line.removeprefix("parts."), width, indent=_INDENT)
+    return lines
+
+
+def _with_place(headline: Iterable[Fact]) -> Iterator[Fact]:
+    """The facts with the place behind the check that decides, in one line."""
+    facts = iter(headline)
+    for fact in facts:
+        if fact.label == "decided by":
+            fact = replace(fact, text=f"{fact.text}: {next(facts).text}")
+        yield fact
 
 
 def _table(answer: Answer, width: int) -> list[str]:
@@ -427,4 +448,4 @@ def _table(answer: Answer, width: int) -> list[str]:
     lines = table_row("  ", list(HEADINGS), widths, _RIGHT)
     for row in answer.rows:
         lines += table_row("> " if row.decides else "  ", list(row.cells), widths, _RIGHT)
-    return [*lines, f"  {answer.others}"] if answer.others else lines
+    return lines

@@ -7,7 +7,7 @@ from rich.cells import cell_len
 from checks.result.derivation import Derivation, HandComparison, Section, Superposition
 from checks.result.formulas import COMPONENTS, number_text, shown_symbol
 from checks.result.verdict import Check
-from checks.result.words import brief, clean, need_text, safety_text, value_and_bars, where
+from checks.result.words import brief, clean, need_text, safety_text, value_and_whole_bar, where
 from reports.derivation_words import (
     Line,
     Paragraph,
@@ -63,11 +63,11 @@ def derivation_text(
 
 def headline(check: Check, title: str) -> str:
     """Value, limit, need and status of a check in a sentence."""
-    value, numerical, model = value_and_bars(check)
+    value = " ".join(filter(None, value_and_whole_bar(check)))
     unit = f" {check.unit}".rstrip()
     return (
-        f"{brief(check.part, 40)} {brief(title, 60)}: {brief(check.quantity, 80)} {value} "
-        f"{numerical} {model}{unit} of {number_text(check.limit)}{unit}, safety "
+        f"{brief(check.part, 40)} {brief(title, 60)}: {brief(check.quantity, 80)} {value}{unit} "
+        f"of {number_text(check.limit)}{unit}, safety "
         f"{safety_text(check.safety, check.required)} ({need_text(check.required)} required): "
         f"{check.status}; {brief(check.method, 40)}; {brief(where(check), 120)}"
     )

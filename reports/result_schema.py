@@ -135,6 +135,8 @@ _OF_CHECK = {
     "method": _text("model that gave the value: formula, solid or frame"),
     "basis": _text("where the limit comes from"),
     "note": _text("what else must be known"),
+    "plane": _text("in which it buckles as a column; empty where it does otherwise"),
+    "span": _number("mm, between that column's ends; 0 without one"),
     "derivation": _of("Derivation"),
 }
 _CHECK = _closed("derivation", **_OF_CHECK)

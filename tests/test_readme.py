@@ -33,7 +33,6 @@ def blocks(text, language):
 
 def without_times(text):
     """Output without what differs between runs: seconds and the folder."""
-    text = re.sub(r"^more +[\d.]+ s; ", "more ", text, flags=re.MULTILINE)
     text = re.sub(r"^report: .*$", "", text, flags=re.MULTILINE)
     text = re.sub(r"^LADDER .*\n(?: {9}.*\n)*", _without_seconds, text, flags=re.MULTILINE)
     return [line.rstrip() for line in text.strip().splitlines()]

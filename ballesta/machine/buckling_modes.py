@@ -7,16 +7,15 @@ import numpy as np
 
 import loads
 from ballesta.machine.motion import carrier_of, part_frame
-from checks.columns.column_limits import Plane, planes_of
 from checks.columns.linkage_frame import LINKAGE, LinkageMode
 from checks.design.data import Design
+from checks.part.part_loads import interface_distance
 from checks.result.live_fields import LiveFields
 from checks.result.verdict import Check, DesignResult, PartResult, deciding_of
 from geometry.mesh import FloatArray
 
 _NOTE = "buckling mode: {}; its size is free"
 _UNKNOWN = "its buckling mode is not drawn: the formula has none; --fidelity solid finds it"
-_EULER = "in plane: Euler's column"  # the words of a share whose mode is a half wave
 _ITS_OWN = 1.01  # of the distance of its pins: another column is not the part alone
 _PLACES = 33  # of a half wave
 
@@ -47,18 +46,9 @@ def with_modes(
 def _is_of(design: Design, check: Check, linkage: LinkageMode) -> bool:
     if check.quantity == LINKAGE.quantity:
         return True
-    plane = _plane(design, check)
-    return plane is not None and plane.length > _ITS_OWN * plane.own and plane.name == linkage.plane
-
-
-def _plane(design: Design, check: Check) -> Plane | None:
-    """The plane in which a part buckles as a column by formula; None where it buckles otherwise."""
-    if check.kind != "buckling" or check.part not in design.parts:
-        return None
-    words = check.note.partition(";")[0]
-    said = words if words == _EULER else check.quantity if check.unit == "MPa" else ""
-    planes = planes_of(design, design.parts[check.part]) if said else ()
-    return next((p for p in planes if said.endswith(p.name) or said.startswith(p.name)), None)
+    if check.plane != linkage.plane:
+        return False
+    return check.span > _ITS_OWN * interface_distance(design, design.parts[check.part])
 
 
 def _of_part(design: Design, part: PartResult) -> PartResult:
@@ -67,30 +57,28 @@ def _of_part(design: Design, part: PartResult) -> PartResult:
         return part
     if governing.method.startswith("solid"):
         return part
-    plane = _plane(design, governing)
-    if plane is None or not 1 / _ITS_OWN < plane.length / plane.own < _ITS_OWN:
+    own = interface_distance(design, design.parts[part.name])
+    if not 1 / _ITS_OWN < governing.span / own < _ITS_OWN:
         return replace(part, live=replace(live, notes=(*live.notes, _UNKNOWN)))
-    pins = design.parts[part.name].geometry.placed_interfaces[:2]
-    first = min((pin.centre for pin in pins), key=lambda centre: float(centre[0]))
-    moved = moved_with(np.asarray(live.nodes), *half_wave(first, plane.own, plane.name))
+    first, last = (pin.centre for pin in design.parts[part.name].geometry.placed_interfaces[:2])
+    moved = moved_with(np.asarray(live.nodes), *half_wave(first, last, governing.plane))
     moved /= np.linalg.norm(moved, axis=1).max()
-    notes = (*live.notes, _NOTE.format(f"Euler's half wave {plane.name}, of an even bar"))
+    notes = (*live.notes, _NOTE.format(f"Euler's half wave {governing.plane}, of an even bar"))
     return replace(part, live=replace(live, mode=moved, notes=notes))
 
 
-def half_wave(first: FloatArray, length: float, plane: str) -> tuple[FloatArray, FloatArray]:
-    """Places (m, 3) and motions (m, 6) of a bar that buckles from `first` on along x, hinged.
+def half_wave(first: FloatArray, last: FloatArray, plane: str) -> tuple[FloatArray, FloatArray]:
+    """Places (m, 3) and motions (m, 6) of a bar that buckles from `first` to `last`, hinged.
 
     Its sections turn with the axis.
     """
-    x = np.linspace(0.0, length, _PLACES)
-    places, motions = np.zeros((_PLACES, 3)), np.zeros((_PLACES, 6))
-    places[:, 0] = first[0] + x
-    inside = plane == "in plane"
-    motions[:, 1 if inside else 2] = np.sin(np.pi * x / length)
-    slope = np.pi / length * np.cos(np.pi * x / length)
-    motions[:, 5 if inside else 4] = slope if inside else -slope
-    return places, motions
+    share = np.linspace(0.0, 1.0, _PLACES)[:, None]
+    way, out = last - first, np.array([0.0, 0.0, 1.0])
+    length = np.linalg.norm(way)
+    aside = np.cross(out, way / length) if plane == "in plane" else out
+    slope = np.pi / length * np.cos(np.pi * share)
+    turns = slope * np.cross(way / length, aside)
+    return first + share * way, np.hstack([np.sin(np.pi * share) * aside, turns])
 
 
 def _of_linkage(

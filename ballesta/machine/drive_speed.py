@@ -139,11 +139,12 @@ def speed_warnings(found: Mapping[str, Evenness]) -> list[str]:
     if not silent:
         return []
     name, worst = max(silent.items(), key=lambda entry: entry[1].alone)
-    others = f" and {len(silent) - 1} more cycles" if len(silent) > 1 else ""
+    more = len(silent) - 1
+    others = f" and {more} more cycle{'s' if more > 1 else ''}" if more else ""
     alone = "stop it" if worst.alone >= _STOPS else f"let it vary by {number(100 * worst.alone)} %"
     return [
-        f"{name}{others}: {worst.drive} is ASSUMED to keep its speed within {100 * EVEN:g} % of "
-        f"the mean; its mean torque with what it turns as flywheel would {alone}. "
+        f"{name}{others}: {worst.drive} is ASSUMED to keep within {100 * EVEN:g} % of its "
+        f"mean speed. Its mean torque with what it turns as flywheel would {alone}. "
         'State drive.control = "constant" (a servo, a motor far stronger than the '
         f"machine), drive.flywheel ({number((worst.needed - worst.present) * 1e-3)} kg m2 gives "
         f"{EVEN:g}) or drive.irregularity"

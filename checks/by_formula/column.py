@@ -135,6 +135,8 @@ def _heading(loaded: LoadedPart, plane: Plane, judged: JudgedColumns) -> Heading
         basis=f"{case.law(loaded.part.column.curve)}; slenderness {case.strength.slenderness:.1f} "
         f"over {length}; Euler {case.strength.euler:.4g} MPa; value is axial stress",
         note=judged.told(loaded.part),
+        plane=plane.name if case.whole else "",
+        span=plane.length if case.whole else 0.0,
     )
 
 

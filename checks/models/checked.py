@@ -277,6 +277,8 @@ def _buckling_estimate(loaded: LoadedPart, model: RungModel, rise: float) -> Est
         basis="elastic, both ends held sideways and free to tilt: knows neither yield nor "
         "crookedness",
         note=model.buckling.words,
+        plane=model.buckling.plane,
+        span=model.buckling.span,
     )
     return _with_band(loaded, model, with_sampling(check, rise))
 

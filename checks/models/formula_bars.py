@@ -368,7 +368,10 @@ def elastic_load(
             items = partial(factor_items, own.share)
             return ElasticLoad(own.share, own.position, own.words, items, LATERAL, pulled, fixity)
         explain = partial(column_items, float(within[position]), flat, sliding, length)
-        return ElasticLoad(float(euler[position]), position, _IN_PLANE, explain, pulled=pulled)
+        most = float(euler[position])
+        return ElasticLoad(
+            most, position, _IN_PLANE, explain, pulled=pulled, plane="in plane", span=length
+        )
     across = young * mass.at(mass.inertia_y, places)
     twisting = young / (2 * (1 + ratio)) * mass.at(mass.torsion, places)
     moment = bar.at(places).moment_z
@@ -399,7 +402,8 @@ def elastic_load(
     if words == _SIDEWAYS and most > 0.0:
         others = max(float(one[position]) for name, one in shares.items() if name != _SIDEWAYS)
         fixity = 1 - max(others / most, 1 / _CLAMPED)
-    return ElasticLoad(most, position, told, explain, pulled=pulled, fixity=fixity)
+    load = ElasticLoad(most, position, told, explain, pulled=pulled, fixity=fixity)
+    return replace(load, plane="in plane", span=length) if words == _IN_PLANE else load
 
 
 def column_items(

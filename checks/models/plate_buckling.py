@@ -178,7 +178,10 @@ def elastic_load(part: Part, forces: PlateForces) -> ElasticLoad | None:
     (position,) = first_largest(column)
     if column[position] >= aside:
         explain = partial(column_items, float(force[position]), flat, np.inf, way.length)
-        return ElasticLoad(float(column[position]), position, _IN_PLANE, explain, pulled=pulled)
+        most, plane = float(column[position]), "in plane"
+        return ElasticLoad(
+            most, position, _IN_PLANE, explain, pulled=pulled, plane=plane, span=way.length
+        )
     explain, fixity = partial(factor_items, aside), 1 - max(column[position], held) / aside
     return ElasticLoad(aside, where, ASIDE, explain, LATERAL, pulled, max(0.0, fixity))
 

@@ -81,6 +81,7 @@ class Heading:
 
     of    the interface, body or plane that its quantity is of
     note  in words, or of the values of all symbols at the worst position
+    plane, span  of a column, as `Check` has them
     """
 
     kind: Kind
@@ -89,6 +90,8 @@ class Heading:
     of: str = ""
     unit: str = "MPa"
     note: str | Callable[[Mapping[str, Value]], str] = ""
+    plane: str = ""
+    span: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -159,6 +162,8 @@ def derived_check(
         method="formula",
         basis=heading.basis,
         note=note if isinstance(note, str) else note(derivation.values),
+        plane=heading.plane,
+        span=heading.span,
         derivation=derivation,
     )
 

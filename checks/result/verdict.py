@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 NOT_MESHED = "not meshed"  # the only field on the surface of a part that no stress is known on
 _BARS = ("numerical", "model", "model_below")  # of a check: None in plain data where infinite
-_NUMBERS = ("value", "limit", "required", "sampling", "loads", "loads_below")
+_NUMBERS = ("value", "limit", "required", "sampling", "loads", "loads_below", "span")
 
 
 class Status(StrEnum):
@@ -46,6 +46,8 @@ class Check:
     method            which model gave the value
     basis             where the limit comes from, scatter of strength included
     note              anything that a reader must know, such as a singular edge
+    plane, span       in which it buckles as a column, "in plane" or "out of plane", and mm between
+                      that column's ends; "" and 0 where it does otherwise, or a stretch by itself
     derivation        how value, limit and bars come about; None where nobody asked for it
     """
 
@@ -69,6 +71,8 @@ class Check:
     loads: float = 0.0
     loads_below: float = 0.0
     doubts: tuple[tuple[str, float, float], ...] = ()
+    plane: str = ""
+    span: float = 0.0
     derivation: "Derivation | None" = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:

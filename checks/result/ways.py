@@ -124,7 +124,7 @@ def change_text(change: Change, deciding: Check) -> str:
     deciding  the check of which the reader knows; another one that then governs is named
     """
     setting, now, safety, detail, mass = change_cells(change, deciding)
-    return f"{setting} ({now}): {safety}{f', {detail}' if detail else ''}; {mass}"
+    return f"{setting} ({now}): {safety}{f' ({detail})' if detail else ''}; {mass}"
 
 
 def change_cells(change: Change, deciding: Check) -> tuple[str, str, str, str, str]:
@@ -135,12 +135,12 @@ def change_cells(change: Change, deciding: Check) -> tuple[str, str, str, str, s
     """
     unit = f" {change.value.partition(' ')[2]}"
     was, least = (text.removesuffix(unit) for text in (change.was, change.least))
-    now = f"now {was}" + ("" if change.least == change.value else f", {least} is enough")
+    now = f"now {was}" + ("" if change.least == change.value else f", needs {least}")
     safety = safety_text(change.safety, change.required)
     lower = safety_text(change.lower, change.required)
     same = change.governing == f"{deciding.part} {deciding.kind}"
-    need = "" if same else f"of {change.governing} ({need_text(change.required)} required)"
-    detail = ", ".join(filter(None, ("" if lower == safety else f"at least {lower}", need)))
+    need = "" if same else f"of {change.governing}, {need_text(change.required)} required"
+    detail = ", ".join(filter(None, ("" if lower == safety else f"≥ {lower}", need)))
     more = f" ({-1e3 * change.saved:+.2g})" if change.saved else ""
     mass = f"{number(1e3 * change.mass)} kg{more}"
     return f"{change.key}={change.value}", now, f"safety {safety}", detail, mass

@@ -45,6 +45,8 @@ class ElasticLoad:
     pulled    True if no position presses the part, or hardly: the share is without what pulls
     fixity    what forks that hold its ends against tilting out of the plane may take of the share,
               over the share; 0 where it buckles otherwise
+    plane     "in plane" where it buckles as a column in the linkage's plane, "" otherwise
+    span      mm, between that column's ends
     """
 
     share: float
@@ -54,6 +56,8 @@ class ElasticLoad:
     unproved: str = ""
     pulled: bool = False
     fixity: float = 0.0
+    plane: str = ""
+    span: float = 0.0
 
 
 @dataclass(frozen=True)

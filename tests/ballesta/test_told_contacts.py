@@ -166,7 +166,7 @@ def test_evenness_is_asked_of_a_steady_speed_only(told):
     """A drive that changes its speed has an irregularity of its own."""
     rising = ('speed = "120 rpm"', 'speed = "120 rpm", acceleration = "1 rad/s2"')
     law = ('speed = "120 rpm"', 'law = "cycloidal", time = "1 s"')
-    assert "to keep its speed within 10 %" in told()[1]
+    assert "to keep within 10 % of its mean speed" in told()[1]
     for pace in (rising, law):
         assert "its speed within" not in told(pace)[1]
         assert "irregular" not in told(pace)[1]

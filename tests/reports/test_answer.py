@@ -29,15 +29,16 @@ def test_the_first_25_lines_answer_what_a_designer_asks():
     text = words("\n".join(lines))
     deciding = design.deciding
     assert lines[0].endswith(": FAIL")  # does it survive?
-    assert f"decided by {deciding.kind} of bar_upper" in text  # which part?
-    assert f"where {deciding.place}" in text
+    said = f"decided by {deciding.kind} of bar_upper: {deciding.place}"
+    assert said in text  # which part, where?
     assert f"when {deciding.cycle}: {deciding.position}" in text
     assert f", {deciding.required:g} required" in text  # by how much?
     assert "mass 4.15 kg" in text
+    assert lines[-1].endswith("-v tells all")
     assert "why the limit is exceeded even at the lower end of the error bars" in text
     assert "assumed 2 assumptions" in text
     assert "not checked " in text
-    assert "warning a: the stop is ASSUMED; it may be lower more" in text
+    assert "warning a: the stop is ASSUMED; it may be lower mass" in text
 
 
 WALL = Change(
@@ -66,7 +67,7 @@ def test_changes_that_make_it_pass_stand_in_the_answer_with_the_command_that_che
     parts = [results.part(check.part, [check]) for check in failing]
     text = words(answer_text(replace(results.design(*parts), changes=[WALL, steel]), 100))
     assert (
-        "to pass bar_upper.wall=7.1 mm (now 6.3, 6.42 is enough): safety 1.48, at least 1.37; "
+        "to pass bar_upper.wall=7.1 mm (now 6.3, needs 6.42): safety 1.48 (≥ 1.37); "
         "10.1 kg (+0.84)" in text
     )
     assert "or bar_upper.material=S450J0 (now S355): safety 1.48; 9.21 kg" in text
@@ -188,6 +189,9 @@ def test_a_way_is_told_with_the_number_of_its_checks_and_what_only_fails_is_not(
     assert "check y" not in text
     text = words(answer_text(replace(results.design(*parts, failing), ways=[fails, judge]), 100))
     assert "also open let a solid judge it (2 checks): check x" in text
+    more = replace(judge, settles="fatigue of arm", command="check z")
+    text = words(answer_text(replace(results.design(*parts, failing), ways=[more]), 100))
+    assert "check z" not in text  # the arm fails, whatever its fatigue
 
 
 def test_a_design_without_parts_says_that_nothing_was_checked():
