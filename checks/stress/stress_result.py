@@ -45,6 +45,9 @@ class ElasticLoad:
     pulled    True if no position presses the part, or hardly: the share is without what pulls
     fixity    what forks that hold its ends against tilting out of the plane may take of the share,
               over the share; 0 where it buckles otherwise
+    weakest   the share if the weakest section stood all along; None where only solids compared tell
+              how far a solid's may be from the share
+    local     times the largest stress that walls and what is beside bores may count as having
     """
 
     share: float
@@ -54,6 +57,8 @@ class ElasticLoad:
     unproved: str = ""
     pulled: bool = False
     fixity: float = 0.0
+    weakest: float | None = None
+    local: float = 1.0
 
 
 @dataclass(frozen=True)
