@@ -282,7 +282,7 @@ class StepPartEntry(BodyPartEntry):
         None,
         description="stressed section: height in the linkage's plane, across the line from the "
         "first hole to the second, and thickness along the pins; for the endurance limit's size "
-        "factor, and for the rung `formula`, to which the part is a bar of this section",
+        "factor",
     )
     flip: Annotated[bool, Field(strict=True)] = Field(
         False, description="turn the part round, so that its other side is up"

@@ -125,21 +125,21 @@ class NoBand:
 
     least  factor on the value below which no solid is plausible; -infinite where none is known
     most   factor above which none is; infinite where nothing is known
+    bound  words for what that one is
     """
 
     why: str
     least: float = -inf
     most: float = inf
+    bound: str = ""
 
     def formulas(self, value: str, unit: str, _in_bores: float = 0.0) -> Formulas:
         """Formulas of the bounds above and below a value, by its symbol; none without a bound."""
         above: list[Item] = []
         below: list[Item] = []
         if isfinite(self.most):
-            said = "bound on a part that is only pulled: 10 times the share of what bends it, and "
-            said += "12 times its peak stress over E, over the share"
             above = [
-                Given("h_up", said, self.most, "", _PAGE),
+                Given("h_up", f"bound, over the share: {self.bound}", self.most, "", _PAGE),
                 Step("b_up", "bound above", f"(h_up - 1)*{value}", unit, _PAGE),
             ]
         if isfinite(self.least):
@@ -330,6 +330,11 @@ def _knows_tilt(part: Part) -> bool:
 def proportions_known(part: Part) -> bool:
     """True for the shapes that are built from dimensions: what comes from CAD tells no walls."""
     return bool(part.geometry.proportions)
+
+
+def walls_known(proportions: Mapping[str, float]) -> bool:
+    """True where a proportion tells how thin the walls are."""
+    return not _STOCKY.keys().isdisjoint(proportions)
 
 
 def thin_wall(proportions: Mapping[str, float]) -> str:

@@ -47,6 +47,9 @@ class ElasticLoad:
               over the share; 0 where it buckles otherwise
     plane     "in plane" where it buckles as a column in the linkage's plane, "" otherwise
     span      mm, between that column's ends
+    weakest   the share if the weakest section stood all along; None where only solids compared tell
+              how far a solid's may be from the share
+    local     times the largest stress that walls and what is beside bores may count as having
     """
 
     share: float
@@ -58,6 +61,8 @@ class ElasticLoad:
     fixity: float = 0.0
     plane: str = ""
     span: float = 0.0
+    weakest: float | None = None
+    local: float = 1.0
 
 
 @dataclass(frozen=True)

@@ -272,6 +272,17 @@ class StepPart(Shape):
         named = next(hole for hole in self.holes if hole.name == interface)
         return named.diameter if named.kind == "bore" else None
 
+    def bore(self, name: str) -> float:
+        """Diameter of a hole in the file, mm; 0 of a journal, which is no hole."""
+        hole = self.found[name]
+        return hole.diameter if hole.kind == "bore" else 0.0
+
+    @property
+    def edges(self) -> FloatArray:
+        """Points along the solid's edges in the part's frame, (n, 3) mm."""
+        first = next(iter(self.found.values())).centre
+        return np.asarray((self.solid.outline - first) @ self.axes.T)
+
     def bore_key(self, interface: str) -> str:
         """Key of the part's entry that states a hole's diameter."""
         return f"holes.{interface}.diameter"
@@ -280,7 +291,9 @@ class StepPart(Shape):
     def told(self) -> tuple[str, ...]:
         """Notes on the reading of the file: sentences for the report."""
         said = [*self.solid.told]
-        said.append("no column formula is known for a shape from CAD, so none was checked")
+        said.append(
+            "no column formula with yield is known for a shape from CAD, so none was checked"
+        )
         if self.section is None:
             height, thickness = self.stressed_section
             said.append(

@@ -1,24 +1,25 @@
-"""Parts from CAD by formula: a bar of the section that the user states.
+"""Parts from CAD by formula: a straight bar of the sections that planes normal to x cut.
 
-Stress at the outer fibres of a member's sections, by its section forces.
+The line of the holes is x. A force N and moments M_y, M_z about it bend a section whose centroid
+stands at (y_c, z_c) by M_y - N z_c and M_z + N y_c about that, and stress is linear over it:
 
-Section forces are those of fem/frame.py: N, V_y, V_z, T, M_y, M_z in the member's local axes, so
-that at a fibre (y, z)
+    xx = N/A + a (y - y_c) + b (z - z_c)
 
-    xx = N / A - M_z y / I_z + M_y z / I_y
+with a and b by its second moments, the product of area included (docs/theory/buckling.md).
 
-and the shear stress on the surface runs along it. Stress is xx, yy, zz, xy, yz, zx.
+How far a solid's buckling share may be above the bar's is bounded without solids like it: by the
+weakest section all along between the bores, and by its thinnest wall as a long plate.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from functools import partial
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
 from checks.design.data import Part
-from checks.handbook.bar_forces import BarForces
 from checks.models.formula_bars import (
+    SectionForces,
     Stretches,
     bar_loads,
     elastic_load,
@@ -26,91 +27,70 @@ from checks.models.formula_bars import (
     left_over,
     most_deflected,
 )
-from checks.models.formula_points import Points, in_section
+from checks.models.formula_points import XX, Points
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
-from checks.stress.stress_result import RungModel, no_answer
-from geometry.bars import rectangle, rectangle_torsion
+from checks.stress.stress_result import ElasticLoad, RungModel, no_answer
+from geometry.cad_body import cad_skin
 from geometry.mesh import FloatArray
-from geometry.parts.step_part import Pair, StepPart
+from geometry.parts.step_part import StepPart
+from geometry.slices import Slice, sliced
 
-_N, _V_Y, _V_Z, _T, _M_Y, _M_Z = range(6)
-_XX, _XY, _ZX = 0, 3, 5
 _STRAIGHT = 1e-3  # of the outermost holes' distance: how far a hole may stand beside the line
 _BESIDE = 1e-9  # of it: how far a section just beside a hole is from the hole's axis
-_BETWEEN = 13  # stations between two neighbouring holes
-_CELLS = 96  # of the mass
-
-
-@dataclass(frozen=True, eq=False)
-class Fibres:
-    """Outer fibres of one section.
-
-    places  (f, 2)     mm, local y and z
-    unit    (f, 6, 6)  MPa per N or N mm: stress by section force, local axes
-    """
-
-    places: FloatArray
-    unit: FloatArray
-
-
-def rectangle_fibres(height: float, width: float) -> Fibres:
-    """Corners and middles of the sides of a rectangle, `height` along y and `width` along z.
-
-    Shear is 3/2 V/A in the middles of the sides along it and none at corners (Jourawski); the peak
-    of torsion stands in the middle of the longer side. In the middle of the shorter one it is
-    smaller by the sides' ratio (Roark, table 10.1, case 4: exact for a square, 0.74 where thin).
-    """
-    y, z = height / 2, width / 2
-    places = np.array([[a * y, b * z] for a in (-1, 0, 1) for b in (-1, 0, 1) if a or b])
-    area = height * width
-    unit = np.zeros((len(places), 6, 6))
-    unit[:, _XX, _N] = 1 / area
-    unit[:, _XX, _M_Z] = -places[:, 0] / (width * height**3 / 12)
-    unit[:, _XX, _M_Y] = places[:, 1] / (height * width**3 / 12)
-    constant, modulus = (float(value) for value in rectangle_torsion(height, width))
-    assert constant > 0
-    longer = max(height, width)
-    on_z, on_y = places[:, 0] == 0, places[:, 1] == 0
-    unit[on_z, _XY, _V_Y] = 1.5 / area
-    unit[on_y, _ZX, _V_Z] = 1.5 / area
-    # a torque turns y to z: on the face at z > 0 the shear runs along -y
-    unit[on_z, _XY, _T] = -np.sign(places[on_z, 1]) * height / longer / modulus
-    unit[on_y, _ZX, _T] = np.sign(places[on_y, 0]) * width / longer / modulus
-    return Fibres(places, unit)
+_CELLS = 64  # of the whole part
+_MARKS = 500  # of the holes' distance: edges that are nearer along x are one
+_SHEARED = 0.4  # of the area: shear coefficients are 0.83 of a rectangle, 0.42 of a thin square box
+_TWISTED = 0.12  # Saint-Venant's constant over A t^2, t the thinnest wall: no rectangle has less
+_STEEP = 0.3  # mm per mm: where centroids climb faster, planes cut the bar askew
+_LUG = 0.1  # of a bore: what a pin presses on is as thick, or dishes (docs/theory/buckling.md)
+_BESIDE_BORES = 4.0  # times the nominal stress of the sections
+_HELD, _FREE = 0.28, 2.6  # E (t/b)^2 over a long plate's critical stress, by its second edge
+_STOUT = 12.0  # the same of what is no plate
 
 
 def stress(part: Part, shape: StepPart, loads: PartLoads) -> RungModel | None:
-    """A straight bar of the stated section along the line of the holes, as heavy as the solid.
+    """A bar of the solid's own sections along the line of the holes.
 
-    None without a stated section, where the holes do not stand on one line along x with their
-    middles in one plane, and for contacts that slide. The buckling load takes the force at two
-    holes; a force at a third one changes the compression along the bar.
+    None where the holes do not stand on one line along x with their middles in one plane, and for
+    contacts that slide. The buckling load takes the force at two holes; a force at a third one
+    changes the compression along the bar.
     """
     centres = {name: shape.centre(name) for name in shape.interfaces}
     along = np.sort([centre[0] for centre in centres.values()])
-    start, span = float(along[0]), float(along[-1] - along[0])
+    span = float(along[-1] - along[0])
     aside = max(float(np.abs(centre[1:]).max()) for centre in centres.values())
-    if shape.section is None or loads.reaches or aside > _STRAIGHT * span:
+    if loads.reaches or aside > _STRAIGHT * span:
         return None
-    height, thickness = shape.section
-    stations = _stations(along - start)
-    stiff, heavy = _stretches(shape, shape.section, start, stations)
+    start = float(along[0])
+    cuts, cells, at_holes, between = _slices(shape, tuple(along))
+    bar_of = _stretches(cuts - start, cells, shape.solid.volume)
     own = _on_line(loads, centres)
     places = {name: float(centre[0]) - start for name, centre in centres.items()}
-    bar = bar_loads(part, own, places, heavy)
+    forces = bar_loads(part, own, places, bar_of)
     points = Points(len(loads.accelerations))
-    fibres = rectangle_fibres(height, thickness)
-    _add_fibres(points, stations, start, bar.at(stations), fibres)
+    sections = SectionForces(points, forces)
+    for side in (-_BESIDE, _BESIDE):
+        _add_fibres(points, sections, at_holes, start, side * span)
+    _add_fibres(points, sections, [c for c in cells if along[0] < c.place < along[-1]], start)
+
+    def buckles() -> ElasticLoad | None:
+        names = sorted(places, key=lambda name: places[name])
+        first, last = (shape.bore(name) / 2 for name in names)
+        load = elastic_load(part, own, forces, bar_of, span, (first, last))
+        if not _is_bar(shape, at_holes, between):
+            return load
+        weak = elastic_load(part, own, forces, _weakest(bar_of, between), span)
+        worst = max(map(_as_plate, between))
+        local = _BESIDE_BORES * max(1.0, worst / _STOUT)
+        return replace(load, weakest=max(load.share, weak.share), local=local)
+
     return points.model(
-        residual=left_over(bar, own, span),
-        deflection=most_deflected(bar, part, stiff, span),
-        buckles=partial(elastic_load, part, own, bar, stiff, span)
-        if len(places) == 2
-        else no_answer,
-        neglects="holes, fillets, lugs and whatever else is not a straight bar of the stated "
-        "section with its middle on the line of the holes; that the solid's mass is not spread "
-        "evenly along it",
+        residual=left_over(forces, own, span),
+        deflection=most_deflected(forces, part, bar_of, span),
+        buckles=buckles if len(places) == 2 else no_answer,
+        neglects="what is not linear over a section, shear, torsion, and that the bar is not "
+        "straight",
     )
 
 
@@ -119,32 +99,73 @@ def family(_part: Part, _shape: StepPart, _loads: PartLoads, _kind: str) -> str:
     return "CAD part"
 
 
-def _stations(along: FloatArray) -> FloatArray:
-    """Sections on both sides of every hole and evenly between neighbours, from x (m,), rising."""
-    beside = _BESIDE * along[-1]
-    between = np.linspace(along[:-1], along[1:], _BETWEEN + 2, axis=1)[:, 1:-1]
-    return np.sort(np.concatenate([along - beside, along + beside, between.ravel()]))
+@lru_cache(maxsize=16)
+def _slices(
+    shape: StepPart, along: tuple[float, ...]
+) -> tuple[FloatArray, Sequence[Slice], Sequence[Slice], Sequence[Slice]]:
+    """Cells of the whole part (m + 1,) mm and their sections, those at the holes, those between.
+
+    Those between the bores of the outermost holes stand wherever an edge of the part ends, too.
+    A batch asks for the same part again and again.
+    """
+    skin = cad_skin(shape)
+    low, high = float(skin.nodes[:, 0].min()), float(skin.nodes[:, 0].max())
+    ends = np.array([low, *(x for x in along if low < x < high), high])
+    cuts = fine_cells(ends, _CELLS)
+    cells = sliced(skin, (cuts[1:] + cuts[:-1]) / 2)
+    bores = {float(shape.centre(name)[0]): shape.bore(name) / 2 for name in shape.interfaces}
+    first, last = along[0] + bores[along[0]], along[-1] - bores[along[-1]]
+    step = max(last - first, 0.0) / _MARKS
+    marks = np.unique(np.round(shape.edges[:, 0] / step)) * step if step else cuts[:0]
+    places = np.union1d((marks[1:] + marks[:-1]) / 2, [one.place for one in cells])
+    between = sliced(skin, places[(places > first) & (places < last)])
+    return cuts, cells, sliced(skin, np.array(along)), between
 
 
-def _stretches(
-    shape: StepPart, section: Pair, start: float, stations: FloatArray
-) -> tuple[Stretches, Stretches]:
-    """The bar by its stated section, and by one that has the solid's mass; x from `start`."""
-    first = shape.found[shape.interfaces[0]].centre
-    x = (shape.solid.outline - first) @ shape.axes[0] - start
-    low, high = float(x.min()), float(x.max())
-    inner = stations[(stations > low) & (stations < high)]
-    cuts = fine_cells(np.concatenate([[low], inner, [high]]), _CELLS)
-    found = rectangle(*section)
-    ones = np.ones(len(cuts) - 1)
-    stiff = Stretches(
-        cuts,
-        ones * found.area,
-        ones * found.inertia_z,
-        ones * found.inertia_y,
-        ones * found.torsion,
+def _stretches(cuts: FloatArray, cells: Sequence[Slice], volume: float) -> Stretches:
+    """The bar by its sections, as heavy as the solid; x from the first hole."""
+    area = np.array([one.area for one in cells])
+    in_plane, across, _ = np.transpose([one.moments for one in cells])
+    torsion = [_TWISTED * one.area * min(one.wall, one.fin) ** 2 for one in cells]
+    heavy = area * volume / float(area @ np.diff(cuts))
+    return Stretches(cuts, heavy, in_plane, across, np.array(torsion))
+
+
+def _is_bar(shape: StepPart, at_holes: Sequence[Slice], between: Sequence[Slice]) -> bool:
+    """True if a bound on its buckling is known: sections square to it, and no thin lug."""
+    if len(between) < 2:
+        return False
+    places, centres = np.array([one.place for one in between]), [one.centre for one in between]
+    steep = np.abs(np.gradient(np.array(centres), places, axis=0)).max()
+    lugs = [one.weak_area / one.breadth for one in at_holes]
+    widest = max(shape.bore(name) for name in shape.interfaces)
+    return bool(steep < _STEEP and min(lugs) > _LUG * widest)
+
+
+def _weakest(bar: Stretches, between: Sequence[Slice]) -> Stretches:
+    """The bar with the least of every section between the bores all along.
+
+    Where a section is of several bodies the least of them stands alone: nothing says how they are
+    held together.
+    """
+    ones = np.ones_like(bar.area)
+    area, moment = (
+        ones * min(getattr(one, name) for one in between) for name in ("weak_area", "weak_moment")
     )
-    return stiff, replace(stiff, area=ones * shape.solid.volume / (high - low))
+    torsion = ones * min(_TWISTED * one.weak_area * min(one.wall, one.fin) ** 2 for one in between)
+    sheared = _SHEARED * area / 2.6
+    return replace(
+        bar, inertia_z=moment, inertia_y=moment, torsion=torsion, racking=sheared, sliding=sheared
+    )
+
+
+def _as_plate(one: Slice) -> float:
+    """E over the critical stress of its thinnest wall as a long plate as wide as all of it.
+
+    Both edges held along, or one free: k = 4 or 0.425 in k pi^2 E/(12 (1 - nu^2)) (t/b)^2
+    (docs/theory/buckling.md).
+    """
+    return max(_HELD * (one.breadth / one.wall) ** 2, _FREE * (one.breadth / one.fin) ** 2)
 
 
 def _on_line(loads: PartLoads, centres: Mapping[str, FloatArray]) -> PartLoads:
@@ -165,24 +186,25 @@ def _on_line(loads: PartLoads, centres: Mapping[str, FloatArray]) -> PartLoads:
 
 
 def _add_fibres(
-    points: Points, stations: FloatArray, start: float, forces: BarForces, fibres: Fibres
+    points: Points,
+    sections: SectionForces,
+    slices: Sequence[Slice],
+    start: float,
+    beside: float = 0.0,
 ) -> None:
-    """Add the corners and the middles of the sides of every section."""
-    axial, shear, twist, bent, moment = fibres.unit[:, :, [0, 1, 3, 4, 5]].transpose(2, 0, 1)
-    acting = (
-        ("axial force", forces.axial, axial),
-        ("shear force", forces.shear, shear),
-        ("torque", forces.torque, twist),
-        ("moment M_y", forces.moment_y, bent),
-        ("moment M_z", forces.moment_z, moment),
-    )
-    for k, x in enumerate(stations):
-        at = np.column_stack([np.full(len(fibres.places), x + start), fibres.places])
-        stress = {
-            points.column(values[k], in_section(x + start, kind)[0]): unit
-            for kind, values, unit in acting
-        }
-        points.add("section", at, stress)
+    """Outermost points of sections, `beside` mm further on; forces have x from `start`."""
+    places = np.array([one.place for one in slices]) + beside
+    columns, forces = sections.at(places - start)
+    for k, one in enumerate(slices):
+        (y_c, z_c), (yy, zz, yz) = one.centre, one.moments
+        axial = forces.axial[k]
+        about_z = forces.moment_z[k] + axial * y_c
+        about_y = forces.moment_y[k] - axial * z_c
+        slopes = np.linalg.solve([[yy, yz], [yz, zz]], np.stack([-about_z, about_y]))
+        unit = np.zeros((len(one.outline), 6, len(columns)))
+        unit[:, XX] = axial / one.area + (one.outline - one.centre) @ slopes
+        at = np.column_stack([np.full(len(unit), places[k]), one.outline])
+        points.add_block("section", at, columns, unit)
 
 
 MODEL = ShapeModel(StepPart, stress, family=family)

@@ -11,7 +11,7 @@ from bench.rung_bands import Compared
 from bench.rung_beyond import PULLED
 from checks.models import bands
 from checks.models.bands import ARC, SHARE, Band, NoBand, band_of, known_band, of_buckling
-from checks.models.checked import BY_STRESS, MOST_PULLED, STOUT
+from checks.models.checked import BY_STRESS, MOST_FAR, MOST_PULLED, STOUT
 
 CLOSE = bands._CLOSE
 DATA = bands._data()
@@ -190,6 +190,22 @@ def test_solids_that_are_only_pulled_have_less_than_the_bound_on_their_buckling(
     assert len(seen) >= 5
     for solid, share, by_stress in seen:
         assert solid < MOST_PULLED * share + by_stress
+
+
+def test_no_solid_has_nearly_twice_a_bar_s_share_and_what_its_stress_adds():
+    """The bound beyond all proportions, asked of all that were solved, near and far."""
+    left = [
+        (line["truth"] - line["by_stress"] * BY_STRESS / STOUT) / line["value"]
+        for line in map(json.loads, (RUNGS / "compared.jsonl").read_text().splitlines())
+        if line["kind"] == "buckling"
+    ]
+    left += [
+        (line["solid"]["buckling"][0] - line["by stress"]) / line["rungs"]["buckling"]
+        for line in map(json.loads, (RUNGS / "beyond.jsonl").read_text().splitlines())
+        if "buckling" in line["rungs"] and "buckling" in line["solid"]
+    ]
+    assert len(left) > 170
+    assert max(left) < 0.55 * MOST_FAR
 
 
 def test_a_shape_or_check_that_was_not_compared_has_no_band():

@@ -10,6 +10,7 @@ import pytest
 from ballesta.design.read import read_design
 from checks.handbook.column_curves import lateral_share
 from checks.models.checked import (
+    MOST_FAR,
     MOST_PULLED,
     band_around,
     rung_estimates,
@@ -151,3 +152,21 @@ def both_ways(part, pull, push):
         labels=("k = 0", "k = 1"),
         cycle_names=("turn", "turn"),
     )
+
+
+def test_a_pressed_part_unlike_all_that_were_compared_passes_far_from_its_bound(design):
+    """A plate six times as thick as its bore is wide: the bar's own share and what stress adds."""
+    part = design.parts["crank"]
+    shape = part.geometry
+    thick = replace(part, geometry=replace(shape, thickness=6 * shape.hole))
+    model, buckling = estimated(design, thick, link_loads(thick, -PULL, 0.0))
+    check = buckling.check
+    assert check.status is Status.PASS
+    assert buckling.settled
+    by_stress = stress_share(thick, model)
+    assert check.upper == pytest.approx(MOST_FAR * check.value + by_stress, rel=1e-12)
+    assert check.lower == pytest.approx(0.0, abs=1e-15)
+    assert "solids were compared" in check.note
+    factor = 1.1 / (MOST_FAR * check.utilisation)
+    _, much = estimated(design, thick, link_loads(thick, -factor * PULL, 0.0))
+    assert much.check.status is Status.UNDECIDED
