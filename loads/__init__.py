@@ -21,6 +21,7 @@ from loads.diagnosis import Diagnosis, diagnose, percent, position_text
 from loads.drive import DriveFigures
 from loads.events import EVENTS, Event, EventRun, solve_event
 from loads.forces import ForceSolution, JointLoad, solve_forces
+from loads.joint_play import Hit, play_hits, with_hits
 from loads.joints import (
     Angle,
     Coordinate,
@@ -87,6 +88,7 @@ __all__ = [
     "Friction",
     "Geared",
     "Geometry",
+    "Hit",
     "Joint",
     "JointCompliance",
     "JointImpulse",
@@ -133,6 +135,7 @@ __all__ = [
     "move",
     "moves_alike",
     "percent",
+    "play_hits",
     "position_text",
     "pull_through",
     "run_at_positions",
@@ -144,4 +147,5 @@ __all__ = [
     "trace",
     "try_cycle",
     "with_blow",
+    "with_hits",
 ]
