@@ -55,7 +55,7 @@ from loads.pace import Geared, Motor, MotorPace, Pace, RunPace, SteadyPace, Stro
 from loads.path import Path, trace
 from loads.phases import Cycle, Phase
 from loads.point_loads import LoadHistory, PointLoad
-from loads.reversals import split_at_reversals
+from loads.reversals import split_cycle
 from loads.turning import RunawayError, StallError, UnsettledError
 
 __all__ = [
@@ -143,7 +143,7 @@ __all__ = [
     "run_cycle",
     "solve_event",
     "solve_forces",
-    "split_at_reversals",
+    "split_cycle",
     "trace",
     "try_cycle",
     "with_blow",
