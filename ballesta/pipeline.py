@@ -19,7 +19,7 @@ from ballesta.design.read import read_design
 from ballesta.machine.balance import balance_gates, not_measured
 from ballesta.machine.blows import blow_gates, blow_subject
 from ballesta.machine.buckling_modes import with_modes
-from ballesta.machine.drive_speed import speed_assumptions, speed_warnings
+from ballesta.machine.drive_speed import speed_warnings
 from ballesta.machine.events import event_assumptions
 from ballesta.machine.motion import motions_of
 from ballesta.machine.quasi_static import assumptions_of, quasi_static_gates
@@ -239,7 +239,7 @@ def _frame(
         assumed=(
             *design.assumed,
             *_assumed_here(design),
-            *speed_assumptions(doubts.evenness),
+            *doubts.assumed,
             *event_assumptions(design),
             *assumptions_of(design, vibration),
         ),

@@ -21,6 +21,7 @@ from loads.diagnosis import Diagnosis, diagnose, percent, position_text
 from loads.drive import DriveFigures
 from loads.events import EVENTS, Event, EventRun, solve_event
 from loads.forces import ForceSolution, JointLoad, solve_forces
+from loads.joint_play import Hit, play_hits, with_hits
 from loads.joints import (
     Angle,
     Coordinate,
@@ -54,7 +55,7 @@ from loads.pace import Geared, Motor, MotorPace, Pace, RunPace, SteadyPace, Stro
 from loads.path import Path, trace
 from loads.phases import Cycle, Phase
 from loads.point_loads import LoadHistory, PointLoad
-from loads.reversals import split_at_reversals
+from loads.reversals import split_cycle
 from loads.turning import RunawayError, StallError, UnsettledError
 
 __all__ = [
@@ -87,6 +88,7 @@ __all__ = [
     "Friction",
     "Geared",
     "Geometry",
+    "Hit",
     "Joint",
     "JointCompliance",
     "JointImpulse",
@@ -133,6 +135,7 @@ __all__ = [
     "move",
     "moves_alike",
     "percent",
+    "play_hits",
     "position_text",
     "pull_through",
     "run_at_positions",
@@ -140,8 +143,9 @@ __all__ = [
     "run_cycle",
     "solve_event",
     "solve_forces",
-    "split_at_reversals",
+    "split_cycle",
     "trace",
     "try_cycle",
     "with_blow",
+    "with_hits",
 ]

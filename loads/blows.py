@@ -95,7 +95,7 @@ def blow(
     scale = kinematics.pose_scale
     gradient = _own(kinematics.gradient(coordinate, poses)[0, 3:] * scale, own)
     jacobian = kinematics.joints_jacobian(poses)[0][rows][:, own]
-    mass = _mass(kinematics, pose)[np.ix_(own, own)] * np.outer(scale[own], scale[own])
+    mass = mass_matrix(kinematics, poses)[0][np.ix_(own, own)] * np.outer(scale[own], scale[own])
     if driven is not None and inertia > 0.0:
         lead = _own(kinematics.gradient(driven, poses)[0, 3:] * scale, own)
         if not isinf(inertia):
@@ -179,17 +179,19 @@ def _own(vector: FloatArray, own: Sequence[int]) -> FloatArray:
     return np.asarray(vector[own])
 
 
-def _mass(kinematics: Kinematics, pose: FloatArray) -> FloatArray:
-    """Mass matrix of the moving bodies over their frames' x, y [mm] and angle [rad]."""
+def mass_matrix(kinematics: Kinematics, poses: FloatArray) -> FloatArray:
+    """Mass matrix (n, 3 moving, 3 moving) over the bodies' frames' x, y [mm] and angle [rad]."""
     bodies = kinematics.linkage.moving
-    result = np.zeros((3 * len(bodies), 3 * len(bodies)))
+    result = np.zeros((len(poses), 3 * len(bodies), 3 * len(bodies)))
     for i, body in enumerate(bodies):
-        arm = rotated(np.array(body.centre, dtype=float), pose[i + 1, 2])
+        arm = rotated(np.array(body.centre, dtype=float), poses[:, i + 1, 2])
         # velocity of the centre over the rates
-        centre = np.array([[1.0, 0.0, -arm[1]], [0.0, 1.0, arm[0]]])
+        centre = np.zeros((len(poses), 2, 3))
+        centre[:, 0, 0] = centre[:, 1, 1] = 1.0
+        centre[:, :, 2] = turned_left(arm)
         own = slice(3 * i, 3 * i + 3)
-        result[own, own] = body.mass * centre.T @ centre
-        result[3 * i + 2, 3 * i + 2] += body.inertia
+        result[:, own, own] = body.mass * np.swapaxes(centre, 1, 2) @ centre
+        result[:, 3 * i + 2, 3 * i + 2] += body.inertia
     return result
 
 

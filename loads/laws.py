@@ -144,7 +144,7 @@ class Opposing:
     speeds   mm/s (rad/s), rising from 0: instead of both, linear between; it must cover the motion
     forces   N (N mm), one for each speed
 
-    It jumps where the coordinate reverses: `split_at_reversals` makes that the border of a phase.
+    It jumps where the coordinate reverses: `split_cycle` makes that the border of a phase.
     """
 
     dry: float = 0.0

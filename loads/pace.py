@@ -12,7 +12,7 @@ With its torque at standstill stated, below the breakdown speed a straight line 
 from there to the breakdown torque; a saddle between them is left out.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite, sqrt
 from typing import TYPE_CHECKING, Final
 
@@ -167,12 +167,15 @@ class SteadyPace:
     speed         mm/s or rad/s at the start of the cycle, a magnitude: its sign follows the phase
     acceleration  mm/s2 or rad/s2 along the way; above 0 the speed rises
     falling       mm/s or rad/s in phases in which the coordinate falls; None: `speed` there, too
+    cushion       mm before the end of every stroke (phases in one direction) along which the speed
+                  falls evenly over the time to rest; a phase begins there (`split_cycle`)
     """
 
     coordinate: Coordinate
     speed: float
     acceleration: float = 0.0
     falling: float | None = None
+    cushion: float = 0.0
 
     def __post_init__(self) -> None:
         for speed in (self.speed, self.speed if self.falling is None else self.falling):
@@ -184,15 +187,22 @@ class SteadyPace:
             raise LinkageError(
                 f"{self.coordinate.label} has a speed for each direction and an acceleration"
             )
+        if not isfinite(self.acceleration):
+            raise LinkageError(f"the acceleration of {self.coordinate.label} must be finite")
+        if not (isfinite(self.cushion) and self.cushion >= 0.0):
+            raise LinkageError(f"a cushion is not negative, got {self.cushion:g}")
+        if self.cushion and self.acceleration:
+            raise LinkageError(f"{self.coordinate.label} has a cushion and an acceleration")
 
     def times(self, factor: float) -> "SteadyPace":
         """The same way in a time that is shorter by a factor."""
         falling = None if self.falling is None else factor * self.falling
-        return SteadyPace(
-            self.coordinate, factor * self.speed, factor**2 * self.acceleration, falling
+        return replace(
+            self,
+            speed=factor * self.speed,
+            acceleration=factor**2 * self.acceleration,
+            falling=falling,
         )
-        if not isfinite(self.acceleration):
-            raise LinkageError(f"the acceleration of {self.coordinate.label} must be finite")
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Forces against the motion, and the reversals at which they jump.
+"""Forces against the motion, and the places at which phases must end, as something jumps there.
 
 A force of the law `Opposing` acts along its own coordinate q, against q's rate: of size
 F_0 + c |q'|, or as a table over |q'| says, so its power -F |q'| is never above 0. Where q reverses
@@ -20,6 +20,7 @@ from loads.kinematics import dot
 from loads.laws import Opposing
 from loads.linkage import Linkage
 from loads.motion import Motion, coordinate_share
+from loads.pace import SteadyPace
 from loads.path import Path, trace
 from loads.phases import Cycle, Phase
 
@@ -66,31 +67,64 @@ def coordinate_speed(motion: Motion, name: str) -> FloatArray:
     return np.asarray(np.abs(dot(gradient, motion.velocities.reshape(len(gradient), -1))))
 
 
-def split_at_reversals(linkage: Linkage, cycle: Cycle) -> tuple[Cycle, tuple[int, ...]]:
-    """Return the cycle with phases that end where a force against the motion reverses.
+def split_cycle(linkage: Linkage, cycle: Cycle) -> tuple[Cycle, tuple[int, ...]]:
+    """Return the cycle with phases that end where what sets forces or accelerations jumps.
 
-    Beside it the number of the phase, before the split, from which each has come. Parts of a phase
-    are named <phase>-1, <phase>-2 and so on. Raises LinkageError where the cycle cannot be traced.
+    Where a force against the motion reverses, and where the cushion of the pace begins. Beside it
+    the number of the phase, before the split, from which each has come. Parts of a phase are named
+    <phase>-1, <phase>-2 and so on. Raises LinkageError where the cycle cannot be traced.
     """
     against = [
         [linkage.force(name).coordinate for name, law in phase.given.items()
          if isinstance(law, Opposing)]
         for phase in cycle.phases
     ]  # fmt: skip
-    if not any(against):
+    cushion = cycle.pace.cushion if isinstance(cycle.pace, SteadyPace) else 0.0
+    if not any(against) and not cushion:
         return cycle, tuple(range(len(cycle.phases)))
     ends = [cycle.start, *(phase.stop for phase in cycle.phases)]
     path = trace(linkage, cycle.coordinate, min(ends), max(ends))
     taken = {phase.name for phase in cycle.phases}
     phases: list[Phase] = []
     origin: list[int] = []
+    strokes = _strokes(ends)
     for k, (phase, span) in enumerate(zip(cycle.phases, pairwise(ends), strict=True)):
-        inner = _reversals(path, against[k], *span)
+        found = _reversals(path, against[k], *span)
+        if cushion:
+            found += _cushioned(path, cycle.pace.coordinate, cushion, span, strokes[k])
+        inner = _apart(found, *span)
         stops = [*inner, phase.stop]
         names = [phase.name] if not inner else _free(phase.name, len(stops), taken)
         phases += [replace(phase, name=n, stop=s) for n, s in zip(names, stops, strict=True)]
         origin += [k] * len(stops)
     return replace(cycle, phases=tuple(phases)), tuple(origin)
+
+
+def _strokes(ends: Sequence[float]) -> list[float]:
+    """Where the stroke of each phase ends: the last of those that go on in its direction."""
+    found: list[float] = []
+    for k in reversed(range(len(ends) - 1)):
+        on = found and (ends[k + 1] > ends[k]) == (ends[k + 2] > ends[k + 1])
+        found.append(found[-1] if on else ends[k + 1])
+    return found[::-1]
+
+
+def _cushioned(
+    path: Path, pace: Coordinate, cushion: float, span: tuple[float, float], end: float
+) -> list[float]:
+    """Places of a phase where the pace's coordinate is a cushion before the end of its stroke."""
+
+    def value(grid: FloatArray) -> FloatArray:
+        return path.kinematics.value(pace, path.at(grid).poses)
+
+    last = float(value(np.array([end]))[0])
+
+    def beyond(grid: FloatArray) -> FloatArray:
+        return np.abs(value(grid) - last) - cushion
+
+    grid = with_roots(np.linspace(*span, _STEPS + 1), beyond)
+    inside = beyond(grid) <= _STILL * cushion
+    return [] if inside.all() or not inside.any() else [float(grid[int(inside.argmax())])]
 
 
 def _free(name: str, count: int, taken: set[str]) -> list[str]:
@@ -102,7 +136,7 @@ def _free(name: str, count: int, taken: set[str]) -> list[str]:
 def _reversals(
     path: Path, coordinates: Sequence[Coordinate], start: float, stop: float
 ) -> list[float]:
-    """Places between the ends of a phase where one of the coordinates reverses, on the way."""
+    """Places of a phase where one of the coordinates reverses."""
     even = np.linspace(start, stop, _STEPS + 1)
     found: set[float] = set()
     for coordinate in coordinates:
@@ -115,10 +149,14 @@ def _reversals(
         found |= set(with_roots(grid, share).tolist()) - set(grid.tolist())
         values = share(grid)
         found |= set(grid[1:-1][(values[1:-1] == 0.0) & (values[:-2] * values[2:] < 0.0)].tolist())
+    return sorted(found)
+
+
+def _apart(found: Sequence[float], start: float, stop: float) -> list[float]:
+    """Places on the way from start to stop that are apart from each other and from both."""
     edge = _EDGE * abs(stop - start)
-    places = sorted(found, reverse=bool(stop < start))
     kept: list[float] = []
-    for place in places:
+    for place in sorted(found, reverse=bool(stop < start)):
         if all(abs(place - other) > edge for other in (start, stop, *kept)):
             kept.append(place)
     return kept

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from loads.bodies import FloatArray, LinkageError
+from loads.bodies import BoolArray, FloatArray, LinkageError
 from loads.joints import in_words
 from loads.motion import Geometry, Motion
 from loads.pace import (
@@ -48,6 +48,7 @@ _SETTLED = 1e-9  # of the squared speed: change by another linearisation of a ru
 _ROUGH = 1e-3  # of the squared speed: change that asks for slopes anew
 _LEAST_SHARE = 1 / 8  # of a change that is gone where runs do not settle
 _MOST_ROUNDS = 60
+_SAME_PLACE = 1e-6  # of a cushion
 _GAUSS = np.polynomial.legendre.leggauss(6)
 
 
@@ -197,6 +198,7 @@ class Timing:
         rising = [stop > start for start, stop in spans]
         self._stroke_of: Final = np.zeros(len(spans), dtype=int)
         self._before: Final = np.zeros(len(spans))  # way before the phase, in its stroke or in all
+        self._left: Final = np.zeros(len(spans))  # way from its start to the end of its stroke
         self._strokes: list[float] = []
         phase = 0
         for number, (_, group) in enumerate(groupby(rising)):
@@ -207,6 +209,23 @@ class Timing:
                 self._stroke_of[phase] = number
                 phase += 1
             self._strokes.append(float(ways[first:phase].sum()))
+            self._left[first:phase] = np.cumsum(ways[first:phase][::-1])[::-1]
+        if isinstance(self._pace, SteadyPace) and self._pace.cushion:
+            self._check_cushion(self._pace)
+
+    def _check_cushion(self, pace: SteadyPace) -> None:
+        if min(self._strokes) < pace.cushion:
+            raise LinkageError(
+                f"the cushion of {pace.cushion:g} mm is longer than a stroke of "
+                f"{min(self._strokes):g} mm"
+            )
+        after = self._left - self._ways
+        if (~self._cushioned(pace) & (after < (1.0 - _SAME_PLACE) * pace.cushion)).any():
+            raise LinkageError("a phase must begin where the cushion does (split_cycle)")
+
+    def _cushioned(self, pace: SteadyPace) -> BoolArray:
+        """True for each phase that is in a cushion."""
+        return np.asarray(self._left <= (1.0 + _SAME_PLACE) * pace.cushion) & (pace.cushion > 0.0)
 
     def way(self, k: int, geometry: Geometry | Motion) -> FloatArray:
         """Return how far the pace coordinate has gone (n,) at positions of phase k."""
@@ -221,7 +240,12 @@ class Timing:
             return self.solved.rates(k, way)
         assert not isinstance(pace, RunPace)
         if isinstance(pace, SteadyPace):
-            if pace.falling is not None:
+            if self._cushioned(pace)[k]:
+                speed = self._speed(pace, k)
+                share = self._share(pace, k, way - self._before[k])
+                slows = np.full(len(way), -(speed**2) / (2.0 * pace.cushion))
+                return speed * np.sqrt(share), slows
+            if pace.falling is not None or pace.cushion:
                 return np.full(len(way), self._speed(pace, k)), np.zeros(len(way))
             square = pace.speed**2 + 2.0 * pace.acceleration * way
             if (square <= 0.0).any():
@@ -244,14 +268,26 @@ class Timing:
             return self.solved.times(k, way)
         assert not isinstance(pace, RunPace)
         if isinstance(pace, SteadyPace):
-            if pace.falling is not None:
-                gone = sum(self._ways[j] / self._speed(pace, j) for j in range(k))
-                return np.asarray(gone + (way - self._before[k]) / self._speed(pace, k))
+            if pace.falling is not None or pace.cushion:
+                gone = sum(float(self._took(pace, j, self._ways[j : j + 1])[0]) for j in range(k))
+                return np.asarray(gone + self._took(pace, k, way - self._before[k]))
             # way = v t + a t2 / 2, solved without losing digits where a is small
             root = np.sqrt(pace.speed**2 + 2.0 * pace.acceleration * way)
             return np.asarray(2.0 * way / (pace.speed + root))
         share = stroke_time(pace.law, way / self._length(k))
         return np.asarray((self._stroke_of[k] + share) * pace.time)
+
+    def _took(self, pace: SteadyPace, k: int, gone: FloatArray) -> FloatArray:
+        """Time since the start of phase k (n,), s, for a way gone in it, at the speed or braked."""
+        speed = self._speed(pace, k)
+        if not self._cushioned(pace)[k]:
+            return np.asarray(gone / speed)
+        roots = np.sqrt(self._share(pace, k, np.zeros(1))) - np.sqrt(self._share(pace, k, gone))
+        return np.asarray(2.0 * pace.cushion / speed * roots)
+
+    def _share(self, pace: SteadyPace, k: int, gone: FloatArray) -> FloatArray:
+        """Share of the cushion that is left (n,)."""
+        return np.asarray(np.clip((self._left[k] - gone) / pace.cushion, 0.0, 1.0))
 
     def _speed(self, pace: SteadyPace, k: int) -> float:
         return pace.falling if pace.falling is not None and self._falling[k] else pace.speed

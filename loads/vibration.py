@@ -328,13 +328,14 @@ def _held(linkage: Linkage, hold: Coordinate) -> tuple[Linkage, str]:
     linkage.check_coordinate(hold, "held coordinate")
     bare = replace(linkage, friction={})
     for force in linkage.forces:
-        if _same(force.coordinate, hold):
+        if same_coordinate(force.coordinate, hold):
             return bare, force.name
     name = f"hold {hold.label}"
     return replace(bare, forces=(*bare.forces, Force(name, hold))), name
 
 
-def _same(one: Coordinate, other: Coordinate) -> bool:
+def same_coordinate(one: Coordinate, other: Coordinate) -> bool:
+    """Return True for one coordinate, however it is stated."""
     match one, other:
         case Angle(), Angle():
             return (one.body, one.relative_to) == (other.body, other.relative_to)

@@ -105,11 +105,11 @@ def events_of(
 
 
 def split_cycles(design: Design) -> dict[str, Cycle]:
-    """Return the cycles with phases that end where a force against the motion reverses.
+    """Return the cycles with phases that end where a force against the motion, or a cushion, jumps.
 
     A linkage that cannot go through them stays as it is: solving it tells why.
     """
-    if not any(_has_opposing(cycle.run) for cycle in design.cycles.values()):
+    if not any(_jumps(cycle.run) for cycle in design.cycles.values()):
         return dict(design.cycles)
     found = {}
     for name, cycle in design.cycles.items():
@@ -120,16 +120,17 @@ def split_cycles(design: Design) -> dict[str, Cycle]:
                 forces=tuple(design.forces.values()),
                 assembled=design.assembled,
             )
-            run, entries = loads.split_at_reversals(linkage, cycle.run)
+            run, entries = loads.split_cycle(linkage, cycle.run)
         except loads.LinkageError:
             run, entries = cycle.run, ()
         found[name] = replace(cycle, run=run, entries=entries)
     return found
 
 
-def _has_opposing(run: loads.Cycle) -> bool:
+def _jumps(run: loads.Cycle) -> bool:
     laws = (law for phase in run.phases for law in phase.given.values())
-    return any(isinstance(law, loads.Opposing) for law in laws)
+    brakes = isinstance(run.pace, loads.SteadyPace) and run.pace.cushion > 0.0
+    return brakes or any(isinstance(law, loads.Opposing) for law in laws)
 
 
 def _cycle(read: Reading, name: str, entry: CycleEntry) -> Cycle | None:
@@ -205,6 +206,8 @@ def _pace(
         raise ParameterError("time", 'must be stated such as "1.5 s": of each stroke')
     if entry.law is None and entry.time is not None:
         read.problems.add(f"{key}.time", "is only used with law; leave it out")
+    if entry.flow is None and entry.cushion is not None:
+        read.problems.add(f"{key}.cushion", "is only used with flow; leave it out")
     if coordinate is None:
         return None
     angular = "angular " if coordinate.angular else ""
@@ -216,16 +219,17 @@ def _pace(
     if entry.law is not None and entry.time is not None:
         return loads.StrokePace(coordinate, entry.law, entry.time)
     if entry.flow is not None:
-        return _filled(read.file, entry.flow, entry.coordinate, coordinate)
+        return _filled(read.file, entry, entry.flow, coordinate)
     assert entry.speed is not None
     acceleration = entry.acceleration.value if entry.acceleration else 0.0
     return loads.SteadyPace(coordinate, entry.speed.value, acceleration)
 
 
 def _filled(
-    file: DesignFile, flow: float, name: str, coordinate: loads.Coordinate
+    file: DesignFile, entry: PaceEntry, flow: float, coordinate: loads.Coordinate
 ) -> loads.Pace | None:
     """Return the pace of a cylinder: a flow fills the piston's side or, as it pulls, the rod's."""
+    name = entry.coordinate
     force = file.forces.get(name.removesuffix(".length"))
     size = None if force is None else force.available
     if not isinstance(size, Available) or size.bore is None or size.rod is None:
@@ -237,7 +241,8 @@ def _filled(
     if size.rod >= size.bore:
         return None  # told with `available`
     piston, rod = (pi * diameter**2 / 4 for diameter in (size.bore, size.rod))
-    return loads.SteadyPace(coordinate, flow / piston, falling=flow / (piston - rod))
+    pulls = flow / (piston - rod)
+    return loads.SteadyPace(coordinate, flow / piston, falling=pulls, cushion=entry.cushion or 0.0)
 
 
 def _check_gear(file: DesignFile, cycles: Mapping[str, Cycle], problems: Problems) -> None:

@@ -70,7 +70,7 @@ def solved_blows(design: Design, solved: Mapping[str, loads.CycleLoads]) -> Blow
             if law.struck is None:
                 continue
             elastic, _, _ = with_sections(design, cycle)
-            _, inertia, known = _driven(design, stated.run.pace)
+            _, inertia, known = driven(design, stated.run.pace)
             try:
                 blow = loads.blow_loads(
                     cycle,
@@ -153,11 +153,17 @@ def blow_subject(design: Design, solved: Mapping[str, loads.CycleLoads]) -> str:
 def _summary(
     design: Design, cycle: loads.CycleLoads, force: str, law: loads.Contact, k: int, at: float
 ) -> BlowSummary:
-    driven, inertia, known = _driven(design, design.cycles[cycle.name].run.pace)
+    pace, inertia, known = driven(design, design.cycles[cycle.name].run.pace)
 
     def struck(inertia: float, rigid: bool) -> loads.Blow:
         return loads.blow(
-            cycle.linkage, force, cycle.poses[k], cycle.velocities[k], driven, inertia, rigid=rigid
+            cycle.linkage,
+            force,
+            cycle.poses[k],
+            cycle.velocities[k],
+            pace,
+            inertia,
+            rigid=rigid,
         )
 
     blow = struck(inertia, False)
@@ -214,7 +220,7 @@ def _force(struck: loads.BlowLoads) -> BlowForceSummary:
     )
 
 
-def _driven(design: Design, pace: loads.Pace) -> tuple[loads.Coordinate, float, bool]:
+def driven(design: Design, pace: loads.Pace) -> tuple[loads.Coordinate, float, bool]:
     """Coordinate of the drive, its inertia besides the bodies' own, and True if that is all.
 
     Infinite where the drive holds its speed whatever the load.

@@ -15,11 +15,13 @@ from ballesta.machine.drive_speed import (
     Solved,
     evenness_of,
     friction_pairs,
+    speed_assumptions,
     speed_doubts,
     speed_gates,
 )
 from ballesta.machine.elastic_parts import compliances_of
 from ballesta.machine.events import with_events
+from ballesta.machine.joint_play import play_pairs
 from ballesta.machine.quasi_static import (
     CycleVibration,
     vibration_of,
@@ -134,22 +136,26 @@ class MachineDoubts:
     covered   names of the validity checks of the loads that they take the place of
     gates     validity checks of doubts that have no loads at one of their ends
     all       each by the runs at its ends
+    assumed   key and reason
     """
 
     evenness: Mapping[str, Evenness]
     covered: AbstractSet[str]
     gates: Sequence[Gate]
     all: Sequence[Doubt]
+    assumed: Sequence[tuple[str, str]]
 
 
 def doubts_of(design: Design, machine: MachineRuns) -> MachineDoubts:
     """Solve the cycles at the ends of every doubt about their loads."""
     evenness = evenness_of(design, machine.rigid)
     rubbing, unsolved = friction_pairs(design, machine.rigid)
+    hitting, without_fit = play_pairs(design, machine.rigid)
     pairs = [
         *speed_doubts(design, machine.rigid, evenness),
         *stop_doubts(design, machine.rigid),
         *rubbing,
+        *hitting,
     ]
 
     def runs(end: Mapping[str, loads.CycleLoads]) -> Runs:
@@ -161,6 +167,7 @@ def doubts_of(design: Design, machine: MachineRuns) -> MachineDoubts:
         {pair.gate for pair in pairs if pair.gate},
         [*speed_gates(evenness), *unsolved],
         [Doubt(pair.words, tuple(map(runs, pair.ends))) for pair in pairs],
+        [*speed_assumptions(evenness), *without_fit],
     )
 
 

@@ -131,6 +131,8 @@ def _pace(pace: loads.Pace) -> str:
     rising = f", changing by {pace.acceleration:.4g} {unit}/s2" if pace.acceleration else ""
     if pace.falling is not None:
         rising = f" as it grows, {pace.falling:.4g} {unit}/s as it falls"
+    if pace.cushion:
+        rising += f", braked to rest along the last {pace.cushion:g} mm of a stroke"
     return f"{pace.coordinate.label} at {pace.speed:.4g} {unit}/s{rising}"
 
 

@@ -252,6 +252,11 @@ class PaceEntry(Table):
         description="instead of speed, for the length of a force whose `available` has bore and "
         "rod: volume in time, at the pressure in the cylinder, that fills one side of it",
     )
+    cushion: PositiveLength | None = Field(
+        None,
+        description="with flow: way before the end of each stroke (phases in one direction) along "
+        "which the piston is braked evenly to rest",
+    )
     law: Literal["harmonic", "cycloidal", "polynomial"] | None = Field(
         None, description="instead of speed: every stroke goes from rest to rest by this law"
     )

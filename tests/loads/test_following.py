@@ -82,7 +82,7 @@ def test_a_force_across_an_arm_keeps_its_torque_while_its_arm_turns():
 
 def test_a_wiper_that_rubs_across_its_arm_takes_its_force_times_the_arc_and_reverses_at_the_ends():
     linkage, cycle = wiper(loads.Opposing(dry=8.0), positions=721)
-    split, _ = loads.split_at_reversals(linkage, cycle)
+    split, _ = loads.split_cycle(linkage, cycle)
     run = loads.run_cycle(linkage, split)
     there = run.phase_of == 0
     assert_allclose(run.efforts["rub"][there], -8.0)

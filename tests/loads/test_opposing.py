@@ -54,7 +54,7 @@ def slope(angle):
 def test_dry_friction_on_a_slider_takes_its_force_times_the_way_and_jumps_at_the_dead_centres():
     """By virtual work T = F |dx/dangle|: the crank always pushes; a turn takes F times 4 r."""
     linkage, cycle = slider_crank(loads.Opposing(dry=30.0))
-    cycle, origin = loads.split_at_reversals(linkage, cycle)
+    cycle, origin = loads.split_cycle(linkage, cycle)
     assert [phase.name for phase in cycle.phases] == ["turn-1", "turn-2", "turn-3"]
     assert origin == (0, 0, 0)
     assert_allclose([p.stop for p in cycle.phases][:2], [np.pi, 2 * np.pi], rtol=1e-9)
@@ -76,7 +76,7 @@ def test_viscous_force_and_a_table_over_the_speed_follow_the_speed():
         (loads.Opposing(speeds=speeds, forces=forces), lambda v: np.interp(v, speeds, forces)),
     ):
         linkage, cycle = slider_crank(law)
-        cycle, _ = loads.split_at_reversals(linkage, cycle)
+        cycle, _ = loads.split_cycle(linkage, cycle)
         run = loads.run_cycle(linkage, cycle)
         speed = SPEED * slope(run.positions)
         assert_allclose(np.abs(run.efforts["rub"]), size(np.abs(speed)), rtol=1e-6)
@@ -89,10 +89,10 @@ def test_viscous_force_and_a_table_over_the_speed_follow_the_speed():
 def test_the_other_way_round_the_forces_are_the_same():
     """Run backwards, at every place the rubbing force turns over and the torque with it."""
     linkage, cycle = slider_crank(loads.Opposing(dry=30.0), start=0.5)
-    forward = loads.run_cycle(linkage, loads.split_at_reversals(linkage, cycle)[0])
+    forward = loads.run_cycle(linkage, loads.split_cycle(linkage, cycle)[0])
     (phase,) = cycle.phases
     back = replace(cycle, start=phase.stop, phases=(replace(phase, stop=cycle.start),))
-    backward = loads.run_cycle(linkage, loads.split_at_reversals(linkage, back)[0])
+    backward = loads.run_cycle(linkage, loads.split_cycle(linkage, back)[0])
     for place in (1.0, 2.0, 4.0, 6.0):
         there, here = (
             np.interp(place, *(part[np.argsort(run.positions)] for part in
@@ -105,7 +105,7 @@ def test_the_other_way_round_the_forces_are_the_same():
 def test_a_heavy_slider_is_slowed_by_the_force_and_its_reactions_balance():
     """The rod carries inertia and friction: m a - F along x, from the crank's own kinematics."""
     linkage, cycle = slider_crank(loads.Opposing(dry=30.0), mass=2e-3)
-    run = loads.run_cycle(linkage, loads.split_at_reversals(linkage, cycle)[0])
+    run = loads.run_cycle(linkage, loads.split_cycle(linkage, cycle)[0])
     acceleration = run.accelerations[:, linkage.body_names.index("slider"), 0]
     pull = run.reactions["B"].force[:, 0]
     assert_allclose(pull + run.efforts["rub"], 2e-3 * acceleration, atol=1e-6)
@@ -114,19 +114,19 @@ def test_a_heavy_slider_is_slowed_by_the_force_and_its_reactions_balance():
 def test_a_table_that_does_not_cover_the_speed_is_refused_with_the_place():
     linkage, cycle = slider_crank(loads.Opposing(speeds=(0.0, 200.0), forces=(1.0, 2.0)))
     with pytest.raises(loads.LinkageError, match=r"goes up to 0\.2 m/s and does not cover 0\.\d+"):
-        loads.run_cycle(linkage, loads.split_at_reversals(linkage, cycle)[0])
+        loads.run_cycle(linkage, loads.split_cycle(linkage, cycle)[0])
 
 
 def test_without_forces_against_the_motion_no_phase_is_split():
     linkage, cycle = slider_crank(12.0)
-    assert loads.split_at_reversals(linkage, cycle) == (cycle, (0,))
+    assert loads.split_cycle(linkage, cycle) == (cycle, (0,))
 
 
 def test_parts_of_a_phase_take_no_name_that_is_there():
     linkage, cycle = slider_crank(loads.Opposing(dry=1.0), turns=0.5)
     (phase,) = cycle.phases
     rest = replace(phase, name="turn-1", stop=phase.stop + 1.0)
-    split, origin = loads.split_at_reversals(linkage, replace(cycle, phases=(phase, rest)))
+    split, origin = loads.split_cycle(linkage, replace(cycle, phases=(phase, rest)))
     assert [p.name for p in split.phases] == ["turn--1", "turn--2", "turn-1"]
     assert origin == (0, 0, 1)
 

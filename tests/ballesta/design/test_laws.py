@@ -12,7 +12,7 @@ import pytest
 
 import loads
 from ballesta.design.read import read_design
-from ballesta.machine.solved_cycles import linkage_of
+from ballesta.machine.solved_cycles import linkage_of, solve_cycles
 from ballesta.machine.warnings_of import stop_warnings
 from ballesta.pipeline import _not_checked_here
 from checks.design.errors import DesignError
@@ -66,6 +66,30 @@ def test_a_cylinder_fills_as_fast_as_its_flow(tmp_path):
     assert solved.times[-1] == pytest.approx(way / pulls + way / (1.8e6 / (math.pi / 4 * 160**2)))
     with pytest.raises(DesignError, match=r"pace: has speed, flow; a stroke runs by one"):
         read(tmp_path, (flow[0], f"{flow[0]}, {flow[1]}"), text=PRESS)
+
+
+def test_a_cushion_brakes_a_cylinder_evenly_to_rest(tmp_path):
+    """30 mm at half the speed in the mean take as long again; the last of it at v^2 / (2 c)."""
+    flow = ('speed = "0.1 m/s"', 'flow = "108 l/min", cushion = "30 mm"')
+    design = read(tmp_path, flow, text=PRESS)
+    cycle = design.cycles["press"]
+    linkage = linkage_of(design, {})
+    solved = loads.run_cycle(linkage, cycle.run)
+    length = np.hypot(*(solved.point("ground", "D") - solved.point("lower", "B")).T)
+    pulls = 1.8e6 / (math.pi / 4 * (160**2 - 40**2))
+    pushes = 1.8e6 / (math.pi / 4 * 160**2)
+    assert solved.times[-1] == pytest.approx((np.ptp(length) + 30) * (1 / pulls + 1 / pushes))
+    rate = np.abs(solved.rate("cylinder"))
+    back = int(np.argmin(length))
+    left = np.where(np.arange(len(length)) <= back, length - length.min(), length.max() - length)
+    speed = np.where(np.arange(len(length)) <= back, pulls, pushes)
+    braked = speed * np.sqrt(np.minimum(left / 30, 1))
+    inside = (np.arange(len(length)) != back + 1) & (left > 1e-6)
+    assert rate[inside] == pytest.approx(braked[inside], rel=1e-6)
+    assert cycle.entries == (0, 0, 1, 2, 2)  # it begins before the knee presses
+    long = read(tmp_path, (flow[0], flow[1].replace("30 mm", "400 mm")), text=PRESS)
+    with pytest.raises(DesignError, match=r"cushion of 400 mm is longer than a stroke of"):
+        solve_cycles(long, {})
 
 
 def test_a_force_may_follow_a_table(tmp_path):
@@ -263,6 +287,7 @@ REFUSED = {
     "speed and law": ((STEADY, STEADY.replace(" }", ', law = "harmonic", time = "1 s" }')), r"cycles\.bench\.pace: has speed, law; a stroke runs by one of them"),
     "no pace": ((STEADY, 'pace = { coordinate = "crank.angle" }'), r"cycles\.bench\.pace: needs speed such as \"0\.1 m/s\", flow such as \"40 l/min\", or law and time"),
     "flow of a crank": ((STEADY, 'pace = { coordinate = "crank.angle", flow = "1 l/min" }'), r"cycles\.bench\.pace\.flow: is for the length of a force between two points whose `available` has bore and rod, not for crank\.angle"),
+    "cushion without flow": ((STEADY, STEADY.replace(" }", ', cushion = "1 mm" }')), r"pace\.cushion: is only used with flow; leave it out"),
     "flow with acceleration": ((STEADY, 'pace = { coordinate = "crank.angle", flow = "1 l/min", acceleration = "1 rad/s2" }'), r"pace\.acceleration: follows from the flow; leave it out"),
     "law without time": ((STEADY, 'pace = { coordinate = "crank.angle", law = "harmonic" }'), r"cycles\.bench\.pace\.time: must be stated such as \"1\.5 s\": of each stroke"),
     "law with acceleration": ((STEADY, 'pace = { coordinate = "crank.angle", law = "harmonic", time = "1 s", acceleration = "1 rad/s2" }'), r"pace\.acceleration: follows from the law; leave it out"),
