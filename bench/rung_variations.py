@@ -128,7 +128,8 @@ SCENES = (
             "contact_length": (0.7, 1.5),
         },
     ),
-    Scene("straight", "lever", 40, {}),  # bent ones are off too far for bars: theory/plates.md
+    Scene("straight", "lever", 40, {}),
+    Scene("bent", "lever", 40, {}),
 )
 
 

@@ -334,7 +334,7 @@ class CurvedSection:
     """A plate's section whose fibres are arcs about one centre, by Winkler's theory.
 
     spans      (m, 2) mm, from where to where it has material, by the distance from the centre
-    thickness  mm
+    thickness  (m,) mm of each of them, as far as it takes part
 
     A plane section that shifts and turns strains a fibre, whose length is in proportion to r, by
     a + b/r. The sums of stress and of its moment about the centroid give a and b, so
@@ -345,20 +345,20 @@ class CurvedSection:
     """
 
     spans: FloatArray
-    thickness: float
+    thickness: FloatArray
 
     @property
     def area(self) -> float:
         """Area, mm2."""
-        return float(np.diff(self.spans, axis=1).sum()) * self.thickness
+        return float(np.diff(self.spans, axis=1)[:, 0] @ self.thickness)
 
     @property
     def centroid(self) -> float:
         """Distance of its centroid from the centre, mm."""
-        return float(np.diff(self.spans**2, axis=1).sum()) / 2 * self.thickness / self.area
+        return float(np.diff(self.spans**2, axis=1)[:, 0] @ self.thickness) / 2 / self.area
 
     def stress(self, radii: FloatArray) -> FloatArray:
         """Stress (k, 2) along the fibres at r (k,), MPa per N at the centroid and per N mm."""
-        area, mean = self.area, float(np.diff(np.log(self.spans), axis=1).sum()) * self.thickness
+        area, mean = self.area, float(np.diff(np.log(self.spans), axis=1)[:, 0] @ self.thickness)
         bent = (area - radii * mean) / (area * radii * (self.centroid * mean - area))
         return np.stack([np.full(len(radii), 1 / area), bent], axis=1)

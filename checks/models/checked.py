@@ -63,6 +63,7 @@ MOST_PULLED = 10.0  # times a bent part's share; solids of levers have 0.42 to 0
 # Times a bar's share beyond all proportions compared, and what its peak stress adds: of 115 solids
 # within them none has more than 1.01 times it, of 64 beyond them none more than 1.00 times.
 MOST_FAR = 2.0
+MOST_BENT = 3.0  # of a plate that bends, which is laid straight as a bar
 # Peak stress over E that a solid's share may exceed a bar's by: beyond the proportions compared,
 # where 4.0 was seen, and within them, where 2.1 was.
 BY_STRESS = 12.0
@@ -369,8 +370,9 @@ def _of_far(
     """Bound on the buckling of a bar unlike all that were compared, where no wall is thin."""
     if not walls_known(proportions) or thin_wall(proportions):
         return band
-    most = MOST_FAR + stress_share(part, model) / check.value
-    return _bounded(band.why, f"{MOST_FAR:g} times the bar's share", most, BY_STRESS)
+    times = MOST_BENT if "bend, deg" in proportions else MOST_FAR
+    most = times + stress_share(part, model) / check.value
+    return _bounded(band.why, f"{times:g} times the bar's share", most, BY_STRESS)
 
 
 def _of_sections(part: Part, model: RungModel, check: Check, load: ElasticLoad) -> NoBand:

@@ -2,6 +2,7 @@
 
 from cmath import phase
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import partial
 from itertools import product
 
@@ -27,7 +28,6 @@ _ON_ARC = (0.1, 0.3, 0.5, 0.7, 0.9)  # of a hollow edge, where it is asked
 _ROUND = 0.05  # of half a width: an end that is as far as the sides are is round
 _STRAIGHT = 1e-6  # of a unit vector
 _LEAST_ARC = 0.15  # of the depth behind a hollow edge: a shorter arc counts as so long
-_LONGEST_ARCH = np.pi / 3  # rad, of the ligament outside of a bend: more counts as so much
 _BENT = 5.0  # deg of turning, from which on a lever is bent
 
 
@@ -131,37 +131,78 @@ def _add_bore(part: Part, points: Points, forces: PlateForces, bore: PlateBore) 
     _add_rim(points, forces, bore, pressed, lug, passing)
     if abs(inner) > _STRAIGHT:
         lug = _lug(part, shape, bore, inner / abs(inner), round_end=True)
+        arch = _Arch.of(shape, bore)
+        crown = np.maximum(np.cos(ANGLES - phase(-inner)), 0.0)
         passing = _passing(forces, section, bore, 0.5)
-        passing += _straightened(forces, section, bore, inner / abs(inner))
+        passing *= (1 - (1 - arch.share) * crown**2)[:, None, None]
+        passing += _straightened(forces, section, bore, arch, inner / abs(inner))
         _add_rim(points, forces, bore, pressed, lug, passing)
     for share in (0.0, 1.0):
         ahead = forces.is_ahead(section) | {bore.name: share}
         _add_fibres(points, forces, section, ahead, f"beside the bore {bore.name}")
 
 
+@dataclass(frozen=True)
+class _Arch:
+    """The ligament on the outer side of a bend at a bore: an arch of the bend's angle, two-hinged.
+
+    radius  mm, of the bore
+    width   mm, of the ligament
+    half    rad, half of the bend
+    """
+
+    radius: float
+    width: float
+    half: float
+
+    @classmethod
+    def of(cls, shape: Plate, bore: PlateBore) -> "_Arch":
+        """The arch at a bore; its `half` is 0 where one arm ends, or two go straight on."""
+        ways = _ways(shape, bore)
+        inner = ways[0] + ways[1] if len(ways) == 2 else 0j
+        if abs(inner) < _STRAIGHT:
+            return cls(bore.diameter / 2, bore.diameter, 0.0)
+        width = shape.outline.reach(bore.centre, -inner / abs(inner)) - bore.diameter / 2
+        return cls(bore.diameter / 2, width, abs(phase(-ways[1] / ways[0])) / 2)
+
+    @property
+    def middle(self) -> float:
+        """Radius of its middle line, mm."""
+        return self.radius + self.width / 2
+
+    @property
+    def rise(self) -> float:
+        """Rise of its middle line above its chord, mm."""
+        return self.middle * (1 - float(np.cos(self.half)))
+
+    @property
+    def share(self) -> float:
+        """Its stiffness along its chord over a straight bar's."""
+        if not self.half:
+            return 1.0
+        a, s, c = self.half, float(np.sin(self.half)), float(np.cos(self.half))
+        bent = (a * (1 + 2 * c**2) - 3 * s * c) / (2 * a)
+        return 1 / (1 + 12 * (self.middle / self.width) ** 2 * bent)
+
+
 def _straightened(
-    forces: PlateForces, section: FlatSection, bore: PlateBore, inner: complex
+    forces: PlateForces, section: FlatSection, bore: PlateBore, arch: _Arch, inner: complex
 ) -> FloatArray:
     """Stress (k, 6, columns) at ANGLES of what bends the ligament on the outer side of a bend.
 
-    The ligament is an arch of the bend's angle, whose middle line rises e above its chord. Its
-    force N pulls it straight: with ends that are clamped to a half, N e/2 bends its middle, more at
-    the bore as in a curved bar.
+    Its force N pulls the arch straight: N times its rise bends its crown, more at the bore as in a
+    curved bar.
 
     inner  unit vector to the inner side of the bend
     """
-    radius = bore.diameter / 2
-    width = forces.shape.outline.reach(bore.centre, -inner) - radius
-    angle = min(np.radians(forces.shape.bend), _LONGEST_ARCH)
-    rise = (radius + width / 2) * (1 - np.cos(angle / 2))
     axial, _, moment = forces.across(section, forces.is_ahead(section) | {bore.name: 0.5})
-    out = bore.centre - inner * (radius + width / 2) - section.cut.point
+    out = bore.centre - inner * arch.middle - section.cut.point
     at = (out / section.cut.along).imag
     even = axial / section.area - moment * (at - section.middle) / section.inertia
     crown = np.cos(ANGLES - phase(-inner))
     share = np.where(crown > 0, np.maximum(2 * crown**2 - 1, 0.0), 0.0)
-    hoop = np.outer(share, even) * 3 * rise / width * curved_bar(width, radius)
-    return _hoop(hoop)
+    bent = 6 * arch.rise / arch.width * curved_bar(arch.width, arch.radius)
+    return _hoop(np.outer(share, even) * arch.share * bent)
 
 
 def _ways(shape: Plate, bore: PlateBore) -> list[complex]:
@@ -296,14 +337,19 @@ def _add_hollow_edges(points: Points, forces: PlateForces) -> None:
             continue
         section = FlatSection(cut, shape.thickness)
         turned = max(radius, _LEAST_ARC * (cut.ends[1] - cut.ends[0]) / turn)
-        curved = CurvedSection(cut.spans + turned, shape.thickness)
-        at = cut.spans.ravel()
         met = forces.met(section)
         near = min(shape.bores, key=lambda bore: abs(bore.centre - middle))
+        beyond = ((near.centre - cut.point) * np.conj(cut.along)).imag
+        outside = (cut.spans.mean(axis=1) > beyond) & (near.name in met)
+        part = np.where(outside, _Arch.of(shape, near).share, 1.0)
+        curved = CurvedSection(cut.spans + turned, part * shape.thickness)
+        shifted = curved.centroid - turned - section.middle
+        at = cut.spans.ravel()
         for shares in product((0.0, 1.0), repeat=len(met)):
             ahead = forces.is_ahead(section) | dict(zip(met, shares, strict=True))
             axial, _, moment = forces.across(section, ahead)
-            along = curved.stress(at + turned) @ np.stack([axial, moment])
+            along = curved.stress(at + turned) @ np.stack([axial, moment + axial * shifted])
+            along *= np.repeat(part, 2)[:, None]
             places = np.asarray(cut.point + 1j * cut.along * at)
             stresses = directed(cut.along, along, np.zeros_like(along))
             _add(points, forces, f"hollow edge beside {near.name}", places, stresses)

@@ -13,7 +13,7 @@ from checks.handbook.pin_loaded_hole import CurvedSection, open_hole
 from checks.models.formula_points import Points
 from checks.models.plate_buckling import FlatSection, PlateForces
 from checks.models.shapes import model_of
-from checks.models.shapes.plate import stress
+from checks.models.shapes.plate import _Arch, stress
 from checks.part.part_loads import PartLoads
 from fem.recovery import von_mises
 from geometry.closed_form import closed_body
@@ -150,10 +150,10 @@ def test_the_field_of_an_open_hole_in_a_bent_plate_is_free_at_its_edge():
 
 
 def test_curved_sections_are_winklers_and_carry_what_acts_on_them():
-    whole = CurvedSection(np.array([[5.0, 15.0]]), 2.0)
+    whole = CurvedSection(np.array([[5.0, 15.0]]), np.array([2.0]))
     bent = whole.stress(np.array([5.0]))[0, 1]
     assert_allclose(bent, curved_bar(10.0, 5.0) * 6 / (2.0 * 10.0**2), rtol=1e-12)
-    with_hole = CurvedSection(np.array([[5.0, 9.0], [12.0, 20.0]]), 3.0)
+    with_hole = CurvedSection(np.array([[5.0, 9.0], [12.0, 20.0]]), np.full(2, 3.0))
     r, w = np.polynomial.legendre.leggauss(12)
     total = np.zeros((2, 2))
     for low, high in with_hole.spans:
@@ -209,6 +209,20 @@ def test_the_bend_is_stressed_like_a_curved_bar():
     found = von_mises(model.history.at(0))[here].max()
     depth = min(BENT.outline.reach(150, (1 - 1j) / 2**0.5), 60) * 2
     assert found > 450e3 * 6 / (10 * depth**2) * 0.9
+
+
+def test_the_ligament_outside_of_a_bend_is_a_two_hinged_arch():
+    """Its chord lengthens by what bends it, N R (cos t - cos a), and by its axial force."""
+    arch = _Arch(radius=10.0, width=4.0, half=0.8)
+    t, weight = np.polynomial.legendre.leggauss(20)
+    along, rise = arch.half * t, arch.middle * (np.cos(arch.half * t) - np.cos(arch.half))
+    bent = weight @ rise**2 * arch.half * arch.middle / (4.0**3 / 12)  # E = N = thickness = 1
+    straight = 2 * arch.half * arch.middle / 4.0
+    assert_allclose(arch.share, straight / (straight + bent), rtol=1e-12)
+    assert_allclose(arch.rise, rise[np.argmin(abs(along))], rtol=1e-2)
+    assert _Arch.of(STRAIGHT, STRAIGHT.bores[1]).share == 1.0
+    assert_allclose(_Arch.of(BENT, BENT.bores[1]).half, np.pi / 4, rtol=1e-12)
+    assert_allclose(_Arch.of(BENT, BENT.bores[1]).radius, BENT.bores[1].diameter / 2)
 
 
 def test_shapes_without_a_formula_say_so():
