@@ -129,6 +129,8 @@ class CrookedColumn:
                 (place,) = first_largest(self._near_critical(row))
                 continue
             row, place = self._worst_at(found)
+            if (row, place) == best[1:]:
+                return best
 
     def _worst_at(self, factor: float) -> tuple[int, int]:
         """Row and place of the largest stress, under loads that buckle the part in no row.
