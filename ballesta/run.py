@@ -294,7 +294,8 @@ def write_folder(
 
     start = perf_counter()
     say("writing the report")
-    telling.expect("pictures and page", report_seconds(len(result.parts)))
+    if not all(part.surface.is_bare for part in result.parts):  # the rest takes a second
+        telling.expect("pictures and page", report_seconds(len(result.parts)))
     names = [f"{part.name}.vtu" for part in result.parts]
     for part, name in zip(result.parts, names, strict=True):
         write_vtu(part, folder / name)

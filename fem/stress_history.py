@@ -83,11 +83,10 @@ class StressHistory:
             paths = _product(vectors, anchors)
             paths *= paths
             sizes = np.sqrt(paths.sum(axis=1))  # (n_points, n_blocks)
-            changes = [
-                np.abs(self.coefficients[:, block] - anchor[:, None]).max(axis=1)
-                for block, anchor in zip(blocks, anchors.T, strict=True)
-            ]
-            reach = norms @ np.stack(changes, axis=1)
+            own = self.coefficients[:, blocks[0].start : blocks[-1].stop]
+            apart = np.abs(own - np.repeat(anchors, _BLOCK, axis=1)[:, : own.shape[1]])
+            changes = np.maximum.reduceat(apart, np.arange(0, own.shape[1], _BLOCK), axis=1)
+            reach = norms @ changes
             reach += _ROUND_OFF * sizes
             may = sizes + reach >= (sizes - reach).max(axis=0)
             anywhere = np.count_nonzero(may.any(axis=1))

@@ -62,7 +62,9 @@ class Child:
         return float(times.user + times.system)
 
     def kill(self) -> None:
-        """End it and all that it has started, at once."""
+        """End it and all that it has started, at once; nothing happens if it has ended."""
+        if self._process.poll() is not None:
+            return
         import psutil
 
         with suppress(psutil.NoSuchProcess):

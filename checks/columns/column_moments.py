@@ -129,6 +129,8 @@ class CrookedColumn:
                 (place,) = first_largest(self._near_critical(row))
                 continue
             row, place = self._worst_at(found)
+            if (row, place) == best[1:]:
+                return best
 
     def _worst_at(self, factor: float) -> tuple[int, int]:
         """Row and place of the largest stress, under loads that buckle the part in no row.
@@ -169,9 +171,10 @@ class CrookedColumn:
 
     @cached_property
     def _straight(self) -> FloatArray:
-        """Largest stress (n,) of the undeformed part, MPa."""
-        bent = (np.abs(self.moments) / self.moduli[:, None]).sum(axis=0)
-        return np.asarray((self.force[:, None] / self.areas + bent).max(axis=1))
+        """Bound (n,) of the stress of the undeformed part, MPa: its least section is everywhere."""
+        largest = np.maximum(self.moments.max(axis=2), -self.moments.min(axis=2))
+        bent = (largest / self.moduli.min(axis=1)[:, None]).sum(axis=0)
+        return np.asarray(self.force / self.areas.min() + bent)
 
     def _near_critical(self, row: int) -> FloatArray:
         factor = 0.999 * float(self.critical.min() / self.force[row])

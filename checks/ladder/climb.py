@@ -115,15 +115,17 @@ class Climb:
 
         They are only compared with each other, so a pin's are at the angles of its points.
         """
-        model = shapes.model_of(self.part, loads)
-        assert model is not None
-        level = rung_level(self.loaded.under(loads), model, all_round=False)
+        level = self.level
+        if loads is not self.loads or level is None or level.model.ring:
+            model = shapes.model_of(self.part, loads)
+            assert model is not None
+            level = rung_level(self.loaded.under(loads), model, all_round=False)
         values = {STATIC: level.peak.value}
         use = fatigue_use(self.loaded.under(loads))
         if use is not None:
             values[FATIGUE] = use.value(level)
-        if BUCKLING in self.asked and model.buckling is not None:
-            values[BUCKLING] = max(0.0, model.buckling.share)
+        if BUCKLING in self.asked and level.model.buckling is not None:
+            values[BUCKLING] = max(0.0, level.model.buckling.share)
         return values
 
     def _why(self) -> str:

@@ -81,10 +81,19 @@ class Room:
         cost = np.where((low < 0) | (top > self.height), 2 * _NAMED, 0.0)
         for a, b, c, d in self.taken:
             cost += _NAMED * ((left < c) & (right > a) & (low < d) & (top > b))
+        # places above each other: few points of a line are between their left and right
+        above = (-1, x.shape[-1] if (x == x[..., :1]).all() else 1)
+        sides = left.reshape(above)[:, :1], right.reshape(above)[:, :1]
+        ends = low.reshape(above), top.reshape(above)
         for line in self.lines:
-            inside = (line[:, 0] > left[..., None]) & (line[:, 0] < right[..., None])
-            inside &= (line[:, 1] > low[..., None]) & (line[:, 1] < top[..., None])
-            cost += _OVER * np.minimum(inside.sum(axis=-1), 6) / 2
+            column, point = np.nonzero((line[:, 0] > sides[0]) & (line[:, 0] < sides[1]))
+            height = line[point, 1:]
+            inside = (height > ends[0][column]) & (height < ends[1][column])
+            count = np.zeros((len(inside) + 1, inside.shape[1]), dtype=int)
+            np.cumsum(inside, axis=0, out=count[1:])
+            first = np.searchsorted(column, np.arange(len(ends[0]) + 1))
+            own = (count[first[1:]] - count[first[:-1]]).reshape(cost.shape)
+            cost += _OVER * np.minimum(own, 6) / 2
         return cost
 
 
