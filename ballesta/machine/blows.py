@@ -17,10 +17,12 @@ from checks.design.errors import DesignError
 from checks.part.part_loads import shown_position
 from checks.result.verdict import Gate
 from checks.result.words import brief, number
+from geometry.parts import LeafPack
 from reports.loads_figures import BlowForceSummary, BlowSummary, JointBlow
 
 Blows = Mapping[str, Sequence[loads.BlowLoads]]
-_AFTER = "swing after a blow, stress waves in it"
+_AFTER = "swing after a blow beyond its first half period, stress waves in it"
+_LEAVES = "leaves that part in it"
 _MISSING = 1e-6
 _TURNED = 0.1  # of the speed: the pose counts as one through a blow
 _MINUTE = 60.0  # s
@@ -137,7 +139,9 @@ def blow_subject(design: Design, solved: Mapping[str, loads.CycleLoads]) -> str:
         known = {
             float(cycle.times[k]) for _, law, k in _met(design.cycles[name], cycle) if law.struck
         }
-        after = _AFTER if known else after
+        if known:
+            packs = any(isinstance(part.geometry, LeafPack) for part in design.parts.values())
+            after = f"{_AFTER}, {_LEAVES}" if packs else _AFTER
         blows += [(name, one) for one in blows_of(design, cycle) if one.time not in known]
     blows = [(name, blow) for name, blow in blows if blow.impulse[1] > 0.0]
     if not blows:

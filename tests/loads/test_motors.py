@@ -6,7 +6,7 @@ from math import pi
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from scipy.integrate import quad, solve_ivp
+from scipy.integrate import cumulative_trapezoid, quad, solve_ivp
 
 from loads import (
     Angle,
@@ -169,6 +169,24 @@ def test_the_irregularity_under_even_torque_is_the_ripple_over_the_energy():
     average = 2 * pi / found.times[-1]
     assert_allclose(np.ptp(speed) / average, ripple / (inertia * average**2), rtol=1e-2)
     assert_allclose(average, 14.0, rtol=1e-2)
+
+
+def test_wittenbauers_tangents_have_the_speeds_of_the_run():
+    """Energy over reduced inertia, by hand: from the origin its tangents are w^2 / 2, exactly."""
+    mean = 800.0 * 2 * CRANK / (2 * pi)
+    even = Motor(mean, 14.0, 1_400.0)
+    heavy = slider_crank(CRANK, ROD, crank_body={"inertia": INERTIA}, slider_mass=10 * MASS)
+    found = run_cycle(heavy, cycle(driven(Geared(even), 600.0), n=720))
+    angle, speed = found.positions, found.velocities[:, 1, 2]
+    reduced = INERTIA + 600.0 + 10 * MASS * slider(angle)[0] ** 2
+    place = CRANK * np.cos(angle) + np.sqrt(ROD**2 - (CRANK * np.sin(angle)) ** 2)
+    given = cumulative_trapezoid([even.torque(v)[0] for v in speed], angle, initial=0.0)
+    taken = np.where(found.phase_of == 1, 800.0 * (place - (ROD - CRANK)), 0.0)
+    energy = 0.5 * reduced[0] * speed[0] ** 2 + given - taken
+    slopes = energy / reduced
+    assert_allclose(slopes, 0.5 * speed**2, rtol=5e-7)
+    assert np.ptp(reduced) > 0.5 * reduced.min()  # not that of a flywheel alone
+    assert slopes.max() > 1.2 * slopes.min()
 
 
 def test_energy_over_a_turn_is_kept_to_a_hundred_millionth():

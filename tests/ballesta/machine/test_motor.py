@@ -73,6 +73,19 @@ def test_a_motor_that_stalls_is_an_input_that_is_wrong(tmp_path, capsys):
     assert "N m are missing" in said
 
 
+def test_what_the_integration_cannot_follow_ends_as_numerics_that_gave_up_with_the_place(
+    tmp_path, capsys
+):
+    """1 GW at a slip of 7e-8."""
+    path = tmp_path / "machine.toml"
+    path.write_text(MACHINE + PLATE, encoding="utf-8")
+    stiff = MOTOR.replace("2.2 kW", "1 GW").replace("1430", "1499.9999").replace("2.6", "50.0")
+    assert main(["loads", str(path), "--set", stiff]) == 3
+    said = " ".join(capsys.readouterr().err.split())
+    assert "cycles.turn" in said
+    assert "rounding leaves of it, at crank.angle =" in said
+
+
 def test_the_speed_is_the_motors_and_no_doubt_about_it_is_left(tmp_path):
     design = machine(tmp_path, PLATE, MOTOR)
     cycles = solved(design)
